@@ -1,0 +1,1 @@
+"""Running everything: plan, worker processes, judging, records."""

@@ -1,0 +1,1 @@
+"""The catalogue: one file a case, found by itself."""

@@ -1,0 +1,1 @@
+"""What is verified: one file a check, found by itself."""

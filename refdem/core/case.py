@@ -1,0 +1,120 @@
+"""A case: a canonical problem with parameters; an instance: the case at one set of them."""
+
+from abc import ABC, abstractmethod
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from typing import ClassVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from refdem.core.parameters import Parameter, Parameters
+from refdem.core.problem import Motion
+from refdem.core.quantity import Quantity, Scales
+from refdem.core.trajectory import Trajectory
+from refdem.core.truth import Truth
+from refdem.scene import Scene
+
+Array = NDArray[np.float64]
+
+CLOCK = (
+    Parameter(name="duration", default="", unit="s", doc="how long the motion lasts; 20 tau by default", above=0),
+    Parameter(name="samples", default="64", unit="1", doc="number of sample intervals", at_least=2, at_most=100_000),
+)
+
+
+class Case(ABC):
+    """A canonical problem. Adding one is one file in cases/ with an instance of a subclass named CASE."""
+
+    id: ClassVar[str]
+    title: ClassVar[str]
+    statement: ClassVar[str]
+    latex: ClassVar[str]
+    source: ClassVar[str]
+    parameters: ClassVar[tuple[Parameter, ...]]
+    exclude: ClassVar[Mapping[str, str]] = {}
+
+    @abstractmethod
+    def scene(self, p: Parameters) -> Scene:
+        """The scene at its start."""
+
+    @abstractmethod
+    def scales(self, p: Parameters) -> Scales:
+        """Length, shortest time, duration (the default one: `duration` overrules it) and mass."""
+
+    @abstractmethod
+    def quantities(self, p: Parameters) -> tuple[Quantity, ...]:
+        """What is compared, with scales."""
+
+    @abstractmethod
+    def observe(self, p: Parameters, trajectory: Trajectory) -> dict[str, Array]:
+        """Every quantity that the trajectory shows, each (T,); one that it cannot show (no channel) is left out."""
+
+    @abstractmethod
+    def truth(self, p: Parameters) -> Truth:
+        """The certified values; raises NotCertifiedError where there are none."""
+
+    def refuse(self, p: Parameters) -> None:
+        """Raises UsageError for values that are each in bounds but do not go together."""
+
+    def exclude_for(self, p: Parameters) -> Mapping[str, str]:
+        """Checks that are left out at these parameters, with reasons."""
+        return self.exclude
+
+    def at(self, **given: str) -> "Instance":
+        """The case at one set of parameters, each as text; raises UsageError."""
+        p = Parameters((*self.parameters, *CLOCK), given)
+        self.refuse(p)
+        return Instance(self, p)
+
+
+@dataclass(frozen=True, eq=False)
+class Instance:
+    """A case at one set of parameters."""
+
+    case: Case
+    p: Parameters
+
+    @property
+    def label(self) -> str:
+        """`case[name=value name=value]`, only what differs from the defaults."""
+        changed = " ".join(f"{name}={value}" for name, value in self.p.changed().items())
+        return f"{self.case.id}[{changed}]" if changed else self.case.id
+
+    @cached_property
+    def scene(self) -> Scene:
+        """The scene at its start."""
+        return self.case.scene(self.p)
+
+    @cached_property
+    def scales(self) -> Scales:
+        """The scales, with the duration that was asked for."""
+        own = self.case.scales(self.p)
+        return Scales(own.length, own.tau, self.p.duration or own.duration, own.mass)
+
+    @cached_property
+    def quantities(self) -> dict[str, Quantity]:
+        """What is compared, by name."""
+        return {q.name: q for q in self.case.quantities(self.p)}
+
+    @cached_property
+    def times(self) -> Array:
+        """Samples (T,) [s]: whole multiples of an interval of 20 bits, so that multiples and halves of it are exact."""
+        samples = int(self.p.samples)
+        mantissa, exponent = np.frexp(self.scales.duration / samples)
+        interval = np.ldexp(np.round(np.ldexp(mantissa, 20)), int(exponent) - 20)
+        return np.arange(samples + 1) * interval
+
+    @cached_property
+    def problem(self) -> Motion:
+        """The motion asked for."""
+        return Motion(self.scene, self.times)
+
+    def observe(self, trajectory: Trajectory) -> dict[str, Array]:
+        """Every quantity that the trajectory shows, each (T,)."""
+        return self.case.observe(self.p, trajectory)
+
+    def truth(self) -> Truth:
+        """The certified values."""
+        return self.case.truth(self.p)

@@ -1,0 +1,71 @@
+"""Finding cases, checks and engines: one file each in its folder, or an entry point of another package."""
+
+from collections.abc import Iterator
+from functools import cache
+from importlib import import_module
+from importlib.metadata import entry_points
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from refdem.core.parameters import nearest
+from refdem.errors import UsageError
+
+if TYPE_CHECKING:
+    from refdem.core.case import Case
+    from refdem.core.check import Check
+    from refdem.core.engine import Engine
+    from refdem.core.truth import Truth
+
+ROOT = Path(__file__).parents[1]
+
+
+def _names(folder: str) -> Iterator[str]:
+    """Module names in refdem/<folder>: files and small folders; underscores mark private ones."""
+    for path in sorted((ROOT / folder).iterdir()):
+        is_module = path.suffix == ".py" or (path / "__init__.py").exists()
+        if is_module and not path.name.startswith("_"):
+            yield path.stem
+
+
+@cache
+def _others(group: str) -> dict[str, Any]:
+    """Entry points of other packages in `refdem.<group>`."""
+    return {point.name: point for point in entry_points(group=f"refdem.{group}")}
+
+
+def _load(folder: str, attribute: str, name: str) -> Any:
+    """The object called `attribute` in the module of that name; raises UsageError with the nearest name."""
+    known = {module.replace("_", "-"): module for module in _names(folder)}
+    if name in known:
+        return getattr(import_module(f"refdem.{folder}.{known[name]}"), attribute)
+    if name in _others(folder):
+        return _others(folder)[name].load()
+    raise UsageError(f"no {folder[:-1]} {name!r}; {nearest(name, [*known, *_others(folder)])}")
+
+
+def names(folder: str) -> list[str]:
+    """Ids of all `cases`, `checks` or `engines`, without importing them."""
+    return sorted({*(module.replace("_", "-") for module in _names(folder)), *_others(folder)})
+
+
+def case(name: str) -> "Case":
+    """The case (or selection) of that id."""
+    found: Case = _load("cases", "CASE", name)
+    return found
+
+
+def check(name: str) -> "Check":
+    """The check of that name."""
+    found: Check = _load("checks", "CHECK", name)
+    return found
+
+
+def engine(name: str) -> "Engine":
+    """The engine of that name; the engine itself is not imported."""
+    found: Engine = _load("engines", "ENGINE", name)
+    return found
+
+
+def truth_of(name: str, **given: str) -> "Truth":
+    """The certified truth of a case at the given parameters, each as text: `truth_of("pendulum", theta0="2")`."""
+    return case(name).at(**given).truth()

@@ -1,0 +1,95 @@
+"""An engine: an adapter that runs problems in some code, and its methods with what they claim."""
+
+from abc import ABC, abstractmethod
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Literal
+
+from refdem.core.problem import Motion, Request
+from refdem.core.trajectory import Cost, Trajectory
+
+
+@dataclass(frozen=True, kw_only=True)
+class Method:
+    """One way to run an engine, and what is claimed for it; the checks hold it to the claims.
+
+    control: a fixed `step`, a `tolerance`, or `exact` (round-off only). `order_with` lowers the order where a scene has
+    the feature. `constant` is C in `error <= C L (T/tau) (h/tau)^p`. `conserves`: energy, momentum, angular-momentum,
+    each to round-off; `symplectic`: no secular drift of energy. `complete_state`: a run can go on from its end state.
+    """
+
+    name: str
+    summary: str
+    control: Literal["step", "tolerance", "exact"]
+    order: int = 0
+    order_with: Mapping[str, int] = field(default_factory=dict)
+    constant: float = 1.0
+    constant_reason: str = ""
+    conserves: frozenset[str] = frozenset()
+    reversible: bool = False
+    symplectic: bool = False
+    backward: bool = False
+    complete_state: bool = True
+    precision: Literal["double", "single"] = "double"
+    deterministic: bool = True
+    cost_rank: int = 0
+
+    def order_for(self, features: frozenset[str]) -> int:
+        """The order claimed for a scene with these features."""
+        return min([self.order, *(order for feature, order in self.order_with.items() if feature in features)])
+
+    @property
+    def round_off(self) -> float:
+        """Unit round-off u of the declared precision."""
+        return 2.0**-53 if self.precision == "double" else 2.0**-24
+
+
+@dataclass(frozen=True)
+class Default:
+    """One line of the audit of defaults: a setting, what the engine comes with, what the adapter sets, and why."""
+
+    setting: str
+    default: str
+    used: str
+    why: str
+
+
+class Engine(ABC):
+    """An adapter. It gets the question and never the answer; it is imported without importing the engine itself."""
+
+    name: str
+    title: str
+    methods: tuple[Method, ...]
+    audit: tuple[Default, ...] = ()
+    licence: str = ""
+    is_reference: bool = False
+
+    @abstractmethod
+    def missing(self) -> str | None:
+        """None if the engine can be run here, else what to install."""
+
+    @abstractmethod
+    def version(self) -> str:
+        """The engine's own version."""
+
+    @abstractmethod
+    def fingerprint(self, method: Method) -> str:
+        """A digest of all that can change a run: the engine, its adapter, the kernels it uses."""
+
+    @abstractmethod
+    def refusal(self, problem: Motion, method: Method) -> str | None:
+        """None if the method can run the problem, else the missing feature in a few words."""
+
+    @abstractmethod
+    def run(self, request: Request) -> tuple[Trajectory, Cost]:
+        """Runs one request in the engine's native loop."""
+
+    def method(self, name: str) -> Method:
+        """The method of that name."""
+        from refdem.core.parameters import nearest
+        from refdem.errors import UsageError
+
+        for method in self.methods:
+            if method.name == name:
+                return method
+        raise UsageError(f"engine {self.name} has no method {name!r}; {nearest(name, [m.name for m in self.methods])}")

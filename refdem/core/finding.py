@@ -1,0 +1,118 @@
+"""What came out: findings with their reasons, gathered in records; a report is a function of these."""
+
+import math
+from typing import Literal
+
+import msgspec
+
+Outcome = Literal["pass", "fail", "error", "unsupported", "undecided", "expected", "stale"]
+
+
+class Level(msgspec.Struct, frozen=True, kw_only=True):
+    """One refinement level: step or tolerance, largest error over the run in units of the quantity's scale, its bound,
+    seconds in the engine's loop, and whether it counts for the order."""
+
+    level: float
+    error: float
+    bound: float
+    seconds: float
+    counts: bool
+
+
+class Series(msgspec.Struct, frozen=True, kw_only=True):
+    """A curve over time for a plot: t [s], value and bound."""
+
+    t: list[float]
+    value: list[float]
+    bound: list[float]
+
+
+class Finding(msgspec.Struct, frozen=True, kw_only=True):
+    """One judgement: a measured value against a bound that has a basis, and one sentence that says why."""
+
+    check: str
+    quantity: str
+    outcome: Outcome
+    sentence: str
+    value: float | None = None
+    bound: float | None = None
+    unit: str = "1"
+    basis: str = ""
+    levels: tuple[Level, ...] = ()
+    series: Series | None = None
+    order_seen: float | None = None
+    order_claimed: float | None = None
+    constant_seen: float | None = None
+
+    @property
+    def margin(self) -> float | None:
+        """Decades between value and bound; positive is inside. None if there is nothing to compare."""
+        if self.value is None or self.bound is None or not self.bound > 0:
+            return None
+        return math.log10(self.bound / self.value) if self.value > 0 else math.inf
+
+
+class Record(msgspec.Struct, frozen=True, kw_only=True, tag="record", tag_field="type"):
+    """What was found for one case, at its parameters, in one method of one engine."""
+
+    case: str
+    label: str
+    parameters: dict[str, str]
+    engine: str
+    version: str
+    method: str
+    is_reference: bool
+    runs: tuple[str, ...]
+    findings: tuple[Finding, ...]
+    seconds: float = 0.0
+
+    def id(self, finding: Finding) -> str:
+        """`case[params]/engine/method/check/quantity`."""
+        return f"{self.label}/{self.engine}/{self.method}/{finding.check}/{finding.quantity}"
+
+
+class CaseSheet(msgspec.Struct, frozen=True, kw_only=True, tag="case", tag_field="type"):
+    """What a report says of an instance: statement, scene, parameters, and how its truth was proved."""
+
+    case: str
+    label: str
+    title: str
+    statement: str
+    latex: str
+    source: str
+    parameters: dict[str, str]
+    units: dict[str, str]
+    scene: str
+    scales: dict[str, float]
+    quantities: dict[str, str]
+    truth_method: str
+    truth_witness: str
+    truth_scalars: dict[str, tuple[str, str]]
+    truth_reason: str = ""
+    reproduce: str = ""
+
+
+class EngineSheet(msgspec.Struct, frozen=True, kw_only=True, tag="engine", tag_field="type"):
+    """What a report says of an engine: version, methods with claims, audit of defaults."""
+
+    engine: str
+    title: str
+    version: str
+    licence: str
+    is_reference: bool
+    methods: dict[str, str]
+    audit: tuple[tuple[str, str, str, str], ...]
+
+
+class CampaignSheet(msgspec.Struct, frozen=True, kw_only=True, tag="campaign", tag_field="type"):
+    """What a report says of the whole: name, counts of runs made and read from the store, seconds."""
+
+    name: str
+    refdem: str
+    runs_made: int
+    runs_read: int
+    seconds: float
+    planned: int = 0
+
+
+Sheet = Record | CaseSheet | EngineSheet | CampaignSheet

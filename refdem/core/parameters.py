@@ -1,0 +1,128 @@
+"""Parameters of a case: exact numbers as the caller wrote them, with units and bounds."""
+
+import difflib
+import re
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from fractions import Fraction
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from refdem.errors import UsageError
+
+Exact = Fraction | tuple[Fraction, ...] | str | None
+_NUMBER = re.compile(r"[+-]?(\d{1,60}(\.\d{0,60})?|\.\d{1,60})([eE][+-]?\d{1,3})?(/\d{1,60})?")
+
+
+@dataclass(frozen=True, kw_only=True)
+class Parameter:
+    """One parameter: `default` as text ("3/2", "1,2,3"; "" where the case decides), unit, bounds, shape or choices."""
+
+    name: str
+    default: str
+    unit: str
+    doc: str
+    shape: tuple[int, ...] = ()
+    above: float | None = None
+    at_least: float | None = None
+    at_most: float | None = None
+    choices: tuple[str, ...] = ()
+
+    def bounds(self) -> str:
+        """The bounds as a person reads them."""
+        if self.choices:
+            return " | ".join(self.choices)
+        low = f"> {self.above:g}" if self.above is not None else f">= {self.at_least:g}" if self.at_least is not None else ""
+        high = f"<= {self.at_most:g}" if self.at_most is not None else ""
+        return " and ".join(x for x in (low, high) if x) or "any"
+
+    def parsed(self, text: str) -> Exact:
+        """The exact value of `text`; raises UsageError that names the parameter."""
+        if self.choices:
+            if text not in self.choices:
+                raise UsageError(f"parameter {self.name}: got {text!r}; expected one of {', '.join(self.choices)}")
+            return text
+        if text == "" and self.default == "":
+            return None
+        numbers = tuple(self._number(part.strip()) for part in text.split(","))
+        expected = int(np.prod(self.shape)) if self.shape else 1
+        if len(numbers) != expected:
+            raise UsageError(f"parameter {self.name}: got {len(numbers)} numbers in {text!r}; expected {expected}, separated by commas")
+        for number in numbers:
+            self._refuse_out_of_bounds(number)
+        return numbers if self.shape else numbers[0]
+
+    def _number(self, text: str) -> Fraction:
+        if not _NUMBER.fullmatch(text):
+            raise UsageError(f"parameter {self.name}: got {text!r}; expected a finite decimal or fraction such as 0.15, 1e-3 or 3/2")
+        numerator, _, denominator = text.partition("/")
+        if denominator and int(denominator) == 0:
+            raise UsageError(f"parameter {self.name}: got {text!r}; the denominator is zero")
+        return Fraction(numerator) / (int(denominator) if denominator else 1)
+
+    def _refuse_out_of_bounds(self, number: Fraction) -> None:
+        inside = (
+            (self.above is None or number > Fraction(self.above))
+            and (self.at_least is None or number >= Fraction(self.at_least))
+            and (self.at_most is None or number <= Fraction(self.at_most))
+        )
+        if not inside:
+            raise UsageError(f"parameter {self.name}: got {float(number):g} {self.unit}; expected {self.bounds()}")
+
+
+class Parameters(Mapping[str, Exact]):
+    """Exact values by name; `p.name` gives the rounded float or array (shape as declared) that engines run."""
+
+    def __init__(self, declared: tuple[Parameter, ...], given: Mapping[str, str]) -> None:
+        self.declared = {parameter.name: parameter for parameter in declared}
+        for name in given:
+            if name not in self.declared:
+                raise UsageError(f"no parameter {name!r}; {nearest(name, self.declared)}")
+        self.given = dict(given)
+        self._exact = {p.name: p.parsed(given.get(p.name, p.default)) for p in declared}
+
+    def __getitem__(self, name: str) -> Exact:
+        return self._exact[name]
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._exact)
+
+    def __len__(self) -> int:
+        return len(self._exact)
+
+    def __getattr__(self, name: str) -> Any:
+        if name.startswith("_") or name not in self._exact:
+            raise AttributeError(name)
+        exact = self._exact[name]
+        if isinstance(exact, tuple):
+            return np.array([float(x) for x in exact]).reshape(self.declared[name].shape)
+        return float(exact) if isinstance(exact, Fraction) else exact
+
+    def texts(self) -> dict[str, str]:
+        """Every value as text that `parsed` reads back."""
+        return {name: _text(value) for name, value in self._exact.items()}
+
+    def changed(self) -> dict[str, str]:
+        """The values that differ from the defaults, as text, in declared order."""
+        return {n: _text(v) for n, v in self._exact.items() if v != self.declared[n].parsed(self.declared[n].default)}
+
+
+def _text(value: Exact) -> str:
+    if isinstance(value, tuple):
+        return ",".join(_text(x) for x in value)
+    if not isinstance(value, Fraction):
+        return value or ""
+    short = repr(float(value))
+    exact = short if "inf" not in short and Fraction(short) == value else str(value)
+    return exact[:-2] if exact.endswith(".0") else exact
+
+
+def nearest(name: str, known: Any) -> str:
+    """A hint: the nearest known name, or all of them."""
+    close = difflib.get_close_matches(name, list(known), 1, 0.5)
+    return f"did you mean {close[0]!r}?" if close else f"known: {', '.join(sorted(known))}"
+
+
+Array = NDArray[np.float64]

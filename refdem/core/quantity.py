@@ -1,0 +1,37 @@
+"""What is compared: a named quantity with its unit and the scale that makes its error a number."""
+
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True)
+class Scales:
+    """Length L [m], shortest time tau = 1/omega_max [s], duration T [s], and mass [kg] for energies and momenta."""
+
+    length: float
+    tau: float
+    duration: float
+    mass: float = 1.0
+
+    @property
+    def speed(self) -> float:
+        """L / tau [m/s]."""
+        return self.length / self.tau
+
+    @property
+    def energy(self) -> float:
+        """m (L/tau)^2 [J]."""
+        return self.mass * self.speed**2
+
+
+@dataclass(frozen=True)
+class Quantity:
+    """`scale` is the size against which an error counts; an `angle` is compared modulo 2 pi.
+
+    `group` joins the components of an attitude, which are compared together as one rotation.
+    """
+
+    name: str
+    unit: str
+    scale: float
+    angle: bool = False
+    group: str = ""

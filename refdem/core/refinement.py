@@ -1,0 +1,84 @@
+"""Bounds and refinement: how large an error may be at a step, and which steps to take."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from refdem.core.case import Instance
+from refdem.core.engine import Method
+from refdem.core.truth import SampledTruth
+
+Array = NDArray[np.float64]
+
+ROUND_OFF_FACTOR = 8.0
+"""c in c u sqrt(n): a step rounds some ten times, errors of random sign add as the square root, and three sigma are allowed."""
+HORIZON = 0.1
+"""A run is scored up to the first time at which its bound exceeds this part of the scale."""
+COUNTING_FLOOR = 20.0
+"""A level counts for the order while its bound is at least this many times round-off."""
+TOLERANCE_FACTOR = 1e3
+"""A tolerance is local: its error may add up to this many times itself (design: 1e3 tol S)."""
+
+
+def round_off(instance: Instance, method: Method, steps: float) -> float:
+    """Relative round-off after `steps` steps: c u sqrt(n), and not less than c u T/tau.
+
+    The second part is the rounding of the parameters themselves: a frequency that is off by u is off in phase by u t.
+    """
+    turns = instance.scales.duration / instance.scales.tau
+    return ROUND_OFF_FACTOR * method.round_off * max(1.0, np.sqrt(steps), turns)
+
+
+def truncation(instance: Instance, method: Method, level: float, t: Array) -> Array:
+    """Relative truncation error C (1 + t/tau) (h/tau)^p (T,) allowed at times t [s]; 1e3 tol for a tolerance; 0 if exact."""
+    if method.control == "exact":
+        return np.zeros(len(t))
+    if method.control == "tolerance":
+        return np.full(len(t), TOLERANCE_FACTOR * level)
+    tau = instance.scales.tau
+    order = method.order_for(instance.scene.features)
+    return method.constant * (1.0 + np.abs(t - t[0]) / tau) * (level / tau) ** order
+
+
+def steps_at(instance: Instance, method: Method, level: float) -> float:
+    """Steps taken over the whole duration; one a sample for exact methods and tolerances."""
+    if method.control == "step":
+        return float(instance.times[-1] / level)
+    return float(len(instance.times))
+
+
+def bound(instance: Instance, method: Method, level: float, truth: SampledTruth) -> Array:
+    """Relative error allowed at every certified sample (until,): (truncation + round-off) times S so far."""
+    t = instance.times[: truth.until]
+    allowed = truncation(instance, method, level, t) + round_off(instance, method, steps_at(instance, method, level))
+    return allowed * truth.growth()
+
+
+def scored(allowed: Array) -> int:
+    """Number of samples before the bound first exceeds a tenth of the scale: the predictability horizon."""
+    beyond = np.flatnonzero(allowed > HORIZON)
+    return int(beyond[0]) if len(beyond) else len(allowed)
+
+
+def levels(instance: Instance, method: Method, count: int, most_steps: float, step: float | None = None) -> tuple[float, ...]:
+    """Refinement levels, coarse to fine: steps (or tolerances), each a power of two below the sample interval.
+
+    The first step is the largest with C (T/tau) (h/tau)^p <= 0.1; then halves, while there are at most `most_steps`
+    steps and the bound stays above round-off. With `step`, the levels start there.
+    """
+    if method.control == "exact":
+        return (0.0,)
+    if method.control == "tolerance":
+        return tuple(10.0 ** -(4 + 2 * j) for j in range(count))
+    order, scales = method.order_for(instance.scene.features), instance.scales
+    first = step or scales.tau * (HORIZON * scales.tau / (method.constant * scales.duration)) ** (1.0 / order)
+    interval = float(instance.times[1])
+    halvings = max(0, int(np.ceil(np.log2(interval / first) - 1e-9)))
+    chosen = [interval * 2.0**-halvings]
+    while len(chosen) < count:
+        finer = chosen[-1] / 2
+        allowed = method.constant * (scales.duration / scales.tau) * (finer / scales.tau) ** order
+        steps = instance.times[-1] / finer
+        if steps > most_steps or (len(chosen) >= 3 and allowed < COUNTING_FLOOR * round_off(instance, method, steps)):
+            break
+        chosen.append(finer)
+    return tuple(chosen)

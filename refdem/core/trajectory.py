@@ -1,0 +1,113 @@
+"""What an engine hands back: states at times, events, and beside them what they cost."""
+
+from dataclasses import dataclass, field
+from typing import Any
+
+import msgspec
+import numpy as np
+from numpy.typing import NDArray
+
+from refdem.errors import EngineError
+
+Array = NDArray[np.float64]
+
+CHANNELS = {"rod_force": "N", "overlap": "m", "contact_force": "N", "dissipated_work": "J", "contacts": "1"}
+"""The closed list of channels and their units; each is (T,) or (T, number of elements that have it)."""
+
+
+class Event(msgspec.Struct, frozen=True):
+    """Something that happened at `time` [s] to a body: stop, flip, contact, release."""
+
+    time: float
+    kind: str
+    body: int
+
+
+class Cost(msgspec.Struct, frozen=True, kw_only=True):
+    """Seconds in the engine's own loop, seconds of set-up, and steps taken (0: none were)."""
+
+    seconds: float
+    setup: float = 0.0
+    steps: int = 0
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Trajectory:
+    """States of N bodies at T times: position, velocity (T, N, 3), attitude (T, N, 4), omega (T, N, 3) in space axes.
+
+    Attitude and omega of points are (1, 0, 0, 0) and 0. Raises EngineError, naming the place, if a shape is wrong or a
+    number is not finite.
+    """
+
+    t: Array
+    position: Array
+    velocity: Array
+    attitude: Array
+    omega: Array
+    channels: dict[str, Array] = field(default_factory=dict)
+    events: tuple[Event, ...] = ()
+
+    def __post_init__(self) -> None:
+        if self.position.ndim != 3:
+            raise EngineError(f"trajectory.position has shape {self.position.shape}; expected (T, N, 3)")
+        count, bodies = len(self.t), self.position.shape[1]
+        expected = {"t": (count,), "position": (count, bodies, 3), "velocity": (count, bodies, 3)}
+        expected |= {"attitude": (count, bodies, 4), "omega": (count, bodies, 3)}
+        for name, shape in expected.items():
+            _refuse(name, getattr(self, name), shape)
+        for name, values in self.channels.items():
+            if name not in CHANNELS:
+                raise EngineError(f"trajectory.channels has {name!r}; expected one of {', '.join(CHANNELS)}")
+            _refuse(f"channels[{name}]", values, (count, *values.shape[1:]))
+
+    @classmethod
+    def of_points(cls, t: Array, position: Array, velocity: Array, **more: Any) -> "Trajectory":
+        """A trajectory of bodies that do not turn."""
+        count, bodies = position.shape[:2]
+        attitude = np.zeros((count, bodies, 4))
+        attitude[..., 0] = 1.0
+        return cls(t=t, position=position, velocity=velocity, attitude=attitude, omega=np.zeros((count, bodies, 3)), **more)
+
+    def end(self) -> dict[str, Array]:
+        """The last state, column by column (N, ...)."""
+        return {name: getattr(self, name)[-1] for name in STATE}
+
+    def to_bytes(self) -> bytes:
+        """MessagePack with raw float64 arrays; `from_bytes` reads it back to the last bit."""
+        arrays = {name: _packed(getattr(self, name)) for name in ("t", *STATE)}
+        channels = {name: _packed(values) for name, values in self.channels.items()}
+        return msgspec.msgpack.encode({"arrays": arrays, "channels": channels, "events": self.events})
+
+    @classmethod
+    def from_bytes(cls, data: bytes) -> "Trajectory":
+        """The trajectory that `to_bytes` wrote."""
+        packed = msgspec.msgpack.decode(data, type=_Packed)
+        arrays = {name: _unpacked(*value) for name, value in packed.arrays.items()}
+        channels = {name: _unpacked(*value) for name, value in packed.channels.items()}
+        return cls(channels=channels, events=packed.events, **arrays)
+
+
+STATE = ("position", "velocity", "attitude", "omega")
+
+
+class _Packed(msgspec.Struct):
+    arrays: dict[str, tuple[list[int], bytes]]
+    channels: dict[str, tuple[list[int], bytes]]
+    events: tuple[Event, ...]
+
+
+def _packed(values: Array) -> tuple[list[int], bytes]:
+    return list(values.shape), np.ascontiguousarray(values, dtype="<f8").tobytes()
+
+
+def _unpacked(shape: list[int], data: bytes) -> Array:
+    return np.frombuffer(data, dtype="<f8").reshape(shape)
+
+
+def _refuse(name: str, values: Array, shape: tuple[int, ...]) -> None:
+    """Raises EngineError for a wrong shape or a number that is not finite."""
+    if values.shape != shape or values.dtype != np.float64:
+        raise EngineError(f"trajectory.{name} is {values.dtype} {values.shape}; expected float64 {shape}")
+    bad = np.argwhere(~np.isfinite(values))
+    if len(bad):
+        raise EngineError(f"trajectory.{name}{bad[0].tolist()} is {values[tuple(bad[0])]}; expected finite numbers")

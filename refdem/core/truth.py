@@ -1,0 +1,115 @@
+"""Certified values: balls with a decimal midpoint and a proven radius, and their rounded samples that judging reads."""
+
+from abc import ABC, abstractmethod
+from collections.abc import Mapping
+from dataclasses import dataclass
+from fractions import Fraction
+
+import msgspec
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Ball:
+    """The closed interval [mid - radius, mid + radius], both exact."""
+
+    mid: Fraction
+    radius: Fraction
+
+    def rounded(self) -> tuple[float, float]:
+        """The nearest double and a radius about it (rounded up) that contains the ball."""
+        mid = float(self.mid)
+        radius = float(abs(self.mid - Fraction(mid)) + self.radius)
+        return mid, float(np.nextafter(radius, np.inf)) if radius else 0.0
+
+    def decimals(self, digits: int = 0) -> tuple[str, str]:
+        """Decimal midpoint and a radius, rounded up, so that the decimal interval contains the ball.
+
+        As many digits as the radius warrants, or `digits` significant ones if that is fewer.
+        """
+        places = _places(self, digits)
+        unit = Fraction(10) ** -places
+        scaled = round(self.mid / unit)
+        slack = abs(self.mid - scaled * unit) + self.radius
+        return _decimal(scaled, places), _rounded_up(slack)
+
+
+def _places(ball: Ball, digits: int) -> int:
+    """Decimal places at which the midpoint is cut."""
+    size = _exponent(abs(ball.mid)) if ball.mid else 0
+    finest = -_exponent(ball.radius) + 2 if ball.radius else 60 - size
+    return min(finest, digits - 1 - size) if digits else finest
+
+
+def _exponent(value: Fraction) -> int:
+    """floor(log10(value)) for value > 0."""
+    guess = len(str(value.numerator)) - len(str(value.denominator))
+    return guess if value >= Fraction(10) ** guess else guess - 1
+
+
+def _decimal(scaled: int, places: int) -> str:
+    """The decimal string of scaled * 10**-places."""
+    if places <= 0:
+        return str(scaled * 10**-places)
+    digits = str(abs(scaled)).rjust(places + 1, "0")
+    return ("-" if scaled < 0 else "") + digits[:-places] + "." + digits[-places:]
+
+
+def _rounded_up(value: Fraction) -> str:
+    """Three significant digits, rounded away from zero, in scientific notation."""
+    if not value:
+        return "0"
+    exponent = _exponent(value) - 2
+    scaled = -((-value / Fraction(10) ** exponent).__floor__())
+    return f"{scaled}e{exponent}"
+
+
+class Truth(ABC):
+    """What a case's quantities certainly are. `method` and `witness` say how they were proved and who checked."""
+
+    method: str
+    witness: str
+
+    @abstractmethod
+    def at(self, t: Fraction) -> Mapping[str, Ball]:
+        """Every quantity at the exact time t [s]; raises NotCertifiedError where it cannot be proved."""
+
+    @abstractmethod
+    def sensitivity(self, t: Fraction) -> float:
+        """S(t) >= 1: bound on the flow Jacobian from 0 to t, each quantity scaled by its scale."""
+
+    def scalars(self) -> Mapping[str, Ball]:
+        """Values that do not depend on time: periods, durations, numbers of flips."""
+        return {}
+
+
+class SampledTruth(msgspec.Struct, frozen=True, kw_only=True):
+    """Truth at the samples of one problem: doubles with radii; what judging reads and the store keeps.
+
+    `until` counts the certified samples; `reason` says why there are no more.
+    """
+
+    t: list[float]
+    values: dict[str, list[float]]
+    radii: dict[str, list[float]]
+    sensitivity: list[float]
+    scalars: dict[str, tuple[float, float]]
+    method: str
+    witness: str
+    until: int
+    reason: str = ""
+
+    def value(self, name: str) -> Array:
+        """The certified samples of one quantity (until,)."""
+        return np.array(self.values[name])
+
+    def radius(self, name: str) -> Array:
+        """Their radii (until,)."""
+        return np.array(self.radii[name])
+
+    def growth(self) -> Array:
+        """The largest S so far (until,): errors made at any earlier time are amplified by no more."""
+        return np.maximum.accumulate(np.maximum(1.0, np.array(self.sensitivity)))

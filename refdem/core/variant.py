@@ -1,0 +1,33 @@
+"""The closed list of ways in which a run is varied so that a check can judge it."""
+
+from dataclasses import dataclass
+from typing import Literal
+
+Change = Literal["none", "repeated", "reversed", "backward", "perturbed", "denser_output"]
+
+
+@dataclass(frozen=True, order=True)
+class Variant:
+    """A refinement level (step [s] or tolerance; 0 for exact methods) and at most one change of it.
+
+    repeated: the same request again. reversed: on from the end with velocities flipped. backward: on from the end with
+    negative steps. perturbed: the start moved by `amount` units in the last place. denser_output: `amount` times the samples.
+    """
+
+    level: float
+    change: Change = "none"
+    amount: int = 0
+
+    @property
+    def base(self) -> "Variant":
+        """The plain run of the same level, on whose end some variants go on."""
+        return Variant(self.level)
+
+    @property
+    def goes_on(self) -> bool:
+        """It starts from the end of its base."""
+        return self.change in ("reversed", "backward")
+
+    def __str__(self) -> str:
+        level = f"{self.level:.17g}" if self.level else "exact"
+        return level if self.change == "none" else f"{level} {self.change}" + (f"({self.amount})" if self.amount else "")

@@ -1,0 +1,37 @@
+"""What can go wrong, one class per party at fault; `exit_status` is what the command line returns."""
+
+
+class RefdemError(Exception):
+    """Base of every error that refdem raises on purpose: says where, what came, what was expected, what to do."""
+
+    exit_status = 2
+
+
+class UsageError(RefdemError):
+    """The caller asked for something that does not exist or is out of bounds."""
+
+
+class SceneError(RefdemError):
+    """A scene is not physical or not well formed."""
+
+
+class EngineMissingError(RefdemError):
+    """An engine was asked for by name and is not installed."""
+
+
+class StoreError(RefdemError):
+    """The store or an output folder cannot be read or written."""
+
+
+class EngineError(RefdemError):
+    """An engine crashed, hung or broke the contract of its adapter."""
+
+    exit_status = 3
+
+
+class UnsupportedError(RefdemError):
+    """An engine cannot say the scene; the message names the missing feature."""
+
+
+class NotCertifiedError(RefdemError):
+    """A truth value cannot be proved; the message says up to where it can."""

@@ -1,0 +1,37 @@
+"""C kernels: one extension a family, loaded when first used; its digest is its fingerprint."""
+
+import hashlib
+from functools import cache
+from importlib import import_module
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from refdem.errors import EngineMissingError
+
+
+@cache
+def load(family: str) -> Any:
+    """The extension of that family, with attributes `ffi` and `lib`."""
+    try:
+        return import_module(f"refdem.kernels._{family}")
+    except ModuleNotFoundError:
+        raise EngineMissingError(f"the kernels {family!r} are not built here; run `make develop`, or install refdem with pip") from None
+
+
+@cache
+def fingerprint(*families: str) -> str:
+    """sha256 of the compiled families: it changes when their source, compiler or flags do."""
+    digest = hashlib.sha256()
+    for family in families:
+        digest.update(Path(load(family).__file__).read_bytes())
+    return digest.hexdigest()
+
+
+def pointer(family: str, array: NDArray[np.float64], *, output: bool = False) -> Any:
+    """A `double *` to a C-contiguous float64 array, which the caller keeps alive; `output` asks for a writable one."""
+    if array.dtype != np.float64 or not array.flags.c_contiguous or (output and not array.flags.writeable):
+        raise TypeError(f"kernel {family}: got {array.dtype}, contiguous={array.flags.c_contiguous}; expected contiguous float64")
+    return load(family).ffi.from_buffer("double[]", array, require_writable=output)

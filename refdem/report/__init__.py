@@ -1,0 +1,1 @@
+"""Reports: tables, charts, HTML, Markdown and JUnit as functions of records."""

@@ -1,0 +1,111 @@
+"""The bodies of a scene: one by one in JSON, columns (N, ...) in memory."""
+
+from dataclasses import dataclass, replace
+from typing import Any
+
+import msgspec
+import numpy as np
+from numpy.typing import NDArray
+
+from refdem.errors import SceneError
+from refdem.scene.dimension import Attitude, Inertia, Mass, Omega, Position, Velocity
+from refdem.scene.shapes import Point, Polyhedron, Shape, Sphere
+
+Array = NDArray[np.float64]
+
+
+class Body(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """One body: principal `inertia` (zeros for a point), `attitude` (w, x, y, z) body to space, `omega` in space axes."""
+
+    mass: Mass
+    inertia: Inertia = (0.0, 0.0, 0.0)
+    position: Position = (0.0, 0.0, 0.0)
+    velocity: Velocity = (0.0, 0.0, 0.0)
+    attitude: Attitude = (1.0, 0.0, 0.0, 0.0)
+    omega: Omega = (0.0, 0.0, 0.0)
+    shape: Shape = Point()
+    fixed: bool = False
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Bodies:
+    """Columns of N bodies: mass (N,) [kg], inertia (N, 3) [kg m^2], position, velocity (N, 3), attitude (N, 4), omega (N, 3)."""
+
+    mass: Array
+    inertia: Array
+    position: Array
+    velocity: Array
+    attitude: Array
+    omega: Array
+    shape: tuple[Shape, ...]
+    fixed: NDArray[np.bool_]
+
+    def __post_init__(self) -> None:
+        for column in COLUMNS:
+            getattr(self, column).setflags(write=False)
+        for number in range(len(self.mass)):
+            _refuse_unphysical(self, number)
+
+    @classmethod
+    def of(cls, bodies: "list[Body] | tuple[Body, ...]") -> "Bodies":
+        """Columns from single bodies."""
+        if not bodies:
+            raise SceneError("scene.bodies: no body came; expected at least one")
+        columns: dict[str, Any] = {name: np.array([getattr(body, name) for body in bodies], float) for name in COLUMNS}
+        return cls(shape=tuple(body.shape for body in bodies), fixed=np.array([body.fixed for body in bodies]), **columns)
+
+    def single(self) -> list[Body]:
+        """The bodies one by one, as JSON has them."""
+        rows = zip(*(getattr(self, name).tolist() for name in COLUMNS), strict=True)
+        return [
+            Body(shape=shape, fixed=bool(fixed), **{n: tuple(v) if isinstance(v, list) else v for n, v in zip(COLUMNS, row, strict=True)})
+            for row, shape, fixed in zip(rows, self.shape, self.fixed, strict=True)
+        ]
+
+    def with_state(self, **columns: Array) -> "Bodies":
+        """The same bodies with other positions, velocities, attitudes or omegas."""
+        return replace(self, **{name: np.array(value, float) for name, value in columns.items()})
+
+    def __len__(self) -> int:
+        return len(self.mass)
+
+    @property
+    def radius(self) -> Array:
+        """Radius (N,) [m]; zero for a body that is no sphere."""
+        return np.array([s.radius if isinstance(s, Sphere) else 0.0 for s in self.shape])
+
+
+COLUMNS = ("mass", "inertia", "position", "velocity", "attitude", "omega")
+
+
+def _refuse_unphysical(bodies: Bodies, number: int) -> None:
+    """Raises SceneError for a body that cannot exist."""
+    where = f"scene.bodies.{number}"
+    for name in COLUMNS:
+        value = getattr(bodies, name)[number]
+        if not np.all(np.isfinite(value)):
+            raise SceneError(f"{where}.{name} is {np.asarray(value).tolist()}; expected finite numbers")
+    mass, inertia = bodies.mass[number], bodies.inertia[number]
+    if not mass > 0:
+        raise SceneError(f"{where}.mass is {mass}; expected > 0")
+    if np.any(inertia < 0):
+        raise SceneError(f"{where}.inertia is {inertia.tolist()}; expected three moments >= 0")
+    if np.any(2 * inertia > inertia.sum() * (1 + 1e-12)):
+        raise SceneError(
+            f"{where}.inertia is {inertia.tolist()}; it violates the triangle inequality: "
+            "no principal moment may exceed the sum of the other two"
+        )
+    norm = float(np.linalg.norm(bodies.attitude[number]))
+    if abs(norm - 1) > 1e-9:
+        raise SceneError(f"{where}.attitude has norm {norm}; expected a unit quaternion (w, x, y, z)")
+    _refuse_shape(bodies.shape[number], where)
+
+
+def _refuse_shape(shape: Shape, where: str) -> None:
+    """Raises SceneError for a sphere without radius or a polyhedron whose faces name no vertices."""
+    if isinstance(shape, Sphere) and not 0 < shape.radius < float("inf"):
+        raise SceneError(f"{where}.shape.radius is {shape.radius}; expected > 0")
+    if isinstance(shape, Polyhedron):
+        count = len(shape.vertices)
+        if count < 4 or any(not 0 <= v < count for face in shape.faces for v in face):
+            raise SceneError(f"{where}.shape: {count} vertices and faces that name others; expected at least 4, faces naming 0..{count - 1}")

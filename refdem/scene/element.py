@@ -1,0 +1,62 @@
+"""What every element of a scene is: a frozen, JSON-typed record, with a potential if it has one."""
+
+from typing import Any, ClassVar
+
+import msgspec
+import numpy as np
+from numpy.typing import NDArray
+
+from refdem.scene.dimension import Position
+
+Array = NDArray[np.float64]
+
+
+class Element(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True, tag_field="kind"):
+    """One force, constraint or field. `kind` is its tag in JSON."""
+
+    conservative: ClassVar[bool] = True
+    external: ClassVar[bool] = False  # acts from outside: momentum of the bodies is not kept
+
+    @property
+    def kind(self) -> str:
+        """The element's name in JSON and in lists of features."""
+        return str(self.__struct_config__.tag)
+
+    def features(self) -> frozenset[str]:
+        """What an engine must be able to do to carry this element."""
+        return frozenset({self.kind})
+
+    def faults(self) -> list[str]:
+        """Sentences about values that are not physical; empty if all is well."""
+        return []
+
+    def potential(self, scene: Any, position: Array, attitude: Array) -> Array:
+        """Potential energy (T,) [J] for position (T, N, 3) [m], attitude (T, N, 4); zero by default."""
+        return np.zeros(len(position))
+
+
+class Link(Element, frozen=True, kw_only=True):
+    """An element between body `a` and body `b`, or the world (-1); anchors in body axes (world axes for the world) [m]."""
+
+    a: int
+    b: int = -1
+    anchor_a: Position = (0.0, 0.0, 0.0)
+    anchor_b: Position = (0.0, 0.0, 0.0)
+
+    def ends(self, position: Array, attitude: Array) -> tuple[Array, Array]:
+        """Anchors of both ends in space, each (T, 3) [m]."""
+        from refdem.mechanics.quaternion import rotated
+
+        def end(body: int, anchor: Position) -> Array:
+            if body < 0:
+                return np.broadcast_to(np.asarray(anchor, float), (len(position), 3))
+            if not any(anchor):
+                return position[:, body]
+            return position[:, body] + rotated(attitude[:, body], np.asarray(anchor, float))
+
+        return end(self.a, self.anchor_a), end(self.b, self.anchor_b)
+
+    def distance(self, position: Array, attitude: Array) -> Array:
+        """Distance (T,) [m] between the two anchors."""
+        first, second = self.ends(position, attitude)
+        return np.linalg.norm(first - second, axis=-1)

@@ -1,0 +1,27 @@
+"""One element a file; a new file is found by itself."""
+
+from functools import reduce
+from importlib import import_module
+from operator import or_
+from pathlib import Path
+from typing import Any
+
+from refdem.scene.element import Element, Link
+
+__all__ = ["KINDS", "AnyElement"]
+
+
+def _kinds() -> dict[str, type[Element]]:
+    found: dict[str, type[Element]] = {}
+    for path in sorted(Path(__file__).parent.glob("*.py")):
+        if path.stem.startswith("_"):
+            continue
+        module = import_module(f"refdem.scene.elements.{path.stem}")
+        for value in vars(module).values():
+            if isinstance(value, type) and issubclass(value, Element) and value not in (Element, Link):
+                found[str(value.__struct_config__.tag)] = value
+    return found
+
+
+KINDS = _kinds()
+AnyElement: Any = reduce(or_, KINDS.values())

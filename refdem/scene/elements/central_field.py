@@ -1,0 +1,24 @@
+"""A central field: Newton's attraction towards a fixed point."""
+
+from typing import Any, ClassVar
+
+import numpy as np
+
+from refdem.scene.dimension import GravityParameter
+from refdem.scene.element import Array, Element
+
+
+class CentralField(Element, frozen=True, kw_only=True, tag="central_field"):
+    """Acceleration `-gm r / |r|**3` of every body towards the origin; gm [m**3/s**2]; potential zero at infinity."""
+
+    external: ClassVar[bool] = True
+
+    gm: GravityParameter
+
+    def faults(self) -> list[str]:
+        """A field that repels is not Newton's."""
+        return [] if self.gm > 0 else [f"gm is {self.gm}, expected > 0"]
+
+    def potential(self, scene: Any, position: Array, attitude: Array) -> Array:
+        """`-gm sum m/|r|` (T,) [J]."""
+        return -self.gm * np.sum(scene.bodies.mass / np.linalg.norm(position, axis=-1), axis=-1)

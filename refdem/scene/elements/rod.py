@@ -1,0 +1,23 @@
+"""A rigid, massless rod: a constraint that keeps two anchors at a fixed distance."""
+
+from refdem.scene.dimension import Length
+from refdem.scene.element import Link
+
+
+class Rod(Link, frozen=True, kw_only=True, tag="rod"):
+    """Keeps the anchors `length` [m] apart; positive rod force is tension."""
+
+    length: Length
+
+    @property
+    def external(self) -> bool:  # type: ignore[override]
+        """A rod hung from the world pulls from outside."""
+        return self.b < 0
+
+    def features(self) -> frozenset[str]:
+        """A rod is a constraint."""
+        return frozenset({"rod", "constraint"})
+
+    def faults(self) -> list[str]:
+        """A rod without length fixes no direction."""
+        return [] if self.length > 0 else [f"length is {self.length}, expected > 0"]

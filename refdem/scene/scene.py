@@ -1,0 +1,105 @@
+"""A scene: bodies and elements, engine-neutral, SI, frozen, JSON both ways."""
+
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import Any, Sequence, TypeVar
+
+import msgspec
+import numpy as np
+from numpy.typing import NDArray
+
+from refdem.errors import SceneError
+from refdem.scene.bodies import Bodies, Body
+from refdem.scene.element import Element, Link
+from refdem.scene.elements import AnyElement
+from refdem.scene.shapes import Point
+
+Array = NDArray[np.float64]
+E = TypeVar("E", bound=Element)
+
+
+class SceneDocument(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """A scene as JSON has it."""
+
+    bodies: list[Body]
+    elements: list[AnyElement] = []  # type: ignore[valid-type]
+
+
+@dataclass(frozen=True, eq=False)
+class Scene:
+    """Bodies as columns and the elements that act on them. Raises SceneError if it is not physical."""
+
+    bodies: Bodies
+    elements: tuple[Element, ...] = ()
+
+    def __post_init__(self) -> None:
+        for number, element in enumerate(self.elements):
+            where = f"scene.elements.{number} ({element.kind})"
+            for name in element.__struct_fields__:
+                value = getattr(element, name)
+                if not isinstance(value, str) and not np.all(np.isfinite(value)):
+                    raise SceneError(f"{where}.{name} is {value}; expected finite numbers")
+            for fault in element.faults():
+                raise SceneError(f"{where}: {fault}")
+            if isinstance(element, Link):
+                _refuse_ends(element, len(self.bodies), where)
+
+    @classmethod
+    def of(cls, bodies: Sequence[Body], elements: Sequence[Element] = ()) -> "Scene":
+        """A scene from single bodies."""
+        return cls(Bodies.of(list(bodies)), tuple(elements))
+
+    @classmethod
+    def from_json(cls, text: bytes | str) -> "Scene":
+        """Reads a scene; raises SceneError with the path of the first fault."""
+        try:
+            document = msgspec.json.decode(text, type=SceneDocument)
+        except msgspec.MsgspecError as error:
+            raise SceneError(f"scene: {error}") from None
+        return cls.of(document.bodies, document.elements)
+
+    def document(self) -> SceneDocument:
+        """The scene as JSON has it."""
+        return SceneDocument(bodies=self.bodies.single(), elements=list(self.elements))
+
+    def to_json(self) -> bytes:
+        """The scene as JSON; the same bytes for the same scene."""
+        return msgspec.json.encode(self.document())
+
+    def all(self, kind: type[E]) -> list[E]:
+        """The elements of one kind."""
+        return [element for element in self.elements if isinstance(element, kind)]
+
+    def with_state(self, **columns: Array) -> "Scene":
+        """The same scene with other positions, velocities, attitudes or omegas, each (N, ...)."""
+        return replace(self, bodies=self.bodies.with_state(**columns))
+
+    @cached_property
+    def features(self) -> frozenset[str]:
+        """What an engine must be able to do, derived from the content."""
+        from refdem.scene.features import features
+
+        return features(self)
+
+    def is_isolated(self) -> bool:
+        """No element acts from outside and no body is fixed: momentum is kept."""
+        return not self.bodies.fixed.any() and not any(e.external for e in self.elements)
+
+    def is_conservative(self) -> bool:
+        """Every element has a potential or does no work."""
+        return all(e.conservative for e in self.elements)
+
+    def potential(self, position: Array, attitude: Array) -> Array:
+        """Potential energy of every element (T,) [J] for position (T, N, 3) [m] and attitude (T, N, 4)."""
+        total: Any = sum(e.potential(self, position, attitude) for e in self.elements)
+        return np.broadcast_to(np.asarray(total, float), (len(position),))
+
+    def has_shapes(self) -> bool:
+        """Some body can touch something."""
+        return any(not isinstance(shape, Point) for shape in self.bodies.shape)
+
+
+def _refuse_ends(link: Link, count: int, where: str) -> None:
+    """Raises SceneError if a link names bodies that do not exist."""
+    if not 0 <= link.a < count or not -1 <= link.b < count or link.a == link.b:
+        raise SceneError(f"{where}: joins bodies {link.a} and {link.b}; expected two different ones of 0..{count - 1}, b may be -1 (the world)")

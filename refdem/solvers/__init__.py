@@ -1,0 +1,1 @@
+"""The reference implementation: one METHOD a file, thin over the C kernels."""

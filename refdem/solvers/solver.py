@@ -1,0 +1,25 @@
+"""What every method of the reference implementation is: claims, a refusal, and a run over C kernels."""
+
+from abc import ABC, abstractmethod
+
+from refdem.core.engine import Method
+from refdem.core.problem import Motion, Request
+from refdem.core.trajectory import Cost, Trajectory
+
+
+class Solver(ABC):
+    """One method. A file in solvers/ with an instance named METHOD is found by itself.
+
+    `kernels` names every C family that the method calls: their digests are part of a run's key.
+    """
+
+    claims: Method
+    kernels: tuple[str, ...] = ()
+
+    @abstractmethod
+    def refusal(self, problem: Motion) -> str | None:
+        """None if it can run the problem (judged by the scene's content, never by a case's name), else why not."""
+
+    @abstractmethod
+    def run(self, request: Request) -> tuple[Trajectory, Cost]:
+        """Runs the request; the cost is the time in the kernel alone."""

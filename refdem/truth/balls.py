@@ -1,0 +1,53 @@
+"""From parameters to Arb balls and back to exact core balls, at a working precision that is raised until it suffices."""
+
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from fractions import Fraction
+
+from flint import arb, ctx, fmpq
+
+from refdem.core.truth import Ball
+
+
+@contextmanager
+def precision(bits: int) -> Iterator[None]:
+    """Arb's working precision, restored afterwards."""
+    before = ctx.prec
+    ctx.prec = bits
+    try:
+        yield
+    finally:
+        ctx.prec = before
+
+
+def arb_of(value: Fraction | int) -> arb:
+    """A ball that contains the exact rational."""
+    value = Fraction(value)
+    return arb(fmpq(value.numerator, value.denominator))
+
+
+def ball_of(value: arb) -> Ball:
+    """The same ball with exact rational midpoint and radius; ValueError if it is not finite."""
+    if not value.is_finite():
+        raise ValueError(f"{value} is not finite")
+    return Ball(_exact(value.mid()), _exact(value.rad()))
+
+
+def _exact(value: arb) -> Fraction:
+    mantissa, exponent = value.man_exp()
+    return Fraction(int(mantissa)) * Fraction(2) ** int(exponent)
+
+
+def refined(evaluate: Callable[[], dict[str, arb]], target: Fraction, bits: int = 256, most: int = 16384) -> dict[str, Ball]:
+    """Evaluates at rising precision until every radius is at most `target`; the last result if `most` bits do not do it."""
+    while True:
+        with precision(bits):
+            try:
+                balls = {name: ball_of(value) for name, value in evaluate().items()}
+            except ValueError:
+                balls = {}
+        if balls and all(ball.radius <= target for ball in balls.values()):
+            return balls
+        if bits >= most:
+            return balls
+        bits *= 2

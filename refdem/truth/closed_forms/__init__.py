@@ -1,0 +1,1 @@
+"""Closed forms, one family a file: elliptic and theta functions, exact rationals, roots by interval Newton."""
