@@ -38,15 +38,22 @@ def _exact(value: arb) -> Fraction:
     return Fraction(int(mantissa)) * Fraction(2) ** int(exponent)
 
 
-def refined(evaluate: Callable[[], dict[str, arb]], target: Fraction, bits: int = 256, most: int = 16384) -> dict[str, Ball]:
-    """Evaluates at rising precision until every radius is at most `target`; the last result if `most` bits do not do it."""
+class UndecidedError(ValueError):
+    """Balls at this precision cannot tell which branch of a formula holds."""
+
+
+def refined(evaluate: Callable[[], dict[str, arb]], target: Fraction, bits: int = 256, most: int = 16384) -> dict[str, Ball] | None:
+    """Evaluates at rising precision until every radius is at most `target`; the last result if `most` bits do not do it.
+
+    None if at `most` bits the formula is still undecided or not finite.
+    """
     while True:
         with precision(bits):
             try:
                 balls = {name: ball_of(value) for name, value in evaluate().items()}
             except ValueError:
-                balls = {}
-        if balls and all(ball.radius <= target for ball in balls.values()):
+                balls = None
+        if balls is not None and all(ball.radius <= target for ball in balls.values()):
             return balls
         if bits >= most:
             return balls

@@ -1,0 +1,135 @@
+"""What all closed forms share: precision raised until it suffices, and S(t) by differences of the closed form itself.
+
+A closed form gives three things: its quantities as balls at the current precision, the same motion from a displaced start,
+and its scalars. All else is here.
+"""
+
+from abc import abstractmethod
+from collections.abc import Callable, Mapping
+from copy import copy
+from fractions import Fraction
+from functools import wraps
+from typing import Any, Self
+
+from flint import arb, ctx
+
+from refdem.core.truth import Ball, Truth
+from refdem.errors import NotCertifiedError
+from refdem.truth.balls import UndecidedError, arb_of, precision, refined
+
+DISPLACEMENT = Fraction(1, 2**120)
+"""Part of its scale by which a coordinate of the start is moved for S: its square is far below any S that matters, and a
+start that is 1e-30 off a separatrix stays on its side."""
+SENSITIVITY_BITS = 384
+"""Working precision for S to start with: 120 bits are lost by the difference, 200 remain."""
+
+
+def per_precision(method: Callable[[Any], Any]) -> Callable[[Any], Any]:
+    """Keeps what a method without arguments returns, once for each working precision."""
+
+    @wraps(method)
+    def kept(self: Any) -> Any:
+        key = (method.__name__, ctx.prec)
+        if key not in self.kept:
+            self.kept[key] = method(self)
+        return self.kept[key]
+
+    return kept
+
+
+class ClosedForm(Truth):
+    """A truth by formula. `digits`: radii are at most 10^-digits times the smallest scale (and 10^-digits).
+
+    `scale` maps every quantity to the size against which its error counts. `state` names, for each coordinate of the
+    start, the quantity in whose scale that coordinate is displaced.
+    """
+
+    state: tuple[str, ...]
+
+    def __init__(self, scale: Mapping[str, float], *, digits: int = 40) -> None:
+        self.scale = {name: Fraction(size) for name, size in scale.items()}
+        self.digits = digits
+        self.kept: dict[Any, Any] = {}
+
+    @abstractmethod
+    def evaluate(self, t: arb) -> dict[str, arb]:
+        """Every quantity at time t at the current precision; UndecidedError where balls cannot choose a branch."""
+
+    @abstractmethod
+    def displaced(self, axis: int, amount: Fraction) -> "ClosedForm":
+        """The motion from a start whose coordinate `axis` is larger by exactly `amount` [its unit]."""
+
+    def constants(self) -> dict[str, arb]:
+        """The scalars at the current precision."""
+        return {}
+
+    def refined(self, digits: int) -> Self:
+        """The same truth with radii of at most 10^-digits."""
+        other = copy(self)
+        other.digits = digits
+        return other
+
+    def at(self, t: Fraction) -> dict[str, Ball]:
+        """Every quantity at the exact time t [s]; raises NotCertifiedError where it cannot be proved."""
+        return self._certified(lambda: self.evaluate(arb_of(t)), f"at t = {float(t):.17g} s")
+
+    def scalars(self) -> dict[str, Ball]:
+        """Values that do not depend on time."""
+        return self._certified(self.constants, "scalars")
+
+    def _certified(self, evaluate: Callable[[], dict[str, arb]], what: str) -> dict[str, Ball]:
+        smallest = min([size for size in self.scale.values() if size > 0], default=Fraction(1))
+        target = min(Fraction(1), smallest) / 10**self.digits
+        balls = refined(evaluate, target)
+        if balls is None:
+            raise NotCertifiedError(f"{what}: balls cannot decide a branch at the highest precision; move the start off the boundary")
+        if any(ball.radius > target for ball in balls.values()):
+            worst = max(balls, key=lambda name: balls[name].radius)
+            raise NotCertifiedError(f"{what}: radius of {worst} stays at {float(balls[worst].radius):.3g}; ask for fewer digits")
+        return balls
+
+    def sensitivity(self, t: Fraction) -> float:
+        """S(t) >= 1: the largest change of a quantity at t (in its scale) when every coordinate of the start moves by its scale.
+
+        max over quantities i of sum over j |d quantity_i(t)/scale_i over d start_j/scale_j|, an upper bound of the balls of
+        central differences; exact to the order of the displacement squared.
+        """
+        if ("sensitivity", t) not in self.kept:
+            self.kept["sensitivity", t] = self._sensitivity(t)
+        found: float = self.kept["sensitivity", t]
+        return found
+
+    def _sensitivity(self, t: Fraction) -> float:
+        bits = SENSITIVITY_BITS
+        while True:
+            with precision(bits):
+                try:
+                    rows = self.response(t)
+                    if all(row.is_finite() and row.rad() <= (row.abs_lower() + 1) * arb(1e-3) for row in rows):
+                        return max(1.0, *(float(row.upper()) * (1 + 2.0**-50) for row in rows))
+                except UndecidedError:
+                    pass
+            bits *= 2
+            if bits > 16384:
+                raise NotCertifiedError(f"at t = {float(t):.17g} s: no sensitivity, the motion is not differentiable in its start")
+
+    def response(self, t: Fraction) -> list[arb]:
+        """For every quantity, the sum over the coordinates of the start of its scaled response at t."""
+        columns = [self.column(axis, t) for axis in range(len(self.state))]
+        return [sum((column[i] for column in columns), arb(0)) for i in range(len(columns[0]))]
+
+    def column(self, axis: int, t: Fraction) -> list[arb]:
+        """|d quantity_i(t)/scale_i over d start/scale| for one coordinate of the start, one i after another."""
+        plus, minus = (displaced.evaluate(arb_of(t)) for displaced in self._pair(axis))
+        return [size / arb_of(2 * DISPLACEMENT) for size in self.differences(plus, minus)]
+
+    def differences(self, plus: dict[str, arb], minus: dict[str, arb]) -> list[arb]:
+        """Sizes of the differences of two states, each in its scale; an attitude overrides this to compare as a rotation."""
+        return [abs(plus[name] - minus[name]) / arb_of(self.scale[name]) for name in plus]
+
+    def _pair(self, axis: int) -> tuple["ClosedForm", "ClosedForm"]:
+        if ("pair", axis) not in self.kept:
+            amount = DISPLACEMENT * self.scale[self.state[axis]]
+            self.kept["pair", axis] = self.displaced(axis, amount), self.displaced(axis, -amount)
+        found: tuple[ClosedForm, ClosedForm] = self.kept["pair", axis]
+        return found

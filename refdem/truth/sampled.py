@@ -1,0 +1,45 @@
+"""Truth at the samples of one problem, rounded to doubles with radii: what judging reads and the store keeps."""
+
+from collections.abc import Sequence
+from fractions import Fraction
+
+from refdem.core.truth import SampledTruth, Truth
+from refdem.errors import NotCertifiedError
+
+
+def sampled(truth: Truth, times: Sequence[float]) -> SampledTruth:
+    """The truth at these exact binary64 times [s], up to the first at which it cannot be certified."""
+    values: dict[str, list[float]] = {}
+    radii: dict[str, list[float]] = {}
+    sensitivity: list[float] = []
+    reason = ""
+    for t in times:
+        try:
+            balls, growth = truth.at(Fraction(float(t))), truth.sensitivity(Fraction(float(t)))
+        except NotCertifiedError as error:
+            reason = str(error)
+            break
+        sensitivity.append(growth)
+        for name, ball in balls.items():
+            value, radius = ball.rounded()
+            values.setdefault(name, []).append(value)
+            radii.setdefault(name, []).append(radius)
+    return SampledTruth(
+        t=[float(t) for t in times],
+        values=values,
+        radii=radii,
+        sensitivity=sensitivity,
+        scalars=rounded_scalars(truth),
+        method=truth.method,
+        witness=truth.witness,
+        until=len(sensitivity),
+        reason=reason,
+    )
+
+
+def rounded_scalars(truth: Truth) -> dict[str, tuple[float, float]]:
+    """The scalars as doubles with radii; none if they cannot be certified."""
+    try:
+        return {name: ball.rounded() for name, ball in truth.scalars().items()}
+    except NotCertifiedError:
+        return {}
