@@ -5,12 +5,18 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import ClassVar
 
+import numpy as np
+from numpy.typing import NDArray
+
+from refdem.core import refinement
 from refdem.core.case import Instance
 from refdem.core.engine import Method
 from refdem.core.finding import Finding
 from refdem.core.trajectory import Cost, Trajectory
 from refdem.core.truth import SampledTruth
 from refdem.core.variant import Variant
+
+Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)
@@ -27,6 +33,27 @@ class Trial:
     def finest(self) -> Variant:
         """The plain run of the finest level."""
         return Variant(self.levels[-1])
+
+    def round_off(self, level: float) -> float:
+        """Relative round-off that a run at this level may show."""
+        return refinement.round_off(self.instance, self.method, refinement.steps_at(self.instance, self.method, level))
+
+    def truncation(self, level: float) -> Array:
+        """Relative truncation error (T,) allowed at this level."""
+        return refinement.truncation(self.instance, self.method, level, self.instance.times)
+
+    def bound(self, level: float) -> Array:
+        """Relative error (until,) allowed at every certified sample."""
+        if self.truth is None:
+            raise ValueError("a bound on the state needs truth")
+        return refinement.bound(self.instance, self.method, level, self.truth)
+
+    def kept(self, claim: str, level: float) -> tuple[Array, str]:
+        """Bound (T,) on the change of something constant, and its basis: round-off if the method claims to keep it."""
+        rounding = np.full(len(self.instance.times), self.round_off(level))
+        if claim in self.method.conserves or self.method.control == "exact":
+            return rounding, "the method claims to keep it to round-off, c u sqrt(n)"
+        return rounding + self.truncation(level), "the truncation error that the method may make"
 
     @property
     def plain(self) -> tuple[Variant, ...]:

@@ -77,9 +77,7 @@ class Request:
     def document(self) -> RequestDocument:
         """The request as JSON has it."""
         scene = self.problem.scene.document()
-        return RequestDocument(
-            method=self.method, step=self.step, tolerance=self.tolerance, times=self.problem.times.tolist(), scene=scene
-        )
+        return RequestDocument(method=self.method, step=self.step, tolerance=self.tolerance, times=self.problem.times.tolist(), scene=scene)
 
     def key(self, *fingerprints: str) -> str:
         """sha256 of the request, of which repetition it is, and of the fingerprints of engine and kernels."""

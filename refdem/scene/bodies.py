@@ -108,4 +108,6 @@ def _refuse_shape(shape: Shape, where: str) -> None:
     if isinstance(shape, Polyhedron):
         count = len(shape.vertices)
         if count < 4 or any(not 0 <= v < count for face in shape.faces for v in face):
-            raise SceneError(f"{where}.shape: {count} vertices and faces that name others; expected at least 4, faces naming 0..{count - 1}")
+            raise SceneError(
+                f"{where}.shape: {count} vertices and faces that name others; expected at least 4, faces naming 0..{count - 1}"
+            )

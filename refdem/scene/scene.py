@@ -1,8 +1,9 @@
 """A scene: bodies and elements, engine-neutral, SI, frozen, JSON both ways."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Any, Sequence, TypeVar
+from typing import Any, TypeVar
 
 import msgspec
 import numpy as np
@@ -102,4 +103,6 @@ class Scene:
 def _refuse_ends(link: Link, count: int, where: str) -> None:
     """Raises SceneError if a link names bodies that do not exist."""
     if not 0 <= link.a < count or not -1 <= link.b < count or link.a == link.b:
-        raise SceneError(f"{where}: joins bodies {link.a} and {link.b}; expected two different ones of 0..{count - 1}, b may be -1 (the world)")
+        raise SceneError(
+            f"{where}: joins bodies {link.a} and {link.b}; expected two different ones of 0..{count - 1}, b may be -1 (the world)"
+        )

@@ -1,6 +1,6 @@
 """The contact law between shapes that meet: linear spring-dashpot with tangential spring and Coulomb limit, or rigid."""
 
-from typing import Any, ClassVar, Literal
+from typing import Any, Literal
 
 import numpy as np
 
@@ -27,7 +27,10 @@ class Contact(Element, frozen=True, kw_only=True, tag="contact"):
     branch: Literal["R", "R-d", "R-d/2"] = "R-d/2"
     cutoff: Literal["zero_overlap", "zero_force"] = "zero_overlap"
 
-    conservative: ClassVar[bool] = False
+    @property
+    def conservative(self) -> bool:  # type: ignore[override]
+        """Neither damping nor friction, and a rigid law that gives everything back."""
+        return self.damping == 0 and self.friction == 0 and (self.law == "linear" or self.restitution == 1)
 
     def features(self) -> frozenset[str]:
         """The law, and friction where there is some."""

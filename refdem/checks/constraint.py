@@ -1,0 +1,62 @@
+"""Constraint drift: rods keep their length, and their ends no relative speed along them."""
+
+from collections.abc import Mapping
+
+import numpy as np
+
+from refdem.core.check import Check, Outcome, Trial
+from refdem.core.finding import Finding
+from refdem.core.judgement import Array, worst
+from refdem.core.trajectory import Trajectory
+from refdem.core.variant import Variant
+from refdem.scene.elements.rod import Rod
+
+
+class Constraint(Check):
+    """Length to round-off where the method claims it, else to its truncation error."""
+
+    name = "constraint"
+    title = "Constraint drift"
+    kills = "a multiplier solved loosely, a rod that is a stiff spring, positions projected and velocities not"
+
+    def applies(self, trial: Trial) -> str | None:
+        """Scenes with rods between points."""
+        return None if trial.instance.scene.all(Rod) else "there is no constraint"
+
+    def needs(self, trial: Trial) -> tuple[Variant, ...]:
+        """The coarsest level."""
+        return (Variant(trial.levels[0]),)
+
+    def judge(self, trial: Trial, runs: Mapping[Variant, Outcome]) -> list[Finding]:
+        """Drift of length and of velocity."""
+        level = trial.levels[0]
+        allowed, basis = trial.kept("constraint", level)
+        return [
+            worst(
+                check=self.name,
+                quantity=quantity,
+                t=trial.instance.times,
+                values=drift,
+                allowed=allowed,
+                unit="1",
+                basis=basis,
+                what=f"The drift of the rods' {quantity}, in units of its scale,",
+            )
+            for quantity, drift in _drifts(trial, runs[Variant(level)].trajectory).items()
+        ]
+
+
+def _drifts(trial: Trial, run: Trajectory) -> dict[str, Array]:
+    """Largest drift (T,) of any rod: length over L, and relative speed along the rod over L/tau."""
+    length, speed = np.zeros(len(run.t)), np.zeros(len(run.t))
+    for rod in trial.instance.scene.all(Rod):
+        first, second = rod.ends(run.position, run.attitude)
+        apart = first - second
+        distance = np.linalg.norm(apart, axis=1)
+        relative = run.velocity[:, rod.a] - (run.velocity[:, rod.b] if rod.b >= 0 else 0.0)
+        length = np.maximum(length, np.abs(distance - rod.length) / trial.instance.scales.length)
+        speed = np.maximum(speed, np.abs(np.sum(apart * relative, axis=1)) / distance / trial.instance.scales.speed)
+    return {"length": length, "velocity": speed}
+
+
+CHECK = Constraint()

@@ -1,0 +1,58 @@
+"""Determinism: the same request twice gives the same bits, and asking for more output changes nothing."""
+
+from collections.abc import Mapping
+
+import numpy as np
+
+from refdem.core.check import Check, Outcome, Trial
+from refdem.core.finding import Finding
+from refdem.core.judgement import judged
+from refdem.core.trajectory import STATE, Trajectory
+from refdem.core.variant import Variant
+
+DENSER = 4
+
+
+class Determinism(Check):
+    """Bit-equal on one machine."""
+
+    name = "determinism"
+    title = "Determinism"
+    kills = "state left over from an earlier run, uninitialised memory, output that changes the trajectory"
+
+    def applies(self, trial: Trial) -> str | None:
+        """Methods that claim it."""
+        return None if trial.method.deterministic else "the method does not claim it"
+
+    def needs(self, trial: Trial) -> tuple[Variant, ...]:
+        """The coarsest level that is not coarser than the denser output, again, and with denser output."""
+        level = self._level(trial)
+        return (Variant(level), Variant(level, "repeated"), Variant(level, "denser_output", DENSER))
+
+    def _level(self, trial: Trial) -> float:
+        interval = trial.instance.problem.interval
+        fitting = [level for level in trial.levels if trial.method.control != "step" or level <= interval / DENSER]
+        return fitting[0] if fitting else trial.levels[-1]
+
+    def judge(self, trial: Trial, runs: Mapping[Variant, Outcome]) -> list[Finding]:
+        """The largest difference of any number, twice."""
+        base, again, denser = (runs[variant].trajectory for variant in self.needs(trial))
+        step = trial.method.control == "step"
+        found = [
+            judged(check=self.name, quantity="repeated", value=_difference(base, again, 1), bound=0.0, unit="1",
+                   basis="the same request has the same answer, to the last bit", what="The largest difference between two runs of one request")
+        ]  # fmt: skip
+        if step and trial.levels[-1] <= trial.instance.problem.interval / DENSER:
+            found.append(
+                judged(check=self.name, quantity="output-rate", value=_difference(base, denser, DENSER), bound=0.0, unit="1",
+                       basis="output is read, never written: the bits stay the same", what=f"The largest difference when {DENSER} times the samples are asked for")
+            )  # fmt: skip
+        return found
+
+
+def _difference(a: Trajectory, b: Trajectory, stride: int) -> float:
+    """Largest absolute difference of any state at the same sample."""
+    return max(float(np.max(np.abs(getattr(a, name) - getattr(b, name)[::stride]))) for name in STATE)
+
+
+CHECK = Determinism()

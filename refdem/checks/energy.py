@@ -1,0 +1,87 @@
+"""Energy, or the work-energy balance where something dissipates."""
+
+from collections.abc import Mapping
+
+import numpy as np
+
+from refdem.core.balance import energy_scale, mechanical
+from refdem.core.check import Check, Outcome, Trial
+from refdem.core.finding import Finding
+from refdem.core.judgement import judged, worst
+from refdem.core.variant import Variant
+
+TERMS = 2.0
+"""Kinetic and potential energy each err by the bound on the state."""
+
+
+class Energy(Check):
+    """What goes in comes out, at the coarsest and the finest level; a symplectic method has no secular drift."""
+
+    name = "energy"
+    title = "Energy balance"
+    kills = "a force that does not come from its potential, work counted twice, a missing gyroscopic term"
+
+    def applies(self, trial: Trial) -> str | None:
+        """Where the potential energy is known at every sample."""
+        features = trial.instance.scene.features
+        if {"contact:friction", "contact:linear"} <= features:
+            return "the tangential contact springs hold energy that no trajectory shows"
+        if "contact:rigid" in features:
+            return "rigid contacts have no potential"
+        return None
+
+    def needs(self, trial: Trial) -> tuple[Variant, ...]:
+        """The coarsest and the finest level."""
+        return tuple(dict.fromkeys((Variant(trial.levels[0]), trial.finest)))
+
+    def judge(self, trial: Trial, runs: Mapping[Variant, Outcome]) -> list[Finding]:
+        """Balance at each level; drift at the finest one if the method claims to have none."""
+        found = [
+            self._balance(trial, variant, runs[variant], name)
+            for variant, name in zip(self.needs(trial), ("balance", "finest"), strict=False)
+        ]
+        if trial.method.symplectic and trial.method.control == "step" and trial.instance.scene.is_conservative():
+            found.append(self._drift(trial, runs[trial.finest]))
+        return found
+
+    def _balance(self, trial: Trial, variant: Variant, run: Outcome, quantity: str) -> Finding:
+        scene, scale = trial.instance.scene, energy_scale(trial.instance)
+        energy = mechanical(scene, run.trajectory)
+        what = "The change of kinetic and potential energy"
+        change = np.abs(energy - energy[0]) / scale
+        if not scene.is_conservative():
+            work = run.trajectory.channels.get("dissipated_work")
+            if work is None:
+                what, change = "The rise of energy above any earlier value", (energy - np.minimum.accumulate(energy)) / scale
+            else:
+                what, change = (
+                    "The change of energy plus dissipated work",
+                    np.abs(energy + work.reshape(len(energy), -1).sum(axis=1) - energy[0]) / scale,
+                )
+        allowed, basis = trial.kept("energy", variant.level)
+        return worst(
+            check=self.name,
+            quantity=quantity,
+            t=trial.instance.times,
+            values=change,
+            allowed=TERMS * allowed,
+            unit="1",
+            basis=f"{basis}, for each of two terms",
+            what=f"{what}, in units of the energy at the start,",
+        )
+
+    def _drift(self, trial: Trial, run: Outcome) -> Finding:
+        """Secular drift: the mean over the last quarter against the mean over the first."""
+        energy = mechanical(trial.instance.scene, run.trajectory) / energy_scale(trial.instance)
+        quarter = max(1, len(energy) // 4)
+        drift = abs(float(np.mean(energy[-quarter:]) - np.mean(energy[:quarter])))
+        level, order = trial.levels[-1], trial.method.order_for(trial.instance.scene.features)
+        allowed = TERMS * (trial.method.constant * (level / trial.instance.scales.tau) ** order + trial.round_off(level))
+        return judged(
+            check=self.name, quantity="drift", value=drift, bound=allowed, unit="1",
+            basis=f"a symplectic method of order {order} keeps its energy error at (h/tau)^{order}, whatever the time",
+            what="The mean energy of the last quarter of the run against that of the first, in units of the energy at the start,",
+        )  # fmt: skip
+
+
+CHECK = Energy()

@@ -1,0 +1,55 @@
+"""Number of flips of a body that tumbles about its intermediate axis."""
+
+from collections.abc import Mapping
+
+import numpy as np
+
+from refdem.core.check import Check, Outcome, Trial
+from refdem.core.finding import Finding
+from refdem.core.judgement import Array, certified, judged, no_truth, undecided
+from refdem.core.refinement import scored
+from refdem.core.variant import Variant
+
+
+class Flips(Check):
+    """As many sign changes of omega about the intermediate axis as truth has, at the finest level."""
+
+    name = "flips"
+    title = "Number of flips"
+    kills = "a missing or wrong gyroscopic term, inertia axes mixed up"
+
+    def applies(self, trial: Trial) -> str | None:
+        """One tumbling body without elements."""
+        scene = trial.instance.scene
+        if "tumbling" not in scene.features or scene.elements or len(scene.bodies) != 1:
+            return "there is no free body that tumbles"
+        return None
+
+    def needs(self, trial: Trial) -> tuple[Variant, ...]:
+        """The finest level."""
+        return (trial.finest,)
+
+    def judge(self, trial: Trial, runs: Mapping[Variant, Outcome]) -> list[Finding]:
+        """The difference of the two numbers, as far as the run is scored."""
+        truth = certified(trial)
+        if truth is None:
+            return [undecided(self.name, "flips", no_truth(trial))]
+        count = scored(trial.bound(trial.levels[-1]))
+        axis = "xyz"[int(np.argsort(trial.instance.scene.bodies.inertia[0])[1])]
+        name = f"omega_body.{axis}"
+        seen = _flips(trial.instance.observe(runs[trial.finest].trajectory)[name][:count])
+        true = _flips(truth.value(name)[:count])
+        what = f"Truth flips {true} times about axis {axis} and the run {seen} times up to t = {trial.instance.times[count - 1]:.4g} s; the difference"
+        return [
+            judged(check=self.name, quantity="flips", value=float(abs(seen - true)), bound=0.0, unit="1",
+                   basis="a number of flips is a whole number", what=what)
+        ]  # fmt: skip
+
+
+def _flips(omega: Array) -> int:
+    """Number of sign changes."""
+    signs = np.sign(omega[omega != 0])
+    return int(np.count_nonzero(signs[1:] != signs[:-1]))
+
+
+CHECK = Flips()

@@ -1,0 +1,88 @@
+"""Observed order of convergence: halving the step must divide the error by 2^p."""
+
+from collections.abc import Mapping
+
+import numpy as np
+
+from refdem.core.check import Check, Outcome, Trial
+from refdem.core.finding import Finding
+from refdem.core.judgement import Array, certified, errors, judged, no_truth, undecided
+from refdem.core.refinement import COUNTING_FLOOR, scored
+from refdem.core.variant import Variant
+
+
+class Order(Check):
+    """All pairs of neighbouring levels reach the claimed order."""
+
+    name = "order"
+    title = "Observed order"
+    kills = "a wrong coefficient in the integrator, a force taken at the wrong time level"
+
+    def applies(self, trial: Trial) -> str | None:
+        """Methods with a fixed step."""
+        return None if trial.method.control == "step" else f"the method is controlled by {trial.method.control}, not by a step"
+
+    def needs(self, trial: Trial) -> tuple[Variant, ...]:
+        """The plain run of every level."""
+        return trial.plain
+
+    def judge(self, trial: Trial, runs: Mapping[Variant, Outcome]) -> list[Finding]:
+        """One finding for the state: the largest scaled error of any quantity."""
+        truth = certified(trial)
+        if truth is None:
+            return [undecided(self.name, "state", no_truth(trial))]
+        claimed = trial.method.order_for(trial.instance.scene.features)
+        counting, common = _counting(trial)
+        if len(counting) < 3:
+            return [
+                undecided(
+                    self.name, "state", f"{len(counting)} levels count (their bound lies between 20 x round-off and 0.1); 3 are needed"
+                )
+            ]
+        seen = [
+            max(float(np.max(e[:common])) for e in errors(trial.instance, runs[Variant(h)].trajectory, truth).values()) for h in counting
+        ]
+        floor = [COUNTING_FLOOR * _floor(trial, h) for h in counting]
+        if all(error <= low for error, low in zip(seen, floor, strict=True)):
+            return [
+                judged(check=self.name, quantity="state", value=max(seen), bound=max(floor), unit="1",
+                       basis="20 times round-off, so there is no truncation error left to halve", what="The error at every level")
+            ]  # fmt: skip
+        orders = [
+            float(np.log2(a / b)) if b > low else float(claimed)
+            for a, b, low in zip(seen, seen[1:], floor[1:], strict=False)
+        ]  # fmt: skip
+        deficit = max(0.0, claimed - min(orders))
+        listed = ", ".join(f"{order:.2f}" for order in orders)
+        return [
+            judged(check=self.name, quantity="state", value=deficit, bound=max(0.15, 0.05 * claimed), unit="1",
+                   basis=f"order {claimed} is claimed and every pair of levels must reach it within max(0.15, 0.05 p)",
+                   what=f"The observed order from pair to pair is {listed}; what the lowest lacks", order_seen=orders[-1], order_claimed=float(claimed))
+        ]  # fmt: skip
+
+
+def _counting(trial: Trial) -> tuple[list[float], int]:
+    """Levels whose bound lies between 20 x round-off and a tenth of the scale, and the samples that all of them score.
+
+    Where the sensitivity carries every bound past a tenth, the levels are compared on the samples that the third finest scores.
+    """
+    truth = trial.truth
+    assert truth is not None
+    ranges = {h: scored(trial.bound(h)) for h in trial.levels}
+    common = min(len(truth.growth()), max(sorted(ranges.values(), reverse=True)[min(2, len(ranges) - 1)], 0))
+    if common < 2:
+        return [], 0
+    allowed: dict[float, Array] = {h: trial.bound(h)[:common] for h in trial.levels}
+    counting = [
+        h for h in trial.levels if ranges[h] >= common and allowed[h][-1] >= COUNTING_FLOOR * _floor(trial, h)
+    ]  # fmt: skip
+    return counting, common
+
+
+def _floor(trial: Trial, level: float) -> float:
+    """Round-off at a level, times the sensitivity."""
+    assert trial.truth is not None
+    return trial.round_off(level) * float(trial.truth.growth()[-1])
+
+
+CHECK = Order()

@@ -1,0 +1,45 @@
+"""Attitudes are unit quaternions."""
+
+from collections.abc import Mapping
+
+import numpy as np
+
+from refdem.core.check import Check, Outcome, Trial
+from refdem.core.finding import Finding
+from refdem.core.judgement import worst
+from refdem.core.variant import Variant
+
+
+class QuaternionNorm(Check):
+    """|q| = 1 to round-off at every sample of the coarsest level."""
+
+    name = "quaternion-norm"
+    title = "Quaternion norm"
+    kills = "an attitude that is integrated and never normalised"
+
+    def applies(self, trial: Trial) -> str | None:
+        """Scenes in which something turns."""
+        return None if "rotation" in trial.instance.scene.features else "nothing turns"
+
+    def needs(self, trial: Trial) -> tuple[Variant, ...]:
+        """The coarsest level."""
+        return (Variant(trial.levels[0]),)
+
+    def judge(self, trial: Trial, runs: Mapping[Variant, Outcome]) -> list[Finding]:
+        """The largest | |q| - 1 | of any body."""
+        level = trial.levels[0]
+        return [
+            worst(
+                check=self.name,
+                quantity="norm",
+                t=trial.instance.times,
+                values=np.abs(np.linalg.norm(runs[Variant(level)].trajectory.attitude, axis=-1) - 1).max(axis=1),
+                allowed=trial.round_off(level),
+                unit="1",
+                basis="an attitude is a unit quaternion at every step, to round-off c u sqrt(n)",
+                what="The largest deviation of |q| from 1",
+            )
+        ]
+
+
+CHECK = QuaternionNorm()

@@ -1,0 +1,57 @@
+"""Rest stays rest: a body that no net force moves does not move."""
+
+from collections.abc import Mapping
+
+import numpy as np
+
+from refdem.core.check import Check, Outcome, Trial
+from refdem.core.finding import Finding
+from refdem.core.judgement import certified, no_truth, undecided, worst
+from refdem.core.variant import Variant
+
+
+class Rest(Check):
+    """No displacement and no speed at the finest level, where there are most steps to creep in."""
+
+    name = "rest"
+    title = "Rest stays rest"
+    kills = "sgn(0) = 0 in a friction law, contact that sinks or jitters, gravity not balanced"
+
+    def applies(self, trial: Trial) -> str | None:
+        """Scenes that start at rest and, as truth says, stay there."""
+        bodies = trial.instance.scene.bodies
+        if np.any(bodies.velocity) or np.any(bodies.omega):
+            return "something moves from the start"
+        if trial.truth is not None and any(np.ptp(values[: trial.truth.until]) > 0 for values in trial.truth.values.values() if values):
+            return "it does not stay at rest"
+        return None
+
+    def needs(self, trial: Trial) -> tuple[Variant, ...]:
+        """The finest level."""
+        return (trial.finest,)
+
+    def judge(self, trial: Trial, runs: Mapping[Variant, Outcome]) -> list[Finding]:
+        """Largest displacement and largest speed of any body."""
+        if certified(trial) is None:
+            return [undecided(self.name, "rest", no_truth(trial))]
+        run, scales = runs[trial.finest].trajectory, trial.instance.scales
+        sizes = {
+            "displacement": np.linalg.norm(run.position - trial.instance.scene.bodies.position, axis=-1).max(axis=1) / scales.length,
+            "speed": np.linalg.norm(run.velocity, axis=-1).max(axis=1) / scales.speed,
+        }
+        return [
+            worst(
+                check=self.name,
+                quantity=name,
+                t=trial.instance.times,
+                values=size,
+                allowed=trial.round_off(trial.levels[-1]),
+                unit="1",
+                basis="a resting body stays at rest whatever the step, to round-off c u sqrt(n)",
+                what=f"The largest {name} of any body, in units of its scale,",
+            )
+            for name, size in sizes.items()
+        ]
+
+
+CHECK = Rest()

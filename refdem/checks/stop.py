@@ -1,0 +1,75 @@
+"""Where and when dry friction stops a body for ever."""
+
+from collections.abc import Mapping
+
+import numpy as np
+
+from refdem.core.check import Check, Outcome, Trial
+from refdem.core.finding import Finding
+from refdem.core.judgement import certified, judged, no_truth, undecided
+from refdem.core.trajectory import Trajectory
+from refdem.core.variant import Variant
+from refdem.scene.elements.slider import Slider
+
+
+class Stop(Check):
+    """Place and time of the stop at the finest level, and no creep afterwards."""
+
+    name = "stop"
+    title = "Stop and sticking"
+    kills = "a wrong friction force or its sign, friction that lets a body creep, sgn(0) = 0"
+
+    def applies(self, trial: Trial) -> str | None:
+        """Scenes with dry friction that truth says come to rest."""
+        if not trial.instance.scene.all(Slider):
+            return "there is no dry friction"
+        if trial.truth is not None and "stop_time" not in trial.truth.scalars:
+            return "it does not stop"
+        return None
+
+    def needs(self, trial: Trial) -> tuple[Variant, ...]:
+        """The finest level."""
+        return (trial.finest,)
+
+    def judge(self, trial: Trial, runs: Mapping[Variant, Outcome]) -> list[Finding]:
+        """Stop position, stop time, and the speed left afterwards."""
+        truth = certified(trial)
+        if truth is None:
+            return [undecided(self.name, "stop", no_truth(trial))]
+        stop, _ = truth.scalars["stop_time"]
+        place, radius = truth.scalars["stop_position"]
+        run, t, scales = runs[trial.finest].trajectory, trial.instance.times, trial.instance.scales
+        if stop >= t[-1]:
+            return [undecided(self.name, "stop", f"the run ends at t = {t[-1]:.4g} s, before the stop at {stop:.4g} s")]
+        level = trial.levels[-1]
+        allowed = float(trial.bound(level)[-1])
+        rounding = trial.round_off(level)
+        after = t > stop + allowed * scales.tau
+        reached = abs(float(run.position[-1, 0, 0]) - place) / scales.length
+        creep = float(np.ptp(run.position[after, 0, 0])) / scales.length if after.any() else 0.0
+        return [
+            judged(check=self.name, quantity="stop_position", value=max(0.0, reached - radius), bound=allowed, unit="1",
+                   basis="the bound on the state at the end of the run", what=f"The distance of the last position from the true stop at x = {place:.6g} m, in units of L,"),
+            self._time(trial, run, stop, allowed, rounding),
+            judged(check=self.name, quantity="creep", value=creep, bound=rounding, unit="1",
+                   basis="Sgn(0) = [-1, 1]: what sticks stays, to round-off c u sqrt(n)", what="The way crept after the stop, in units of L,"),
+        ]  # fmt: skip
+
+    def _time(self, trial: Trial, run: Trajectory, stop: float, allowed: float, rounding: float) -> Finding:
+        """The engine's own event if it reports one; else the sample after which the speed stays at zero."""
+        t, tau = trial.instance.times, trial.instance.scales.tau
+        told = [event.time for event in run.events if event.kind == "stop"]
+        if told:
+            seen, slack, how = told[-1], 0.0, "as the engine reports it"
+        else:
+            speed = np.abs(run.velocity[:, 0, 0]) / trial.instance.scales.speed
+            moving = np.flatnonzero(speed > max(allowed, rounding))
+            seen, slack, how = (t[moving[-1]] if len(moving) else 0.0), trial.instance.problem.interval, "the last sample that moves"
+        return judged(
+            check=self.name, quantity="stop_time", value=abs(seen - stop) / tau, bound=allowed + (slack / tau), unit="1",
+            basis="the bound on the state" + (" and the interval between samples" if slack else ""),
+            what=f"The distance of the stop time ({how}) from the true one, {stop:.6g} s, in units of tau,",
+        )  # fmt: skip
+
+
+CHECK = Stop()

@@ -1,0 +1,99 @@
+"""From measured values to findings: errors against truth in units of each quantity's scale, and the verdict itself."""
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from refdem.core.case import Instance
+from refdem.core.check import Trial
+from refdem.core.finding import Finding, Series
+from refdem.core.trajectory import Trajectory
+from refdem.core.truth import SampledTruth
+from refdem.errors import EngineError
+
+Array = NDArray[np.float64]
+
+MOST_POINTS = 256
+"""Points that a curve in a record keeps; the largest value of each stretch is the one that is kept."""
+
+
+def judged(*, check: str, quantity: str, value: float, bound: float, unit: str, basis: str, what: str, **more: Any) -> Finding:
+    """The finding for `value <= bound`; a value that is not a number fails. `what` says in words what was measured."""
+    holds = bool(value <= bound)
+    size = "exactly 0" if value == 0 else f"{value:.2g}" + (f" {unit}" if unit != "1" else "")
+    limit = "0" if bound == 0 else f"{bound:.2g}"
+    sentence = f"{what} is {size}, {'within' if holds else 'beyond'} the bound {limit}: {basis}."
+    return Finding(
+        check=check, quantity=quantity, outcome="pass" if holds else "fail", sentence=sentence,
+        value=float(value), bound=float(bound), unit=unit, basis=basis, **more,
+    )  # fmt: skip
+
+
+def worst(*, check: str, quantity: str, t: Array, values: Array, allowed: Array | float, **more: Any) -> Finding:
+    """The finding at the sample that comes nearest to its bound, with the whole curve."""
+    bounds = np.broadcast_to(np.asarray(allowed, float), values.shape)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        ratio = np.where(values > 0, values / bounds, 0.0)
+    point = int(np.argmax(ratio))
+    series = curve(t, values, bounds)
+    return judged(check=check, quantity=quantity, value=float(values[point]), bound=float(bounds[point]), series=series, **more)
+
+
+def undecided(check: str, quantity: str, why: str) -> Finding:
+    """A finding that decides nothing, with the reason."""
+    return Finding(check=check, quantity=quantity, outcome="undecided", sentence=f"Not decided: {why}.")
+
+
+def certified(trial: Trial) -> SampledTruth | None:
+    """The truth if at least two samples of it are certified."""
+    return trial.truth if trial.truth is not None and trial.truth.until >= 2 else None
+
+
+def no_truth(trial: Trial) -> str:
+    """Why there is nothing to compare with."""
+    return trial.truth_reason or (trial.truth.reason if trial.truth else "") or "no certified truth"
+
+
+def errors(instance: Instance, trajectory: Trajectory, truth: SampledTruth) -> dict[str, Array]:
+    """Error (until,) of every quantity against truth, in units of its scale, less the radius that truth itself has.
+
+    Angles modulo 2 pi; the components of an attitude together as the angle of one rotation. Raises EngineError if
+    nothing can be compared.
+    """
+    observed, until = instance.observe(trajectory), truth.until
+    found: dict[str, Array] = {}
+    for name, values in observed.items():
+        quantity = instance.quantities[name]
+        if quantity.group or name not in truth.values:
+            continue
+        difference = values[:until] - truth.value(name)
+        if quantity.angle:
+            difference = np.remainder(difference + np.pi, 2 * np.pi) - np.pi
+        found[name] = np.maximum(0.0, np.abs(difference) - truth.radius(name)) / quantity.scale
+    parts = [f"attitude.{axis}" for axis in "wxyz"]
+    if all(name in observed and name in truth.values for name in parts):
+        found["attitude"] = _rotation_error(observed, truth, parts)
+    if not found:
+        raise EngineError("the trajectory shows none of the quantities of the case; expected " + ", ".join(instance.quantities))
+    return found
+
+
+def _rotation_error(observed: dict[str, Array], truth: SampledTruth, parts: list[str]) -> Array:
+    """Angle (until,) [rad] between observed and true attitude, less the radius of the truth."""
+    from refdem.mechanics.quaternion import angle_between
+
+    seen = np.stack([observed[name][: truth.until] for name in parts], axis=-1)
+    seen = seen / np.linalg.norm(seen, axis=-1, keepdims=True)
+    true = np.stack([truth.value(name) for name in parts], axis=-1)
+    radius = 2.0 * np.max([truth.radius(name) for name in parts], axis=0)
+    return np.maximum(0.0, angle_between(seen, true) - radius)
+
+
+def curve(t: Array, value: Array, bound: Array | float) -> Series:
+    """A curve of at most MOST_POINTS points that keeps the largest value of each stretch."""
+    bound = np.broadcast_to(np.asarray(bound, float), value.shape)
+    pick = np.arange(len(value))
+    if len(value) > MOST_POINTS:
+        pick = np.array([part[np.argmax(value[part])] for part in np.array_split(pick, MOST_POINTS)])
+    return Series(t=t[pick].tolist(), value=value[pick].tolist(), bound=bound[pick].tolist())
