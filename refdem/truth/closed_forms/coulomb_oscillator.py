@@ -1,0 +1,128 @@
+"""The mass on a spring that rubs on its ground: m x'' + f Sgn(x') + k x = 0.
+
+While it slides, x(t) = c + A cos(...) about c = -+f/k; a turning point X maps to 2c - X, half a period pi/w later; it stops for
+ever at the first turning point with k|X| <= f (closed: Sgn(0) = [-1, 1]). Started at rest, all turning points are rational.
+
+S(t) needs no differences. For two motions, d/dt (k dx^2 + m dv^2)/2 = -dv (f Sgn(v1) - f Sgn(v2)) <= 0, since Sgn is monotone:
+the flow never stretches in the energy norm, through turning points and stops alike. With scales L and V the scaled Jacobian is
+D^-1 N D, |N| <= 1, D = diag(w L, V), so that its largest row sum is at most sqrt(1 + max(w L/V, V/(w L))^2).
+"""
+
+from collections.abc import Mapping
+from copy import copy
+from fractions import Fraction
+from math import ceil
+
+from flint import arb
+
+from refdem.core.parameters import Parameters
+from refdem.core.truth import Truth
+from refdem.errors import NotCertifiedError
+from refdem.truth.balls import UndecidedError, arb_of
+from refdem.truth.closed_form import ClosedForm, per_precision
+from refdem.truth.exact import numbers
+
+
+class CoulombOscillator(ClosedForm):
+    """x [m] and v [m/s] at t >= 0; scalars stop_time, stop_position and half_cycles (turning points after the start)."""
+
+    method = "half cycles about -+f/k; turning points in rationals from rest, else in balls"
+    witness = "Taylor series of each half cycle in rational arithmetic; energy lost = friction x path"
+    state = ("x", "v")
+
+    def __init__(
+        self, scale: Mapping[str, float], *, mass: Fraction, stiffness: Fraction, friction_force: Fraction, x0: Fraction, v0: Fraction
+    ) -> None:
+        super().__init__(scale)
+        self.mass, self.stiffness, self.shift, self.x0, self.v0 = mass, stiffness, friction_force / stiffness, x0, v0
+
+    def displaced(self, axis: int, amount: Fraction) -> "CoulombOscillator":
+        """The motion from a neighbouring start."""
+        other = copy(self)
+        other.kept = {}
+        other.x0, other.v0 = self.x0 + amount * (axis == 0), self.v0 + amount * (axis == 1)
+        return other
+
+    def sensitivity(self, t: Fraction) -> float:
+        """sqrt(1 + max(w L/V, V/(w L))^2) at all times: the flow is nonexpansive in the energy norm (see the module)."""
+        ratio = float(self.stiffness / self.mass) ** 0.5 * float(self.scale["x"] / self.scale["v"])
+        return float((1 + max(ratio, 1 / ratio) ** 2) ** 0.5 * (1 + 2.0**-48))
+
+    def evaluate(self, t: arb) -> dict[str, arb]:
+        """Position and velocity at t; the velocity is exactly 0 once it has stopped."""
+        if t < 0:
+            raise NotCertifiedError("t < 0: a body that friction brought to rest may have come from anywhere")
+        if self.shift and t >= self.turning_time(self.halves()):
+            return {"x": _ball(self.turning_point(self.halves())), "v": arb(0)}
+        opening = bool(t < self.turning_time(0))
+        number = 0 if opening else self._halves_until(t)
+        heading = _sign(self.v0) if opening else -_sign(self.turning_point(number))
+        rate, turning_point, centre = self.rate(), _ball(self.turning_point(number)), -heading * arb_of(self.shift)
+        sine, cosine = (rate * (t - self.turning_time(number))).sin_cos()
+        return {"x": centre + (turning_point - centre) * cosine, "v": -(turning_point - centre) * rate * sine}
+
+    def constants(self) -> dict[str, arb]:
+        """When and where it stops, and after how many half cycles; nothing without friction."""
+        if not self.shift:
+            return {}
+        halves = self.halves()
+        stop = {"stop_time": self.turning_time(halves), "stop_position": _ball(self.turning_point(halves))}
+        return {**stop, "half_cycles": arb(halves + (self.v0 != 0))}
+
+    def rate(self) -> arb:
+        """w = sqrt(k/m) [rad/s]."""
+        return arb_of(self.stiffness / self.mass).sqrt()
+
+    @per_precision
+    def opening(self) -> tuple[arb, Fraction | arb]:
+        """Time and place of the first turning point, which is the start itself if it starts at rest."""
+        if self.v0 == 0:
+            return arb(0), self.x0
+        heading = 1 if self.v0 > 0 else -1
+        away, swing = arb_of(self.x0 + heading * self.shift), arb_of(self.v0) / self.rate()
+        turning_point = heading * ((away * away + swing * swing).sqrt() - arb_of(self.shift))
+        return arb.atan2(abs(swing), heading * away) / self.rate(), turning_point
+
+    def turning_time(self, number: int) -> arb:
+        """When it turns for the (number + 1)-th time [s]."""
+        first: arb = self.opening()[0]
+        return first + number * arb.pi() / self.rate()
+
+    def turning_point(self, number: int) -> Fraction | arb:
+        """Where it turns after so many half cycles more [m]: exact from rest."""
+        first: Fraction | arb = self.opening()[1]
+        loss = 2 * number * self.shift * _sign(first) if number else Fraction(0)
+        side = (-1) ** number
+        return side * (first - loss) if isinstance(first, Fraction) else side * (first - arb_of(loss))
+
+    @per_precision
+    def halves(self) -> int:
+        """How many half cycles follow the first turning point: least n >= 0 with |X0| - 2 n f/k <= f/k."""
+        first = abs(self.opening()[1])
+        if isinstance(first, Fraction):
+            return max(0, ceil((first / self.shift - 1) / 2))
+        least = ((first / arb_of(self.shift) - 1) / 2).ceil().unique_fmpz()
+        if least is None:
+            raise UndecidedError("whether it stops at a turning point")
+        return max(0, int(least))
+
+    def _halves_until(self, t: arb) -> int:
+        number = ((t - self.turning_time(0)) * self.rate() / arb.pi()).floor().unique_fmpz()
+        if number is None:
+            raise UndecidedError("which half cycle it is in")
+        return int(number)
+
+
+def _ball(value: Fraction | arb) -> arb:
+    return value if isinstance(value, arb) else arb_of(value)
+
+
+def _sign(value: Fraction | arb) -> int:
+    if not (value > 0 or value < 0 or value == 0):
+        raise UndecidedError("on which side it turns")
+    return 1 if value > 0 else -1 if value < 0 else 0
+
+
+def truth(p: Parameters, scale: Mapping[str, float]) -> Truth:
+    """The truth at parameters mass, stiffness, friction_force, x0, v0; `scale` of x and v."""
+    return CoulombOscillator(scale, **numbers(p, "mass", "stiffness", "friction_force", "x0", "v0"))

@@ -1,0 +1,54 @@
+"""The mass on a linear spring that gravity stretches: m x'' = -k x + m g, x from the natural length.
+
+x(t) = c + (x0 - c) cos w t + (v0/w) sin w t with c = m g/k and w^2 = k/m; period 2 pi/w, whatever gravity is.
+"""
+
+from collections.abc import Mapping
+from copy import copy
+from fractions import Fraction
+
+from flint import arb
+
+from refdem.core.parameters import Parameters
+from refdem.core.truth import Truth
+from refdem.truth.balls import arb_of
+from refdem.truth.closed_form import ClosedForm
+from refdem.truth.exact import numbers
+
+
+class HarmonicOscillator(ClosedForm):
+    """x [m] and v [m/s] at t; gravity [m/s^2] acts along +x, so that x = m g/k is the equilibrium."""
+
+    method = "closed form"
+    witness = "Taylor series of the equation in rational arithmetic"
+    state = ("x", "v")
+
+    def __init__(
+        self, scale: Mapping[str, float], *, mass: Fraction, stiffness: Fraction, gravity: Fraction, x0: Fraction, v0: Fraction
+    ) -> None:
+        super().__init__(scale)
+        self.mass, self.stiffness, self.gravity, self.x0, self.v0 = mass, stiffness, gravity, x0, v0
+
+    def displaced(self, axis: int, amount: Fraction) -> "HarmonicOscillator":
+        """The motion from a neighbouring start."""
+        other = copy(self)
+        other.kept = {}
+        other.x0, other.v0 = self.x0 + amount * (axis == 0), self.v0 + amount * (axis == 1)
+        return other
+
+    def evaluate(self, t: arb) -> dict[str, arb]:
+        """Position and velocity at t."""
+        rate = arb_of(self.stiffness / self.mass).sqrt()
+        centre = self.mass * self.gravity / self.stiffness
+        away, v0 = arb_of(self.x0 - centre), arb_of(self.v0)
+        sine, cosine = (rate * t).sin_cos()
+        return {"x": arb_of(centre) + away * cosine + v0 / rate * sine, "v": v0 * cosine - away * rate * sine}
+
+    def constants(self) -> dict[str, arb]:
+        """The period [s]."""
+        return {"period": 2 * arb.pi() * arb_of(self.mass / self.stiffness).sqrt()}
+
+
+def truth(p: Parameters, scale: Mapping[str, float]) -> Truth:
+    """The truth at parameters mass, stiffness, gravity, x0, v0; `scale` of x and v."""
+    return HarmonicOscillator(scale, **numbers(p, "mass", "stiffness", "gravity", "x0", "v0"))

@@ -1,0 +1,102 @@
+"""Motion without force: straight lines at constant speed, steady spin about a principal axis, bodies that stay.
+
+r = r0 + v t, omega constant, q(t) = (cos |omega| t/2, sin(|omega| t/2) omega/|omega|) q0 (Newton 1687, law I; qdot = 1/2 omega q).
+"""
+
+from collections.abc import Iterable, Mapping, Sequence
+from copy import copy
+from fractions import Fraction
+
+from flint import arb
+
+from refdem.core.truth import Ball, Truth
+from refdem.errors import UsageError
+from refdem.truth.balls import arb_of
+from refdem.truth.closed_form import ClosedForm
+
+POSITION = ("x", "y", "z")
+VELOCITY = ("vx", "vy", "vz")
+SPIN = ("omega.x", "omega.y", "omega.z")
+ATTITUDE = ("attitude.w", "attitude.x", "attitude.y", "attitude.z")
+Numbers = Sequence[Fraction | int]
+
+
+class Uniform(ClosedForm):
+    """One body that nothing acts on; quantities x, y, z, vx, vy, vz, omega.x/y/z (space axes), attitude.w/x/y/z.
+
+    `attitude` is the unit quaternion at t = 0 (exactly of norm 1: rationals such as 1,0,0,0 or 3/5,4/5,0,0); its sign is kept
+    continuous in time. `omega` [rad/s] must lie along a principal axis of the body as it stands, one of largest or smallest
+    inertia: there neighbouring spins stay near, and S(t), which holds omega constant, is its growth.
+    """
+
+    method = "straight line and steady turn"
+    witness = "Taylor series of qdot = omega q/2 in rational arithmetic"
+    state = (*POSITION, *VELOCITY, *SPIN)
+
+    def __init__(
+        self, scale: Mapping[str, float], *, position: Numbers, velocity: Numbers, omega: Numbers, attitude: Numbers = (1, 0, 0, 0)
+    ) -> None:
+        super().__init__({name: scale.get(name) or 1.0 for name in (*self.state, *ATTITUDE)})
+        if sum(Fraction(part) ** 2 for part in attitude) != 1:
+            raise UsageError(f"attitude is {tuple(map(str, attitude))}; expected exact numbers whose squares add up to 1")
+        self.start = [Fraction(x) for x in (*position, *velocity, *omega)]
+        self.attitude = [Fraction(x) for x in attitude]
+
+    def displaced(self, axis: int, amount: Fraction) -> "Uniform":
+        """The motion from a neighbouring start."""
+        other = copy(self)
+        other.kept = {}
+        other.start = [x + amount * (i == axis) for i, x in enumerate(self.start)]
+        return other
+
+    def evaluate(self, t: arb) -> dict[str, arb]:
+        """Every quantity at t."""
+        start = [arb_of(x) for x in self.start]
+        now = [x + v * t for x, v in zip(start[:3], start[3:6], strict=True)] + start[3:]
+        return dict(zip((*self.state, *ATTITUDE), now + self._turned(t), strict=True))
+
+    def response(self, t: Fraction) -> list[arb]:
+        """As for every closed form, and an attitude that starts off by its scale stays off by as much."""
+        rows = super().response(t)
+        return rows[: len(self.state)] + [row + 1 for row in rows[len(self.state) :]]
+
+    def _turned(self, t: arb) -> list[arb]:
+        squared = sum(x * x for x in self.start[6:])
+        rate = arb_of(squared).sqrt() / 2
+        along = (rate * t).sin() / (2 * rate) if squared else t / 2
+        w, x, y, z = (rate * t).cos(), *(arb_of(component) * along for component in self.start[6:])
+        a, b, c, d = (arb_of(part) for part in self.attitude)
+        return [
+            w * a - x * b - y * c - z * d,
+            w * b + x * a + y * d - z * c,
+            w * c + y * a + z * b - x * d,
+            w * d + z * a + x * c - y * b,
+        ]
+
+
+class Still(Truth):
+    """Bodies that stay where they are: every quantity named is exactly 0 for ever, and S = 1."""
+
+    method = "equilibrium"
+    witness = "balance of forces"
+
+    def __init__(self, quantities: Iterable[str]) -> None:
+        self.quantities = tuple(quantities)
+
+    def at(self, t: Fraction) -> dict[str, Ball]:
+        """Zeros."""
+        return {name: Ball(Fraction(0), Fraction(0)) for name in self.quantities}
+
+    def sensitivity(self, t: Fraction) -> float:
+        """1: what a start is off it stays off."""
+        return 1.0
+
+
+def free(scale: Mapping[str, float], *, position: Numbers, velocity: Numbers, omega: Numbers, attitude: Numbers = (1, 0, 0, 0)) -> Truth:
+    """The member `free`: see Uniform; arguments are exact numbers (p["..."] of a vector parameter as it is)."""
+    return Uniform(scale, position=position, velocity=velocity, omega=omega, attitude=attitude)
+
+
+def resting(bodies: int) -> Truth:
+    """The members that rest: r1.x .. rN.z, the displacement from the start [m], and v1.x .. vN.z [m/s] of each body, all 0."""
+    return Still(f"{kind}{i}.{axis}" for i in range(1, bodies + 1) for kind in "rv" for axis in "xyz")

@@ -1,0 +1,131 @@
+"""Plane orbits about a fixed centre: Kepler's field gm/r^2 and the central spring, from periapsis on +x moving in +y.
+
+Kepler, from any start (r0, v0) on an ellipse, with 1/a = 2/r0 - v0^2/gm, n = sqrt(gm/a^3), s = r0.v0/sqrt(gm a), E the gain in
+eccentric anomaly: n t = E - (1 - r0/a) sin E + s (1 - cos E), and r = f r0 + g v0, v = f' r0 + g' v0 with f = 1 - (a/r0)(1 - cos E),
+g = t - (E - sin E)/n (Battin, An Introduction to the Mathematics and Methods of Astrodynamics, 1999, section 4.3).
+Spring, unit mass: x = a cos w t, y = a sqrt(1 - e^2) sin w t with w^2 = stiffness.
+"""
+
+from collections.abc import Mapping, Sequence
+from copy import copy
+from fractions import Fraction
+
+from flint import arb, ctx
+
+from refdem.core.parameters import Parameters
+from refdem.core.truth import Truth
+from refdem.truth.balls import UndecidedError, arb_of
+from refdem.truth.closed_form import ClosedForm
+from refdem.truth.exact import number
+
+NAMES = ("x", "y", "vx", "vy")
+State = Sequence[arb]
+
+
+class Orbit(ClosedForm):
+    """x, y [m] and vx, vy [m/s] at t; scalar period [s]; `stiffness` [1/s^2, unit mass] is None for Kepler's field."""
+
+    method = "Kepler's equation by interval Newton; ellipse about the centre for the spring"
+    witness = "Taylor series of the equation of motion; energy, angular momentum and Laplace vector"
+    state = NAMES
+
+    def __init__(
+        self, scale: Mapping[str, float], *, gm: Fraction, semi_major: Fraction, eccentricity: Fraction, stiffness: Fraction | None
+    ) -> None:
+        super().__init__(scale)
+        self.gm, self.semi_major, self.eccentricity, self.stiffness = gm, semi_major, eccentricity, stiffness
+        self.offset = [Fraction(0)] * 4
+
+    def displaced(self, axis: int, amount: Fraction) -> "Orbit":
+        """The orbit from a neighbouring start."""
+        other = copy(self)
+        other.kept = {}
+        other.offset = [x + amount * (i == axis) for i, x in enumerate(self.offset)]
+        return other
+
+    def start(self) -> list[arb]:
+        """The state at t = 0: periapsis for Kepler, the end of the long axis for the spring."""
+        a, e = self.semi_major, self.eccentricity
+        if self.stiffness is None:
+            apsis, speed = a * (1 - e), arb_of(self.gm / a * (1 + e) / (1 - e)).sqrt()
+        else:
+            apsis, speed = a, arb_of(self.stiffness * a * a * (1 - e * e)).sqrt()
+        return [part + arb_of(off) for part, off in zip((arb_of(apsis), arb(0), arb(0), speed), self.offset, strict=True)]
+
+    def evaluate(self, t: arb) -> dict[str, arb]:
+        """The state at t."""
+        start = self.start()
+        now = kepler(arb_of(self.gm), start, t) if self.stiffness is None else spring(arb_of(self.stiffness), start, t)
+        return dict(zip(NAMES, now, strict=True))
+
+    def constants(self) -> dict[str, arb]:
+        """The period [s]."""
+        squared = self.semi_major**3 / self.gm if self.stiffness is None else 1 / self.stiffness
+        return {"period": 2 * arb.pi() * arb_of(squared).sqrt()}
+
+
+def spring(stiffness: arb, start: State, t: arb) -> list[arb]:
+    """(x, y, vx, vy) at t on the central spring."""
+    rate = stiffness.sqrt()
+    sine, cosine = (rate * t).sin_cos()
+    places = [start[i] * cosine + start[i + 2] / rate * sine for i in (0, 1)]
+    return places + [start[i + 2] * cosine - start[i] * rate * sine for i in (0, 1)]
+
+
+def kepler(gm: arb, start: State, t: arb) -> list[arb]:
+    """(x, y, vx, vy) at t in Kepler's field, from any state on an ellipse."""
+    x, y, vx, vy = start
+    r0 = (x * x + y * y).sqrt()
+    a = 1 / (2 / r0 - (vx * vx + vy * vy) / gm)
+    n = (gm / a).sqrt() / a
+    s = (x * vx + y * vy) / (gm * a).sqrt()
+    anomaly = anomaly_gain(n * t, 1 - r0 / a, s)
+    sine, cosine = anomaly.sin_cos()
+    r = a + (r0 - a) * cosine + s * a * sine
+    f, g = 1 - a / r0 * (1 - cosine), t - (anomaly - sine) / n
+    f_rate, g_rate = -n * a * a / (r * r0) * sine, 1 - a / r * (1 - cosine)
+    return [f * x + g * vx, f * y + g * vy, f_rate * x + g_rate * vx, f_rate * y + g_rate * vy]
+
+
+def anomaly_gain(mean: arb, c: arb, s: arb) -> arb:
+    """E with E - c sin E + s (1 - cos E) = mean, where c^2 + s^2 < 1; UndecidedError if the proof fails.
+
+    Newton's method in floating point finds it. Then the interval Newton operator maps a ball into its inside, which proves that
+    the ball holds a root; it is the only one, since the left side rises everywhere (its rate r/a is positive).
+    """
+    e = (c * c + s * s).sqrt()
+    if not e < 1:
+        raise UndecidedError("the orbit is not proved to be an ellipse")
+    found = _newton(mean.mid(), c.mid(), s.mid())
+    residual = found - c * found.sin() + s * (1 - found.cos()) - mean
+    near = found + arb(0, 4 * abs(residual / _slope(found, c, s)).upper() + arb(2) ** (8 - ctx.prec))
+    inside = found - residual / _slope(near, c, s)
+    if not near.contains_interior(inside):
+        raise UndecidedError("Kepler's equation is not solved at this precision")
+    return inside
+
+
+def _slope(anomaly: arb, c: arb, s: arb) -> arb:
+    return 1 - c * anomaly.cos() + s * anomaly.sin()
+
+
+def _newton(mean: arb, c: arb, s: arb) -> arb:
+    """An approximate root, not proved: bisection to a thousandth (|E - mean| <= 2), then Newton's method."""
+    low, high = mean - 2, mean + 2
+    for _ in range(12):
+        middle = ((low + high) / 2).mid()
+        below = (middle - c * middle.sin() + s * (1 - middle.cos())).mid() < mean
+        low, high = (middle, high) if below else (low, middle)
+    found = ((low + high) / 2).mid()
+    for _ in range(24):
+        step = (found - c * found.sin() + s * (1 - found.cos()) - mean) / _slope(found, c, s)
+        found = (found - step).mid()
+    return found
+
+
+def truth(p: Parameters, scale: Mapping[str, float]) -> Truth:
+    """The truth at parameters gm, semi_major, eccentricity, stiffness (None for Kepler); `scale` of x, y, vx, vy."""
+    stiffness = None if p["stiffness"] is None else number(p, "stiffness")
+    gm = Fraction(1) if stiffness is not None else number(p, "gm")
+    a, e = number(p, "semi_major"), number(p, "eccentricity")
+    return Orbit(scale, gm=gm, semi_major=a, eccentricity=e, stiffness=stiffness)
