@@ -23,5 +23,71 @@
 int refdem_record(int kind, void *step, void *a, void *b, double h, int64_t samples, int64_t stride,
                   int64_t n_source, void *const *source, const int64_t *size, double *out);
 
+/* == chipmunk == */
+
+typedef struct { double x, y; } refdem_vector2;
+
+/* Addresses in the engine: its space, its step, and what reads a body's state. */
+typedef struct {
+    void *space;
+    void (*step)(void *space, double h);
+    refdem_vector2 (*position)(void *body);
+    refdem_vector2 (*velocity)(void *body);
+    double (*angle)(void *body);
+    double (*omega)(void *body);
+} refdem_chipmunk_engine;
+
+/* Steps Chipmunk `stride` times a sample. out (samples, bodies, 6): x, y [m], vx, vy [m/s], angle [rad], omega [rad/s];
+ * row 0 is the state at the start. Returns 0. */
+int refdem_chipmunk_record(const refdem_chipmunk_engine *engine, int64_t bodies, void *const *body, double h, int64_t samples,
+                           int64_t stride, double *out);
+
+/* == rebound_forces == */
+
+/* What REBOUND's callbacks need. particle: address of the scene's first body in the engine's array; size and offsets of a
+ * particle's columns in bytes. Ends are pairs of bodies, -1 the world. spring (springs, 6): stiffness [N/m^exponent],
+ * length [m], exponent, anchor in the world (3) [m]. tension (rods) [N] is written by every evaluation of the forces.
+ * inertia (turning, 3) [kg m^2], one row for each body that turns. */
+typedef struct {
+    char *particle;
+    int64_t size, position, velocity, acceleration;
+    int64_t bodies;
+    const double *mass;
+    const int64_t *fixed;
+    const double *gravity;
+    int64_t springs;
+    const int64_t *spring_end;
+    const double *spring;
+    int64_t rods;
+    const int64_t *rod_end;
+    const double *rod_anchor;
+    double *tension;
+    int64_t turning;
+    const double *inertia;
+} refdem_rebound_scene;
+
+/* Addresses in the engine: its simulation and functions, its clock [s], and the state of the further equations. */
+typedef struct {
+    void *simulation;
+    int (*steps)(void *simulation, size_t count);
+    int (*integrate)(void *simulation, double until);
+    void (*update)(void *simulation);
+    const double *clock;
+    double *const *equations;
+} refdem_rebound_engine;
+
+/* The callback `void (void *simulation)` for an engine that keeps its user's pointer (to a refdem_rebound_scene) at byte
+ * `place` of a simulation; NULL if there is none. Adds gravity, springs and rods to the accelerations. */
+void *refdem_rebound_forces(int64_t place);
+
+/* The callback `void (void *ode, double *rate, const double *y, double t)`: q' = q omega/2 and Euler's equations. */
+void *refdem_rebound_euler(int64_t place);
+
+/* Records a run: `stride` steps a sample, or (stride 0) integration to each of `times` (samples) [s].
+ * out (samples, 1 + 6 bodies + 7 turning + rods): clock; position, velocity of every body; attitude, omega (body axes) of
+ * every body that turns; tension of every rod. Returns 0, or the sample at which the engine gave up. */
+int refdem_rebound_record(const refdem_rebound_engine *engine, const refdem_rebound_scene *scene, int64_t stride,
+                          int64_t samples, const double *times, double *out);
+
 /* == end == */
 #endif

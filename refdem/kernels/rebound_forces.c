@@ -1,0 +1,171 @@
+/* Force fields, rods and Euler's equations in REBOUND's words: its callbacks, and a loop over its own steps.
+ *
+ * REBOUND calls back with the address of its simulation (or set of equations) alone. What the callback needs hangs on a
+ * pointer that the engine keeps for its users; where that pointer lies depends on the engine's version, so there is one
+ * callback for each place, and the adapter takes the one for the layout that the installed engine reports. No header of
+ * REBOUND is used.
+ *
+ * Rod between a and b with d = x_a - x_b, w = v_a - v_b: d.d'' + w.w = 0 gives the multiplier
+ *   lambda = (w.w + d.(a_a - a_b)) / (d.d (1/m_a + 1/m_b)),   force on a: -lambda d,
+ * divided by d.d, not by length^2: then d.d'' + w.w = 0 whatever the drift, which grows as t and not exponentially.
+ * Euler's equations in body axes and q' = q omega_body / 2.
+ */
+#define _POSIX_C_SOURCE 200809L
+#include <math.h>
+#include <signal.h>
+#include <string.h>
+
+#include "kernels.h"
+
+typedef refdem_rebound_scene scene_t;
+
+static double *column(const scene_t *scene, int64_t body, int64_t offset)
+{
+    return (double *)(void *)(scene->particle + body * scene->size + offset);
+}
+
+static double dot(const double *p, const double *q) { return p[0] * q[0] + p[1] * q[1] + p[2] * q[2]; }
+
+/* Difference of one column between body a and body b; for the world (-1) `rest` takes the place of b's. */
+static void difference(const scene_t *scene, const int64_t *end, int64_t offset, const double *rest, double *out)
+{
+    const double *a = column(scene, end[0], offset);
+    const double *b = end[1] < 0 ? rest : column(scene, end[1], offset);
+    for (int i = 0; i < 3; i++)
+        out[i] = a[i] - b[i];
+}
+
+/* Adds force[i] * factor to body a and takes it from body b. */
+static void push(const scene_t *scene, const int64_t *end, double factor, const double *force)
+{
+    for (int side = 0; side < 2; side++) {
+        if (end[side] < 0 || scene->fixed[end[side]])
+            continue;
+        double *a = column(scene, end[side], scene->acceleration);
+        double signed_factor = side ? -factor : factor;
+        for (int i = 0; i < 3; i++)
+            a[i] += signed_factor * force[i] / scene->mass[end[side]];
+    }
+}
+
+static void spring(const scene_t *scene, const int64_t *end, const double *p)
+{
+    double d[3];
+    difference(scene, end, scene->position, p + 3, d);
+    if (p[1] == 0 && p[2] == 1) {
+        push(scene, end, -p[0], d);
+        return;
+    }
+    double distance = sqrt(dot(d, d)), stretch = distance - p[1];
+    if (distance > 0)
+        push(scene, end, -copysign(p[0] * pow(fabs(stretch), p[2]), stretch) / distance, d);
+}
+
+static double inverse_mass(const scene_t *scene, int64_t body)
+{
+    return body < 0 || scene->fixed[body] ? 0.0 : 1.0 / scene->mass[body];
+}
+
+/* Returns the tension [N]. */
+static double rod(const scene_t *scene, const int64_t *end, const double *anchor)
+{
+    static const double rest[3] = {0, 0, 0};
+    double d[3], w[3], a[3];
+    difference(scene, end, scene->position, anchor, d);
+    difference(scene, end, scene->velocity, rest, w);
+    difference(scene, end, scene->acceleration, rest, a);
+    double square = dot(d, d);
+    double lambda = (dot(w, w) + dot(d, a)) / (square * (inverse_mass(scene, end[0]) + inverse_mass(scene, end[1])));
+    push(scene, end, -lambda, d);
+    return lambda * sqrt(square);
+}
+
+static void forces(const scene_t *scene)
+{
+    for (int64_t body = 0; body < scene->bodies; body++) {
+        double *a = column(scene, body, scene->acceleration);
+        for (int i = 0; i < 3; i++)
+            a[i] = scene->fixed[body] ? 0.0 : a[i] + scene->gravity[i];
+    }
+    for (int64_t k = 0; k < scene->springs; k++)
+        spring(scene, scene->spring_end + 2 * k, scene->spring + 6 * k);
+    for (int64_t k = 0; k < scene->rods; k++)
+        scene->tension[k] = rod(scene, scene->rod_end + 2 * k, scene->rod_anchor + 3 * k);
+}
+
+/* y: per body attitude (w, x, y, z) and omega in body axes. */
+static void euler(const scene_t *scene, double *restrict rate, const double *restrict y)
+{
+    for (int64_t k = 0; k < scene->turning; k++, y += 7, rate += 7) {
+        const double *j = scene->inertia + 3 * k, *w = y + 4;
+        rate[0] = 0.5 * (-y[1] * w[0] - y[2] * w[1] - y[3] * w[2]);
+        rate[1] = 0.5 * (y[0] * w[0] + y[2] * w[2] - y[3] * w[1]);
+        rate[2] = 0.5 * (y[0] * w[1] + y[3] * w[0] - y[1] * w[2]);
+        rate[3] = 0.5 * (y[0] * w[2] + y[1] * w[1] - y[2] * w[0]);
+        rate[4] = (j[1] - j[2]) * w[1] * w[2] / j[0];
+        rate[5] = (j[2] - j[0]) * w[2] * w[0] / j[1];
+        rate[6] = (j[0] - j[1]) * w[0] * w[1] / j[2];
+    }
+}
+
+#define EIGHT(X, n) X(n##0) X(n##1) X(n##2) X(n##3) X(n##4) X(n##5) X(n##6) X(n##7)
+#define PLACES(X)                                                                                                          \
+    EIGHT(X, 0) EIGHT(X, 01) EIGHT(X, 02) EIGHT(X, 03) EIGHT(X, 04) EIGHT(X, 05) EIGHT(X, 06) EIGHT(X, 07) EIGHT(X, 010)  \
+    EIGHT(X, 011) EIGHT(X, 012) EIGHT(X, 013) EIGHT(X, 014) EIGHT(X, 015) EIGHT(X, 016) EIGHT(X, 017)
+/* The places are octal numbers of 8-byte words: 000 .. 0177. */
+#define KEPT(owner, place) (*(const scene_t *const *)(const void *)((const char *)(owner) + 8 * (place)))
+#define FORCES(place) static void forces_##place(void *simulation) { forces(KEPT(simulation, place)); }
+#define EULER(place) static void euler_##place(void *ode, double *rate, const double *y, double t) { (void)t; euler(KEPT(ode, place), rate, y); }
+#define NAME_FORCES(place) forces_##place,
+#define NAME_EULER(place) euler_##place,
+PLACES(FORCES)
+PLACES(EULER)
+
+void *refdem_rebound_forces(int64_t place)
+{
+    static void (*const all[])(void *) = {PLACES(NAME_FORCES)};
+    return place % 8 || place < 0 || place >= 1024 ? NULL : (void *)all[place / 8];
+}
+
+void *refdem_rebound_euler(int64_t place)
+{
+    static void (*const all[])(void *, double *, const double *, double) = {PLACES(NAME_EULER)};
+    return place % 8 || place < 0 || place >= 1024 ? NULL : (void *)all[place / 8];
+}
+
+static double *row(const refdem_rebound_engine *engine, const scene_t *scene, double *out)
+{
+    *out++ = *engine->clock;
+    for (int64_t body = 0; body < scene->bodies; body++, out += 6) {
+        memcpy(out, column(scene, body, scene->position), 3 * sizeof(double));
+        memcpy(out + 3, column(scene, body, scene->velocity), 3 * sizeof(double));
+    }
+    if (scene->turning) {
+        memcpy(out, *engine->equations, 7 * (size_t)scene->turning * sizeof(double));
+        out += 7 * scene->turning;
+    }
+    if (scene->rods) {
+        engine->update(engine->simulation);
+        memcpy(out, scene->tension, (size_t)scene->rods * sizeof(double));
+        out += scene->rods;
+    }
+    return out;
+}
+
+int refdem_rebound_record(const refdem_rebound_engine *engine, const refdem_rebound_scene *scene, int64_t stride,
+                          int64_t samples, const double *times, double *out)
+{
+    struct sigaction interrupt;
+    int failed = 0;
+    sigaction(SIGINT, NULL, &interrupt);
+    out = row(engine, scene, out);
+    for (int64_t k = 1; k < samples && !failed; k++) {
+        if (stride)
+            engine->steps(engine->simulation, (size_t)stride);
+        else if (engine->integrate(engine->simulation, times[k]))
+            failed = (int)(k + 1);
+        out = row(engine, scene, out);
+    }
+    sigaction(SIGINT, &interrupt, NULL);
+    return failed;
+}
