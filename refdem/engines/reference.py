@@ -1,0 +1,91 @@
+"""The reference implementation as an engine: it finds a method for a scene by the scene's content and hands the request on."""
+
+import hashlib
+import inspect
+from functools import cached_property
+from importlib import import_module
+from importlib.metadata import version
+from pathlib import Path
+
+import refdem
+from refdem import kernels
+from refdem.core import fingerprint
+from refdem.core.engine import Engine, Method
+from refdem.core.problem import Motion, Request
+from refdem.core.trajectory import Cost, Trajectory
+from refdem.errors import UnsupportedError
+from refdem.solvers.solver import Solver
+
+FOLDER = Path(refdem.__file__).parent / "solvers"
+
+
+class Reference(Engine):
+    """Every METHOD found in refdem/solvers, one a file."""
+
+    name = "reference"
+    title = "Reference"
+    licence = "BSD-3-Clause"
+    is_reference = True
+
+    @cached_property
+    def solvers(self) -> dict[str, Solver]:
+        """The solvers by the name of their method, cheapest first."""
+        names = sorted(path.stem for path in FOLDER.glob("*.py") if not path.stem.startswith("_") and path.stem != "solver")
+        found: list[Solver] = [import_module(f"refdem.solvers.{name}").METHOD for name in names]
+        return {s.claims.name: s for s in sorted(found, key=lambda s: (s.claims.cost_rank, s.claims.name))}
+
+    @cached_property
+    def methods(self) -> tuple[Method, ...]:  # type: ignore[override]
+        """What each solver claims, cheapest first."""
+        return tuple(solver.claims for solver in self.solvers.values())
+
+    def missing(self) -> str | None:
+        """None: it comes with refdem."""
+        return None
+
+    def version(self) -> str:
+        """The version of refdem."""
+        return refdem.__version__
+
+    def fingerprint(self, method: Method) -> str:
+        """Digest of the method's kernels and source, the scene's and mechanics' code, numpy and the machine."""
+        solver = self.solvers[method.name]
+        own = Path(inspect.getfile(type(solver)))
+        parts = (
+            kernels.fingerprint(*solver.kernels),
+            fingerprint.of_files([own]),
+            fingerprint.of_source("engines/reference.py", "solvers/solver.py", *_shared(), "scene", "mechanics"),
+            version("numpy"),
+            fingerprint.of_machine(),
+        )
+        return hashlib.sha256("\0".join(parts).encode()).hexdigest()
+
+    def refusal(self, problem: Motion, method: Method) -> str | None:
+        """None if the method can run the problem, else why not."""
+        return self.solvers[method.name].refusal(problem)
+
+    def run(self, request: Request) -> tuple[Trajectory, Cost]:
+        """Runs the request with the method that it names; raises UnsupportedError if that method refuses the scene."""
+        solver = self.solvers[self.method(request.method).name]
+        reason = solver.refusal(request.problem)
+        if reason:
+            raise UnsupportedError(f"the reference's {request.method} cannot run this scene: {reason}")
+        return solver.run(request)
+
+    def best(self, problem: Motion) -> Method:
+        """The cheapest method that does not refuse; raises UnsupportedError with every method's reason if all do."""
+        reasons = []
+        for method in self.methods:
+            reason = self.refusal(problem, method)
+            if reason is None:
+                return method
+            reasons.append(f"{method.name}: {reason}")
+        raise UnsupportedError("no method of the reference can run this scene; " + "; ".join(reasons))
+
+
+def _shared() -> list[str]:
+    """Private modules beside the solvers, which any of them may use."""
+    return sorted(f"solvers/{path.name}" for path in FOLDER.glob("_*.py"))
+
+
+ENGINE = Reference()
