@@ -25,9 +25,16 @@ def judged(*, check: str, quantity: str, value: float, bound: float, unit: str, 
     limit = "0" if bound == 0 else f"{bound:.2g}"
     sentence = f"{what} is {size}, {'within' if holds else 'beyond'} the bound {limit}: {basis}."
     return Finding(
-        check=check, quantity=quantity, outcome="pass" if holds else "fail", sentence=sentence,
-        value=float(value), bound=float(bound), unit=unit, basis=basis, **more,
-    )  # fmt: skip
+        check=check,
+        quantity=quantity,
+        outcome="pass" if holds else "fail",
+        sentence=sentence,
+        value=float(value),
+        bound=float(bound),
+        unit=unit,
+        basis=basis,
+        **more,
+    )
 
 
 def worst(*, check: str, quantity: str, t: Array, values: Array, allowed: Array | float, **more: Any) -> Finding:

@@ -59,6 +59,20 @@ class Request:
         if self.tolerance is not None and not 0 < self.tolerance < 1:
             raise UsageError(f"tolerance is {self.tolerance}; expected a number between 0 and 1")
 
+    @classmethod
+    def from_json(cls, text: bytes) -> "Request":
+        """Reads what `document` wrote as JSON; raises UsageError with the path of the first fault."""
+        try:
+            read = msgspec.json.decode(text, type=RequestDocument)
+        except msgspec.MsgspecError as error:
+            raise UsageError(f"request: {error}") from None
+        problem = Motion(Scene.of(read.scene.bodies, read.scene.elements), np.array(read.times))
+        return cls(problem=problem, method=read.method, step=read.step, tolerance=read.tolerance)
+
+    def to_json(self) -> bytes:
+        """The request as `request.json` has it; the same bytes for the same request."""
+        return msgspec.json.encode(self.document())
+
     @property
     def signed_step(self) -> float:
         """The step [s] with the direction of time."""
@@ -81,7 +95,7 @@ class Request:
 
     def key(self, *fingerprints: str) -> str:
         """sha256 of the request, of which repetition it is, and of the fingerprints of engine and kernels."""
-        digest = hashlib.sha256(msgspec.json.encode(self.document()))
+        digest = hashlib.sha256(self.to_json())
         for part in (str(self.repeat), *fingerprints):
             digest.update(b"\0" + part.encode())
         return digest.hexdigest()

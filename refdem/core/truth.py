@@ -25,23 +25,16 @@ class Ball:
         radius = float(abs(self.mid - Fraction(mid)) + self.radius)
         return mid, float(np.nextafter(radius, np.inf)) if radius else 0.0
 
-    def decimals(self, digits: int = 0) -> tuple[str, str]:
+    def decimals(self, places: int = 60) -> tuple[str, str]:
         """Decimal midpoint and a radius, rounded up, so that the decimal interval contains the ball.
 
-        As many digits as the radius warrants, or `digits` significant ones if that is fewer.
+        As many decimal places as the radius warrants, but at most `places`.
         """
-        places = _places(self, digits)
+        places = min(places, -_exponent(self.radius) + 2) if self.radius else places
         unit = Fraction(10) ** -places
         scaled = round(self.mid / unit)
         slack = abs(self.mid - scaled * unit) + self.radius
         return _decimal(scaled, places), _rounded_up(slack)
-
-
-def _places(ball: Ball, digits: int) -> int:
-    """Decimal places at which the midpoint is cut."""
-    size = _exponent(abs(ball.mid)) if ball.mid else 0
-    finest = -_exponent(ball.radius) + 2 if ball.radius else 60 - size
-    return min(finest, digits - 1 - size) if digits else finest
 
 
 def _exponent(value: Fraction) -> int:
@@ -80,6 +73,10 @@ class Truth(ABC):
     @abstractmethod
     def sensitivity(self, t: Fraction) -> float:
         """S(t) >= 1: bound on the flow Jacobian from 0 to t, each quantity scaled by its scale."""
+
+    def refined(self, digits: int) -> "Truth":
+        """The same truth with radii of at most 10^-digits; as it is where that cannot be asked for."""
+        return self
 
     def scalars(self) -> Mapping[str, Ball]:
         """Values that do not depend on time: periods, durations, numbers of flips."""

@@ -35,3 +35,8 @@ def pointer(family: str, array: NDArray[np.float64], *, output: bool = False) ->
     if array.dtype != np.float64 or not array.flags.c_contiguous or (output and not array.flags.writeable):
         raise TypeError(f"kernel {family}: got {array.dtype}, contiguous={array.flags.c_contiguous}; expected contiguous float64")
     return load(family).ffi.from_buffer("double[]", array, require_writable=output)
+
+
+def folder() -> Path:
+    """Where the compiled families are."""
+    return Path(__file__).parent

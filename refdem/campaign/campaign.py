@@ -1,0 +1,174 @@
+"""A campaign from specification to sheets: truths, then runs, then what goes on from them, then judging."""
+
+import hashlib
+import time
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass, field
+from importlib.metadata import version as installed
+
+import msgspec
+
+import refdem
+from refdem.campaign import judging, plan, sheets, worker
+from refdem.campaign.deviations import of_engine
+from refdem.campaign.plan import Task
+from refdem.campaign.schedule import Job, Schedule
+from refdem.campaign.specification import Specification
+from refdem.core import fingerprint
+from refdem.core.case import Instance
+from refdem.core.finding import CampaignSheet, Sheet
+from refdem.core.problem import Request
+from refdem.core.run import Failure, Run
+from refdem.core.store import Store
+from refdem.core.trajectory import Trajectory
+from refdem.core.truth import SampledTruth
+from refdem.core.variant import Variant
+
+Progress = Callable[[str, int, int], None]
+"""Told the stage, how many of its jobs are done, and how many there are."""
+
+
+@dataclass
+class Campaign:
+    """One campaign under way. `use_store` False runs everything anew (and still keeps it)."""
+
+    specification: Specification
+    store: Store
+    jobs: int = 2
+    use_store: bool = True
+    progress: Progress = lambda stage, done, total: None
+    made: int = 0
+    read: int = 0
+    runs: dict[tuple[int, Variant], Run] = field(default_factory=dict)
+
+    def sheets(self) -> list[Sheet]:
+        """Everything that a report is made of."""
+        start = time.perf_counter()
+        instances = plan.instances(self.specification)
+        engines, _ = plan.engines(self.specification)
+        with Schedule(self.jobs, self.specification.timeout) as schedule:
+            truths = self._truths(schedule, [instance for instance, _ in instances])
+            tasks = [
+                task
+                for (instance, only), truth in zip(instances, truths, strict=True)
+                for engine in engines
+                for task in plan.tasks(self.specification, instance, only, engine, truth, truth.reason)
+            ]
+            wanted = [(n, variant) for n, task in enumerate(tasks) for variant in task.variants]
+            self._run(schedule, tasks, [(n, v) for n, v in wanted if not v.goes_on], "runs")
+            self._run(schedule, tasks, [(n, v) for n, v in wanted if v.goes_on], "runs back")
+        records = self._records(tasks)
+        cases = {i.label: sheets.case_sheet(i, truth) for (i, _), truth in zip(instances, truths, strict=True)}
+        whole = CampaignSheet(
+            name=self.specification.name,
+            refdem=refdem.__version__,
+            runs_made=self.made,
+            runs_read=self.read,
+            seconds=time.perf_counter() - start,
+            planned=len(wanted),
+        )
+        return [whole, *(sheets.engine_sheet(engine) for engine in engines), *cases.values(), *records]
+
+    def _truths(self, schedule: Schedule, instances: list[Instance]) -> list[SampledTruth]:
+        """The sampled truth of every instance, from the store or made anew."""
+        keys = [_truth_key(instance) for instance in instances]
+        found = {key: truth for key in keys if self.use_store and (truth := self.store.truth(key)) is not None}
+        missing = {key: instance for key, instance in zip(keys, instances, strict=True) if key not in found}
+        jobs = [Job(key, worker.sampled_truth, (i.case.id, i.p.given)) for key, i in missing.items()]
+        for done, (job, result) in enumerate(schedule.results(jobs), 1):
+            if isinstance(result, Failure):
+                found[job.key] = _no_truth(result)
+            else:
+                found[job.key] = msgspec.msgpack.decode(result, type=SampledTruth)
+                self.store.put_truth(job.key, found[job.key])
+            self.progress("truths", done, len(jobs))
+        return [found[key] for key in keys]
+
+    def _run(self, schedule: Schedule, tasks: list[Task], wanted: list[tuple[int, Variant]], stage: str) -> None:
+        """Runs what is wanted: equal runs once, unchanged ones read from the store."""
+        requests: dict[tuple[int, Variant], Request] = {}
+        keys: dict[str, list[tuple[int, Variant]]] = {}
+        for n, variant in wanted:
+            request = self._request(tasks[n], n, variant)
+            if request is not None:
+                requests[n, variant] = request
+                keys.setdefault(request.key(tasks[n].engine.name, tasks[n].engine.fingerprint(tasks[n].method)), []).append((n, variant))
+        jobs = []
+        for key, places in keys.items():
+            data = self.store.get("run", key) if self.use_store else None
+            if data is not None:
+                self.read += 1
+                self._keep(tasks, requests, key, places, data, from_store=True)
+            else:
+                jobs.append(Job(key, worker.run, (tasks[places[0][0]].engine.name, requests[places[0]].to_json())))
+        for done, (job, result) in enumerate(schedule.results(jobs), 1):
+            self.made += 1
+            self._keep(tasks, requests, job.key, keys[job.key], result, from_store=False)
+            self.progress(stage, done, len(jobs))
+
+    def _request(self, task: Task, n: int, variant: Variant) -> Request | None:
+        """The request of a variant; None if what it goes on from failed."""
+        if not variant.goes_on:
+            return plan.request(task, variant)
+        base = self.runs[n, variant.base].trajectory
+        return None if base is None else plan.request(task, variant, base)
+
+    def _keep(
+        self,
+        tasks: list[Task],
+        requests: Mapping[tuple[int, Variant], Request],
+        key: str,
+        places: Iterable[tuple[int, Variant]],
+        result: bytes | Failure,
+        *,
+        from_store: bool,
+    ) -> None:
+        """Writes a finished run to the store (failures are tried again next time) and hands it to all who need it."""
+        reply = worker.Reply(failure=result) if isinstance(result, Failure) else msgspec.msgpack.decode(result, type=worker.Reply)
+        if not from_store and reply.failure is None and isinstance(result, bytes):
+            self.store.put("run", key, result)
+        trajectory = Trajectory.from_bytes(reply.trajectory) if reply.failure is None else None
+        for n, variant in places:
+            self.runs[n, variant] = Run(
+                key=key,
+                request=requests[n, variant],
+                engine=tasks[n].engine.name,
+                version=tasks[n].engine.version(),
+                trajectory=trajectory,
+                failure=reply.failure,
+                cost=reply.cost,
+                from_store=from_store,
+            )
+
+    def _records(self, tasks: list[Task]) -> list[Sheet]:
+        """The records of all tasks, in order of the plan."""
+        deviations = {task.engine.name: of_engine(task.engine.name) for task in tasks}
+        found: list[Sheet] = []
+        for n, task in enumerate(tasks):
+            runs = {variant: self.runs[n, variant] for variant in task.variants if (n, variant) in self.runs}
+            found.append(judging.record(task, task.engine.version(), runs, deviations[task.engine.name]))
+        return found
+
+
+def _truth_key(instance: Instance) -> str:
+    """sha256 of all that can change a sampled truth: case, parameters, samples, its code, python-flint."""
+    digest = hashlib.sha256(msgspec.json.encode([instance.case.id, instance.p.texts(), instance.times.tolist()]))
+    case = type(instance.case).__module__.split(".")[-1]
+    source = fingerprint.of_source("truth", f"cases/{case}.py", "core/truth.py", "core/case.py")
+    digest.update(f"{source}\0{installed('python-flint')}".encode())
+    return digest.hexdigest()
+
+
+def _no_truth(failure: Failure) -> SampledTruth:
+    """What stands in for a truth that could not be made."""
+    return SampledTruth(
+        t=[],
+        values={},
+        radii={},
+        sensitivity=[],
+        scalars={},
+        method="not certified",
+        witness="",
+        until=0,
+        reason=f"{failure.kind}: {failure.sentence}",
+    )

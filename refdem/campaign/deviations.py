@@ -1,0 +1,70 @@
+"""Expected deviations: values known to be out of bounds, each with its range, reason and link; they go stale when they hold."""
+
+import tomllib
+from fnmatch import fnmatchcase
+
+import msgspec
+
+from refdem.campaign.specification import validation_folder
+from refdem.core.finding import Finding, Record
+from refdem.errors import UsageError
+
+
+class Deviation(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """Excuses a failing value in [low, high] for these versions ("4.*"); `parameters` is the label's part in brackets."""
+
+    case: str
+    parameters: str = "*"
+    method: str
+    check: str
+    quantity: str
+    versions: str
+    low: float
+    high: float
+    reason: str
+    link: str = ""
+
+    def covers(self, record: Record, finding: Finding) -> bool:
+        """The deviation speaks of this finding."""
+        inside = record.label.removeprefix(record.case).strip("[]")
+        return (
+            (self.case, self.check) == (record.case, finding.check)
+            and fnmatchcase(finding.quantity, self.quantity)
+            and fnmatchcase(record.method, self.method)
+            and fnmatchcase(record.version, self.versions)
+            and (self.parameters in ("*", inside))
+        )
+
+
+class _File(msgspec.Struct, forbid_unknown_fields=True):
+    expected: list[Deviation] = []
+
+
+def of_engine(name: str) -> list[Deviation]:
+    """The deviations in validation/expected/<name>.toml; raises UsageError if the file is not well formed."""
+    path = validation_folder() / "expected" / f"{name}.toml"
+    if not path.exists():
+        return []
+    try:
+        return msgspec.convert(tomllib.loads(path.read_text()), _File).expected
+    except (tomllib.TOMLDecodeError, msgspec.ValidationError) as error:
+        raise UsageError(f"{path}: {error}") from None
+
+
+def applied(record: Record, deviations: list[Deviation]) -> Record:
+    """The record with failing findings excused where a deviation covers them, and covered findings that hold made stale."""
+    return msgspec.structs.replace(record, findings=tuple(_applied(record, finding, deviations) for finding in record.findings))
+
+
+def _applied(record: Record, finding: Finding, deviations: list[Deviation]) -> Finding:
+    deviation = next((d for d in deviations if d.covers(record, finding)), None)
+    if deviation is None or finding.outcome not in ("pass", "fail") or finding.value is None:
+        return finding
+    why = deviation.reason + (f" ({deviation.link})" if deviation.link else "")
+    if finding.outcome == "pass":
+        says = f"{finding.sentence} A deviation was expected here and is stale: {why}"
+        return msgspec.structs.replace(finding, outcome="stale", sentence=says)
+    inside = deviation.low <= finding.value <= deviation.high
+    side = "inside" if inside else "outside"
+    says = f"{finding.sentence} It is {side} the expected deviation [{deviation.low:.3g}, {deviation.high:.3g}]: {why}"
+    return msgspec.structs.replace(finding, outcome="expected" if inside else "fail", sentence=says)

@@ -1,0 +1,163 @@
+"""The plan: which methods run which instances, and the union of the runs that applicable checks need."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+
+import numpy as np
+
+from refdem.campaign.specification import Specification
+from refdem.core import discovery, refinement
+from refdem.core.case import Instance
+from refdem.core.check import Check, Trial
+from refdem.core.engine import Engine, Method
+from refdem.core.problem import Motion, Request
+from refdem.core.selection import Selection
+from refdem.core.trajectory import Trajectory
+from refdem.core.truth import SampledTruth
+from refdem.core.variant import Variant
+from refdem.errors import EngineMissingError, UsageError
+from refdem.scene import Scene
+
+
+@dataclass(frozen=True, eq=False)
+class Task:
+    """One method of one engine on one instance: its trial, the checks that apply, and why others do not."""
+
+    engine: Engine
+    trial: Trial
+    refusal: str | None
+    checks: tuple[Check, ...] = ()
+    left_out: Mapping[str, str] = field(default_factory=dict)
+
+    @property
+    def method(self) -> Method:
+        """The method."""
+        return self.trial.method
+
+    @cached_property
+    def variants(self) -> tuple[Variant, ...]:
+        """The union of what the checks need, without repetition, bases before what goes on from them."""
+        wanted = dict.fromkeys(v for check in self.checks for v in check.needs(self.trial))
+        return tuple(dict.fromkeys([*(v.base for v in wanted if v.goes_on), *wanted]))
+
+
+def instances(specification: Specification) -> list[tuple[Instance, tuple[str, ...]]]:
+    """The instances asked for, each with the only checks to run (none: all); a selection stands for all that it admits."""
+    found: list[tuple[Instance, tuple[str, ...]]] = []
+    for entry in specification.case:
+        case = discovery.case(entry.id)
+        if isinstance(case, Selection):
+            found += [(instance, (case.check,)) for instance in _admitted(case)]
+        else:
+            found.append((case.at(**entry.set), ()))
+    whole = {instance.label for instance, only in found if not only}
+    return [(instance, only) for instance, only in found if not only or instance.label not in whole]
+
+
+def _admitted(selection: Selection) -> list[Instance]:
+    """Every case at its defaults that the selection admits."""
+    cases = [discovery.case(name) for name in discovery.names("cases")]
+    every = [case.at() for case in cases if not isinstance(case, Selection)]
+    return [instance for instance in every if selection.admits(instance) is None]
+
+
+def engines(specification: Specification) -> tuple[list[Engine], dict[str, str]]:
+    """The engines to run, and why others are missing; raises EngineMissingError for one that was asked for by name."""
+    asked = specification.engines
+    found, missing = [], {}
+    for name in asked or discovery.names("engines"):
+        engine = discovery.engine(name)
+        reason = engine.missing()
+        if reason is None:
+            found.append(engine)
+        elif asked:
+            raise EngineMissingError(f"engine {name} is not installed here; {reason}")
+        else:
+            missing[name] = reason
+    return found, missing
+
+
+def trials(specification: Specification, instance: Instance, engine: Engine) -> list[tuple[Trial, str | None]]:
+    """A trial a method, with the reason if the engine refuses the scene; raises UsageError for a method it does not have."""
+    methods = [engine.method(specification.method)] if specification.method else list(engine.methods)
+    found = []
+    for method in methods:
+        refusal = engine.refusal(instance.problem, method)
+        levels: tuple[float, ...] = ()
+        if refusal is None:
+            levels = refinement.levels(
+                instance, method, specification.levels, specification.most_steps, first_step(specification, instance)
+            )
+        found.append((Trial(instance, method, levels, None), refusal))
+    return found
+
+
+def first_step(specification: Specification, instance: Instance) -> float | None:
+    """The first level [s] that the caller asked for, if any."""
+    if specification.step is not None:
+        if not 0 < specification.step < float("inf"):
+            raise UsageError(f"step is {specification.step}; expected a finite number of seconds > 0")
+        return specification.step
+    if specification.steps_per_tau is not None:
+        if not 0 < specification.steps_per_tau < float("inf"):
+            raise UsageError(f"steps-per-tau is {specification.steps_per_tau}; expected a finite number > 0")
+        return instance.scales.tau / specification.steps_per_tau
+    return None
+
+
+def tasks(
+    specification: Specification, instance: Instance, only: tuple[str, ...], engine: Engine, truth: SampledTruth | None, reason: str = ""
+) -> list[Task]:
+    """One task a method: its trial with truth, and the checks that apply."""
+    excluded = instance.case.exclude_for(instance.p)
+    names = [n for n in discovery.names("checks") if (not only or n in only) and (not specification.checks or n in specification.checks)]
+    found = []
+    for bare, refusal in trials(specification, instance, engine):
+        trial = replace(bare, truth=truth, truth_reason=reason)
+        chosen, left_out = [], {}
+        for name in names if refusal is None else []:
+            check = discovery.check(name)
+            why = excluded.get(name) or check.applies(trial)
+            if why is None:
+                chosen.append(check)
+            else:
+                left_out[name] = why
+        found.append(Task(engine, trial, refusal, tuple(chosen), left_out))
+    return found
+
+
+def request(task: Task, variant: Variant, base: Trajectory | None = None) -> Request:
+    """The request of a variant; `base` is the trajectory on whose end it goes on."""
+    problem = task.trial.instance.problem
+    control = task.method.control
+    plain = Request(
+        problem=problem,
+        method=task.method.name,
+        step=variant.level if control == "step" else None,
+        tolerance=variant.level if control == "tolerance" else None,
+    )
+    if variant.change == "repeated":
+        return replace(plain, repeat=1)
+    if variant.change == "denser_output":
+        count = variant.amount * (len(problem.times) - 1)
+        return plain.with_scene(problem.scene, np.arange(count + 1) * (problem.interval / variant.amount))
+    if variant.change == "perturbed":
+        return plain.with_scene(_perturbed(problem, variant.amount))
+    if variant.goes_on:
+        if base is None:
+            raise UsageError(f"variant {variant} goes on from a run that is not there")
+        sign = -1.0 if variant.change == "reversed" else 1.0
+        end = base.end()
+        state = {**end, "velocity": sign * end["velocity"], "omega": sign * end["omega"]}
+        state["attitude"] = end["attitude"] / np.linalg.norm(end["attitude"], axis=-1, keepdims=True)
+        times = problem.times if variant.change == "reversed" else problem.times[::-1]
+        return plain.with_scene(problem.scene.with_state(**state), times)
+    return plain
+
+
+def _perturbed(problem: Motion, ulps: int) -> Scene:
+    """The scene with positions and velocities moved up by some units in the last place."""
+    bodies = problem.scene.bodies
+    moved = {name: getattr(bodies, name) * (1 + ulps * 2.0**-52) for name in ("position", "velocity", "omega")}
+    return problem.scene.with_state(**moved)

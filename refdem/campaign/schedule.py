@@ -1,0 +1,62 @@
+"""The schedule: jobs to worker processes, results as they come; a crash or a hang costs its own job and no other."""
+
+import multiprocessing
+from collections.abc import Callable, Iterator
+from concurrent.futures import FIRST_COMPLETED, wait
+from concurrent.futures import TimeoutError as FutureTimeout
+from dataclasses import dataclass
+from typing import Any
+
+from pebble import ProcessExpired, ProcessPool
+
+from refdem.core.run import Failure
+
+
+@dataclass(frozen=True)
+class Job:
+    """A function of a module and its arguments, all of them bytes, text or plain containers; `key` comes back with the result."""
+
+    key: Any
+    function: Callable[..., bytes]
+    arguments: tuple[Any, ...]
+
+
+class Schedule:
+    """Worker processes (spawned, so that no state is shared); a job that takes longer than `timeout` [s] is killed."""
+
+    def __init__(self, workers: int, timeout: float) -> None:
+        self._pool = ProcessPool(max_workers=workers, context=multiprocessing.get_context("spawn"))
+        self._timeout = timeout
+        self._window = 4 * workers
+
+    def __enter__(self) -> "Schedule":
+        return self
+
+    def __exit__(self, *error: object) -> None:
+        self._pool.stop()
+        self._pool.join()
+
+    def results(self, jobs: list[Job]) -> Iterator[tuple[Job, bytes | Failure]]:
+        """Every job once with its bytes or its Failure, in the order in which they end."""
+        waiting, running = iter(jobs), {}
+        while True:
+            for job in waiting:
+                running[self._pool.schedule(job.function, args=job.arguments, timeout=self._timeout)] = job
+                if len(running) >= self._window:
+                    break
+            if not running:
+                return
+            done, _ = wait(running, return_when=FIRST_COMPLETED)
+            for future in done:
+                yield running.pop(future), self._result(future)
+
+    def _result(self, future: Any) -> bytes | Failure:
+        try:
+            result: bytes = future.result()
+            return result
+        except FutureTimeout:
+            return Failure(kind="hang", sentence=f"it was still running after {self._timeout:g} s and was killed")
+        except ProcessExpired as error:
+            return Failure(kind="crash", sentence=f"its process died with exit code {error.exitcode}")
+        except Exception as error:
+            return Failure(kind="exception", sentence=f"{type(error).__name__}: {error}")

@@ -1,0 +1,56 @@
+"""What a report says beside the findings: a sheet for every instance and every engine."""
+
+import msgspec
+
+from refdem.core.case import Instance
+from refdem.core.engine import Engine, Method
+from refdem.core.finding import CaseSheet, EngineSheet
+from refdem.core.truth import SampledTruth
+
+
+def case_sheet(instance: Instance, truth: SampledTruth) -> CaseSheet:
+    """Statement, parameters, scene, scales and how truth was proved."""
+    case, scales = instance.case, instance.scales
+    settings = " ".join(f"--set {name}={value}" for name, value in instance.p.changed().items())
+    return CaseSheet(
+        case=case.id,
+        label=instance.label,
+        title=case.title,
+        statement=case.statement,
+        latex=case.latex,
+        source=case.source,
+        parameters=instance.p.texts(),
+        units={p.name: p.unit for p in instance.p.declared.values()},
+        scene=msgspec.json.format(instance.scene.to_json()).decode(),
+        scales={"L": scales.length, "tau": scales.tau, "T": scales.duration, "mass": scales.mass},
+        quantities={q.name: q.unit for q in instance.quantities.values()},
+        truth_method=truth.method,
+        truth_witness=truth.witness,
+        truth_scalars={name: (f"{mid:.17g}", f"{radius:.2g}") for name, (mid, radius) in truth.scalars.items()},
+        truth_reason=truth.reason,
+        reproduce=f"refdem run {case.id} {settings}".strip(),
+    )
+
+
+def engine_sheet(engine: Engine) -> EngineSheet:
+    """Version, methods with their claims, audit of defaults."""
+    return EngineSheet(
+        engine=engine.name,
+        title=engine.title,
+        version=engine.version(),
+        licence=engine.licence,
+        is_reference=engine.is_reference,
+        methods={method.name: claims(method) for method in engine.methods},
+        audit=tuple((d.setting, d.default, d.used, d.why) for d in engine.audit),
+    )
+
+
+def claims(method: Method) -> str:
+    """A method's claims in one line."""
+    words = [method.summary, {"step": f"order {method.order}", "tolerance": "tolerance control", "exact": "exact"}[method.control]]
+    words += [f"order {order} with {feature}" for feature, order in method.order_with.items()]
+    words += [f"keeps {name}" for name in sorted(method.conserves)]
+    words += [word for word, holds in (("symplectic", method.symplectic), ("reversible", method.reversible)) if holds]
+    if method.constant != 1:
+        words.append(f"C = {method.constant:g} ({method.constant_reason})")
+    return "; ".join(words)

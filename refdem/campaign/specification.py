@@ -1,0 +1,53 @@
+"""What a campaign is: a TOML file that names cases with parameters, engines, levels and limits."""
+
+import tomllib
+from pathlib import Path
+
+import msgspec
+
+from refdem.errors import UsageError
+
+_HERE = Path(__file__).resolve().parents[1]
+
+
+class Entry(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
+    """One case at one set of parameters, each as text."""
+
+    id: str
+    set: dict[str, str] = {}
+
+
+class Specification(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """Cases, engines, and how far to refine: `levels` at most, none with more than `most_steps`; `timeout` [s] a run.
+
+    `engines` empty means all that are installed; `step` [s] overrules the first level; `method` keeps only that one.
+    """
+
+    name: str
+    case: list[Entry]
+    engines: list[str] = []
+    checks: list[str] = []
+    levels: int = 4
+    most_steps: float = 2e6
+    timeout: float = 60.0
+    method: str = ""
+    step: float | None = None
+    steps_per_tau: float | None = None
+
+
+def validation_folder() -> Path:
+    """The folder of campaigns, expected deviations and baselines: inside the installed package, or beside the source."""
+    inside = _HERE / "validation"
+    return inside if inside.is_dir() else _HERE.parent / "validation"
+
+
+def named(name: str) -> Specification:
+    """The campaign `name` of validation/campaigns; raises UsageError if it is not there or not well formed."""
+    path = validation_folder() / "campaigns" / f"{name}.toml"
+    known = sorted(p.stem for p in path.parent.glob("*.toml"))
+    if name not in known:
+        raise UsageError(f"no campaign {name!r}; known: {', '.join(known)}")
+    try:
+        return msgspec.convert({"name": name, **tomllib.loads(path.read_text())}, Specification)
+    except (tomllib.TOMLDecodeError, msgspec.ValidationError) as error:
+        raise UsageError(f"{path}: {error}") from None

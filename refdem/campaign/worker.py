@@ -1,0 +1,51 @@
+"""What runs in a worker process: one truth or one run, bytes in and bytes out, an engine's fault turned into a Failure."""
+
+import msgspec
+
+from refdem.core import discovery
+from refdem.core.problem import Request
+from refdem.core.run import Failure
+from refdem.core.trajectory import Cost
+from refdem.errors import NotCertifiedError, RefdemError, UnsupportedError
+
+
+class Reply(msgspec.Struct, frozen=True, kw_only=True):
+    """Exactly one of a packed trajectory (with its cost) and a failure."""
+
+    trajectory: bytes = b""
+    cost: Cost | None = None
+    failure: Failure | None = None
+
+
+def sampled_truth(case: str, given: dict[str, str]) -> bytes:
+    """The truth of an instance at its samples, as MessagePack of SampledTruth; until = 0 and a reason if there is none."""
+    from refdem.core.truth import SampledTruth
+    from refdem.truth.sampled import sampled
+
+    instance = discovery.case(case).at(**given)
+    try:
+        truth = sampled(instance.truth(), instance.times.tolist())
+    except NotCertifiedError as error:
+        truth = SampledTruth(
+            t=[], values={}, radii={}, sensitivity=[], scalars={}, method="not certified", witness="", until=0, reason=str(error)
+        )
+    return msgspec.msgpack.encode(truth)
+
+
+def run(engine: str, request: bytes) -> bytes:
+    """One run of an engine, as MessagePack of Reply."""
+    return msgspec.msgpack.encode(_reply(engine, Request.from_json(request)))
+
+
+def _reply(engine: str, request: Request) -> Reply:
+    """Runs the request; the one place where an engine's exceptions, whatever they are, become a Failure."""
+    try:
+        trajectory, cost = discovery.engine(engine).run(request)
+        request.refuse_misaligned(trajectory.t)
+    except UnsupportedError as error:
+        return Reply(failure=Failure(kind="unsupported", sentence=str(error)))
+    except RefdemError as error:
+        return Reply(failure=Failure(kind="contract", sentence=str(error)))
+    except Exception as error:
+        return Reply(failure=Failure(kind="exception", sentence=f"{engine} raised {type(error).__name__}: {error}"))
+    return Reply(trajectory=trajectory.to_bytes(), cost=cost)

@@ -1,0 +1,21 @@
+"""The application: every module of this folder with a function named `command` is a command of that file's name."""
+
+from importlib import import_module
+from pathlib import Path
+
+import typer
+
+app = typer.Typer(
+    name="refdem",
+    help="Verifies rigid-body and discrete element codes against certified truth.",
+    no_args_is_help=True,
+    add_completion=False,
+    pretty_exceptions_enable=False,
+    rich_markup_mode=None,
+)
+
+_FRAME = ("__init__", "app", "progress", "summary")
+
+for _path in sorted(Path(__file__).parent.glob("*.py")):
+    if _path.stem not in _FRAME:
+        app.command(_path.stem.removesuffix("_"))(import_module(f"refdem.cli.{_path.stem}").command)

@@ -1,0 +1,36 @@
+"""refdem doctor: what is here, what is missing, and what to do about it."""
+
+import platform
+import sys
+
+import typer
+
+
+def command() -> None:
+    """Checks kernels, engines, store and Python, and says what to do.
+
+    Example: refdem doctor
+    """
+    import refdem
+    from refdem import kernels
+    from refdem.campaign.specification import validation_folder
+    from refdem.core import discovery
+    from refdem.core.store import Store, default_path
+    from refdem.errors import RefdemError
+
+    healthy = True
+    print(f"refdem {refdem.__version__}, Python {sys.version.split()[0]} on {platform.system()} {platform.machine()}")
+    try:
+        families = sorted(path.name.split(".")[0][1:] for path in kernels.folder().glob("_*.so"))
+        print(f"kernels: {', '.join(family for family in families if kernels.fingerprint(family)) or 'none: run `make develop`'}")
+        Store(default_path()).close()
+        print(f"store: {default_path()}")
+    except RefdemError as error:
+        healthy = False
+        print(f"PROBLEM: {error}")
+    print(f"campaigns: {', '.join(sorted(path.stem for path in (validation_folder() / 'campaigns').glob('*.toml')))}")
+    for name in discovery.names("engines"):
+        engine = discovery.engine(name)
+        missing = engine.missing()
+        print(f"engine {name}: {engine.version() if missing is None else f'not installed; {missing}'}")
+    raise typer.Exit(0 if healthy else 2)

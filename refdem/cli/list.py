@@ -1,0 +1,69 @@
+"""refdem list: cases, engines and checks."""
+
+from typing import Annotated, Any
+
+import typer
+
+from refdem.errors import UsageError
+
+
+def command(
+    what: Annotated[str, typer.Argument(help="cases, engines or checks")] = "cases",
+    json: Annotated[bool, typer.Option("--json", help="For programs.")] = False,
+) -> None:
+    """Lists cases with their parameters, engines with their methods, or checks.
+
+    Example: refdem list cases --json
+    """
+    import json as format
+
+    kinds = {"cases": case, "engines": engine, "checks": check}
+    if what not in kinds:
+        raise UsageError(f"list got {what!r}; expected cases, engines or checks")
+    from refdem.core import discovery
+
+    found = [kinds[what](name) for name in discovery.names(what)]
+    if json:
+        print(format.dumps(found, indent=1))
+        return
+    for item in found:
+        print(f"{item['id']:22} {item['title']}")
+        for line in item.get("parameters", item.get("methods", [])):
+            print(f"    {line['name']:20} {line.get('default', ''):12} {line.get('unit', ''):8} {line.get('bounds', '')} {line['doc']}")
+
+
+def case(name: str) -> dict[str, Any]:
+    """A case with its parameters and quantities."""
+    from refdem.core import discovery
+    from refdem.core.selection import Selection
+
+    found = discovery.case(name)
+    if isinstance(found, Selection):
+        return {"id": found.id, "title": found.title, "statement": found.statement, "selects_by_check": found.check}
+    instance = found.at()
+    parameters = [
+        {"name": p.name, "default": p.default, "unit": p.unit, "bounds": p.bounds(), "shape": p.shape, "choices": p.choices, "doc": p.doc}
+        for p in instance.p.declared.values()
+    ]
+    quantities = [{"name": q.name, "unit": q.unit} for q in instance.quantities.values()]
+    return {"id": found.id, "title": found.title, "statement": found.statement, "parameters": parameters, "quantities": quantities}
+
+
+def engine(name: str) -> dict[str, Any]:
+    """An engine with its methods and claims."""
+    from refdem.campaign.sheets import claims
+    from refdem.core import discovery
+
+    found = discovery.engine(name)
+    missing = found.missing()
+    methods = [{"name": m.name, "doc": claims(m)} for m in found.methods]
+    state = f"{found.title} {found.version()}" if missing is None else f"{found.title}: not installed; {missing}"
+    return {"id": name, "title": state, "installed": missing is None, "methods": methods}
+
+
+def check(name: str) -> dict[str, Any]:
+    """A check and the fault that it kills."""
+    from refdem.core import discovery
+
+    found = discovery.check(name)
+    return {"id": name, "title": found.title, "kills": found.kills}

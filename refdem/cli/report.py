@@ -1,0 +1,17 @@
+"""refdem report: makes the report again from records, on any machine."""
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+
+def command(folder: Annotated[Path, typer.Argument(help="Folder with records.jsonl.")]) -> None:
+    """Makes index.html, validation.md and junit.xml again from records.jsonl.
+
+    Example: refdem report reports
+    """
+    from refdem.report import read_records, write_report
+
+    write_report(folder, read_records(folder))
+    print(f"report: {folder / 'index.html'}")

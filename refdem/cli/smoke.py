@@ -1,0 +1,24 @@
+"""refdem smoke: a few tiny scenes that blame the adapter, not the engine."""
+
+from typing import Annotated
+
+import typer
+
+
+def command(engine: Annotated[str, typer.Argument(help="The engine.")]) -> None:
+    """Tests an adapter: clock, units, signs, shapes, quaternion order, inertia axes.
+
+    Example: refdem smoke mujoco
+    """
+    from refdem.campaign.smoke import smoke
+    from refdem.core import discovery
+    from refdem.errors import EngineMissingError
+
+    found = discovery.engine(engine)
+    if (reason := found.missing()) is not None:
+        raise EngineMissingError(f"engine {engine} is not installed here; {reason}")
+    findings = smoke(found)
+    for finding in findings:
+        print(f"{finding.outcome:12} {finding.quantity:24} {finding.sentence}")
+    outcomes = {finding.outcome for finding in findings}
+    raise typer.Exit(1 if "fail" in outcomes else 3 if "error" in outcomes else 0)
