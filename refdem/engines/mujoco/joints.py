@@ -1,0 +1,107 @@
+"""How a body that does not turn may move: not at all, or on slide joints along the axes that the scene needs."""
+
+from abc import ABC, abstractmethod
+from dataclasses import dataclass
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from refdem.scene import Body
+
+Array = NDArray[np.float64]
+
+
+class Columns(NamedTuple):
+    """One body's samples: position, velocity (T, 3), attitude (T, 4), omega (T, 3) in space axes."""
+
+    position: Array
+    velocity: Array
+    attitude: Array
+    omega: Array
+
+
+class Freedom(ABC):
+    """One body with its joints: `nq` coordinates and `nv` velocities in MuJoCo's state."""
+
+    body: Body
+    nq: int
+    nv: int
+
+    @abstractmethod
+    def say(self, mujoco: Any, world: Any) -> Any:
+        """The body of MuJoCo, added to the world, with its joints."""
+
+    @abstractmethod
+    def start(self) -> tuple[Array, Array]:
+        """Coordinates (nq,) and velocities (nv,) of the scene's state."""
+
+    @abstractmethod
+    def read(self, q: Array, v: Array) -> Columns:
+        """The body's columns from coordinates (T, nq) and velocities (T, nv)."""
+
+    @property
+    def turns(self) -> bool:
+        """MuJoCo's body frame turns with the body; else its axes are those of space."""
+        return False
+
+    def still(self, count: int) -> tuple[Array, Array]:
+        """Attitude (T, 4) and omega (T, 3) of a body that does not turn."""
+        return np.tile(np.array(self.body.attitude, float), (count, 1)), np.zeros((count, 3))
+
+
+@dataclass(frozen=True)
+class Fixed(Freedom):
+    """A part of the world."""
+
+    body: Body
+    nq = 0
+    nv = 0
+
+    @property
+    def turns(self) -> bool:
+        return True
+
+    def say(self, mujoco: Any, world: Any) -> Any:
+        return world.add_body(pos=self.body.position, quat=self.body.attitude)
+
+    def start(self) -> tuple[Array, Array]:
+        return np.empty(0), np.empty(0)
+
+    def read(self, q: Array, v: Array) -> Columns:
+        place = np.tile(np.array(self.body.position, float), (len(q), 1))
+        return Columns(place, np.zeros((len(q), 3)), *self.still(len(q)))
+
+
+@dataclass(frozen=True)
+class Slides(Freedom):
+    """A body that does not turn: one slide joint an axis, whose coordinate is the position itself.
+
+    `stiffness` (of the first, second and third power) and `reference` (3,) [m] make a spring to the world; `friction`
+    (3,) [N] dry friction along each axis; `solver` the parameters of the latter.
+    """
+
+    body: Body
+    dimension: int
+    stiffness: tuple[float, float, float]
+    reference: tuple[float, ...]
+    friction: tuple[float, ...]
+    solver: dict[str, Any]
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "nq", self.dimension)
+        object.__setattr__(self, "nv", self.dimension)
+
+    def say(self, mujoco: Any, world: Any) -> Any:
+        said = world.add_body(mass=self.body.mass, inertia=(1.0, 1.0, 1.0), explicitinertial=True)
+        for k in range(self.dimension):
+            own = {"stiffness": self.stiffness, "springref": self.reference[k], "frictionloss": self.friction[k]}
+            said.add_joint(type=mujoco.mjtJoint.mjJNT_SLIDE, axis=np.eye(3)[k], **own, **self.solver)
+        return said
+
+    def start(self) -> tuple[Array, Array]:
+        return np.array(self.body.position[: self.nq]), np.array(self.body.velocity[: self.nv])
+
+    def read(self, q: Array, v: Array) -> Columns:
+        rest = ((0, 0), (0, 3 - self.dimension))
+        return Columns(np.pad(q, rest), np.pad(v, rest), *self.still(len(q)))

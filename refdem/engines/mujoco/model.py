@@ -1,0 +1,88 @@
+"""A scene in MuJoCo's words: an MjSpec with nothing in it that the scene does not say, compiled."""
+
+from typing import Any
+
+import numpy as np
+
+from refdem.core.problem import Request
+from refdem.engines.mujoco import options, shapes, solver
+from refdem.engines.mujoco.joints import Fixed, Freedom, Slides
+from refdem.engines.mujoco.turning import Free, Hinge
+from refdem.mechanics.quaternion import rotated
+from refdem.scene import Body, Scene
+from refdem.scene.elements.contact import Contact
+from refdem.scene.elements.plane import Plane
+from refdem.scene.elements.rod import Rod
+from refdem.scene.elements.slider import Slider
+from refdem.scene.elements.spring import Spring
+
+STILL = (0.0, 0.0, 0.0)
+
+
+def compiled(request: Request) -> tuple[Any, list[Freedom]]:
+    """The compiled model and, body by body, how it moves."""
+    import mujoco
+
+    scene, step = request.problem.scene, request.step or 0.0
+    spec = mujoco.MjSpec()
+    options.set_compiler(mujoco, spec)
+    options.set_options(mujoco, spec, scene, request.method, step)
+    freedoms = [_freedom(scene, number, body, step) for number, body in enumerate(scene.bodies.single())]
+    said = [freedom.say(mujoco, spec.worldbody) for freedom in freedoms]
+    for law in scene.all(Contact):
+        parameters = solver.contact(scene, law, step)
+        for body, shape in zip(said, scene.bodies.shape, strict=True):
+            shapes.add_shape(mujoco, body, shape, parameters)
+        for plane in scene.all(Plane):
+            shapes.add_plane(mujoco, spec.worldbody, plane, parameters)
+    for number, spring in enumerate(scene.all(Spring)):
+        if not _is_of_joints(scene, spring):
+            _add_tendon(spec, scene, freedoms, said, spring, f"spring {number}")
+    for freedom in freedoms:
+        if isinstance(freedom, Hinge):
+            spec.add_sensor(type=mujoco.mjtSensor.mjSENS_FORCE, objtype=mujoco.mjtObj.mjOBJ_SITE, objname=freedom.site)
+    return spec.compile(), freedoms
+
+
+def _turns(scene: Scene, number: int) -> bool:
+    """The body needs a free joint."""
+    return "rotation" in scene.features and bool(scene.bodies.inertia[number].any())
+
+
+def _freedom(scene: Scene, number: int, body: Body, step: float) -> Freedom:
+    """How body `number` moves."""
+    if body.fixed:
+        return Fixed(body)
+    for rod in scene.all(Rod):
+        if rod.a == number:
+            return Hinge(body, rod)
+    if _turns(scene, number):
+        return Free(body)
+    dimension = next(n for n in (1, 2, 3) if f"dimension:{n}" in scene.features)
+    springs = [spring for spring in scene.all(Spring) if spring.a == number and _is_of_joints(scene, spring)]
+    stiffness = (springs[0].stiffness, 0.0, 0.0) if springs else STILL
+    reference = springs[0].anchor_b if springs else STILL
+    sliders = [slider for slider in scene.all(Slider) if slider.a == number]
+    friction = np.sum([np.abs(s.axis) * s.friction * s.normal_force for s in sliders], axis=0) if sliders else STILL
+    return Slides(body, dimension, stiffness, reference, tuple(friction), solver.friction(step) if sliders else {})
+
+
+def _is_of_joints(scene: Scene, spring: Spring) -> bool:
+    """A linear spring of no length to the world is the same along every axis: the joints' own stiffness. One a body."""
+    others = [s for s in scene.all(Spring) if s.a == spring.a and s.b < 0 and s.length == 0 and s.exponent == 1]
+    plain = spring.b < 0 and spring.length == 0 and spring.exponent == 1 and not any(spring.anchor_a)
+    return plain and not _turns(scene, spring.a) and others[0] is spring
+
+
+def _add_tendon(spec: Any, scene: Scene, freedoms: list[Freedom], said: list[Any], spring: Spring, name: str) -> None:
+    """A spring as a spatial tendon between two sites."""
+    tendon = spec.add_tendon(name=name, springlength=(spring.length,) * 2)
+    tendon.stiffness = (spring.stiffness, 0.0, 0.0) if spring.exponent == 1 else (0.0, 0.0, spring.stiffness)
+    for end, anchor in ((spring.a, spring.anchor_a), (spring.b, spring.anchor_b)):
+        place: Any = anchor
+        if end >= 0 and not freedoms[end].turns:
+            place = rotated(scene.bodies.attitude[end], np.array(anchor, float))
+        body = spec.worldbody if end < 0 else said[end]
+        site = f"{name} at {end}"
+        body.add_site(name=site, pos=place)
+        tendon.wrap_site(site)

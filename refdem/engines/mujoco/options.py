@@ -1,0 +1,61 @@
+"""MuJoCo's options and flags: what the scene does not need is off, nothing adds forces or resets a state by itself."""
+
+from typing import Any
+
+import numpy as np
+
+from refdem.engines.mujoco.claims import INTEGRATORS
+from refdem.scene import Scene
+from refdem.scene.elements.uniform_gravity import UniformGravity
+
+NEVER = ("LIMIT", "EQUALITY", "ACTUATION", "SENSOR", "DAMPER", "WARMSTART", "AUTORESET")
+NOSLIP = 100
+"""Most iterations of the post-solver that takes the softness out of friction; it ends by itself when nothing changes."""
+ITERATIONS = 100
+TOLERANCE = 1e-15
+FRICTION_TO_NORMAL = 1.0
+
+
+def set_compiler(mujoco: Any, spec: Any) -> None:
+    """Mass and inertia are taken as they are said."""
+    compiler = spec.compiler
+    compiler.degree = False
+    compiler.balanceinertia = False
+    compiler.boundmass = compiler.boundinertia = 0.0
+    compiler.inertiafromgeom = mujoco.mjtInertiaFromGeom.mjINERTIAFROMGEOM_FALSE
+    compiler.settotalmass = -1.0
+    compiler.fusestatic = False
+    compiler.alignfree = False
+
+
+def set_options(mujoco: Any, spec: Any, scene: Scene, method: str, step: float) -> None:
+    """Step, integrator, gravity, solver and flags."""
+    option = spec.option
+    option.timestep = step
+    option.integrator = getattr(mujoco.mjtIntegrator, INTEGRATORS[method])
+    option.gravity = np.sum([np.zeros(3), *(e.g for e in scene.all(UniformGravity))], axis=0)
+    option.density = option.viscosity = 0.0
+    option.cone = mujoco.mjtCone.mjCONE_ELLIPTIC
+    option.solver = mujoco.mjtSolver.mjSOL_NEWTON
+    option.tolerance = option.noslip_tolerance = TOLERANCE
+    option.ls_tolerance = 1e-6
+    option.iterations = ITERATIONS
+    option.noslip_iterations = NOSLIP if "friction" in scene.features else 0
+    option.impratio = FRICTION_TO_NORMAL
+    for name in (*NEVER, *unneeded(scene)):
+        option.disableflags |= int(getattr(mujoco.mjtDisableBit, f"mjDSBL_{name}"))
+    option.enableflags = int(mujoco.mjtEnableBit.mjENBL_DIAGEXACT)
+
+
+def unneeded(scene: Scene) -> tuple[str, ...]:
+    """Disable flags that follow from what is not in the scene."""
+    features = scene.features
+    meets = "contact" in features and scene.has_shapes()
+    off = {
+        "CONTACT": not meets,
+        "CONSTRAINT": not meets and "slider" not in features,
+        "FRICTIONLOSS": "slider" not in features,
+        "SPRING": "spring" not in features,
+        "GRAVITY": "uniform_gravity" not in features,
+    }
+    return tuple(name for name, is_off in off.items() if is_off)

@@ -1,0 +1,55 @@
+"""Shapes that meet: spheres, boxes and planes as geoms, and which pairs of them there are."""
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from refdem.scene import Point, Polyhedron, Scene, Sphere
+from refdem.scene.elements.plane import Plane
+
+Array = NDArray[np.float64]
+
+
+def box_sides(shape: Polyhedron) -> Array | None:
+    """Side lengths (3,) [m] of a box about the body's centre along its axes, or None for any other polyhedron."""
+    vertices = np.array(shape.vertices)
+    half = np.abs(vertices[0])
+    corners = {tuple(corner) for corner in np.sign(vertices)}
+    is_box = len(vertices) == len(corners) == 8 and bool(half.all()) and np.array_equal(np.abs(vertices), np.tile(half, (8, 1)))
+    return 2 * half if is_box else None
+
+
+def pairs(scene: Scene) -> list[float]:
+    """The effective mass [kg] of every pair of shapes that may meet, planes included."""
+    bodies = scene.bodies
+    inverse = np.where(bodies.fixed, 0.0, 1 / bodies.mass)
+    shaped = [n for n, shape in enumerate(bodies.shape) if not isinstance(shape, Point)]
+    sums = [inverse[i] + inverse[j] for k, i in enumerate(shaped) for j in shaped[k + 1 :]]
+    sums += [inverse[i] for i in shaped for _ in scene.all(Plane)]
+    return [1 / total for total in sums if total > 0]
+
+
+def add_shape(mujoco: Any, said: Any, shape: Any, contact: dict[str, Any]) -> None:
+    """Gives a body of MuJoCo its geom, with the contact parameters."""
+    if isinstance(shape, Sphere):
+        said.add_geom(type=mujoco.mjtGeom.mjGEOM_SPHERE, size=(shape.radius, 0, 0), **contact)
+    elif isinstance(shape, Polyhedron):
+        sides = box_sides(shape)
+        assert sides is not None, "refused before"
+        said.add_geom(type=mujoco.mjtGeom.mjGEOM_BOX, size=sides / 2, **contact)
+
+
+def add_plane(mujoco: Any, world: Any, plane: Plane, contact: dict[str, Any]) -> None:
+    """Adds a plane to the world; its z axis is the normal."""
+    world.add_geom(type=mujoco.mjtGeom.mjGEOM_PLANE, size=(0, 0, 1), pos=plane.point, quat=_turned_up(plane.normal), **contact)
+
+
+def _turned_up(normal: tuple[float, float, float]) -> Array:
+    """The quaternion of the shortest turn that takes the z axis to `normal`."""
+    x, y, z = normal
+    if z < -0.5:  # the shortest turn is ill-conditioned near half a turn: go by way of the opposite normal
+        w, a, b, c = _turned_up((x, -y, -z))
+        return np.array([-a, w, -c, b])
+    half = np.array([1 + z, -y, x, 0.0])
+    return half / np.linalg.norm(half)
