@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from refdem.errors import EngineError, UsageError
 from refdem.scene import Scene, SceneDocument
+from refdem.scene.scene import encoded
 
 Array = NDArray[np.float64]
 
@@ -71,7 +72,7 @@ class Request:
 
     def to_json(self) -> bytes:
         """The request as `request.json` has it; the same bytes for the same request."""
-        return msgspec.json.encode(self.document())
+        return encoded(self.document())
 
     @property
     def signed_step(self) -> float:

@@ -65,7 +65,7 @@ class Scene:
 
     def to_json(self) -> bytes:
         """The scene as JSON; the same bytes for the same scene."""
-        return msgspec.json.encode(self.document())
+        return encoded(self.document())
 
     def all(self, kind: type[E]) -> list[E]:
         """The elements of one kind."""
@@ -98,6 +98,17 @@ class Scene:
     def has_shapes(self) -> bool:
         """Some body can touch something."""
         return any(not isinstance(shape, Point) for shape in self.bodies.shape)
+
+
+def encoded(document: Any) -> bytes:
+    """JSON of a document; NumPy's numbers become plain ones."""
+    return msgspec.json.encode(document, enc_hook=_plain)
+
+
+def _plain(value: Any) -> Any:
+    if isinstance(value, np.generic):
+        return value.item()
+    raise TypeError(f"{type(value).__name__} cannot be written as JSON")
 
 
 def _refuse_ends(link: Link, count: int, where: str) -> None:

@@ -1,0 +1,61 @@
+"""Requests: steps divide samples, times are exact, keys change with everything that matters."""
+
+import numpy as np
+import pytest
+
+from refdem.core.problem import Motion, Request
+from refdem.errors import EngineError, UsageError
+from refdem.scene import Body, Scene
+from refdem.scene.elements.spring import Spring
+
+
+def request_of(step=0.125, stiffness=1.0, **more):
+    scene = Scene.of([Body(mass=1.0, position=(1.0, 0.0, 0.0))], [Spring(a=0, stiffness=stiffness)])
+    return Request(problem=Motion(scene, np.arange(5) * 0.5), method="m", step=step, **more)
+
+
+def test_stride_counts_steps_from_sample_to_sample():
+    assert request_of(0.125).stride == 4
+
+
+@pytest.mark.parametrize("step", [0.3, 1.0])
+def test_a_step_that_does_not_divide_the_samples_is_refused(step):
+    with pytest.raises(UsageError, match="whole fraction"):
+        _ = request_of(step).stride
+
+
+@pytest.mark.parametrize("step", [0.0, -1.0, float("nan"), float("inf")])
+def test_a_step_that_is_no_step_is_refused(step):
+    with pytest.raises(UsageError, match="step"):
+        request_of(step)
+
+
+def test_the_key_changes_with_scene_step_repeat_and_engine():
+    keys = {
+        request_of().key("e"),
+        request_of(stiffness=np.nextafter(1.0, 2)).key("e"),
+        request_of(0.25).key("e"),
+        request_of(repeat=1).key("e"),
+        request_of().key("f"),
+    }
+    assert len(keys) == 5
+    assert request_of().key("e") == request_of().key("e")
+
+
+def test_json_reads_back_to_the_same_key():
+    request = request_of(step=0.1 / 3)
+    assert Request.from_json(request.to_json()).key("e") == request.key("e")
+
+
+def test_time_that_is_off_is_refused_with_the_sample():
+    times = request_of().problem.times.copy()
+    times[3] += 1e-6
+    with pytest.raises(EngineError, match=r"t\[3\]"):
+        request_of().refuse_misaligned(times)
+    with pytest.raises(EngineError, match="4 samples"):
+        request_of().refuse_misaligned(times[:4])
+
+
+def test_times_that_go_nowhere_are_refused():
+    with pytest.raises(UsageError, match="rising or all falling"):
+        Motion(request_of().problem.scene, np.array([0.0, 1.0, 1.0]))

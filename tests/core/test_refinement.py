@@ -1,0 +1,51 @@
+"""Levels and bounds: where the first step lies, and how a bound falls with it."""
+
+import numpy as np
+import pytest
+
+from refdem.core import discovery
+from refdem.core.engine import Method
+from refdem.core.refinement import levels, round_off, truncation
+
+
+@pytest.fixture
+def instance():
+    return discovery.case("harmonic-oscillator").at()
+
+
+@pytest.mark.parametrize("order", [1, 2, 4])
+def test_the_first_level_has_a_bound_just_below_a_tenth_and_the_next_are_halves(instance, order):
+    method = Method(name="m", summary="", control="step", order=order)
+    steps = levels(instance, method, 4, 1e7)
+    scales = instance.scales
+    first = scales.duration / scales.tau * (steps[0] / scales.tau) ** order
+    assert 0.1 / 2**order * 0.99 <= first <= 0.1 * 1.001 or steps[0] == instance.problem.interval
+    assert np.allclose(np.array(steps[:-1]) / steps[1:], 2.0, rtol=0, atol=0)
+
+
+def test_every_multiple_of_a_step_is_exact(instance):
+    step = levels(instance, Method(name="m", summary="", control="step", order=1), 4, 1e7)[-1]
+    total = 0.0
+    for _ in range(1000):
+        total += step
+    assert total == 1000 * step
+    assert np.all(instance.times / step == np.round(instance.times / step))
+
+
+def test_no_level_takes_more_steps_than_allowed(instance):
+    steps = levels(instance, Method(name="m", summary="", control="step", order=1), 10, 2e4)
+    assert instance.times[-1] / steps[-1] <= 2e4
+
+
+def test_order_with_a_feature_lowers_the_bound_only_there(instance):
+    method = Method(name="m", summary="", control="step", order=4, order_with={"spring": 1})
+    t = instance.times
+    assert truncation(instance, method, 0.01, t)[-1] == pytest.approx((1 + t[-1]) * 0.01)
+    plain = Method(name="m", summary="", control="step", order=4, order_with={"contact": 1})
+    assert truncation(instance, plain, 0.01, t)[-1] == pytest.approx((1 + t[-1]) * 1e-8)
+
+
+def test_round_off_follows_the_declared_precision(instance):
+    double = Method(name="m", summary="", control="exact")
+    single = Method(name="m", summary="", control="exact", precision="single")
+    assert round_off(instance, single, 100) / round_off(instance, double, 100) == 2.0**29

@@ -1,0 +1,36 @@
+"""The store keeps what is finished and says clearly when it cannot."""
+
+import sqlite3
+
+import pytest
+
+from refdem.core.store import Store
+from refdem.errors import StoreError
+
+
+def test_what_is_put_is_read_by_another_connection(tmp_path):
+    Store(tmp_path / "s.sqlite").put("run", "k", b"data")
+    assert Store(tmp_path / "s.sqlite").get("run", "k") == b"data"
+    assert Store(tmp_path / "s.sqlite").get("truth", "k") is None
+
+
+def test_a_corrupt_file_is_left_alone_and_said_to_be_corrupt(tmp_path):
+    path = tmp_path / "s.sqlite"
+    path.write_bytes(b"not a database" * 100)
+    with pytest.raises(StoreError, match="Move the file away"):
+        Store(path)
+    assert path.read_bytes() == b"not a database" * 100
+
+
+def test_a_store_of_another_format_is_refused(tmp_path):
+    path = tmp_path / "s.sqlite"
+    with sqlite3.connect(path) as connection:
+        connection.execute("PRAGMA user_version=99")
+    with pytest.raises(StoreError, match="format 99"):
+        Store(path)
+
+
+def test_a_folder_that_cannot_be_made_is_said_so(tmp_path):
+    (tmp_path / "file").write_text("")
+    with pytest.raises(StoreError, match="cannot be used"):
+        Store(tmp_path / "file" / "s.sqlite")
