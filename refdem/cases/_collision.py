@@ -1,0 +1,82 @@
+"""What the collision of two spheres needs: parameters, geometry and signs, and how long the contact lasts."""
+
+import numpy as np
+
+from refdem.core.parameters import Parameter, Parameters
+from refdem.core.quantity import Scales
+from refdem.errors import UsageError
+from refdem.scene import Body, Scene, Sphere
+from refdem.scene.elements.contact import Contact
+
+PARAMETERS = (
+    Parameter(name="masses", default="1,1", unit="kg", doc="of the two spheres", shape=(2,), above=0),
+    Parameter(name="radii", default="1/2,1/2", unit="m", doc="of the two spheres; inertia 2/5 m R^2", shape=(2,), above=0),
+    Parameter(name="stiffness", default="128", unit="N/m", doc="normal spring", above=0),
+    Parameter(name="damping", default="1", unit="kg/s", doc="normal dashpot", at_least=0),
+    Parameter(name="closing_speed", default="1", unit="m/s", doc="size of the relative velocity", above=0),
+    Parameter(name="tangential_stiffness", default="0", unit="N/m", doc="0: sliding friction of full size", at_least=0),
+    Parameter(name="friction", default="0", unit="1", doc="Coulomb's coefficient", at_least=0),
+    Parameter(name="angle", default="0", unit="rad", doc="of the relative velocity from the normal", at_least=-1.5, at_most=1.5),
+    Parameter(name="spins", default="0,0,0,0,0,0", unit="rad/s", doc="omega of the first and of the second sphere", shape=(2, 3)),
+    Parameter(name="branch", default="R-d/2", unit="1", doc="lever arm of the tangential force", choices=("R", "R-d", "R-d/2")),
+    Parameter(name="cutoff", default="zero_overlap", unit="1", doc="when the force ends", choices=("zero_overlap", "zero_force")),
+)
+POSITIONS_ARE_ROUNDED = 1 / 8
+"""A position near R is rounded to u R; round-off is judged as 8 u L, so that L must not be below R/8."""
+
+
+def effective_mass(p: Parameters) -> float:
+    """m1 m2/(m1 + m2) [kg]."""
+    return float(p.masses[0] * p.masses[1] / p.masses.sum())
+
+
+def duration(p: Parameters) -> float:
+    """How long the contact lasts [s], for either cut-off and any damping."""
+    b, w0 = p.damping / (2 * effective_mass(p)), np.sqrt(p.stiffness / effective_mass(p))
+    w = np.sqrt(abs(w0 * w0 - b * b))
+    if p.cutoff == "zero_overlap":
+        return float(np.pi / w) if b < w0 else float("inf")
+    if b == w0:
+        return float(2 / w0)
+    return float(2 * np.arccos(b / w0) / w) if b < w0 else float(np.log((b + w) / (b - w)) / w)
+
+
+def refuse(p: Parameters) -> None:
+    """Raises UsageError for a contact that never ends."""
+    if not np.isfinite(duration(p)):
+        limit = 2 * np.sqrt(p.stiffness * effective_mass(p))
+        raise UsageError(
+            f"parameter damping: got {p.damping:g} kg/s; expected < {limit:g} kg/s with cutoff zero_overlap: over-damped spheres never "
+            "part, so use cutoff=zero_force"
+        )
+
+
+def scene(p: Parameters) -> Scene:
+    """Sphere 1 at x < 0, sphere 2 at x > 0, centre of mass at rest at the origin."""
+    share = p.masses[::-1] / p.masses.sum()
+    gap, approach = p.radii.sum(), p.closing_speed * np.array([np.cos(p.angle), np.sin(p.angle), 0.0])
+    bodies = [
+        Body(
+            mass=mass,
+            inertia=(0.4 * mass * radius * radius,) * 3,
+            position=(-sign * part * gap, 0.0, 0.0),
+            velocity=tuple(sign * part * approach),
+            omega=tuple(spin),
+            shape=Sphere(radius=float(radius)),
+        )
+        for mass, radius, part, sign, spin in zip(p.masses, p.radii, share, (1.0, -1.0), p.spins, strict=True)
+    ]
+    numbers = {name: getattr(p, name) for name in ("stiffness", "damping", "tangential_stiffness", "friction", "branch", "cutoff")}
+    return Scene.of(bodies, [Contact(law="linear", **numbers)])
+
+
+def scales(p: Parameters) -> Scales:
+    """tau = contact duration/pi; the length is the way closed in tau; two contact durations; effective mass."""
+    tau = duration(p) / np.pi
+    length = max(p.closing_speed * tau, float(p.radii.max()) * POSITIONS_ARE_ROUNDED)
+    return Scales(length=length, tau=tau, duration=2 * np.pi * tau, mass=effective_mass(p))
+
+
+def spin_scale(p: Parameters) -> float:
+    """The largest spin, or that of rolling at the closing speed [rad/s]."""
+    return float(max(np.linalg.norm(p.spins, axis=1).max(), p.closing_speed / p.radii.min()))

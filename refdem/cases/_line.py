@@ -1,0 +1,49 @@
+"""What the oscillators on a line share: mass on a spring to the origin, x and v."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from refdem.core.parameters import Parameter, Parameters
+from refdem.core.quantity import Quantity, Scales
+from refdem.core.trajectory import Trajectory
+from refdem.errors import UsageError
+from refdem.scene import Body, Scene
+from refdem.scene.element import Element
+from refdem.scene.elements.spring import Spring
+
+Array = NDArray[np.float64]
+
+MASS = Parameter(name="mass", default="1", unit="kg", doc="the point mass", above=0)
+STIFFNESS = Parameter(name="stiffness", default="1", unit="N/m", doc="the spring", above=0)
+START = (
+    Parameter(name="x0", default="1", unit="m", doc="place at the start"),
+    Parameter(name="v0", default="0", unit="m/s", doc="velocity at the start"),
+)
+
+
+def scene(p: Parameters, *elements: Element) -> Scene:
+    """A point on the x axis, a spring of natural length 0 to the origin, and whatever else acts."""
+    point = Body(mass=p.mass, position=(p.x0, 0.0, 0.0), velocity=(p.v0, 0.0, 0.0))
+    return Scene.of([point], [Spring(a=0, stiffness=p.stiffness), *elements])
+
+
+def scales(p: Parameters, shift: float = 0.0) -> Scales:
+    """tau = sqrt(m/k); the length is the amplitude about `shift` [m], and the shift itself."""
+    tau = float(np.sqrt(p.mass / p.stiffness))
+    return Scales(length=float(np.hypot(p.x0 - shift, p.v0 * tau)) + abs(shift), tau=tau, duration=20 * tau, mass=p.mass)
+
+
+def refuse_nothing(length: float) -> None:
+    """Raises UsageError if nothing would ever move and there is no length to compare with."""
+    if not length > 0:
+        raise UsageError("parameters x0 and v0: got 0 and 0; expected a start at which something moves")
+
+
+def quantities(s: Scales) -> tuple[Quantity, ...]:
+    """Place and velocity."""
+    return (Quantity("x", "m", s.length), Quantity("v", "m/s", s.speed))
+
+
+def observe(trajectory: Trajectory) -> dict[str, Array]:
+    """Place and velocity of body 0 along x."""
+    return {"x": trajectory.position[:, 0, 0], "v": trajectory.velocity[:, 0, 0]}

@@ -1,0 +1,59 @@
+"""The harmonic oscillator, also hanging in gravity (1.92)."""
+
+from refdem.cases import _line
+from refdem.cases._line import Array
+from refdem.core.case import Case
+from refdem.core.parameters import Parameter, Parameters
+from refdem.core.quantity import Quantity, Scales
+from refdem.core.trajectory import Trajectory
+from refdem.core.truth import Truth
+from refdem.scene import Scene
+from refdem.scene.elements.uniform_gravity import UniformGravity
+
+
+class HarmonicOscillator(Case):
+    """A mass on a spring along x; gravity, if any, along +x."""
+
+    id = "harmonic-oscillator"
+    title = "Harmonic oscillator"
+    statement = (
+        "A mass on a linear spring moves to and fro in a time that does not depend on the amplitude. Gravity along the spring "
+        "shifts the equilibrium by m g/k and changes nothing else."
+    )
+    latex = r"m\ddot x+kx=mg,\qquad x=\frac{mg}{k}+\left(x_0-\frac{mg}{k}\right)\cos\omega_0t+\frac{v_0}{\omega_0}\sin\omega_0t"
+    source = "mechanics chapter, (1.92), figs. 1.14a and 1.15; w0 = sqrt(k/m)"
+    parameters = (
+        _line.MASS,
+        _line.STIFFNESS,
+        Parameter(name="gravity", default="0", unit="m/s^2", doc="along +x"),
+        *_line.START,
+    )
+
+    def refuse(self, p: Parameters) -> None:
+        """Raises UsageError if nothing would ever move."""
+        _line.refuse_nothing(self.scales(p).length)
+
+    def scene(self, p: Parameters) -> Scene:
+        """Spring, and gravity where there is some."""
+        return _line.scene(p, *([UniformGravity(g=(p.gravity, 0.0, 0.0))] if p.gravity else []))
+
+    def scales(self, p: Parameters) -> Scales:
+        """Amplitude about the equilibrium, and its shift."""
+        return _line.scales(p, p.mass * p.gravity / p.stiffness)
+
+    def quantities(self, p: Parameters) -> tuple[Quantity, ...]:
+        """Place and velocity."""
+        return _line.quantities(self.scales(p))
+
+    def observe(self, p: Parameters, trajectory: Trajectory) -> dict[str, Array]:
+        """Place and velocity."""
+        return _line.observe(trajectory)
+
+    def truth(self, p: Parameters) -> Truth:
+        """Sine and cosine."""
+        from refdem.truth.closed_forms.harmonic_oscillator import truth
+
+        return truth(p, {q.name: q.scale for q in self.quantities(p)})
+
+
+CASE = HarmonicOscillator()

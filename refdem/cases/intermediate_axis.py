@@ -1,0 +1,84 @@
+"""A body set spinning almost about its intermediate axis turns over, again and again: Euler's equations (1.35)-(1.37), (1.134)-(1.136)."""
+
+from fractions import Fraction
+from typing import Any
+
+import numpy as np
+
+from refdem.cases import _attitude
+from refdem.cases._attitude import Array
+from refdem.core.case import Case
+from refdem.core.parameters import Parameter, Parameters
+from refdem.core.quantity import Quantity, Scales
+from refdem.core.trajectory import Trajectory
+from refdem.core.truth import Truth
+from refdem.errors import UsageError
+from refdem.scene import Scene
+
+
+def _omega_body(p: Parameters) -> Array:
+    """The start (3,) [rad/s]: omega_body, and `offset` times its size along the axis `direction`."""
+    exact: Any = p["omega_body"]
+    start = np.array([float(x) for x in exact])
+    squared, side = sum(x * x for x in exact), int(p.direction) - 1
+    if sum(1 for x in exact if x) == 1:  # along an axis the size is exact, and so is the sum before it is rounded
+        start[side] = float(exact[side] + Fraction(p["offset"]) * max(abs(x) for x in exact))
+    else:
+        start[side] += p.offset * float(squared) ** 0.5
+    return start
+
+
+class IntermediateAxis(Case):
+    """One body, no force, no torque, near the axis where rotation is unstable."""
+
+    id = "intermediate-axis"
+    title = "Intermediate axis"
+    statement = (
+        "A free body spins about its intermediate principal axis, a little off. The deviation grows exponentially until the body "
+        "turns over, rests there, and turns back; near the other two axes the deviation stays bounded."
+    )
+    latex = (
+        r"t_\text{flip}\approx\frac{2}{\lambda}\ln\frac{1}{\epsilon}+\text{const},\qquad "
+        r"\lambda=\omega_2\sqrt{\frac{(J_2-J_1)(J_3-J_2)}{J_1J_3}}"
+    )
+    source = "mechanics chapter, (1.134)-(1.138), fig. 1.36, section 1.7.3"
+    parameters = (
+        _attitude.INERTIA,
+        Parameter(name="omega_body", default="0,1,0", unit="rad/s", doc="angular velocity before the offset", shape=(3,)),
+        _attitude.ATTITUDE,
+        Parameter(name="offset", default="1/64", unit="1", doc="part of |omega_body| added along `direction`", above=0, at_most=1),
+        Parameter(name="direction", default="1", unit="1", doc="principal axis of the offset", choices=("1", "3")),
+    )
+
+    def refuse(self, p: Parameters) -> None:
+        """Raises UsageError for values that make no spinning body."""
+        _attitude.refuse(p)
+        if not _omega_body(p).any():
+            raise UsageError(
+                f"parameter offset: got {p.offset:g} along {p.direction}, which stops the body; expected another size or direction"
+            )
+
+    def scene(self, p: Parameters) -> Scene:
+        """The body at the origin."""
+        return _attitude.scene(p, _omega_body(p))
+
+    def scales(self, p: Parameters) -> Scales:
+        """tau = 1/|omega|."""
+        return _attitude.scales(p, _omega_body(p))
+
+    def quantities(self, p: Parameters) -> tuple[Quantity, ...]:
+        """Angular velocity and attitude."""
+        return _attitude.quantities(float(np.linalg.norm(_omega_body(p))))
+
+    def observe(self, p: Parameters, trajectory: Trajectory) -> dict[str, Array]:
+        """Angular velocity and attitude."""
+        return _attitude.observe(trajectory)
+
+    def truth(self, p: Parameters) -> Truth:
+        """Jacobi elliptic and theta functions; tanh and sech on the separatrix."""
+        from refdem.truth.closed_forms.intermediate_axis import truth
+
+        return truth(p, {q.name: q.scale for q in self.quantities(p)})
+
+
+CASE = IntermediateAxis()

@@ -1,0 +1,75 @@
+"""Newton's first law (1.7.4): free motion is uniform, and what rests in balance stays at rest; the scenes are in _rest."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from refdem.cases import _rest
+from refdem.core.case import Case
+from refdem.core.parameters import Parameter, Parameters
+from refdem.core.quantity import Quantity, Scales
+from refdem.core.trajectory import Trajectory
+from refdem.core.truth import Truth
+from refdem.scene import Scene
+
+Array = NDArray[np.float64]
+
+
+class NewtonsFirstLaw(Case):
+    """One body left alone, or bodies in exact balance."""
+
+    id = "newtons-first-law"
+    title = "Newton's first law"
+    statement = (
+        "If the forces on a body add up to zero its velocity is constant. A free body flies straight and spins steadily about its "
+        "third principal axis; a block on the ground, a stack of two, and two spheres in elastic balance stay where they are."
+    )
+    latex = r"\sum_i\mathbf F_i=0\;\Rightarrow\;\dot{\mathbf v}=0"
+    source = "mechanics chapter, section 1.7.4; Newton 1687, law I"
+    parameters = (
+        Parameter(name="member", default="free", unit="1", doc="which scene", choices=("free", *_rest.SCENES)),
+        Parameter(name="velocity", default="1/2,1/4,1/8", unit="m/s", doc="of the free body", shape=(3,)),
+        Parameter(name="spin", default="1", unit="rad/s", doc="of the free body, about its third principal axis", above=0),
+    )
+
+    def scene(self, p: Parameters) -> Scene:
+        """The scene of the member."""
+        return _rest.free(p.velocity, p.spin) if p.member == "free" else _rest.SCENES[p.member]()
+
+    def scales(self, p: Parameters) -> Scales:
+        """A turn of the free body and the way that it goes meanwhile; the bodies' size and their own time."""
+        if p.member != "free":
+            return _rest.SCALES[p.member]
+        length = max(1.0, float(np.linalg.norm(p.velocity)) / p.spin)
+        return Scales(length=length, tau=1.0 / p.spin, duration=20.0 / p.spin)
+
+    def quantities(self, p: Parameters) -> tuple[Quantity, ...]:
+        """State of the free body; displacement and velocity of each body at rest."""
+        s = self.scales(p)
+        if p.member != "free":
+            units = (("r", "m", s.length), ("v", "m/s", s.speed))
+            bodies = range(1, len(self.scene(p).bodies) + 1)
+            return tuple(Quantity(f"{kind}{i}.{axis}", unit, size) for i in bodies for kind, unit, size in units for axis in "xyz")
+        line = tuple(Quantity(prefix + a, unit, size) for prefix, unit, size in (("", "m", s.length), ("v", "m/s", s.speed)) for a in "xyz")
+        turn = tuple(Quantity(f"attitude.{axis}", "1", 1.0, group="attitude") for axis in "wxyz")
+        return line + tuple(Quantity(f"omega.{axis}", "rad/s", p.spin) for axis in "xyz") + turn
+
+    def observe(self, p: Parameters, trajectory: Trajectory) -> dict[str, Array]:
+        """Displacements are from where the scene puts the bodies."""
+        if p.member == "free":
+            columns = [trajectory.position[:, 0], trajectory.velocity[:, 0], trajectory.omega[:, 0], trajectory.attitude[:, 0]]
+        else:
+            moved = trajectory.position - self.scene(p).bodies.position
+            columns = [column[:, i] for i in range(moved.shape[1]) for column in (moved, trajectory.velocity)]
+        return dict(zip((q.name for q in self.quantities(p)), np.concatenate(columns, axis=1).T, strict=True))
+
+    def truth(self, p: Parameters) -> Truth:
+        """A straight line and a steady turn; zeros."""
+        from refdem.truth.closed_forms import newtons_first_law as law
+
+        if p.member != "free":
+            return law.resting(len(self.scene(p).bodies))
+        scale = {q.name: q.scale for q in self.quantities(p)}
+        return law.free(scale, position=(0, 0, 0), velocity=p["velocity"], omega=(0, 0, p["spin"]))  # type: ignore[arg-type]
+
+
+CASE = NewtonsFirstLaw()

@@ -1,0 +1,77 @@
+"""One body about a fixed centre: Newton's attraction (Kepler), or a spring of natural length 0."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from refdem.core.case import Case
+from refdem.core.parameters import Parameter, Parameters
+from refdem.core.quantity import Quantity, Scales
+from refdem.core.trajectory import Trajectory
+from refdem.core.truth import Truth
+from refdem.scene import Body, Scene
+from refdem.scene.elements.central_field import CentralField
+from refdem.scene.elements.spring import Spring
+
+Array = NDArray[np.float64]
+REVOLUTIONS = 3
+"""Default duration: the shortest time of an eccentric orbit is far below its period, so that 20 of them show too little."""
+
+
+def _periapsis(p: Parameters) -> tuple[float, float, float]:
+    """Distance [m] and speed [m/s] at the closest approach, and the period [s]; the mass is 1 kg."""
+    a, e = p.semi_major, p.eccentricity
+    if p.stiffness is not None:
+        rate = float(np.sqrt(p.stiffness))
+        return a * float(np.sqrt((1 - e) * (1 + e))), a * rate, 2 * np.pi / rate
+    return a * (1 - e), float(np.sqrt(p.gm / a * (1 + e) / (1 - e))), 2 * np.pi * float(np.sqrt(a**3 / p.gm))
+
+
+class TwoBodyOrbit(Case):
+    """In the x-y plane, moving in +y: from periapsis on +x, or with the spring from the end of the long axis on +x."""
+
+    id = "two-body-orbit"
+    title = "Two-body orbit"
+    statement = (
+        "A body of unit mass goes round a fixed centre on an ellipse: with Newton's attraction the centre is a focus, with a spring "
+        "(parameter stiffness) it is the middle. Energy and angular momentum stay, and the ellipse does not turn."
+    )
+    latex = r"\ddot{\mathbf r}=-\frac{GM}{r^3}\,\mathbf r\quad\text{or}\quad\ddot{\mathbf r}=-k\,\mathbf r"
+    source = "mechanics chapter, section 1.7.4 (conservation laws); Kepler's equation E - e sin E = n t"
+    parameters = (
+        Parameter(name="gm", default="1", unit="m^3/s^2", doc="Newton's attraction; not used with a spring", above=0),
+        Parameter(name="semi_major", default="1", unit="m", doc="semi-major axis", above=0),
+        Parameter(name="eccentricity", default="1/2", unit="1", doc="of the ellipse", at_least=0, at_most=1 - 2.0**-40),
+        Parameter(name="stiffness", default="", unit="N/m", doc="a spring to the centre in place of gravity", above=0),
+    )
+
+    def scene(self, p: Parameters) -> Scene:
+        """The body on +x."""
+        distance, speed, _ = _periapsis(p)
+        if p.stiffness is not None:
+            distance, speed = p.semi_major, distance * float(np.sqrt(p.stiffness))
+        body = Body(mass=1.0, position=(distance, 0.0, 0.0), velocity=(0.0, speed, 0.0))
+        return Scene.of([body], [CentralField(gm=p.gm) if p.stiffness is None else Spring(a=0, stiffness=p.stiffness)])
+
+    def scales(self, p: Parameters) -> Scales:
+        """Distance at periapsis and tau = 1/(angular velocity there), so that L/tau is the speed there."""
+        distance, speed, period = _periapsis(p)
+        return Scales(length=distance, tau=distance / speed, duration=REVOLUTIONS * period)
+
+    def quantities(self, p: Parameters) -> tuple[Quantity, ...]:
+        """Place on the scale of the orbit, velocity on that of periapsis."""
+        speed = self.scales(p).speed
+        return (*(Quantity(n, "m", p.semi_major) for n in ("x", "y")), *(Quantity(n, "m/s", speed) for n in ("vx", "vy")))
+
+    def observe(self, p: Parameters, trajectory: Trajectory) -> dict[str, Array]:
+        """Place and velocity of body 0."""
+        (x, y, _), (vx, vy, _) = trajectory.position[:, 0].T, trajectory.velocity[:, 0].T
+        return {"x": x, "y": y, "vx": vx, "vy": vy}
+
+    def truth(self, p: Parameters) -> Truth:
+        """Kepler's equation by interval Newton; sine and cosine for the spring."""
+        from refdem.truth.closed_forms.two_body_orbit import truth
+
+        return truth(p, {q.name: q.scale for q in self.quantities(p)})
+
+
+CASE = TwoBodyOrbit()

@@ -1,0 +1,21 @@
+"""A selection: cases times one check, under an id of its own in the catalogue."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+from refdem.core.case import Instance
+
+
+@dataclass(frozen=True, kw_only=True)
+class Selection:
+    """Every instance that `admits` returns None for, judged by one `check`; the campaign expands it.
+
+    Adding one is one file in cases/ with an instance named CASE. `admits` returns the reason why an instance is left out.
+    """
+
+    id: str
+    title: str
+    statement: str
+    source: str
+    check: str
+    admits: Callable[[Instance], str | None]
