@@ -38,6 +38,11 @@ def _exact(value: arb) -> Fraction:
     return Fraction(int(mantissa)) * Fraction(2) ** int(exponent)
 
 
+def nearest_integer(value: arb) -> int:
+    """The whole number nearest to the midpoint of a ball; exact, so that it can be taken out of a period."""
+    return round(_exact(value.mid()))
+
+
 class UndecidedError(ValueError):
     """Balls at this precision cannot tell which branch of a formula holds."""
 
@@ -50,7 +55,7 @@ def refined(evaluate: Callable[[], dict[str, arb]], target: Fraction, bits: int 
     while True:
         with precision(bits):
             try:
-                balls = {name: ball_of(value) for name, value in evaluate().items()}
+                balls: dict[str, Ball] | None = {name: ball_of(value) for name, value in evaluate().items()}
             except ValueError:
                 balls = None
         if balls is not None and all(ball.radius <= target for ball in balls.values()):

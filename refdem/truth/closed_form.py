@@ -9,7 +9,7 @@ from collections.abc import Callable, Mapping
 from copy import copy
 from fractions import Fraction
 from functools import wraps
-from typing import Any, Self
+from typing import Any, Self, TypeVar
 
 from flint import arb, ctx
 
@@ -23,16 +23,21 @@ start that is 1e-30 off a separatrix stays on its side."""
 SENSITIVITY_BITS = 384
 """Working precision for S to start with: 120 bits are lost by the difference, 200 remain."""
 
+Size = float | Fraction
+Owner = TypeVar("Owner", bound="ClosedForm")
+Kept = TypeVar("Kept")
 
-def per_precision(method: Callable[[Any], Any]) -> Callable[[Any], Any]:
+
+def per_precision(method: Callable[[Owner], Kept]) -> Callable[[Owner], Kept]:
     """Keeps what a method without arguments returns, once for each working precision."""
 
     @wraps(method)
-    def kept(self: Any) -> Any:
+    def kept(self: Owner) -> Kept:
         key = (method.__name__, ctx.prec)
         if key not in self.kept:
             self.kept[key] = method(self)
-        return self.kept[key]
+        found: Kept = self.kept[key]
+        return found
 
     return kept
 
@@ -46,7 +51,7 @@ class ClosedForm(Truth):
 
     state: tuple[str, ...]
 
-    def __init__(self, scale: Mapping[str, float], *, digits: int = 40) -> None:
+    def __init__(self, scale: Mapping[str, Size], *, digits: int = 40) -> None:
         self.scale = {name: Fraction(size) for name, size in scale.items()}
         self.digits = digits
         self.kept: dict[Any, Any] = {}
@@ -56,7 +61,7 @@ class ClosedForm(Truth):
         """Every quantity at time t at the current precision; UndecidedError where balls cannot choose a branch."""
 
     @abstractmethod
-    def displaced(self, axis: int, amount: Fraction) -> "ClosedForm":
+    def displaced(self, axis: int, amount: Fraction) -> Self:
         """The motion from a start whose coordinate `axis` is larger by exactly `amount` [its unit]."""
 
     def constants(self) -> dict[str, arb]:
@@ -120,16 +125,17 @@ class ClosedForm(Truth):
 
     def column(self, axis: int, t: Fraction) -> list[arb]:
         """|d quantity_i(t)/scale_i over d start/scale| for one coordinate of the start, one i after another."""
-        plus, minus = (displaced.evaluate(arb_of(t)) for displaced in self._pair(axis))
+        plus, minus = (displaced.evaluate(arb_of(t)) for displaced in self.pair(axis))
         return [size / arb_of(2 * DISPLACEMENT) for size in self.differences(plus, minus)]
 
     def differences(self, plus: dict[str, arb], minus: dict[str, arb]) -> list[arb]:
         """Sizes of the differences of two states, each in its scale; an attitude overrides this to compare as a rotation."""
         return [abs(plus[name] - minus[name]) / arb_of(self.scale[name]) for name in plus]
 
-    def _pair(self, axis: int) -> tuple["ClosedForm", "ClosedForm"]:
+    def pair(self, axis: int) -> tuple[Self, Self]:
+        """The motions from starts displaced by +-DISPLACEMENT scales along one coordinate."""
         if ("pair", axis) not in self.kept:
             amount = DISPLACEMENT * self.scale[self.state[axis]]
             self.kept["pair", axis] = self.displaced(axis, amount), self.displaced(axis, -amount)
-        found: tuple[ClosedForm, ClosedForm] = self.kept["pair", axis]
+        found: tuple[Self, Self] = self.kept["pair", axis]
         return found

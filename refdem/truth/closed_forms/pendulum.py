@@ -1,0 +1,156 @@
+"""Certified pendulum: theta'' = -w0^2 sin theta, w0^2 = g/l, by Jacobi's elliptic functions; tanh and sech on the separatrix.
+
+k^2 = sin^2(theta0/2) + thetadot0^2/(4 w0^2). Swinging, k < 1: sin(theta/2) = k sn(u, k^2), u = w0 t + u0; rotating, k > 1:
+theta/2 = +-am(u, 1/k^2), u = k w0 t + u0 (DLMF 22.19). The start may lie near the top: theta0 + half_turns pi.
+"""
+
+from abc import ABC, abstractmethod
+from collections.abc import Mapping
+from copy import copy
+from fractions import Fraction
+from typing import Any
+
+from flint import arb
+
+from refdem.core.parameters import Parameters
+from refdem.core.truth import Truth
+from refdem.truth.balls import UndecidedError, arb_of, nearest_integer
+from refdem.truth.closed_form import ClosedForm, per_precision
+from refdem.truth.jacobi import Jacobi
+
+WITNESS = "Taylor series of (cos theta, sin theta, thetadot) with a proven remainder (refdem/truth/witness.py): no elliptic function"
+
+
+class Motion(ABC):
+    """One kind of motion at the current precision."""
+
+    @abstractmethod
+    def state(self, t: arb) -> tuple[arb, arb]:
+        """theta/2 [rad] (but for the whole turns of the start) and thetadot [rad/s] at t, both without a branch."""
+
+    def period(self) -> arb | None:
+        """Time of a swing to and fro, or of a revolution [s]; None if there is none."""
+        return None
+
+
+class Equilibrium(Motion):
+    """Hanging, or standing exactly at the top."""
+
+    def __init__(self, half_angle: arb) -> None:
+        self.half_angle = half_angle
+
+    def state(self, t: arb) -> tuple[arb, arb]:
+        return self.half_angle, arb(0)
+
+
+class Swing(Motion):
+    """k < 1: tan(theta/2) = k sn u / dn u, thetadot = 2 k w0 cn u."""
+
+    def __init__(self, sine: arb, rate: arb, w0: arb, m: arb, m1: arb) -> None:
+        self.jacobi, self.k, self.w0 = Jacobi(m, m1), m.sqrt(), w0
+        self.shift = self.jacobi.argument(sine / self.k, rate / (2 * self.k * w0))
+
+    def state(self, t: arb) -> tuple[arb, arb]:
+        sn, cn, dn = self.jacobi.sn_cn_dn(self.w0 * t + self.shift)
+        return arb.atan2(self.k * sn, dn), 2 * self.k * self.w0 * cn
+
+    def period(self) -> arb:
+        return 4 * self.jacobi.k / self.w0
+
+
+class Revolution(Motion):
+    """k > 1: theta/2 = +-am u, thetadot = +-2 k w0 dn u, of the sign that it has at the start."""
+
+    def __init__(self, sine: arb, cosine: arb, w0: arb, m: arb, m1: arb, *, sense: int) -> None:
+        self.jacobi, self.k, self.w0, self.sense = Jacobi(1 / m, -m1 / m), m.sqrt(), w0, sense
+        self.shift = self.jacobi.argument(sense * sine, cosine)
+
+    def state(self, t: arb) -> tuple[arb, arb]:
+        u = self.k * self.w0 * t + self.shift
+        return self.sense * self.jacobi.amplitude(u), 2 * self.sense * self.k * self.w0 * self.jacobi.sn_cn_dn(u)[2]
+
+    def period(self) -> arb:
+        return 2 * self.jacobi.k / (self.k * self.w0)
+
+
+class Separatrix(Motion):
+    """k = 1 through the bottom at t = 0: theta/2 = atan sinh(w0 t), thetadot = 2 w0 sech(w0 t), with the sign of the start."""
+
+    def __init__(self, w0: arb, *, sense: int) -> None:
+        self.w0, self.sense = w0, sense
+
+    def state(self, t: arb) -> tuple[arb, arb]:
+        u = self.w0 * t
+        return self.sense * u.sinh().atan(), 2 * self.sense * self.w0 / u.cosh()
+
+
+class Pendulum(ClosedForm):
+    """theta (continuous from theta0), thetadot, x, y and rod_force; the start is theta0 + half_turns pi, thetadot0."""
+
+    witness = WITNESS
+    state = ("theta", "thetadot")
+
+    def __init__(self, p: Mapping[str, Fraction], scale: Mapping[str, float], *, half_turns: int = 0) -> None:
+        super().__init__(scale)
+        self.mass, self.length, self.gravity = p["mass"], p["length"], p["gravity"]
+        self.theta0, self.thetadot0, self.half_turns = p["theta0"], p["thetadot0"], half_turns
+        self.method = "closed form: Jacobi elliptic functions by theta functions (tanh and sech on the separatrix), in Arb balls"
+
+    @per_precision
+    def start(self) -> tuple[int, arb, arb]:
+        """Whole turns in the start, and sine and cosine (not negative) of half the angle that is left."""
+        turns = nearest_integer(arb_of(self.theta0) / (2 * arb.pi()))
+        sine, cosine = (arb_of(self.theta0) / 2 - arb.pi() * turns).sin_cos()
+        if self.half_turns % 2 == 0:
+            return turns + self.half_turns // 2, sine, cosine
+        if sine > 0:
+            return turns + (self.half_turns + 1) // 2, -cosine, sine
+        if sine < 0 or self.theta0 == 0:
+            return turns + (self.half_turns - 1) // 2, cosine, -sine
+        raise UndecidedError("side of the top")
+
+    @per_precision
+    def motion(self) -> Motion:
+        """The kind of motion, decided exactly where the start is rational and by balls elsewhere."""
+        w0 = arb_of(self.gravity / self.length).sqrt()
+        kinetic = self.thetadot0**2 * self.length / (4 * self.gravity)
+        sense = 1 if self.thetadot0 > 0 else -1
+        if self.theta0 == 0 and self.thetadot0 == 0:
+            return Equilibrium(arb.pi() / 2 * (self.half_turns % 2))
+        if self.theta0 == 0 and self.half_turns % 2 == 0 and kinetic == 1:
+            return Separatrix(w0, sense=sense)
+        _, sine, cosine = self.start()
+        m, m1 = sine * sine + arb_of(kinetic), cosine * cosine - arb_of(kinetic)
+        if m1 > 0:
+            return Swing(sine, arb_of(self.thetadot0), w0, m, m1)
+        if m1 < 0:
+            return Revolution(sine, cosine, w0, m, m1, sense=sense)
+        raise UndecidedError(f"swing or revolution: 1 - k^2 is {m1}")
+
+    def evaluate(self, t: arb) -> dict[str, arb]:
+        half, rate = self.motion().state(t)
+        turns = self.half_turns // 2 if isinstance(self.motion(), Equilibrium | Separatrix) else self.start()[0]
+        theta = 2 * (half + arb.pi() * turns)
+        sine, cosine = theta.sin_cos()
+        length = arb_of(self.length)
+        force = arb_of(self.mass) * (length * rate * rate + arb_of(self.gravity) * cosine)
+        return {"theta": theta, "thetadot": rate, "x": length * sine, "y": -length * cosine, "rod_force": force}
+
+    def displaced(self, axis: int, amount: Fraction) -> "Pendulum":
+        moved = copy(self)
+        moved.kept = {}
+        if axis == 0:
+            moved.theta0 = self.theta0 + amount
+        else:
+            moved.thetadot0 = self.thetadot0 + amount
+        return moved
+
+    def constants(self) -> dict[str, arb]:
+        period = self.motion().period()
+        return {} if period is None else {"period": period}
+
+
+def truth(p: Parameters, scale: Mapping[str, float]) -> Truth:
+    """The truth at these parameters (mass, length, gravity, theta0, thetadot0)."""
+    exact: Any = p
+    return Pendulum(exact, scale)

@@ -1,0 +1,209 @@
+"""The free rigid body in its principal axes: Euler's equations and the turn from the start, by closed form.
+
+With M = J omega (body axes) and L = |M|, one body axis k that M never meets is followed about the fixed M: its line of nodes
+turns by phi, phi' = L (2 E - M_k omega_k)/(L^2 - M_k^2). E and L are kept, so phi is an integral of elliptic functions, which
+Jacobi's theta function gives without a branch: exp(i phi) = exp(i nu t) Theta(u + i a)/|Theta(u + i a)| up to a constant.
+Jacobi (1850); Whittaker, Analytical Dynamics, 69-71; van Zon and Schofield (2007).
+"""
+
+from abc import ABC, abstractmethod
+from collections.abc import Sequence
+from fractions import Fraction
+
+from flint import acb, arb
+
+from refdem.truth.balls import arb_of
+from refdem.truth.jacobi import Jacobi, carlson_f
+from refdem.truth.rotation import applied, cross, matrix, product, quaternion, times, transposed, turn
+
+Exact3 = tuple[Fraction, Fraction, Fraction]
+AXES = (0, 1, 2)
+
+
+class FreeBody(ABC):
+    """One kind of motion at the current precision, from inertia J [kg m^2] and omega [rad/s] at t = 0 in body axes."""
+
+    def __init__(self, inertia: Exact3, omega: Exact3) -> None:
+        self.inertia, self.start = inertia, omega
+        self.momentum0 = tuple(j * w for j, w in zip(inertia, omega, strict=True))
+        self.l2 = sum((m * m for m in self.momentum0), Fraction(0))
+        self.length = arb_of(self.l2).sqrt()
+
+    @abstractmethod
+    def omega(self, t: arb) -> list[arb]:
+        """Angular velocity in body axes at t."""
+
+    @abstractmethod
+    def turn(self, t: arb) -> list[arb]:
+        """The quaternion (either sign) of the turn from 0 to t: attitude(t) = attitude(0) turn(t)."""
+
+    def constants(self) -> dict[str, arb]:
+        """Period of omega [s] and elliptic parameter, where there are any."""
+        return {}
+
+
+class Steady(FreeBody):
+    """omega is parallel to M (or zero): it stays."""
+
+    def omega(self, t: arb) -> list[arb]:
+        return [arb_of(w) for w in self.start]
+
+    def turn(self, t: arb) -> list[arb]:
+        omega = self.omega(t)
+        size = arb_of(sum((w * w for w in self.start), Fraction(0))).sqrt()
+        return turn([w / size for w in omega], size * t) if size > 0 else [arb(1), arb(0), arb(0), arb(0)]
+
+
+class Axisymmetric(FreeBody):
+    """Two equal moments J1: a turn about M at L/J1 after one about the third axis at omega_3 - M_3/J1."""
+
+    def __init__(self, inertia: Exact3, omega: Exact3) -> None:
+        super().__init__(inertia, omega)
+        self.axis = next(k for k in AXES if inertia[(k + 1) % 3] == inertia[(k + 2) % 3])
+        self.across = inertia[(self.axis + 1) % 3]
+        self.rate = arb_of(omega[self.axis] - self.momentum0[self.axis] / self.across)
+
+    def omega(self, t: arb) -> list[arb]:
+        back = matrix(turn(_unit(self.axis), -self.rate * t))
+        return applied(back, [arb_of(w) for w in self.start])
+
+    def turn(self, t: arb) -> list[arb]:
+        along = [arb_of(m) / self.length for m in self.momentum0]
+        return times(turn(along, self.length / arb_of(self.across) * t), turn(_unit(self.axis), self.rate * t))
+
+    def constants(self) -> dict[str, arb]:
+        return {"period": 2 * arb.pi() / abs(self.rate), "elliptic_m": arb(0)}
+
+
+class Nodal(FreeBody):
+    """Motions told by M and by the angle phi of the line of nodes of `axis`, which M never meets."""
+
+    axis: int
+
+    @abstractmethod
+    def momentum(self, t: arb) -> list[arb]:
+        """M in body axes at t."""
+
+    @abstractmethod
+    def nodes(self, t: arb) -> acb:
+        """exp(i phi) at t; 1 at t = 0."""
+
+    def omega(self, t: arb) -> list[arb]:
+        return [m / arb_of(j) for m, j in zip(self.momentum(t), self.inertia, strict=True)]
+
+    def turn(self, t: arb) -> list[arb]:
+        phi = self.nodes(t)
+        about = [[phi.real, -phi.imag, arb(0)], [phi.imag, phi.real, arb(0)], [arb(0), arb(0), arb(1)]]
+        return quaternion(product(transposed(self._frame(arb(0))), product(about, self._frame(t))))
+
+    def _frame(self, t: arb) -> list[list[arb]]:
+        """Rows: the axis across M, M x axis and M, unit vectors in body axes; no term cancels."""
+        m, k = self.momentum(t), self.axis
+        across = sum((m[i] * m[i] for i in AXES if i != k), arb(0)).sqrt()
+        along = [x / self.length for x in m]
+        first = [across / self.length if i == k else -along[k] * m[i] / across for i in AXES]
+        return [first, cross(along, first), along]
+
+
+class Separatrix(Nodal):
+    """2 E J2 = L^2: M_2 = +-L tanh u, the others fall as sech u; about M the intermediate axis turns at L/J2."""
+
+    def __init__(self, inertia: Exact3, omega: Exact3) -> None:
+        super().__init__(inertia, omega)
+        low, self.axis, high = sorted(AXES, key=lambda i: inertia[i])
+        rest2 = self.l2 - self.momentum0[self.axis] ** 2
+        rest = arb_of(rest2).sqrt()
+        self.shares = {i: arb_of(self.momentum0[i]) / rest for i in (low, high)}
+        rate = _growth(self, low, high) * self.momentum0[low] * self.momentum0[high] / rest2
+        self.rate = self.length * arb_of(rate)
+        self.shift = (arb_of(self.momentum0[self.axis]) / rest).asinh()
+
+    def momentum(self, t: arb) -> list[arb]:
+        u = self.rate * t + self.shift
+        fading = self.length / u.cosh()
+        return [self.length * u.tanh() if i == self.axis else self.shares[i] * fading for i in AXES]
+
+    def nodes(self, t: arb) -> acb:
+        return (acb(0, 1) * self.length / arb_of(self.inertia[self.axis]) * t).exp()
+
+    def constants(self) -> dict[str, arb]:
+        return {"elliptic_m": arb(1)}
+
+
+class Elliptic(Nodal):
+    """M_a = A cn u, M_2 = +-B sn u, M_c = +-C dn u: c is the axis of largest or smallest J that M goes about."""
+
+    def __init__(self, inertia: Exact3, omega: Exact3) -> None:
+        super().__init__(inertia, omega)
+        low, mid, high = sorted(AXES, key=lambda i: inertia[i])
+        excess = self.l2 / inertia[mid] - dot_exact(self.momentum0, omega)
+        self.other, self.axis = (low, high) if excess > 0 else (high, low)
+        self.mid = mid
+        ja, jb, jc = (1 / inertia[i] for i in (self.other, mid, self.axis))
+        kept = dot_exact(self.momentum0, omega) - self.l2 * jc
+        self.a2, self.b2 = kept / (ja - jc), kept / (jb - jc)
+        self.c2 = self.l2 - self.a2
+        self.m = (self.b2 - self.a2) / self.c2
+        self.jacobi = Jacobi(arb_of(self.m), arb_of((self.l2 - self.b2) / self.c2))
+        self.sizes = [arb_of(x).sqrt() for x in (self.a2, self.b2, self.c2)]
+        self.sense = 1 if ja > jc else -1
+        self._begin()
+
+    def _begin(self) -> None:
+        a, b, c = self.sizes
+        growth = _growth(self, self.other, self.axis)
+        self.sign_c = 1 if self.momentum0[self.axis] > 0 else -1
+        self.sign_b = self.sign_c * (1 if growth > 0 else -1)
+        self.rate = a * c / b * arb_of(abs(growth))
+        sn = self.sign_b * arb_of(self.momentum0[self.mid]) / b
+        self.shift = self.jacobi.argument(sn, arb_of(self.momentum0[self.other]) / a)
+        self.imaginary = c * carlson_f(arb_of(self.a2), arb_of(self.b2), arb_of(self.l2))
+        zeta = self.jacobi.zeta_on_imaginary_axis(self.imaginary)
+        self.drift = self.length / arb_of(self.inertia[self.other]) - self.sense * zeta * self.rate
+        self.phase0 = self._phase(self.shift)
+
+    def momentum(self, t: arb) -> list[arb]:
+        sn, cn, dn = self.jacobi.sn_cn_dn(self.rate * t + self.shift)
+        a, b, c = self.sizes
+        m = {self.other: a * cn, self.mid: self.sign_b * b * sn, self.axis: self.sign_c * c * dn}
+        return [m[i] for i in AXES]
+
+    def nodes(self, t: arb) -> acb:
+        return (acb(0, 1) * self.drift * t).exp() * self._phase(self.rate * t + self.shift) / self.phase0
+
+    def _phase(self, u: arb) -> acb:
+        """Theta(u + i a)/|Theta(u + i a)|, or its conjugate where M goes about the axis of smallest J."""
+        theta = self.jacobi.theta4(u, self.imaginary)
+        unit = theta / abs(theta).real
+        return unit if self.sense > 0 else unit.conjugate()
+
+    def constants(self) -> dict[str, arb]:
+        return {"period": 4 * self.jacobi.k / self.rate, "elliptic_m": self.jacobi.m}
+
+
+def free_body(inertia: Exact3, omega: Exact3) -> FreeBody:
+    """The motion of the kind that the exact start decides, at the current precision."""
+    m = [j * w for j, w in zip(inertia, omega, strict=True)]
+    if all(m[i] * omega[j] == m[j] * omega[i] for i in AXES for j in AXES):
+        return Steady(inertia, omega)
+    if len(set(inertia)) < 3:
+        return Axisymmetric(inertia, omega)
+    if dot_exact(m, omega) * sorted(inertia)[1] == dot_exact(m, m):
+        return Separatrix(inertia, omega)
+    return Elliptic(inertia, omega)
+
+
+def dot_exact(a: Sequence[Fraction], b: Sequence[Fraction]) -> Fraction:
+    """a . b of rationals."""
+    return sum((x * y for x, y in zip(a, b, strict=True)), Fraction(0))
+
+
+def _growth(body: FreeBody, a: int, c: int) -> Fraction:
+    """g in M_2' = g M_a M_c: (1/J_a - 1/J_c), with the other sign if (a, 2, c) is left-handed."""
+    right_handed = (c - a) % 3 == 2
+    difference = 1 / body.inertia[a] - 1 / body.inertia[c]
+    return difference if right_handed else -difference
+
+
+def _unit(axis: int) -> list[arb]:
+    return [arb(1 if i == axis else 0) for i in AXES]

@@ -1,0 +1,62 @@
+"""Jacobi's elliptic functions by theta functions, as balls: sn, cn, dn, the amplitude and F, from m and 1 - m both given.
+
+theta_i(v, tau) with v = u/(2K), tau = i K'/K (DLMF 20.2, 22.2). 1 - m is asked for beside m: near a separatrix it must
+not be lost by cancellation.
+"""
+
+from flint import acb, arb
+
+from refdem.truth.balls import UndecidedError, nearest_integer
+
+
+class Jacobi:
+    """The functions of parameter m = k^2 in (0, 1); UndecidedError if the balls do not lie inside."""
+
+    def __init__(self, m: arb, m1: arb) -> None:
+        if not (m > 0 and m1 > 0):
+            raise UndecidedError(f"elliptic parameter {m} with complement {m1} is not inside (0, 1)")
+        self.m, self.m1 = m, m1
+        half_pi = arb.pi() / 2
+        self.k = half_pi / arb(1).agm(m1.sqrt())
+        self.k1 = half_pi / arb(1).agm(m.sqrt())
+        self.tau = acb(0, self.k1 / self.k)
+        _, theta2, theta3, theta4 = (x.real for x in acb.modular_theta(acb(0), self.tau))
+        self._sn, self._cn, self._dn = theta3 / theta2, theta4 / theta2, theta4 / theta3
+
+    def sn_cn_dn(self, u: arb) -> tuple[arb, arb, arb]:
+        """sn u, cn u, dn u."""
+        u = u - 4 * self.k * nearest_integer(u / (4 * self.k))
+        one, two, three, four = (x.real for x in acb.modular_theta(acb(u / (2 * self.k)), self.tau))
+        return self._sn * one / four, self._cn * two / four, self._dn * three / four
+
+    def amplitude(self, u: arb) -> arb:
+        """am u, continuous: d am/du = dn u, am 0 = 0."""
+        half_turns = nearest_integer(u / (2 * self.k))
+        sn, cn, _ = self.sn_cn_dn(u - 2 * self.k * half_turns)
+        return arb.atan2(sn, cn) + arb.pi() * half_turns
+
+    def argument(self, sn: arb, cn: arb) -> arb:
+        """The u in [-2K, 2K] with these sn and cn: F(am u, m), by Carlson's R_F (DLMF 19.25.5)."""
+        cn2 = cn * cn
+        u = sn * carlson_f(cn2, cn2 + self.m1 * sn * sn, arb(1))
+        if cn >= 0:
+            return u
+        if not cn < 0:
+            raise UndecidedError("sign of cn")
+        return 2 * self.k * (1 if sn >= 0 else -1) - u
+
+    def theta4(self, u: arb, imaginary: arb) -> acb:
+        """Jacobi's Theta(u + i a) = theta_4 at (u + i a)/(2K)."""
+        u = u - 4 * self.k * nearest_integer(u / (4 * self.k))
+        return acb.modular_theta(acb(u, imaginary) / (2 * self.k), self.tau)[3]
+
+    def zeta_on_imaginary_axis(self, imaginary: arb) -> arb:
+        """The real z with Z(i a) = i z, Z = Theta'/Theta (Jacobi's zeta function, DLMF 22.16.32)."""
+        v = acb(0, imaginary / (2 * self.k))
+        ratio = acb.modular_theta(v, self.tau, 1)[3] / acb.modular_theta(v, self.tau)[3]
+        return ratio.imag / (2 * self.k)
+
+
+def carlson_f(x: arb, y: arb, z: arb) -> arb:
+    """Carlson's R_F(x, y, z) for x, y, z >= 0, at most one of them 0."""
+    return acb.elliptic_rf(acb(x), acb(y), acb(z)).real

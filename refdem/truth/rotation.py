@@ -1,0 +1,94 @@
+"""Rotations of balls: quaternions (w, x, y, z) from body to space and matrices as lists of rows."""
+
+from collections.abc import Sequence
+
+from flint import arb
+
+from refdem.truth.balls import UndecidedError
+
+Vector = Sequence[arb]
+Matrix = Sequence[Sequence[arb]]
+
+
+def dot(a: Vector, b: Vector) -> arb:
+    """a . b."""
+    return sum((x * y for x, y in zip(a, b, strict=True)), arb(0))
+
+
+def cross(a: Vector, b: Vector) -> list[arb]:
+    """a x b."""
+    return [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
+
+
+def times(p: Vector, q: Vector) -> list[arb]:
+    """The quaternion product p q."""
+    (a, *u), (b, *v) = p, q
+    w = cross(u, v)
+    return [a * b - dot(u, v), *(a * v[i] + b * u[i] + w[i] for i in range(3))]
+
+
+def conjugate(q: Vector) -> list[arb]:
+    """The reverse rotation."""
+    return [q[0], -q[1], -q[2], -q[3]]
+
+
+def turn(axis: Vector, angle: arb) -> list[arb]:
+    """The quaternion of a turn by `angle` [rad] about a unit axis."""
+    sine, cosine = (angle / 2).sin_cos()
+    return [cosine, *(sine * x for x in axis)]
+
+
+def matrix(q: Vector) -> list[list[arb]]:
+    """The matrix of a unit quaternion, body to space."""
+    w, x, y, z = q
+    return [
+        [1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
+        [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)],
+        [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)],
+    ]
+
+
+def quaternion(r: Matrix) -> list[arb]:
+    """A unit quaternion of a rotation matrix (either sign), from its largest component (Shepperd 1978)."""
+    trace = r[0][0] + r[1][1] + r[2][2]
+    squares = [(1 + trace) / 4, *((1 + 2 * r[i][i] - trace) / 4 for i in range(3))]
+    most = max(range(4), key=lambda i: float(squares[i].mid()))
+    spin = [r[2][1] - r[1][2], r[0][2] - r[2][0], r[1][0] - r[0][1]]
+    largest = squares[most].sqrt()
+    if most == 0:
+        return [largest, *(s / (4 * largest) for s in spin)]
+    i = most - 1
+    vector = [largest if j == i else (r[i][j] + r[j][i]) / (4 * largest) for j in range(3)]
+    return [spin[i] / (4 * largest), *vector]
+
+
+def product(a: Matrix, b: Matrix) -> list[list[arb]]:
+    """The matrix product a b."""
+    return [[dot(row, column) for column in zip(*b, strict=True)] for row in a]
+
+
+def transposed(a: Matrix) -> list[list[arb]]:
+    """The transpose."""
+    return [list(column) for column in zip(*a, strict=True)]
+
+
+def applied(a: Matrix, v: Vector) -> list[arb]:
+    """a v."""
+    return [dot(row, v) for row in a]
+
+
+def rotated(q: Vector, v: Vector) -> list[arb]:
+    """The vector v of the body in space, q v q*."""
+    return times(times(q, [arb(0), *v]), conjugate(q))[1:]
+
+
+def upright(q: Vector) -> list[arb]:
+    """The one of q and -q whose first component that is not exactly 0 is positive; UndecidedError if balls cannot tell."""
+    for x in q:
+        if x > 0:
+            return list(q)
+        if x < 0:
+            return [-y for y in q]
+        if not x.is_zero():
+            raise UndecidedError(f"the sign of the attitude: a component is {x}")
+    raise UndecidedError("the zero quaternion has no sign")
