@@ -55,17 +55,12 @@ def scene(p: Parameters) -> Scene:
     """Sphere 1 at x < 0, sphere 2 at x > 0, centre of mass at rest at the origin."""
     share = p.masses[::-1] / p.masses.sum()
     gap, approach = p.radii.sum(), p.closing_speed * np.array([np.cos(p.angle), np.sin(p.angle), 0.0])
+    columns = zip(p.masses, p.radii, share, (1.0, -1.0), p.spins, strict=True)
     bodies = [
-        Body(
-            mass=mass,
-            inertia=(0.4 * mass * radius * radius,) * 3,
-            position=(-sign * part * gap, 0.0, 0.0),
-            velocity=tuple(sign * part * approach),
-            omega=tuple(spin),
-            shape=Sphere(radius=float(radius)),
-        )
-        for mass, radius, part, sign, spin in zip(p.masses, p.radii, share, (1.0, -1.0), p.spins, strict=True)
-    ]
+        Body(mass=m, inertia=(0.4 * m * r * r,) * 3, shape=Sphere(radius=float(r)), omega=tuple(spin),
+             position=(-sign * part * gap, 0.0, 0.0), velocity=tuple(sign * part * approach))
+        for m, r, part, sign, spin in columns
+    ]  # fmt: skip
     numbers = {name: getattr(p, name) for name in ("stiffness", "damping", "tangential_stiffness", "friction", "branch", "cutoff")}
     return Scene.of(bodies, [Contact(law="linear", **numbers)])
 

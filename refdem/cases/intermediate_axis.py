@@ -1,8 +1,5 @@
 """A body set spinning almost about its intermediate axis turns over, again and again: Euler's equations (1.35)-(1.37), (1.134)-(1.136)."""
 
-from fractions import Fraction
-from typing import Any
-
 import numpy as np
 
 from refdem.cases import _attitude
@@ -18,13 +15,8 @@ from refdem.scene import Scene
 
 def _omega_body(p: Parameters) -> Array:
     """The start (3,) [rad/s]: omega_body, and `offset` times its size along the axis `direction`."""
-    exact: Any = p["omega_body"]
-    start = np.array([float(x) for x in exact])
-    squared, side = sum(x * x for x in exact), int(p.direction) - 1
-    if sum(1 for x in exact if x) == 1:  # along an axis the size is exact, and so is the sum before it is rounded
-        start[side] = float(exact[side] + Fraction(p["offset"]) * max(abs(x) for x in exact))
-    else:
-        start[side] += p.offset * float(squared) ** 0.5
+    start: Array = p.omega_body.copy()
+    start[int(p.direction) - 1] += p.offset * np.linalg.norm(p.omega_body)
     return start
 
 
