@@ -89,5 +89,22 @@ void *refdem_rebound_euler(int64_t place);
 int refdem_rebound_record(const refdem_rebound_engine *engine, const refdem_rebound_scene *scene, int64_t stride,
                           int64_t samples, const double *times, double *out);
 
+/* == free_body == */
+
+/* Attitude (samples, 4) and omega (samples, 3) of one free rigid body at times t [s], in closed form (error: a few ulp, plus
+ * half an ulp of the inputs times the motion's own sensitivity); the state holds at t0. inertia (3) >= 0 [kg m^2], principal.
+ * Returns 0. */
+int refdem_free_body(const double *inertia, const double *attitude, const double *omega, double t0, int64_t samples,
+                     const double *t, double *out_attitude, double *out_omega);
+
+/* == rigid_body == */
+
+/* The same body by steps h [s] of either sign, a sample after every `stride` steps; row 0 is the start. Returns 0.
+ * splitting: order 2, symmetric, symplectic, keeps L in space to round-off. rk4: order 4. */
+int refdem_rigid_body_splitting(const double *inertia, const double *attitude, const double *omega, double h, int64_t samples,
+                                int64_t stride, double *out_attitude, double *out_omega);
+int refdem_rigid_body_rk4(const double *inertia, const double *attitude, const double *omega, double h, int64_t samples,
+                          int64_t stride, double *out_attitude, double *out_omega);
+
 /* == end == */
 #endif

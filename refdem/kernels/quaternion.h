@@ -1,0 +1,52 @@
+/* Quaternions (w, x, y, z); unit ones rotate body vectors into space: r_s = q r_b q*. */
+#ifndef REFDEM_QUATERNION_H
+#define REFDEM_QUATERNION_H
+
+#include <math.h>
+
+/* q p. */
+static inline void quaternion_product(const double *restrict q, const double *restrict p, double *restrict out)
+{
+    out[0] = q[0] * p[0] - q[1] * p[1] - q[2] * p[2] - q[3] * p[3];
+    out[1] = q[0] * p[1] + q[1] * p[0] + q[2] * p[3] - q[3] * p[2];
+    out[2] = q[0] * p[2] - q[1] * p[3] + q[2] * p[0] + q[3] * p[1];
+    out[3] = q[0] * p[3] + q[1] * p[2] - q[2] * p[1] + q[3] * p[0];
+}
+
+static inline void quaternion_normalised(double *restrict q)
+{
+    double size = sqrt(q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3]);
+    for (int i = 0; i < 4; i++)
+        q[i] /= size;
+}
+
+/* q v q* = v + 2 w (u x v) + 2 u x (u x v), u the vector part. */
+static inline void quaternion_rotated(const double *restrict q, const double *restrict v, double *restrict out)
+{
+    double x = 2.0 * (q[2] * v[2] - q[3] * v[1]), y = 2.0 * (q[3] * v[0] - q[1] * v[2]), z = 2.0 * (q[1] * v[1] - q[2] * v[0]);
+    out[0] = v[0] + (q[0] * x + (q[2] * z - q[3] * y));
+    out[1] = v[1] + (q[0] * y + (q[3] * x - q[1] * z));
+    out[2] = v[2] + (q[0] * z + (q[1] * y - q[2] * x));
+}
+
+/* The unit quaternion and omega in body axes of omega in space axes, in twice binary64. */
+static inline void quaternion_body(const double *restrict attitude, const double *restrict omega, dd *restrict q, dd *restrict w)
+{
+    dd size = dd_of(0.0), twist[3];
+    for (int i = 0; i < 4; i++)
+        size = dd_add(size, two_product(attitude[i], attitude[i]));
+    size = dd_sqrt(size);
+    for (int i = 0; i < 4; i++)
+        q[i] = dd_div(dd_of(attitude[i]), size);
+    for (int i = 0; i < 3; i++) {
+        int j = (i + 1) % 3, k = (i + 2) % 3;
+        twist[i] = dd_scale(dd_sub(dd_scale(q[k + 1], omega[j]), dd_scale(q[j + 1], omega[k])), 2.0);
+    }
+    for (int i = 0; i < 3; i++) {
+        int j = (i + 1) % 3, k = (i + 2) % 3;
+        dd more = dd_sub(dd_mul(q[k + 1], twist[j]), dd_mul(q[j + 1], twist[k]));
+        w[i] = dd_add(dd_of(omega[i]), dd_add(dd_mul(q[0], twist[i]), more));
+    }
+}
+
+#endif

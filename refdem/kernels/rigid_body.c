@@ -1,0 +1,129 @@
+/* One free rigid body, step by step: rotations about the principal axes, and the classical Runge-Kutta method. */
+#include "elliptic.h"
+#include "kernels.h"
+#include "quaternion.h"
+
+/* Angular momentum l in body axes and the attitude q, each with the low parts that its sums left over. */
+typedef struct {
+    double l[3], l_low[3], q[4], q_low[4];
+} spinning;
+
+static inline void grow(double *restrict value, double *restrict low, double by)
+{
+    dd sum = two_sum(*value, by + *low);
+    *value = sum.hi, *low = sum.lo;
+}
+
+/* The exact flow of l_i^2/(2 J_i) over h: l turns about axis i by -angle, the body by angle = h l_i / J_i. Increments, so that |l|
+ * and |q| stay: with s = sin(angle/2), cos(angle) - 1 = -2 s^2 and cos(angle/2) - 1 = -s^2/(1 + cos(angle/2)). */
+static inline void turn_about(spinning *b, int i, double rate)
+{
+    int j = (i + 1) % 3, k = (i + 2) % 3;
+    double half = 0.5 * rate * b->l[i], s = sin(half), c = cos(half);
+    double less = c > 0.0 ? -s * s / (1.0 + c) : c - 1.0;
+    double sine = 2.0 * s * (1.0 + less), fall = 2.0 * s * s, lj = b->l[j], lk = b->l[k];
+    grow(&b->l[j], &b->l_low[j], sine * lk - fall * lj);
+    grow(&b->l[k], &b->l_low[k], -sine * lj - fall * lk);
+    double w = b->q[0], x = b->q[1 + i], y = b->q[1 + j], z = b->q[1 + k];
+    grow(&b->q[0], &b->q_low[0], less * w - s * x);
+    grow(&b->q[1 + i], &b->q_low[1 + i], less * x + s * w);
+    grow(&b->q[1 + j], &b->q_low[1 + j], less * y + s * z);
+    grow(&b->q[1 + k], &b->q_low[1 + k], less * z - s * y);
+}
+
+static void start(spinning *b, const double *restrict inertia, const double *restrict attitude, const double *restrict omega)
+{
+    dd q[4], w[3];
+    quaternion_body(attitude, omega, q, w);
+    for (int i = 0; i < 4; i++)
+        b->q[i] = q[i].hi, b->q_low[i] = q[i].lo;
+    for (int i = 0; i < 3; i++) {
+        dd l = dd_scale(w[i], inertia[i]);
+        b->l[i] = l.hi, b->l_low[i] = l.lo;
+    }
+}
+
+/* omega in space axes of l in body axes; an axis without inertia does not turn. */
+static void finish(const spinning *b, const double *restrict inertia, double *restrict attitude, double *restrict omega)
+{
+    double w[3];
+    for (int i = 0; i < 3; i++)
+        w[i] = inertia[i] > 0.0 ? b->l[i] / inertia[i] : 0.0;
+    for (int i = 0; i < 4; i++)
+        attitude[i] = b->q[i];
+    quaternion_normalised(attitude);
+    quaternion_rotated(attitude, w, omega);
+}
+
+int refdem_rigid_body_splitting(const double *inertia, const double *attitude, const double *omega, double h, int64_t samples,
+                                int64_t stride, double *out_attitude, double *out_omega)
+{
+    spinning b;
+    double rate[3];
+    for (int i = 0; i < 3; i++)
+        rate[i] = inertia[i] > 0.0 ? h / inertia[i] : 0.0;
+    start(&b, inertia, attitude, omega);
+    finish(&b, inertia, out_attitude, out_omega);
+    for (int64_t k = 1; k < samples; k++) {
+        for (int64_t n = 0; n < stride; n++) {
+            turn_about(&b, 0, 0.5 * rate[0]);
+            turn_about(&b, 1, 0.5 * rate[1]);
+            turn_about(&b, 2, rate[2]);
+            turn_about(&b, 1, 0.5 * rate[1]);
+            turn_about(&b, 0, 0.5 * rate[0]);
+        }
+        finish(&b, inertia, out_attitude + 4 * k, out_omega + 3 * k);
+    }
+    return 0;
+}
+
+/* dq/dt = q omega_body / 2, dl/dt = l x omega_body; y = (q, l). */
+static void slope(const double *restrict y, const double *restrict per, double *restrict dy)
+{
+    const double *l = y + 4;
+    double w[4] = {0.0, 0.5 * per[0] * l[0], 0.5 * per[1] * l[1], 0.5 * per[2] * l[2]};
+    quaternion_product(y, w, dy);
+    for (int i = 0; i < 3; i++) {
+        int j = (i + 1) % 3, k = (i + 2) % 3;
+        dy[4 + i] = 2.0 * (l[j] * w[1 + k] - l[k] * w[1 + j]);
+    }
+}
+
+/* The classical method of order 4 (Kutta 1901); |q| is brought back to 1 after the step. */
+static void rk4_step(double *restrict y, double *restrict low, const double *restrict per, double h)
+{
+    double k[4][7], z[7];
+    static const double reach[4] = {0.0, 0.5, 0.5, 1.0};
+    slope(y, per, k[0]);
+    for (int s = 1; s < 4; s++) {
+        for (int i = 0; i < 7; i++)
+            z[i] = fma(h * reach[s], k[s - 1][i], y[i]);
+        slope(z, per, k[s]);
+    }
+    for (int i = 0; i < 7; i++)
+        grow(&y[i], &low[i], h / 6.0 * ((k[0][i] + k[3][i]) + 2.0 * (k[1][i] + k[2][i])));
+    double excess = 0.5 * ((y[0] * y[0] + y[1] * y[1] - 1.0) + (y[2] * y[2] + y[3] * y[3]));
+    for (int i = 0; i < 4; i++)
+        grow(&y[i], &low[i], -excess * (1.0 - 1.5 * excess) * y[i]);
+}
+
+int refdem_rigid_body_rk4(const double *inertia, const double *attitude, const double *omega, double h, int64_t samples,
+                          int64_t stride, double *out_attitude, double *out_omega)
+{
+    spinning b;
+    double y[7], low[7], per[3];
+    start(&b, inertia, attitude, omega);
+    finish(&b, inertia, out_attitude, out_omega);
+    for (int i = 0; i < 3; i++)
+        per[i] = inertia[i] > 0.0 ? 1.0 / inertia[i] : 0.0, y[4 + i] = b.l[i], low[4 + i] = b.l_low[i];
+    for (int i = 0; i < 4; i++)
+        y[i] = b.q[i], low[i] = b.q_low[i];
+    for (int64_t k = 1; k < samples; k++) {
+        for (int64_t n = 0; n < stride; n++)
+            rk4_step(y, low, per, h);
+        for (int i = 0; i < 7; i++)
+            *(i < 4 ? &b.q[i] : &b.l[i - 4]) = y[i];
+        finish(&b, inertia, out_attitude + 4 * k, out_omega + 3 * k);
+    }
+    return 0;
+}
