@@ -19,7 +19,9 @@ class AngularMomentum(Check):
     kills = "a wrong lever arm, a torque left out, body axes taken for space axes"
 
     def applies(self, trial: Trial) -> str | None:
-        """Scenes in which no torque about the origin acts from outside."""
+        """Scenes in which something can turn and no torque about the origin acts from outside."""
+        if {"dimension:1"} == trial.instance.scene.features & {"dimension:1", "rotation"}:
+            return "all motion is along one line through the origin"
         return torque_reason(trial.instance.scene)
 
     def needs(self, trial: Trial) -> tuple[Variant, ...]:

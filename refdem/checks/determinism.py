@@ -39,14 +39,28 @@ class Determinism(Check):
         base, again, denser = (runs[variant].trajectory for variant in self.needs(trial))
         step = trial.method.control == "step"
         found = [
-            judged(check=self.name, quantity="repeated", value=_difference(base, again, 1), bound=0.0, unit="1",
-                   basis="the same request has the same answer, to the last bit", what="The largest difference between two runs of one request")
-        ]  # fmt: skip
+            judged(
+                check=self.name,
+                quantity="repeated",
+                value=_difference(base, again, 1),
+                bound=0.0,
+                unit="1",
+                basis="the same request has the same answer, to the last bit",
+                what="The largest difference between two runs of one request",
+            )
+        ]
         if step and trial.levels[-1] <= trial.instance.problem.interval / DENSER:
             found.append(
-                judged(check=self.name, quantity="output-rate", value=_difference(base, denser, DENSER), bound=0.0, unit="1",
-                       basis="output is read, never written: the bits stay the same", what=f"The largest difference when {DENSER} times the samples are asked for")
-            )  # fmt: skip
+                judged(
+                    check=self.name,
+                    quantity="output-rate",
+                    value=_difference(base, denser, DENSER),
+                    bound=0.0,
+                    unit="1",
+                    basis="output is read, never written: the bits stay the same",
+                    what=f"The largest difference when {DENSER} times the samples are asked for",
+                )
+            )
         return found
 
 

@@ -78,10 +78,14 @@ class Energy(Check):
         level, order = trial.levels[-1], trial.method.order_for(trial.instance.scene.features)
         allowed = TERMS * (trial.method.constant * (level / trial.instance.scales.tau) ** order + trial.round_off(level))
         return judged(
-            check=self.name, quantity="drift", value=drift, bound=allowed, unit="1",
+            check=self.name,
+            quantity="drift",
+            value=drift,
+            bound=allowed,
+            unit="1",
             basis=f"a symplectic method of order {order} keeps its energy error at (h/tau)^{order}, whatever the time",
             what="The mean energy of the last quarter of the run against that of the first, in units of the energy at the start,",
-        )  # fmt: skip
+        )
 
 
 CHECK = Energy()

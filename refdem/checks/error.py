@@ -51,13 +51,19 @@ class Error(Check):
         count = scored(allowed)
         point = int(np.argmax(error[:count] / allowed[:count]))
         return judged(
-            check=self.name, quantity=quantity, value=float(error[point]), bound=float(allowed[point]), unit="1",
-            basis=_basis(trial, at), what=_what(trial, quantity, at, point, count), levels=tuple(levels),
+            check=self.name,
+            quantity=quantity,
+            value=float(error[point]),
+            bound=float(allowed[point]),
+            unit="1",
+            basis=_basis(trial, at),
+            what=_what(trial, quantity, at, point, count),
+            levels=tuple(levels),
             series=curve(trial.instance.times[:count], error[:count], allowed[:count]),
             order_seen=_order_seen(levels) if trial.method.control == "step" else None,
             order_claimed=float(trial.method.order_for(trial.instance.scene.features)) if trial.method.control == "step" else None,
             constant_seen=_constant_seen(trial, levels),
-        )  # fmt: skip
+        )
 
 
 def _level(trial: Trial, level: float, error: Array, allowed: Array, seconds: float) -> Level:

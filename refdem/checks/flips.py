@@ -41,9 +41,16 @@ class Flips(Check):
         true = _flips(truth.value(name)[:count])
         what = f"Truth flips {true} times about axis {axis} and the run {seen} times up to t = {trial.instance.times[count - 1]:.4g} s; the difference"
         return [
-            judged(check=self.name, quantity="flips", value=float(abs(seen - true)), bound=0.0, unit="1",
-                   basis="a number of flips is a whole number", what=what)
-        ]  # fmt: skip
+            judged(
+                check=self.name,
+                quantity="flips",
+                value=float(abs(seen - true)),
+                bound=0.0,
+                unit="1",
+                basis="a number of flips is a whole number",
+                what=what,
+            )
+        ]
 
 
 def _flips(omega: Array) -> int:

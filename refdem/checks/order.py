@@ -45,20 +45,32 @@ class Order(Check):
         floor = [COUNTING_FLOOR * _floor(trial, h) for h in counting]
         if all(error <= low for error, low in zip(seen, floor, strict=True)):
             return [
-                judged(check=self.name, quantity="state", value=max(seen), bound=max(floor), unit="1",
-                       basis="20 times round-off, so there is no truncation error left to halve", what="The error at every level")
-            ]  # fmt: skip
-        orders = [
-            float(np.log2(a / b)) if b > low else float(claimed)
-            for a, b, low in zip(seen, seen[1:], floor[1:], strict=False)
-        ]  # fmt: skip
+                judged(
+                    check=self.name,
+                    quantity="state",
+                    value=max(seen),
+                    bound=max(floor),
+                    unit="1",
+                    basis="20 times round-off, so there is no truncation error left to halve",
+                    what="The error at every level",
+                )
+            ]
+        orders = [float(np.log2(a / b)) if b > low else float(claimed) for a, b, low in zip(seen, seen[1:], floor[1:], strict=False)]
         deficit = max(0.0, claimed - min(orders))
         listed = ", ".join(f"{order:.2f}" for order in orders)
         return [
-            judged(check=self.name, quantity="state", value=deficit, bound=max(0.15, 0.05 * claimed), unit="1",
-                   basis=f"order {claimed} is claimed and every pair of levels must reach it within max(0.15, 0.05 p)",
-                   what=f"The observed order from pair to pair is {listed}; what the lowest lacks", order_seen=orders[-1], order_claimed=float(claimed))
-        ]  # fmt: skip
+            judged(
+                check=self.name,
+                quantity="state",
+                value=deficit,
+                bound=max(0.15, 0.05 * claimed),
+                unit="1",
+                basis=f"order {claimed} is claimed and every pair of levels must reach it within max(0.15, 0.05 p)",
+                what=f"The observed order from pair to pair is {listed}; what the lowest lacks",
+                order_seen=orders[-1],
+                order_claimed=float(claimed),
+            )
+        ]
 
 
 def _counting(trial: Trial) -> tuple[list[float], int]:
@@ -73,9 +85,7 @@ def _counting(trial: Trial) -> tuple[list[float], int]:
     if common < 2:
         return [], 0
     allowed: dict[float, Array] = {h: trial.bound(h)[:common] for h in trial.levels}
-    counting = [
-        h for h in trial.levels if ranges[h] >= common and allowed[h][-1] >= COUNTING_FLOOR * _floor(trial, h)
-    ]  # fmt: skip
+    counting = [h for h in trial.levels if ranges[h] >= common and allowed[h][-1] >= COUNTING_FLOOR * _floor(trial, h)]
     return counting, common
 
 

@@ -49,10 +49,17 @@ class Reversal(Check):
         else:
             size, basis = 2 * float(allowed[-1]) * growth, "the truncation error there and back, the first amplified on the way back"
         return [
-            judged(check=self.name, quantity=variant.change, value=_defect(trial, runs[variant].trajectory, variant.change), bound=size,
-                   unit="1", basis=basis, what=f"The distance from the start after the way back ({variant.change}), in units of each scale,")
+            judged(
+                check=self.name,
+                quantity=variant.change,
+                value=_defect(trial, runs[variant].trajectory, variant.change),
+                bound=size,
+                unit="1",
+                basis=basis,
+                what=f"The distance from the start after the way back ({variant.change}), in units of each scale,",
+            )
             for variant in self.needs(trial)[1:]
-        ]  # fmt: skip
+        ]
 
 
 def _defect(trial: Trial, back: Trajectory, change: Change) -> float:

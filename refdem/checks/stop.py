@@ -48,12 +48,26 @@ class Stop(Check):
         reached = abs(float(run.position[-1, 0, 0]) - place) / scales.length
         creep = float(np.ptp(run.position[after, 0, 0])) / scales.length if after.any() else 0.0
         return [
-            judged(check=self.name, quantity="stop_position", value=max(0.0, reached - radius), bound=allowed, unit="1",
-                   basis="the bound on the state at the end of the run", what=f"The distance of the last position from the true stop at x = {place:.6g} m, in units of L,"),
+            judged(
+                check=self.name,
+                quantity="stop_position",
+                value=max(0.0, reached - radius),
+                bound=allowed,
+                unit="1",
+                basis="the bound on the state at the end of the run",
+                what=f"The distance of the last position from the true stop at x = {place:.6g} m, in units of L,",
+            ),
             self._time(trial, run, stop, allowed, rounding),
-            judged(check=self.name, quantity="creep", value=creep, bound=rounding, unit="1",
-                   basis="Sgn(0) = [-1, 1]: what sticks stays, to round-off c u sqrt(n)", what="The way crept after the stop, in units of L,"),
-        ]  # fmt: skip
+            judged(
+                check=self.name,
+                quantity="creep",
+                value=creep,
+                bound=rounding,
+                unit="1",
+                basis="Sgn(0) = [-1, 1]: what sticks stays, to round-off c u sqrt(n)",
+                what="The way crept after the stop, in units of L,",
+            ),
+        ]
 
     def _time(self, trial: Trial, run: Trajectory, stop: float, allowed: float, rounding: float) -> Finding:
         """The engine's own event if it reports one; else the sample after which the speed stays at zero."""
@@ -64,12 +78,24 @@ class Stop(Check):
         else:
             speed = np.abs(run.velocity[:, 0, 0]) / trial.instance.scales.speed
             moving = np.flatnonzero(speed > max(allowed, rounding))
-            seen, slack, how = (t[moving[-1]] if len(moving) else 0.0), trial.instance.problem.interval, "the last sample that moves"
+            seen, how = (t[moving[-1]] if len(moving) else 0.0), "the last sample that moves"
+            slack = trial.instance.problem.interval + max(allowed, rounding) * trial.instance.scales.speed / _deceleration(trial)
         return judged(
-            check=self.name, quantity="stop_time", value=abs(seen - stop) / tau, bound=allowed + (slack / tau), unit="1",
-            basis="the bound on the state" + (" and the interval between samples" if slack else ""),
+            check=self.name,
+            quantity="stop_time",
+            value=abs(seen - stop) / tau,
+            bound=allowed + (slack / tau),
+            unit="1",
+            basis="the bound on the state"
+            + (", the interval between samples and the time in which friction brakes the last speed seen" if slack else ""),
             what=f"The distance of the stop time ({how}) from the true one, {stop:.6g} s, in units of tau,",
-        )  # fmt: skip
+        )
+
+
+def _deceleration(trial: Trial) -> float:
+    """What friction alone takes off the speed [m/s^2]."""
+    scene = trial.instance.scene
+    return sum(slider.friction * slider.normal_force for slider in scene.all(Slider)) / float(scene.bodies.mass.sum())
 
 
 CHECK = Stop()
