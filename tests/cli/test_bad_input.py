@@ -1,0 +1,80 @@
+"""Bad input: one clear sentence, exit 2, no traceback, nothing lost."""
+
+import os
+import subprocess
+import sys
+
+import pytest
+
+
+def refdem(*arguments, **more):
+    command = [sys.executable, "-c", "from refdem.cli import main; main()", *arguments]
+    return subprocess.run(command, capture_output=True, text=True, timeout=120, **more)
+
+
+@pytest.fixture(autouse=True)
+def _own_store(tmp_path, monkeypatch):
+    monkeypatch.setenv("REFDEM_STORE", str(tmp_path / "store.sqlite"))
+    monkeypatch.chdir(tmp_path)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "says"),
+    [
+        (["run", "pendulun"], "did you mean 'pendulum'"),
+        (["run", "pendulum", "--engine", "mujoko"], "did you mean 'mujoco'"),
+        (["run", "pendulum", "--set", "thet0=1"], "did you mean 'theta0'"),
+        (["run", "pendulum", "--set", "theta0"], "name=value"),
+        (["run", "pendulum", "--set", "mass=-1"], "> 0"),
+        (["run", "pendulum", "--set", "mass=nan"], "finite"),
+        (["run", "free-rigid-body", "--set", "inertia=1,1,9"], "triangle"),
+        (["run", "free-rigid-body", "--set", "inertia=1,1"], "expected 3"),
+        (["run", "free-rigid-body", "--set", "attitude=0,0,0,0"], "quaternion"),
+        (["run", "pendulum", "--engine", "reference", "--method", "rattel"], "did you mean 'rattle'"),
+        (["run", "pendulum", "--step", "0"], "expected a finite number"),
+        (["run", "pendulum", "--step", "nan"], "expected a finite number"),
+        (["run", "pendulum", "--jobs", "-1"], "--jobs"),
+        (["run", "--set", "mass=1"], "without a case"),
+        (["run", "--campaign", "mian"], "known: "),
+        (["run", "pendulum; rm -rf /"], "is not a name"),
+        (["truth", "pendulum", "--at", "-1"], "--at"),
+        (["truth", "pendulum", "--at", "1e999"], "--at"),
+        (["truth", "time-reversal"], "selection"),
+        (["list", "casess"], "expected cases"),
+        (["schema", "nothing"], "expected"),
+        (["report", "nowhere"], "nowhere"),
+    ],
+)
+def test_bad_input_is_one_clear_sentence(arguments, says):
+    done = refdem(*arguments)
+    assert done.returncode == 2, done.stderr
+    assert says in done.stderr
+    assert "Traceback" not in done.stderr
+
+
+def test_an_engine_that_is_not_installed_is_named_with_what_to_install(tmp_path):
+    (tmp_path / "blocked").mkdir()
+    (tmp_path / "blocked" / "sitecustomize.py").write_text(
+        "import importlib.util as u\nfind = u.find_spec\nu.find_spec = lambda n, p=None: None if n == 'mujoco' else find(n, p)\n"
+    )
+    done = refdem("run", "pendulum", "--engine", "mujoco", env=os.environ | {"PYTHONPATH": str(tmp_path / "blocked")})
+    assert done.returncode == 2
+    assert "not installed" in done.stderr
+    assert "pip install" in done.stderr
+
+
+def test_a_corrupt_store_is_said_so_and_left_alone(tmp_path):
+    store = tmp_path / "store.sqlite"
+    store.write_bytes(b"garbage" * 1000)
+    done = refdem("run", "harmonic-oscillator", "--engine", "reference")
+    assert done.returncode == 2
+    assert "Move the file away" in done.stderr
+    assert store.read_bytes() == b"garbage" * 1000
+
+
+def test_a_folder_that_cannot_be_written_is_said_so_before_any_work(tmp_path):
+    (tmp_path / "file").write_text("mine")
+    done = refdem("run", "harmonic-oscillator", "--engine", "reference", "--out", str(tmp_path / "file" / "report"))
+    assert done.returncode == 2
+    assert "cannot be written" in done.stderr
+    assert not (tmp_path / "store.sqlite").exists()
