@@ -51,7 +51,8 @@ def run(request: Request) -> tuple[Trajectory, Cost]:
 
     began = perf_counter()
     warnings: list[str] = []
-    mujoco.set_mju_user_warning(warnings.append)
+    kept = mujoco.get_mju_user_warning()
+    mujoco.set_mju_user_warning(warnings.append)  # else it prints, and writes MUJOCO_LOG.TXT
     try:
         model, freedoms = compiled(request)
         data = _started(mujoco, model, freedoms, request)
@@ -63,7 +64,7 @@ def run(request: Request) -> tuple[Trajectory, Cost]:
     except (mujoco.FatalError, mujoco.UnexpectedError, ValueError) as error:
         raise EngineError(f"mujoco: {error}") from None
     finally:
-        mujoco.set_mju_user_warning(None)
+        mujoco.set_mju_user_warning(kept)
     request.refuse_misaligned(trajectory.t)
     return trajectory, Cost(seconds=seconds, setup=setup, steps=request.stride * (len(rows) - 1))
 
