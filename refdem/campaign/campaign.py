@@ -16,6 +16,7 @@ from refdem.campaign.schedule import Job, Schedule
 from refdem.campaign.specification import Specification
 from refdem.core import fingerprint
 from refdem.core.case import Instance
+from refdem.core.engine import Engine
 from refdem.core.finding import CampaignSheet, Sheet
 from refdem.core.problem import Request
 from refdem.core.run import Failure, Run
@@ -40,6 +41,7 @@ class Campaign:
     made: int = 0
     read: int = 0
     runs: dict[tuple[int, Variant], Run] = field(default_factory=dict)
+    known: dict[tuple[str, ...], str] = field(default_factory=dict)
 
     def sheets(self) -> list[Sheet]:
         """Everything that a report is made of."""
@@ -92,7 +94,7 @@ class Campaign:
             request = self._request(tasks[n], n, variant)
             if request is not None:
                 requests[n, variant] = request
-                keys.setdefault(request.key(tasks[n].engine.name, tasks[n].engine.fingerprint(tasks[n].method)), []).append((n, variant))
+                keys.setdefault(request.key(tasks[n].engine.name, self._fingerprint(tasks[n])), []).append((n, variant))
         jobs = []
         for key, places in keys.items():
             data = self.store.get("run", key) if self.use_store else None
@@ -105,6 +107,19 @@ class Campaign:
             self.made += 1
             self._keep(tasks, requests, job.key, keys[job.key], result, from_store=False)
             self.progress(stage, done, len(jobs))
+
+    def _version(self, engine: Engine) -> str:
+        """The engine's version, asked for once."""
+        if (engine.name,) not in self.known:
+            self.known[engine.name,] = engine.version()
+        return self.known[engine.name,]
+
+    def _fingerprint(self, task: Task) -> str:
+        """The fingerprint of engine and method, asked for once: all runs of a campaign are of one state of the code."""
+        key = (task.engine.name, task.method.name)
+        if key not in self.known:
+            self.known[key] = task.engine.fingerprint(task.method)
+        return self.known[key]
 
     def _request(self, task: Task, n: int, variant: Variant) -> Request | None:
         """The request of a variant; None if what it goes on from failed."""
@@ -133,7 +148,7 @@ class Campaign:
                 key=key,
                 request=requests[n, variant],
                 engine=tasks[n].engine.name,
-                version=tasks[n].engine.version(),
+                version=self._version(tasks[n].engine),
                 trajectory=trajectory,
                 failure=reply.failure,
                 cost=reply.cost,
@@ -146,7 +161,7 @@ class Campaign:
         found: list[Sheet] = []
         for n, task in enumerate(tasks):
             runs = {variant: self.runs[n, variant] for variant in task.variants if (n, variant) in self.runs}
-            found.append(judging.record(task, task.engine.version(), runs, deviations[task.engine.name]))
+            found.append(judging.record(task, self._version(task.engine), runs, deviations[task.engine.name]))
         return found
 
 
