@@ -1,0 +1,144 @@
+"""The smoke test of an adapter: clock, units, signs, shapes, quaternion order, inertia axes; it blames no engine."""
+
+from collections.abc import Callable
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from refdem.campaign.probes import INTERVAL, Probe, probes
+from refdem.core.engine import Engine, Method
+from refdem.core.finding import Finding
+from refdem.core.problem import Motion, Request
+from refdem.core.trajectory import STATE, Trajectory
+from refdem.errors import EngineError
+from refdem.mechanics import momentum
+from refdem.mechanics.quaternion import conjugate, rotated
+
+Array = NDArray[np.float64]
+
+STEP = INTERVAL / 128
+"""[s]. First-order methods are then within 1 % on all probes, whose fastest rate is 20 /s."""
+TOLERANCE = 1e-8
+BOUND = 0.02
+BASIS = "a wrong unit, sign, axis or order changes a probe by more than a tenth of its scale, a method's own error by less than 1 %"
+START_BOUND = 1e-12
+START_BASIS = "the first sample is the scene's own state; an adapter converts it there and back with a few roundings"
+
+
+def smoke(engine: Engine) -> list[Finding]:
+    """Every probe with every method that takes it; one finding for each thing compared, of the worst method."""
+    found: list[Finding] = []
+    for probe in probes():
+        reasons = {method.name: engine.refusal(Motion(probe.scene, probe.times), method) for method in engine.methods}
+        takers = [method for method in engine.methods if reasons[method.name] is None]
+        if not takers:
+            reason = next(iter(reasons.values()), "it has no methods")
+            found.append(Finding(check="smoke", quantity=probe.name, outcome="unsupported", sentence=f"not said by this engine: {reason}"))
+            continue
+        by_method = [_judged(engine, method, probe) for method in takers]
+        found += _worst(by_method)
+    return found
+
+
+def _worst(by_method: list[list[Finding]]) -> list[Finding]:
+    """For each quantity, the finding of the method that is furthest off; errors first."""
+    worst: dict[str, Finding] = {}
+    for finding in (f for findings in by_method for f in findings):
+        seen = worst.get(finding.quantity)
+        if seen is None or _badness(finding) > _badness(seen):
+            worst[finding.quantity] = finding
+    return list(worst.values())
+
+
+def _badness(finding: Finding) -> float:
+    return np.inf if finding.outcome == "error" or finding.value is None else finding.value
+
+
+def _judged(engine: Engine, method: Method, probe: Probe) -> list[Finding]:
+    """The findings of one method on one probe."""
+    request = _request(method, probe)
+    try:
+        trajectory, _ = engine.run(request)
+        _refuse_shape(trajectory, request)
+    except Exception as error:  # whatever an adapter raises is its fault, and a finding
+        sentence = f"{method.name} on {probe.name!r}: {type(error).__name__}: {error}"
+        return [Finding(check="smoke", quantity=probe.name, outcome="error", sentence=sentence)]
+    findings = [_clock(trajectory, request, probe), _first_sample(trajectory, request, probe)]
+    for name, expected in probe.expected(probe.times - probe.start).items():
+        seen = _shown(trajectory, name, probe)
+        if seen is not None:
+            findings.append(_compared(seen, expected, name, request, probe))
+    return findings
+
+
+def _request(method: Method, probe: Probe) -> Request:
+    request = Request(problem=Motion(probe.scene, probe.times), method=method.name)
+    if method.control == "step":
+        return replace(request, step=STEP)
+    return replace(request, tolerance=TOLERANCE) if method.control == "tolerance" else request
+
+
+def _refuse_shape(trajectory: Trajectory, request: Request) -> None:
+    """Raises EngineError unless there is a row for each sample and body."""
+    expected = (len(request.problem.times), len(request.problem.scene.bodies), 3)
+    if trajectory.position.shape != expected:
+        raise EngineError(f"trajectory.position has shape {trajectory.position.shape}; expected {expected}: samples, bodies, axes")
+
+
+def _clock(trajectory: Trajectory, request: Request, probe: Probe) -> Finding:
+    """Are the engine's own times the samples?"""
+    times = request.problem.times
+    off = float(np.max(np.abs(trajectory.t - times)) / INTERVAL)
+    says = f"{request.method}: the clock is off by at most {off:.2g} of a sample interval"
+    return _finding(f"{probe.name}: clock", off, START_BOUND, START_BASIS, says)
+
+
+def _first_sample(trajectory: Trajectory, request: Request, probe: Probe) -> Finding:
+    """Is row 0 the scene's state?"""
+    bodies = request.problem.scene.bodies
+    off, name = max((_largest(getattr(trajectory, n)[0], getattr(bodies, n), signless=n == "attitude"), n) for n in STATE)
+    says = f"{request.method}: the first sample is off the scene's state by at most {off:.2g}, in {name}"
+    return _finding(f"{probe.name}: first sample", off, START_BOUND, START_BASIS, says)
+
+
+def _largest(seen: Array, expected: Array, *, signless: bool = False) -> float:
+    """The largest difference, relative to the largest expected number or 1; q and -q are the same attitude."""
+    off = np.abs(seen - expected)
+    if signless:
+        off = np.where(off.max(axis=-1, keepdims=True) < np.abs(seen + expected).max(axis=-1, keepdims=True), off, np.abs(seen + expected))
+    return float(off.max() / max(1.0, np.abs(expected).max()))
+
+
+DERIVED: dict[str, Callable[[Trajectory, Array], Array]] = {
+    "omega_body": lambda run, inertia: rotated(conjugate(run.attitude), run.omega),
+    "angular_momentum": lambda run, inertia: momentum.spin(inertia, run.attitude, run.omega)[:, None],
+}
+
+
+def _shown(trajectory: Trajectory, name: str, probe: Probe) -> Array | None:
+    """What the trajectory shows of a quantity; None for a channel that it does not have."""
+    if name in DERIVED:
+        return DERIVED[name](trajectory, probe.scene.bodies.inertia)
+    return getattr(trajectory, name) if name in STATE else trajectory.channels.get(name)
+
+
+def _compared(seen: Array, expected: Array, name: str, request: Request, probe: Probe) -> Finding:
+    """A quantity against its formula, over the whole run."""
+    seen = seen.reshape(expected.shape)
+    off = _largest(seen, expected, signless=name == "attitude")
+    says = f"{request.method}: {name} is off by at most {off:.2g} of its scale"
+    if not off <= BOUND:
+        at = int(np.argmax(np.abs(seen - expected).reshape(len(seen), -1).max(axis=1)))
+        says += f": at t = {probe.times[at]:g} s it is {_text(seen[at])} and must be {_text(expected[at])}"
+        says += f"; look at how the adapter says {probe.shows}"
+    return _finding(f"{probe.name}: {name}", off, BOUND, BASIS, says)
+
+
+def _finding(quantity: str, value: float, bound: float, basis: str, says: str) -> Finding:
+    outcome = "pass" if value <= bound else "fail"
+    return Finding(check="smoke", quantity=quantity, outcome=outcome, sentence=says, value=value, bound=bound, basis=basis)
+
+
+def _text(values: Array) -> str:
+    return np.array2string(np.round(np.squeeze(values), 4), separator=", ", max_line_width=1000).replace("\n", "")
