@@ -1,0 +1,54 @@
+"""Killed at any moment, what is finished stays and is not run twice."""
+
+import os
+import signal
+import sqlite3
+import subprocess
+import sys
+import time
+
+from refdem.campaign.campaign import Campaign
+from refdem.campaign.specification import Entry, Specification
+from refdem.core.finding import CampaignSheet, Record
+from refdem.core.store import Store
+
+SCRIPT = """
+import sys
+from pathlib import Path
+from refdem.campaign.campaign import Campaign
+from refdem.campaign.specification import Entry, Specification
+from refdem.core.store import Store
+if __name__ == "__main__":
+    specification = Specification(name="t", case=[Entry("harmonic-oscillator")], engines=["played"], method="good", levels=10, most_steps=1e7)
+    Campaign(specification, Store(Path(sys.argv[1])), jobs=1).sheets()
+"""
+
+
+def stored_runs(path):
+    if not path.exists():
+        return 0
+    with sqlite3.connect(path) as connection:
+        try:
+            return connection.execute("SELECT count(*) FROM entries WHERE kind='run'").fetchone()[0]
+        except sqlite3.OperationalError:
+            return 0
+
+
+def test_a_killed_campaign_goes_on_where_it_was(played, tmp_path):
+    store, script = tmp_path / "store.sqlite", tmp_path / "campaign.py"
+    script.write_text(SCRIPT)
+    environment = os.environ | {"PYTHONPATH": os.pathsep.join(path for path in sys.path if path)}
+    process = subprocess.Popen([sys.executable, str(script), str(store)], env=environment, start_new_session=True)
+    deadline = time.monotonic() + 60
+    while stored_runs(store) < 3 and time.monotonic() < deadline:
+        time.sleep(0.02)
+    os.killpg(process.pid, signal.SIGKILL)
+    process.wait()
+    kept = stored_runs(store)
+    assert kept >= 3
+    specification = Specification(name="t", case=[Entry("harmonic-oscillator")], engines=["played"], method="good", levels=6)
+    sheets = Campaign(specification, Store(store), jobs=2).sheets()
+    whole = next(s for s in sheets if isinstance(s, CampaignSheet))
+    (record,) = (s for s in sheets if isinstance(s, Record))
+    assert whole.runs_read >= 3
+    assert {finding.outcome for finding in record.findings} == {"pass"}
