@@ -41,7 +41,7 @@ class Probe:
     @property
     def times(self) -> Array:
         """A second in samples."""
-        return self.start + INTERVAL * np.arange(SAMPLES + 1)
+        return np.asarray(self.start + INTERVAL * np.arange(SAMPLES + 1))
 
 
 def probes() -> tuple[Probe, ...]:
@@ -98,7 +98,7 @@ def _spins() -> tuple[Probe, ...]:
 
         def expected(t: Array) -> Expected:
             turn = np.column_stack([np.cos(rate * t / 2), np.outer(np.sin(rate * t / 2), omega / rate)])
-            return {"attitude": product(turn, attitude)[:, None], "omega": np.tile(omega, (len(t), 1, 1))}
+            return {"attitude": product(turn, np.array(attitude))[:, None], "omega": np.tile(omega, (len(t), 1, 1))}
 
         return Probe(name=name, shows=shows, scene=Scene.of([body]), expected=expected)
 
