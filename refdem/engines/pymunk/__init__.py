@@ -1,0 +1,64 @@
+"""pymunk (Chipmunk): planar rigid bodies, symplectic Euler, iterated impulses for joints and contact."""
+
+from importlib.metadata import version
+from importlib.util import find_spec
+
+from refdem import kernels
+from refdem.core import fingerprint
+from refdem.core.engine import Engine, Method
+from refdem.core.problem import Motion, Request
+from refdem.core.trajectory import Cost, Trajectory
+from refdem.engines.pymunk.audit import AUDIT
+from refdem.engines.pymunk.refusal import reason
+
+SEMI_IMPLICIT_EULER = Method(
+    name="semi-implicit-euler",
+    summary="Chipmunk's step: positions with the old velocities, forces there, then velocities with impulses for joints",
+    control="step",
+    order=1,
+    conserves=frozenset({"momentum", "angular-momentum"}),
+    symplectic=True,
+)
+
+
+class Pymunk(Engine):
+    """Chipmunk through pymunk, in the x-y plane; stepped by a compiled loop over `cpSpaceStep`."""
+
+    name = "pymunk"
+    title = "pymunk (Chipmunk)"
+    methods = (SEMI_IMPLICIT_EULER,)
+    audit = AUDIT
+    licence = "MIT"
+
+    def missing(self) -> str | None:
+        """None if pymunk is installed, else how to install it."""
+        return None if find_spec("pymunk") else "pymunk is not installed: pip install 'refdem[pymunk]'"
+
+    def version(self) -> str:
+        """The version of the package pymunk."""
+        return version("pymunk")
+
+    def fingerprint(self, method: Method) -> str:
+        """Digest of the installed package (Chipmunk is in it), this adapter, the scene's vocabulary, the loop and the machine."""
+        return "-".join(
+            (
+                fingerprint.of_package("pymunk"),
+                fingerprint.of_source("engines/pymunk"),
+                fingerprint.of_source("scene"),
+                kernels.fingerprint("chipmunk"),
+                fingerprint.of_machine(),
+            )
+        )
+
+    def refusal(self, problem: Motion, method: Method) -> str | None:
+        """None, or what the scene has that Chipmunk cannot say."""
+        return reason(problem)
+
+    def run(self, request: Request) -> tuple[Trajectory, Cost]:
+        """Runs one request; the times are the steps that the engine counted, times the step: it has no clock."""
+        from refdem.engines.pymunk.run import recorded
+
+        return recorded(request)
+
+
+ENGINE = Pymunk()

@@ -1,0 +1,62 @@
+"""What a scene may not have if Chipmunk is to say it, and in which words it is refused."""
+
+import numpy as np
+
+from refdem.core.problem import Motion
+from refdem.scene import Point, Polyhedron, Scene
+from refdem.scene.elements.contact import Contact
+from refdem.scene.elements.plane import Plane
+from refdem.scene.elements.rod import Rod
+from refdem.scene.elements.slider import Slider
+from refdem.scene.elements.spring import Spring
+from refdem.scene.elements.uniform_gravity import UniformGravity
+
+KNOWN = (Contact, Plane, Rod, Slider, Spring, UniformGravity)
+
+
+def reason(problem: Motion) -> str | None:
+    """None if Chipmunk can say the problem, else the missing feature."""
+    scene = problem.scene
+    if problem.interval < 0:
+        return "negative time steps"
+    if "dimension:3" in scene.features:
+        return "motion or rotation in three dimensions"
+    for element in scene.elements:
+        if not isinstance(element, KNOWN):
+            return f"{element.kind} (no such element, and a force field would have to be programmed into it)"
+    return _element_reason(scene) or _contact_reason(scene)
+
+
+def _element_reason(scene: Scene) -> str | None:
+    """Springs are linear, dry friction acts on every velocity at once."""
+    if any(spring.exponent != 1 for spring in scene.all(Spring)):
+        return "a spring whose force is not linear"
+    if scene.all(Slider) and "dimension:1" not in scene.features:
+        return "dry friction along one axis of a motion in the plane"
+    return None
+
+
+def _contact_reason(scene: Scene) -> str | None:
+    """Contact is rigid, between circles and prisms along z."""
+    law = next(iter(scene.all(Contact)), None)
+    if law is None or not scene.has_shapes():
+        return None
+    if law.law != "rigid":
+        return f"contact:{law.law} (impulses between rigid bodies only, no contact stiffness)"
+    if law.friction > 0 and scene.all(Plane) == [] and len(scene.bodies) < 2:
+        return None
+    for shape, inertia in zip(scene.bodies.shape, scene.bodies.inertia, strict=True):
+        if not isinstance(shape, Point) and not inertia[2] > 0 and law.friction > 0:
+            return "friction on a shape whose body has no moment of inertia"
+        if isinstance(shape, Polyhedron) and outline(shape) is None:
+            return "a polyhedron that is no prism along z"
+    return None
+
+
+def outline(shape: Polyhedron) -> list[tuple[float, float]] | None:
+    """Corners in x-y of a prism along z, or None if the polyhedron is none."""
+    corners = np.asarray(shape.vertices, float)
+    low, high = corners[:, 2].min(), corners[:, 2].max()
+    bottom = {tuple(c[:2]) for c in corners.tolist() if c[2] == low}
+    top = {tuple(c[:2]) for c in corners.tolist() if c[2] == high}
+    return sorted(bottom) if bottom == top and len(bottom) + len(top) == len(corners) else None

@@ -1,0 +1,72 @@
+"""One run of Chipmunk: the compiled loop over its step, and what it recorded as a trajectory."""
+
+from time import perf_counter
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from pymunk._chipmunk_cffi import ffi as engine_ffi
+from pymunk._chipmunk_cffi import lib as engine_lib
+
+from refdem import kernels
+from refdem.core.problem import Request
+from refdem.core.trajectory import Cost, Trajectory
+from refdem.engines.pymunk.space import angle_of, space_of
+from refdem.errors import EngineError
+
+Array = NDArray[np.float64]
+FUNCTIONS = {
+    "step": "cpSpaceStep",
+    "position": "cpBodyGetPosition",
+    "velocity": "cpBodyGetVelocity",
+    "angle": "cpBodyGetAngle",
+    "omega": "cpBodyGetAngularVelocity",
+}
+
+
+def recorded(request: Request) -> tuple[Trajectory, Cost]:
+    """Runs the request; raises EngineError if Chipmunk was built with numbers that are not doubles, or lost count."""
+    began = perf_counter()
+    if engine_ffi.sizeof("cpFloat") != 8 or engine_ffi.sizeof("cpVect") != 16:
+        raise EngineError(f"pymunk: cpFloat has {engine_ffi.sizeof('cpFloat')} bytes; expected 8")
+    space, bodies = space_of(request.problem.scene)
+    ffi, lib = kernels.load("chipmunk").ffi, kernels.load("chipmunk").lib
+    engine = ffi.new("refdem_chipmunk_engine *", {"space": _address(ffi, space._space)})
+    for field, function in FUNCTIONS.items():
+        setattr(engine, field, ffi.cast(ffi.typeof(getattr(engine, field)), _number(engine_ffi.addressof(engine_lib, function))))
+    handles = ffi.new("void *[]", [_address(ffi, body._body) for body in bodies])
+    samples, stride = len(request.problem.times), request.stride
+    rows = np.empty((samples, len(bodies), 6))
+    started = perf_counter()
+    lib.refdem_chipmunk_record(
+        engine, len(bodies), handles, request.signed_step, samples, stride, kernels.pointer("chipmunk", rows, output=True)
+    )
+    ended = perf_counter()
+    steps = int(engine_lib.cpSpaceGetTimestamp(space._space))
+    if steps != (samples - 1) * stride:
+        raise EngineError(f"pymunk: the engine counted {steps} steps; expected {(samples - 1) * stride}")
+    t = request.problem.times[0] + np.arange(samples) * stride * request.signed_step
+    return _trajectory(request, t, rows), Cost(seconds=ended - started, setup=started - began, steps=steps)
+
+
+def _number(pointer: Any) -> int:
+    """The address that an engine's pointer holds."""
+    return int(engine_ffi.cast("uintptr_t", pointer))
+
+
+def _address(ffi: Any, pointer: Any) -> Any:
+    """The same address for the loop's own interface."""
+    return ffi.cast("void *", _number(pointer))
+
+
+def _trajectory(request: Request, t: Array, rows: Array) -> Trajectory:
+    """Rows (T, N, 6) of x, y, vx, vy, angle, omega in three dimensions."""
+    bodies = request.problem.scene.bodies
+    position, velocity, omega = (np.zeros((*rows.shape[:2], 3)) for _ in range(3))
+    position[..., :2], velocity[..., :2] = rows[..., 0:2], rows[..., 2:4]
+    omega[..., 2] = rows[..., 5]
+    attitude = np.zeros((*rows.shape[:2], 4))
+    attitude[..., 0], attitude[..., 3] = np.cos(rows[..., 4] / 2), np.sin(rows[..., 4] / 2)
+    still = ~bodies.omega.any(axis=1) & (rows[..., 4] == angle_of(bodies.attitude)).all(axis=0)
+    attitude[:, still] = bodies.attitude[still]
+    return Trajectory(t=t, position=position, velocity=velocity, attitude=attitude, omega=omega)

@@ -1,0 +1,98 @@
+"""A scene in Chipmunk's words: space, bodies, joints and shapes."""
+
+from math import sqrt
+from typing import Any
+
+import numpy as np
+import pymunk
+
+from refdem.engines.pymunk.refusal import outline
+from refdem.scene import Polyhedron, Scene, Sphere
+from refdem.scene.elements.contact import Contact
+from refdem.scene.elements.plane import Plane
+from refdem.scene.elements.rod import Rod
+from refdem.scene.elements.slider import Slider
+from refdem.scene.elements.spring import Spring
+from refdem.scene.elements.uniform_gravity import UniformGravity
+
+COUPLED_ITERATIONS = 200
+"""Passes over joints and contacts that share bodies: Gauss-Seidel needs many to come near round-off."""
+WALL = 1e3
+"""Half the length and the depth of a wall, in units of the scene's size: nothing gets around it."""
+
+
+def space_of(scene: Scene) -> tuple[pymunk.Space, list[pymunk.Body]]:
+    """The space and its bodies, in the scene's order."""
+    space = pymunk.Space()
+    space.damping, space.collision_slop = 1.0, 0.0
+    space.sleep_time_threshold = float("inf")
+    space.gravity = tuple(np.sum([g.g[:2] for g in scene.all(UniformGravity)] or [(0.0, 0.0)], axis=0).tolist())
+    bodies = [_body(scene, number) for number in range(len(scene.bodies))]
+    space.add(*bodies)
+    joints = [_joint(space, bodies, element) for element in scene.elements if isinstance(element, Spring | Rod | Slider)]
+    space.add(*joints)
+    solved = sum(not isinstance(joint, pymunk.DampedSpring) for joint in joints)
+    touching = _add_shapes(space, scene, bodies)
+    space.iterations = 1 if solved <= 1 and not touching else COUPLED_ITERATIONS
+    return space, bodies
+
+
+def angle_of(attitude: Any) -> Any:
+    """Angle [rad] about z of attitudes (..., 4) that turn about z alone."""
+    return 2.0 * np.arctan2(attitude[..., 3], attitude[..., 0])
+
+
+def _body(scene: Scene, number: int) -> pymunk.Body:
+    """One body: J3 is its moment; a point does not turn."""
+    column = scene.bodies
+    if column.fixed[number]:
+        body = pymunk.Body(body_type=pymunk.Body.STATIC)
+    else:
+        body = pymunk.Body(float(column.mass[number]), float(column.inertia[number, 2]) or float("inf"))
+    body.position = tuple(column.position[number, :2].tolist())
+    body.angle = float(angle_of(column.attitude[number]))
+    if not column.fixed[number]:
+        body.velocity = tuple(column.velocity[number, :2].tolist())
+        body.angular_velocity = float(column.omega[number, 2])
+    return body
+
+
+def _joint(space: pymunk.Space, bodies: list[pymunk.Body], link: Spring | Rod | Slider) -> pymunk.Constraint:
+    """A spring without damper, a rod without slack, or friction as a joint that holds no more than Coulomb's limit."""
+    a, b = bodies[link.a], space.static_body if link.b < 0 else bodies[link.b]
+    if isinstance(link, Spring):
+        return pymunk.DampedSpring(a, b, link.anchor_a[:2], link.anchor_b[:2], link.length, link.stiffness, 0.0)
+    if isinstance(link, Rod):
+        rod = pymunk.PinJoint(a, b, link.anchor_a[:2], link.anchor_b[:2])
+        rod.distance, rod.error_bias = link.length, 0.0
+        return rod
+    friction = pymunk.PivotJoint(a, b, (0.0, 0.0), (0.0, 0.0))
+    friction.max_force, friction.error_bias = link.friction * link.normal_force, 1.0
+    return friction
+
+
+def _add_shapes(space: pymunk.Space, scene: Scene, bodies: list[pymunk.Body]) -> bool:
+    """Shapes and walls, where there is a contact law; whether there are any."""
+    law = next(iter(scene.all(Contact)), None)
+    if law is None or not scene.has_shapes():
+        return False
+    shapes: list[pymunk.Shape] = []
+    for body, shape in zip(bodies, scene.bodies.shape, strict=True):
+        if isinstance(shape, Sphere):
+            shapes.append(pymunk.Circle(body, shape.radius))
+        elif isinstance(shape, Polyhedron):
+            shapes.append(pymunk.Poly(body, outline(shape) or []))
+    size = WALL * max([1e-3, *(float(np.abs(scene.bodies.position).max()), *(s.bb.right - s.bb.left for s in shapes if s.cache_bb()))])
+    shapes += [_wall(space, plane, size) for plane in scene.all(Plane)]
+    for shape in shapes:
+        shape.friction, shape.elasticity = sqrt(law.friction), sqrt(law.restitution)
+    space.add(*shapes)
+    return True
+
+
+def _wall(space: pymunk.Space, plane: Plane, size: float) -> pymunk.Shape:
+    """A wide and deep block behind the plane."""
+    point, normal = np.array(plane.point[:2]), np.array(plane.normal[:2])
+    along = np.array([-normal[1], normal[0]]) * size
+    corners = [point + along, point - along, point - along - size * normal, point + along - size * normal]
+    return pymunk.Poly(space.static_body, [tuple(c.tolist()) for c in corners])

@@ -1,0 +1,56 @@
+"""REBOUND: particles in fields of force by leapfrog, WHFast, IAS15 and Bulirsch-Stoer. GPL-3: imported only in this adapter."""
+
+from importlib.metadata import version
+from importlib.util import find_spec
+
+from refdem import kernels
+from refdem.core import fingerprint
+from refdem.core.engine import Engine, Method
+from refdem.core.problem import Motion, Request
+from refdem.core.trajectory import Cost, Trajectory
+from refdem.engines.rebound.audit import AUDIT
+from refdem.engines.rebound.methods import METHODS
+from refdem.engines.rebound.refusal import reason
+
+
+class Rebound(Engine):
+    """REBOUND through its Python package; stepped by a compiled loop over its own steps."""
+
+    name = "rebound"
+    title = "REBOUND"
+    methods = METHODS
+    audit = AUDIT
+    licence = "GPL-3.0-or-later"
+
+    def missing(self) -> str | None:
+        """None if REBOUND is installed, else how to install it."""
+        return None if find_spec("rebound") else "REBOUND is not installed: pip install 'refdem[rebound]'"
+
+    def version(self) -> str:
+        """The version of the package rebound."""
+        return version("rebound")
+
+    def fingerprint(self, method: Method) -> str:
+        """Digest of the installed package, this adapter, the scene's vocabulary, the callbacks and the machine."""
+        return "-".join(
+            (
+                fingerprint.of_package("rebound"),
+                fingerprint.of_source("engines/rebound"),
+                fingerprint.of_source("scene"),
+                kernels.fingerprint("rebound_forces"),
+                fingerprint.of_machine(),
+            )
+        )
+
+    def refusal(self, problem: Motion, method: Method) -> str | None:
+        """None, or what the scene has that the method cannot say."""
+        return reason(problem, method.name)
+
+    def run(self, request: Request) -> tuple[Trajectory, Cost]:
+        """Runs one request; the times are the engine's own clock."""
+        from refdem.engines.rebound.run import recorded
+
+        return recorded(request)
+
+
+ENGINE = Rebound()

@@ -1,0 +1,25 @@
+"""What REBOUND comes with, what the adapter sets, and why."""
+
+from refdem.core.engine import Default
+
+AUDIT = (
+    Default("gravity", "basic, G = 1", "none; basic with G = 1 in a central field", "the bodies of a scene do not attract each other"),
+    Default("central_field", "no such thing", "a first particle of mass gm at rest at the origin, N_active = 1", "REBOUND's own attraction; bodies are test particles, so the centre rests"),
+    Default("testparticle_type", "0", "0", "test particles act on nothing; accelerations do not need their mass"),
+    Default("softening", "0", "0", "Newton's attraction as it is"),
+    Default("additional_forces", "none", "a compiled callback if there are springs, rods or uniform gravity", "REBOUND knows no such elements: its users program forces, and so does the adapter"),
+    Default("rods", "no constraints", "multiplier force (v.v + r.a)/(r.r) in the callback", "the distance at the start is kept by the equations alone, nothing projects it"),
+    Default("force_is_velocity_dependent", "0", "1 with rods", "IAS15 predicts velocities only then"),
+    Default("rotation", "particles have no spin", "attitude and Euler's equations as further equations of bs (create_ode)", "a quaternion of any length stands for an attitude; it is divided by its length at the door"),
+    Default("collision, boundary", "none", "none", "nothing meets and there is no box"),
+    Default("integrator", "ias15", "the method's", "named by the request"),
+    Default("leapfrog.order", "2", "2 or 8", "by the method's name"),
+    Default("whfast.safe_mode, corrector, kernel", "1, 0, default", "the same", "with one centre there is nothing to correct"),
+    Default("ias15.epsilon, min_dt", "1e-9, 0", "1e-9, 0", "the authors' choice for round-off"),
+    Default("ias15.adaptive_mode", "PRS23", "PRS23", "the authors' choice"),
+    Default("bs.eps_rel, bs.eps_abs", "1e-8, 1e-8", "the tolerance", "absolute in SI for places, velocities and quaternions alike"),
+    Default("bs.min_dt, bs.max_dt", "0, 0", "0, 0", "no limits to the step"),
+    Default("dt of ias15 and bs at the start", "0.001", "2^-10 of the sample interval", "a first guess in the scene's own time"),
+    Default("exact_finish_time", "1", "1", "ias15 and bs shorten their step to meet a sample: more samples change the steps, there is no interpolation"),
+    Default("SIGINT", "its own handler", "put back after every run", "integrate() takes the process's handler and keeps it"),
+)

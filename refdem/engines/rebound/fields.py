@@ -1,0 +1,54 @@
+"""What REBOUND's callbacks read: masses, gravity, springs, rods and rotors of a scene, as the compiled loop has them."""
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from refdem import kernels
+from refdem.engines.rebound.refusal import turning
+from refdem.scene import Scene
+from refdem.scene.elements.rod import Rod
+from refdem.scene.elements.spring import Spring
+from refdem.scene.elements.uniform_gravity import UniformGravity
+
+FAMILY = "rebound_forces"
+
+
+@dataclass(frozen=True)
+class Fields:
+    """`struct` is a `refdem_rebound_scene *`; `arrays` keeps alive what it points to."""
+
+    struct: Any
+    arrays: tuple[Any, ...]
+    rotors: tuple[int, ...]
+    rods: int
+    has_forces: bool
+
+
+def fields_of(scene: Scene) -> Fields:
+    """The fields of a scene; the places of its particles are filled in by the simulation."""
+    ffi = kernels.load(FAMILY).ffi
+    springs, rods, gravity = scene.all(Spring), scene.all(Rod), scene.all(UniformGravity)
+    rotors = turning(scene)
+    doubles = {
+        "mass": scene.bodies.mass,
+        "gravity": np.sum([g.g for g in gravity] or [(0.0, 0.0, 0.0)], axis=0),
+        "spring": np.array([(s.stiffness, s.length, s.exponent, *s.anchor_b) for s in springs]),
+        "rod_anchor": np.array([rod.anchor_b for rod in rods]),
+        "tension": np.zeros(len(rods)),
+        "inertia": scene.bodies.inertia[rotors],
+    }
+    integers = {
+        "fixed": scene.bodies.fixed,
+        "spring_end": np.array([(s.a, s.b) for s in springs]),
+        "rod_end": np.array([(rod.a, rod.b) for rod in rods]),
+    }
+    counts = {"bodies": len(scene.bodies), "springs": len(springs), "rods": len(rods), "turning": len(rotors)}
+    struct, kept = ffi.new("refdem_rebound_scene *", counts), []
+    for columns, kind, dtype in ((doubles, "double[]", np.float64), (integers, "int64_t[]", np.int64)):
+        for name, values in columns.items():
+            view = ffi.from_buffer(kind, np.ascontiguousarray(values, dtype), require_writable=False)
+            setattr(struct, name, ffi.cast(kind.replace("[]", " *"), view))
+            kept.append(view)
+    return Fields(struct, tuple(kept), tuple(rotors), len(rods), bool(springs or rods or gravity))

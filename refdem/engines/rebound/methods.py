@@ -1,0 +1,53 @@
+"""The integrators of REBOUND that refdem runs, with what is claimed for them."""
+
+from refdem.core.engine import Method
+
+KEPT = frozenset({"momentum", "angular-momentum"})
+
+METHODS = (
+    Method(
+        name="leapfrog",
+        summary="drift, kick, drift; forces that depend on the place alone",
+        control="step",
+        order=2,
+        conserves=KEPT,
+        symplectic=True,
+        reversible=True,
+        backward=True,
+        cost_rank=1,
+    ),
+    Method(
+        name="leapfrog-8",
+        summary="17 leapfrog steps composed to order 8 (Blanes and Casas 2016)",
+        control="step",
+        order=8,
+        conserves=KEPT,
+        symplectic=True,
+        reversible=True,
+        backward=True,
+        cost_rank=3,
+    ),
+    Method(
+        name="whfast",
+        summary="Wisdom-Holman: motion about one centre is propagated exactly (Rein and Tamayo 2015); one step a sample",
+        control="exact",
+        conserves=KEPT,
+        reversible=True,
+        backward=True,
+        cost_rank=0,
+    ),
+    Method(
+        name="ias15",
+        summary="Gauss-Radau of order 15 whose step keeps the error under round-off (Rein and Spiegel 2015, Pham et al. 2024)",
+        control="exact",
+        backward=True,
+        cost_rank=2,
+    ),
+    Method(
+        name="bs",
+        summary="Gragg-Bulirsch-Stoer with eps_rel = eps_abs = tolerance; the only one that carries Euler's equations",
+        control="tolerance",
+        backward=True,
+        cost_rank=4,
+    ),
+)

@@ -1,0 +1,66 @@
+"""What a scene may not have if REBOUND is to say it, and in which words it is refused."""
+
+import numpy as np
+
+from refdem.core.problem import Motion
+from refdem.scene import Scene
+from refdem.scene.elements.central_field import CentralField
+from refdem.scene.elements.rod import Rod
+from refdem.scene.elements.spring import Spring
+from refdem.scene.elements.uniform_gravity import UniformGravity
+
+KNOWN = (CentralField, Rod, Spring, UniformGravity)
+FIT = 1e-9
+"""A rod fits if its ends are this close to its length, relatively: the multiplier keeps what it finds."""
+UNKNOWN = {
+    "slider": "dry friction (no force that jumps with the velocity)",
+    "contact": "contact with a force law (only instantaneous collisions of hard spheres)",
+    "plane": "walls",
+}
+
+
+def reason(problem: Motion, method: str) -> str | None:
+    """None if the method can say the problem, else the missing feature."""
+    scene = problem.scene
+    unknown = [element.kind for element in scene.elements if not isinstance(element, KNOWN)]
+    for kind in sorted(unknown):
+        return UNKNOWN.get(kind, f"{kind} (no such element)")
+    return _link_reason(scene) or _method_reason(scene, method)
+
+
+def turning(scene: Scene) -> list[int]:
+    """Numbers of the bodies that spin."""
+    columns = scene.bodies
+    return np.flatnonzero(columns.inertia.any(axis=1) & columns.omega.any(axis=1) & ~columns.fixed).tolist()
+
+
+def _link_reason(scene: Scene) -> str | None:
+    """Forces act at centres; a rod stands alone and fits."""
+    links = [link for kind in (Spring, Rod) for link in scene.all(kind)]
+    if any(any(link.anchor_a) or (link.b >= 0 and any(link.anchor_b)) for link in links):
+        return "a force off the centre of a body (particles have no attitude)"
+    ends = [end for rod in scene.all(Rod) for end in (rod.a, rod.b) if end >= 0]
+    if len(set(ends)) < len(ends):
+        return "rods that share a body (no constraint solver)"
+    for rod in scene.all(Rod):
+        columns = scene.bodies
+        gap = float(rod.distance(columns.position[None], columns.attitude[None])[0])
+        if abs(gap - rod.length) > FIT * rod.length:
+            return "a rod that does not fit at the start (its length is kept, not set)"
+        if all(end < 0 or columns.fixed[end] for end in (rod.a, rod.b)):
+            return "a rod between bodies that do not move"
+    return None
+
+
+def _method_reason(scene: Scene, method: str) -> str | None:
+    """Only bs carries rotation; leapfrog takes no velocities; whfast knows a centre and nothing else."""
+    rotors = turning(scene)
+    if rotors and method != "bs":
+        return "rotation (particles have no spin; only bs carries Euler's equations beside them)"
+    if rotors and not scene.bodies.inertia[rotors].all():
+        return "a spinning body with a moment of inertia that is zero"
+    if scene.all(Rod) and method.startswith("leapfrog"):
+        return "a rod (its force depends on velocities, which leapfrog has only at the other time)"
+    if method == "whfast" and not (scene.elements and all(isinstance(e, CentralField) for e in scene.elements)):
+        return "anything but one attracting centre"
+    return None

@@ -1,0 +1,78 @@
+"""One run of REBOUND: the compiled loop over its steps, and what it recorded as a trajectory."""
+
+from ctypes import addressof
+from time import perf_counter
+from typing import Any
+
+import numpy as np
+import rebound
+from numpy.typing import NDArray
+from rebound.ode import ODE
+
+from refdem import kernels
+from refdem.core.problem import Request
+from refdem.core.trajectory import Cost, Trajectory
+from refdem.engines.rebound.fields import FAMILY, Fields, fields_of
+from refdem.engines.rebound.simulation import function_address, simulation_of
+from refdem.errors import EngineError
+from refdem.mechanics.quaternion import rotated
+
+Array = NDArray[np.float64]
+FUNCTIONS = {"steps": "reb_simulation_steps", "integrate": "reb_simulation_integrate", "update": "reb_simulation_update_acceleration"}
+STEPPED = {"leapfrog", "leapfrog-8", "whfast"}
+
+
+def recorded(request: Request) -> tuple[Trajectory, Cost]:
+    """Runs the request; raises EngineError if REBOUND gives up or has an error to tell."""
+    began = perf_counter()
+    fields = fields_of(request.problem.scene)
+    sim, ode = simulation_of(request, fields)
+    engine = _engine(sim, ode)
+    times = np.ascontiguousarray(request.problem.times)
+    stride = request.stride if request.step else int(request.method in STEPPED)
+    rows = np.empty((len(times), 1 + 6 * len(request.problem.scene.bodies) + 7 * len(fields.rotors) + fields.rods))
+    started = perf_counter()
+    failed = kernels.load(FAMILY).lib.refdem_rebound_record(
+        engine, fields.struct, stride, len(times), kernels.pointer(FAMILY, times), kernels.pointer(FAMILY, rows, output=True)
+    )
+    ended = perf_counter()
+    _refuse_failure(sim, request, failed)
+    return _trajectory(request, fields, rows), Cost(seconds=ended - started, setup=started - began, steps=int(sim.steps_done))
+
+
+def _engine(sim: rebound.Simulation, ode: ODE | None) -> Any:
+    """Addresses for the compiled loop."""
+    ffi = kernels.load(FAMILY).ffi
+    engine = ffi.new("refdem_rebound_engine *", {"simulation": ffi.cast("void *", addressof(sim))})
+    for field, function in FUNCTIONS.items():
+        setattr(engine, field, ffi.cast(ffi.typeof(getattr(engine, field)), function_address(function)))
+    engine.clock = ffi.cast("double *", addressof(sim) + rebound.Simulation.t.offset)
+    if ode is not None:
+        engine.equations = ffi.cast("double **", addressof(ode) + ODE.y.offset)
+    return engine
+
+
+def _refuse_failure(sim: rebound.Simulation, request: Request, failed: int) -> None:
+    """Raises EngineError with REBOUND's own words."""
+    try:
+        sim.process_messages()
+    except RuntimeError as error:
+        raise EngineError(f"rebound, {request.method}: {error}") from None
+    if failed:
+        raise EngineError(f"rebound, {request.method}: gave up with status {sim._status} on the way to sample {failed - 1}, at t = {sim.t!r} s")
+
+
+def _trajectory(request: Request, fields: Fields, rows: Array) -> Trajectory:
+    """Rows (T, ...) as the kernel writes them; attitudes are divided by their length."""
+    bodies, count = request.problem.scene.bodies, len(rows)
+    end = 1 + 6 * len(bodies)
+    state = rows[:, 1:end].reshape(count, len(bodies), 6)
+    attitude, omega = np.empty((count, len(bodies), 4)), np.zeros((count, len(bodies), 3))
+    attitude[:] = bodies.attitude
+    if fields.rotors:
+        turned = rows[:, end : end + 7 * len(fields.rotors)].reshape(count, -1, 7)
+        unit = turned[..., :4] / np.linalg.norm(turned[..., :4], axis=-1, keepdims=True)
+        attitude[:, fields.rotors], omega[:, fields.rotors] = unit, rotated(unit, turned[..., 4:])
+    channels = {"rod_force": rows[:, -fields.rods :].copy()} if fields.rods else {}
+    t, position, velocity = (np.ascontiguousarray(part) for part in (rows[:, 0], state[..., :3], state[..., 3:]))
+    return Trajectory(t=t, position=position, velocity=velocity, attitude=attitude, omega=omega, channels=channels)

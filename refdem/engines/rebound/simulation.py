@@ -1,0 +1,102 @@
+"""A scene in REBOUND's words: particles, callbacks, Euler's equations and the integrator."""
+
+from ctypes import addressof, c_void_p, cast
+from typing import Any
+
+import numpy as np
+import rebound
+from rebound.ode import ODE, ODEDER
+from rebound.simulation import AFF
+
+from refdem import kernels
+from refdem.core.problem import Request
+from refdem.engines.rebound.fields import FAMILY, Fields
+from refdem.errors import EngineError
+from refdem.mechanics.quaternion import conjugate, rotated
+from refdem.scene import Scene
+from refdem.scene.elements.central_field import CentralField
+
+FIRST_STEP = 2.0**-10
+"""First step of the adaptive integrators, in units of the sample interval."""
+
+
+def simulation_of(request: Request, fields: Fields) -> tuple[rebound.Simulation, ODE | None]:
+    """The simulation, ready to be stepped, and the further equations of its rotors."""
+    scene = request.problem.scene
+    sim = rebound.Simulation()
+    sim.t = float(request.problem.times[0])
+    _set_integrator(sim, request)
+    first = _add_particles(sim, scene)
+    _place(sim, fields, first)
+    ode = _add_rotors(sim, scene, fields)
+    if fields.has_forces:
+        sim.additional_forces = AFF(_callback("forces", rebound.Simulation.extras.offset))
+        sim.force_is_velocity_dependent = int(fields.rods > 0)
+    return sim, ode
+
+
+def function_address(name: str) -> int:
+    """The address of a function of the loaded librebound."""
+    return int(cast(getattr(rebound.clibrebound, name), c_void_p).value or 0)
+
+
+def _set_integrator(sim: rebound.Simulation, request: Request) -> None:
+    """The integrator of the method and its first step, with the direction of time."""
+    name, _, order = request.method.partition("-")
+    sim.integrator = name
+    if name == "leapfrog":
+        sim.integrator.order = int(order or 2)
+        sim.dt = request.signed_step
+    elif name == "whfast":
+        sim.dt = request.problem.interval
+    else:
+        sim.dt = FIRST_STEP * request.problem.interval
+    if name == "bs":
+        sim.integrator.eps_rel = sim.integrator.eps_abs = request.tolerance
+
+
+def _add_particles(sim: rebound.Simulation, scene: Scene) -> int:
+    """The attracting centre, if there is one, and the bodies; the number of the first body among the particles."""
+    centres = scene.all(CentralField)
+    sim.gravity = "basic" if centres else "none"
+    if centres:
+        sim.add(m=sum(centre.gm for centre in centres))
+        sim.N_active = 1
+    columns = scene.bodies
+    for mass, (x, y, z), (vx, vy, vz), fixed in zip(columns.mass, columns.position, columns.velocity, columns.fixed, strict=True):
+        still = {} if fixed else {"vx": vx, "vy": vy, "vz": vz}
+        sim.add(m=0.0 if centres else mass, x=x, y=y, z=z, **still)
+    return len(centres[:1])
+
+
+def _place(sim: rebound.Simulation, fields: Fields, first: int) -> None:
+    """Tells the callbacks where the particles lie, and the simulation where the fields do."""
+    ffi, particle = kernels.load(FAMILY).ffi, rebound.Particle
+    base, size = addressof(sim._particles.contents), addressof(sim._particles[1]) - addressof(sim._particles[0])
+    struct = fields.struct
+    struct.particle, struct.size = ffi.cast("char *", base + first * size), size
+    struct.position, struct.velocity, struct.acceleration = particle.x.offset, particle.vx.offset, particle.ax.offset
+    sim.extras = int(ffi.cast("uintptr_t", struct))
+
+
+def _add_rotors(sim: rebound.Simulation, scene: Scene, fields: Fields) -> ODE | None:
+    """Attitude and body-axes omega of every body that turns, as further equations of bs."""
+    if not fields.rotors:
+        return None
+    ode = sim.create_ode(length=7 * len(fields.rotors), needs_nbody=False)
+    ode.ref = int(kernels.load(FAMILY).ffi.cast("uintptr_t", fields.struct))
+    ode._derivatives = ODEDER(_callback("euler", ODE.ref.offset))
+    rotors = list(fields.rotors)
+    attitude, omega = scene.bodies.attitude[rotors], scene.bodies.omega[rotors]
+    for number, value in enumerate(np.hstack([attitude, rotated(conjugate(attitude), omega)]).ravel().tolist()):
+        ode.y[number] = value
+    return ode
+
+
+def _callback(name: str, place: int) -> int:
+    """The compiled callback for an engine that keeps its user's pointer at byte `place`."""
+    library: Any = kernels.load(FAMILY)
+    found = getattr(library.lib, f"refdem_rebound_{name}")(place)
+    if found == library.ffi.NULL:
+        raise EngineError(f"rebound keeps its user's pointer at byte {place} of its struct; the callbacks know places 0 to 1016")
+    return int(library.ffi.cast("uintptr_t", found))
