@@ -106,5 +106,37 @@ int refdem_rigid_body_splitting(const double *inertia, const double *attitude, c
 int refdem_rigid_body_rk4(const double *inertia, const double *attitude, const double *omega, double h, int64_t samples,
                           int64_t stride, double *out_attitude, double *out_omega);
 
+/* == pendulum == */
+
+/* A point on a rod of `length` [m] from `anchor` (3), in the plane of rod and gravity (3) [m/s^2] (of rod and velocity without
+ * gravity), at times t [s]; the state holds at t0. Position, velocity (samples, 3), force (samples) [N], positive in tension.
+ * Closed form; errors are a few ulp of the motion's size for any number of periods. Returns 0. */
+int refdem_pendulum(double mass, double length, const double *gravity, const double *anchor, const double *position,
+                    const double *velocity, double t0, int64_t samples, const double *t, double *out_position, double *out_velocity,
+                    double *out_force);
+
+/* == oscillator == */
+
+/* A point on a linear spring of natural length 0 [N/m] from `anchor` (3) in uniform gravity (3) [m/s^2]; as above. Returns 0. */
+int refdem_harmonic(double mass, double stiffness, const double *gravity, const double *anchor, const double *position,
+                    const double *velocity, double t0, int64_t samples, const double *t, double *out_position, double *out_velocity);
+
+/* == kepler == */
+
+/* A point about the origin with gravity parameter gm [m^3/s^2]; as above. Returns 0, or 1 if the orbit is not bound or straight. */
+int refdem_kepler(double gm, const double *position, const double *velocity, double t0, int64_t samples, const double *t,
+                  double *out_position, double *out_velocity);
+
+/* == rattle == */
+
+/* n points of mass (n) (infinite: fixed) in uniform gravity (3), on rods and springs; ends (.., 2) are numbers of points, the second
+ * -1 for the world, where anchor (.., 3) is the place; spring_law (springs, 3): stiffness, length, exponent. Steps h [s] of either
+ * sign, a sample after every `stride`. work: 3 n + 9 rods + rods^2 doubles. position, velocity (samples, n, 3): row 0 is the start;
+ * force (samples, rods) [N], tension. Returns 0, or the sample (from 1) before which the rods could not be held. */
+int refdem_rattle(int64_t n, const double *mass, const double *gravity, int64_t rods, const int64_t *rod_ends, const double *rod_anchor,
+                  const double *rod_length, int64_t springs, const int64_t *spring_ends, const double *spring_anchor,
+                  const double *spring_law, double h, int64_t samples, int64_t stride, double *work, double *position, double *velocity,
+                  double *force);
+
 /* == end == */
 #endif

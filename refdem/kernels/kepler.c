@@ -1,0 +1,94 @@
+/* A point in Newton's central field, bound orbits, in closed form.
+ *
+ * alpha = 1/a = 2/r - v^2/gm, n = sqrt(gm alpha^3), e cos E0 = 1 - r alpha, e sin E0 = (r.v) sqrt(alpha/gm); Kepler's equation
+ * M = E - e sin E; r = a (cos E - e) P + a sqrt(1 - e^2) sin E Q (Danby, Fundamentals of Celestial Mechanics, 6.2-6.8).
+ * The mean anomaly counts from periapsis in double-double: near it M is small, and so is its error.
+ */
+#include "elliptic.h"
+#include "kernels.h"
+
+typedef struct {
+    dd rate, start;          /* n and M at the start */
+    double e, less, flat;    /* e, 1 - e, sqrt(1 - e^2) */
+    double a, speed;         /* a, n a */
+    double p[3], q[3];       /* towards periapsis; a quarter turn on */
+} orbit;
+
+/* E - sin E, without cancellation for small E. */
+static double excess(double x)
+{
+    if (fabs(x) > 1.0)
+        return x - sin(x);
+    double square = x * x, term = x * square / 6.0, sum = term;
+    for (int n = 2; n < 10; n++) {
+        term *= -square / (2.0 * n * (2.0 * n + 1.0));
+        sum += term;
+    }
+    return sum;
+}
+
+/* Cos and sin of E for M in -pi..pi: Danby's start and quartic steps (6.6.7), the last one on the residual with M's low part. */
+static void eccentric(const orbit *o, dd mean, double *restrict c, double *restrict s)
+{
+    double m = mean.hi, x = fabs(m) < 0.1 * o->less ? m / o->less : m + copysign(0.85 * o->e, m), change = 1.0;
+    for (int i = 0; i < 30 && fabs(change) > 1e-9 * fabs(x); i++) {
+        double f = o->less * x + o->e * excess(x) - m, sine = o->e * sin(x), cosine = o->e * cos(x), slope = 1.0 - cosine;
+        double first = -f / slope, second = -f / (slope + 0.5 * first * sine);
+        change = -f / (slope + 0.5 * second * sine + second * second * cosine / 6.0);
+        x += change;
+    }
+    double low = (m - (o->less * x + o->e * excess(x)) + mean.lo) / (1.0 - o->e * cos(x));
+    *c = fma(-low, sin(x), cos(x));
+    *s = fma(low, cos(x), sin(x));
+}
+
+/* 0, or 1 if the orbit is not bound or goes through the centre. */
+static int prepare(orbit *o, double gm, const double *restrict position, const double *restrict velocity)
+{
+    dd r[3], v[3], one = dd_of(1.0), mu = dd_of(gm);
+    for (int i = 0; i < 3; i++)
+        r[i] = dd_of(position[i]), v[i] = dd_of(velocity[i]);
+    dd distance = dd_sqrt(dd_dot(r, r)), alpha = dd_sub(dd_div(dd_of(2.0), distance), dd_div(dd_dot(v, v), mu));
+    if (!(alpha.hi > 0.0))
+        return 1;
+    dd root = dd_sqrt(dd_div(alpha, mu)), a = dd_div(one, alpha);
+    dd cosine = dd_sub(one, dd_mul(distance, alpha)), sine = dd_mul(dd_dot(r, v), root);
+    dd e = dd_sqrt(dd_add(dd_square(cosine), dd_square(sine)));
+    dd square = dd_mul(dd_sub(dd_mul(dd_dot(r, r), dd_dot(v, v)), dd_square(dd_dot(r, v))), dd_div(alpha, mu));
+    if (!(square.hi > 1e-16))
+        return 1;
+    dd flat = dd_sqrt(square), anomaly = angle_of(sine, cosine), c = one, s = dd_of(0.0);
+    if (e.hi > 0.0)
+        c = dd_div(cosine, e), s = dd_div(sine, e);
+    o->rate = dd_mul(alpha, dd_sqrt(dd_mul(mu, alpha)));
+    o->start = dd_sub(anomaly, sine);
+    o->e = e.hi, o->less = dd_div(square, dd_add(one, e)).hi, o->flat = flat.hi, o->a = a.hi, o->speed = dd_mul(o->rate, a).hi;
+    for (int i = 0; i < 3; i++) {
+        dd out = dd_div(r[i], distance), on = dd_div(v[i], dd_sqrt(dd_mul(mu, alpha)));
+        o->p[i] = dd_sub(dd_mul(c, out), dd_mul(s, on)).hi;
+        o->q[i] = dd_div(dd_add(dd_mul(s, out), dd_mul(dd_sub(c, e), on)), flat).hi;
+    }
+    return 0;
+}
+
+int refdem_kepler(double gm, const double *position, const double *velocity, double t0, int64_t samples, const double *t,
+                  double *out_position, double *out_velocity)
+{
+    orbit o;
+    if (prepare(&o, gm, position, velocity))
+        return 1;
+    for (int64_t n = 0; n < samples; n++) {
+        double c, s;
+        int odd;
+        dd mean = dd_add(o.start, dd_mul(o.rate, two_sum(t[n], -t0)));
+        eccentric(&o, dd_reduced(mean, dd_scale(DD_PI, 2.0), &odd), &c, &s);
+        double small = s * s / (1.0 + fabs(c)), above = c > 0.0 ? small : 1.0 - c; /* 1 - cos E */
+        double x = o.a * (o.less - above), y = o.a * o.flat * s, per = o.speed / (o.less + o.e * above);
+        for (int i = 0; i < 3; i++) {
+            int is_start = t[n] == t0;
+            out_position[3 * n + i] = is_start ? position[i] : x * o.p[i] + y * o.q[i];
+            out_velocity[3 * n + i] = is_start ? velocity[i] : per * (o.flat * c * o.q[i] - s * o.p[i]);
+        }
+    }
+    return 0;
+}
