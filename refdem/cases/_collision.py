@@ -4,7 +4,6 @@ import numpy as np
 
 from refdem.core.parameters import Parameter, Parameters
 from refdem.core.quantity import Scales
-from refdem.errors import UsageError
 from refdem.scene import Body, Scene, Sphere
 from refdem.scene.elements.contact import Contact
 
@@ -30,25 +29,15 @@ def effective_mass(p: Parameters) -> float:
     return float(p.masses[0] * p.masses[1] / p.masses.sum())
 
 
-def duration(p: Parameters) -> float:
-    """How long the contact lasts [s], for either cut-off and any damping."""
+def duration(p: Parameters) -> float | None:
+    """How long the contact lasts [s], for either cut-off; None for an over-damped overlap, which never ends."""
     b, w0 = p.damping / (2 * effective_mass(p)), np.sqrt(p.stiffness / effective_mass(p))
     w = np.sqrt(abs(w0 * w0 - b * b))
     if p.cutoff == "zero_overlap":
-        return float(np.pi / w) if b < w0 else float("inf")
+        return float(np.pi / w) if b < w0 else None
     if b == w0:
         return float(2 / w0)
     return float(2 * np.arccos(b / w0) / w) if b < w0 else float(np.log((b + w) / (b - w)) / w)
-
-
-def refuse(p: Parameters) -> None:
-    """Raises UsageError for a contact that never ends."""
-    if not np.isfinite(duration(p)):
-        limit = 2 * np.sqrt(p.stiffness * effective_mass(p))
-        raise UsageError(
-            f"parameter damping: got {p.damping:g} kg/s; expected < {limit:g} kg/s with cutoff zero_overlap: over-damped spheres never "
-            "part, so use cutoff=zero_force"
-        )
 
 
 def scene(p: Parameters) -> Scene:
@@ -66,8 +55,8 @@ def scene(p: Parameters) -> Scene:
 
 
 def scales(p: Parameters) -> Scales:
-    """tau = contact duration/pi; the length is the way closed in tau; two contact durations; effective mass."""
-    tau = duration(p) / np.pi
+    """tau = contact duration/pi, or the relaxation time m/c of one that never ends; two of them; the length is the way closed in tau."""
+    tau = (duration(p) or np.pi * effective_mass(p) / p.damping) / np.pi
     length = max(p.closing_speed * tau, float(p.radii.max()) * POSITIONS_ARE_ROUNDED)
     return Scales(length=length, tau=tau, duration=2 * np.pi * tau, mass=effective_mass(p))
 

@@ -30,10 +30,6 @@ class TwoSpheres(Case):
     source = "mechanics chapter, section 1.7.4; Schwager and Poeschel 2007 for the force that must not pull"
     parameters = _collision.PARAMETERS
 
-    def refuse(self, p: Parameters) -> None:
-        """Raises UsageError for spheres that do not meet."""
-        _collision.refuse(p)
-
     def scene(self, p: Parameters) -> Scene:
         """Two spheres that touch."""
         return _collision.scene(p)

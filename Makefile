@@ -1,0 +1,79 @@
+# Two commands for everyone: `make validate` and `make test`. They need Python 3.11+ with headers, a C11 compiler, make, and
+# a package index; no root. Everything goes into .venv and build/; unchanged sources install nothing.
+.DELETE_ON_ERROR:
+.PHONY: validate test test-all lint develop lock clean help
+
+PYTHON ?= python3
+JOBS ?= 2
+BIN := .venv/bin
+ENGINES := mujoco pymunk rebound
+PIP := $(BIN)/pip --disable-pip-version-check install --quiet
+CONSTRAINED := $(PIP) --constraint requirements.lock --requirement
+# What the wheel is made of. Generated Python (caches, kernels built in place) does not count.
+SOURCES := pyproject.toml meson.build ci/list-sources.py README.md LICENSE $(shell find refdem validation -type f \
+	-not -path '*/__pycache__/*' -not -name '*.so' -not -name '.*')
+# Tests that need more than Python and a compiler: `make test-all` runs these.
+ELSEWHERE := tests/browser tests/packaging
+
+help:
+	@echo 'make validate   run every case in the reference and in every engine, write reports/'
+	@echo 'make test       all tests that need no root'
+	@echo 'make test-all   the others too: browser, sanitizers, packaging, lint'
+	@echo 'make lint       ruff, mypy, import-linter, size budget'
+	@echo 'make develop    build the kernels beside their sources and run from the tree'
+	@echo 'make lock       pin the newest versions in requirements.lock'
+
+validate: .venv/refdem
+	$(BIN)/refdem run --campaign main --out reports
+
+test: .venv/refdem .venv/for-tests
+	$(BIN)/pytest tests validation -n $(JOBS) $(ELSEWHERE:%=--ignore=%)
+
+test-all: .venv/refdem .venv/for-all lint
+	ci/sanitized $(BIN)/python
+	$(BIN)/pytest $(ELSEWHERE)
+
+lint: .venv/for-all
+	$(BIN)/ruff check
+	$(BIN)/ruff format --check
+	$(BIN)/mypy
+	$(BIN)/lint-imports
+	$(BIN)/pytest -q tests/layout/test_size_budget.py
+
+develop: .venv/for-all
+	ci/build-in-place $(BIN)/python
+	$(BIN)/pip --disable-pip-version-check uninstall --quiet --yes refdem
+	rm -f .venv/refdem
+	ci/run-from-tree $(BIN)/python
+
+lock:
+	ci/lock $(PYTHON)
+
+clean:
+	rm -rf .venv build dist
+
+# Stamps: each says that its step was done with the files it depends on.
+.venv/made:
+	$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11) and "refdem needs Python 3.11 or newer; set PYTHON=...")'
+	$(PYTHON) -m venv .venv
+	touch $@
+
+.venv/for-runs: .venv/made pyproject.toml requirements.lock ci/dependencies.py
+	$(BIN)/python ci/dependencies.py $(ENGINES) >.venv/wanted.txt
+	$(CONSTRAINED) .venv/wanted.txt
+	touch $@
+
+.venv/for-tests: .venv/for-runs
+	$(BIN)/python ci/dependencies.py test >.venv/wanted.txt
+	$(CONSTRAINED) .venv/wanted.txt
+	touch $@
+
+.venv/for-all: .venv/for-tests
+	$(BIN)/python ci/dependencies.py browser lint >.venv/wanted.txt
+	$(CONSTRAINED) .venv/wanted.txt
+	touch $@
+
+.venv/refdem: .venv/for-runs $(SOURCES)
+	rm -f .venv/lib/python*/site-packages/refdem-tree.pth
+	PATH="$(CURDIR)/$(BIN):$$PATH" $(PIP) --no-deps --no-build-isolation --force-reinstall .
+	touch $@
