@@ -1,8 +1,21 @@
 """refdem explain: what will run, what is left out because the scene does not need it, and who refuses."""
 
-from typing import Annotated
+from collections.abc import Iterable
+from typing import TYPE_CHECKING, Annotated
 
 import typer
+
+if TYPE_CHECKING:
+    from refdem.campaign.plan import Task
+
+SKIPPED = {
+    "rotation": "rotation (nothing can turn)",
+    "tumbling": "Euler's equations (every spin is about an axis that keeps it)",
+    "constraint": "the constraint solve (no constraints)",
+    "contact": "contact search (no shapes that can meet)",
+    "friction": "friction",
+}
+"""What a scene without the feature does without."""
 
 
 def command(
@@ -14,33 +27,42 @@ def command(
 
     Example: refdem explain free-rigid-body --engine mujoco
     """
+    import msgspec
+
     from refdem.campaign import plan
     from refdem.campaign.specification import Entry, Specification
+    from refdem.campaign.worker import sampled_truth
     from refdem.cli.run import labelled, settings
+    from refdem.core.truth import SampledTruth
 
     name, own = labelled(case)
     specification = Specification(name="explain", case=[Entry(name, own | settings(set or []))], engines=engine or [])
     engines, missing = plan.engines(specification)
     for instance, only in plan.instances(specification):
-        scales = instance.scales
+        features, scales = instance.scene.features, instance.scales
+        dimension = next(feature[-1] for feature in features if feature.startswith("dimension:"))
         print(f"{instance.label}: {instance.case.title}")
-        print(f"  the scene needs: {', '.join(sorted(instance.scene.features))}")
-        print(f"  L = {scales.length:.6g} m, tau = {scales.tau:.6g} s, T = {scales.duration:.6g} s, {len(instance.times)} samples")
+        print(f"  the scene needs: {', '.join(sorted(features))}")
+        print(f"  it does without: {', '.join(without for what, without in SKIPPED.items() if what not in features) or 'nothing'}")
+        print(f"  motion in {dimension} of 3 dimensions; L = {scales.length:.6g} m, tau = {scales.tau:.6g} s, T = {scales.duration:.6g} s")
+        truth = msgspec.msgpack.decode(sampled_truth(instance.case.id, instance.p.given), type=SampledTruth)
         for found in engines:
-            for task in plan.tasks(specification, instance, only, found, None):
-                show(task)
+            show(plan.tasks(specification, instance, only, found, truth, truth.reason))
     for name, reason in missing.items():
         print(f"  {name}: not installed; {reason}")
 
 
-def show(task) -> None:  # type: ignore[no-untyped-def]
-    """Prints one task."""
-    title = f"  {task.engine.name}/{task.method.name}"
-    if task.refusal is not None:
-        print(f"{title}: refuses: {task.refusal}")
-        return
-    levels = ", ".join(f"{level:.3g}" for level in task.trial.levels if level) or "one run, exact"
-    print(f"{title}: {len(task.variants)} runs; levels: {levels}")
-    print(f"      checks: {', '.join(check.name for check in task.checks)}")
-    for name, reason in task.left_out.items():
-        print(f"      without {name}: {reason}")
+def show(tasks: "Iterable[Task]") -> None:
+    """Prints the methods of one engine: refusals, or runs and checks; why a check is left out once for all of them."""
+    left_out: dict[str, list[str]] = {}
+    for task in tasks:
+        title = f"  {task.engine.name}/{task.method.name}"
+        if task.refusal is not None:
+            print(f"{title}: refuses: {task.refusal}")
+            continue
+        levels = ", ".join(f"{level:.3g}" for level in task.trial.levels if level) or "one run, exact"
+        print(f"{title}: {len(task.variants)} runs; levels: {levels}\n      checks: {', '.join(check.name for check in task.checks)}")
+        for name, reason in task.left_out.items():
+            left_out.setdefault(f"{name}: {reason}", []).append(task.method.name)
+    for reason, methods in left_out.items():
+        print(f"      without {reason} ({', '.join(methods)})")
