@@ -47,9 +47,11 @@ class Finding(msgspec.Struct, frozen=True, kw_only=True):
     @property
     def margin(self) -> float | None:
         """Decades between value and bound; positive is inside. None if there is nothing to compare."""
-        if self.value is None or self.bound is None or not self.bound > 0:
+        if self.value is None or self.bound is None:
             return None
-        return math.log10(self.bound / self.value) if self.value > 0 else math.inf
+        if not self.value > 0:
+            return math.inf
+        return math.log10(self.bound / self.value) if self.bound > 0 else -math.inf
 
 
 class Record(msgspec.Struct, frozen=True, kw_only=True, tag="record", tag_field="type"):

@@ -1,0 +1,82 @@
+"""Runs made from truth itself, so that checks are tested without any solver or engine."""
+
+from collections.abc import Callable
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from refdem.core import discovery
+from refdem.core.check import Outcome, Trial
+from refdem.core.engine import Method
+from refdem.core.refinement import levels
+from refdem.core.trajectory import Cost, Trajectory
+from refdem.truth.sampled import sampled
+
+METHODS = {
+    "exact": Method(name="exact", summary="", control="exact", reversible=True, conserves=frozenset({"energy", "angular-momentum"})),
+    "second": Method(name="second", summary="", control="step", order=2, symplectic=True),
+    "fourth": Method(name="fourth", summary="", control="step", order=4),
+}
+_TRUTHS: dict[str, tuple] = {}
+
+
+def trial(case: str, method: str, **given: str) -> Trial:
+    """The trial of a case in one of METHODS, with its certified truth."""
+    key = case + str(sorted(given.items()))
+    if key not in _TRUTHS:
+        instance = discovery.case(case).at(**given)
+        _TRUTHS[key] = instance, sampled(instance.truth(), instance.times.tolist())
+    instance, truth = _TRUTHS[key]
+    return Trial(instance, METHODS[method], levels(instance, METHODS[method], 4, 1e9), truth)
+
+
+def true_run(of: Trial, until: int | None = None) -> Trajectory:
+    """The trajectory that truth itself is."""
+    truth, bodies = of.truth, of.instance.scene.bodies
+    count, n = len(of.instance.times), len(bodies)
+    columns = {name: np.repeat(getattr(bodies, name)[None], count, axis=0) for name in ("position", "velocity", "attitude", "omega")}
+    plain = {"x": ("position", 0), "y": ("position", 1), "z": ("position", 2), "v": ("velocity", 0)}
+    plain |= {"vx": ("velocity", 0), "vy": ("velocity", 1), "vz": ("velocity", 2)}
+    for name in truth.values:
+        head, _, axis = name.partition(".")
+        if name in plain:
+            column, index = plain[name]
+            columns[column][:, 0, index] = truth.value(name)
+        elif head in ("attitude", "omega"):
+            columns[head][:, 0, ("wxyz" if head == "attitude" else "xyz").index(axis)] = truth.value(name)
+        elif head[:-1] in ("r", "v", "omega") and head[-1] in "12" and n == 2:
+            column = {"r": "position", "v": "velocity", "omega": "omega"}[head[:-1]]
+            columns[column][:, int(head[-1]) - 1, "xyz".index(axis)] = truth.value(name)
+    if "theta" in truth.values:
+        theta, rate, length = truth.value("theta"), truth.value("thetadot"), of.instance.p.length
+        columns["velocity"][:, 0, 0] = length * rate * np.cos(theta)
+        columns["velocity"][:, 0, 1] = length * rate * np.sin(theta)
+    return Trajectory(t=of.instance.times, **columns)
+
+
+def findings(check: str, of: Trial, fault: Callable[[Trajectory, float], Trajectory] = lambda run, level: run):
+    """What a check finds when every run it needs is the true one, spoiled by `fault(run, level)`."""
+    found = discovery.check(check)
+    reason = found.applies(of)
+    assert reason is None, reason
+    runs = {}
+    for variant in found.needs(of):
+        run = true_run(of)
+        if variant.change == "denser_output":
+            run = replace(run, **{n: np.repeat(getattr(run, n), variant.amount, axis=0) for n in ("t", "position", "velocity", "attitude", "omega")})
+        elif variant.goes_on:
+            sign = -1.0 if variant.change == "reversed" else 1.0
+            run = replace(run, position=run.position[::-1], velocity=sign * run.velocity[::-1], attitude=run.attitude[::-1], omega=sign * run.omega[::-1])
+        runs[variant] = Outcome(fault(run, variant.level) if variant.change not in ("repeated", "denser_output") else run, Cost(seconds=0.0))
+    return {finding.quantity: finding for finding in found.judge(of, runs)}
+
+
+@pytest.fixture
+def judge():
+    """`judge(check, case, method, fault=..., **parameters)` -> findings by quantity."""
+
+    def judged(check, case, method, fault=lambda run, level: run, **given):
+        return findings(check, trial(case, method, **given), fault)
+
+    return judged
