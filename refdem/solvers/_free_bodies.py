@@ -1,0 +1,55 @@
+"""What the methods for free bodies share: centres move uniformly, each attitude is a kernel's."""
+
+from abc import abstractmethod
+from time import perf_counter
+
+import numpy as np
+from numpy.typing import NDArray
+
+from refdem.core.problem import Motion, Request
+from refdem.core.trajectory import Cost, Trajectory
+from refdem.scene import Bodies
+from refdem.solvers.solver import Solver
+
+Array = NDArray[np.float64]
+
+
+class FreeBodies(Solver):
+    """Bodies on which nothing acts; `turn` fills in the attitude and omega of one of them."""
+
+    def refusal(self, problem: Motion) -> str | None:
+        """None if nothing acts on any body."""
+        scene = problem.scene
+        if scene.elements:
+            return f"{scene.elements[0].kind} acts on the bodies; only free bodies are done"
+        return "a body is fixed" if scene.bodies.fixed.any() else None
+
+    @abstractmethod
+    def turn(self, request: Request, number: int, attitude: Array, omega: Array) -> None:
+        """Fills attitude (T, 4) and omega (T, 3) [rad/s] of one body that spins."""
+
+    def run(self, request: Request) -> tuple[Trajectory, Cost]:
+        """Centres at x0 + v (t - t0), attitudes by `turn` for the bodies that spin."""
+        begun = perf_counter()
+        t, bodies = request.problem.times, request.problem.scene.bodies
+        columns = {name: np.repeat(getattr(bodies, name)[None], len(t), axis=0) for name in ("position", "velocity", "attitude", "omega")}
+        columns["position"] += bodies.velocity * (t - t[0])[:, None, None]
+        seconds = 0.0
+        for number in spinning(bodies):
+            attitude, omega = np.empty((len(t), 4)), np.empty((len(t), 3))
+            started = perf_counter()
+            self.turn(request, number, attitude, omega)
+            seconds += perf_counter() - started
+            columns["attitude"][:, number], columns["omega"][:, number] = attitude, omega
+        steps = 0 if request.step is None else request.stride * (len(t) - 1)
+        return Trajectory(t=t, **columns), Cost(seconds=seconds, setup=perf_counter() - begun - seconds, steps=steps)
+
+
+def spinning(bodies: Bodies) -> list[int]:
+    """Numbers of the bodies that turn at all."""
+    return [int(number) for number in np.flatnonzero(bodies.omega.any(axis=1))]
+
+
+def first_state(bodies: Bodies, number: int) -> tuple[Array, Array, Array]:
+    """Principal inertia (3,), attitude (4,) and omega (3,) of one body, each contiguous."""
+    return bodies.inertia[number].copy(), bodies.attitude[number].copy(), bodies.omega[number].copy()

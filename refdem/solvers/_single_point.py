@@ -1,0 +1,39 @@
+"""What the methods for one point in a field or on one link share: reasons to refuse, and the scene's gravity."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from refdem.scene import Element, Scene
+from refdem.scene.element import Link
+from refdem.scene.elements.uniform_gravity import UniformGravity
+
+Array = NDArray[np.float64]
+
+
+def gravity(scene: Scene) -> Array:
+    """Acceleration (3,) [m/s^2] of all uniform fields together."""
+    return np.sum([np.zeros(3), *(np.asarray(field.g, float) for field in scene.all(UniformGravity))], axis=0)
+
+
+def refusal(scene: Scene, *kinds: type[Element]) -> str | None:
+    """None if one body that does not turn is acted on by exactly one element of each kind, and by gravity where it may be."""
+    others = [element.kind for element in scene.elements if not isinstance(element, (*kinds, UniformGravity))]
+    if others:
+        return f"{others[0]} is more than the closed form has"
+    for kind in kinds:
+        if len(scene.all(kind)) != 1:
+            return f"{len(scene.all(kind))} elements of kind {kind.__struct_config__.tag}; expected one"
+    return turning(scene) or (None if len(scene.bodies) == 1 else f"{len(scene.bodies)} bodies; expected one")
+
+
+def turning(scene: Scene) -> str | None:
+    """None if every body is a point as far as the motion goes: nothing turns, and no link holds it off its centre."""
+    if "rotation" in scene.features:
+        return "rotation is coupled to the motion"
+    off_centre = (link for link in scene.all(Link) if any(link.anchor_a) or (link.b >= 0 and any(link.anchor_b)))
+    return "a link is off a body's centre" if any(off_centre) else None
+
+
+def anchor(link: Link) -> Array:
+    """Where the link meets the world (3,) [m]."""
+    return np.array(link.anchor_b, float)

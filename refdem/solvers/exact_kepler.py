@@ -1,0 +1,71 @@
+"""A point on a bound orbit in a central field, in closed form: Kepler's equation (kernels/kepler.c)."""
+
+from time import perf_counter
+
+import numpy as np
+
+from refdem.core.engine import Method
+from refdem.core.problem import Motion, Request
+from refdem.core.trajectory import Cost, Trajectory
+from refdem.kernels import load, pointer
+from refdem.scene import Scene
+from refdem.scene.elements.central_field import CentralField
+from refdem.scene.elements.uniform_gravity import UniformGravity
+from refdem.solvers import _single_point as single
+from refdem.solvers.solver import Solver
+
+
+class ExactKepler(Solver):
+    """Ellipses of any eccentricity below 1."""
+
+    claims = Method(
+        name="exact-kepler",
+        summary="bound Kepler orbits in closed form, the mean anomaly in double-double",
+        control="exact",
+        conserves=frozenset({"energy", "angular-momentum"}),
+        reversible=True,
+        symplectic=True,
+        backward=True,
+        cost_rank=0,
+    )
+    kernels = ("kepler",)
+
+    def refusal(self, problem: Motion) -> str | None:
+        """None for one point on a bound orbit about one centre."""
+        scene = problem.scene
+        reason = single.refusal(scene, CentralField)
+        if reason:
+            return reason
+        if scene.all(UniformGravity) or scene.bodies.fixed.any():
+            return "more than the central field acts on the point"
+        return _unbound(scene)
+
+    def run(self, request: Request) -> tuple[Trajectory, Cost]:
+        """Position and velocity at the samples."""
+        begun = perf_counter()
+        scene, t = request.problem.scene, request.problem.times
+        gm = scene.all(CentralField)[0].gm
+        start = [pointer("kepler", column[0].copy()) for column in (scene.bodies.position, scene.bodies.velocity)]
+        position, velocity = np.empty((len(t), 1, 3)), np.empty((len(t), 1, 3))
+        out = [pointer("kepler", column, output=True) for column in (position, velocity)]
+        lib = load("kepler").lib
+        started = perf_counter()
+        lib.refdem_kepler(gm, *start, t[0], len(t), pointer("kepler", t), *out)
+        cost = Cost(seconds=perf_counter() - started, setup=started - begun)
+        return Trajectory.of_points(t, position, velocity), cost
+
+
+def _unbound(scene: Scene) -> str | None:
+    """None if the point comes back and misses the centre."""
+    gm = scene.all(CentralField)[0].gm
+    position, velocity = scene.bodies.position[0], scene.bodies.velocity[0]
+    distance, square = float(np.linalg.norm(position)), float(velocity @ velocity)
+    inverse = 2.0 - distance * square / gm if distance > 0 else -1.0
+    if inverse <= 1e-9:
+        return "the orbit is not bound"
+    moment = np.cross(position, velocity)
+    flatness = float(moment @ moment) * inverse / (distance * gm)
+    return None if flatness > 1e-9 else "the orbit goes through the centre"
+
+
+METHOD = ExactKepler()

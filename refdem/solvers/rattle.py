@@ -1,0 +1,91 @@
+"""Points on rods in uniform gravity and on springs: velocity Verlet with constraints, RATTLE (kernels/rattle.c)."""
+
+from time import perf_counter
+from typing import Any
+
+import numpy as np
+
+from refdem.core.engine import Method
+from refdem.core.problem import Motion, Request
+from refdem.core.trajectory import Cost, Trajectory
+from refdem.errors import EngineError
+from refdem.kernels import load, pointer
+from refdem.scene import Scene
+from refdem.scene.element import Link
+from refdem.scene.elements.rod import Rod
+from refdem.scene.elements.spring import Spring
+from refdem.scene.elements.uniform_gravity import UniformGravity
+from refdem.solvers import _single_point as single
+from refdem.solvers.solver import Solver
+
+
+class Rattle(Solver):
+    """Rods are held in position and in velocity; the rod force is that of the sampled state."""
+
+    claims = Method(
+        name="rattle",
+        summary="RATTLE: velocity Verlet with rods held in position and velocity to round-off",
+        control="step",
+        order=2,
+        reversible=True,
+        symplectic=True,
+        backward=True,
+        cost_rank=20,
+    )
+    kernels = ("rattle",)
+
+    def refusal(self, problem: Motion) -> str | None:
+        """None for points with at least one rod; springs and gravity are welcome."""
+        scene = problem.scene
+        others = [element.kind for element in scene.elements if not isinstance(element, Rod | Spring | UniformGravity)]
+        if others:
+            return f"{others[0]} is not a rod, a spring or gravity"
+        if not scene.all(Rod):
+            return "no rod: velocity Verlet needs no constraints"
+        return single.turning(scene)
+
+    def run(self, request: Request) -> tuple[Trajectory, Cost]:
+        """Position, velocity and the force [N] of every rod after each `stride` steps."""
+        begun = perf_counter()
+        scene, t = request.problem.scene, request.problem.times
+        n, rods, springs = len(scene.bodies), scene.all(Rod), scene.all(Spring)
+        mass = np.where(scene.bodies.fixed, np.inf, scene.bodies.mass)
+        length = np.array([rod.length for rod in rods])
+        law = np.array([(s.stiffness, s.length, s.exponent) for s in springs]).reshape(-1, 3)
+        work = np.empty(3 * n + 9 * len(rods) + len(rods) ** 2)
+        position, velocity, force = _room(scene, len(t), len(rods))
+        inputs = (len(rods), *_links(rods), _doubles(length), len(springs), *_links(springs), _doubles(law))
+        out = [pointer("rattle", column, output=True) for column in (work, position, velocity, force)]
+        started = perf_counter()
+        failed = load("rattle").lib.refdem_rattle(
+            n, _doubles(mass), _doubles(single.gravity(scene)), *inputs, request.signed_step, len(t), request.stride, *out
+        )
+        cost = Cost(seconds=perf_counter() - started, setup=started - begun, steps=request.stride * (len(t) - 1))
+        if failed:
+            raise EngineError(
+                f"rattle: no multipliers hold the rods before sample {failed - 1} at a step of {request.step} s; take a smaller one"
+            )
+        return Trajectory.of_points(t, position, velocity, channels={"rod_force": force}), cost
+
+
+def _doubles(values: Any) -> Any:
+    return pointer("rattle", values)
+
+
+def _links(links: "list[Rod] | list[Spring]") -> tuple[Any, Any]:
+    """Ends (M, 2) and world anchors (M, 3) as the kernel reads them."""
+    every: list[Link] = list(links)
+    ends = np.array([(link.a, max(link.b, -1)) for link in every], dtype=np.int64).reshape(-1, 2)
+    anchors = np.array([link.anchor_b for link in every], dtype=float).reshape(-1, 3)
+    return load("rattle").ffi.from_buffer("int64_t[]", ends), _doubles(anchors)
+
+
+def _room(scene: Scene, samples: int, rods: int) -> tuple[Any, Any, Any]:
+    """Arrays for position, velocity (T, N, 3) with the start in row 0, and force (T, rods)."""
+    n = len(scene.bodies)
+    position, velocity = np.empty((samples, n, 3)), np.empty((samples, n, 3))
+    position[0], velocity[0] = scene.bodies.position, np.where(scene.bodies.fixed[:, None], 0.0, scene.bodies.velocity)
+    return position, velocity, np.empty((samples, rods))
+
+
+METHOD = Rattle()
