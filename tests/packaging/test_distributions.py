@@ -1,0 +1,70 @@
+"""What the wheel and the source distribution hold, and that one can be made from the other."""
+
+import re
+import subprocess
+import sys
+import tarfile
+import tomllib
+import zipfile
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[2]
+VERSION = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]["version"]
+GENERATED = {"__pycache__"}
+
+
+def sources(folder: str) -> set[str]:
+    """Files that git tracks below a folder."""
+    listed = subprocess.run(["git", "ls-files", folder], cwd=ROOT, check=True, capture_output=True, text=True)
+    return set(listed.stdout.split())
+
+
+@pytest.fixture(scope="module")
+def sdist(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The source distribution of what is committed."""
+    folder = tmp_path_factory.mktemp("sdist")
+    code = f"import mesonpy; mesonpy.build_sdist({str(folder)!r})"
+    subprocess.run([sys.executable, "-c", code], cwd=ROOT, check=True, capture_output=True)
+    (made,) = folder.glob("*.tar.gz")
+    return made
+
+
+@pytest.fixture(scope="module")
+def wheel(sdist: Path, tmp_path_factory: pytest.TempPathFactory) -> set[str]:
+    """Names in the wheel that is built from the unpacked source distribution."""
+    folder = tmp_path_factory.mktemp("wheel")
+    with tarfile.open(sdist) as archive:
+        archive.extractall(folder, filter="data")
+    build = [sys.executable, "-m", "pip", "wheel", "--no-deps", "--no-build-isolation", "--wheel-dir", str(folder)]
+    subprocess.run([*build, str(folder / f"refdem-{VERSION}")], check=True, capture_output=True)
+    (made,) = folder.glob("*.whl")
+    return set(zipfile.ZipFile(made).namelist())
+
+
+def test_the_source_distribution_holds_every_tracked_file(sdist: Path) -> None:
+    with tarfile.open(sdist) as archive:
+        held = {name.partition("/")[2] for name in archive.getnames()}
+    assert not (sources("refdem") | sources("validation") | {"meson.build", "LICENSE", "README.md", "Makefile"}) - held
+
+
+def test_the_wheel_holds_the_package_and_the_campaigns(wheel: set[str]) -> None:
+    assert not {name for name in sources("refdem") | sources("validation") if not name.startswith(".")} - wheel
+
+
+def test_the_wheel_holds_a_compiled_extension_for_every_kernel_family(wheel: set[str]) -> None:
+    listed = re.search(r"^families = \[(.*?)\]", (ROOT / "meson.build").read_text(), re.MULTILINE | re.DOTALL)
+    assert listed
+    built = {Path(name).name.partition(".")[0] for name in wheel if name.endswith(".so")}
+    assert built == {f"_{family}" for family in re.findall(r"'(\w+)'", listed[1])}
+
+
+def test_the_wheel_holds_nothing_else(wheel: set[str]) -> None:
+    tops = {name.partition("/")[0] for name in wheel}
+    assert tops == {"refdem", "validation", f"refdem-{VERSION}.dist-info"}
+    assert not [name for name in wheel if GENERATED & set(Path(name).parts)]
+
+
+def test_the_wheel_carries_the_licence(wheel: set[str]) -> None:
+    assert any(name.endswith("LICENSE") for name in wheel)
