@@ -1,5 +1,7 @@
 """Free bodies in closed form: Euler's equations by Jacobi functions, attitude by one theta function (kernels/free_body.c)."""
 
+from time import perf_counter
+
 from refdem.core.engine import Method
 from refdem.core.problem import Request
 from refdem.kernels import load, pointer
@@ -21,12 +23,15 @@ class ExactFreeBody(FreeBodies):
     )
     kernels = ("free_body",)
 
-    def turn(self, request: Request, number: int, attitude: Array, omega: Array) -> None:
+    def turn(self, request: Request, number: int, attitude: Array, omega: Array) -> float:
         """Attitude (T, 4) and omega (T, 3) at the samples; errors of a few ulp."""
         t = request.problem.times
         state = [pointer("free_body", column) for column in first_state(request.problem.scene.bodies, number)]
         out = [pointer("free_body", column, output=True) for column in (attitude, omega)]
-        load("free_body").lib.refdem_free_body(*state, t[0], len(t), pointer("free_body", t), *out)
+        lib = load("free_body").lib
+        started = perf_counter()
+        lib.refdem_free_body(*state, t[0], len(t), pointer("free_body", t), *out)
+        return perf_counter() - started
 
 
 METHOD = ExactFreeBody()
