@@ -1,0 +1,108 @@
+"""What all closed forms share, on a harmonic motion and on starts at which balls cannot decide."""
+
+from fractions import Fraction
+from math import cos, sin, sqrt
+
+import pytest
+from flint import arb
+
+from refdem.errors import NotCertifiedError
+from refdem.truth.balls import UndecidedError, arb_of, nearest_integer, precision, refined
+from refdem.truth.closed_form import ClosedForm, per_precision
+from refdem.truth.sampled import sampled
+
+
+class Harmonic(ClosedForm):
+    method = "cosine and sine"
+    witness = "none"
+    state = ("x", "v")
+
+    def __init__(self, x, v, scale, *, hidden=False):
+        super().__init__(scale)
+        self.x, self.v, self.hidden, self.prepared = x, v, hidden, 0
+
+    @per_precision
+    def start(self):
+        self.prepared += 1
+        return arb_of(self.x), arb_of(self.v)
+
+    def evaluate(self, t):
+        if self.hidden and t > 1:
+            raise UndecidedError("a boundary")
+        x, v = self.start()
+        return {"x": x * t.cos() + v * t.sin(), "v": v * t.cos() - x * t.sin()}
+
+    def displaced(self, axis, amount):
+        return Harmonic(self.x + amount * (axis == 0), self.v + amount * (axis == 1), self.scale)
+
+    def constants(self):
+        return {"period": 2 * arb.pi()}
+
+
+def harmonic(**more):
+    return Harmonic(Fraction(1, 3), Fraction(1, 7), {"x": 0.5, "v": 0.25}, **more)
+
+
+@pytest.mark.parametrize("digits", [10, 40, 60, 300])
+def test_radii_fall_to_the_digits_asked_for(digits):
+    value = harmonic().refined(digits).at(Fraction(5, 2))["x"]
+    assert value.radius <= Fraction(1, 4) / 10**digits
+    assert float(value.mid) == pytest.approx(cos(2.5) / 3 + sin(2.5) / 7, rel=1e-15)
+
+
+def test_radii_are_held_against_the_smallest_scale():
+    small = Harmonic(Fraction(1), Fraction(0), {"x": 1e-90, "v": 1.0})
+    assert small.at(Fraction(1))["x"].radius <= Fraction(1e-90) / 10**40
+
+
+def test_sensitivity_is_the_largest_scaled_row_sum_of_the_flow_jacobian():
+    # d(x/Lx, v/Lv)/d(x0/Lx, v0/Lv) = [[c, s Lv/Lx], [-s Lx/Lv, c]] with Lx/Lv = 2
+    t = 0.75
+    expected = max(cos(t) + sin(t) / 2, 2 * sin(t) + cos(t))
+    assert harmonic().sensitivity(Fraction(t)) == pytest.approx(expected, rel=1e-14)
+    assert harmonic().sensitivity(Fraction(t)) >= expected * (1 - 1e-15)
+    assert sqrt(2) <= Harmonic(Fraction(0), Fraction(0), {"x": 1.0, "v": 1.0}).sensitivity(Fraction(0.7853981633974483)) < 1.4142136
+
+
+def test_work_done_at_a_precision_is_kept():
+    truth = harmonic()
+    truth.at(Fraction(1)), truth.at(Fraction(2))
+    assert truth.prepared == 1
+
+
+def test_what_balls_cannot_decide_is_not_certified_and_samples_end_there():
+    with pytest.raises(NotCertifiedError, match="t = 2 s"):
+        harmonic(hidden=True).at(Fraction(2))
+    found = sampled(harmonic(hidden=True), [0.0, 0.5, 1.0, 1.5, 2.0])
+    assert found.until == 3
+    assert len(found.values["x"]) == len(found.radii["v"]) == len(found.sensitivity) == 3
+    assert "t = 1.5 s" in found.reason
+
+
+def test_samples_are_doubles_whose_radii_contain_the_ball():
+    truth = harmonic()
+    found = sampled(truth, [0.0, 0.1, 3.0])
+    assert found.until == 3
+    assert found.reason == ""
+    for i, t in enumerate(found.t):
+        ball = truth.at(Fraction(t))["x"]
+        assert abs(Fraction(found.values["x"][i]) - ball.mid) + ball.radius <= Fraction(found.radii["x"][i])
+        assert found.radii["x"][i] < 1e-16
+    assert found.scalars["period"][0] == 6.283185307179586
+
+
+def test_precision_is_raised_while_a_branch_is_undecided():
+    def needs_1000_bits():
+        value = arb(2).sqrt() - 1 - (arb(3) - 2 * arb(2).sqrt()).sqrt()  # 0
+        if not abs(value) < arb(2) ** -900:
+            raise UndecidedError("too few bits")
+        return {"zero": value}
+
+    assert refined(needs_1000_bits, Fraction(1))["zero"].radius < Fraction(1, 2**900)
+    assert refined(needs_1000_bits, Fraction(1), most=512) is None
+
+
+def test_nearest_integer_is_that_of_the_midpoint():
+    with precision(64):
+        assert nearest_integer(arb("-2.6", 0.3)) == -3
+        assert nearest_integer(arb("1e15") + arb("0.4")) == 10**15
