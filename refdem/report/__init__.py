@@ -1,1 +1,42 @@
-"""Reports: tables, charts, HTML, Markdown and JUnit as functions of records."""
+"""The report: a function of core's records, and nothing else; also the records themselves, as lines and as tables."""
+
+from collections.abc import Iterable, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from refdem.core.finding import Sheet
+    from refdem.core.store import Store
+    from refdem.report.tables import Tables
+
+
+def write_records(folder: Path, sheets: "Iterable[Sheet]") -> None:
+    """Writes `records.jsonl`, a sheet a line; raises StoreError."""
+    from refdem.report.records import RECORDS, lines
+    from refdem.report.files import written
+
+    written(Path(folder) / RECORDS, lines(sheets))
+
+
+def read_records(folder: Path) -> "list[Sheet]":
+    """The sheets of `records.jsonl`; raises StoreError if there is none, UsageError that names a malformed line."""
+    from refdem.report.records import sheets_in
+
+    return sheets_in(Path(folder))
+
+
+def write_report(folder: Path, sheets: "Sequence[Sheet]", store: "Store | None" = None) -> None:
+    """Writes the whole report: pages, Markdown with figures, JUnit, CSV and records; `store` keeps charts for next time.
+
+    Raises StoreError if the folder cannot be written.
+    """
+    from refdem.report.writing import write_everything
+
+    write_everything(Path(folder), sheets, store)
+
+
+def records(folder: Path | str) -> "Tables":
+    """DataFrames `findings`, `tolerance` and `levels` of the report in a folder."""
+    from refdem.report.tables import tables
+
+    return tables(read_records(Path(folder)))

@@ -1,0 +1,108 @@
+"""What a report is about, in its order: campaign, cases, engines, records."""
+
+import hashlib
+import re
+from collections import Counter
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
+
+from refdem.core.finding import CampaignSheet, CaseSheet, EngineSheet, Finding, Outcome, Record, Sheet
+from refdem.report.records import finite
+
+WORST_FIRST: tuple[Outcome, ...] = ("fail", "error", "stale", "undecided", "expected", "unsupported", "pass")
+
+
+@dataclass(frozen=True)
+class Contents:
+    """The sheets by kind: cases by label, the reference before other engines, records likewise."""
+
+    campaign: CampaignSheet
+    cases: tuple[CaseSheet, ...]
+    engines: tuple[EngineSheet, ...]
+    records: tuple[Record, ...]
+
+    def of(self, label: str) -> list[Record]:
+        """The records of one instance."""
+        return [record for record in self.records if record.label == label]
+
+    def counts(self, records: Iterable[Record] | None = None) -> dict[Outcome, int]:
+        """How many findings have each outcome, worst first, without zeros."""
+        seen = Counter(finding.outcome for record in (self.records if records is None else records) for finding in record.findings)
+        return {outcome: seen[outcome] for outcome in WORST_FIRST if seen[outcome]}
+
+    def findings(self) -> Iterator[tuple[Record, Finding]]:
+        """Every finding with its record."""
+        for record in self.records:
+            for finding in record.findings:
+                yield record, finding
+
+
+def contents_of(sheets: Iterable[Sheet]) -> Contents:
+    """The contents of a report; a case or an engine without a sheet of its own gets an empty one."""
+    campaign = CampaignSheet(name="records", refdem="", runs_made=0, runs_read=0, seconds=0.0)
+    cases: dict[str, CaseSheet] = {}
+    engines: dict[str, EngineSheet] = {}
+    records = []
+    for sheet in map(finite, sheets):
+        match sheet:
+            case CaseSheet():
+                cases[sheet.label] = sheet
+            case EngineSheet():
+                engines[sheet.engine] = sheet
+            case CampaignSheet():
+                campaign = sheet
+            case Record():
+                records.append(sheet)
+    for record in records:
+        cases.setdefault(record.label, _bare_case(record))
+        engines.setdefault(record.engine, _bare_engine(record))
+    return Contents(
+        campaign,
+        tuple(cases[label] for label in sorted(cases)),
+        tuple(sorted(engines.values(), key=lambda sheet: (not sheet.is_reference, sheet.engine))),
+        tuple(sorted(records, key=lambda r: (r.label, not r.is_reference, r.engine, r.method))),
+    )
+
+
+def _bare_case(record: Record) -> CaseSheet:
+    return CaseSheet(
+        case=record.case, label=record.label, title=record.case, statement="", latex="", source="", parameters=record.parameters,
+        units={}, scene="", scales={}, quantities={}, truth_method="", truth_witness="", truth_scalars={},
+    )  # fmt: skip
+
+
+def _bare_engine(record: Record) -> EngineSheet:
+    return EngineSheet(
+        engine=record.engine, title=record.engine, version=record.version, licence="", is_reference=record.is_reference, methods={}, audit=()
+    )
+
+
+def page(label: str) -> str:
+    """A file name for an instance, safe on any file system and different for different labels."""
+    plain = re.sub(r"[^a-z0-9.=_-]+", "-", label.lower()).strip("-.")[:80]
+    return plain if plain == label else f"{plain}-{_digest(label)}".lstrip("-")
+
+
+def anchor(identity: str) -> str:
+    """The id of a finding in its page."""
+    return f"f-{_digest(identity)}"
+
+
+def _digest(text: str) -> str:
+    return hashlib.sha256(text.encode("utf-8", "replace")).hexdigest()[:10]
+
+
+ADVICE: dict[Outcome, str] = {
+    "fail": "A measured value lies beyond its bound. Read each failed finding below: its sentence names the quantity and the basis of the bound.",
+    "error": "An engine crashed, hung or broke the contract. What it ran is unjudged: repair the engine or its adapter, then run again.",
+    "stale": "An expected deviation is not needed any more: the ordinary bound holds. Delete it from the list of expected deviations.",
+    "undecided": "Nothing failed, but some findings could not be decided; each says why. They are not passes.",
+    "expected": "All bounds hold, except where a known deviation is expected, with its reason. Nothing to do.",
+    "unsupported": "Everything that the engines can say holds. What they cannot say is listed with the missing feature. Nothing to do.",
+    "pass": "Everything holds. Choose a step from the tolerance table below.",
+}
+
+
+def advice(counts: dict[Outcome, int]) -> str:
+    """What a stranger should do, by the worst outcome."""
+    return next((ADVICE[outcome] for outcome in WORST_FIRST if outcome in counts), "There are no findings: nothing was judged.")

@@ -1,0 +1,91 @@
+"""Specifications and pictures of charts, kept in the store under the digest of what they are made from."""
+
+import hashlib
+import json
+import re
+from collections.abc import Callable
+from dataclasses import asdict
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+from refdem.core.store import Store
+from refdem.report.chart_data import ChartData
+
+PAPER = {
+    "background": "white",
+    "font": "DejaVu Sans, Arial, sans-serif",
+    "view": {"stroke": "#d0d4d9"},
+    "axis": {"gridColor": "#eceef1", "labelColor": "#30363d", "titleColor": "#30363d", "titleFontWeight": "normal"},
+    "legend": {"labelColor": "#30363d", "titleColor": "#30363d", "labelLimit": 260},
+}
+"""How a chart looks on paper; pages have a light and a dark configuration of their own in report.js."""
+
+
+def specification(data: ChartData, store: Store | None) -> str:
+    """The Vega-Lite specification as JSON; Altair is imported only if the store does not have it."""
+    return _kept(store, "chart-spec", [_definitions(), asdict(data)], lambda: _specification(data)).decode()
+
+
+def _specification(data: ChartData) -> bytes:
+    from refdem.report.charts import specification as defined
+
+    return json.dumps(defined(data), separators=(",", ":"), sort_keys=True).encode()
+
+
+def picture(spec: str, store: Store | None) -> bytes:
+    """The SVG of a specification."""
+    return _kept(store, "chart", [_renderer(), PAPER, spec], lambda: _picture(spec))
+
+
+def _picture(spec: str) -> bytes:
+    import vl_convert
+
+    drawn: dict[str, Any] = json.loads(spec)
+    drawn["background"] = PAPER["background"]
+    return _normalised(vl_convert.vegalite_to_svg(drawn, config=PAPER)).encode()
+
+
+def _normalised(svg: str) -> str:
+    """The picture with its ids numbered in their own order: Vega counts them through the life of a process."""
+    for index, name in enumerate(dict.fromkeys(re.findall(r'\bid="([A-Za-z_]+\d+)"', svg))):
+        svg = re.sub(rf'(\bid="|url\(#|href="#){re.escape(name)}(?=["\)])', rf"\g<1>part-{index}", svg)
+    return svg + "\n"
+
+
+def script(store: Store | None) -> bytes:
+    """Vega, Vega-Lite and Vega-Embed in one script that needs no network."""
+    return _kept(store, "script", [_renderer()], _script)
+
+
+def _script() -> bytes:
+    import vl_convert
+
+    return bytes(vl_convert.javascript_bundle().encode())
+
+
+def _kept(store: Store | None, kind: str, parts: list[Any], made: Callable[[], bytes]) -> bytes:
+    """What the store has under the digest of `parts`; made and put there if it has nothing."""
+    key = hashlib.sha256(json.dumps(parts, sort_keys=True).encode("utf-8", "replace")).hexdigest()
+    found = store.get(kind, key) if store else None
+    if found is None:
+        found = made()
+        if store:
+            store.put(kind, key, found)
+    return found
+
+
+@cache
+def _definitions() -> str:
+    """The digest of the charts' definitions and the version of Altair."""
+    from importlib.metadata import version
+
+    return hashlib.sha256(Path(__file__).with_name("charts.py").read_bytes()).hexdigest() + version("altair")
+
+
+@cache
+def _renderer() -> str:
+    """The version of what draws."""
+    from importlib.metadata import version
+
+    return version("vl-convert-python")

@@ -1,0 +1,19 @@
+"""Files of a report, each written whole or not at all."""
+
+import os
+from pathlib import Path
+
+from refdem.errors import StoreError
+
+
+def written(path: Path, content: str | bytes) -> None:
+    """Puts `content` at `path`, through a file beside it; raises StoreError that says what to do."""
+    data = content.encode("utf-8", "replace") if isinstance(content, str) else content
+    beside = path.with_name(f".{path.name}.{os.getpid()}")
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        beside.write_bytes(data)
+        beside.replace(path)
+    except OSError as error:
+        beside.unlink(missing_ok=True) if path.parent.is_dir() else None
+        raise StoreError(f"cannot write {path}: {error.strerror or error}. Choose another folder with --out.") from None

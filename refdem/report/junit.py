@@ -1,0 +1,41 @@
+"""Findings as JUnit XML, for continuous integration: a finding is a test case."""
+
+import re
+from xml.etree.ElementTree import Element, SubElement, indent, tostring
+
+from refdem.core.finding import Finding, Record
+from refdem.report.contents import Contents
+
+FAILURES = ("fail", "error", "stale")
+SKIPPED = ("unsupported", "undecided")
+_FORBIDDEN = re.compile("[^\t\n\r\u0020-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
+
+
+def junit(contents: Contents) -> bytes:
+    """The XML: failures for fail, error and stale; skipped, with the reason, for unsupported and undecided."""
+    found = list(contents.findings())
+    counts = contents.counts()
+    root = Element("testsuites", name="refdem")
+    numbers = {
+        "tests": len(found), "failures": sum(counts.get(x, 0) for x in ("fail", "stale")),
+        "errors": counts.get("error", 0), "skipped": sum(counts.get(x, 0) for x in SKIPPED),
+    }  # fmt: skip
+    suite = SubElement(root, "testsuite", name=_text(contents.campaign.name), **{key: str(value) for key, value in numbers.items()})
+    for record, finding in found:
+        _testcase(suite, record, finding)
+    indent(root)
+    return bytes(tostring(root, encoding="utf-8", xml_declaration=True)) + b"\n"
+
+
+def _testcase(suite: Element, record: Record, finding: Finding) -> None:
+    item = SubElement(suite, "testcase", classname=_text(f"{record.label}/{record.engine}"), name=_text(record.id(finding)))
+    if finding.outcome in FAILURES:
+        tag = "error" if finding.outcome == "error" else "failure"
+        SubElement(item, tag, type=finding.outcome, message=_text(finding.sentence)).text = _text(finding.basis)
+    elif finding.outcome in SKIPPED:
+        SubElement(item, "skipped", type=finding.outcome, message=_text(finding.sentence))
+
+
+def _text(text: str) -> str:
+    """Text without the characters that XML 1.0 has no place for."""
+    return _FORBIDDEN.sub("\ufffd", text)

@@ -1,0 +1,104 @@
+"""validation.md: what is committed, so no times, dates or hosts, and two significant digits."""
+
+import re
+
+from refdem.core.finding import Record
+from refdem.report.contents import WORST_FIRST, Contents, advice, page
+from refdem.report.html import MARKS, grouped, step
+from refdem.report.numbers import two
+from refdem.report.tolerance import TARGETS, Row, cell, worst_rows
+
+MOST_PLACES = 8
+"""Places that are listed for one reason; the pages have them all."""
+
+
+def validation(contents: Contents, rows: dict[str, list[Row]], pictures: set[str]) -> str:
+    """The whole text."""
+    parts = [_head(contents), _tolerance(contents, rows), _matrix(contents, rows), _findings(contents)]
+    if "tolerance.svg" in pictures:
+        parts.insert(1, "![Error against step, every case, every engine](figures/tolerance.svg)")
+    parts += [_case(sheet.label, sheet.title, sheet.truth_method, sheet.reproduce, pictures) for sheet in contents.cases]
+    return "\n\n".join(part for part in parts if part) + "\n"
+
+
+def _head(contents: Contents) -> str:
+    counts = contents.counts()
+    listed = ", ".join(f"**{number} {outcome}**" for outcome, number in counts.items())
+    engines = ", ".join(f"{plain(s.engine)} {plain(s.version)}{' (the reference)' if s.is_reference else ''}" for s in contents.engines)
+    return f"# Validation: {plain(contents.campaign.name)}\n\n{listed or 'no findings'}. {advice(counts)}\n\nEngines: {engines}."
+
+
+def _tolerance(contents: Contents, rows: dict[str, list[Row]]) -> str:
+    """The tolerance table, the worst of all quantities in each line; costs are in the pages only."""
+    head = ["case", "engine", "method", "smallest bound held", *(f"step for {target:.0e}".replace("e-0", "e-") for target in TARGETS),
+            "order seen / claimed", "C", "farthest engine"]  # fmt: skip
+    lines = [_tolerance_line(row) for sheet in contents.cases for row in worst_rows(rows[sheet.label])]
+    note = (
+        "Errors are in units of each quantity's scale, the largest over the run and over all quantities. "
+        "A step with ≥ is the coarsest one that ran. The reference is shown as the reference."
+    )
+    return f"## Tolerance table\n\n{note}\n\n{_table(head, lines)}" if lines else ""
+
+
+def _tolerance_line(row: Row) -> list[str]:
+    order = f"{two(row.order_seen)} / {two(row.order_claimed)}" if row.control == "step" else row.control
+    apart = f"{plain(row.apart[0])}: {two(row.apart[1])} to {two(row.apart[2])}" if row.apart else "–"
+    steps = [step(row, index) for index in range(len(TARGETS))]
+    return [plain(row.record.label), _engine(row.record), plain(row.record.method), two(row.bound_held), *steps, order, two(row.constant), apart]
+
+
+def _engine(record: Record) -> str:
+    return plain(record.engine) + (" (reference)" if record.is_reference else "")
+
+
+def _matrix(contents: Contents, rows: dict[str, list[Row]]) -> str:
+    """Correct digits of the best method of each engine."""
+    lines = []
+    for sheet in contents.cases:
+        cells = [cell(contents, rows[sheet.label], sheet.label, engine.engine) for engine in contents.engines]
+        texts = [
+            f"{'' if c.worst in (None, 'pass', 'unsupported') else MARKS[c.worst] + ' '}"
+            + (("exact" if c.digits == float("inf") else f"{c.digits:.0f}") if c.digits is not None else (c.worst or "–"))
+            for c in cells
+        ]
+        lines.append([plain(sheet.label), *texts])
+    head = ["case", *(plain(engine.engine) + (" (reference)" if engine.is_reference else "") for engine in contents.engines)]
+    return f"## Correct digits\n\n−log₁₀ of the worst error at the finest level, best method of each engine.\n\n{_table(head, lines)}" if lines else ""
+
+
+def _findings(contents: Contents) -> str:
+    parts = []
+    for outcome in WORST_FIRST:
+        groups = grouped(contents, outcome) if outcome != "pass" else {}
+        if groups:
+            parts.append(f"### {outcome}\n\n" + "\n".join(_group(sentence, [r.id(f) for r, f in found]) for sentence, found in groups.items()))
+    return "## What is not a pass\n\n" + ("\n\n".join(parts) or "Nothing: every finding passed.")
+
+
+def _group(sentence: str, places: list[str]) -> str:
+    more = f" and {len(places) - MOST_PLACES} more" if len(places) > MOST_PLACES else ""
+    return f"- {plain(sentence)}  \n  {', '.join(map(plain, places[:MOST_PLACES]))}{more}"
+
+
+def _case(label: str, title: str, method: str, reproduce: str, pictures: set[str]) -> str:
+    name = f"{page(label)}.svg"
+    picture = f"\n\n![Error against step: {plain(label)}](figures/{name})" if name in pictures else ""
+    truth = f"Truth: {plain(method)}. " if method else ""
+    again = f"Again: {plain(reproduce)}." if reproduce else ""
+    return f"## {plain(label)}\n\n{plain(title)}. {truth}{again}{picture}"
+
+
+def _table(head: list[str], lines: list[list[str]]) -> str:
+    """A Markdown table of cells that are escaped already."""
+    return "\n".join("| " + " | ".join(line) + " |" for line in (head, ["---"] * len(head), *lines))
+
+
+def plain(text: str) -> str:
+    """Text that Markdown shows as it is: one line, no markup, no HTML, no end of a table's cell."""
+    return "".join(_escaped(character) for character in re.sub(r"\s+", " ", text).strip())
+
+
+def _escaped(character: str) -> str:
+    if character in "<>&":
+        return {"<": "&lt;", ">": "&gt;", "&": "&amp;"}[character]
+    return "\\" + character if character in "\\`*_{}[]#|~$" else character

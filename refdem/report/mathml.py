@@ -1,0 +1,61 @@
+"""Equations as MathML, from LaTeX that is not trusted: only elements and attributes of a closed list get through."""
+
+import html
+import re
+from xml.etree.ElementTree import Element
+
+from markupsafe import Markup
+
+ELEMENTS = frozenset(
+    "math mrow mi mn mo ms mtext mspace mfrac msqrt mroot msub msup msubsup munder mover munderover mmultiscripts "
+    "mtable mtr mtd mstyle mpadded mphantom".split()
+)
+ATTRIBUTES = frozenset(
+    "mathvariant stretchy fence separator form accent accentunder displaystyle scriptlevel columnalign rowspacing columnspacing "
+    "linethickness width height depth lspace rspace minsize maxsize symmetric largeop movablelimits".split()
+)
+
+
+def equations(latex: str) -> list[Markup]:
+    """Each equation of a text that has them separated by `\\quad`, `\\qquad`, `\\\\` or line ends; source text if it is no LaTeX."""
+    return [_equation(part) for part in _parts(latex)]
+
+
+def _parts(latex: str) -> list[str]:
+    """The text cut at separators outside braces and environments."""
+    if r"\begin" in latex:
+        return [latex.strip()]
+    parts, depth = [""], 0
+    for piece in re.split(r"(\\qquad|\\quad|\\\\|\n|\\left|\\right|\\[{}]|[{}])", latex):
+        depth += piece in ("{", r"\left")
+        depth -= piece in ("}", r"\right")
+        if depth == 0 and piece in (r"\qquad", r"\quad", r"\\", "\n"):
+            parts.append("")
+        else:
+            parts[-1] += piece
+    return [part.strip().rstrip(",").strip() for part in parts if part.strip(" ,")]
+
+
+def _equation(latex: str) -> Markup:
+    from latex2mathml.converter import Converter
+
+    try:
+        tree = Converter(display="block").convert_to_element(latex)
+    except Exception:  # latex2mathml has no class of its own for all that can be wrong with LaTeX
+        return Markup("<code>{}</code>").format(latex)
+    return Markup(_clean(tree))
+
+
+def _clean(element: Element) -> str:
+    """The element as markup; what is not on the lists is left out, its text is kept as text."""
+    inside = _text(element.text) + "".join(_clean(child) + _text(child.tail) for child in element)
+    if element.tag not in ELEMENTS:
+        return inside
+    attributes = "".join(f' {name}="{html.escape(value)}"' for name, value in element.attrib.items() if name in ATTRIBUTES)
+    if element.tag == "math":
+        attributes += ' display="block"'
+    return f"<{element.tag}{attributes}>{inside}</{element.tag}>"
+
+
+def _text(text: str | None) -> str:
+    return html.escape(html.unescape(text or ""))

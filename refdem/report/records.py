@@ -1,0 +1,60 @@
+"""Records as JSON lines: a sheet a line, finite numbers only."""
+
+import math
+from collections.abc import Iterable
+from pathlib import Path
+
+import msgspec
+
+from refdem.core.finding import Finding, Record, Series, Sheet
+from refdem.errors import StoreError, UsageError
+
+RECORDS = "records.jsonl"
+
+
+def lines(sheets: Iterable[Sheet]) -> bytes:
+    """The sheets as JSON lines."""
+    return b"".join(msgspec.json.encode(finite(sheet)) + b"\n" for sheet in sheets)
+
+
+def sheets_in(folder: Path) -> list[Sheet]:
+    """The sheets of `records.jsonl` in a folder; raises StoreError or, with the line, UsageError."""
+    path = folder / RECORDS
+    try:
+        data = path.read_bytes()
+    except OSError as error:
+        raise StoreError(f"cannot read {path}: {error.strerror or error}. Expected the folder of a report; make one with `refdem run`.") from None
+    decoder: msgspec.json.Decoder[Sheet] = msgspec.json.Decoder(Sheet)
+    sheets = []
+    for number, line in enumerate(data.splitlines(), 1):
+        if not line.strip():
+            continue
+        try:
+            sheets.append(decoder.decode(line))
+        except (msgspec.DecodeError, UnicodeDecodeError) as error:
+            raise UsageError(f"{path}, line {number}: {error}. Expected one sheet of the schema of `refdem schema records`.") from None
+    return sheets
+
+
+def finite(sheet: Sheet) -> Sheet:
+    """The sheet as JSON can carry it: levels and points that are not finite left out, other numbers absent.
+
+    The finding stays, with its outcome and its sentence, which say that a number was not finite.
+    """
+    if not isinstance(sheet, Record):
+        return sheet
+    return msgspec.structs.replace(sheet, findings=tuple(_finite_finding(finding) for finding in sheet.findings))
+
+
+def _finite_finding(finding: Finding) -> Finding:
+    levels = tuple(x for x in finding.levels if all(map(math.isfinite, (x.level, x.error, x.bound, x.seconds))))
+    series = finding.series
+    if series is not None:
+        points = [point for point in zip(series.t, series.value, series.bound, strict=False) if all(map(math.isfinite, point))]
+        series = Series(t=[p[0] for p in points], value=[p[1] for p in points], bound=[p[2] for p in points]) if points else None
+    numbers = {name: _number(getattr(finding, name)) for name in ("value", "bound", "order_seen", "order_claimed", "constant_seen")}
+    return msgspec.structs.replace(finding, levels=levels, series=series, **numbers)
+
+
+def _number(value: float | None) -> float | None:
+    return value if value is not None and math.isfinite(value) else None

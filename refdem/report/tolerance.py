@@ -1,0 +1,163 @@
+"""The tolerance table: how right, at which step, at what cost; and the matrix of correct digits."""
+
+import math
+from collections.abc import Iterable
+from dataclasses import dataclass, replace
+from typing import Literal
+
+from refdem.core.finding import Finding, Level, Outcome, Record
+from refdem.report.contents import WORST_FIRST, Contents
+
+TARGETS = (1e-3, 1e-6, 1e-9)
+WORST = "worst of all"
+"""The name of the row that joins all quantities of a run: at every level the largest error and the smallest bound."""
+
+Control = Literal["step", "tolerance", "exact"]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Row:
+    """One line: a case in one method of one engine, in one quantity; errors are in units of the quantity's scale.
+
+    `steps` has the largest step (or tolerance) that holds each of TARGETS, and whether it is the coarsest that ran.
+    `apart`: the engine that is farthest off, and bounds on the distance: |a - b| <= distance <= a + b for errors a, b.
+    """
+
+    record: Record
+    quantity: str
+    control: Control
+    outcome: Outcome
+    levels: tuple[Level, ...]
+    bound_held: float | None
+    steps: tuple[tuple[float, bool] | None, ...]
+    order_seen: float | None
+    order_claimed: float | None
+    constant: float | None
+    seconds: float | None
+    apart: tuple[str, float, float] | None = None
+
+    @property
+    def error(self) -> float:
+        """The error at the finest level."""
+        return self.levels[-1].error
+
+    @property
+    def series(self) -> str:
+        """Engine and method, as charts name them."""
+        return f"{self.record.engine} {self.record.method}"
+
+
+def control_of(finding: Finding) -> Control:
+    """How the accuracy was controlled: a step has an order, an exact method has level 0."""
+    if all(level.level == 0 for level in finding.levels):
+        return "exact"
+    return "step" if finding.order_claimed is not None else "tolerance"
+
+
+def rows_of(contents: Contents, label: str) -> list[Row]:
+    """All rows of one instance: for every engine and method the worst of all, then each quantity."""
+    rows = []
+    for record in contents.of(label):
+        errors = [finding for finding in record.findings if finding.check == "error" and finding.levels]
+        each = [_row(record, finding) for finding in errors]
+        if each:
+            rows += [_joined(record, each), *(each if len(each) > 1 else [])]
+    return [replace(row, apart=_apart(row, rows)) for row in rows]
+
+
+def worst_rows(rows: Iterable[Row]) -> list[Row]:
+    """The rows that join all quantities."""
+    return [row for row in rows if row.quantity == WORST]
+
+
+def _row(record: Record, finding: Finding) -> Row:
+    levels, control = finding.levels, control_of(finding)
+    steps = tuple(_largest(levels, target) for target in TARGETS)
+    return Row(
+        record=record, quantity=finding.quantity, control=control, outcome=finding.outcome, levels=levels,
+        bound_held=min((level.bound for level in levels if level.error <= level.bound), default=None),
+        steps=steps, order_seen=finding.order_seen, order_claimed=finding.order_claimed, constant=finding.constant_seen,
+        seconds=_seconds_at(levels, steps[1]),
+    )  # fmt: skip
+
+
+def _joined(record: Record, each: list[Row]) -> Row:
+    """The worst of all quantities; the order is that of the check of the order, where it was measured."""
+    by_level: dict[float, list[Level]] = {}
+    for row in each:
+        for level in row.levels:
+            by_level.setdefault(level.level, []).append(level)
+    levels = tuple(
+        Level(level=h, error=max(x.error for x in same), bound=min(x.bound for x in same), seconds=same[0].seconds, counts=any(x.counts for x in same))
+        for h, same in sorted(by_level.items(), reverse=True)
+    )
+    held = [row.bound_held for row in each]
+    measured = [finding for finding in record.findings if finding.check == "order" and finding.order_seen is not None]
+    seen = [x for x in ([f.order_seen for f in measured] or [row.order_seen for row in each]) if x is not None]
+    steps = tuple(_largest(levels, target) for target in TARGETS)
+    return Row(
+        record=record, quantity=WORST, control=each[0].control, outcome=min((row.outcome for row in each), key=WORST_FIRST.index), levels=levels,
+        bound_held=None if None in held else max(x for x in held if x is not None),
+        steps=steps, order_seen=min(seen, default=None), order_claimed=each[0].order_claimed,
+        constant=max((row.constant for row in each if row.constant is not None), default=None), seconds=_seconds_at(levels, steps[1]),
+    )  # fmt: skip
+
+
+def _largest(levels: tuple[Level, ...], target: float) -> tuple[float, bool] | None:
+    """The largest level at which, and below which, the error stays under the target; and whether it is the coarsest."""
+    held = None
+    for index in range(len(levels) - 1, -1, -1):
+        if not levels[index].error <= target:
+            break
+        held = index
+    return None if held is None else (levels[held].level, held == 0)
+
+
+def _seconds_at(levels: tuple[Level, ...], step: tuple[float, bool] | None) -> float | None:
+    return None if step is None else next(level.seconds for level in levels if level.level == step[0])
+
+
+def best_errors(rows: Iterable[Row], quantity: str) -> dict[str, float]:
+    """The smallest error of each engine at its finest level."""
+    best: dict[str, float] = {}
+    for row in rows:
+        if row.quantity == quantity:
+            best[row.record.engine] = min(row.error, best.get(row.record.engine, math.inf))
+    return best
+
+
+def _apart(row: Row, rows: list[Row]) -> tuple[str, float, float] | None:
+    others = {name: error for name, error in best_errors(rows, row.quantity).items() if name != row.record.engine}
+    if not others:
+        return None
+    name = max(sorted(others), key=lambda other: abs(others[other] - row.error))
+    return name, abs(others[name] - row.error), others[name] + row.error
+
+
+@dataclass(frozen=True)
+class Cell:
+    """One instance in one engine: the method with most correct digits (None if nothing was measured) and outcomes."""
+
+    digits: float | None
+    method: str
+    counts: dict[Outcome, int]
+
+    @property
+    def worst(self) -> Outcome | None:
+        """The worst outcome, None where nothing was planned."""
+        return next((outcome for outcome in WORST_FIRST if outcome in self.counts), None)
+
+
+def cell(contents: Contents, rows: list[Row], label: str, engine: str) -> Cell:
+    """The cell of the matrix: correct digits are -log10 of the worst error at the finest level."""
+    records = [record for record in contents.of(label) if record.engine == engine]
+    own = [row for row in worst_rows(rows) if row.record.engine == engine]
+    best = min(own, key=lambda row: (row.error, row.record.method), default=None)
+    if best is None:
+        return Cell(None, "", contents.counts(records))
+    return Cell(digits(best.error), best.record.method, contents.counts(records))
+
+
+def digits(error: float) -> float:
+    """Correct digits of an error in units of the scale; infinite if it is exactly 0."""
+    return -math.log10(error) if error > 0 else math.inf

@@ -1,0 +1,54 @@
+"""Writing the whole report into a folder."""
+
+from collections.abc import Sequence
+from pathlib import Path
+
+from refdem.core.finding import Sheet
+from refdem.core.store import Store
+from refdem.report import chart_data, figures, html, markdown, tables
+from refdem.report.contents import Contents, contents_of, page
+from refdem.report.files import written
+from refdem.report.junit import junit
+from refdem.report.records import RECORDS, lines
+from refdem.report.tolerance import Row, rows_of
+
+ASSETS = Path(__file__).with_name("assets")
+
+
+def write_everything(folder: Path, sheets: Sequence[Sheet], store: Store | None) -> None:
+    """Records first, so that the report can be made again if a later file cannot be written; index.html last."""
+    contents = contents_of(sheets)
+    rows = {sheet.label: rows_of(contents, sheet.label) for sheet in contents.cases}
+    everything = [row for label in rows for row in rows[label]]
+    written(folder / RECORDS, lines(sheets))
+    written(folder / "findings.csv", tables.csv_text(tables.FINDING, tables.finding_rows(contents)))
+    written(folder / "tolerance.csv", tables.csv_text(tables.TOLERANCE, tables.tolerance_rows(everything)))
+    written(folder / "junit.xml", junit(contents))
+    for path in sorted(ASSETS.iterdir()):
+        if path.suffix in (".css", ".js"):
+            written(folder / "assets" / path.name, path.read_bytes())
+    written(folder / "assets" / "vega.js", figures.script(store))
+    pictures, specs = _charts(folder, contents, rows, store)
+    written(folder / "validation.md", markdown.validation(contents, rows, pictures))
+    for name, text in html.pages(contents, rows, specs):
+        written(folder / name, text)
+
+
+def _charts(
+    folder: Path, contents: Contents, rows: dict[str, list[Row]], store: Store | None
+) -> tuple[set[str], dict[str, dict[str, str]]]:  # fmt: skip
+    """Names of the pictures drawn in figures/, and the specifications of every page by kind."""
+    everything = [row for label in rows for row in rows[label]]
+    charts: dict[str, dict[str, chart_data.ChartData | None]] = {"": {"tolerance": chart_data.overview(contents, everything)}}
+    for label, mine in rows.items():
+        errors, costs = chart_data.errors(contents, mine), chart_data.costs(contents, mine)
+        charts[label] = {"errors": errors, "drifts": chart_data.drifts(contents, label), "costs": costs}
+    specs = {label: {kind: figures.specification(data, store) for kind, data in mine.items() if data} for label, mine in charts.items()}
+    pictures = set()
+    for label, mine_specs in specs.items():
+        for kind in ("tolerance", "errors"):  # costs hold times, which a committed file must not; curves are in the pages
+            if kind in mine_specs:
+                name = f"{page(label)}.svg" if label else f"{kind}.svg"
+                written(folder / "figures" / name, figures.picture(mine_specs[kind], store))
+                pictures.add(name)
+    return pictures, specs
