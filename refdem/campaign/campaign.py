@@ -102,7 +102,7 @@ class Campaign:
                 self.read += 1
                 self._keep(tasks, requests, key, places, data, from_store=True)
             else:
-                jobs.append(Job(key, worker.run, (tasks[places[0][0]].engine.name, requests[places[0]].to_json())))
+                jobs.append(Job(key, worker.run, (tasks[places[0][0]].engine.address, requests[places[0]].to_json())))
         for done, (job, result) in enumerate(schedule.results(jobs), 1):
             self.made += 1
             self._keep(tasks, requests, job.key, keys[job.key], result, from_store=False)

@@ -1,39 +1,13 @@
 """Expected deviations: values known to be out of bounds, each with its range, reason and link; they go stale when they hold."""
 
 import tomllib
-from fnmatch import fnmatchcase
 
 import msgspec
 
 from refdem.campaign.specification import validation_folder
+from refdem.core.deviation import Deviation
 from refdem.core.finding import Finding, Record
 from refdem.errors import UsageError
-
-
-class Deviation(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """Excuses a failing value in [low, high] for these versions ("4.*"); `parameters` is the label's part in brackets."""
-
-    case: str
-    parameters: str = "*"
-    method: str
-    check: str
-    quantity: str
-    versions: str
-    low: float
-    high: float
-    reason: str
-    link: str = ""
-
-    def covers(self, record: Record, finding: Finding) -> bool:
-        """The deviation speaks of this finding."""
-        inside = record.label.removeprefix(record.case).strip("[]")
-        return (
-            (self.case, self.check) == (record.case, finding.check)
-            and fnmatchcase(finding.quantity, self.quantity)
-            and fnmatchcase(record.method, self.method)
-            and fnmatchcase(record.version, self.versions)
-            and (self.parameters in ("*", inside))
-        )
 
 
 class _File(msgspec.Struct, forbid_unknown_fields=True):

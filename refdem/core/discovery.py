@@ -61,7 +61,10 @@ def check(name: str) -> "Check":
 
 
 def engine(name: str) -> "Engine":
-    """The engine of that name; the engine itself is not imported."""
+    """The engine of that name, or the program that the refdem.toml at that path describes; the engine itself is not imported."""
+    if name.endswith(".toml"):
+        program: Engine = import_module("refdem.engines.external").load(Path(name))
+        return program
     found: Engine = _load("engines", "ENGINE", name)
     return found
 

@@ -64,6 +64,11 @@ class Engine(ABC):
     licence: str = ""
     is_reference: bool = False
 
+    @property
+    def address(self) -> str:
+        """What `discovery.engine` finds it by, also in another process: its name, or the path of its refdem.toml."""
+        return self.name
+
     @abstractmethod
     def missing(self) -> str | None:
         """None if the engine can be run here, else what to install."""

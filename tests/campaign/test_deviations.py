@@ -2,7 +2,8 @@
 
 import pytest
 
-from refdem.campaign.deviations import Deviation, applied
+from refdem.campaign.deviations import applied
+from refdem.core.deviation import Deviation
 from refdem.core.finding import Record
 from refdem.core.judgement import judged
 
