@@ -138,5 +138,38 @@ int refdem_rattle(int64_t n, const double *mass, const double *gravity, int64_t 
                   const double *spring_law, double h, int64_t samples, int64_t stride, double *work, double *position, double *velocity,
                   double *force);
 
+/* == particles == */
+
+/* Points and spheres. ease (bodies): 1/mass [1/kg], 0 for a fixed body; turn_ease (bodies): 1/inertia, 0 where nothing turns.
+ * spring (springs, 6): stiffness [N/m^exponent], length [m], exponent, anchor in the world (3) [m]; its ends are pairs of
+ * bodies, -1 the world. plane (planes, 6): point [m], unit normal. pair: bodies i and j that can meet, j = -1 - k for plane k.
+ * branch: lever arm R - branch * overlap. no_pull: the contact ends when its force would pull. */
+typedef struct {
+    int64_t bodies;
+    const double *mass, *ease, *turn_ease, *radius;
+    const double *gravity;
+    double gm;
+    int64_t springs;
+    const int64_t *spring_end;
+    const double *spring;
+    const double *plane;
+    int64_t pairs;
+    const int64_t *pair;
+    double stiffness, damping, tangential_stiffness, friction, branch;
+    int no_pull, turning;
+} refdem_particles;
+
+/* Numbers in a state: position, velocity (3 each a body); omega (3) and attitude (4) if `turning`; 3 a pair if there is
+ * friction; the work done against damping and friction [J]. And numbers that a run needs as work space. */
+int64_t refdem_particles_size(const refdem_particles *p);
+int64_t refdem_particles_work(const refdem_particles *p);
+
+/* Steps of size h [s], `stride` a sample, by velocity Verlet (method 0), classical Runge-Kutta (1) or extrapolation to
+ * round-off (2). out (samples, size): row 0 is the state at the start. mode (pairs), work (see above): work space.
+ * event (most, 3): time [s] after the start, 1 contact or 2 release, body; events: how many. channel (samples, 4): pairs
+ * that press, largest overlap [m], largest normal force [N], work lost [J]. */
+int64_t refdem_particles_run(const refdem_particles *p, int method, double h, int64_t samples, int64_t stride, int64_t most,
+                             int64_t *mode, double *work, double *event, int64_t *events, double *channel, double *out);
+
 /* == end == */
 #endif

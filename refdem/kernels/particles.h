@@ -1,0 +1,264 @@
+/* Points and spheres: springs, gravity, a central field, and the linear contact law with friction, as rates of a state.
+ *
+ * Contact law (Cundall and Strack 1979): normal force F = k d + c d', tangential spring s with s' = slip, |k_t s| <= mu F.
+ * Every pair is in one mode; within a mode the rates are smooth, so that a method keeps its order if a step ends where a mode
+ * does. n points from i to j (or into the plane); slip is the velocity of i against j at the ends of the lever arms.
+ */
+#ifndef REFDEM_PARTICLES_H
+#define REFDEM_PARTICLES_H
+
+#include <math.h>
+#include <string.h>
+
+#include "kernels.h"
+
+/* APART: no overlap. PARTED: overlap, but the force would pull. FREE: normal force only. STICK: the spring holds (without
+ * a spring: no slip). SLIP: friction at its limit; s is then the unit vector of the spring, whose length is mu F / k_t. */
+enum { APART, PARTED, FREE, STICK, SLIP };
+
+typedef struct {
+    int64_t i, j;
+    double n[3], turn[3], w[3], slip[3]; /* normal and its rate, velocity of i against j, slip */
+    double overlap, rate, normal, limit; /* d, d', F, mu max(F, 0) */
+    double arm_i, arm_j;
+} meeting;
+
+static inline double dot(const double *restrict a, const double *restrict b)
+{
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
+
+static inline void cross(const double *restrict a, const double *restrict b, double *restrict out)
+{
+    out[0] = a[1] * b[2] - a[2] * b[1];
+    out[1] = a[2] * b[0] - a[0] * b[2];
+    out[2] = a[0] * b[1] - a[1] * b[0];
+}
+
+/* a += factor b. */
+static inline void add(double *restrict a, double factor, const double *restrict b)
+{
+    for (int c = 0; c < 3; c++)
+        a[c] += factor * b[c];
+}
+
+/* Where the blocks of a state (or of its rates) begin: x, v (3 N); w (3 N), q (4 N) if bodies turn; s (3 pairs) if they rub;
+ * last the work done against damping and friction. */
+static inline int64_t spin_at(const refdem_particles *p)
+{
+    return 6 * p->bodies;
+}
+
+static inline int64_t history_at(const refdem_particles *p)
+{
+    return p->turning ? 13 * p->bodies : 6 * p->bodies;
+}
+
+static inline int64_t work_at(const refdem_particles *p)
+{
+    return history_at(p) + (p->friction > 0.0 ? 3 * p->pairs : 0);
+}
+
+/* Geometry of pair k: normal, overlap and its rate. */
+static inline void approach(const refdem_particles *p, int64_t k, const double *restrict y, meeting *restrict m)
+{
+    const double *x = y, *v = y + 3 * p->bodies;
+    int64_t i = m->i = p->pair[2 * k], j = m->j = p->pair[2 * k + 1];
+    double away[3], distance = INFINITY;
+    if (j < 0) {
+        const double *plane = p->plane + 6 * (-1 - j);
+        for (int c = 0; c < 3; c++) {
+            m->n[c] = -plane[3 + c], m->w[c] = v[3 * i + c];
+            away[c] = x[3 * i + c] - plane[c];
+        }
+        m->overlap = p->radius[i] + dot(away, m->n);
+    } else {
+        for (int c = 0; c < 3; c++) {
+            away[c] = x[3 * j + c] - x[3 * i + c];
+            m->w[c] = v[3 * i + c] - v[3 * j + c];
+        }
+        distance = sqrt(dot(away, away));
+        for (int c = 0; c < 3; c++)
+            m->n[c] = away[c] / distance;
+        m->overlap = (p->radius[i] + p->radius[j]) - distance;
+    }
+    m->rate = dot(m->w, m->n);
+    for (int c = 0; c < 3; c++)
+        m->turn[c] = (m->rate * m->n[c] - m->w[c]) / distance;
+}
+
+/* Everything about pair k that its force needs. */
+static inline meeting meet(const refdem_particles *p, int64_t k, const double *restrict y)
+{
+    meeting m;
+    approach(p, k, y, &m);
+    m.normal = p->stiffness * m.overlap + p->damping * m.rate;
+    m.limit = p->friction * fmax(m.normal, 0.0);
+    if (p->friction > 0.0) {
+        const double *w = y + spin_at(p);
+        double spin[3], turned[3];
+        m.arm_i = p->radius[m.i] - p->branch * m.overlap;
+        m.arm_j = m.j < 0 ? 0.0 : p->radius[m.j] - p->branch * m.overlap;
+        for (int c = 0; c < 3; c++)
+            spin[c] = m.arm_i * w[3 * m.i + c] + (m.j < 0 ? 0.0 : m.arm_j * w[3 * m.j + c]);
+        cross(spin, m.n, turned);
+        for (int c = 0; c < 3; c++)
+            m.slip[c] = m.w[c] - m.rate * m.n[c] + turned[c];
+    }
+    return m;
+}
+
+static inline double size(const double *restrict a)
+{
+    return sqrt(dot(a, a));
+}
+
+/* The force that keeps the slip at zero, from the accelerations without it: -(slip rate) / (1/m + 1/m + l^2/J + l^2/J). */
+static inline void holding(const refdem_particles *p, const meeting *m, const double *restrict y, const double *restrict dy,
+                           double *restrict force)
+{
+    const double *w = y + spin_at(p), *a = dy + 3 * p->bodies, *b = dy + spin_at(p);
+    double spin[3], rate[3], carried[3], turned[3], ease = p->ease[m->i] + m->arm_i * m->arm_i * p->turn_ease[m->i];
+    for (int c = 0; c < 3; c++) {
+        spin[c] = m->arm_i * w[3 * m->i + c];
+        rate[c] = m->arm_i * b[3 * m->i + c] - p->branch * m->rate * w[3 * m->i + c];
+        force[c] = a[3 * m->i + c] - m->rate * m->turn[c];
+        if (m->j >= 0) {
+            spin[c] += m->arm_j * w[3 * m->j + c];
+            rate[c] += m->arm_j * b[3 * m->j + c] - p->branch * m->rate * w[3 * m->j + c];
+            force[c] -= a[3 * m->j + c];
+        }
+    }
+    if (m->j >= 0)
+        ease += p->ease[m->j] + m->arm_j * m->arm_j * p->turn_ease[m->j];
+    cross(rate, m->n, turned);
+    cross(spin, m->turn, carried);
+    for (int c = 0; c < 3; c++)
+        force[c] += turned[c] + carried[c];
+    add(force, -dot(force, m->n), m->n);
+    for (int c = 0; c < 3; c++)
+        force[c] /= -ease;
+}
+
+/* Tangential force on i, and the rate of the spring; where nothing but the lack of slip defines the force, the force itself
+ * stands in the place of that rate. */
+static inline void rub(const refdem_particles *p, int64_t mode, const meeting *m, const double *restrict y,
+                       const double *restrict dy, const double *restrict s, double *restrict force, double *restrict rate)
+{
+    double k = p->tangential_stiffness, fast = size(m->slip), along = dot(s, m->slip), carried = dot(s, m->turn);
+    for (int c = 0; c < 3; c++) {
+        double direction = k == 0.0 && fast > 0.0 ? m->slip[c] / fast : s[c];
+        force[c] = mode == STICK ? -k * s[c] : mode == SLIP ? -m->limit * direction : 0.0;
+        rate[c] = 0.0;
+        if (k > 0.0 && mode == STICK)
+            rate[c] = m->slip[c] - carried * m->n[c];
+        if (k > 0.0 && mode == SLIP)
+            rate[c] = (m->limit > 0.0 ? (m->slip[c] - along * s[c]) * (k / m->limit) : 0.0) - carried * m->n[c];
+    }
+    if (k == 0.0 && mode == STICK) {
+        holding(p, m, y, dy, force);
+        memcpy(rate, force, 3 * sizeof *force);
+    }
+}
+
+/* Adds the acceleration and the angular accelerations that a tangential force on i (its reaction on j) makes. */
+static inline void twist(const refdem_particles *p, const meeting *m, const double *restrict force, double *restrict dy)
+{
+    double *a = dy + 3 * p->bodies, *b = dy + spin_at(p), torque[3];
+    cross(m->n, force, torque);
+    add(a + 3 * m->i, p->ease[m->i], force);
+    if (m->j >= 0)
+        add(a + 3 * m->j, -p->ease[m->j], force);
+    add(b + 3 * m->i, m->arm_i * p->turn_ease[m->i], torque);
+    if (m->j >= 0)
+        add(b + 3 * m->j, m->arm_j * p->turn_ease[m->j], torque);
+}
+
+static inline void pull_springs(const refdem_particles *p, const double *restrict x, double *restrict force)
+{
+    for (int64_t k = 0; k < p->springs; k++) {
+        const double *spring = p->spring + 6 * k;
+        int64_t i = p->spring_end[2 * k], j = p->spring_end[2 * k + 1];
+        double to[3], factor = spring[0];
+        for (int c = 0; c < 3; c++)
+            to[c] = (j < 0 ? spring[3 + c] : x[3 * j + c]) - x[3 * i + c];
+        if (spring[1] != 0.0 || spring[2] != 1.0) {
+            double distance = size(to), stretch = distance - spring[1];
+            double pull = spring[2] == 1.0 ? fabs(stretch) : pow(fabs(stretch), spring[2]);
+            factor *= distance > 0.0 ? copysign(pull, stretch) / distance : 0.0;
+        }
+        add(force + 3 * i, factor, to);
+        if (j >= 0)
+            add(force + 3 * j, -factor, to);
+    }
+}
+
+/* Adds the normal forces; returns the power of damping. */
+static inline double press(const refdem_particles *p, const int64_t *restrict mode, const double *restrict y, double *restrict force)
+{
+    double power = 0.0;
+    for (int64_t k = 0; k < p->pairs; k++) {
+        if (mode[k] < FREE)
+            continue;
+        meeting m = meet(p, k, y);
+        add(force + 3 * m.i, -m.normal, m.n);
+        if (m.j >= 0)
+            add(force + 3 * m.j, m.normal, m.n);
+        power += p->damping * m.rate * m.rate;
+    }
+    return power;
+}
+
+/* Adds the tangential forces and the rates of their springs; returns the power of friction. Accelerations must be complete
+ * but for these. */
+static inline double rub_all(const refdem_particles *p, const int64_t *restrict mode, const double *restrict y, double *restrict dy)
+{
+    double power = 0.0, force[3];
+    for (int64_t k = 0; k < p->pairs; k++) {
+        if (mode[k] < STICK)
+            continue;
+        meeting m = meet(p, k, y);
+        rub(p, mode[k], &m, y, dy, y + history_at(p) + 3 * k, force, dy + history_at(p) + 3 * k);
+        twist(p, &m, force, dy);
+        power -= dot(force, m.slip);
+    }
+    return power;
+}
+
+/* q' = w q / 2 for every body. */
+static inline void turn(const refdem_particles *p, const double *restrict w, const double *restrict q, double *restrict dq)
+{
+    for (int64_t i = 0; i < p->bodies; i++, w += 3, q += 4, dq += 4) {
+        double across[3];
+        cross(w, q + 1, across);
+        dq[0] = -0.5 * dot(w, q + 1);
+        for (int c = 0; c < 3; c++)
+            dq[1 + c] = 0.5 * (across[c] + q[0] * w[c]);
+    }
+}
+
+/* Rates of everything: y' = dy. Forces are summed before they are divided by the mass, so that what balances exactly rests. */
+static inline void rates(const refdem_particles *p, const int64_t *restrict mode, const double *restrict y, double *restrict dy)
+{
+    int64_t n = p->bodies;
+    double *a = dy + 3 * n;
+    memcpy(dy, y + 3 * n, (size_t)(3 * n) * sizeof *dy);
+    memset(a, 0, (size_t)(work_at(p) + 1 - 3 * n) * sizeof *dy);
+    pull_springs(p, y, a);
+    dy[work_at(p)] = press(p, mode, y, a);
+    for (int64_t i = 0; i < n; i++) {
+        double cube = 0.0;
+        if (p->gm > 0.0) {
+            double square = dot(y + 3 * i, y + 3 * i);
+            cube = p->gm / (square * sqrt(square));
+        }
+        for (int c = 0; c < 3; c++)
+            a[3 * i + c] = p->ease[i] > 0.0 ? (a[3 * i + c] / p->mass[i] + p->gravity[c]) - cube * y[3 * i + c] : 0.0;
+    }
+    if (p->turning)
+        turn(p, y + spin_at(p), y + 9 * n, dy + 9 * n);
+    if (p->friction > 0.0)
+        dy[work_at(p)] += rub_all(p, mode, y, dy);
+}
+
+#endif

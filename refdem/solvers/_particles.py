@@ -1,0 +1,176 @@
+"""What the methods for points and spheres share: which scenes they can say, and the scene in the kernel's words."""
+
+from time import perf_counter
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from refdem import kernels
+from refdem.core.problem import Motion, Request
+from refdem.core.trajectory import Cost, Event, Trajectory
+from refdem.errors import EngineError
+from refdem.scene import Point, Polyhedron, Scene
+from refdem.scene.element import Element
+from refdem.scene.elements.central_field import CentralField
+from refdem.scene.elements.contact import Contact
+from refdem.scene.elements.plane import Plane
+from refdem.scene.elements.spring import Spring
+from refdem.scene.elements.uniform_gravity import UniformGravity
+
+Array = NDArray[np.float64]
+
+ELEMENTS = (Spring, UniformGravity, CentralField, Contact, Plane)
+BRANCH = {"R": 0.0, "R-d": 1.0, "R-d/2": 0.5}
+METHODS = {"velocity-verlet": 0, "rk4": 1, "contact-events": 2}
+FAMILY = "particles"
+
+
+def contact_of(scene: Scene) -> Contact | None:
+    """The contact law, if some shape can meet anything under it."""
+    laws = scene.all(Contact)
+    return laws[0] if laws and len(pairs(scene)) else None
+
+
+def pairs(scene: Scene) -> NDArray[np.int64]:
+    """Pairs (P, 2) of a body with a later one, or with plane k as -1 - k, that can meet and are not both fixed."""
+    if not scene.all(Contact) or not scene.has_shapes():
+        return np.zeros((0, 2), np.int64)
+    has_shape = [number for number, shape in enumerate(scene.bodies.shape) if not isinstance(shape, Point)]
+    fixed = scene.bodies.fixed
+    found = [(i, j) for i in has_shape for j in has_shape if i < j and not (fixed[i] and fixed[j])]
+    found += [(i, -1 - k) for i in has_shape for k in range(len(scene.all(Plane))) if not fixed[i]]
+    return np.array(found, np.int64).reshape(-1, 2)
+
+
+def refusal(problem: Motion) -> str | None:
+    """None if the scene is points and spheres under springs, gravity, a central field and linear contact."""
+    scene = problem.scene
+    for element in scene.elements:
+        reason = _element_refusal(element)
+        if reason:
+            return reason
+    if len(scene.all(Contact)) > 1:
+        return "more than one contact law"
+    law = contact_of(scene)
+    return _contact_refusal(scene, law) if law else _body_refusal(scene)
+
+
+def _element_refusal(element: Element) -> str | None:
+    if not isinstance(element, ELEMENTS):
+        return f"{element.kind} is not a smooth force or a contact"
+    if isinstance(element, Spring):
+        if any(element.anchor_a) or (element.b >= 0 and any(element.anchor_b)):
+            return "a spring away from a body's centre"
+        if element.exponent < 1:
+            return "a spring whose stiffness is infinite at its natural length"
+    return None
+
+
+def _body_refusal(scene: Scene) -> str | None:
+    bodies = scene.bodies
+    if "tumbling" in scene.features:
+        return "a body that tumbles"
+    if np.any(bodies.velocity[bodies.fixed]) or np.any(bodies.omega[bodies.fixed]):
+        return "a fixed body that moves"
+    return None
+
+
+def _contact_refusal(scene: Scene, law: Contact) -> str | None:
+    if law.law != "linear":
+        return f"contact law {law.law}"
+    if any(isinstance(shape, Polyhedron) for shape in scene.bodies.shape):
+        return "contact of polyhedra"
+    if law.friction > 0:
+        inertia = scene.bodies.inertia[scene.bodies.radius > 0]
+        if np.any(np.ptp(inertia, axis=1) > 1e-12 * inertia.max(axis=1)):
+            return "friction on a sphere whose three moments of inertia differ"
+        if law.tangential_stiffness == 0 and len(pairs(scene)) > 1:
+            return "friction without a tangential spring at more than one contact"
+    return _body_refusal(scene)
+
+
+class Packed:
+    """A scene in the kernel's words; keeps its arrays alive. `turning`: omega and attitude are part of the state."""
+
+    def __init__(self, scene: Scene) -> None:
+        bodies, law = scene.bodies, contact_of(scene)
+        self.turning = bool(np.any(bodies.omega)) or (law is not None and law.friction > 0)
+        self.pairs = pairs(scene) if law else np.zeros((0, 2), np.int64)
+        free = ~bodies.fixed
+        inertia = bodies.inertia[:, 0]
+        turns = free & (inertia > 0)
+        springs, planes = scene.all(Spring), scene.all(Plane)
+        self._kept: dict[str, Any] = {
+            "mass": bodies.mass,
+            "ease": np.where(free, 1.0 / bodies.mass, 0.0),
+            "turn_ease": np.where(turns, 1.0 / np.where(turns, inertia, 1.0), 0.0),
+            "radius": bodies.radius,
+            "gravity": np.sum([e.g for e in scene.all(UniformGravity)], axis=0) if scene.all(UniformGravity) else np.zeros(3),
+            "spring": np.array([(s.stiffness, s.length, s.exponent, *s.anchor_b) for s in springs], float),
+            "spring_end": np.array([(s.a, s.b) for s in springs], np.int64),
+            "plane": np.array([(*p.point, *p.normal) for p in planes], float),
+            "pair": self.pairs,
+        }
+        numbers = {"bodies": len(bodies), "springs": len(springs), "pairs": len(self.pairs), "turning": self.turning}
+        numbers["gm"] = sum(e.gm for e in scene.all(CentralField))
+        if law:
+            numbers |= {name: getattr(law, name) for name in ("stiffness", "damping", "tangential_stiffness", "friction")}
+            numbers |= {"branch": BRANCH[law.branch], "no_pull": law.cutoff == "zero_force"}
+        ffi = kernels.load(FAMILY).ffi
+        arrays = {name: _address(ffi, np.ascontiguousarray(value)) for name, value in self._kept.items()}
+        self._buffers = arrays
+        self.struct = ffi.new("refdem_particles *", {**arrays, **numbers})
+
+    def start(self, scene: Scene, size: int) -> Array:
+        """The state (size,) at the start."""
+        bodies = scene.bodies
+        columns = [bodies.position, bodies.velocity] + ([bodies.omega, bodies.attitude] if self.turning else [])
+        flat = np.concatenate([column.ravel() for column in columns])
+        return np.concatenate([flat, np.zeros(size - len(flat))])
+
+
+def _address(ffi: Any, array: NDArray[Any]) -> Any:
+    kind = "int64_t[]" if array.dtype == np.int64 else "double[]"
+    return ffi.from_buffer(kind, array) if array.size else ffi.NULL
+
+
+def run(request: Request, step: float, stride: int) -> tuple[Trajectory, Cost]:
+    """The motion by the method that the request names, `stride` steps of signed size `step` [s] a sample."""
+    begun = perf_counter()
+    scene, times = request.problem.scene, request.problem.times
+    kernel, packed = kernels.load(FAMILY), Packed(scene)
+    size = kernel.lib.refdem_particles_size(packed.struct)
+    out, channel = np.zeros((len(times), size)), np.zeros((len(times), 4))
+    work, mode = np.zeros(kernel.lib.refdem_particles_work(packed.struct)), np.zeros(max(1, len(packed.pairs)), np.int64)
+    event, events = np.zeros((1024, 3)), kernel.ffi.new("int64_t *")
+    out[0] = packed.start(scene, size)
+    buffers = (kernels.pointer(FAMILY, a, output=True) for a in (work, event, channel, out))
+    work_at, event_at, channel_at, out_at = buffers
+    modes = kernel.ffi.from_buffer("int64_t[]", mode)
+    started = perf_counter()
+    failed = kernel.lib.refdem_particles_run(
+        packed.struct, METHODS[request.method], step, len(times), stride, len(event), modes, work_at, event_at, events, channel_at, out_at
+    )
+    seconds = perf_counter() - started
+    if failed:
+        raise EngineError(f"reference {request.method}: extrapolation does not converge before sample {failed - 1}")
+    cost = Cost(seconds=seconds, setup=started - begun, steps=stride * (len(times) - 1))
+    return _trajectory(scene, times, packed, out, channel, event[: events[0]]), cost
+
+
+def _trajectory(scene: Scene, times: Array, packed: Packed, out: Array, channel: Array, event: Array) -> Trajectory:
+    """The kernel's rows as states, channels and events."""
+    count, n = len(times), len(scene.bodies)
+    blocks = np.split(out[:, : 13 * n if packed.turning else 6 * n], np.cumsum([3 * n, 3 * n, 3 * n])[: 3 if packed.turning else 1], axis=1)
+    columns = {name: np.ascontiguousarray(b).reshape(count, n, -1) for name, b in zip(_COLUMNS, blocks, strict=False)}
+    if not packed.turning:
+        columns["omega"] = np.zeros((count, n, 3))
+        columns["attitude"] = np.broadcast_to(scene.bodies.attitude, (count, n, 4)).copy()
+    told = tuple(Event(time=float(times[0] + t), kind="contact" if what == 1 else "release", body=int(body)) for t, what, body in event)
+    channels = dict(zip(_CHANNELS, channel.T.copy(), strict=True)) if len(packed.pairs) else {}
+    return Trajectory(t=times, channels=channels, events=told, **columns)
+
+
+_COLUMNS = ("position", "velocity", "omega", "attitude")
+_CHANNELS = ("contacts", "overlap", "contact_force", "dissipated_work")
