@@ -12,6 +12,8 @@ CONSTRAINED := $(PIP) --constraint requirements.lock --requirement
 # What the wheel is made of. Generated Python (caches, kernels built in place) does not count.
 SOURCES := pyproject.toml meson.build ci/list-sources.py README.md LICENSE $(shell find refdem validation -type f \
 	-not -path '*/__pycache__/*' -not -name '*.so' -not -name '.*')
+# A file that is gone changes the list, and so the wheel.
+$(shell mkdir -p build && echo '$(SOURCES)' | cmp -s - build/sources.txt || echo '$(SOURCES)' >build/sources.txt)
 # Tests that need more than Python and a compiler: `make test-all` runs these.
 ELSEWHERE := tests/browser tests/packaging
 
@@ -73,7 +75,7 @@ clean:
 	$(CONSTRAINED) .venv/wanted.txt
 	touch $@
 
-.venv/refdem: .venv/for-runs $(SOURCES)
+.venv/refdem: .venv/for-runs build/sources.txt $(SOURCES)
 	rm -f .venv/lib/python*/site-packages/refdem-tree.pth
 	PATH="$(CURDIR)/$(BIN):$$PATH" $(PIP) --no-deps --no-build-isolation --force-reinstall .
 	touch $@
