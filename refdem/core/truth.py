@@ -1,7 +1,7 @@
 """Certified values: balls with a decimal midpoint and a proven radius, and their rounded samples that judging reads."""
 
 from abc import ABC, abstractmethod
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 
@@ -77,6 +77,10 @@ class Truth(ABC):
     def refined(self, digits: int) -> "Truth":
         """The same truth with radii of at most 10^-digits; as it is where that cannot be asked for."""
         return self
+
+    def sensitivities(self, times: Sequence[Fraction]) -> list[float]:
+        """S at the samples of a run; a truth that can adds the growth of errors made at the earlier ones."""
+        return [self.sensitivity(t) for t in times]
 
     def scalars(self) -> Mapping[str, Ball]:
         """Values that do not depend on time: periods, durations, numbers of flips."""

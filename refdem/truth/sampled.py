@@ -11,15 +11,15 @@ def sampled(truth: Truth, times: Sequence[float]) -> SampledTruth:
     """The truth at these exact binary64 times [s], up to the first at which it cannot be certified."""
     values: dict[str, list[float]] = {}
     radii: dict[str, list[float]] = {}
-    sensitivity: list[float] = []
+    certified: list[Fraction] = []
     reason = ""
-    for t in times:
+    for t in (Fraction(float(t)) for t in times):
         try:
-            balls, growth = truth.at(Fraction(float(t))), truth.sensitivity(Fraction(float(t)))
+            balls, _ = truth.at(t), truth.sensitivity(t)
         except NotCertifiedError as error:
             reason = str(error)
             break
-        sensitivity.append(growth)
+        certified.append(t)
         for name, ball in balls.items():
             value, radius = ball.rounded()
             values.setdefault(name, []).append(value)
@@ -28,11 +28,11 @@ def sampled(truth: Truth, times: Sequence[float]) -> SampledTruth:
         t=[float(t) for t in times],
         values=values,
         radii=radii,
-        sensitivity=sensitivity,
+        sensitivity=truth.sensitivities(certified),
         scalars=rounded_scalars(truth),
         method=truth.method,
         witness=truth.witness,
-        until=len(sensitivity),
+        until=len(certified),
         reason=reason,
     )
 

@@ -4,14 +4,15 @@ from collections.abc import Mapping, Sequence
 from fractions import Fraction
 from typing import Any
 
-from flint import arb
+from flint import arb, arb_mat
 
 from refdem.core.parameters import Parameters
 from refdem.core.truth import Truth
 from refdem.truth import rotation
 from refdem.truth.balls import arb_of
-from refdem.truth.closed_form import DISPLACEMENT, ClosedForm, Size, per_precision
+from refdem.truth.closed_form import Size, per_precision
 from refdem.truth.free_body import Exact3, FreeBody, free_body
+from refdem.truth.smooth_flow import SmoothFlow
 
 AXES = "xyz"
 WITNESS = "Taylor series of Euler's and the quaternion equation (refdem/truth/witness.py): no elliptic or theta function"
@@ -21,10 +22,10 @@ ATTITUDE = tuple(f"attitude.{a}" for a in "wxyz")
 MATRIX = tuple(f"R.{a}{b}" for a in AXES for b in AXES)
 
 
-class FreeRigidBody(ClosedForm):
+class FreeRigidBody(SmoothFlow):
     """omega_body, omega, attitude (w >= 0) and R of a free body; the start is exact, the attitude need not be of unit size.
 
-    S: the start is turned in space, which turns all that follows by as much, and omega_body is displaced; both as vectors of
+    S: the start is turned in space, which turns all that follows by as much, and omega_body is displaced; both by vectors of
     at most their scale.
     """
 
@@ -68,36 +69,44 @@ class FreeRigidBody(ClosedForm):
     def constants(self) -> dict[str, arb]:
         return self.body().constants()
 
-    def response(self, t: Fraction) -> list[arb]:
-        """Sizes of the responses of the attitude (as a turn), omega_body and omega to a turn and to a change of omega_body."""
-        time = arb_of(t)
-        turns, spins, spins_in_space = zip(*(self._derivatives(axis, time) for axis in range(3)), strict=True)
-        rows = [1 + _norm([x for turn in turns for x in turn]) / arb_of(self.scale["attitude.w"])]
-        rows += [_norm([spin[i] for spin in spins]) / arb_of(self.scale[BODY_OMEGA[i]]) for i in range(3)]
-        omega = rotation.rotated(self.turned(time), self.spin(time))
-        for i in range(3):
-            by_turn = _norm([omega[i - 1], omega[i - 2]]) * arb_of(self.scale["attitude.w"])
-            rows.append((by_turn + _norm([spin[i] for spin in spins_in_space])) / arb_of(self.scale[OMEGA[i]]))
-        return rows
+    def jacobian(self, t: Fraction) -> arb_mat:
+        """Rows: turn in space, omega_body, omega; columns: turn in space (exact: all that follows turns) and omega_body."""
+        by_omega = super().jacobian(t).table()
+        x, y, z = rotation.rotated(self.turned(arb_of(t)), self.spin(arb_of(t)))
+        ratio, none = arb_of(self.scale["attitude.w"] / self.scale["omega.x"]), arb(0)
+        turning = [[none, z, -y], [-z, none, x], [y, -x, none]]
+        by_turn = [[arb(i == k) for k in range(3)] for i in range(3)] + [[none] * 3] * 3 + [[ratio * v for v in row] for row in turning]
+        found = arb_mat([a + b for a, b in zip(by_turn, by_omega, strict=True)])
+        self.kept["jacobian", t] = found
+        return found
 
-    def _derivatives(self, axis: int, t: arb) -> tuple[list[arb], list[arb], list[arb]]:
-        """Turn [rad], change of omega_body and of omega at t as omega_body's coordinate `axis` moves by its scale."""
+    def scaled_changes(self, axis: int, t: arb) -> list[arb]:
         plus, minus = self.pair(axis)
         q_plus, q_minus = plus.turned(t), minus.turned(t)
-        turn = rotation.times(q_plus, rotation.conjugate(q_minus))
         w_plus, w_minus = plus.spin(t), minus.spin(t)
-        in_space = (rotation.rotated(q_plus, w_plus), rotation.rotated(q_minus, w_minus))
-        step = arb_of(2 * DISPLACEMENT)
-        return (
-            [2 * x / step for x in turn[1:]],
-            [(a - b) / step for a, b in zip(w_plus, w_minus, strict=True)],
-            [(a - b) / step for a, b in zip(*in_space, strict=True)],
-        )
+        turn = rotation.times(q_plus, rotation.conjugate(q_minus))
+        in_space = zip(rotation.rotated(q_plus, w_plus), rotation.rotated(q_minus, w_minus), strict=True)
+        spins = [a - b for a, b in [*zip(w_plus, w_minus, strict=True), *in_space]]
+        scaled = [2 * x / arb_of(self.scale["attitude.w"]) for x in turn[1:]]
+        return scaled + [x / arb_of(self.scale[name]) for x, name in zip(spins, (*BODY_OMEGA, *OMEGA), strict=True)]
+
+    def sizes(self, jacobian: arb_mat) -> list[arb]:
+        """Sizes of the changes of the attitude (as a turn), omega_body and omega; turn and omega_body move by vectors."""
+        table = jacobian.table()
+        turn = sum((_spread([row[k : k + 3] for row in table[:3]]) for k in (0, 3)), arb(0))
+        return [turn, *(_norm(row[:3]) + _norm(row[3:]) for row in table[3:])]
 
 
 def _norm(values: Sequence[arb]) -> arb:
-    """Euclidean norm."""
+    """Euclidean norm; an upper bound."""
     return arb(sum((x * x for x in values), arb(0)).abs_upper()).sqrt()
+
+
+def _spread(block: Sequence[Sequence[arb]]) -> arb:
+    """An upper bound of the largest singular value: the lesser of the Frobenius norm and the mean of row and column sums."""
+    rows, columns = ([sum((abs(x) for x in line), arb(0)).upper() for line in lines] for lines in (block, zip(*block, strict=True)))
+    mean = (max(rows, key=float) * max(columns, key=float)).sqrt()
+    return min(_norm([x for row in block for x in row]), mean, key=float)
 
 
 def truth(p: Parameters, scale: Mapping[str, float]) -> Truth:

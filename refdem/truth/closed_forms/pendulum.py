@@ -15,8 +15,9 @@ from flint import arb
 from refdem.core.parameters import Parameters
 from refdem.core.truth import Truth
 from refdem.truth.balls import UndecidedError, arb_of, nearest_integer
-from refdem.truth.closed_form import ClosedForm, per_precision
+from refdem.truth.closed_form import per_precision
 from refdem.truth.jacobi import Jacobi
+from refdem.truth.smooth_flow import SmoothFlow
 
 WITNESS = "Taylor series of (cos theta, sin theta, thetadot) with a proven remainder (refdem/truth/witness.py): no elliptic function"
 
@@ -84,7 +85,7 @@ class Separatrix(Motion):
         return self.sense * u.sinh().atan(), 2 * self.sense * self.w0 / u.cosh()
 
 
-class Pendulum(ClosedForm):
+class Pendulum(SmoothFlow):
     """theta (continuous from theta0), thetadot, x, y and rod_force; the start is theta0 + half_turns pi, thetadot0."""
 
     witness = WITNESS

@@ -1,0 +1,52 @@
+"""Growth of errors made on the way, against the sensitivity of a motion that is started there."""
+
+from fractions import Fraction
+
+import pytest
+
+from refdem.core.discovery import case, truth_of
+from refdem.truth.closed_forms.free_rigid_body import FreeRigidBody
+from refdem.truth.closed_forms.pendulum import Pendulum
+from refdem.truth.sampled import sampled
+
+SPINS = [f"{name}.{a}" for name in ("omega_body", "omega") for a in "xyz"]
+MADE, SEEN = Fraction(5, 4), Fraction(4)
+
+
+def grown(truth):
+    """S at SEEN with an error made at 0 or at MADE."""
+    return truth.sensitivities([Fraction(0), MADE, SEEN])[-1]
+
+
+@pytest.mark.parametrize("given", [{"theta0": "3"}, {"theta0": "0", "thetadot0": "6"}, {"theta0": "1", "thetadot0": "-7"}])
+def test_growth_in_a_pendulum_is_that_of_one_started_on_the_way(given):
+    truth, p = truth_of("pendulum", **given), case("pendulum").at(**given).p
+    way = truth.refined(70).at(MADE)
+    start = dict(p) | {"theta0": way["theta"].mid, "thetadot0": way["thetadot"].mid}
+    later = Pendulum(start, truth.scale).sensitivity(SEEN - MADE)
+    assert grown(truth) == pytest.approx(max(later, truth.sensitivity(SEEN)), rel=1e-9)
+
+
+def test_a_pendulum_let_go_near_the_top_answers_more_to_an_error_at_the_bottom():
+    truth = truth_of("pendulum", theta0="3")
+    assert grown(truth) > 2 * truth.sensitivity(SEEN)
+
+
+@pytest.mark.parametrize("omega", [(0.9, 1.1, 1.3), (0.01, 1, 0), (0, 0, 1)])
+def test_growth_in_a_free_body_is_that_of_one_started_on_the_way(omega):
+    inertia, unit = tuple(map(Fraction, (1, 2, 3))), tuple(map(Fraction, (1, 0, 0, 0)))
+    scale = {**dict.fromkeys(SPINS, 2.0), "attitude.w": 0.5}
+    truth = FreeRigidBody(inertia, tuple(map(Fraction, omega)), unit, scale)
+    way = FreeRigidBody(inertia, truth.omega, unit, scale).at(MADE)
+    spin = tuple(way[f"omega_body.{a}"].mid for a in "xyz")
+    attitude = tuple(way[f"attitude.{a}"].mid for a in "wxyz")
+    later = FreeRigidBody(inertia, spin, attitude, scale).sensitivity(SEEN - MADE)
+    assert grown(truth) == pytest.approx(max(later, truth.sensitivity(SEEN)), rel=1e-9)
+
+
+def test_samples_carry_the_growth_of_all_earlier_ones():
+    truth = truth_of("pendulum", theta0="3")
+    times = [0.5 * k for k in range(9)]
+    found = sampled(truth, times)
+    assert found.sensitivity == truth.sensitivities([Fraction(t) for t in times])
+    assert found.sensitivity[-1] > max(truth.sensitivity(Fraction(t)) for t in times)
