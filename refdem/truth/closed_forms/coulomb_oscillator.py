@@ -92,16 +92,16 @@ class CoulombOscillator(ClosedForm):
         """Where it turns after so many half cycles more [m]: exact from rest."""
         first: Fraction | arb = self.opening()[1]
         loss = 2 * number * self.shift * _sign(first) if number else Fraction(0)
-        side = (-1) ** number
+        side = -1 if number % 2 else 1
         return side * (first - loss) if isinstance(first, Fraction) else side * (first - arb_of(loss))
 
     @per_precision
     def halves(self) -> int:
         """How many half cycles follow the first turning point: least n >= 0 with |X0| - 2 n f/k <= f/k."""
-        first = abs(self.opening()[1])
+        first: Fraction | arb = self.opening()[1]
         if isinstance(first, Fraction):
-            return max(0, ceil((first / self.shift - 1) / 2))
-        least = ((first / arb_of(self.shift) - 1) / 2).ceil().unique_fmpz()
+            return max(0, ceil((abs(first) / self.shift - 1) / 2))
+        least = ((abs(first) / arb_of(self.shift) - 1) / 2).ceil().unique_fmpz()
         if least is None:
             raise UndecidedError("whether it stops at a turning point")
         return max(0, int(least))

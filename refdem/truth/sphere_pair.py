@@ -1,0 +1,91 @@
+"""Two spheres about to touch: exact parameters and what follows from them for the relative motion in the plane."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from fractions import Fraction
+
+from flint import arb
+
+from refdem.core.parameters import Exact
+from refdem.truth.balls import arb_of
+from refdem.truth.exact import number, vector
+
+
+@dataclass(frozen=True, kw_only=True)
+class SpherePair:
+    """Exact numbers in SI units; `spins` are the angular velocities of both (6,), `lever` is 0, 1/2, 1 for R, R-d/2, R-d."""
+
+    masses: tuple[Fraction, ...]
+    radii: tuple[Fraction, ...]
+    stiffness: Fraction
+    damping: Fraction
+    tangential_stiffness: Fraction
+    friction: Fraction
+    closing_speed: Fraction
+    angle: Fraction
+    spins: tuple[Fraction, ...]
+    lever: Fraction
+    ends_with_overlap: bool
+
+    @property
+    def effective_mass(self) -> Fraction:
+        """m1 m2/(m1 + m2) [kg]."""
+        return self.masses[0] * self.masses[1] / sum(self.masses)
+
+    @property
+    def reach(self) -> Fraction:
+        """Distance of the centres at touch [m]."""
+        return sum(self.radii, Fraction(0))
+
+    @property
+    def half_decay(self) -> Fraction:
+        """b = c/(2 m_eff) [1/s]."""
+        return self.damping / (2 * self.effective_mass)
+
+    @property
+    def moments(self) -> list[Fraction]:
+        """Moments of inertia of the solid spheres [kg m^2]."""
+        return [Fraction(2, 5) * m * r * r for m, r in zip(self.masses, self.radii, strict=True)]
+
+    @property
+    def surface_spin(self) -> list[Fraction]:
+        """R1 omega1 + R2 omega2 (3,) [m/s]: what the spins add to the slip at touch."""
+        return [sum((self.radii[i] * self.spins[3 * i + axis] for i in (0, 1)), Fraction(0)) for axis in range(3)]
+
+    @property
+    def is_head_on(self) -> bool:
+        """Along the normal for ever: no angle, and no slip or no friction."""
+        return self.angle == 0 and (self.friction == 0 or not any(self.surface_spin[1:]))
+
+    def dyadic_step(self) -> Fraction:
+        """A step [s] of proven integration: a power of two, at most half of the law's time and 1/32 of that to cross `reach`.
+
+        The first lets Picard's box close, the second keeps 1/rho (the only nonlinear term) well inside its convergence.
+        """
+        fastest = self.stiffness / self.effective_mass + 4 * self.half_decay**2
+        limit = max(4 * fastest, (32 * self.closing_speed / self.reach) ** 2)
+        step = Fraction(1)
+        while step**2 * limit > 1:
+            step /= 2
+        while 4 * step**2 * limit <= 1:
+            step *= 2
+        return step
+
+    def start(self) -> list[arb]:
+        """Relative state x, y, vx, vy (of body 1 against body 2) at touch."""
+        speed, angle = arb_of(self.closing_speed), arb_of(self.angle)
+        return [arb_of(-self.reach), arb(0), speed * angle.cos(), speed * angle.sin()]
+
+
+def sphere_pair(p: Mapping[str, Exact]) -> SpherePair:
+    """The pair of the parameters of case two-spheres."""
+    levers = {"R": Fraction(0), "R-d/2": Fraction(1, 2), "R-d": Fraction(1)}
+    single = ("stiffness", "damping", "tangential_stiffness", "friction", "closing_speed", "angle")
+    return SpherePair(
+        masses=vector(p, "masses"),
+        radii=vector(p, "radii"),
+        spins=vector(p, "spins"),
+        lever=levers[str(p["branch"])],
+        ends_with_overlap=p["cutoff"] == "zero_overlap",
+        **{name: number(p, name) for name in single},
+    )
