@@ -4,9 +4,10 @@ from collections.abc import Mapping
 
 import msgspec
 
-from refdem.campaign.deviations import Deviation, applied
+from refdem.campaign.deviations import applied
 from refdem.campaign.plan import Task
 from refdem.core.check import Check, Outcome
+from refdem.core.deviation import Deviation
 from refdem.core.finding import Finding, Record
 from refdem.core.run import Run
 from refdem.core.variant import Variant

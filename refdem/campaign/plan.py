@@ -141,7 +141,7 @@ def request(task: Task, variant: Variant, base: Trajectory | None = None) -> Req
         return replace(plain, repeat=1)
     if variant.change == "denser_output":
         count = variant.amount * (len(problem.times) - 1)
-        return plain.with_scene(problem.scene, np.arange(count + 1) * (problem.interval / variant.amount))
+        return plain.with_scene(problem.scene, np.arange(count + 1, dtype=np.float64) * (problem.interval / variant.amount))
     if variant.change == "perturbed":
         return plain.with_scene(_perturbed(problem, variant.amount))
     if variant.goes_on:

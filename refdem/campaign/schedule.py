@@ -33,12 +33,12 @@ class Schedule:
         return self
 
     def __exit__(self, *error: object) -> None:
-        self._pool.stop()
+        self._pool.stop()  # type: ignore[no-untyped-call]
         self._pool.join()
 
     def results(self, jobs: list[Job]) -> Iterator[tuple[Job, bytes | Failure]]:
         """Every job once with its bytes or its Failure, in the order in which they end."""
-        waiting, running = iter(jobs), {}
+        waiting, running = iter(jobs), dict[Any, Job]()
         while True:
             for job in waiting:
                 running[self._pool.schedule(job.function, args=job.arguments, timeout=self._timeout)] = job

@@ -1,6 +1,7 @@
 """Error against certified truth at every refinement level, point by point, up to the predictability horizon."""
 
 from collections.abc import Mapping
+from itertools import pairwise
 
 import numpy as np
 
@@ -60,7 +61,7 @@ class Error(Check):
             what=_what(trial, quantity, at, point, count),
             levels=tuple(levels),
             series=curve(trial.instance.times[:count], error[:count], allowed[:count]),
-            order_seen=_order_seen(levels) if trial.method.control == "step" else None,
+            order_seen=_order_seen(trial, levels),
             order_claimed=float(trial.method.order_for(trial.instance.scene.features)) if trial.method.control == "step" else None,
             constant_seen=_constant_seen(trial, levels),
         )
@@ -69,15 +70,20 @@ class Error(Check):
 def _level(trial: Trial, level: float, error: Array, allowed: Array, seconds: float) -> Level:
     """What the tolerance table and the order need of one level."""
     assert trial.truth is not None
-    floor = COUNTING_FLOOR * trial.round_off(level) * trial.truth.growth()[-1]
-    counts = trial.method.control == "step" and scored(allowed) == len(allowed) and bool(allowed[-1] >= floor)
+    counts = trial.method.control == "step" and scored(allowed) == len(allowed) and bool(allowed[-1] >= _floor(trial, level))
     return Level(level=level, error=float(np.max(error)), bound=float(allowed[-1]), seconds=seconds, counts=counts)
 
 
-def _order_seen(levels: list[Level]) -> float | None:
-    """The order of the last pair of counting levels."""
-    pairs = [(a, b) for a, b in zip(levels, levels[1:], strict=False) if a.counts and b.counts and a.error > 0 and b.error > 0]
-    return float(np.log(pairs[-1][0].error / pairs[-1][1].error) / np.log(pairs[-1][0].level / pairs[-1][1].level)) if pairs else None
+def _floor(trial: Trial, level: float) -> float:
+    """Below 20 x round-off times the sensitivity there is no truncation error to see."""
+    assert trial.truth is not None
+    return COUNTING_FLOOR * trial.round_off(level) * float(trial.truth.growth()[-1])
+
+
+def _order_seen(trial: Trial, levels: list[Level]) -> float | None:
+    """The order of the last pair of counting levels whose errors are truncation errors."""
+    seen = [(a, b) for a, b in pairwise(levels) if a.counts and b.counts and b.error > _floor(trial, b.level)]
+    return float(np.log2(seen[-1][0].error / seen[-1][1].error)) if seen and seen[-1][0].error > 0 else None
 
 
 def _constant_seen(trial: Trial, levels: list[Level]) -> float | None:

@@ -39,7 +39,8 @@ class Flips(Check):
         name = f"omega_body.{axis}"
         seen = _flips(trial.instance.observe(runs[trial.finest].trajectory)[name][:count])
         true = _flips(truth.value(name)[:count])
-        what = f"Truth flips {true} times about axis {axis} and the run {seen} times up to t = {trial.instance.times[count - 1]:.4g} s; the difference"
+        until = f"up to t = {trial.instance.times[count - 1]:.4g} s"
+        what = f"Truth flips {true} times about axis {axis} and the run {seen} times {until}; the difference"
         return [
             judged(
                 check=self.name,

@@ -29,7 +29,7 @@ def lines(sheets: list[Sheet]) -> list[str]:
     shown = [f"{finding.outcome.upper():6} {record.id(finding)}\n       {finding.sentence}" for record, finding in worst[:SHOWN]]
     if len(worst) > SHOWN:
         shown.append(f"       ... and {len(worst) - SHOWN} more; the report has them all")
-    counts = Counter(finding.outcome for _, finding in every)
+    counts = Counter[str](finding.outcome for _, finding in every)
     shown.append(", ".join(f"{counts[name]} {name}" for name in ORDER if counts[name]) or "nothing was found")
     for sheet in sheets:
         if isinstance(sheet, CampaignSheet):

@@ -55,7 +55,7 @@ class Case(ABC):
     def truth(self, p: Parameters) -> Truth:
         """The certified values; raises NotCertifiedError where there are none."""
 
-    def refuse(self, p: Parameters) -> None:
+    def refuse(self, p: Parameters) -> None:  # noqa: B027 (most cases have nothing to refuse)
         """Raises UsageError for values that are each in bounds but do not go together."""
 
     def exclude_for(self, p: Parameters) -> Mapping[str, str]:
@@ -104,7 +104,7 @@ class Instance:
         samples = int(self.p.samples)
         mantissa, exponent = np.frexp(self.scales.duration / samples)
         interval = np.ldexp(np.round(np.ldexp(mantissa, 20)), int(exponent) - 20)
-        return np.arange(samples + 1) * interval
+        return np.asarray(np.arange(samples + 1) * interval, dtype=np.float64)
 
     @cached_property
     def problem(self) -> Motion:

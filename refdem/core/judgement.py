@@ -94,7 +94,8 @@ def _rotation_error(observed: dict[str, Array], truth: SampledTruth, parts: list
     seen = seen / np.linalg.norm(seen, axis=-1, keepdims=True)
     true = np.stack([truth.value(name) for name in parts], axis=-1)
     radius = 2.0 * np.max([truth.radius(name) for name in parts], axis=0)
-    return np.maximum(0.0, angle_between(seen, true) - radius)
+    error: Array = np.maximum(0.0, angle_between(seen, true) - radius)
+    return error
 
 
 def curve(t: Array, value: Array, bound: Array | float) -> Series:

@@ -1,5 +1,7 @@
 """Bounds and refinement: how large an error may be at a step, and which steps to take."""
 
+import math
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -25,7 +27,7 @@ def round_off(instance: Instance, method: Method, steps: float) -> float:
     The second part is the rounding of the parameters themselves: a frequency that is off by u is off in phase by u t.
     """
     turns = instance.scales.duration / instance.scales.tau
-    return ROUND_OFF_FACTOR * method.round_off * max(1.0, np.sqrt(steps), turns)
+    return ROUND_OFF_FACTOR * method.round_off * max(1.0, math.sqrt(steps), turns)
 
 
 def truncation(instance: Instance, method: Method, level: float, t: Array) -> Array:
@@ -36,7 +38,8 @@ def truncation(instance: Instance, method: Method, level: float, t: Array) -> Ar
         return np.full(len(t), TOLERANCE_FACTOR * level)
     tau = instance.scales.tau
     order = method.order_for(instance.scene.features)
-    return method.constant * (1.0 + np.abs(t - t[0]) / tau) * (level / tau) ** order
+    allowed: Array = method.constant * (1.0 + np.abs(t - t[0]) / tau) * (level / tau) ** order
+    return allowed
 
 
 def steps_at(instance: Instance, method: Method, level: float) -> float:

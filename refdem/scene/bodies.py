@@ -56,15 +56,15 @@ class Bodies:
 
     def single(self) -> list[Body]:
         """The bodies one by one, as JSON has them."""
-        rows = zip(*(getattr(self, name).tolist() for name in COLUMNS), strict=True)
+        rows: Any = zip(*(getattr(self, name).tolist() for name in COLUMNS), strict=True)
         return [
-            Body(shape=shape, fixed=bool(fixed), **{n: tuple(v) if isinstance(v, list) else v for n, v in zip(COLUMNS, row, strict=True)})
-            for row, shape, fixed in zip(rows, self.shape, self.fixed, strict=True)
+            Body(shape=shape, fixed=bool(fixed), **_fields(row)) for row, shape, fixed in zip(rows, self.shape, self.fixed, strict=True)
         ]
 
     def with_state(self, **columns: Array) -> "Bodies":
         """The same bodies with other positions, velocities, attitudes or omegas."""
-        return replace(self, **{name: np.array(value, float) for name, value in columns.items()})
+        changed: dict[str, Any] = {name: np.array(value, float) for name, value in columns.items()}
+        return replace(self, **changed)
 
     def __len__(self) -> int:
         return len(self.mass)
@@ -76,6 +76,11 @@ class Bodies:
 
 
 COLUMNS = ("mass", "inertia", "position", "velocity", "attitude", "omega")
+
+
+def _fields(row: tuple[Any, ...]) -> dict[str, Any]:
+    """One row of the columns as fields of a Body."""
+    return {name: tuple(value) if isinstance(value, list) else value for name, value in zip(COLUMNS, row, strict=True)}
 
 
 def _refuse_unphysical(bodies: Bodies, number: int) -> None:

@@ -59,4 +59,5 @@ class Link(Element, frozen=True, kw_only=True):
     def distance(self, position: Array, attitude: Array) -> Array:
         """Distance (T,) [m] between the two anchors."""
         first, second = self.ends(position, attitude)
-        return np.linalg.norm(first - second, axis=-1)
+        distance: Array = np.linalg.norm(first - second, axis=-1)
+        return distance

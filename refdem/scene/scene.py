@@ -23,7 +23,7 @@ class SceneDocument(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fi
     """A scene as JSON has it."""
 
     bodies: list[Body]
-    elements: list[AnyElement] = []  # type: ignore[valid-type]
+    elements: list[AnyElement] = []
 
 
 @dataclass(frozen=True, eq=False)

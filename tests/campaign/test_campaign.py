@@ -63,7 +63,8 @@ def test_the_rest_goes_on_when_one_method_crashes(everything):
 
 
 @pytest.mark.parametrize(
-    ("method", "check", "quantity"), [("wrong-force", "error", "x"), ("drag", "reversal", "reversed"), ("forgetful", "determinism", "repeated")]
+    ("method", "check", "quantity"),
+    [("wrong-force", "error", "x"), ("drag", "reversal", "reversed"), ("forgetful", "determinism", "repeated")],
 )
 def test_a_lie_is_found_by_the_check_that_is_there_for_it(judged, method, check, quantity):
     assert any(f.outcome == "fail" and (f.check, f.quantity) == (check, quantity) for f in judged[method].findings)

@@ -15,7 +15,15 @@ DEVIATION = Deviation(
 def record(value, label="pendulum", version="4.0.0", check="error", quantity="x"):
     finding = judged(check=check, quantity=quantity, value=value, bound=0.05, unit="1", basis="b", what="w")
     return Record(
-        case="pendulum", label=label, parameters={}, engine="e", version=version, method="rk4", is_reference=False, runs=(), findings=(finding,)
+        case="pendulum",
+        label=label,
+        parameters={},
+        engine="e",
+        version=version,
+        method="rk4",
+        is_reference=False,
+        runs=(),
+        findings=(finding,),
     )
 
 

@@ -19,7 +19,8 @@ from refdem.campaign.campaign import Campaign
 from refdem.campaign.specification import Entry, Specification
 from refdem.core.store import Store
 if __name__ == "__main__":
-    specification = Specification(name="t", case=[Entry("harmonic-oscillator")], engines=["played"], method="good", levels=10, most_steps=1e7)
+    case = [Entry("harmonic-oscillator")]
+    specification = Specification(name="t", case=case, engines=["played"], method="good", levels=10, most_steps=1e7)
     Campaign(specification, Store(Path(sys.argv[1])), jobs=1).sheets()
 """
 

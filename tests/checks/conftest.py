@@ -64,11 +64,21 @@ def findings(check: str, of: Trial, fault: Callable[[Trajectory, float], Traject
     for variant in found.needs(of):
         run = true_run(of)
         if variant.change == "denser_output":
-            run = replace(run, **{n: np.repeat(getattr(run, n), variant.amount, axis=0) for n in ("t", "position", "velocity", "attitude", "omega")})
+            run = replace(
+                run, **{n: np.repeat(getattr(run, n), variant.amount, axis=0) for n in ("t", "position", "velocity", "attitude", "omega")}
+            )
         elif variant.goes_on:
             sign = -1.0 if variant.change == "reversed" else 1.0
-            run = replace(run, position=run.position[::-1], velocity=sign * run.velocity[::-1], attitude=run.attitude[::-1], omega=sign * run.omega[::-1])
-        runs[variant] = Outcome(fault(run, variant.level) if variant.change not in ("repeated", "denser_output") else run, Cost(seconds=0.0))
+            run = replace(
+                run,
+                position=run.position[::-1],
+                velocity=sign * run.velocity[::-1],
+                attitude=run.attitude[::-1],
+                omega=sign * run.omega[::-1],
+            )
+        runs[variant] = Outcome(
+            fault(run, variant.level) if variant.change not in ("repeated", "denser_output") else run, Cost(seconds=0.0)
+        )
     return {finding.quantity: finding for finding in found.judge(of, runs)}
 
 

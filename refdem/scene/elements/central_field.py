@@ -21,4 +21,5 @@ class CentralField(Element, frozen=True, kw_only=True, tag="central_field"):
 
     def potential(self, scene: Any, position: Array, attitude: Array) -> Array:
         """`-gm sum m/|r|` (T,) [J]."""
-        return -self.gm * np.sum(scene.bodies.mass / np.linalg.norm(position, axis=-1), axis=-1)
+        energy: Array = -self.gm * np.sum(scene.bodies.mass / np.linalg.norm(position, axis=-1), axis=-1)
+        return energy

@@ -17,4 +17,5 @@ class UniformGravity(Element, frozen=True, kw_only=True, tag="uniform_gravity"):
 
     def potential(self, scene: Any, position: Array, attitude: Array) -> Array:
         """`-sum m g.r` (T,) [J]."""
-        return -np.einsum("n,tnk,k->t", scene.bodies.mass, position, np.asarray(self.g))
+        energy: Array = -np.einsum("n,tnk,k->t", scene.bodies.mass, position, np.asarray(self.g))
+        return energy
