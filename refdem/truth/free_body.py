@@ -9,6 +9,7 @@ Jacobi (1850); Whittaker, Analytical Dynamics, 69-71; van Zon and Schofield (200
 from abc import ABC, abstractmethod
 from collections.abc import Sequence
 from fractions import Fraction
+from typing import ClassVar
 
 from flint import acb, arb
 
@@ -22,6 +23,8 @@ AXES = (0, 1, 2)
 
 class FreeBody(ABC):
     """One kind of motion at the current precision, from inertia J [kg m^2] and omega [rad/s] at t = 0 in body axes."""
+
+    method: ClassVar[str]
 
     def __init__(self, inertia: Exact3, omega: Exact3) -> None:
         self.inertia, self.start = inertia, omega
@@ -45,6 +48,8 @@ class FreeBody(ABC):
 class Steady(FreeBody):
     """omega is parallel to M (or zero): it stays."""
 
+    method = "steady spin: omega stays and the body turns about it"
+
     def omega(self, t: arb) -> list[arb]:
         return [arb_of(w) for w in self.start]
 
@@ -56,6 +61,8 @@ class Steady(FreeBody):
 
 class Axisymmetric(FreeBody):
     """Two equal moments J1: a turn about M at L/J1 after one about the third axis at omega_3 - M_3/J1."""
+
+    method = "two equal moments: one turn about L after one about the body's own axis"
 
     def __init__(self, inertia: Exact3, omega: Exact3) -> None:
         super().__init__(inertia, omega)
@@ -108,6 +115,8 @@ class Nodal(FreeBody):
 class Separatrix(Nodal):
     """2 E J2 = L^2: M_2 = +-L tanh u, the others fall as sech u; about M the intermediate axis turns at L/J2."""
 
+    method = "separatrix: tanh and sech, the line of nodes of axis 2 turns at L/J2"
+
     def __init__(self, inertia: Exact3, omega: Exact3) -> None:
         super().__init__(inertia, omega)
         low, self.axis, high = sorted(AXES, key=lambda i: inertia[i])
@@ -132,6 +141,8 @@ class Separatrix(Nodal):
 
 class Elliptic(Nodal):
     """M_a = A cn u, M_2 = +-B sn u, M_c = +-C dn u: c is the axis of largest or smallest J that M goes about."""
+
+    method = "Jacobi elliptic functions for omega, Jacobi's theta function for the attitude"
 
     def __init__(self, inertia: Exact3, omega: Exact3) -> None:
         super().__init__(inertia, omega)
@@ -181,16 +192,16 @@ class Elliptic(Nodal):
         return {"period": 4 * self.jacobi.k / self.rate, "elliptic_m": self.jacobi.m}
 
 
-def free_body(inertia: Exact3, omega: Exact3) -> FreeBody:
-    """The motion of the kind that the exact start decides, at the current precision."""
+def kind(inertia: Exact3, omega: Exact3) -> type[FreeBody]:
+    """The kind of motion, which the exact start decides."""
     m = [j * w for j, w in zip(inertia, omega, strict=True)]
     if all(m[i] * omega[j] == m[j] * omega[i] for i in AXES for j in AXES):
-        return Steady(inertia, omega)
+        return Steady
     if len(set(inertia)) < 3:
-        return Axisymmetric(inertia, omega)
+        return Axisymmetric
     if dot_exact(m, omega) * sorted(inertia)[1] == dot_exact(m, m):
-        return Separatrix(inertia, omega)
-    return Elliptic(inertia, omega)
+        return Separatrix
+    return Elliptic
 
 
 def dot_exact(a: Sequence[Fraction], b: Sequence[Fraction]) -> Fraction:

@@ -11,7 +11,7 @@ from refdem.core.truth import Truth
 from refdem.truth import rotation
 from refdem.truth.balls import arb_of
 from refdem.truth.closed_form import Size, per_precision
-from refdem.truth.free_body import Exact3, FreeBody, free_body
+from refdem.truth.free_body import Exact3, FreeBody, kind
 from refdem.truth.smooth_flow import SmoothFlow
 
 AXES = "xyz"
@@ -35,12 +35,13 @@ class FreeRigidBody(SmoothFlow):
     def __init__(self, inertia: Exact3, omega: Exact3, attitude: tuple[Fraction, ...], scale: Mapping[str, Size]) -> None:
         super().__init__(scale)
         self.inertia, self.omega, self.attitude = inertia, omega, attitude
-        self.method = f"closed form ({type(self.body()).__name__.lower()}): Jacobi elliptic and theta functions, in Arb balls"
+        self.kind = kind(inertia, omega)
+        self.method = f"closed form in Arb balls; {self.kind.method}"
 
     @per_precision
     def body(self) -> FreeBody:
         """The motion in body axes at the current precision."""
-        return free_body(self.inertia, self.omega)
+        return self.kind(self.inertia, self.omega)
 
     @per_precision
     def start(self) -> list[arb]:

@@ -88,6 +88,7 @@ class Separatrix(Motion):
 class Pendulum(SmoothFlow):
     """theta (continuous from theta0), thetadot, x, y and rod_force; the start is theta0 + half_turns pi, thetadot0."""
 
+    method = "closed form in Arb balls; Jacobi elliptic functions, by theta functions (tanh and sech on the separatrix)"
     witness = WITNESS
     state = ("theta", "thetadot")
 
@@ -95,7 +96,6 @@ class Pendulum(SmoothFlow):
         super().__init__(scale)
         self.mass, self.length, self.gravity = p["mass"], p["length"], p["gravity"]
         self.theta0, self.thetadot0, self.half_turns = p["theta0"], p["thetadot0"], half_turns
-        self.method = "closed form: Jacobi elliptic functions by theta functions (tanh and sech on the separatrix), in Arb balls"
 
     @per_precision
     def start(self) -> tuple[int, arb, arb]:

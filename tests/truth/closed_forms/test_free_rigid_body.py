@@ -1,5 +1,6 @@
 """Free rigid body: against the Taylor witness, the equations of motion, conservation, and planted errors."""
 
+from contextlib import suppress
 from fractions import Fraction
 from functools import cache
 from itertools import permutations
@@ -10,7 +11,7 @@ from flint import arb
 
 from refdem.core.discovery import case, truth_of
 from refdem.truth import rotation
-from refdem.truth.balls import arb_of, precision
+from refdem.truth.balls import UndecidedError, arb_of, precision
 from refdem.truth.closed_forms.free_rigid_body import FreeRigidBody
 from refdem.truth.free_body import Axisymmetric, Elliptic, Separatrix, Steady
 from refdem.truth.witness import body_flow
@@ -144,6 +145,16 @@ def test_balls_of_forty_digits_contain_those_of_a_hundred(kind, inertia, omega):
             assert ball.radius <= Fraction(1, 10**40), name
             assert narrow[name].radius <= Fraction(1, 10**100), name
             assert abs(ball.mid - narrow[name].mid) <= ball.radius + narrow[name].radius, name
+
+
+@pytest.mark.parametrize("bits", [53, 80, 200])
+@pytest.mark.parametrize(("kind", "inertia", "omega"), STARTS)
+def test_balls_of_few_bits_contain_the_values_of_many(kind, inertia, omega, bits):
+    truth, t = body(exact(inertia), exact(omega)), Fraction(3, 2)
+    with precision(1000):
+        sure = truth.evaluate(arb_of(t))
+    with precision(bits), suppress(UndecidedError):
+        assert [name for name, ball in truth.evaluate(arb_of(t)).items() if not ball.contains(sure[name])] == []
 
 
 def test_period_brings_omega_back_and_no_shorter_time_does():

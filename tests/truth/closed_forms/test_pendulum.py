@@ -1,5 +1,6 @@
 """Pendulum: against the Taylor witness, the equation of motion, published periods, and planted errors."""
 
+from contextlib import suppress
 from fractions import Fraction
 from itertools import pairwise
 
@@ -7,7 +8,7 @@ import pytest
 from flint import arb
 
 from refdem.core.discovery import case, truth_of
-from refdem.truth.balls import arb_of, precision
+from refdem.truth.balls import UndecidedError, arb_of, precision
 from refdem.truth.closed_forms.pendulum import Equilibrium, Pendulum, Revolution, Separatrix, Swing
 from refdem.truth.witness import pendulum_flow
 
@@ -101,6 +102,16 @@ def test_balls_of_forty_digits_contain_those_of_a_hundred(kind, theta0, thetadot
         wide, narrow = truth.at(t), truth.refined(100).at(t)
         assert all(ball.radius <= Fraction(1, 10**40) for ball in wide.values())
         assert all(abs(ball.mid - narrow[name].mid) <= ball.radius + narrow[name].radius for name, ball in wide.items())
+
+
+@pytest.mark.parametrize("bits", [53, 80, 200])
+@pytest.mark.parametrize(("kind", "theta0", "thetadot0", "half_turns"), STARTS)
+def test_balls_of_few_bits_contain_the_values_of_many(kind, theta0, thetadot0, half_turns, bits):
+    truth, t = pendulum(theta0, thetadot0, half_turns), Fraction(3, 2)
+    with precision(1000):
+        sure = truth.evaluate(arb_of(t))
+    with precision(bits), suppress(UndecidedError):
+        assert [name for name, ball in truth.evaluate(arb_of(t)).items() if not ball.contains(sure[name])] == []
 
 
 def test_angle_is_continuous_over_many_revolutions():
