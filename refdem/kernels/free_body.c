@@ -3,11 +3,13 @@
  * Euler's equations: C. G. J. Jacobi (1849); Landau and Lifshitz, Mechanics, section 37. Labels 1, 2, 3 by moment of inertia, 3 the
  * axis that omega_body circles: w1 = A1 cn u, w2 = A2 sn u, w3 = A3 dn u, u = rate t + start.
  * Attitude: van Zon and Schofield, J. Comput. Phys. 225 (2007) 145, here in swing-twist form, which is nowhere singular:
- * q(t) = base exp(e Psi / 2) swing(n -> e), n the direction of L in body axes, e = +-e3 with n.e > 0, and
+ * q(t) = base exp(e Psi / 2) quaternion_swing(n -> e), n the direction of L in body axes, e = +-e3 with n.e > 0, and
  * Psi' = (2E + L w.e) / (L + l.e) = L/J3 + B rate / (1 + c dn u), B rate = (2 E J3 - L^2)/(L J3), c = |J3 A3|/L.
  * 1/(1 + c dn) has simple poles at u = 2iK' +- ia (mod 2K, 4iK'), dn(ia) = 1/c, with residues that make
  * Psi/2 = turn t -+ [arg theta4(pi (u + ia)/(2K), nome^2)], the mean rate by complete integrals of the first and third kind.
  */
+#include <string.h>
+
 #include "elliptic.h"
 #include "kernels.h"
 #include "quaternion.h"
@@ -69,14 +71,15 @@ static void prepare_theta(free_body *b, double a, double c)
     b->phase = DD_PI.hi * a / (j->kind == CIRCULAR ? 2.0 * j->quarter.hi : 4.0 * j->other.hi);
     b->slope = j->kind == CIRCULAR ? 0.0 : -DD_PI.hi * a / (4.0 * j->quarter.hi * j->other.hi);
     for (int n = 0; n < THETA_TERMS; n++) {
+        double log_nome = j->log_nome, sign = n % 2 ? -1.0 : 1.0, angle = (2 * n + 1) * b->phase;
         if (j->kind == CIRCULAR) {
-            double sign = n % 2 ? -1.0 : 1.0, grown = exp(2.0 * n * (j->log_nome * n + b->phase)), shrunk = exp(2.0 * n * (j->log_nome * n - b->phase));
+            double grown = exp(2.0 * n * (log_nome * n + b->phase)), shrunk = exp(2.0 * n * (log_nome * n - b->phase));
             b->rise[0][n] = n ? sign * (grown + shrunk) : 1.0;
             b->rise[1][n] = n ? sign * (shrunk - grown) : 0.0;
         } else {
-            double up = exp(0.5 * j->log_nome * n * n), down = exp(0.5 * j->log_nome * n * (n + 1)), c = cos((2 * n + 1) * b->phase), s = sin((2 * n + 1) * b->phase);
-            b->rise[0][n] = up * c, b->fall[0][n] = down * c;
-            b->rise[1][n] = up * s, b->fall[1][n] = -down * s;
+            double up = exp(0.5 * log_nome * n * n), down = exp(0.5 * log_nome * n * (n + 1));
+            b->rise[0][n] = up * cos(angle), b->fall[0][n] = down * cos(angle);
+            b->rise[1][n] = up * sin(angle), b->fall[1][n] = -down * sin(angle);
         }
     }
 }
@@ -114,23 +117,11 @@ static void direction_at(const free_body *b, const jacobi_point *p, double *rest
     n[b->axis[2]] = b->direction[2] * p->dn;
 }
 
-/* The shortest rotation that takes the unit vector n to e. */
-static void swing(const double *restrict n, const double *restrict e, double *restrict q)
-{
-    q[0] = 1.0 + (n[0] * e[0] + n[1] * e[1] + n[2] * e[2]);
-    q[1] = n[1] * e[2] - n[2] * e[1];
-    q[2] = n[2] * e[0] - n[0] * e[2];
-    q[3] = n[0] * e[1] - n[1] * e[0];
-    quaternion_normalised(q);
-}
-
 /* Mean of Psi'/2 = L/(2 J3) + X/(2 L J3) <1/(1 + c dn)>, X = 2 E J3 - L^2; 1 - c^2 = n1^2, 1 - c^2 m1 = n2^2 (amplitudes). */
 static dd mean_turn(const free_body *b, dd l, dd j3, dd x, dd p, const dd *restrict n)
 {
-    dd across = dd_mul(n[0], n[1]), mean;
-    if (b->j.kind == SEPARATRIX) {
-        mean = dd_of(1.0);
-    } else {
+    dd across = dd_mul(n[0], n[1]), mean = dd_of(1.0);
+    if (b->j.kind != SEPARATRIX) {
         mean = dd_div(complete_third(b->j.m1, p), dd_square(n[0]));
         mean = dd_sub(mean, dd_div(dd_mul(n[2], dd_scale(DD_PI, 0.5)), across));
         mean = dd_div(mean, b->j.quarter);
@@ -201,7 +192,7 @@ static void prepare_tumbling(free_body *b, const double *restrict inertia)
     direction_at(b, &point, direction);
     theta_direction(b, &point, &b->cos0, &b->sin0);
     b->slope0 = b->slope * point.u;
-    swing(direction, b->along, q);
+    quaternion_swing(direction, b->along, q);
     back[0] = q[0], back[1] = -q[1], back[2] = -q[2], back[3] = -q[3];
     for (int i = 0; i < 4; i++)
         q[i] = b->base[i];
@@ -209,30 +200,39 @@ static void prepare_tumbling(free_body *b, const double *restrict inertia)
     quaternion_normalised(b->base);
 }
 
-/* Labels: 2 the middle axis, 3 the one whose side of the separatrix J1 (J2-J1) w1^2 = J3 (J3-J2) w3^2 the body is on. */
+static void exchange(int *a, int *b)
+{
+    int kept = *a;
+    *a = *b, *b = kept;
+}
+
+/* Labels: 2 the middle axis, 3 the one whose side of the separatrix J1 (J2-J1) w1^2 = J3 (J3-J2) w3^2 the body is on, or the axis
+ * of symmetry. */
+static void label(free_body *b, const double *restrict inertia)
+{
+    int *axis = b->axis;
+    axis[0] = 0, axis[1] = 1, axis[2] = 2;
+    for (int i = 0; i < 3; i++)
+        if (inertia[axis[i % 2]] > inertia[axis[i % 2 + 1]])
+            exchange(&axis[i % 2], &axis[i % 2 + 1]);
+    double low = inertia[axis[0]], middle = inertia[axis[1]], high = inertia[axis[2]];
+    dd first = dd_mul(dd_scale(two_sum(middle, -low), low), dd_square(b->w[axis[0]]));
+    dd third = dd_mul(dd_scale(two_sum(high, -middle), high), dd_square(b->w[axis[2]]));
+    if (low != middle && (middle == high || dd_sub(first, third).hi > 0.0))
+        exchange(&axis[0], &axis[2]);
+}
+
+/* Steady: about a principal axis, or so close to a stable one that the tilt, 1e-30, is beyond all digits. */
 static void prepare(free_body *b, const double *restrict inertia, const double *restrict attitude, const double *restrict omega)
 {
     dd q[4];
-    int *axis = b->axis, swap;
     quaternion_body(attitude, omega, q, b->w);
     rounded(q, 4, b->base);
-    axis[0] = 0, axis[1] = 1, axis[2] = 2;
-    for (int i = 0; i < 3; i++) {
-        int k = i % 2;
-        if (inertia[axis[k]] > inertia[axis[k + 1]])
-            swap = axis[k], axis[k] = axis[k + 1], axis[k + 1] = swap;
-    }
-    const double low = inertia[axis[0]], middle = inertia[axis[1]], high = inertia[axis[2]];
-    dd first = dd_mul(dd_scale(two_sum(middle, -low), low), dd_square(b->w[axis[0]]));
-    dd third = dd_mul(dd_scale(two_sum(high, -middle), high), dd_square(b->w[axis[2]]));
-    double scale = high * high * dd_dot(b->w, b->w).hi;
-    int is_symmetric = low == middle || middle == high;
-    int is_low = low == middle ? 0 : middle == high ? 1 : first.hi > third.hi || (first.hi == third.hi && first.lo > third.lo);
-    if (is_low)
-        swap = axis[0], axis[0] = axis[2], axis[2] = swap;
-    dd across = dd_add(dd_square(b->w[axis[0]]), dd_square(b->w[axis[1]]));
-    int is_middle = b->w[axis[0]].hi == 0.0 && b->w[axis[2]].hi == 0.0;
-    if (low == high || is_middle || across.hi * high * high <= 1e-60 * scale || (is_symmetric && b->w[axis[2]].hi == 0.0))
+    label(b, inertia);
+    double j1 = inertia[b->axis[0]], j2 = inertia[b->axis[1]], j3 = inertia[b->axis[2]], w3 = b->w[b->axis[2]].hi;
+    double across = dd_add(dd_square(b->w[b->axis[0]]), dd_square(b->w[b->axis[1]])).hi;
+    int is_middle = b->w[b->axis[0]].hi == 0.0 && w3 == 0.0, is_symmetric = j1 == j2;
+    if (j1 == j3 || is_middle || across <= 1e-60 * w3 * w3 || (is_symmetric && w3 == 0.0))
         prepare_steady(b);
     else if (is_symmetric)
         prepare_symmetric(b, inertia);
@@ -253,7 +253,7 @@ static void tumbling_at(const free_body *b, dd time, double *restrict q, double 
     double cosine = c * re - s * im, sine = s * re + c * im;
     double turn[4] = {cosine, sine * b->along[0], sine * b->along[1], sine * b->along[2]};
     direction_at(b, &p, direction);
-    swing(direction, b->along, tilt);
+    quaternion_swing(direction, b->along, tilt);
     quaternion_product(b->base, turn, way);
     quaternion_product(way, tilt, q);
 }
@@ -282,23 +282,17 @@ int refdem_free_body(const double *inertia, const double *attitude, const double
     prepare(&b, inertia, attitude, omega);
     for (int64_t k = 0; k < samples; k++, out_attitude += 4, out_omega += 3) {
         double w[3];
-        if (t[k] == t0) {
-            for (int i = 0; i < 4; i++)
-                out_attitude[i] = attitude[i];
-            for (int i = 0; i < 3; i++)
-                out_omega[i] = omega[i];
+        memcpy(out_attitude, attitude, 4 * sizeof(double));
+        memcpy(out_omega, omega, 3 * sizeof(double));
+        if (t[k] == t0)
             continue;
-        }
         dd time = two_sum(t[k], -t0);
         if (b.kind == TUMBLING)
             tumbling_at(&b, time, out_attitude, w);
         else
             turning_at(&b, time, out_attitude, w);
         quaternion_normalised(out_attitude);
-        if (b.kind == STEADY)
-            for (int i = 0; i < 3; i++)
-                out_omega[i] = omega[i];
-        else
+        if (b.kind != STEADY)
             quaternion_rotated(out_attitude, w, out_omega);
     }
     return 0;

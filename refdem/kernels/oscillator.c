@@ -1,6 +1,6 @@
 /* A point on a linear spring of no natural length, in closed form: x = xe + (x0 - xe) cos wt + (v0/w) sin wt in each direction,
  * w^2 = k/m, xe = anchor + m g/k. */
-#include "elliptic.h"
+#include "double_double.h"
 #include "kernels.h"
 
 int refdem_harmonic(double mass, double stiffness, const double *gravity, const double *anchor, const double *position,

@@ -124,8 +124,7 @@ int refdem_pendulum(double mass, double length, const double *gravity, const dou
     size = dd_sqrt(dd_add(dd_square(across), dd_square(along)));
     dd s = dd_div(across, size), c = dd_div(along, size);
     dd omega = dd_div(dd_sub(dd_mul(dd_dot(v, way.across), c), dd_mul(dd_dot(v, way.down), s)), dd_of(length));
-    dd square = dd_add(dd_add(two_product(gravity[0], gravity[0]), two_product(gravity[1], gravity[1])), two_product(gravity[2], gravity[2]));
-    dd g = dd_sqrt(square);
+    dd fall[3] = {dd_of(gravity[0]), dd_of(gravity[1]), dd_of(gravity[2])}, g = length_of(fall);
     prepare(&b, s, c, omega, dd_sqrt(dd_div(g, dd_of(length))));
     for (int64_t k = 0; k < samples; k++) {
         double sine = s.hi, cosine = c.hi, rate = omega.hi;

@@ -2,7 +2,7 @@
 #ifndef REFDEM_QUATERNION_H
 #define REFDEM_QUATERNION_H
 
-#include <math.h>
+#include "double_double.h"
 
 /* q p. */
 static inline void quaternion_product(const double *restrict q, const double *restrict p, double *restrict out)
@@ -18,6 +18,16 @@ static inline void quaternion_normalised(double *restrict q)
     double size = sqrt(q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3]);
     for (int i = 0; i < 4; i++)
         q[i] /= size;
+}
+
+/* The shortest rotation that takes the unit vector n to the unit vector e, not opposite to it. */
+static inline void quaternion_swing(const double *restrict n, const double *restrict e, double *restrict q)
+{
+    q[0] = 1.0 + (n[0] * e[0] + n[1] * e[1] + n[2] * e[2]);
+    q[1] = n[1] * e[2] - n[2] * e[1];
+    q[2] = n[2] * e[0] - n[0] * e[2];
+    q[3] = n[0] * e[1] - n[1] * e[0];
+    quaternion_normalised(q);
 }
 
 /* q v q* = v + 2 w (u x v) + 2 u x (u x v), u the vector part. */

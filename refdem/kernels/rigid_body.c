@@ -1,5 +1,5 @@
 /* One free rigid body, step by step: rotations about the principal axes, and the classical Runge-Kutta method. */
-#include "elliptic.h"
+#include "double_double.h"
 #include "kernels.h"
 #include "quaternion.h"
 
