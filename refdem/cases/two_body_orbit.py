@@ -13,8 +13,7 @@ from refdem.scene.elements.central_field import CentralField
 from refdem.scene.elements.spring import Spring
 
 Array = NDArray[np.float64]
-REVOLUTIONS = 3
-"""Default duration: the shortest time of an eccentric orbit is far below its period, so that 20 of them show too little."""
+REVOLUTIONS = 3  # the shortest time of an eccentric orbit is far below its period: 20 of them would show too little
 
 
 def _periapsis(p: Parameters) -> tuple[float, float, float]:
@@ -40,7 +39,7 @@ class TwoBodyOrbit(Case):
     parameters = (
         Parameter(name="gm", default="1", unit="m^3/s^2", doc="Newton's attraction; not used with a spring", above=0),
         Parameter(name="semi_major", default="1", unit="m", doc="semi-major axis", above=0),
-        Parameter(name="eccentricity", default="1/2", unit="1", doc="of the ellipse", at_least=0, at_most=1 - 2.0**-40),
+        Parameter(name="eccentricity", default="1/2", unit="1", doc="of the ellipse, below 1", at_least=0, at_most=0.999999),
         Parameter(name="stiffness", default="", unit="N/m", doc="a spring to the centre in place of gravity", above=0),
     )
 
@@ -49,8 +48,8 @@ class TwoBodyOrbit(Case):
         distance, speed, _ = _periapsis(p)
         if p.stiffness is not None:
             distance, speed = p.semi_major, distance * float(np.sqrt(p.stiffness))
-        body = Body(mass=1.0, position=(distance, 0.0, 0.0), velocity=(0.0, speed, 0.0))
-        return Scene.of([body], [CentralField(gm=p.gm) if p.stiffness is None else Spring(a=0, stiffness=p.stiffness)])
+        field = CentralField(gm=p.gm) if p.stiffness is None else Spring(a=0, stiffness=p.stiffness)
+        return Scene.of([Body(mass=1.0, position=(distance, 0.0, 0.0), velocity=(0.0, speed, 0.0))], [field])
 
     def scales(self, p: Parameters) -> Scales:
         """Distance at periapsis and tau = 1/(angular velocity there), so that L/tau is the speed there."""
@@ -59,8 +58,8 @@ class TwoBodyOrbit(Case):
 
     def quantities(self, p: Parameters) -> tuple[Quantity, ...]:
         """Place on the scale of the orbit, velocity on that of periapsis."""
-        speed = self.scales(p).speed
-        return (*(Quantity(n, "m", p.semi_major) for n in ("x", "y")), *(Quantity(n, "m/s", speed) for n in ("vx", "vy")))
+        kinds = (("", "m", p.semi_major), ("v", "m/s", self.scales(p).speed))
+        return tuple(Quantity(f"{kind}{axis}", unit, size) for kind, unit, size in kinds for axis in "xy")
 
     def observe(self, p: Parameters, trajectory: Trajectory) -> dict[str, Array]:
         """Place and velocity of body 0."""
