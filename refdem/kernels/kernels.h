@@ -166,10 +166,10 @@ int64_t refdem_particles_work(const refdem_particles *p);
 
 /* Steps of size h [s], `stride` a sample, by velocity Verlet (method 0), classical Runge-Kutta (1) or extrapolation to
  * round-off (2). out (samples, size): row 0 is the state at the start. mode (pairs), work (see above): work space.
- * event (most, 3): time [s] after the start, 1 contact or 2 release, body; events: how many. channel (samples, 4): pairs
- * that press, largest overlap [m], largest normal force [N], work lost [J]. */
+ * event (most, 3): time [s] after the start, 1 contact or 2 release, body. channel (samples, 4): pairs that press, largest
+ * overlap [m], largest normal force [N], work lost [J]. Returns the number of events kept. */
 int64_t refdem_particles_run(const refdem_particles *p, int method, double h, int64_t samples, int64_t stride, int64_t most,
-                             int64_t *mode, double *work, double *event, int64_t *events, double *channel, double *out);
+                             int64_t *mode, double *work, double *event, double *channel, double *out);
 
 /* == end == */
 #endif

@@ -18,6 +18,14 @@ typedef struct {
     double length, speed, turning, way; /* what an error is compared with */
 } runner;
 
+/* Number c of a state grows by `by`; what rounding loses is kept beside the state (Kahan 1965; Knuth's sum, TAOCP 4.2.2). */
+static inline void gain(const runner *r, const double *restrict from, int64_t c, double by, double *restrict to)
+{
+    double part = from[r->size + c] + by, sum = from[c] + part, taken = sum - from[c];
+    to[r->size + c] = (from[c] - (sum - taken)) + (part - taken);
+    to[c] = sum;
+}
+
 /* --- velocity Verlet (Swope et al. 1982): kick, drift, kick ---------------------------------------------------------- */
 
 /* Turns the unit vector s towards the slip: tan(angle/2) falls as exp(-|slip| t k_t/limit), exactly for constant slip. */
@@ -73,11 +81,12 @@ static void spin(int64_t n, const double *restrict w, double h, double *restrict
     }
 }
 
-static void kick(const refdem_particles *p, const double *restrict from, const double *restrict dy, double h, double *restrict to)
+/* Velocities and turning rates. */
+static void kick(const runner *r, const double *restrict from, const double *restrict dy, double h, double *restrict to)
 {
-    int64_t end = p->turning ? 9 * p->bodies : 6 * p->bodies;
-    for (int64_t c = 3 * p->bodies; c < end; c++)
-        to[c] = from[c] + h * dy[c];
+    int64_t n = r->p->bodies;
+    for (int64_t c = 3 * n; c < (r->p->turning ? 9 * n : 6 * n); c++)
+        gain(r, from, c, h * dy[c], to);
 }
 
 /* Forces that depend on velocities get a predicted velocity and one correction, which keeps the second order. */
@@ -85,26 +94,26 @@ static int verlet(const runner *r, const double *restrict y, const double *restr
                    double *restrict rate)
 {
     const refdem_particles *p = r->p;
-    double *half = r->scratch, *normal = half + r->size;
+    double *half = r->scratch, *normal = half + 2 * r->size;
     int rubs = p->friction > 0.0, lags = p->damping > 0.0 || rubs;
-    memcpy(out, y, (size_t)r->size * sizeof *y);
-    kick(p, y, dy, 0.5 * h, out);
+    memcpy(out, y, 2 * (size_t)r->size * sizeof *y);
+    kick(r, y, dy, 0.5 * h, out);
     if (rubs)
         stretch(r, out, 0.5 * h, normal, 0);
     for (int64_t c = 0; c < 3 * p->bodies; c++)
-        out[c] += h * out[3 * p->bodies + c];
+        gain(r, y, c, h * out[3 * p->bodies + c], out);
     if (p->turning)
         spin(p->bodies, out + spin_at(p), h, out + 9 * p->bodies);
     if (rubs)
         stretch(r, out, 0.5 * h, normal, 1);
-    memcpy(half, out, (size_t)r->size * sizeof *y);
+    memcpy(half, out, 2 * (size_t)r->size * sizeof *y);
     if (lags) {
-        kick(p, half, dy, 0.5 * h, out);
+        kick(r, half, dy, 0.5 * h, out);
         rates(p, r->mode, out, rate);
-        kick(p, half, rate, 0.5 * h, out);
+        kick(r, half, rate, 0.5 * h, out);
     }
     rates(p, r->mode, out, rate);
-    kick(p, half, rate, 0.5 * h, out);
+    kick(r, half, rate, 0.5 * h, out);
     out[work_at(p)] += 0.5 * h * (dy[work_at(p)] + rate[work_at(p)]);
     return 1;
 }
@@ -147,7 +156,7 @@ static int runge_kutta(const runner *r, const double *restrict y, const double *
         at[i] = y[i] + h * c[i];
     rates(r->p, r->mode, at, d);
     for (int64_t i = 0; i < r->size; i++)
-        out[i] = y[i] + h / 6.0 * ((dy[i] + d[i]) + 2.0 * (b[i] + c[i]));
+        gain(r, y, i, h / 6.0 * ((dy[i] + d[i]) + 2.0 * (b[i] + c[i])), out);
     settle(r, out);
     rates(r->p, r->mode, out, rate);
     return 1;
@@ -171,8 +180,8 @@ static void midpoint(const runner *r, const double *restrict y, const double *re
     }
 }
 
-/* Largest difference of two rows in units of each block's scale; the springs' unit is a length or, where they slip, 1. */
-static double gap(const runner *r, const double *restrict a, const double *restrict b)
+/* Largest difference of two rows in units of each block's scale; the direction of a slipping spring counts as its force does. */
+static double gap(const runner *r, const double *restrict end, const double *restrict a, const double *restrict b)
 {
     const refdem_particles *p = r->p;
     int64_t n = p->bodies;
@@ -181,10 +190,13 @@ static double gap(const runner *r, const double *restrict a, const double *restr
         double scale = i < 3 * n ? r->length : i < 6 * n ? r->speed : i < 9 * n ? r->turning : 1.0;
         worst = fmax(worst, fabs(a[i] - b[i]) / scale);
     }
-    for (int64_t i = history_at(p); i < work_at(p); i++) {
-        int64_t mode = r->mode[(i - history_at(p)) / 3];
-        if (mode == SLIP || (mode == STICK && p->tangential_stiffness > 0.0))
-            worst = fmax(worst, fabs(a[i] - b[i]) / (mode == SLIP ? 1.0 : r->way));
+    for (int64_t k = 0; p->friction > 0.0 && p->tangential_stiffness > 0.0 && k < p->pairs; k++) {
+        if (r->mode[k] < STICK)
+            continue;
+        meeting m = meet(p, k, end);
+        double strain = m.normal / (p->stiffness * p->radius[m.i]), unit = r->mode[k] == STICK ? r->way : 1e-3 / strain;
+        for (int64_t i = history_at(p) + 3 * k; i < history_at(p) + 3 * k + 3; i++)
+            worst = fmax(worst, fabs(a[i] - b[i]) / fmax(fabs(unit), r->mode[k] == STICK ? 0.0 : 1.0));
     }
     return worst;
 }
@@ -225,36 +237,24 @@ static int extrapolated(const runner *r, const double *restrict y, const double 
             for (int64_t i = 0; i < r->size; i++)
                 older[i] = newer[i] + (newer[i] - older[i]) * factor;
         }
-        if (j >= 3 && gap(r, table, table + r->size) < 1e-15) {
-            for (int64_t i = 0; i < r->size; i++)
-                out[i] = y[i] + table[i];
+        if (j < 3)
+            continue;
+        for (int64_t i = 0; i < r->size; i++)
+            gain(r, y, i, table[i], out);
+        if (gap(r, out, table, table + r->size) < 1e-15)
             return 1;
-        }
     }
     return 0;
 }
 
-/* Bulirsch and Stoer 1966: one step, or 2, 4, ... equal parts of it. */
+/* Bulirsch and Stoer 1966; 0 if the step is too long. */
 static int extrapolation(const runner *r, const double *restrict y, const double *restrict dy, double h, double *restrict out,
-                          double *restrict rate)
+                         double *restrict rate)
 {
-    double *from = r->scratch + (COLUMNS + 3) * r->size;
-    for (int parts = 1; parts <= 256; parts *= 2) {
-        int held = 1;
-        memcpy(from, y, (size_t)r->size * sizeof *y);
-        memcpy(rate, dy, (size_t)r->size * sizeof *y);
-        for (int k = 0; k < parts && held; k++) {
-            held = extrapolated(r, from, rate, h / parts, out);
-            if (!held)
-                break;
-            settle(r, out);
-            rates(r->p, r->mode, out, rate);
-            memcpy(from, out, (size_t)r->size * sizeof *y);
-        }
-        if (held)
-            return 1;
-    }
-    return 0;
+    int held = extrapolated(r, y, dy, h, out);
+    settle(r, out);
+    rates(r->p, r->mode, out, rate);
+    return held;
 }
 
 static int step(const runner *r, const double *restrict y, const double *restrict dy, double h, double *restrict out,
@@ -309,10 +309,13 @@ static int64_t pressing(const refdem_particles *p, int64_t k, double *restrict y
         return FREE;
     meeting m = meet(p, k, y);
     double *s = y + history_at(p) + 3 * k, fast = size(m.slip), stiffness = p->tangential_stiffness;
-    int slides = stiffness > 0.0 ? m.limit == 0.0 && fast * stiffness > p->friction * p->stiffness * m.rate : fast > 0.0;
+    double least = 1e-13 * p->stiffness * p->radius[m.i];
+    int slides = fast > least_slip(p, &m);
+    if (stiffness > 0.0)
+        slides = fabs(m.normal) <= least && fast * stiffness > p->friction * p->stiffness * m.rate;
     for (int c = 0; c < 3; c++)
         s[c] = slides ? m.slip[c] / fast : 0.0;
-    return m.normal < 0.0 ? FREE : slides ? SLIP : STICK;
+    return m.normal < -least ? FREE : slides ? SLIP : STICK;
 }
 
 /* The mode of pair k after it has left its own through one of the guards. */
@@ -360,7 +363,7 @@ typedef struct {
     int64_t most, events;
 } course;
 
-static const double SLACK = 1e-15;
+static const double SLACK = 1e-15, SHORTEST = 1e-6;
 
 /* Fraction of the step at which a guard that fails at its end becomes zero (Illinois rule; Dowell and Jarratt 1971). */
 static double crossing(const runner *r, course *c, int64_t k, int kind, double h, double last)
@@ -374,8 +377,7 @@ static double crossing(const runner *r, course *c, int64_t k, int kind, double h
         found = fmin(fmax(found, low + 1e-16 * high), high);
         if (tries > 40)
             found = 0.5 * (low + high);
-        if (!step(r, c->y, c->dy, found * h, c->next, c->rate))
-            return found;
+        step(r, c->y, c->dy, found * h, c->next, c->rate);
         double value = guard(r, k, kind, c->next, c->rate);
         if (value == 0.0 || found == high || found == low)
             break;
@@ -432,36 +434,45 @@ static void accept(const runner *r, course *c)
             continue;
         meeting m = meet(p, k, c->y);
         double fast = size(m.slip);
-        for (int i = 0; fast > 0.0 && i < 3; i++)
+        for (int i = 0; fast > least_slip(p, &m) && i < 3; i++)
             c->y[history_at(p) + 3 * k + i] = m.slip[i] / fast;
     }
 }
 
-static int advance(runner *r, course *c, double t, double h)
+/* The mode that pair k changes to, at time t. */
+static void change(runner *r, course *c, int64_t k, int kind, double t)
 {
-    double left = h, fraction = 0.0;
+    int64_t before = r->mode[k], now = next_mode(r, k, kind, c->y, c->dy);
+    r->mode[k] = now;
+    meeting m = meet(r->p, k, c->y);
+    if (before == PARTED || now == PARTED) /* what the spring still holds when the force ends is lost */
+        c->y[work_at(r->p)] += (now == PARTED ? 0.5 : -0.5) * r->p->stiffness * m.overlap * m.overlap;
+    if ((before >= FREE) != (now >= FREE))
+        note(c, t, now >= FREE ? 1.0 : 2.0, (double)r->p->pair[2 * k]);
+    rates(r->p, r->mode, c->y, c->dy);
+}
+
+/* One step of size h from time t, cut at events, and halved where extrapolation needs that. */
+static void advance(runner *r, course *c, double t, double h)
+{
+    double left = h, piece = h, fraction = 0.0;
     int64_t pair = 0;
     int kind = 0;
-    for (int events = 0;; events++) {
-        if (!step(r, c->y, c->dy, left, c->next, c->rate))
-            return 0;
-        if (r->p->pairs == 0 || events == MOST_EVENTS || !leaving(r, c, left, &fraction, &pair, &kind)) {
+    for (int events = 0; left != 0.0; piece = left) {
+        while (!step(r, c->y, c->dy, piece, c->next, c->rate) && fabs(piece) > SHORTEST * fabs(h))
+            piece *= 0.5;
+        if (r->p->pairs == 0 || events == MOST_EVENTS || !leaving(r, c, piece, &fraction, &pair, &kind)) {
             accept(r, c);
-            return 1;
+            left -= piece;
+            continue;
         }
         if (fraction > 0.0) {
-            if (!step(r, c->y, c->dy, fraction * left, c->next, c->rate))
-                return 0;
+            step(r, c->y, c->dy, fraction * piece, c->next, c->rate);
             accept(r, c);
-            left -= fraction * left;
+            left -= fraction * piece;
         }
-        int64_t before = r->mode[pair], now = next_mode(r, pair, kind, c->y, c->dy);
-        r->mode[pair] = now;
-        if ((before >= FREE) != (now >= FREE))
-            note(c, t + (h - left), now >= FREE ? 1.0 : 2.0, (double)r->p->pair[2 * pair]);
-        rates(r->p, r->mode, c->y, c->dy);
-        if (left == 0.0)
-            return 1;
+        events++;
+        change(r, c, pair, kind, t + (h - left));
     }
 }
 
@@ -476,6 +487,8 @@ static void observe(const runner *r, const double *restrict y, double *restrict 
     for (int64_t k = 0; k < p->pairs; k++) {
         meeting m = meet(p, k, y);
         channel[1] = fmax(channel[1], m.overlap);
+        if (r->mode[k] == PARTED)
+            channel[3] -= 0.5 * p->stiffness * m.overlap * m.overlap;
         if (r->mode[k] < FREE)
             continue;
         channel[0] += 1.0;
@@ -495,15 +508,16 @@ int64_t refdem_particles_size(const refdem_particles *p)
 
 int64_t refdem_particles_work(const refdem_particles *p)
 {
-    return (COLUMNS + 9) * refdem_particles_size(p);
+    return (COLUMNS + 12) * refdem_particles_size(p);
 }
 
 int64_t refdem_particles_run(const refdem_particles *p, int method, double h, int64_t samples, int64_t stride, int64_t most,
-                             int64_t *mode, double *work, double *event, int64_t *events, double *channel, double *out)
+                             int64_t *mode, double *work, double *event, double *channel, double *out)
 {
     int64_t size = refdem_particles_size(p);
-    runner r = {.p = p, .method = method, .size = size, .mode = mode, .scratch = work + 4 * size};
-    course c = {work, work + size, work + 2 * size, work + 3 * size, event, most, 0};
+    runner r = {.p = p, .method = method, .size = size, .mode = mode, .scratch = work + 6 * size};
+    course c = {work, work + 2 * size, work + 3 * size, work + 5 * size, event, most, 0};
+    memset(c.y, 0, 2 * (size_t)size * sizeof *out);
     memcpy(c.y, out, (size_t)size * sizeof *out);
     for (int64_t k = 0; k < p->pairs; k++)
         mode[k] = first_mode(p, k, h, c.y);
@@ -513,12 +527,10 @@ int64_t refdem_particles_run(const refdem_particles *p, int method, double h, in
         for (int64_t j = 0; j < stride; j++) {
             if (method == EXTRAPOLATION)
                 measure(&r, c.y, c.dy, h);
-            if (!advance(&r, &c, (double)((row - 1) * stride + j) * h, h))
-                return row + 1;
+            advance(&r, &c, (double)((row - 1) * stride + j) * h, h);
         }
         memcpy(out + row * size, c.y, (size_t)size * sizeof *out);
         observe(&r, c.y, channel + 4 * row);
     }
-    *events = c.events;
-    return 0;
+    return c.events;
 }

@@ -19,7 +19,7 @@ enum { APART, PARTED, FREE, STICK, SLIP };
 typedef struct {
     int64_t i, j;
     double n[3], turn[3], w[3], slip[3]; /* normal and its rate, velocity of i against j, slip */
-    double overlap, rate, normal, limit; /* d, d', F, mu max(F, 0) */
+    double overlap, rate, normal, limit; /* d, d', F, mu F (also below zero: a step may look beyond a release) */
     double arm_i, arm_j;
 } meeting;
 
@@ -93,7 +93,7 @@ static inline meeting meet(const refdem_particles *p, int64_t k, const double *r
     meeting m;
     approach(p, k, y, &m);
     m.normal = p->stiffness * m.overlap + p->damping * m.rate;
-    m.limit = p->friction * fmax(m.normal, 0.0);
+    m.limit = p->friction * m.normal;
     if (p->friction > 0.0) {
         const double *w = y + spin_at(p);
         double spin[3], turned[3];
@@ -111,6 +111,13 @@ static inline meeting meet(const refdem_particles *p, int64_t k, const double *r
 static inline double size(const double *restrict a)
 {
     return sqrt(dot(a, a));
+}
+
+/* A speed [m/s] below which slip has no direction: 1e-11 of the radius times the pair's own frequency. */
+static inline double least_slip(const refdem_particles *p, const meeting *m)
+{
+    double ease = p->ease[m->i] + (m->j < 0 ? 0.0 : p->ease[m->j]);
+    return 1e-11 * p->radius[m->i] * sqrt(p->stiffness * ease);
 }
 
 /* The force that keeps the slip at zero, from the accelerations without it: -(slip rate) / (1/m + 1/m + l^2/J + l^2/J). */
@@ -145,15 +152,22 @@ static inline void holding(const refdem_particles *p, const meeting *m, const do
 static inline void rub(const refdem_particles *p, int64_t mode, const meeting *m, const double *restrict y,
                        const double *restrict dy, const double *restrict s, double *restrict force, double *restrict rate)
 {
-    double k = p->tangential_stiffness, fast = size(m->slip), along = dot(s, m->slip), carried = dot(s, m->turn);
+    double k = p->tangential_stiffness, along = dot(s, m->slip), carried = dot(s, m->turn);
+    double least = 1e-8 * p->friction * p->stiffness * p->radius[m->i], limit = fmax(m->limit, 0.0);
+    double lean = k * limit / (limit * limit + least * least); /* k/limit, but finite where the force vanishes */
+    double towards[3] = {s[0], s[1], s[2]}, unit = 1.0;
+    if (k == 0.0 && mode == SLIP) {
+        for (int c = 0; c < 3; c++)
+            towards[c] = m->slip[c] + least_slip(p, m) * s[c];
+        unit = size(towards);
+    }
     for (int c = 0; c < 3; c++) {
-        double direction = k == 0.0 && fast > 0.0 ? m->slip[c] / fast : s[c];
-        force[c] = mode == STICK ? -k * s[c] : mode == SLIP ? -m->limit * direction : 0.0;
+        force[c] = mode == STICK ? -k * s[c] : mode == SLIP ? -m->limit * (towards[c] / unit) : 0.0;
         rate[c] = 0.0;
         if (k > 0.0 && mode == STICK)
             rate[c] = m->slip[c] - carried * m->n[c];
         if (k > 0.0 && mode == SLIP)
-            rate[c] = (m->limit > 0.0 ? (m->slip[c] - along * s[c]) * (k / m->limit) : 0.0) - carried * m->n[c];
+            rate[c] = (m->slip[c] - along * s[c]) * lean - carried * m->n[c];
     }
     if (k == 0.0 && mode == STICK) {
         holding(p, m, y, dy, force);

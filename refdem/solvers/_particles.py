@@ -9,7 +9,6 @@ from numpy.typing import NDArray
 from refdem import kernels
 from refdem.core.problem import Motion, Request
 from refdem.core.trajectory import Cost, Event, Trajectory
-from refdem.errors import EngineError
 from refdem.scene import Point, Polyhedron, Scene
 from refdem.scene.element import Element
 from refdem.scene.elements.central_field import CentralField
@@ -143,20 +142,19 @@ def run(request: Request, step: float, stride: int) -> tuple[Trajectory, Cost]:
     size = kernel.lib.refdem_particles_size(packed.struct)
     out, channel = np.zeros((len(times), size)), np.zeros((len(times), 4))
     work, mode = np.zeros(kernel.lib.refdem_particles_work(packed.struct)), np.zeros(max(1, len(packed.pairs)), np.int64)
-    event, events = np.zeros((1024, 3)), kernel.ffi.new("int64_t *")
+    event = np.zeros((1024, 3))
     out[0] = packed.start(scene, size)
     buffers = (kernels.pointer(FAMILY, a, output=True) for a in (work, event, channel, out))
     work_at, event_at, channel_at, out_at = buffers
     modes = kernel.ffi.from_buffer("int64_t[]", mode)
     started = perf_counter()
-    failed = kernel.lib.refdem_particles_run(
-        packed.struct, METHODS[request.method], step, len(times), stride, len(event), modes, work_at, event_at, events, channel_at, out_at
+    method = METHODS[request.method]
+    events = kernel.lib.refdem_particles_run(
+        packed.struct, method, step, len(times), stride, len(event), modes, work_at, event_at, channel_at, out_at
     )
     seconds = perf_counter() - started
-    if failed:
-        raise EngineError(f"reference {request.method}: extrapolation does not converge before sample {failed - 1}")
     cost = Cost(seconds=seconds, setup=started - begun, steps=stride * (len(times) - 1))
-    return _trajectory(scene, times, packed, out, channel, event[: events[0]]), cost
+    return _trajectory(scene, times, packed, out, channel, event[:events]), cost
 
 
 def _trajectory(scene: Scene, times: Array, packed: Packed, out: Array, channel: Array, event: Array) -> Trajectory:
