@@ -1,5 +1,7 @@
 """What MuJoCo cannot say, read off the scene's content: None, or the missing feature in a few words."""
 
+from itertools import islice
+
 import numpy as np
 
 from refdem.core.problem import Motion
@@ -97,8 +99,8 @@ def _of_contact(scene: Scene) -> str | None:
     if law.friction > 0:
         return "no tangential contact spring with a Coulomb limit: its friction is a velocity constraint"
     if law.damping > 0 and law.cutoff == "zero_overlap":
-        return "its contact cannot pull, so that the force ends before the overlap does"
-    if len(pairs(scene)) > 1:
+        return "no contact force that pulls: it ends when it would, before the overlap does"
+    if len(list(islice(pairs(scene), 2))) > 1:
         return "a linear contact law holds for one pair only: where contacts share a body they change each other"
     if scene.elements and {e.kind for e in scene.elements} - {"contact", "plane"}:
         return "its linear contact law holds in the absence of other forces only"

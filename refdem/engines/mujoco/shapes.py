@@ -1,5 +1,7 @@
 """Shapes that meet: spheres, boxes and planes as geoms, and which pairs of them there are."""
 
+from collections.abc import Iterator
+from itertools import chain, combinations
 from typing import Any
 
 import numpy as np
@@ -20,14 +22,15 @@ def box_sides(shape: Polyhedron) -> Array | None:
     return 2 * half if is_box else None
 
 
-def pairs(scene: Scene) -> list[float]:
-    """The effective mass [kg] of every pair of shapes that may meet, planes included."""
+def pairs(scene: Scene) -> Iterator[float]:
+    """The effective mass [kg] of each pair of shapes that may meet, planes included."""
     bodies = scene.bodies
     inverse = np.where(bodies.fixed, 0.0, 1 / bodies.mass)
     shaped = [n for n, shape in enumerate(bodies.shape) if not isinstance(shape, Point)]
-    sums = [inverse[i] + inverse[j] for k, i in enumerate(shaped) for j in shaped[k + 1 :]]
-    sums += [inverse[i] for i in shaped for _ in scene.all(Plane)]
-    return [1 / total for total in sums if total > 0]
+    with_planes = (inverse[i] for i in shaped for _ in scene.all(Plane))
+    for total in chain((inverse[i] + inverse[j] for i, j in combinations(shaped, 2)), with_planes):
+        if total > 0:
+            yield 1 / total
 
 
 def add_shape(mujoco: Any, said: Any, shape: Any, contact: dict[str, Any]) -> None:

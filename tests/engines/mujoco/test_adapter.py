@@ -45,7 +45,7 @@ REFUSED = {
     "rod that is being stretched": ([Body(mass=1.0, position=(1.0, 0, 0), velocity=(1.0, 0, 0))], [Rod(a=0, length=1.0)], "off the rod"),
     "spring on a pendulum": ([POINT], [Rod(a=0, length=1.0), Spring(a=0, stiffness=1.0)], "hangs on a rod"),
     "tangential spring": ([ball(-0.5), ball(0.5)], [Contact(**SOFT, friction=0.5, tangential_stiffness=50.0)], "tangential"),
-    "contact that pulls": ([ball(-0.5), ball(0.5)], [Contact(**SOFT, damping=1.0)], "cannot pull"),
+    "contact that pulls": ([ball(-0.5), ball(0.5)], [Contact(**SOFT, damping=1.0)], "that pulls"),
     "soft pairs": ([ball(-1.0), ball(0.0), ball(1.0)], [Contact(**SOFT)], "one pair only"),
     "soft pair in gravity": ([ball(-0.5), ball(0.5)], [Contact(**SOFT), DOWN], "absence of other forces"),
     "restitution": ([ball(0.0)], [Plane(point=(0.0, 0.0, -1.0)), Contact(law="rigid", restitution=0.5), DOWN], "restitution"),
