@@ -298,8 +298,7 @@ static double guard(const runner *r, int64_t k, int kind, const double *restrict
             bend += (a[3 * m.i + c] - (m.j < 0 ? 0.0 : a[3 * m.j + c])) * m.n[c];
         growth = m.normal > 0.0 ? p->friction / stiffness * (p->stiffness * m.rate + p->damping * bend) : 0.0;
     }
-    double unit = size(m.slip) + fabs(growth);
-    return unit > 0.0 ? (along - growth) / unit : 0.0;
+    return (along - growth) / (1e11 * least_slip(p, &m));
 }
 
 /* The mode of a pair that begins to press, and its spring. */

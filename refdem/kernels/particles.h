@@ -113,7 +113,7 @@ static inline double size(const double *restrict a)
     return sqrt(dot(a, a));
 }
 
-/* A speed [m/s] below which slip has no direction: 1e-11 of the radius times the pair's own frequency. */
+/* A speed [m/s] below which slip has no direction of its own: 1e-11 of the radius times the pair's own frequency. */
 static inline double least_slip(const refdem_particles *p, const meeting *m)
 {
     double ease = p->ease[m->i] + (m->j < 0 ? 0.0 : p->ease[m->j]);
@@ -155,19 +155,21 @@ static inline void rub(const refdem_particles *p, int64_t mode, const meeting *m
     double k = p->tangential_stiffness, along = dot(s, m->slip), carried = dot(s, m->turn);
     double least = 1e-8 * p->friction * p->stiffness * p->radius[m->i], limit = fmax(m->limit, 0.0);
     double lean = k * limit / (limit * limit + least * least); /* k/limit, but finite where the force vanishes */
-    double towards[3] = {s[0], s[1], s[2]}, unit = 1.0;
-    if (k == 0.0 && mode == SLIP) {
-        for (int c = 0; c < 3; c++)
-            towards[c] = m->slip[c] + least_slip(p, m) * s[c];
-        unit = size(towards);
-    }
+    double across[3], towards[3] = {s[0], s[1], s[2]}, fast = size(m->slip);
     for (int c = 0; c < 3; c++) {
-        force[c] = mode == STICK ? -k * s[c] : mode == SLIP ? -m->limit * (towards[c] / unit) : 0.0;
+        across[c] = m->slip[c] - along * s[c] / dot(s, s);
+        if (k == 0.0 && along > least_slip(p, m))
+            towards[c] = m->slip[c] / fast;
+    }
+    if (mode == SLIP && size(across) < 1e-9 * fast) /* motion in a plane: rounding must not turn the spring */
+        lean = 0.0;
+    for (int c = 0; c < 3; c++) {
+        force[c] = mode == STICK ? -k * s[c] : mode == SLIP ? -m->limit * towards[c] : 0.0;
         rate[c] = 0.0;
         if (k > 0.0 && mode == STICK)
             rate[c] = m->slip[c] - carried * m->n[c];
         if (k > 0.0 && mode == SLIP)
-            rate[c] = (m->slip[c] - along * s[c]) * lean - carried * m->n[c];
+            rate[c] = across[c] * lean - carried * m->n[c];
     }
     if (k == 0.0 && mode == STICK) {
         holding(p, m, y, dy, force);
