@@ -17,13 +17,15 @@ if TYPE_CHECKING:
     from refdem.core.truth import Truth
 
 ROOT = Path(__file__).parents[1]
+DESCRIBED = "external"
+"""Not an engine of its own but the way to any program that has a refdem.toml."""
 
 
 def _names(folder: str) -> Iterator[str]:
     """Module names in refdem/<folder>: files and small folders; underscores mark private ones."""
     for path in sorted((ROOT / folder).iterdir()):
         is_module = path.suffix == ".py" or (path / "__init__.py").exists()
-        if is_module and not path.name.startswith("_"):
+        if is_module and not path.name.startswith("_") and path.stem != DESCRIBED:
             yield path.stem
 
 
@@ -63,7 +65,7 @@ def check(name: str) -> "Check":
 def engine(name: str) -> "Engine":
     """The engine of that name, or the program that the refdem.toml at that path describes; the engine itself is not imported."""
     if name.endswith(".toml"):
-        program: Engine = import_module("refdem.engines.external").load(Path(name))
+        program: Engine = import_module(f"refdem.engines.{DESCRIBED}").load(Path(name))
         return program
     found: Engine = _load("engines", "ENGINE", name)
     return found

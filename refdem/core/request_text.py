@@ -1,0 +1,30 @@
+"""A request as lines of `key value`, so that a program in C or Fortran needs no JSON reader."""
+
+from typing import Any
+
+import msgspec
+
+from refdem.core.problem import Request
+
+
+def request_text(request: Request) -> str:
+    """Lines `scene.bodies.0.mass 1.0`: indices from 0, numbers with 17 digits, true/false as 1/0, null left out.
+
+    Every list also has its length as `<key>.count`; an attitude and other vectors are lists of numbers.
+    """
+    return "".join(f"{key} {value}\n" for key, value in _lines("", msgspec.to_builtins(msgspec.json.decode(request.to_json()))))
+
+
+def _lines(key: str, value: Any) -> list[tuple[str, str]]:
+    """Key and value of every leaf."""
+    prefix = f"{key}." if key else ""
+    if isinstance(value, dict):
+        return [line for name, part in value.items() for line in _lines(f"{prefix}{name}", part)]
+    if isinstance(value, list):
+        lines = [(f"{prefix}count", str(len(value)))]
+        return lines + [line for n, part in enumerate(value) for line in _lines(f"{prefix}{n}", part)]
+    if value is None:
+        return []
+    if isinstance(value, bool):
+        return [(key, str(int(value)))]
+    return [(key, f"{value:.17g}" if isinstance(value, float) else str(value))]

@@ -1,0 +1,82 @@
+"""Any program that a refdem.toml describes: requests go in as files, trajectories come back as files."""
+
+import hashlib
+from functools import cached_property
+from pathlib import Path
+
+from refdem.core import fingerprint
+from refdem.core.engine import Engine, Method
+from refdem.core.problem import Motion, Request
+from refdem.core.trajectory import Cost, Trajectory
+from refdem.engines.external.description import Description, read
+from refdem.engines.external.program import Program
+
+IMPLIED = {
+    "contact",
+    "contact:damping",
+    "contact:friction",
+    "constraint",
+    "tumbling",
+    "shape:sphere",
+    "dimension:1",
+    "dimension:2",
+    "dimension:3",
+}
+"""Features that come with others which a program names: a law, a rod, rotation."""
+
+
+class External(Engine):
+    """The program described by the refdem.toml at `path`."""
+
+    licence = "its own"
+
+    def __init__(self, path: Path) -> None:
+        self.path = path.resolve()
+        self.description: Description = read(self.path)
+        table = self.description.engine
+        self.name = self.title = table.name
+        staggered = table.velocity_time != "synchronous"
+        self.methods = tuple(method.method(table.precision, staggered=staggered) for method in table.methods)
+        self.program = Program(table, self.path.parent)
+
+    @property
+    def address(self) -> str:
+        """The path of its refdem.toml."""
+        return str(self.path)
+
+    def missing(self) -> str | None:
+        """None if the program is there, else what to do."""
+        return self.program.missing()
+
+    @cached_property
+    def _version(self) -> str:
+        return self.program.version()
+
+    def version(self) -> str:
+        """What its version command prints, or part of the digest of its files."""
+        return self._version or f"files {self.fingerprint(self.methods[0])[:12]}"
+
+    def fingerprint(self, method: Method) -> str:
+        """sha256 of refdem.toml, every file that the command names, every file that `inputs` matches, and the machine."""
+        digest = hashlib.sha256(fingerprint.of_files([self.path]).encode())
+        for file in self.program.files():
+            digest.update(f"{file}\0{fingerprint.of_files([file])}".encode())
+        source = fingerprint.of_source("engines/external", "core/request_text.py", "core/trajectory_csv.py", "scene")
+        digest.update(f"{source}\0{fingerprint.of_machine()}".encode())
+        return digest.hexdigest()
+
+    def refusal(self, problem: Motion, method: Method) -> str | None:
+        """None, or the feature of the scene that `supports` does not name."""
+        if problem.interval < 0 and not method.backward:
+            return "negative steps"
+        lacking = sorted(problem.scene.features - IMPLIED - set(self.description.engine.supports))
+        return f"{', '.join(lacking)} (not in `supports` of {self.path.name})" if lacking else None
+
+    def run(self, request: Request) -> tuple[Trajectory, Cost]:
+        """One run in an empty folder of its own."""
+        return self.program.run(request)
+
+
+def load(path: Path) -> External:
+    """The program that a refdem.toml describes; raises UsageError if the file is not well formed."""
+    return External(path)
