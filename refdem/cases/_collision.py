@@ -4,6 +4,7 @@ import numpy as np
 
 from refdem.core.parameters import Parameter, Parameters
 from refdem.core.quantity import Scales
+from refdem.errors import UsageError
 from refdem.scene import Body, Scene, Sphere
 from refdem.scene.elements.contact import Contact
 
@@ -38,6 +39,16 @@ def duration(p: Parameters) -> float | None:
     if b == w0:
         return float(2 / w0)
     return float(2 * np.arccos(b / w0) / w) if b < w0 else float(np.log((b + w) / (b - w)) / w)
+
+
+def refuse(p: Parameters) -> None:
+    """Raises UsageError for spheres so soft or so fast that their centres could meet."""
+    deepest = p.closing_speed * np.sqrt(effective_mass(p) / p.stiffness)
+    if deepest >= p.radii.sum():
+        raise UsageError(
+            f"parameter closing_speed: got {p.closing_speed:g} m/s, which lets the overlap reach {deepest:g} m; "
+            f"expected it below the sum of the radii {p.radii.sum():g} m: take stiffer, slower or larger spheres"
+        )
 
 
 def scene(p: Parameters) -> Scene:

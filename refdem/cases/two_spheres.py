@@ -30,6 +30,10 @@ class TwoSpheres(Case):
     source = "mechanics chapter, section 1.7.4; Schwager and Poeschel 2007 for the force that must not pull"
     parameters = _collision.PARAMETERS
 
+    def refuse(self, p: Parameters) -> None:
+        """Raises UsageError for spheres whose centres could meet."""
+        _collision.refuse(p)
+
     def scene(self, p: Parameters) -> Scene:
         """Two spheres that touch."""
         return _collision.scene(p)

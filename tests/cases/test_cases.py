@@ -72,6 +72,7 @@ REFUSED = [
     ("two-body-orbit", {"eccentricity": "1"}, "eccentricity"),
     ("two-body-orbit", {"stiffness": "0"}, "stiffness"),
     ("two-spheres", {"angle": "1.6"}, "angle"),
+    ("two-spheres", {"closing_speed": "16"}, "closing_speed"),
     ("two-spheres", {"branch": "R+d"}, "branch"),
     ("two-spheres", {"masses": "1,1,1"}, "masses"),
     ("newtons-first-law", {"member": "sphere"}, "member"),
