@@ -44,6 +44,16 @@ def test_a_turned_body_with_three_moments_tumbles_as_eulers_equations_say(played
     np.testing.assert_allclose(run.position[-1, 0], [2.0, -4.0, 1.0], atol=1e-12)
 
 
+@pytest.mark.parametrize(("method", "order", "powers"), [("rk4", 4, (4, 5, 6)), ("euler", 1, (9, 10)), ("implicitfast", 1, (9, 10))])
+def test_the_attitude_of_a_tumbling_body_converges_at_the_order_claimed(played, method, order, powers):
+    """Fourth order since 4.0.0; second before."""
+    scene = Scene.of([Body(mass=2.0, inertia=tuple(INERTIA), attitude=TURNED, omega=(0.9, 1.1, -1.3))])
+    right, _ = tumbled(2.0, 2000, np.array([0.9, 1.1, -1.3]))
+    runs = (played(scene, step=2.0**-k, method=method)[0] for k in powers)
+    off = np.array([np.abs(matrix(run.attitude[-1, 0]) - right).max() for run in runs])
+    np.testing.assert_allclose(np.log2(off[:-1] / off[1:]), order, atol=0.15)
+
+
 def errors(played, scene, truth, method, powers):
     """Largest error of x at the end for steps 2**-power."""
     return np.array([np.abs(played(scene, step=2.0**-k, method=method)[0].position[-1, 0, 0] - truth) for k in powers])
