@@ -12,8 +12,8 @@ if TYPE_CHECKING:
 
 def write_records(folder: Path, sheets: "Iterable[Sheet]") -> None:
     """Writes `records.jsonl`, a sheet a line; raises StoreError."""
-    from refdem.report.records import RECORDS, lines
     from refdem.report.files import written
+    from refdem.report.records import RECORDS, lines
 
     written(Path(folder) / RECORDS, lines(sheets))
 

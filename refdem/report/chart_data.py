@@ -36,7 +36,7 @@ def errors(contents: Contents, rows: Sequence[Row]) -> ChartData | None:
          "error": rounded(level.error), "bound": rounded(level.bound)}
         for row in rows for level in row.levels
     ]  # fmt: skip
-    return _chart("errors", contents, (row.record for row in rows), found, ("error", "bound"), [WORST, *sorted({r.quantity for r in rows} - {WORST})])
+    return _chart("errors", contents, (row.record for row in rows), found, ("error", "bound"), _quantities(rows))
 
 
 def costs(contents: Contents, rows: Sequence[Row]) -> ChartData | None:
@@ -45,7 +45,11 @@ def costs(contents: Contents, rows: Sequence[Row]) -> ChartData | None:
         {"series": row.series, "quantity": row.quantity, "seconds": rounded(level.seconds), "error": rounded(level.error)}
         for row in rows for level in row.levels if level.seconds > 0
     ]  # fmt: skip
-    return _chart("costs", contents, (row.record for row in rows), found, ("error",), [WORST, *sorted({r.quantity for r in rows} - {WORST})])
+    return _chart("costs", contents, (row.record for row in rows), found, ("error",), _quantities(rows))
+
+
+def _quantities(rows: Sequence[Row]) -> list[str]:
+    return [WORST, *sorted({row.quantity for row in rows} - {WORST})]
 
 
 def overview(contents: Contents, rows: Sequence[Row]) -> ChartData | None:
@@ -68,8 +72,8 @@ def drifts(contents: Contents, label: str) -> ChartData | None:
     """Curves over time of every finding that has one, chosen by check and quantity."""
     curves = [(record, f) for record in contents.of(label) for f in record.findings if f.series is not None and f.series.t]
     found = [point for record, finding in curves for point in _points(record, finding)]
-    order = sorted(curves, key=lambda pair: (WORST_FIRST.index(pair[1].outcome), pair[1].check != "energy", pair[1].check, pair[1].quantity))
-    choices = list(dict.fromkeys(_choice(finding) for _, finding in order))
+    order = sorted((WORST_FIRST.index(f.outcome), f.check != "energy", _choice(f)) for _, f in curves)
+    choices = list(dict.fromkeys(choice for *_, choice in order))
     return _chart("drifts", contents, [record for record, _ in curves], found, ("value", "bound"), choices)
 
 

@@ -3,36 +3,50 @@
 from typing import Any
 
 import altair as alt
+from altair.utils.schemapi import debug_mode
 
 from refdem.report.chart_data import ChartData
 
-WIDTH, HEIGHT = 460, 320
+WIDTH, HEIGHT, SIDE = 460, 300, 110
+STEP_AXIS = alt.Axis(format="~e", tickCount=5, labelOverlap=True)
 
 
 def specification(data: ChartData) -> dict[str, Any]:
-    """The Vega-Lite specification of a chart."""
-    chart = {"errors": _errors, "costs": _costs, "drifts": _drifts, "overview": _overview}[data.kind](data)
-    spec: dict[str, Any] = chart.properties(background="transparent").to_dict(validate=False)
+    """The Vega-Lite specification of a chart; Altair's validation, half of the time, is left to the tests."""
+    with debug_mode(False):
+        chart = {"errors": _errors, "costs": _costs, "drifts": _drifts, "overview": _overview}[data.kind](data)
+        spec: dict[str, Any] = chart.to_dict(validate=False)
     return spec
 
 
-def _values(data: ChartData, **types: str) -> alt.InlineData:
-    return alt.InlineData(values=data.csv, format=alt.CsvDataFormat(type="csv", parse=types))
+def _chart(data: ChartData, **types: str) -> Any:
+    """A chart of the rows, without marks."""
+    return alt.Chart(alt.InlineData(values=data.csv, format=alt.CsvDataFormat(type="csv", parse=types)))
 
 
-def _log(name: str, title: str, data: ChartData) -> alt.Y:
+def _log(name: str, title: str, data: ChartData, ticks: int = 8, *, labels: bool = True) -> alt.Y:
     """A logarithmic axis from the chart's floor up."""
-    scale = alt.Scale(type="log", domainMin=data.numbers[0], nice=False)
-    return alt.Y(f"{name}:Q", title=title, scale=scale, axis=alt.Axis(format=".0e", tickCount=8))
+    axis = alt.Axis(format=".0e", tickCount=ticks, labelOverlap=True, labels=labels, ticks=labels)
+    return alt.Y(f"{name}:Q", title=title, scale=alt.Scale(type="log", domainMin=data.numbers[0], nice=False), axis=axis)
 
 
-def _encodings(data: ChartData) -> dict[str, Any]:
+def _log_x(name: str, title: str) -> alt.X:
+    """A logarithmic axis with room on both sides."""
+    return alt.X(f"{name}:Q", title=title, scale=alt.Scale(type="log", nice=False, padding=14), axis=STEP_AXIS)
+
+
+def _style(data: ChartData) -> tuple[alt.Color, alt.Shape]:
     """Colour and shape of a series, joined in one legend."""
     names, colours, shapes = (list(column) for column in zip(*data.styles, strict=True))
-    return {
-        "color": alt.Color("series:N", title="engine, method", scale=alt.Scale(domain=names, range=colours)),
-        "shape": alt.Shape("series:N", title="engine, method", scale=alt.Scale(domain=names, range=shapes)),
-    }
+    legend = alt.Legend(orient="bottom", columns=3, symbolOpacity=1)
+    return (
+        alt.Color("series:N", title=None, scale=alt.Scale(domain=names, range=colours), legend=legend),
+        alt.Shape("series:N", title=None, scale=alt.Scale(domain=names, range=shapes), legend=legend),
+    )
+
+
+def _tips(*names: str) -> list[alt.Tooltip]:
+    return [alt.Tooltip(f"{name}:N") for name in names]
 
 
 def _picked(data: ChartData, name: str) -> alt.Parameter:
@@ -40,65 +54,66 @@ def _picked(data: ChartData, name: str) -> alt.Parameter:
     return alt.param(name="pick", value=data.choices[0], bind=alt.binding_select(options=list(data.choices), name=f"{name} "))
 
 
+def _curves(base: Any, data: ChartData, x: alt.X, y: alt.Y, tips: list[alt.Tooltip], *, bound: str = "", size: int = 50) -> Any:
+    """Lines with points, and dashed lines for bounds."""
+    colour, shape = _style(data)
+    lines = base.mark_line(opacity=0.8, strokeWidth=1.5).encode(x=x, y=y, color=colour)
+    points = base.mark_point(filled=True, size=size, opacity=1).encode(x=x, y=y, color=colour, shape=shape, tooltip=tips)
+    if not bound:
+        return alt.layer(lines, points)
+    bounds = base.mark_line(strokeDash=[5, 4], opacity=0.7, strokeWidth=1.2).encode(x=x, y=alt.Y(f"{bound}:Q"), color=colour)
+    return alt.layer(bounds, lines, points)
+
+
 def _errors(data: ChartData) -> Any:
-    pick = _picked(data, "quantity")
-    base = alt.Chart(_values(data, level="number", shown_error="number", shown_bound="number")).transform_filter("datum.quantity == pick")
-    style = _encodings(data)
-    tips = [alt.Tooltip(f"{name}:N") for name in ("series", "quantity", "level", "error", "bound")]
-    y = _log("shown_error", "largest error / scale", data)
-
-    def panel(control: str, title: str, width: int) -> alt.LayerChart:
-        chosen = base.transform_filter(f"datum.control == '{control}'")
-        x = alt.X("level:Q", title=title, scale=alt.Scale(type="log", padding=12), axis=alt.Axis(format="~e", tickCount=6))
-        lines = chosen.mark_line(opacity=0.85).encode(x=x, y=y, color=style["color"])
-        points = chosen.mark_point(filled=True, size=55, opacity=1).encode(x=x, y=y, tooltip=tips, **style)
-        bounds = chosen.mark_line(strokeDash=[5, 4], opacity=0.6).encode(x=x, y=alt.Y("shown_bound:Q"), color=style["color"])
-        return alt.layer(bounds, lines, points).properties(width=width, height=HEIGHT)
-
+    """Panels for step, tolerance and exact methods, with one axis of errors."""
+    base = _chart(data, level="number", shown_error="number", shown_bound="number").transform_filter("datum.quantity == pick")
+    tips = _tips("series", "quantity", "level", "error", "bound")
+    kinds = [kind for kind in ("step", "tolerance", "exact") if f",{kind}," in data.csv]
     panels = []
-    if ",step," in data.csv:
-        panels.append(panel("step", "step [s]; dashed: the bound", WIDTH))
-    if ",tolerance," in data.csv:
-        panels.append(panel("tolerance", "tolerance; dashed: the bound", WIDTH if not panels else 200))
-    if ",exact," in data.csv:
-        exact = base.transform_filter("datum.control == 'exact'").encode(x=alt.X("series:N", title="exact methods", axis=alt.Axis(labels=False)))
-        ticks = exact.mark_tick(strokeDash=[5, 4], opacity=0.6).encode(y=alt.Y("shown_bound:Q"), color=style["color"])
-        panels.append(alt.layer(ticks, exact.mark_point(filled=True, size=70, opacity=1).encode(y=y, tooltip=tips, **style)).properties(height=HEIGHT))
-    return alt.hconcat(*panels).resolve_scale(y="shared").add_params(pick)
+    for kind in kinds:
+        y = _log("shown_error", "largest error / scale", data) if not panels else _log("shown_error", "", data, labels=False)
+        chosen = base.transform_filter(f"datum.control == '{kind}'")
+        if kind == "exact":
+            panels.append(_exact(chosen, data, y, tips))
+            continue
+        x = _log_x("level", {"step": "step [s]", "tolerance": "tolerance"}[kind] + "; dashed: bound")
+        width = (WIDTH if kind == kinds[0] else 2 * SIDE) - SIDE * (len(kinds) - 1) // 2
+        panels.append(_curves(chosen, data, x, y, tips, bound="shown_bound").properties(width=width, height=HEIGHT))
+    return alt.hconcat(*panels, spacing=8).resolve_scale(y="shared").add_params(_picked(data, "quantity"))
+
+
+def _exact(chosen: Any, data: ChartData, y: alt.Y, tips: list[alt.Tooltip]) -> Any:
+    """Methods without a step, side by side; a bar for the bound."""
+    colour, shape = _style(data)
+    x = alt.X("series:N", title="exact", axis=alt.Axis(labels=False, ticks=False))
+    bars = chosen.mark_tick(thickness=1.5, opacity=0.7).encode(x=x, y=alt.Y("shown_bound:Q"), color=colour)
+    points = chosen.mark_point(filled=True, size=60, opacity=1).encode(x=x, y=y, color=colour, shape=shape, tooltip=tips)
+    return alt.layer(bars, points).properties(width=alt.Step(28), height=HEIGHT)
 
 
 def _costs(data: ChartData) -> Any:
-    pick = _picked(data, "quantity")
-    style = _encodings(data)
-    base = alt.Chart(_values(data, seconds="number", shown_error="number")).transform_filter("datum.quantity == pick")
-    x = alt.X("seconds:Q", title="seconds in the engine's loop", scale=alt.Scale(type="log", padding=12), axis=alt.Axis(format="~e", tickCount=6))
-    y = _log("shown_error", "largest error / scale", data)
-    tips = [alt.Tooltip(f"{name}:N") for name in ("series", "quantity", "seconds", "error")]
-    lines = base.mark_line(opacity=0.6).encode(x=x, y=y, color=style["color"])
-    points = base.mark_point(filled=True, size=55, opacity=1).encode(x=x, y=y, tooltip=tips, **style)
-    return alt.layer(lines, points).properties(width=WIDTH, height=HEIGHT).add_params(pick)
+    base = _chart(data, seconds="number", shown_error="number").transform_filter("datum.quantity == pick")
+    x, y = _log_x("seconds", "seconds in the engine's loop"), _log("shown_error", "largest error / scale", data)
+    curves = _curves(base, data, x, y, _tips("series", "quantity", "seconds", "error"))
+    return curves.properties(width=WIDTH, height=HEIGHT).add_params(_picked(data, "quantity"))
 
 
 def _drifts(data: ChartData) -> Any:
-    pick = _picked(data, "check")
-    style = _encodings(data)
-    base = alt.Chart(_values(data, t="number", shown_value="number", shown_bound="number")).transform_filter("datum.what == pick")
-    x = alt.X("t:Q", title="t [s]; dashed: the bound")
-    y = _log("shown_value", "value", data)
-    tips = [alt.Tooltip(f"{name}:N") for name in ("series", "what", "t", "value", "bound")]
-    bounds = base.mark_line(strokeDash=[5, 4], opacity=0.6).encode(x=x, y=alt.Y("shown_bound:Q"), color=style["color"])
-    lines = base.mark_line(strokeWidth=1, opacity=0.85).encode(x=x, y=y, color=style["color"])
-    points = base.mark_point(filled=True, size=22, opacity=1).encode(x=x, y=y, tooltip=tips, **style)
-    return alt.layer(bounds, lines, points).properties(width=WIDTH, height=HEIGHT).add_params(pick)
+    base = _chart(data, t="number", shown_value="number", shown_bound="number").transform_filter("datum.what == pick")
+    x, y = alt.X("t:Q", title="t [s]; dashed: bound", scale=alt.Scale(nice=False)), _log("shown_value", "value", data)
+    curves = _curves(base, data, x, y, _tips("series", "what", "t", "value", "bound"), bound="shown_bound", size=16)
+    return curves.properties(width=WIDTH, height=HEIGHT).add_params(_picked(data, "check"))
 
 
 def _overview(data: ChartData) -> Any:
+    """A small picture a case, on common axes."""
     names, colours, _ = (list(column) for column in zip(*data.styles, strict=True))
-    base = alt.Chart(_values(data, halvings="number", error="number"))
+    base = _chart(data, halvings="number", error="number")
     x = alt.X("halvings:Q", title="halvings of the step", axis=alt.Axis(tickMinStep=1, tickCount=5))
-    y = alt.Y("error:Q", title="error / scale", scale=alt.Scale(type="log", domainMin=data.numbers[0], nice=False), axis=alt.Axis(format=".0e", tickCount=5))
-    colour = alt.Color("engine:N", title="engine", scale=alt.Scale(domain=names, range=colours), legend=alt.Legend(orient="top"))
-    tips = [alt.Tooltip(f"{name}:N") for name in ("case", "series", "error")]
-    drawn = base.mark_line(point=alt.OverlayMarkDef(filled=True, size=22), strokeWidth=1.5).encode(x=x, y=y, color=colour, detail="series:N", tooltip=tips)
+    legend = alt.Legend(orient="top", symbolOpacity=1)
+    colour = alt.Color("engine:N", title=None, scale=alt.Scale(domain=names, range=colours), legend=legend)
+    lines = base.mark_line(point=alt.OverlayMarkDef(filled=True, size=22), strokeWidth=1.5)
+    drawn = lines.encode(x=x, y=_log("error", "error / scale", data, 4), color=colour, detail="series:N", tooltip=_tips("case", "series", "error"))
     header = alt.Header(title=None, labelFontWeight="bold", labelLimit=200)
-    return drawn.properties(width=170, height=120).facet(facet=alt.Facet("case:N", header=header), columns=4)
+    return drawn.properties(width=190, height=110).facet(facet=alt.Facet("case:N", header=header), columns=4, spacing=14)

@@ -73,8 +73,9 @@ def _bare_case(record: Record) -> CaseSheet:
 
 def _bare_engine(record: Record) -> EngineSheet:
     return EngineSheet(
-        engine=record.engine, title=record.engine, version=record.version, licence="", is_reference=record.is_reference, methods={}, audit=()
-    )
+        engine=record.engine, title=record.engine, version=record.version, licence="", is_reference=record.is_reference,
+        methods={}, audit=(),
+    )  # fmt: skip
 
 
 def page(label: str) -> str:
@@ -93,7 +94,7 @@ def _digest(text: str) -> str:
 
 
 ADVICE: dict[Outcome, str] = {
-    "fail": "A measured value lies beyond its bound. Read each failed finding below: its sentence names the quantity and the basis of the bound.",
+    "fail": "A measured value lies beyond its bound. Read each failed finding: its sentence names the quantity and the basis of the bound.",
     "error": "An engine crashed, hung or broke the contract. What it ran is unjudged: repair the engine or its adapter, then run again.",
     "stale": "An expected deviation is not needed any more: the ordinary bound holds. Delete it from the list of expected deviations.",
     "undecided": "Nothing failed, but some findings could not be decided; each says why. They are not passes.",

@@ -6,14 +6,15 @@ from xml.etree.ElementTree import Element
 
 from markupsafe import Markup
 
-ELEMENTS = frozenset(
-    "math mrow mi mn mo ms mtext mspace mfrac msqrt mroot msub msup msubsup munder mover munderover mmultiscripts "
-    "mtable mtr mtd mstyle mpadded mphantom".split()
-)
-ATTRIBUTES = frozenset(
-    "mathvariant stretchy fence separator form accent accentunder displaystyle scriptlevel columnalign rowspacing columnspacing "
-    "linethickness width height depth lspace rspace minsize maxsize symmetric largeop movablelimits".split()
-)
+ELEMENTS = {
+    "math", "mrow", "mi", "mn", "mo", "ms", "mtext", "mspace", "mfrac", "msqrt", "mroot", "msub", "msup", "msubsup", "munder", "mover",
+    "munderover", "mmultiscripts", "mtable", "mtr", "mtd", "mstyle", "mpadded", "mphantom",
+}  # fmt: skip
+ATTRIBUTES = {
+    "mathvariant", "stretchy", "fence", "separator", "form", "accent", "accentunder", "displaystyle", "scriptlevel", "columnalign",
+    "rowspacing", "columnspacing", "linethickness", "width", "height", "depth", "lspace", "rspace", "minsize", "maxsize", "symmetric",
+    "largeop", "movablelimits",
+}  # fmt: skip
 
 
 def equations(latex: str) -> list[Markup]:

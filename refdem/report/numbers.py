@@ -2,7 +2,7 @@
 
 import math
 
-ABSENT = "–"
+ABSENT = "\N{EN DASH}"
 
 
 def two(value: float | None) -> str:

@@ -10,11 +10,13 @@ from refdem.core.finding import Finding, Record, Series, Sheet
 from refdem.errors import StoreError, UsageError
 
 RECORDS = "records.jsonl"
+_DECODER: msgspec.json.Decoder[Sheet] = msgspec.json.Decoder(Sheet)
 
 
 def lines(sheets: Iterable[Sheet]) -> bytes:
-    """The sheets as JSON lines."""
-    return b"".join(msgspec.json.encode(finite(sheet)) + b"\n" for sheet in sheets)
+    """The sheets as JSON lines, the same whether they come from a campaign or from such lines: 0 is written as 0.0."""
+    decoded = (_DECODER.decode(msgspec.json.encode(finite(sheet))) for sheet in sheets)
+    return b"".join(msgspec.json.encode(sheet) + b"\n" for sheet in decoded)
 
 
 def sheets_in(folder: Path) -> list[Sheet]:
@@ -23,14 +25,14 @@ def sheets_in(folder: Path) -> list[Sheet]:
     try:
         data = path.read_bytes()
     except OSError as error:
-        raise StoreError(f"cannot read {path}: {error.strerror or error}. Expected the folder of a report; make one with `refdem run`.") from None
-    decoder: msgspec.json.Decoder[Sheet] = msgspec.json.Decoder(Sheet)
+        why = error.strerror or error
+        raise StoreError(f"cannot read {path}: {why}. Expected the folder of a report; make one with `refdem run`.") from None
     sheets = []
     for number, line in enumerate(data.splitlines(), 1):
         if not line.strip():
             continue
         try:
-            sheets.append(decoder.decode(line))
+            sheets.append(_DECODER.decode(line))
         except (msgspec.DecodeError, UnicodeDecodeError) as error:
             raise UsageError(f"{path}, line {number}: {error}. Expected one sheet of the schema of `refdem schema records`.") from None
     return sheets

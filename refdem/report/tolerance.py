@@ -87,19 +87,25 @@ def _joined(record: Record, each: list[Row]) -> Row:
     for row in each:
         for level in row.levels:
             by_level.setdefault(level.level, []).append(level)
-    levels = tuple(
-        Level(level=h, error=max(x.error for x in same), bound=min(x.bound for x in same), seconds=same[0].seconds, counts=any(x.counts for x in same))
-        for h, same in sorted(by_level.items(), reverse=True)
-    )
+    levels = tuple(_worst(by_level[h]) for h in sorted(by_level, reverse=True))
     held = [row.bound_held for row in each]
     measured = [finding for finding in record.findings if finding.check == "order" and finding.order_seen is not None]
     seen = [x for x in ([f.order_seen for f in measured] or [row.order_seen for row in each]) if x is not None]
     steps = tuple(_largest(levels, target) for target in TARGETS)
     return Row(
-        record=record, quantity=WORST, control=each[0].control, outcome=min((row.outcome for row in each), key=WORST_FIRST.index), levels=levels,
+        record=record, quantity=WORST, control=each[0].control, levels=levels,
+        outcome=min((row.outcome for row in each), key=WORST_FIRST.index),
         bound_held=None if None in held else max(x for x in held if x is not None),
         steps=steps, order_seen=min(seen, default=None), order_claimed=each[0].order_claimed,
         constant=max((row.constant for row in each if row.constant is not None), default=None), seconds=_seconds_at(levels, steps[1]),
+    )  # fmt: skip
+
+
+def _worst(same: list[Level]) -> Level:
+    """One level of all quantities: the largest error, the smallest bound."""
+    return Level(
+        level=same[0].level, error=max(x.error for x in same), bound=min(x.bound for x in same), seconds=same[0].seconds,
+        counts=any(x.counts for x in same),
     )  # fmt: skip
 
 
