@@ -1,5 +1,6 @@
 """Time reversal: on from the end with velocities flipped, or with negative steps, back to the start."""
 
+import math
 from collections.abc import Mapping
 
 import numpy as np
@@ -7,7 +8,7 @@ import numpy as np
 from refdem.core.check import Check, Outcome, Trial
 from refdem.core.finding import Finding
 from refdem.core.judgement import certified, judged, no_truth, undecided
-from refdem.core.refinement import scored
+from refdem.core.refinement import COUNTING_FLOOR, HORIZON
 from refdem.core.trajectory import Trajectory
 from refdem.core.variant import Change, Variant
 from refdem.mechanics.quaternion import angle_between
@@ -29,26 +30,31 @@ class Reversal(Check):
         return None if trial.method.complete_state else "the method's end state is not complete, so it cannot go on from there"
 
     def needs(self, trial: Trial) -> tuple[Variant, ...]:
-        """The finest level, reversed, and backward where the method can."""
+        """The finest level, reversed, and backward where the method can; the next one too where the defect has an order."""
         changes: tuple[Change, ...] = ("reversed", "backward") if trial.method.backward else ("reversed",)
-        return (trial.finest, *(Variant(trial.levels[-1], change) for change in changes))
+        coarser = trial.levels[-2:-1] if _has_order(trial) else ()
+        return (trial.finest, *(Variant(trial.levels[-1], change) for change in changes), *(Variant(h, "reversed") for h in coarser))
 
     def judge(self, trial: Trial, runs: Mapping[Variant, Outcome]) -> list[Finding]:
-        """The distance from the start, in units of each quantity's scale."""
+        """The distance from the start, in units of each quantity's scale, and how fast it falls with the step."""
         truth = certified(trial)
         if truth is None:
             return [undecided(self.name, "return", no_truth(trial))]
-        level = trial.levels[-1]
-        allowed = trial.bound(level)
-        if scored(allowed) < len(allowed):
-            return [undecided(self.name, "return", "the run ends beyond its predictability horizon, so no return can be asked for")]
-        growth = float(truth.growth()[-1])
-        if trial.method.reversible or trial.method.control == "exact":
-            size = 2 * np.sqrt(2.0) * trial.round_off(level) * growth**2
+        level, growth = trial.levels[-1], float(truth.growth()[-1])
+        if _is_exact(trial):
+            size = 2 * math.sqrt(2.0) * trial.round_off(level) * growth**2
             basis = "a reversible method returns to round-off c u sqrt(n), there and back, times the sensitivity S both ways"
         else:
-            size, basis = 2 * float(allowed[-1]) * growth, "the truncation error there and back, the first amplified on the way back"
-        return [
+            size, basis = (
+                2 * float(trial.bound(level)[-1]) * growth,
+                "the truncation error there and back, the first amplified on the way back",
+            )
+        order = self._order(trial, runs, growth) if _has_order(trial) and len(trial.levels) > 1 else []
+        if size > HORIZON:
+            return order or [
+                undecided(self.name, "return", "the bound on the return passes a tenth of the scale: predictability ends before")
+            ]
+        return order + [
             judged(
                 check=self.name,
                 quantity=variant.change,
@@ -59,7 +65,38 @@ class Reversal(Check):
                 what=f"The distance from the start after the way back ({variant.change}), in units of each scale,",
             )
             for variant in self.needs(trial)[1:]
+            if variant.level == level
         ]
+
+    def _order(self, trial: Trial, runs: Mapping[Variant, Outcome], growth: float) -> list[Finding]:
+        """The return defect falls with order p if p is odd, p + 1 if it is even: the leading even term undoes itself."""
+        order = trial.method.order_for(trial.instance.scene.features)
+        expected = order if order % 2 else order + 1
+        coarse, fine = (_defect(trial, runs[Variant(h, "reversed")].trajectory, "reversed") for h in trial.levels[-2:])
+        if not COUNTING_FLOOR * trial.round_off(trial.levels[-1]) * growth**2 < fine <= coarse < HORIZON:
+            return []
+        seen = math.log2(coarse / fine)
+        return [
+            judged(
+                check=self.name,
+                quantity="order",
+                value=max(0.0, expected - seen),
+                bound=max(0.15, 0.05 * expected),
+                unit="1",
+                basis=f"a method of order {order} comes back with a defect of order {expected}, within max(0.15, 0.05 p)",
+                what=f"The return defect falls with order {seen:.2f} at the finest pair of steps; what it lacks",
+            )
+        ]
+
+
+def _is_exact(trial: Trial) -> bool:
+    """The way back undoes the way there, to round-off."""
+    return trial.method.reversible or trial.method.control == "exact"
+
+
+def _has_order(trial: Trial) -> bool:
+    """The defect is a truncation error."""
+    return trial.method.control == "step" and not _is_exact(trial)
 
 
 def _defect(trial: Trial, back: Trajectory, change: Change) -> float:
