@@ -131,7 +131,7 @@ int refdem_kepler(double gm, const double *position, const double *velocity, dou
 
 /* n points of mass (n) (infinite: fixed) in uniform gravity (3), on rods and springs; ends (.., 2) are numbers of points, the second
  * -1 for the world, where anchor (.., 3) is the place; spring_law (springs, 3): stiffness, length, exponent. Steps h [s] of either
- * sign, a sample after every `stride`. work: 3 n + 9 rods + rods^2 doubles. position, velocity (samples, n, 3): row 0 is the start;
+ * sign, a sample after every `stride`. work: 9 n + 9 rods + rods^2 doubles. position, velocity (samples, n, 3): row 0 is the start;
  * force (samples, rods) [N], tension. Returns 0, or the sample (from 1) before which the rods could not be held. */
 int refdem_rattle(int64_t n, const double *mass, const double *gravity, int64_t rods, const int64_t *rod_ends, const double *rod_anchor,
                   const double *rod_length, int64_t springs, const int64_t *spring_ends, const double *spring_anchor,
@@ -170,6 +170,14 @@ int64_t refdem_particles_work(const refdem_particles *p);
  * overlap [m], largest normal force [N], work lost [J]. Returns the number of events kept. */
 int64_t refdem_particles_run(const refdem_particles *p, int method, double h, int64_t samples, int64_t stride, int64_t most,
                              int64_t *mode, double *work, double *event, double *channel, double *out);
+
+/* == coulomb == */
+
+/* m x'' + f Sgn(x') + k x = m g with f = friction normal_force > 0, k > 0: x, v at the samples t (samples) [s], t[i] >= t0,
+ * from x0 [m], v0 [m/s] at t0. out (samples, 3): x [m], v [m/s], work done against friction [J]. stop: when it stops for
+ * ever [s]. Errors: a few ulp of the amplitude, however long it lasts. Returns 0. */
+int refdem_coulomb(double mass, double stiffness, double friction, double normal_force, double gravity, double x0, double v0,
+                   double t0, int64_t samples, const double *t, double *stop, double *out);
 
 /* == end == */
 #endif

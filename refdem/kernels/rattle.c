@@ -1,11 +1,12 @@
 /* RATTLE: velocity Verlet for points joined by rods (Andersen, J. Comput. Phys. 52 (1983) 24; Hairer, Lubich, Wanner VII.1.4).
  *
  * kick and drift by h/2 and h; rods of the new positions by multipliers along the old ones (Newton to round-off); kick by h/2;
- * then rods of the velocities. The rod force is the exact one of the sampled state: G M^-1 G^T T = G a + |relative velocity|^2.
+ * then rods of the velocities. Positions and velocities carry what their sums left over (Kahan), so that round-off does not pile up.
+ * The rod force is the exact one of the sampled state: G M^-1 G^T T = G a + |relative velocity|^2.
  */
-#include <math.h>
 #include <string.h>
 
+#include "double_double.h"
 #include "kernels.h"
 
 typedef struct {
@@ -16,7 +17,7 @@ typedef struct {
     const double *rod_anchor, *rod_length;
     const int64_t *spring_ends;
     const double *spring_anchor, *spring_law; /* law: stiffness, length, exponent */
-    double *acceleration, *old, *new, *matrix, *rhs, *solution, *column;
+    double *acceleration, *low_x, *low_v, *old, *new, *matrix, *rhs, *solution, *column;
 } system_of_rods;
 
 /* From the second end (or the world's anchor) to the first. */
@@ -117,15 +118,21 @@ static void solve(const system_of_rods *s)
     }
 }
 
+static inline void grow(double *restrict value, double *restrict low, double by)
+{
+    dd sum = two_sum(*value, by + *low);
+    *value = sum.hi, *low = sum.lo;
+}
+
 /* values -= scale M^-1 G(d)^T solution. */
-static void push(const system_of_rods *s, const double *restrict d, double scale, double *restrict values)
+static void push(const system_of_rods *s, const double *restrict d, double scale, double *restrict values, double *restrict low)
 {
     for (int64_t r = 0; r < s->rods; r++)
         for (int end = 0; end < 2; end++) {
             int64_t b = s->rod_ends[2 * r + end];
             if (b >= 0)
                 for (int i = 0; i < 3; i++)
-                    values[3 * b + i] -= (end ? -scale : scale) * s->solution[r] * d[3 * r + i] / s->mass[b];
+                    grow(&values[3 * b + i], &low[3 * b + i], (end ? scale : -scale) * s->solution[r] * d[3 * r + i] / s->mass[b]);
         }
 }
 
@@ -148,8 +155,8 @@ static int hold_lengths(const system_of_rods *s, double h, double *restrict x, d
         before = worst;
         couple(s, s->new, s->old);
         solve(s);
-        push(s, s->old, 1.0, x);
-        push(s, s->old, 1.0 / h, v);
+        push(s, s->old, 1.0, x, s->low_x);
+        push(s, s->old, 1.0 / h, v, s->low_v);
     }
     return before > 1e-14;
 }
@@ -166,7 +173,7 @@ static void hold_rates(const system_of_rods *s, const double *restrict x, double
     }
     couple(s, s->new, s->new);
     solve(s);
-    push(s, s->new, 1.0, v);
+    push(s, s->new, 1.0, v, s->low_v);
 }
 
 /* Tension (rods,) of the state. */
@@ -190,7 +197,7 @@ static void tension(const system_of_rods *s, const double *restrict x, const dou
 static void kick(const system_of_rods *s, double h, double *restrict v)
 {
     for (int64_t i = 0; i < 3 * s->n; i++)
-        v[i] = fma(h, s->acceleration[i], v[i]);
+        grow(&v[i], &s->low_v[i], h * s->acceleration[i]);
 }
 
 static int step(const system_of_rods *s, double h, double *restrict x, double *restrict v)
@@ -198,7 +205,7 @@ static int step(const system_of_rods *s, double h, double *restrict x, double *r
     directions(s, x, s->old);
     kick(s, 0.5 * h, v);
     for (int64_t i = 0; i < 3 * s->n; i++)
-        x[i] = fma(h, v[i], x[i]);
+        grow(&x[i], &s->low_x[i], h * v[i]);
     if (hold_lengths(s, h, x, v))
         return 1;
     accelerate(s, x);
@@ -213,8 +220,9 @@ int refdem_rattle(int64_t n, const double *mass, const double *gravity, int64_t 
                   double *force)
 {
     system_of_rods s = {n, rods, springs, mass, gravity, rod_ends, rod_anchor, rod_length, spring_ends, spring_anchor, spring_law,
-                        work, work + 3 * n, work + 3 * (n + rods), 0, 0, 0, 0};
+                        work, work + 3 * n, work + 6 * n, work + 9 * n, work + 9 * n + 3 * rods, 0, 0, 0, 0};
     s.rhs = s.new + 3 * rods, s.solution = s.rhs + rods, s.column = s.solution + rods, s.matrix = s.column + rods;
+    memset(s.low_x, 0, (size_t)(6 * n) * sizeof(double));
     tension(&s, position, velocity, force);
     for (int64_t k = 1; k < samples; k++) {
         double *x = position + 3 * n * k, *v = velocity + 3 * n * k;

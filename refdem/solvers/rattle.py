@@ -53,7 +53,7 @@ class Rattle(Solver):
         mass = np.where(scene.bodies.fixed, np.inf, scene.bodies.mass)
         length = np.array([rod.length for rod in rods])
         law = np.array([(s.stiffness, s.length, s.exponent) for s in springs]).reshape(-1, 3)
-        work = np.empty(3 * n + 9 * len(rods) + len(rods) ** 2)
+        work = np.empty(9 * n + 9 * len(rods) + len(rods) ** 2)
         position, velocity, force = _room(scene, len(t), len(rods))
         inputs = (len(rods), *_links(rods), _doubles(length), len(springs), *_links(springs), _doubles(law))
         out = [pointer("rattle", column, output=True) for column in (work, position, velocity, force)]

@@ -24,7 +24,7 @@ def hanging(position, velocity, g=(0.0, -9.8125, 0.0), mass=1.0, anchor=(0.0, 0.
     return Scene.of([body], [Rod(a=0, length=length, anchor_b=tuple(anchor)), UniformGravity(g=g)])
 
 
-@pytest.mark.parametrize("rate", ["1/1024", "3", "-6.25", "6.265625", "-7", "40"])
+@pytest.mark.parametrize("rate", ["1/1024", "3", "4.421875", "4.4375", "-6.25", "6.265625", "-7", "40"])
 @pytest.mark.parametrize("duration", [210.0, -2e5])
 def test_state_is_right_to_some_ulps_after_any_number_of_periods(solved, largest_error, rate, duration):
     given = {"theta0": "0", "thetadot0": rate}

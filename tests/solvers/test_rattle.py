@@ -50,6 +50,21 @@ def test_rods_keep_length_and_velocity_stays_across_them_over_1e5_steps(solved, 
     assert np.abs(np.sum(r * v, axis=1)).max() < 4e-15
 
 
+def test_round_off_of_a_million_steps_does_not_hide_the_order(solved, largest_error, pendulum):
+    # The errors are 5e-11 and 1e-11; sums that lose their low parts are off by 1 % of them.
+    errors = [largest_error("pendulum", solved(pendulum, (0.0, 4.0), "rattle", 2.0**-k), ("x", "y"), **GIVEN) for k in (18, 19)]
+    assert np.log2(errors[0] / errors[1]) == pytest.approx(2.0, abs=1e-4)
+
+
+@pytest.mark.parametrize("y", [1.0, -1.0])
+def test_at_rest_at_the_top_or_the_bottom_it_stays_to_the_last_bit(solved, y):
+    scene = Scene.of([Body(mass=1.0, position=(0.0, y, 0.0))], [Rod(a=0, length=1.0), GRAVITY])
+    trajectory = solved(scene, (0.0, 100.0, 200.0), "rattle", 2.0**-6)
+    assert np.array_equal(trajectory.position[:, 0], np.tile((0.0, y, 0.0), (3, 1)))
+    assert not trajectory.velocity.any()
+    assert np.array_equal(trajectory.channels["rod_force"], np.full((3, 1), -9.8125 * y))
+
+
 def test_energy_has_no_drift(solved, pendulum):
     trajectory = solved(pendulum, np.arange(2001) * 0.5, "rattle", 2.0**-6)
     energy = np.sum(trajectory.velocity**2, axis=(1, 2)) / 2 + 9.8125 * trajectory.position[:, 0, 1]
