@@ -1,0 +1,103 @@
+/* The mass on a spring that rubs: m x'' + f Sgn(x') + k x = m g, in exact pieces.
+ *
+ * About the equilibrium, with s = f/k and w^2 = k/m: from a turning point Y it swings about sgn(Y) s to the next one, whose
+ * size is |Y| - 2 s, half a period pi/w later; it stays for ever at the first turning point with |Y| <= s (Sgn(0) = [-1, 1]).
+ * Turning points and times are kept as hi + lo, so that neither sums up rounding.
+ */
+#include "elliptic.h"
+#include "kernels.h"
+
+typedef struct {
+    dd rate, shift;        /* w, s */
+    dd first, opening;     /* size of the first turning point, and the time after which it is reached */
+    double side, heading;  /* its sign; direction before it, 0 if it is the start */
+    dd centre, reach, lag; /* before it: centre, amplitude, phase left */
+    int64_t halves;        /* half cycles after it */
+} rubbing;
+
+/* Least n >= 0 with |Y| - 2 n s <= s: closed, also where |Y| and s are known only to the rounding of what they came from. */
+static int64_t half_cycles(dd first, dd shift)
+{
+    double n = ceil(0.5 * (first.hi / shift.hi - 1.0)) - 1.0;
+    for (n = fmax(n, 0.0);; n += 1.0)
+        if (dd_sub(first, dd_scale(shift, 2.0 * n + 1.0)).hi <= 0x1p-51 * first.hi)
+            return (int64_t)n;
+}
+
+static rubbing prepared(dd mass, dd stiffness, dd friction, dd x, double v)
+{
+    rubbing b = {.rate = dd_sqrt(dd_div(stiffness, mass)), .shift = dd_div(friction, stiffness)};
+    b.heading = v > 0.0 ? 1.0 : v < 0.0 ? -1.0 : 0.0;
+    if (b.heading == 0.0) {
+        b.first = dd_abs(x), b.opening = dd_of(0.0), b.side = copysign(1.0, x.hi);
+    } else {
+        dd swing = dd_abs(dd_div(dd_of(v), b.rate));
+        b.centre = dd_scale(b.shift, -b.heading);
+        dd away = dd_scale(dd_sub(x, b.centre), b.heading);
+        b.reach = dd_sqrt(dd_add(dd_square(away), dd_square(swing)));
+        b.lag = angle_of(swing, away);
+        b.opening = dd_div(b.lag, b.rate);
+        dd turning = dd_add(b.centre, dd_scale(b.reach, b.heading));
+        b.first = dd_abs(turning), b.side = copysign(1.0, turning.hi);
+    }
+    b.halves = half_cycles(b.first, b.shift);
+    return b;
+}
+
+/* Size of turning point n, negative if it lies on the side it came from. */
+static double turning_point(const rubbing *b, int64_t n)
+{
+    return dd_round(dd_sub(b->first, dd_scale(b->shift, 2.0 * (double)n)));
+}
+
+/* Place, velocity and way gone since the start x, at the time `since` the start. */
+static void at(const rubbing *b, dd since, dd x, double *restrict place, double *restrict speed, double *restrict way)
+{
+    double c, s, shift = dd_round(b->shift), first = turning_point(b, 0);
+    dd late = dd_sub(since, b->opening);
+    if (b->heading != 0.0 && late.hi < 0.0) {
+        double reach = dd_round(b->reach);
+        turned(dd_mul(b->rate, late), &c, &s);
+        *place = fma(b->heading * reach, c, dd_round(b->centre));
+        *speed = -b->heading * reach * b->rate.hi * s;
+        *way = fabs(*place - dd_round(x));
+        return;
+    }
+    dd half = dd_div(DD_PI, b->rate);
+    double n = fmax(0.0, floor(late.hi / half.hi));
+    if (dd_sub(late, dd_scale(half, n + 1.0)).hi >= 0.0)
+        n += 1.0;
+    if (n > 0.0 && dd_sub(late, dd_scale(half, n)).hi < 0.0)
+        n -= 1.0;
+    double opening = b->heading != 0.0 ? fabs(b->side * first - dd_round(x)) : 0.0;
+    if (n >= (double)b->halves) {
+        n = (double)b->halves;
+        *place = b->side * turning_point(b, b->halves) * (b->halves % 2 ? -1.0 : 1.0);
+        *speed = 0.0;
+        *way = opening + 2.0 * n * (first - shift * n);
+        return;
+    }
+    double side = b->side * (fmod(n, 2.0) != 0.0 ? -1.0 : 1.0), size = turning_point(b, (int64_t)n), reach = size - shift;
+    turned(dd_mul(b->rate, dd_sub(late, dd_scale(half, n))), &c, &s);
+    *place = side * fma(reach, c, shift);
+    *speed = -side * reach * b->rate.hi * s;
+    *way = opening + 2.0 * n * (first - shift * n) + reach * (1.0 - c);
+}
+
+int refdem_coulomb(double mass, double stiffness, double friction, double normal_force, double gravity, double x0, double v0,
+                   double t0, int64_t samples, const double *t, double *stop, double *out)
+{
+    dd m = dd_of(mass), k = dd_of(stiffness), f = two_product(friction, normal_force);
+    dd middle = dd_div(dd_scale(m, gravity), k), x = dd_sub(dd_of(x0), middle);
+    rubbing b = prepared(m, k, f, x, v0);
+    for (int64_t row = 0; row < samples; row++) {
+        double place, *to = out + 3 * row;
+        at(&b, two_sum(t[row], -t0), x, &place, to + 1, to + 2);
+        to[0] = t[row] == t0 ? x0 : dd_round(dd_add(middle, dd_of(place)));
+        to[1] = t[row] == t0 ? v0 : to[1];
+        to[2] *= dd_round(f);
+    }
+    dd last = dd_add(b.opening, dd_scale(dd_div(DD_PI, b.rate), (double)b.halves));
+    *stop = dd_round(dd_add(dd_of(t0), last));
+    return 0;
+}

@@ -1,0 +1,77 @@
+"""A body on a spring and a slider to the world along one line, in exact half cycles (kernels/coulomb.c); it stops for ever."""
+
+from time import perf_counter
+
+import numpy as np
+from numpy.typing import NDArray
+
+from refdem.core.engine import Method
+from refdem.core.problem import Motion, Request
+from refdem.core.trajectory import Cost, Event, Trajectory
+from refdem.kernels import load, pointer
+from refdem.scene import Scene
+from refdem.scene.elements.slider import Slider
+from refdem.scene.elements.spring import Spring
+from refdem.solvers import _single_point as single
+from refdem.solvers.solver import Solver
+
+Array = NDArray[np.float64]
+
+
+class ExactCoulomb(Solver):
+    """Half cycles about the shifted centres; exactly at rest after the stop, which is an event."""
+
+    claims = Method(
+        name="exact-coulomb",
+        summary="half cycles in closed form, turning points and times in double-double",
+        control="exact",
+        conserves=frozenset({"energy"}),
+        cost_rank=0,
+    )
+    kernels = ("coulomb",)
+
+    def refusal(self, problem: Motion) -> str | None:
+        """None for one point on a linear spring of natural length 0 and a slider, both to the world, moving along the slider."""
+        scene = problem.scene
+        reason = single.refusal(scene, Spring, Slider)
+        if reason:
+            return reason
+        spring, slider = scene.all(Spring)[0], scene.all(Slider)[0]
+        if spring.b >= 0 or slider.b >= 0 or scene.bodies.fixed.any():
+            return "spring and slider do not tie a body to the world"
+        if spring.length or spring.exponent != 1 or not spring.stiffness > 0:
+            return "the spring is not linear from natural length 0"
+        if not slider.friction * slider.normal_force > 0:
+            return "the slider does not rub"
+        if problem.interval < 0:
+            return "time runs backwards, and a body that friction brought to rest may have come from anywhere"
+        return _off_line(scene, np.array(slider.axis))
+
+    def run(self, request: Request) -> tuple[Trajectory, Cost]:
+        """Position, velocity and the work of friction at the samples."""
+        begun = perf_counter()
+        scene, t = request.problem.scene, request.problem.times
+        spring, slider, bodies = scene.all(Spring)[0], scene.all(Slider)[0], scene.bodies
+        axis, anchor = np.array(slider.axis), single.anchor(spring)
+        start = [float(axis @ vector) for vector in (single.gravity(scene), bodies.position[0] - anchor, bodies.velocity[0])]
+        numbers = (float(bodies.mass[0]), spring.stiffness, slider.friction, slider.normal_force, *start, float(t[0]))
+        out, stop = np.empty((len(t), 3)), np.empty(1)
+        buffers = [pointer("coulomb", array, output=True) for array in (stop, out)]
+        lib = load("coulomb").lib
+        started = perf_counter()
+        lib.refdem_coulomb(*numbers, len(t), pointer("coulomb", t), *buffers)
+        cost = Cost(seconds=perf_counter() - started, setup=started - begun)
+        position, velocity = anchor + out[:, :1, None] * axis, out[:, 1:2, None] * axis
+        events = (Event(time=float(stop[0]), kind="stop", body=0),) if stop[0] <= t[-1] else ()
+        return Trajectory.of_points(t, position, velocity, channels={"dissipated_work": out[:, 2].copy()}, events=events), cost
+
+
+def _off_line(scene: Scene, axis: Array) -> str | None:
+    """None if place, velocity and gravity lie along the axis through the anchor."""
+    bodies = scene.bodies
+    vectors = (bodies.position[0] - single.anchor(scene.all(Spring)[0]), bodies.velocity[0], single.gravity(scene))
+    across = [np.linalg.norm(vector - (vector @ axis) * axis) > 4e-16 * np.linalg.norm(vector) for vector in vectors]
+    return "the motion is not along the slider" if any(across) else None
+
+
+METHOD = ExactCoulomb()
