@@ -114,6 +114,7 @@ def _overview(data: ChartData) -> Any:
     legend = alt.Legend(orient="top", symbolOpacity=1)
     colour = alt.Color("engine:N", title=None, scale=alt.Scale(domain=names, range=colours), legend=legend)
     lines = base.mark_line(point=alt.OverlayMarkDef(filled=True, size=22), strokeWidth=1.5)
-    drawn = lines.encode(x=x, y=_log("error", "error / scale", data, 4), color=colour, detail="series:N", tooltip=_tips("case", "series", "error"))
+    tips = _tips("case", "series", "error")
+    drawn = lines.encode(x=x, y=_log("error", "error / scale", data, 4), color=colour, detail="series:N", tooltip=tips)
     header = alt.Header(title=None, labelFontWeight="bold", labelLimit=200)
     return drawn.properties(width=190, height=110).facet(facet=alt.Facet("case:N", header=header), columns=4, spacing=14)

@@ -1,6 +1,7 @@
 """The pages: Jinja2 with autoescape, as every name in a record may come from a stranger."""
 
 import json
+import math
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -8,28 +9,32 @@ from typing import Any
 from jinja2 import Environment, FileSystemLoader, StrictUndefined
 from markupsafe import Markup
 
-from refdem.core.finding import Finding, Record
+from refdem.core.finding import EngineSheet, Finding, Record
 from refdem.report.contents import WORST_FIRST, Contents, advice, anchor, page
 from refdem.report.mathml import equations
-from refdem.report.numbers import decades, two
-from refdem.report.tolerance import TARGETS, WORST, Row, best_errors, cell, worst_rows
+from refdem.report.numbers import ABSENT, decades, two
+from refdem.report.tolerance import TARGETS, WORST, Row, best_errors, cell
 
 MARKS = {"fail": "✗", "error": "!", "stale": "↻", "undecided": "?", "expected": "≈", "unsupported": "—", "pass": "✓"}
 MEANINGS = {
-    "fail": "a value lies beyond its bound", "error": "no usable run", "stale": "an expected deviation that is not needed any more",
-    "undecided": "could not be decided", "expected": "a known deviation, inside its limits", "unsupported": "the engine cannot say the scene",
+    "fail": "a value lies beyond its bound",
+    "error": "no usable run",
+    "stale": "an expected deviation that is not needed any more",
+    "undecided": "could not be decided",
+    "expected": "a known deviation, inside its limits",
+    "unsupported": "the engine or method cannot say the scene",
     "pass": "within the bound",
-}  # fmt: skip
+}
 
 
 def pages(contents: Contents, rows: dict[str, list[Row]], specs: dict[str, dict[str, str]]) -> Iterator[tuple[str, str]]:
     """(file name, text) of every page: cases, engines, and at last the index."""
     templates = _templates()
-    everywhere = {"contents": contents, "counts": contents.counts(), "marks": MARKS, "meanings": MEANINGS, "worst": WORST, "targets": TARGETS}
+    everywhere = {"contents": contents, "counts": contents.counts(), "marks": MARKS, "meanings": MEANINGS, "targets": TARGETS}
     labels = [sheet.label for sheet in contents.cases]
     for index, sheet in enumerate(contents.cases):
         yield f"cases/{page(sheet.label)}.html", templates.get_template("case.html").render(
-            everywhere, root="../", sheet=sheet, records=contents.of(sheet.label), rows=rows[sheet.label], specs=specs[sheet.label],
+            everywhere, root="../", sheet=sheet, engines=by_engine(contents, sheet.label), rows=rows[sheet.label], specs=specs[sheet.label],
             equations=equations(sheet.latex), counts=contents.counts(contents.of(sheet.label)), distances=distances(rows[sheet.label]),
             before=labels[index - 1] if index else None, after=labels[index + 1] if index + 1 < len(labels) else None,
         )  # fmt: skip
@@ -50,6 +55,28 @@ def grouped(contents: Contents, outcome: str) -> dict[str, list[tuple[Record, Fi
     return groups
 
 
+def refusals(found: list[tuple[Record, Finding]]) -> list[tuple[str, list[str], dict[str, str]]]:
+    """(engine, methods, {label: id of a finding}) for each engine that refused for one reason."""
+    engines: dict[str, tuple[list[str], dict[str, str]]] = {}
+    for record, finding in found:
+        methods, places = engines.setdefault(record.engine, ([], {}))
+        places.setdefault(record.label, record.id(finding))
+        if record.method not in methods:
+            methods.append(record.method)
+    return [(engine, methods, places) for engine, (methods, places) in engines.items()]
+
+
+def by_engine(contents: Contents, label: str) -> list[tuple[EngineSheet, list[Record]]]:
+    """The engines that have records of an instance, with these, in the order of the report."""
+    groups = [(sheet, [record for record in contents.of(label) if record.engine == sheet.engine]) for sheet in contents.engines]
+    return [(sheet, records) for sheet, records in groups if records]
+
+
+def worst_first(findings: tuple[Finding, ...]) -> list[Finding]:
+    """Findings in the order of their outcomes, as they came within one."""
+    return sorted(findings, key=lambda finding: WORST_FIRST.index(finding.outcome))
+
+
 def distances(rows: list[Row]) -> list[tuple[str, str, float, float]]:
     """(engine, engine, at least, at most) for each pair, from the errors of their best methods at the finest level."""
     best = best_errors(rows, WORST)
@@ -64,9 +91,9 @@ def _templates() -> Environment:
         loader=FileSystemLoader(Path(__file__).with_name("templates")),
         autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True,
     )  # fmt: skip
-    templates.filters |= {"two": two, "decades": decades, "page": page, "anchor": anchor, "script_json": script_json, "shade": shade, "step": step}
-    templates.tests |= {"worst_row": lambda row: row.quantity == WORST}
-    templates.globals |= {"worst_rows": worst_rows}
+    functions = (two, decades, page, anchor, script_json, shade, step, target, worst_first, refusals)
+    templates.filters |= {function.__name__: function for function in functions}
+    templates.tests["joined"] = lambda row: row.quantity == WORST
     return templates
 
 
@@ -83,9 +110,14 @@ def shade(digits: float | None) -> int:
     return 0 if digits is None else sum(digits >= limit for limit in (1, 3, 6, 9, 12))
 
 
+def target(value: float) -> str:
+    """A target of the tolerance table as a power of ten."""
+    return f"1e{math.log10(value):.0f}"
+
+
 def step(row: Row, index: int) -> str:
     """The largest step that holds a target, as text: `≥` if the coarsest one that ran does, a dash if none does."""
     held: Any = row.steps[index]
     if held is None:
-        return "–"
+        return ABSENT
     return "any" if row.control == "exact" else f"{'≥ ' if held[1] else ''}{two(held[0])}"

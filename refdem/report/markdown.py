@@ -4,8 +4,8 @@ import re
 
 from refdem.core.finding import Record
 from refdem.report.contents import WORST_FIRST, Contents, advice, page
-from refdem.report.html import MARKS, grouped, step
-from refdem.report.numbers import two
+from refdem.report.html import MARKS, grouped, step, target
+from refdem.report.numbers import ABSENT, two
 from refdem.report.tolerance import TARGETS, Row, cell, worst_rows
 
 MOST_PLACES = 8
@@ -30,7 +30,7 @@ def _head(contents: Contents) -> str:
 
 def _tolerance(contents: Contents, rows: dict[str, list[Row]]) -> str:
     """The tolerance table, the worst of all quantities in each line; costs are in the pages only."""
-    head = ["case", "engine", "method", "smallest bound held", *(f"step for {target:.0e}".replace("e-0", "e-") for target in TARGETS),
+    head = ["case", "engine", "method", "smallest bound held", *(f"step for {target(value)}" for value in TARGETS),
             "order seen / claimed", "C", "farthest engine"]  # fmt: skip
     lines = [_tolerance_line(row) for sheet in contents.cases for row in worst_rows(rows[sheet.label])]
     note = (
@@ -42,9 +42,10 @@ def _tolerance(contents: Contents, rows: dict[str, list[Row]]) -> str:
 
 def _tolerance_line(row: Row) -> list[str]:
     order = f"{two(row.order_seen)} / {two(row.order_claimed)}" if row.control == "step" else row.control
-    apart = f"{plain(row.apart[0])}: {two(row.apart[1])} to {two(row.apart[2])}" if row.apart else "–"
+    apart = f"{plain(row.apart[0])}: {two(row.apart[1])} to {two(row.apart[2])}" if row.apart else ABSENT
     steps = [step(row, index) for index in range(len(TARGETS))]
-    return [plain(row.record.label), _engine(row.record), plain(row.record.method), two(row.bound_held), *steps, order, two(row.constant), apart]
+    run = [plain(row.record.label), _engine(row.record), plain(row.record.method)]
+    return [*run, two(row.bound_held), *steps, order, two(row.constant), apart]
 
 
 def _engine(record: Record) -> str:
@@ -58,12 +59,13 @@ def _matrix(contents: Contents, rows: dict[str, list[Row]]) -> str:
         cells = [cell(contents, rows[sheet.label], sheet.label, engine.engine) for engine in contents.engines]
         texts = [
             f"{'' if c.worst in (None, 'pass', 'unsupported') else MARKS[c.worst] + ' '}"
-            + (("exact" if c.digits == float("inf") else f"{c.digits:.0f}") if c.digits is not None else (c.worst or "–"))
+            + (("exact" if c.digits == float("inf") else f"{c.digits:.0f}") if c.digits is not None else (c.worst or ABSENT))
             for c in cells
         ]
         lines.append([plain(sheet.label), *texts])
     head = ["case", *(plain(engine.engine) + (" (reference)" if engine.is_reference else "") for engine in contents.engines)]
-    return f"## Correct digits\n\n−log₁₀ of the worst error at the finest level, best method of each engine.\n\n{_table(head, lines)}" if lines else ""
+    note = "The decimal logarithm of 1 / error at the finest level: the worst quantity, the best method of each engine."
+    return f"## Correct digits\n\n{note}\n\n{_table(head, lines)}" if lines else ""
 
 
 def _findings(contents: Contents) -> str:
@@ -71,7 +73,8 @@ def _findings(contents: Contents) -> str:
     for outcome in WORST_FIRST:
         groups = grouped(contents, outcome) if outcome != "pass" else {}
         if groups:
-            parts.append(f"### {outcome}\n\n" + "\n".join(_group(sentence, [r.id(f) for r, f in found]) for sentence, found in groups.items()))
+            lines = [_group(sentence, [record.id(finding) for record, finding in found]) for sentence, found in groups.items()]
+            parts.append(f"### {outcome}\n\n" + "\n".join(lines))
     return "## What is not a pass\n\n" + ("\n\n".join(parts) or "Nothing: every finding passed.")
 
 

@@ -89,8 +89,7 @@ def _joined(record: Record, each: list[Row]) -> Row:
             by_level.setdefault(level.level, []).append(level)
     levels = tuple(_worst(by_level[h]) for h in sorted(by_level, reverse=True))
     held = [row.bound_held for row in each]
-    measured = [finding for finding in record.findings if finding.check == "order" and finding.order_seen is not None]
-    seen = [x for x in ([f.order_seen for f in measured] or [row.order_seen for row in each]) if x is not None]
+    seen = [finding.order_seen for finding in record.findings if finding.check == "order" and finding.order_seen is not None]
     steps = tuple(_largest(levels, target) for target in TARGETS)
     return Row(
         record=record, quantity=WORST, control=each[0].control, levels=levels,
