@@ -1,0 +1,163 @@
+"""Whether a scene at rest certainly stays at rest: forces that add up to zero, or stacks that stand on a plane."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from refdem.mechanics.quaternion import rotated
+from refdem.scene import Polyhedron, Scene, Sphere
+from refdem.scene.elements.central_field import CentralField
+from refdem.scene.elements.contact import Contact
+from refdem.scene.elements.plane import Plane
+from refdem.scene.elements.spring import Spring
+from refdem.scene.elements.uniform_gravity import UniformGravity
+from refdem.solvers import _particles
+
+Array = NDArray[np.float64]
+
+SLACK = 8 * 2.0**-52
+"""Positions and sums of forces are rounded a few times; what is off by no more balances."""
+
+
+def unbalanced(scene: Scene) -> str | None:
+    """None if springs, fields and linear contacts add up to zero on every body that is not fixed."""
+    bodies = scene.bodies
+    net, size = np.zeros_like(bodies.position), np.zeros(len(bodies))
+
+    def push(body: int, force: Array) -> None:
+        if body >= 0:
+            net[body] += force
+            size[body] += np.linalg.norm(force)
+
+    for spring in scene.all(Spring):
+        ends = (bodies.position[spring.a], bodies.position[spring.b] if spring.b >= 0 else np.array(spring.anchor_b))
+        line = ends[1] - ends[0]
+        distance = float(np.linalg.norm(line))
+        stretch = distance - spring.length
+        pull = np.sign(stretch) * spring.stiffness * abs(stretch) ** spring.exponent
+        if distance == 0.0 and spring.length > 0:
+            return "a spring without direction"
+        force = pull * line / (distance or 1.0)
+        push(spring.a, force)
+        push(spring.b, -force)
+    for number, mass in enumerate(bodies.mass):
+        for gravity in scene.all(UniformGravity):
+            push(number, mass * np.array(gravity.g))
+        for field in scene.all(CentralField):
+            push(number, -field.gm * mass * bodies.position[number] / np.linalg.norm(bodies.position[number]) ** 3)
+    for i, j in _particles.pairs(scene):
+        overlap, normal = _overlap(scene, i, j)
+        force = scene.all(Contact)[0].stiffness * max(overlap, 0.0) * normal
+        push(i, -force)
+        push(j, force)
+    free = ~bodies.fixed
+    off = np.linalg.norm(net[free], axis=1) > SLACK * size[free]
+    return "the forces do not add up to zero" if off.any() else None
+
+
+def _overlap(scene: Scene, i: int, j: int) -> tuple[float, Array]:
+    """Overlap [m] of sphere i with sphere j or plane -1 - j, and the unit normal from i to the other."""
+    bodies = scene.bodies
+    if j < 0:
+        plane = scene.all(Plane)[-1 - j]
+        normal = -np.array(plane.normal)
+        return float(bodies.radius[i] + (bodies.position[i] - np.array(plane.point)) @ normal), normal
+    line = bodies.position[j] - bodies.position[i]
+    distance = float(np.linalg.norm(line))
+    return float(bodies.radius[i] + bodies.radius[j] - distance), line / distance
+
+
+def falling(scene: Scene, law: Contact) -> str | None:
+    """None if every body stands on the one plane, or on exactly one other body, with its load's centre over the support."""
+    planes, gravity = scene.all(Plane), np.sum([np.zeros(3), *(np.array(e.g) for e in scene.all(UniformGravity))], axis=0)
+    if len(planes) != 1:
+        return f"{len(planes)} planes; expected one"
+    normal, point = np.array(planes[0].normal), np.array(planes[0].point)
+    pressing = -float(gravity @ normal)
+    along = gravity + pressing * normal
+    if not pressing > 0:
+        return "gravity does not press the bodies on the plane"
+    if np.linalg.norm(along) > law.friction * pressing * (1 + SLACK):
+        return "static friction does not hold them"
+    standing = _Standing(scene, normal, point, gravity / pressing)
+    return standing.fault()
+
+
+class _Standing:
+    """Bodies on a plane as columns over it: heights of their lowest and highest vertices, and who stands on whom."""
+
+    def __init__(self, scene: Scene, normal: Array, point: Array, down: Array) -> None:
+        self.scene, self.normal, self.down = scene, normal, down
+        self.vertices = [_outline(scene, number, normal) - point for number in range(len(scene.bodies))]
+        self.heights = [v @ normal for v in self.vertices]
+        self.size = max(float(np.abs(v).max()) for v in self.vertices)
+
+    def faces(self, body: int, highest: bool) -> Array:
+        """Points (M, 3) of the highest or the lowest face."""
+        height = self.heights[body]
+        edge = height.max() if highest else height.min()
+        return self.vertices[body][np.abs(height - edge) <= SLACK * self.size]
+
+    def below(self, body: int) -> list[int]:
+        """What the lowest face is level with, of that which it stands over: -1 is the plane."""
+        low = self.heights[body].min()
+        found = [-1] if abs(low) <= SLACK * self.size else []
+        others = [other for other in range(len(self.heights)) if other != body]
+        return found + [other for other in others if abs(self.heights[other].max() - low) <= SLACK * self.size and self._over(body, other)]
+
+    def _over(self, body: int, other: int) -> bool:
+        centre = self.faces(body, highest=False).mean(axis=0)
+        return self._inside(centre, self.faces(other, highest=True))
+
+    def _inside(self, point: Array, face: Array) -> bool:
+        """The point, carried down along gravity, lies in the convex hull of the face."""
+        drop = (point - face[0]) @ self.normal
+        flat = face - (point + drop * self.down)
+        axis = np.eye(3)[int(np.argmin(np.abs(self.normal)))]
+        first = np.cross(self.normal, axis)
+        first /= np.linalg.norm(first)
+        x, y = flat @ first, flat @ np.cross(self.normal, first)
+        if np.any(np.hypot(x, y) <= SLACK * self.size):
+            return True
+        angles = np.sort(np.arctan2(y, x))
+        return bool(np.diff([*angles, angles[0] + 2 * np.pi]).max() <= np.pi * (1 + SLACK))
+
+    def fault(self) -> str | None:
+        """None if all stand, else what is missing."""
+        under: dict[int, int] = {}
+        for body in range(len(self.heights)):
+            found = self.below(body)
+            if self.scene.bodies.fixed[body] or len(found) != 1:
+                return f"body {body} does not stand on exactly one thing"
+            under[body] = found[0]
+        for body in under:
+            load = [other for other in under if body in _path(other, under)]
+            mass, place = self.scene.bodies.mass[load], self.scene.bodies.position[load]
+            centre = mass @ place / mass.sum() - self._origin(body)
+            faces = [self.faces(body, highest=False)]
+            if under[body] >= 0:
+                faces.append(self.faces(under[body], highest=True))
+            if not all(self._inside(centre, face) for face in faces):
+                return f"the centre of mass of what stands on the foot of body {body} is not over it"
+        return None
+
+    def _origin(self, body: int) -> Array:
+        """The plane's point, from which vertices are measured."""
+        return _outline(self.scene, body, self.normal)[0] - self.vertices[body][0]
+
+
+def _path(body: int, under: dict[int, int]) -> list[int]:
+    """The body and all that it stands on."""
+    found = []
+    while body >= 0 and body not in found:
+        found.append(body)
+        body = under[body]
+    return found
+
+
+def _outline(scene: Scene, body: int, normal: Array) -> Array:
+    """Vertices (M, 3) in space; of a sphere its lowest and its highest point."""
+    shape, place = scene.bodies.shape[body], scene.bodies.position[body]
+    if isinstance(shape, Polyhedron):
+        return place + rotated(scene.bodies.attitude[body], np.array(shape.vertices, float))
+    radius = shape.radius if isinstance(shape, Sphere) else 0.0
+    return place + np.array([-radius, radius])[:, None] * normal
