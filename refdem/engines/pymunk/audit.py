@@ -6,16 +6,35 @@ AUDIT = (
     Default("clock", "none", "steps counted by the engine (cpSpaceGetTimestamp) times the step", "Chipmunk keeps no time"),
     Default("Space.damping", "1", "1", "no drag: velocities are multiplied by damping**dt"),
     Default("Space.sleep_time_threshold", "inf", "inf", "nothing is put to sleep"),
-    Default("Space.iterations", "10", "1 with one joint or none and no contact, else 200", "one joint is solved exactly at once; coupled ones converge"),
+    Default(
+        "Space.iterations",
+        "10",
+        "1 with one joint or none and no contact, else 200",
+        "one joint is solved exactly at once; coupled ones converge",
+    ),
     Default("Space.collision_slop", "0.1 m", "0", "bodies would sink into each other by 0.1 m, which can be a body's size"),
-    Default("Space.collision_bias", "0.9**60 a second", "0.9**60 a second", "pseudo-velocities that part overlapping bodies add no momentum"),
+    Default(
+        "Space.collision_bias", "0.9**60 a second", "0.9**60 a second", "pseudo-velocities that part overlapping bodies add no momentum"
+    ),
     Default("Space.threaded", "False", "False", "one thread: the same bits every time"),
-    Default("Constraint.error_bias of a rod", "0.9**60 a second", "0", "the whole drift of a rod is taken out in every step; slower correction dissipates"),
+    Default(
+        "Constraint.error_bias of a rod",
+        "0.9**60 a second",
+        "0",
+        "the whole drift of a rod is taken out in every step; slower correction dissipates",
+    ),
     Default("Constraint.max_bias of a rod", "inf", "inf", "no drift is left over"),
-    Default("Constraint.error_bias of dry friction", "0.9**60 a second", "1", "friction has no memory of a place: nothing pulls the body back"),
+    Default(
+        "Constraint.error_bias of dry friction", "0.9**60 a second", "1", "friction has no memory of a place: nothing pulls the body back"
+    ),
     Default("Constraint.max_force of dry friction", "inf", "friction * normal_force", "Coulomb's limit, as impulse max_force * dt a step"),
     Default("DampedSpring.damping", "an argument", "0", "springs dissipate nothing"),
     Default("Body.moment", "an argument", "the scene's J3; inf for a point", "a body without inertia does not turn"),
-    Default("Shape.friction, Shape.elasticity", "0", "square root of the contact's value", "Chipmunk combines the two shapes of a pair by product"),
+    Default(
+        "Shape.friction, Shape.elasticity",
+        "0",
+        "square root of the contact's value",
+        "Chipmunk combines the two shapes of a pair by product",
+    ),
     Default("rod force", "size of the impulse only", "not reported", "cpConstraintGetImpulse has no sign, so a strut would read as a tie"),
 )

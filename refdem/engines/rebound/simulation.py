@@ -15,9 +15,10 @@ from refdem.errors import EngineError
 from refdem.mechanics.quaternion import conjugate, rotated
 from refdem.scene import Scene
 from refdem.scene.elements.central_field import CentralField
+from refdem.scene.elements.spring import Spring
 
-FIRST_STEP = 2.0**-10
-"""First step of the adaptive integrators, in units of the sample interval."""
+FIRST_STEP = 2.0**-8
+"""First step of the adaptive integrators, in units of the sample interval: REBOUND's default is a thousandth of a unit of time."""
 
 
 def simulation_of(request: Request, fields: Fields) -> tuple[rebound.Simulation, ODE | None]:
@@ -51,6 +52,8 @@ def _set_integrator(sim: rebound.Simulation, request: Request) -> None:
         sim.dt = request.problem.interval
     else:
         sim.dt = FIRST_STEP * request.problem.interval
+    if name == "ias15":
+        sim.integrator.adaptive_mode = "global" if request.problem.scene.all(Spring) else "prs23"
     if name == "bs":
         sim.integrator.eps_rel = sim.integrator.eps_abs = request.tolerance
 
