@@ -1,0 +1,103 @@
+"""A fault planted in a copy of an adapter turns the real run red, in the quantity that is wrong."""
+
+import os
+import re
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+import refdem
+
+PACKAGE = Path(refdem.__file__).parent
+
+
+@pytest.fixture(scope="module")
+def copy(tmp_path_factory):
+    """A copy of the installed package that a test may spoil; the store is the copy's own."""
+    site = tmp_path_factory.mktemp("site")
+    shutil.copytree(PACKAGE, site / "refdem", ignore=shutil.ignore_patterns("__pycache__"))
+    beside = PACKAGE.parent / "validation"
+    if not (PACKAGE / "validation").is_dir():
+        shutil.copytree(beside, site / "validation")
+    return site
+
+
+def run(site, *arguments):
+    environment = os.environ | {"PYTHONPATH": str(site), "REFDEM_STORE": str(site / "store.sqlite")}
+    command = [sys.executable, "-c", "from refdem.cli import main; main()", "run", *arguments, "--out", str(site / "report")]
+    return subprocess.run(command, env=environment, cwd=site, capture_output=True, text=True, timeout=300)
+
+
+FAULTS = [
+    (
+        "a wrong inertia axis",
+        "engines/mujoco/turning.py",
+        ("inertia=self.body.inertia, explicit", "inertia=self.body.inertia[::-1], explicit"),
+        ("free-rigid-body", "mujoco", "rk4"),
+        ["error/omega_body.x", "error/attitude"],
+    ),
+    (
+        "no gyroscopic term: a body that is turned as if it were a sphere",
+        "engines/mujoco/turning.py",
+        ("inertia=self.body.inertia, explicit", "inertia=(sum(self.body.inertia) / 3,) * 3, explicit"),
+        ("intermediate-axis[duration=60]", "mujoco", "rk4"),
+        ["flips/flips", "angular-momentum/total"],
+    ),
+    (
+        "frequency for angular frequency",
+        "engines/mujoco/turning.py",
+        ("*body.velocity, *body_omega]", "*body.velocity, *(body_omega / (2 * np.pi))]"),
+        ("free-rigid-body", "mujoco", "rk4"),
+        ["error/omega_body.x"],
+    ),
+    (
+        "friction that pushes",
+        "engines/pymunk/space.py",
+        (
+            "friction.max_force, friction.error_bias = link.friction * link.normal_force, 1.0",
+            "friction.max_force, friction.error_bias = 0.0, 1.0\n"
+            "    push = link.friction * link.normal_force\n"
+            "    a.velocity_func = lambda b, g, d, dt: setattr(\n"
+            "        b, 'velocity', (b.velocity[0] + (push if b.velocity[0] > 0 else -push) / b.mass * dt, 0.0))",
+        ),
+        ("coulomb-oscillator", "pymunk", "semi-implicit-euler"),
+        ["stop/stop_position", "energy/balance"],
+    ),
+    (
+        "one step late",
+        "engines/pymunk/run.py",
+        ("return _trajectory(request, t, rows)", "return _trajectory(request, t, np.concatenate([rows[:1], rows[:-1]]))"),
+        ("harmonic-oscillator", "pymunk", "semi-implicit-euler"),
+        ["error/x", "error/v"],
+    ),
+]
+
+
+@pytest.mark.parametrize(("name", "file", "change", "where", "named"), FAULTS)
+def test_a_planted_fault_turns_the_run_red_and_is_named(copy, name, file, change, where, named):
+    path = copy / "refdem" / file
+    sound = path.read_text()
+    assert sound.count(change[0]) == 1
+    path.write_text(sound.replace(*change))
+    try:
+        done = run(copy, where[0], "--engine", where[1], "--method", where[2])
+    finally:
+        path.write_text(sound)
+    assert done.returncode == 1, done.stdout + done.stderr
+    for quantity in named:
+        title = rf"FAIL +{re.escape(where[0].split('[')[0])}.*/{where[1]}/{where[2]}/{quantity}"
+        assert re.search(title + r"\n +\S.*beyond the bound", done.stdout)
+
+
+def test_the_copy_is_green_when_nothing_is_planted_and_runs_again_only_what_changed(copy):
+    first = run(copy, "harmonic-oscillator", "--engine", "pymunk", "--engine", "reference")
+    assert first.returncode == 0, first.stdout + first.stderr
+    made = int(re.search(r"(\d+) runs made", first.stdout)[1])
+    assert "0 runs made" in run(copy, "harmonic-oscillator", "--engine", "pymunk", "--engine", "reference").stdout
+    adapter = copy / "refdem" / "engines" / "pymunk" / "run.py"
+    adapter.write_text(adapter.read_text() + "\n# a comment\n")
+    again = int(re.search(r"(\d+) runs made", run(copy, "harmonic-oscillator", "--engine", "pymunk", "--engine", "reference").stdout)[1])
+    assert 0 < again < made
