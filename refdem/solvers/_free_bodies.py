@@ -32,15 +32,16 @@ class FreeBodies(Solver):
         """Centres at x0 + v (t - t0), attitudes by `turn` for the bodies that spin."""
         begun = perf_counter()
         t, bodies = request.problem.times, request.problem.scene.bodies
-        columns = {name: np.repeat(getattr(bodies, name)[None], len(t), axis=0) for name in ("position", "velocity", "attitude", "omega")}
-        columns["position"] += bodies.velocity * (t - t[0])[:, None, None]
+        position = bodies.position + bodies.velocity * (t - t[0])[:, None, None]
+        velocity, attitude, omega = (np.repeat(column[None], len(t), axis=0) for column in (bodies.velocity, bodies.attitude, bodies.omega))
         seconds = 0.0
         for number in spinning(bodies):
-            attitude, omega = np.empty((len(t), 4)), np.empty((len(t), 3))
-            seconds += self.turn(request, number, attitude, omega)
-            columns["attitude"][:, number], columns["omega"][:, number] = attitude, omega
+            turned, rate = np.empty((len(t), 4)), np.empty((len(t), 3))
+            seconds += self.turn(request, number, turned, rate)
+            attitude[:, number], omega[:, number] = turned, rate
         steps = 0 if request.step is None else request.stride * (len(t) - 1)
-        return Trajectory(t=t, **columns), Cost(seconds=seconds, setup=perf_counter() - begun - seconds, steps=steps)
+        cost = Cost(seconds=seconds, setup=perf_counter() - begun - seconds, steps=steps)
+        return Trajectory(t=t, position=position, velocity=velocity, attitude=attitude, omega=omega), cost
 
 
 def spinning(bodies: Bodies) -> list[int]:
