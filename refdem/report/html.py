@@ -91,7 +91,7 @@ def _templates() -> Environment:
         loader=FileSystemLoader(Path(__file__).with_name("templates")),
         autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True,
     )  # fmt: skip
-    functions = (two, decades, page, anchor, script_json, shade, step, target, worst_first, refusals)
+    functions = (two, decades, page, anchor, script_json, shade, step, target, worst_first, refusals, span)
     templates.filters |= {function.__name__: function for function in functions}
     templates.tests["joined"] = lambda row: row.quantity == WORST
     return templates
@@ -113,6 +113,12 @@ def shade(digits: float | None) -> int:
 def target(value: float) -> str:
     """A target of the tolerance table as a power of ten."""
     return f"1e{math.log10(value):.0f}"
+
+
+def span(apart: tuple[str, float, float]) -> str:
+    """A distance that is known by its bounds."""
+    low, high = two(apart[1]), two(apart[2])
+    return low if low == high else f"{low} to {high}"
 
 
 def step(row: Row, index: int) -> str:

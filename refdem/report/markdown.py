@@ -4,7 +4,7 @@ import re
 
 from refdem.core.finding import Record
 from refdem.report.contents import WORST_FIRST, Contents, advice, page
-from refdem.report.html import MARKS, grouped, step, target
+from refdem.report.html import MARKS, grouped, span, step, target
 from refdem.report.numbers import ABSENT, two
 from refdem.report.tolerance import TARGETS, Row, cell, worst_rows
 
@@ -42,7 +42,7 @@ def _tolerance(contents: Contents, rows: dict[str, list[Row]]) -> str:
 
 def _tolerance_line(row: Row) -> list[str]:
     order = f"{two(row.order_seen)} / {two(row.order_claimed)}" if row.control == "step" else row.control
-    apart = f"{plain(row.apart[0])}: {two(row.apart[1])} to {two(row.apart[2])}" if row.apart else ABSENT
+    apart = f"{plain(row.apart[0])}: {span(row.apart)}" if row.apart else ABSENT
     steps = [step(row, index) for index in range(len(TARGETS))]
     run = [plain(row.record.label), _engine(row.record), plain(row.record.method)]
     return [*run, two(row.bound_held), *steps, order, two(row.constant), apart]
