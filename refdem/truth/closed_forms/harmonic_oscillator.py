@@ -12,11 +12,11 @@ from flint import arb
 from refdem.core.parameters import Parameters
 from refdem.core.truth import Truth
 from refdem.truth.balls import arb_of
-from refdem.truth.closed_form import ClosedForm
 from refdem.truth.exact import numbers
+from refdem.truth.smooth_flow import SmoothFlow
 
 
-class HarmonicOscillator(ClosedForm):
+class HarmonicOscillator(SmoothFlow):
     """x [m] and v [m/s] at t; gravity [m/s^2] acts along +x, so that x = m g/k is the equilibrium."""
 
     method = "closed form"

@@ -15,14 +15,14 @@ from flint import arb, ctx
 from refdem.core.parameters import Parameters
 from refdem.core.truth import Truth
 from refdem.truth.balls import UndecidedError, arb_of
-from refdem.truth.closed_form import ClosedForm
 from refdem.truth.exact import number
+from refdem.truth.smooth_flow import SmoothFlow
 
 NAMES = ("x", "y", "vx", "vy")
 State = Sequence[arb]
 
 
-class Orbit(ClosedForm):
+class Orbit(SmoothFlow):
     """x, y [m] and vx, vy [m/s] at t; scalar period [s]; `stiffness` [1/s^2, unit mass] is None for Kepler's field."""
 
     method = "Kepler's equation by interval Newton; ellipse about the centre for the spring"

@@ -1,0 +1,276 @@
+"""Two spheres: against series in Cartesian coordinates, the law itself, momenta, energy, and what may not be certified."""
+
+from dataclasses import replace
+from fractions import Fraction
+from functools import cache
+from itertools import product
+
+import pytest
+from flint import arb, arb_series, ctx
+
+from refdem.errors import NotCertifiedError
+from refdem.truth.balls import arb_of, precision
+from refdem.truth.closed_forms.two_spheres import NAMES, TwoSpheres, truth
+from refdem.truth.sliding_contact import SlidingContact
+from refdem.truth.sphere_pair import SpherePair
+
+ZERO, ONE = Fraction(0), Fraction(1)
+PAIR = SpherePair(
+    masses=(ONE, Fraction(3)),
+    radii=(Fraction(1, 2), Fraction(3, 4)),
+    stiffness=Fraction(100),
+    damping=ZERO,
+    tangential_stiffness=ZERO,
+    friction=ZERO,
+    closing_speed=ONE,
+    angle=ZERO,
+    spins=(ZERO,) * 6,
+    lever=Fraction(1, 2),
+    ends_with_overlap=True,
+)
+SPINS = (ZERO, ZERO, Fraction(2), ZERO, ZERO, Fraction(-1))
+OBLIQUE = replace(PAIR, angle=Fraction(3, 5))
+SLIDING = replace(OBLIQUE, friction=Fraction(1, 20), spins=SPINS)
+SCALE = {name: {"r": 0.1, "v": 1.0, "o": 2.0}[name[0]] for name in NAMES}
+
+
+@cache
+def spheres(pair):
+    return TwoSpheres(SCALE, pair)
+
+
+def state(pair, t):
+    balls = spheres(pair).at(Fraction(t))
+    assert all(ball.radius <= Fraction(1, 10**40) for ball in balls.values())
+    return {name: arb_of(ball.mid) for name, ball in balls.items()}
+
+
+def relative(pair, t):
+    """x, y, vx, vy, omega1, omega2 from the 18 quantities."""
+    now = state(pair, t)
+    return [now[f"{kind}1.{axis}"] - now[f"{kind}2.{axis}"] for kind in "rv" for axis in "xy"] + [now["omega1.z"], now["omega2.z"]]
+
+
+def cartesian(pair, side, pulls):
+    """The rates of (x, y, vx, vy, omega1, omega2), from vectors: nothing polar, levers in the torques themselves."""
+    mass, stiffness, damping, friction = (arb_of(v) for v in (pair.effective_mass, pair.stiffness, pair.damping, pair.friction))
+    radii, moments = [arb_of(r) for r in pair.radii], [arb_of(j) for j in pair.moments]
+
+    def rates(y):
+        x, z, vx, vz, _, _ = y
+        distance = (x * x + z * z).sqrt()
+        nx, nz = x / distance, z / distance
+        overlap = radii[0] + radii[1] - distance
+        force = stiffness * overlap - damping * (nx * vx + nz * vz)
+        rub = -side * friction * force if not pulls else arb(0) * force
+        fx, fz = force * nx - rub * nz, force * nz + rub * nx
+        turned = [-(radii[i] - arb_of(pair.lever) * overlap) * rub / moments[i] for i in (0, 1)]
+        return [vx, vz, fx / mass, fz / mass, *turned]
+
+    return rates
+
+
+def stepped(rates, start, h, order=40):
+    """One Taylor step on midpoints, without a remainder."""
+    series = [arb_series([part.mid()], prec=1) for part in start]
+    for length in range(2, order + 1):
+        ctx.cap = length
+        series = [part.mid() + rate.integral() for part, rate in zip(start, rates(series), strict=True)]
+    return [sum((c.mid() * h**n for n, c in enumerate(one.coeffs())), arb(0)).mid() for one in series]
+
+
+def witness(pair, t, side=0, steps=24, pulls=False, start=None):
+    """The relative state at t while the contact lasts."""
+    before = ctx.cap
+    speed, angle = arb_of(pair.closing_speed), arb_of(pair.angle)
+    now = start or [arb_of(-pair.reach), arb(0), speed * angle.cos(), speed * angle.sin(), *(arb_of(pair.spins[i]) for i in (2, 5))]
+    rates = cartesian(pair, side, pulls)
+    for _ in range(steps):
+        now = stepped(rates, now, arb_of(t) / steps)
+    ctx.cap = before
+    return now
+
+
+CONTACTS = [
+    (OBLIQUE, 0),
+    (replace(OBLIQUE, angle=Fraction(-7, 5)), 0),
+    (replace(OBLIQUE, damping=Fraction(4)), 0),
+    (replace(OBLIQUE, damping=Fraction(40)), 0),
+    *((replace(SLIDING, lever=lever), -1) for lever in (ZERO, Fraction(1, 2), ONE)),
+    (replace(SLIDING, damping=Fraction(2), ends_with_overlap=False), -1),
+    (replace(SLIDING, tangential_stiffness=Fraction(100)), -1),
+    (replace(SLIDING, angle=ZERO, spins=(ZERO, ZERO, Fraction(-9), ZERO, ZERO, ZERO)), 1),
+]
+
+
+@pytest.mark.parametrize(("pair", "side"), CONTACTS)
+@pytest.mark.parametrize("t", [Fraction(1, 16), Fraction(1, 5)])
+def test_contact_is_the_taylor_series_in_cartesian_coordinates(pair, side, t):
+    with precision(256):
+        found, expected = relative(pair, t), witness(pair, t, side)
+        assert max(abs(a - b) for a, b in zip(found, expected, strict=True)) < 1e-30
+
+
+def test_a_pulling_contact_does_not_rub():
+    pair = replace(SLIDING, damping=Fraction(6))
+    with precision(256):
+        contact = SlidingContact(pair)
+        contact.constants()
+        first, second = (phase.end for phase in contact.phases)
+        released, later = Fraction(float(first)) - Fraction(1, 1000), Fraction(float(first + second / 2))
+        at_release = relative(pair, released)
+        end = witness(pair, Fraction(1, 1000), -1, steps=2, start=at_release)
+        assert abs(relative(pair, Fraction(float(first)))[4] - end[4]) < 1e-12
+        assert relative(pair, later)[4].overlaps(relative(pair, later + 1)[4])
+
+
+@pytest.mark.parametrize(("damping", "cut"), [*product([0, 4, 9, 30, 60], [True, False])])
+def test_the_head_on_form_is_the_oblique_integration_at_angle_zero(damping, cut):
+    pair = replace(PAIR, damping=Fraction(damping), ends_with_overlap=cut)
+    with precision(256):
+        contact = SlidingContact(pair)
+        for t in ("0.05", "0.2", "0.4", "1"):
+            found, other = relative(pair, Fraction(t))[:4], contact.relative(arb(t))[:4]
+            assert max(abs(a - b) for a, b in zip(found, other, strict=True)) < 1e-30
+
+
+def numeric_extremes(pair):
+    """Largest overlap and force of the head-on law over a fine grid, in doubles, by its own recurrence (velocity Verlet)."""
+    mass, k, c = float(pair.effective_mass), float(pair.stiffness), float(pair.damping)
+    h, d, v, most, hardest, t = 1e-5, 0.0, float(pair.closing_speed), 0.0, 0.0, 0.0
+    while (d >= 0.0 if pair.ends_with_overlap else k * d + c * v >= 0.0) and t < 3.0:
+        most, hardest = max(most, d), max(hardest, k * d + c * v)
+        half = v - h / 2 * (k * d + c * v) / mass
+        d += h * half
+        v = (half - h / 2 * k * d / mass) / (1 + h / 2 * c / mass)
+        t += h
+    return {"max_overlap": most, "max_force": hardest, "duration": t, "restitution": -v / float(pair.closing_speed)}
+
+
+@pytest.mark.parametrize(("damping", "cut"), [*product([0, 4, 12, 30, 60], [True, False])])
+def test_head_on_scalars_are_those_of_a_fine_simulation(damping, cut):
+    pair = replace(PAIR, damping=Fraction(damping), ends_with_overlap=cut)
+    scalars, expected = spheres(pair).scalars(), numeric_extremes(pair)
+    assert {"max_overlap", "max_force"} <= set(scalars)
+    for name, ball in scalars.items():
+        assert float(ball.mid) == pytest.approx(expected[name], rel=2e-4, abs=2e-4)
+
+
+def test_critical_damping_joins_the_regimes_on_both_sides():
+    # c = 2 sqrt(k m) = 30 with k = 300, m_eff = 3/4
+    pair = replace(PAIR, stiffness=Fraction(300), damping=Fraction(30), ends_with_overlap=False)
+    at = spheres(pair).scalars()
+    for factor in (1 - Fraction(1, 10**8), 1 + Fraction(1, 10**8)):
+        near = spheres(replace(pair, damping=30 * factor)).scalars()
+        for name, ball in at.items():
+            assert float(near[name].mid) == pytest.approx(float(ball.mid), rel=1e-6)
+    assert float(at["duration"].mid) == pytest.approx(0.1, rel=1e-15)
+    assert float(at["restitution"].mid) == pytest.approx(0.1353352832366127, rel=1e-14)
+
+
+def test_an_overlap_that_never_ends_has_no_duration():
+    assert set(spheres(replace(PAIR, damping=Fraction(60))).scalars()) == {"max_overlap", "max_force"}
+
+
+@pytest.mark.parametrize("pair", [OBLIQUE, SLIDING, replace(SLIDING, damping=Fraction(4))])
+def test_momentum_stays_zero_and_angular_momentum_where_the_levers_add_up(pair):
+    def momentum(t):
+        now, (m1, m2), (j1, j2) = state(pair, t), pair.masses, pair.moments
+        bodies = ((m1, j1, 1), (m2, j2, 2))
+        orbit = sum(arb_of(m) * (now[f"r{i}.x"] * now[f"v{i}.y"] - now[f"r{i}.y"] * now[f"v{i}.x"]) for m, _, i in bodies)
+        line = [sum(arb_of(m) * now[f"v{i}.{axis}"] for m, _, i in bodies) for axis in "xy"]
+        return [*line, orbit + sum(arb_of(j) * now[f"omega{i}.z"] for _, j, i in bodies)]
+
+    with precision(256):
+        start = momentum(0)
+        for t in ("0.1", "0.25", "2"):
+            assert max(abs(a - b) for a, b in zip(momentum(Fraction(t)), start, strict=True)) < 1e-37
+
+
+def test_full_lever_arms_change_the_angular_momentum_by_the_integral_of_overlap_times_friction():
+    pair, step = replace(SLIDING, lever=ZERO), Fraction(1, 256)
+    with precision(256):
+        drift, samples = [], []
+        for n in range(129):
+            x, y, vx, vy, *omega = relative(pair, n * step)
+            spin = sum((arb_of(j) * w for j, w in zip(pair.moments, omega, strict=True)), arb(0))
+            drift.append(float(arb_of(pair.effective_mass) * (x * vy - y * vx) + spin))
+            overlap = max(0.0, float(arb_of(pair.reach) - (x * x + y * y).sqrt()))
+            samples.append(overlap * float(pair.friction * pair.stiffness) * overlap)
+    assert abs(drift[-1] - drift[0]) == pytest.approx(float(step) * sum(samples), rel=1e-3)
+
+
+def test_frictionless_undamped_collision_returns_its_energy():
+    scalars = spheres(OBLIQUE).scalars()
+    assert abs(scalars["restitution"].mid - 1) < Fraction(1, 10**39)
+    with precision(256):
+        _, _, vx, vy, *_ = relative(OBLIQUE, Fraction(3))
+        assert abs(vx * vx + vy * vy - 1) < 1e-38
+
+
+def test_oblique_scalars_are_those_of_the_motion():
+    scalars = spheres(OBLIQUE).scalars()
+    with precision(256):
+        end = [relative(OBLIQUE, scalars["duration"].mid + by) for by in (-Fraction(1, 10**20), Fraction(1, 10**20))]
+        gaps = [(x * x + y * y).sqrt() - arb_of(OBLIQUE.reach) for x, y, *_ in end]
+        assert gaps[0] < 0 < gaps[1]
+        deepest = max(float(arb_of(OBLIQUE.reach) - (x * x + y * y).sqrt()) for x, y, *_ in (relative(OBLIQUE, t) for t in GRID))
+    assert deepest <= float(scalars["max_overlap"].mid)
+    assert deepest == pytest.approx(float(scalars["max_overlap"].mid), rel=1e-3)
+    assert scalars["max_force"].mid == pytest.approx(100 * scalars["max_overlap"].mid)
+
+
+GRID = [Fraction(n, 200) for n in range(60)]
+
+
+@pytest.mark.parametrize(
+    ("given", "reason"),
+    [
+        ({"friction": Fraction(1, 2)}, "may stick"),
+        ({"friction": Fraction(1, 20), "spins": (ZERO, ONE, ZERO) * 2}, "plane"),
+        ({"friction": Fraction(1, 20), "tangential_stiffness": ONE, "damping": ONE}, "sticks first"),
+        ({"friction": Fraction(1, 2), "tangential_stiffness": Fraction(1, 10), "spins": SPINS}, "may stick"),
+    ],
+)
+def test_what_may_stick_or_leave_the_plane_is_not_certified_but_its_start_is(given, reason):
+    pair = replace(OBLIQUE, **given)
+    assert state(pair, 0)["r1.x"] < 0
+    with pytest.raises(NotCertifiedError, match=reason):
+        state(pair, Fraction(1, 4))
+
+
+def test_start_is_as_the_conventions_say():
+    parameters = {
+        "masses": PAIR.masses, "radii": PAIR.radii, "stiffness": ONE, "damping": ZERO, "tangential_stiffness": ZERO, "friction": ZERO,
+        "closing_speed": Fraction(2), "angle": ONE, "spins": tuple(map(Fraction, range(6))), "branch": "R-d", "cutoff": "zero_force",
+    }  # fmt: skip
+    start = {name: float(ball.mid) for name, ball in truth(parameters, SCALE).at(ZERO).items()}
+    assert tuple(start) == NAMES
+    assert start["r1.x"] == pytest.approx(-0.9375)
+    assert start["r2.x"] == pytest.approx(0.3125)
+    assert start["v1.x"] == pytest.approx(1.5 * 0.5403023058681398)
+    assert start["v1.y"] == pytest.approx(1.5 * 0.8414709848078965)
+    assert start["v2.y"] == pytest.approx(-0.5 * 0.8414709848078965)
+    assert [start[f"omega{i}.{axis}"] for i in (1, 2) for axis in "xyz"] == [0, 1, 2, 3, 4, 5]
+
+
+@pytest.mark.parametrize("pair", [PAIR, OBLIQUE, SLIDING])
+def test_sensitivity_is_the_largest_row_of_displaced_motions(pair):
+    t, tiny, side = Fraction(1, 5), 1e-12, -1 if pair.friction else 0
+    with precision(200):
+        speed, angle = arb_of(pair.closing_speed), arb_of(pair.angle)
+        base = [arb_of(-pair.reach), arb(0), speed * angle.cos(), speed * angle.sin(), *(arb_of(pair.spins[i]) for i in (2, 5))]
+        columns = []
+        for axis in range(4):
+            ends = [witness(pair, t, side, start=[v + s * arb(tiny) * (i == axis) for i, v in enumerate(base)]) for s in (1, -1)]
+            columns.append([float((a - b) / (2 * tiny)) for a, b in zip(*ends, strict=True)])
+    sizes, shares = (0.1, 0.1, 1.0, 1.0), (0.25, 0.75)
+    rows = [1 + sum(2 * abs(columns[j][4 + i]) * sizes[j] for j in range(4)) / 2.0 for i in (0, 1)]
+    for body, row in product((0, 1), range(4)):
+        total = 0.0
+        for of, axis in product((0, 1), range(4)):
+            carried = (axis == row) + float(t) * (axis == row + 2)
+            sign = 1 if of == body else -1
+            total += abs(shares[of] * carried + sign * shares[1 - body] * columns[axis][row]) * sizes[axis]
+        rows.append(total / sizes[row])
+    assert spheres(pair).sensitivity(t) == pytest.approx(max(rows), rel=1e-6)
