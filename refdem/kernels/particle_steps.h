@@ -1,0 +1,267 @@
+/* One step of points and spheres within the modes of their contacts: velocity Verlet, Runge-Kutta, extrapolation.
+ *
+ * Every sum is compensated: after its `size` numbers a state has as many that hold what rounding has lost.
+ */
+#ifndef REFDEM_PARTICLE_STEPS_H
+#define REFDEM_PARTICLE_STEPS_H
+
+#include "particles.h"
+
+enum { VERLET, RUNGE_KUTTA, EXTRAPOLATION };
+enum { COLUMNS = 10 };
+
+typedef struct {
+    const refdem_particles *p;
+    int method;
+    int64_t size;
+    int64_t *mode;
+    double *scratch;
+    double length, speed, turning, way; /* what an error is compared with */
+} runner;
+
+/* Number c of a state grows by `by`; what rounding loses is kept beside the state (Kahan 1965; Knuth's sum, TAOCP 4.2.2). */
+static inline void gain(const runner *r, const double *restrict from, int64_t c, double by, double *restrict to)
+{
+    double part = from[r->size + c] + by, sum = from[c] + part, taken = sum - from[c];
+    to[r->size + c] = (from[c] - (sum - taken)) + (part - taken);
+    to[c] = sum;
+}
+
+/* Velocity Verlet (Swope et al. 1982): kick, drift, kick. */
+
+/* Turns the unit vector s towards the slip: tan(angle/2) falls as exp(-|slip| t k_t/limit), exactly for constant slip. */
+static inline void lean(const meeting *m, double stiffness, double h, double *restrict s)
+{
+    double fast = size(m->slip);
+    if (fast == 0.0)
+        return;
+    double along = dot(s, m->slip) / fast, decay = m->limit > 0.0 ? exp(-fast * stiffness * h / m->limit) : 0.0;
+    double tangent = decay * sqrt(fmax(0.0, 1.0 - along) / fmax(1e-300, 1.0 + along));
+    double cosine = (1.0 - tangent * tangent) / (1.0 + tangent * tangent), sine = 2.0 * tangent / (1.0 + tangent * tangent);
+    double across[3];
+    for (int c = 0; c < 3; c++)
+        across[c] = s[c] - along * m->slip[c] / fast;
+    double rest = size(across);
+    if (rest < 1e-14)
+        return;
+    for (int c = 0; c < 3; c++)
+        s[c] = cosine * m->slip[c] / fast + sine * across[c] / rest;
+}
+
+/* Half a step of every tangential spring; keeps the normals it saw, or turns the springs from those to the new ones. */
+static inline void stretch(const runner *r, double *restrict y, double h, double *restrict normal, int carried)
+{
+    const refdem_particles *p = r->p;
+    for (int64_t k = 0; k < p->pairs; k++) {
+        double *s = y + history_at(p) + 3 * k, *old = normal + 3 * k;
+        if (r->mode[k] < STICK)
+            continue;
+        meeting m = meet(p, k, y);
+        if (carried) {
+            double both[3] = {old[0] + m.n[0], old[1] + m.n[1], old[2] + m.n[2]};
+            add(s, -dot(m.n, s) / (1.0 + dot(old, m.n)), both);
+        }
+        if (r->mode[k] == STICK && p->tangential_stiffness > 0.0)
+            add(s, h, m.slip);
+        if (r->mode[k] == SLIP && p->tangential_stiffness > 0.0)
+            lean(&m, p->tangential_stiffness, h, s);
+        memcpy(old, m.n, sizeof m.n);
+    }
+}
+
+/* q turned by the rotation vector w h, exactly. */
+static inline void spin(int64_t n, const double *restrict w, double h, double *restrict q)
+{
+    for (int64_t i = 0; i < n; i++, w += 3, q += 4) {
+        double angle = 0.5 * h * size(w), part = angle != 0.0 ? 0.5 * h * sin(angle) / angle : 0.5 * h, c = cos(angle);
+        double v[3] = {part * w[0], part * w[1], part * w[2]}, old[4] = {q[0], q[1], q[2], q[3]}, across[3];
+        cross(v, old + 1, across);
+        q[0] = c * old[0] - dot(v, old + 1);
+        for (int k = 0; k < 3; k++)
+            q[1 + k] = c * old[1 + k] + old[0] * v[k] + across[k];
+    }
+}
+
+/* Velocities and turning rates. */
+static inline void kick(const runner *r, const double *restrict from, const double *restrict dy, double h, double *restrict to)
+{
+    int64_t n = r->p->bodies;
+    for (int64_t c = 3 * n; c < (r->p->turning ? 9 * n : 6 * n); c++)
+        gain(r, from, c, h * dy[c], to);
+}
+
+/* Forces that depend on velocities get a predicted velocity and one correction, which keeps the second order. */
+static inline int verlet(const runner *r, const double *restrict y, const double *restrict dy, double h, double *restrict out,
+                   double *restrict rate)
+{
+    const refdem_particles *p = r->p;
+    double *half = r->scratch, *normal = half + 2 * r->size;
+    int rubs = p->friction > 0.0, lags = p->damping > 0.0 || rubs;
+    memcpy(out, y, 2 * (size_t)r->size * sizeof *y);
+    kick(r, y, dy, 0.5 * h, out);
+    if (rubs)
+        stretch(r, out, 0.5 * h, normal, 0);
+    for (int64_t c = 0; c < 3 * p->bodies; c++)
+        gain(r, y, c, h * out[3 * p->bodies + c], out);
+    if (p->turning)
+        spin(p->bodies, out + spin_at(p), h, out + 9 * p->bodies);
+    if (rubs)
+        stretch(r, out, 0.5 * h, normal, 1);
+    memcpy(half, out, 2 * (size_t)r->size * sizeof *y);
+    if (lags) {
+        kick(r, half, dy, 0.5 * h, out);
+        rates(p, r->mode, out, rate);
+        kick(r, half, rate, 0.5 * h, out);
+    }
+    rates(p, r->mode, out, rate);
+    kick(r, half, rate, 0.5 * h, out);
+    out[work_at(p)] += 0.5 * h * (dy[work_at(p)] + rate[work_at(p)]);
+    return 1;
+}
+
+/* Attitudes to unit length; springs into the tangent plane, their directions to unit length. */
+static inline void settle(const runner *r, double *restrict y)
+{
+    const refdem_particles *p = r->p;
+    for (int64_t i = 0; p->turning && i < p->bodies; i++) {
+        double *q = y + 9 * p->bodies + 4 * i, norm = sqrt(q[0] * q[0] + dot(q + 1, q + 1));
+        for (int c = 0; c < 4; c++)
+            q[c] /= norm;
+    }
+    for (int64_t k = 0; p->friction > 0.0 && k < p->pairs; k++) {
+        double *s = y + history_at(p) + 3 * k;
+        if (r->mode[k] < STICK)
+            continue;
+        meeting m = meet(p, k, y);
+        add(s, -dot(s, m.n), m.n);
+        double length = size(s);
+        for (int c = 0; r->mode[k] == SLIP && length > 0.0 && c < 3; c++)
+            s[c] /= length;
+    }
+}
+
+/* Kutta 1901. */
+static inline int runge_kutta(const runner *r, const double *restrict y, const double *restrict dy, double h, double *restrict out,
+                        double *restrict rate)
+{
+    double *b = r->scratch, *c = b + r->size, *d = c + r->size, *at = d + r->size;
+    for (int64_t i = 0; i < r->size; i++)
+        at[i] = y[i] + 0.5 * h * dy[i];
+    rates(r->p, r->mode, at, b);
+    for (int64_t i = 0; i < r->size; i++)
+        at[i] = y[i] + 0.5 * h * b[i];
+    rates(r->p, r->mode, at, c);
+    for (int64_t i = 0; i < r->size; i++)
+        at[i] = y[i] + h * c[i];
+    rates(r->p, r->mode, at, d);
+    for (int64_t i = 0; i < r->size; i++)
+        gain(r, y, i, h / 6.0 * ((dy[i] + d[i]) + 2.0 * (b[i] + c[i])), out);
+    settle(r, out);
+    rates(r->p, r->mode, out, rate);
+    return 1;
+}
+
+/* The change over h by n steps of the modified midpoint rule (Gragg 1965), n even, as an increment. */
+static inline void midpoint(const runner *r, const double *restrict y, const double *restrict dy, double h, int n,
+                     double *restrict change, double *restrict work)
+{
+    double *at = work, *rate = at + r->size, *before = rate + r->size, step = h / n;
+    for (int64_t i = 0; i < r->size; i++)
+        before[i] = 0.0, change[i] = step * dy[i];
+    for (int k = 1; k <= n; k++) {
+        for (int64_t i = 0; i < r->size; i++)
+            at[i] = y[i] + change[i];
+        rates(r->p, r->mode, at, rate);
+        for (int64_t i = 0; i < r->size; i++) {
+            double next = k < n ? before[i] + 2.0 * step * rate[i] : 0.5 * (before[i] + change[i] + step * rate[i]);
+            before[i] = change[i], change[i] = next;
+        }
+    }
+}
+
+/* Largest difference of two rows in units of each block's scale; the direction of a slipping spring counts as its force does. */
+static inline double gap(const runner *r, const double *restrict end, const double *restrict a, const double *restrict b)
+{
+    const refdem_particles *p = r->p;
+    int64_t n = p->bodies;
+    double worst = 0.0;
+    for (int64_t i = 0; i < history_at(p); i++) {
+        double scale = i < 3 * n ? r->length : i < 6 * n ? r->speed : i < 9 * n ? r->turning : 1.0;
+        worst = fmax(worst, fabs(a[i] - b[i]) / scale);
+    }
+    for (int64_t k = 0; p->friction > 0.0 && p->tangential_stiffness > 0.0 && k < p->pairs; k++) {
+        if (r->mode[k] < STICK)
+            continue;
+        meeting m = meet(p, k, end);
+        double strain = m.normal / (p->stiffness * p->radius[m.i]), unit = r->mode[k] == STICK ? r->way : 1e-3 / strain;
+        for (int64_t i = history_at(p) + 3 * k; i < history_at(p) + 3 * k + 3; i++)
+            worst = fmax(worst, fabs(a[i] - b[i]) / fmax(fabs(unit), r->mode[k] == STICK ? 0.0 : 1.0));
+    }
+    return worst;
+}
+
+/* Raises the scales to what the state shows: lengths, speeds, turning rates, and the way of a step. */
+static inline void measure(runner *r, const double *restrict y, const double *restrict dy, double h)
+{
+    const refdem_particles *p = r->p;
+    int64_t n = p->bodies;
+    double radius = 0.0, least = INFINITY;
+    for (int64_t i = 0; i < n; i++)
+        if (p->radius[i] > 0.0)
+            radius = fmax(radius, p->radius[i]), least = fmin(least, p->radius[i]);
+    for (int64_t i = 0; i < 3 * n; i++) {
+        r->length = fmax(r->length, fmax(fabs(y[i]), radius));
+        r->speed = fmax(r->speed, fmax(fabs(y[3 * n + i]), fabs(h * dy[3 * n + i])));
+    }
+    r->turning = fmax(r->turning, r->speed / least);
+    for (int64_t i = spin_at(p); p->turning && i < spin_at(p) + 3 * n; i++)
+        r->turning = fmax(r->turning, fabs(y[i]));
+    r->way = r->speed * fabs(h);
+    r->length = fmax(r->length, r->way);
+}
+
+/* One step by Aitken-Neville extrapolation in (h/n)^2; 0 if ten columns do not settle it to round-off. */
+static inline int extrapolated(const runner *r, const double *restrict y, const double *restrict dy, double h, double *restrict out)
+{
+    double *table = r->scratch, *work = table + COLUMNS * r->size;
+    for (int j = 0; j < COLUMNS; j++) {
+        int n = 2 * (j + 1);
+        double *row = table + j * r->size;
+        midpoint(r, y, dy, h, n, row, work);
+        /* Row m holds T(m, j - m ...): each older entry is replaced by the next one of the new diagonal. */
+        for (int m = j - 1; m >= 0; m--) {
+            double ratio = (double)(j + 1) / (m + 1), factor = 1.0 / (ratio * ratio - 1.0);
+            double *older = table + m * r->size;
+            const double *newer = older + r->size;
+            for (int64_t i = 0; i < r->size; i++)
+                older[i] = newer[i] + (newer[i] - older[i]) * factor;
+        }
+        if (j < 3)
+            continue;
+        for (int64_t i = 0; i < r->size; i++)
+            gain(r, y, i, table[i], out);
+        if (gap(r, out, table, table + r->size) < 1e-15)
+            return 1;
+    }
+    return 0;
+}
+
+/* Bulirsch and Stoer 1966; 0 if the step is too long. */
+static inline int extrapolation(const runner *r, const double *restrict y, const double *restrict dy, double h, double *restrict out,
+                         double *restrict rate)
+{
+    int held = extrapolated(r, y, dy, h, out);
+    settle(r, out);
+    rates(r->p, r->mode, out, rate);
+    return held;
+}
+
+static inline int step(const runner *r, const double *restrict y, const double *restrict dy, double h, double *restrict out,
+                double *restrict rate)
+{
+    return r->method == VERLET        ? verlet(r, y, dy, h, out, rate)
+           : r->method == RUNGE_KUTTA ? runge_kutta(r, y, dy, h, out, rate)
+                                      : extrapolation(r, y, dy, h, out, rate);
+}
+
+#endif
