@@ -3,7 +3,7 @@
 import numpy as np
 
 from refdem.core.problem import Motion
-from refdem.scene import Point, Polyhedron, Scene
+from refdem.scene import Polyhedron, Scene, Sphere
 from refdem.scene.elements.contact import Contact
 from refdem.scene.elements.plane import Plane
 from refdem.scene.elements.rod import Rod
@@ -43,11 +43,9 @@ def _contact_reason(scene: Scene) -> str | None:
         return None
     if law.law != "rigid":
         return f"contact:{law.law} (impulses between rigid bodies only, no contact stiffness)"
-    if law.friction > 0 and scene.all(Plane) == [] and len(scene.bodies) < 2:
-        return None
     for shape, inertia in zip(scene.bodies.shape, scene.bodies.inertia, strict=True):
-        if not isinstance(shape, Point) and not inertia[2] > 0 and law.friction > 0:
-            return "friction on a shape whose body has no moment of inertia"
+        if not inertia[2] > 0 and (isinstance(shape, Polyhedron) or (isinstance(shape, Sphere) and law.friction > 0)):
+            return "contact forces that turn a body without a moment of inertia"
         if isinstance(shape, Polyhedron) and outline(shape) is None:
             return "a polyhedron that is no prism along z"
     return None

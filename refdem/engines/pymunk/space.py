@@ -29,7 +29,8 @@ def space_of(scene: Scene) -> tuple[pymunk.Space, list[pymunk.Body]]:
     space.gravity = tuple(np.sum([g.g[:2] for g in scene.all(UniformGravity)] or [(0.0, 0.0)], axis=0).tolist())
     bodies = [_body(scene, number) for number in range(len(scene.bodies))]
     space.add(*bodies)
-    joints = [_joint(space, bodies, element) for element in scene.elements if isinstance(element, Spring | Rod | Slider)]
+    links = [element for element in scene.elements if isinstance(element, Spring | Rod | Slider)]
+    joints = [_joint(space, bodies, link) for link in links if not all(_is_still(scene, end) for end in (link.a, link.b))]
     space.add(*joints)
     solved = sum(not isinstance(joint, pymunk.DampedSpring) for joint in joints)
     touching = _add_shapes(space, scene, bodies)
@@ -57,6 +58,11 @@ def _body(scene: Scene, number: int) -> pymunk.Body:
     return body
 
 
+def _is_still(scene: Scene, end: int) -> bool:
+    """The end of a link is the world or a fixed body."""
+    return end < 0 or bool(scene.bodies.fixed[end])
+
+
 def _joint(space: pymunk.Space, bodies: list[pymunk.Body], link: Spring | Rod | Slider) -> pymunk.Constraint:
     """A spring without damper, a rod without slack, or friction as a joint that holds no more than Coulomb's limit."""
     a, b = bodies[link.a], space.static_body if link.b < 0 else bodies[link.b]
@@ -82,12 +88,19 @@ def _add_shapes(space: pymunk.Space, scene: Scene, bodies: list[pymunk.Body]) ->
             shapes.append(pymunk.Circle(body, shape.radius))
         elif isinstance(shape, Polyhedron):
             shapes.append(pymunk.Poly(body, outline(shape) or []))
-    size = WALL * max([1e-3, *(float(np.abs(scene.bodies.position).max()), *(s.bb.right - s.bb.left for s in shapes if s.cache_bb()))])
+    size = WALL * max(float(np.abs(scene.bodies.position).max()), *(_extent(shape) for shape in scene.bodies.shape))
     shapes += [_wall(space, plane, size) for plane in scene.all(Plane)]
     for shape in shapes:
         shape.friction, shape.elasticity = sqrt(law.friction), sqrt(law.restitution)
     space.add(*shapes)
     return True
+
+
+def _extent(shape: Any) -> float:
+    """Largest distance [m] of a shape from its centre."""
+    if isinstance(shape, Polyhedron):
+        return float(np.linalg.norm(shape.vertices, axis=1).max())
+    return shape.radius if isinstance(shape, Sphere) else 0.0
 
 
 def _wall(space: pymunk.Space, plane: Plane, size: float) -> pymunk.Shape:
