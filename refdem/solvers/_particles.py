@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 from refdem import kernels
 from refdem.core.problem import Motion, Request
 from refdem.core.trajectory import Cost, Event, Trajectory
+from refdem.mechanics.quaternion import conjugate, rotated
 from refdem.scene import Point, Polyhedron, Scene
 from refdem.scene.element import Element
 from refdem.scene.elements.central_field import CentralField
@@ -68,7 +69,10 @@ def _element_refusal(element: Element) -> str | None:
 
 def _body_refusal(scene: Scene) -> str | None:
     bodies = scene.bodies
-    if "tumbling" in scene.features:
+    spin = rotated(conjugate(bodies.attitude), bodies.omega)
+    momentum = bodies.inertia * spin
+    gyroscopic = np.linalg.norm(np.cross(spin, momentum), axis=1)
+    if np.any(gyroscopic > 1e-14 * np.linalg.norm(spin, axis=1) * np.linalg.norm(momentum, axis=1)):
         return "a body that tumbles"
     if np.any(bodies.velocity[bodies.fixed]) or np.any(bodies.omega[bodies.fixed]):
         return "a fixed body that moves"
