@@ -2,6 +2,7 @@
 
 import os
 import sqlite3
+import weakref
 from pathlib import Path
 
 import msgspec
@@ -29,6 +30,7 @@ class Store:
         try:
             path.parent.mkdir(parents=True, exist_ok=True)
             self._connection = sqlite3.connect(path, timeout=30, isolation_level=None)
+            weakref.finalize(self, self._connection.close)  # Python 3.13 warns of a connection that nobody closed
             self._connection.execute("PRAGMA journal_mode=WAL")
             self._connection.execute("PRAGMA synchronous=NORMAL")
             (version,) = self._connection.execute("PRAGMA user_version").fetchone()
