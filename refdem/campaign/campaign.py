@@ -31,7 +31,7 @@ Progress = Callable[[str, int, int], None]
 
 @dataclass
 class Campaign:
-    """One campaign under way. `use_store` False runs everything anew (and still keeps it)."""
+    """One campaign under way. `use_store` False runs everything anew (truth is proved once all the same)."""
 
     specification: Specification
     store: Store
@@ -74,7 +74,7 @@ class Campaign:
     def _truths(self, schedule: Schedule, instances: list[Instance]) -> list[SampledTruth]:
         """The sampled truth of every instance, from the store or made anew."""
         keys = [_truth_key(instance) for instance in instances]
-        found = {key: truth for key in keys if self.use_store and (truth := self.store.truth(key)) is not None}
+        found = {key: truth for key in keys if (truth := self.store.truth(key)) is not None}
         missing = {key: instance for key, instance in zip(keys, instances, strict=True) if key not in found}
         jobs = [Job(key, worker.sampled_truth, (i.case.id, i.p.given)) for key, i in missing.items()]
         for done, (job, result) in enumerate(schedule.results(jobs), 1):
@@ -124,7 +124,7 @@ class Campaign:
     def _request(self, task: Task, n: int, variant: Variant) -> Request | None:
         """The request of a variant; None if what it goes on from failed."""
         if not variant.goes_on:
-            return plan.request(task, variant)
+            return plan.request(task, variant, ulps=self.specification.perturbed_ulps)
         base = self.runs[n, variant.base].trajectory
         return None if base is None else plan.request(task, variant, base)
 

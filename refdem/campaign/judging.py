@@ -8,12 +8,10 @@ from refdem.campaign.deviations import applied
 from refdem.campaign.plan import Task
 from refdem.core.check import Check, Outcome
 from refdem.core.deviation import Deviation
-from refdem.core.finding import Finding, Record
+from refdem.core.finding import DECIDED, Finding, Record
 from refdem.core.run import Run
 from refdem.core.variant import Variant
 from refdem.errors import RefdemError
-
-DECIDED = ("pass", "fail", "expected", "stale")
 
 
 def record(task: Task, version: str, runs: Mapping[Variant, Run], deviations: list[Deviation]) -> Record:

@@ -127,9 +127,11 @@ def tasks(
     return found
 
 
-def request(task: Task, variant: Variant, base: Trajectory | None = None) -> Request:
-    """The request of a variant; `base` is the trajectory on whose end it goes on."""
+def request(task: Task, variant: Variant, base: Trajectory | None = None, *, ulps: int = 0) -> Request:
+    """The request of a variant; `base` is the trajectory on whose end it goes on; `ulps` moves every start."""
     problem = task.trial.instance.problem
+    if ulps:
+        problem = Motion(_perturbed(problem, ulps), problem.times)
     control = task.method.control
     plain = Request(
         problem=problem,

@@ -20,7 +20,8 @@ class Entry(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
 class Specification(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """Cases, engines, and how far to refine: `levels` at most, none with more than `most_steps`; `timeout` [s] a run.
 
-    `engines` empty means all that are installed; `step` [s] overrules the first level; `method` keeps only that one.
+    `engines` empty means all that are installed; `step` [s] overrules the first level; `method` keeps only that one;
+    `perturbed_ulps` moves every start by so many units in the last place, to see how much of a value is noise.
     """
 
     name: str
@@ -33,6 +34,7 @@ class Specification(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fi
     method: str = ""
     step: float | None = None
     steps_per_tau: float | None = None
+    perturbed_ulps: int = 0
 
 
 def validation_folder() -> Path:

@@ -32,7 +32,7 @@ def command(
     from refdem.campaign import plan
     from refdem.campaign.specification import Entry, Specification
     from refdem.campaign.worker import sampled_truth
-    from refdem.cli.run import labelled, settings
+    from refdem.core.parameters import labelled, settings
     from refdem.core.truth import SampledTruth
 
     name, own = labelled(case)

@@ -1,7 +1,6 @@
 """refdem run: cases in engines, judged, reported."""
 
 import os
-import re
 import time
 from pathlib import Path
 from typing import Annotated
@@ -9,8 +8,6 @@ from typing import Annotated
 import typer
 
 from refdem.errors import UsageError
-
-_LABEL = re.compile(r"([a-z0-9-]+)(?:\[(.*)\])?")
 
 
 def command(
@@ -33,6 +30,7 @@ def command(
     from refdem.campaign.specification import Entry, Specification, named
     from refdem.cli.progress import Progress
     from refdem.cli.summary import exit_status, lines
+    from refdem.core.parameters import labelled, settings
     from refdem.core.store import Store, default_path
     from refdem.report import write_report
 
@@ -54,25 +52,6 @@ def command(
     print("\n".join(lines(sheets)))
     print(f"report: {out / 'index.html'} ({time.perf_counter() - start:.1f} s in all)")
     raise typer.Exit(exit_status(sheets))
-
-
-def labelled(label: str) -> tuple[str, dict[str, str]]:
-    """Case id and parameters of `case` or `case[name=value name=value]`; raises UsageError."""
-    match = _LABEL.fullmatch(label)
-    if not match:
-        raise UsageError(f"case {label!r} is not a name; expected something like pendulum or pendulum[theta0=2]")
-    return match[1], settings((match[2] or "").split())
-
-
-def settings(pairs: list[str]) -> dict[str, str]:
-    """Parameters from `name=value` texts; raises UsageError."""
-    found = {}
-    for pair in pairs:
-        name, equals, value = pair.partition("=")
-        if not equals or not name or not value:
-            raise UsageError(f"--set got {pair!r}; expected name=value, for example theta0=2 or inertia=1,2,3")
-        found[name] = value
-    return found
 
 
 def replaced(base, engines, method, step, steps_per_tau):  # type: ignore[no-untyped-def]

@@ -3,34 +3,32 @@
 from collections import Counter
 from collections.abc import Iterable
 
-from refdem.core.finding import CampaignSheet, Finding, Record, Sheet
+from refdem.core.finding import FAILING, WORST_FIRST, CampaignSheet, Finding, Record, Sheet
 
-ORDER = ("fail", "stale", "error", "undecided", "expected", "unsupported", "pass")
-"""Worst first."""
 SHOWN = 20
 
 
 def findings(sheets: Iterable[Sheet]) -> list[tuple[Record, Finding]]:
     """Every finding with its record, worst first."""
     found = [(sheet, finding) for sheet in sheets if isinstance(sheet, Record) for finding in sheet.findings]
-    return sorted(found, key=lambda pair: (ORDER.index(pair[1].outcome), pair[1].margin or 0.0))
+    return sorted(found, key=lambda pair: (WORST_FIRST.index(pair[1].outcome), pair[1].margin or 0.0))
 
 
 def exit_status(sheets: Iterable[Sheet]) -> int:
     """1 if a check failed or a deviation is stale, else 3 if an engine broke, else 0."""
     outcomes = {finding.outcome for _, finding in findings(sheets)}
-    return 1 if outcomes & {"fail", "stale"} else 3 if "error" in outcomes else 0
+    return 1 if outcomes & set(FAILING) else 3 if "error" in outcomes else 0
 
 
 def lines(sheets: list[Sheet]) -> list[str]:
     """The summary, line by line."""
     every = findings(sheets)
-    worst = [(record, finding) for record, finding in every if finding.outcome in ("fail", "stale", "error")]
+    worst = [(record, finding) for record, finding in every if finding.outcome in (*FAILING, "error")]
     shown = [f"{finding.outcome.upper():6} {record.id(finding)}\n       {finding.sentence}" for record, finding in worst[:SHOWN]]
     if len(worst) > SHOWN:
         shown.append(f"       ... and {len(worst) - SHOWN} more; the report has them all")
     counts = Counter[str](finding.outcome for _, finding in every)
-    shown.append(", ".join(f"{counts[name]} {name}" for name in ORDER if counts[name]) or "nothing was found")
+    shown.append(", ".join(f"{counts[name]} {name}" for name in WORST_FIRST if counts[name]) or "nothing was found")
     for sheet in sheets:
         if isinstance(sheet, CampaignSheet):
             shown.append(f"{sheet.runs_made} runs made, {sheet.runs_read} read from the store, {sheet.seconds:.1f} s")

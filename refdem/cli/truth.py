@@ -20,8 +20,8 @@ def command(
 
     Example: refdem truth pendulum --set theta0=2 --at 1,5/2 --json
     """
-    from refdem.cli.run import labelled, settings
     from refdem.core import discovery
+    from refdem.core.parameters import labelled, settings
     from refdem.core.selection import Selection
 
     name, own = labelled(case)

@@ -5,7 +5,12 @@ from typing import Literal
 
 import msgspec
 
-Outcome = Literal["pass", "fail", "error", "unsupported", "undecided", "expected", "stale"]
+Outcome = Literal["pass", "fail", "error", "unsupported", "undecided", "expected", "stale", "worse", "lost", "absent"]
+"""The last three are the gate's: worse than the baseline, decided there and no longer, there and gone."""
+WORST_FIRST: tuple[Outcome, ...] = ("fail", "worse", "lost", "absent", "stale", "error", "undecided", "expected", "unsupported", "pass")
+FAILING: tuple[Outcome, ...] = ("fail", "worse", "lost", "absent", "stale")
+"""What makes a command exit with 1; `error` alone makes it exit with 3."""
+DECIDED: tuple[Outcome, ...] = ("pass", "fail", "expected", "stale", "worse")
 
 
 class Level(msgspec.Struct, frozen=True, kw_only=True):

@@ -8,11 +8,11 @@ from fractions import Fraction
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from refdem.errors import UsageError
 
 Exact = Fraction | tuple[Fraction, ...] | str | None
+_LABEL = re.compile(r"([a-z0-9-]+)(?:\[(.*)\])?")
 _NUMBER = re.compile(r"[+-]?(\d{1,60}(\.\d{0,60})?|\.\d{1,60})([eE][+-]?\d{1,3})?(/\d{1,60})?")
 
 
@@ -125,4 +125,20 @@ def nearest(name: str, known: Any) -> str:
     return f"did you mean {close[0]!r}?" if close else f"known: {', '.join(sorted(known))}"
 
 
-Array = NDArray[np.float64]
+def labelled(label: str) -> tuple[str, dict[str, str]]:
+    """Case id and parameters of `case` or `case[name=value name=value]`; raises UsageError."""
+    match = _LABEL.fullmatch(label)
+    if not match:
+        raise UsageError(f"case {label!r} is not a name; expected something like pendulum or pendulum[theta0=2]")
+    return match[1], settings((match[2] or "").split())
+
+
+def settings(pairs: list[str]) -> dict[str, str]:
+    """Parameters from `name=value` texts; raises UsageError."""
+    found = {}
+    for pair in pairs:
+        name, equals, value = pair.partition("=")
+        if not equals or not name or not value:
+            raise UsageError(f"--set got {pair!r}; expected name=value, for example theta0=2 or inertia=1,2,3")
+        found[name] = value
+    return found

@@ -13,14 +13,14 @@ if TYPE_CHECKING:
 def write_records(folder: Path, sheets: "Iterable[Sheet]") -> None:
     """Writes `records.jsonl`, a sheet a line; raises StoreError."""
     from refdem.report.files import written
-    from refdem.report.records import RECORDS, lines
+    from refdem.report.jsonl import RECORDS, lines
 
     written(Path(folder) / RECORDS, lines(sheets))
 
 
 def read_records(folder: Path) -> "list[Sheet]":
     """The sheets of `records.jsonl`; raises StoreError if there is none, UsageError that names a malformed line."""
-    from refdem.report.records import sheets_in
+    from refdem.report.jsonl import sheets_in
 
     return sheets_in(Path(folder))
 
@@ -33,6 +33,15 @@ def write_report(folder: Path, sheets: "Sequence[Sheet]", store: "Store | None" 
     from refdem.report.writing import write_everything
 
     write_everything(Path(folder), sheets, store)
+
+
+def write_junit(path: Path, sheets: "Iterable[Sheet]") -> None:
+    """Writes the findings as JUnit XML; raises StoreError if the file cannot be written."""
+    from refdem.report.contents import contents_of
+    from refdem.report.files import written
+    from refdem.report.junit import junit
+
+    written(Path(path), junit(contents_of(sheets)))
 
 
 def records(folder: Path | str) -> "Tables":

@@ -1,0 +1,78 @@
+"""refdem gate: a program against truth and against its accepted past."""
+
+import os
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from refdem.errors import UsageError
+
+if TYPE_CHECKING:
+    from refdem.core.finding import Sheet
+    from refdem.gate.gate import Gate
+
+
+def command(
+    toml: Annotated[Path, typer.Argument(help="The refdem.toml beside the program.")] = Path("refdem.toml"),
+    baseline: Annotated[Path | None, typer.Option(help="The baseline; default: as refdem.toml says.")] = None,
+    bless: Annotated[bool, typer.Option("--bless", help="Accept the findings of this run as the baseline.")] = False,
+    why: Annotated[str, typer.Option(help="With --bless: why they are right.")] = "",
+    junit: Annotated[Path | None, typer.Option(help="Write JUnit XML.")] = None,
+    markdown: Annotated[Path | None, typer.Option(help="Write Markdown for a pull request.")] = None,
+    out: Annotated[Path | None, typer.Option(help="Write the whole report into this folder.")] = None,
+    jobs: Annotated[int, typer.Option(help="Worker processes; 0: one a core.")] = 0,
+) -> None:
+    """Runs the gate of a program: every finding against truth, and against the baseline.
+
+    Example: refdem gate --junit gate.xml --markdown gate.md
+    """
+    from refdem.cli.progress import Progress
+    from refdem.cli.summary import exit_status, lines
+    from refdem.gate.gate import of_program
+    from refdem.gate.markdown import annotations
+    from refdem.gate.markdown import markdown as told
+
+    if bless and not why.strip():
+        raise UsageError("--bless came without --why; say in a few words why these findings are right")
+    if jobs < 0:
+        raise UsageError(f"--jobs is {jobs}; expected a number >= 1, or 0 for one a core")
+    gate = of_program(toml, baseline, jobs or os.cpu_count() or 1, Progress())
+    sheets = gate.sheets()
+    if bless:
+        _bless(gate, sheets, why)
+    elif gate.baseline.is_file():
+        sheets = gate.against_baseline(sheets)
+    print("\n".join(lines(sheets)))
+    _write(sheets, gate, junit, out)
+    if markdown is not None:
+        markdown.write_text(told(gate.engine.name, sheets))
+    if os.environ.get("GITHUB_ACTIONS") == "true":
+        print("\n".join(annotations(sheets)))
+    if not gate.baseline.is_file():
+        print(f'no baseline {gate.baseline}: the gate stays closed; accept these findings with: refdem gate --bless --why "first baseline"')
+        raise typer.Exit(1)
+    raise typer.Exit(exit_status(sheets))
+
+
+def _bless(gate: "Gate", sheets: "list[Sheet]", why: str) -> None:
+    """Writes the baseline and shows what it changes."""
+    from refdem.core.finding import Record
+    from refdem.gate import baseline
+
+    records: list[Record] = [sheet for sheet in sheets if isinstance(sheet, Record)]
+    before = baseline.read(gate.baseline)[1] if gate.baseline.is_file() else {}
+    for line in baseline.differences(before, records):
+        print(line)
+    count = baseline.write(gate.baseline, records, why)
+    print(f"baseline {gate.baseline}: {count} findings accepted")
+
+
+def _write(sheets: "list[Sheet]", gate: "Gate", junit: Path | None, out: Path | None) -> None:
+    """The JUnit file and the report that were asked for."""
+    from refdem.report import write_junit, write_report
+
+    if junit is not None:
+        write_junit(junit, sheets)
+    if out is not None:
+        write_report(out, sheets, gate.store)

@@ -1,0 +1,1 @@
+"""The gate: a program against truth and against its own accepted past; stored runs are never read."""

@@ -1,0 +1,90 @@
+"""The baseline: what a program's findings were when someone accepted them, with the reason why."""
+
+from pathlib import Path
+
+import msgspec
+
+from refdem.core.finding import DECIDED, Finding, Outcome, Record
+from refdem.errors import StoreError, UsageError
+
+FORMAT = 1
+
+
+class Accepted(msgspec.Struct, frozen=True, kw_only=True):
+    """One accepted finding: its id, outcome, value and measured error constant."""
+
+    id: str
+    outcome: Outcome
+    value: float | None = None
+    constant: float | None = None
+
+    @property
+    def size(self) -> float | None:
+        """What a later run is compared with: the error constant, or the value where there is none."""
+        return self.constant if self.constant is not None else self.value
+
+
+class Header(msgspec.Struct, frozen=True, kw_only=True):
+    """First line of the file."""
+
+    format: int
+    engine: str
+    version: str
+    why: str
+
+
+def accepted(record: Record, finding: Finding) -> Accepted:
+    """A finding as a baseline keeps it."""
+    return Accepted(id=record.id(finding), outcome=finding.outcome, value=finding.value, constant=finding.constant_seen)
+
+
+def read(path: Path) -> tuple[Header, dict[str, Accepted]]:
+    """Header and findings by id; raises UsageError, saying how to make one, if the file is missing or broken."""
+    if not path.is_file():
+        raise UsageError(f'no baseline {path}; look at the findings, then accept them with: refdem gate --bless --why "first baseline"')
+    try:
+        first, *rest = path.read_bytes().splitlines()
+        header = msgspec.json.decode(first, type=Header)
+        found = [msgspec.json.decode(line, type=Accepted) for line in rest]
+    except (ValueError, msgspec.MsgspecError) as error:
+        raise UsageError(f"baseline {path} cannot be read: {error}; restore it from version control") from None
+    if header.format != FORMAT:
+        raise UsageError(f"baseline {path} has format {header.format}; expected {FORMAT}: bless it anew")
+    return header, {entry.id: entry for entry in found}
+
+
+def write(path: Path, records: list[Record], why: str) -> int:
+    """Accepts what was decided, in order of id, all or nothing; returns how many findings."""
+    if not why.strip():
+        raise UsageError("--bless came without --why; say in a few words why these findings are right")
+    kept = [accepted(record, finding) for record in records for finding in record.findings if finding.outcome in DECIDED]
+    header = Header(format=FORMAT, engine=records[0].engine, version=records[0].version, why=why)
+    lines = [msgspec.json.encode(header), *(msgspec.json.encode(entry) for entry in sorted(kept, key=lambda entry: entry.id))]
+    beside = path.with_name(path.name + ".new")
+    try:
+        beside.write_bytes(b"\n".join(lines) + b"\n")
+        beside.replace(path)
+    except OSError as error:
+        raise StoreError(f"baseline {path} cannot be written: {error.strerror}") from None
+    return len(kept)
+
+
+def differences(before: dict[str, Accepted], records: list[Record]) -> list[str]:
+    """What blessing would change, a line each, so that it is seen."""
+    now = {record.id(f): accepted(record, f) for record in records for f in record.findings if f.outcome in DECIDED}
+    lines = [f"+ {name}: {now[name].outcome}" for name in sorted(now.keys() - before.keys())]
+    lines += [f"- {name}: {before[name].outcome}" for name in sorted(before.keys() - now.keys())]
+    for name in sorted(now.keys() & before.keys()):
+        old, new = before[name], now[name]
+        if old.outcome != new.outcome or not _near(old.size, new.size):
+            lines.append(f"~ {name}: {old.outcome} {_number(old.size)} -> {new.outcome} {_number(new.size)}")
+    return lines
+
+
+def _near(a: float | None, b: float | None) -> bool:
+    """The same to a tenth."""
+    return a == b or (a is not None and b is not None and abs(a - b) <= 0.1 * max(abs(a), abs(b)))
+
+
+def _number(value: float | None) -> str:
+    return "-" if value is None else f"{value:.2g}"

@@ -1,0 +1,83 @@
+"""Findings against the baseline: worse than 1.5 times what was accepted and beyond noise, lost, or absent."""
+
+from collections.abc import Callable
+
+import msgspec
+
+from refdem.core.finding import DECIDED, Finding, Record
+from refdem.gate.baseline import Accepted
+
+WORSE = 1.5
+"""A finding is worse when its size grows by more than this factor: a method's error constant does not move by itself."""
+
+Noise = Callable[[Record, Finding], float]
+"""How far a finding's size moves when the start moves by some units in the last place."""
+
+
+def size(finding: Finding) -> float | None:
+    """The error constant, or the value where there is none."""
+    return finding.constant_seen if finding.constant_seen is not None else finding.value
+
+
+def compared(records: list[Record], baseline: dict[str, Accepted], noise: Noise) -> list[Record]:
+    """The records with findings turned worse or lost, and an absent one for every accepted finding that is gone."""
+    seen = {record.id(finding) for record in records for finding in record.findings}
+    changed = [
+        msgspec.structs.replace(record, findings=tuple(_compared(record, finding, baseline, noise) for finding in record.findings))
+        for record in records
+    ]
+    for name, entry in baseline.items():
+        if name not in seen and entry.outcome in DECIDED:
+            changed = _with_absent(changed, name, entry)
+    return changed
+
+
+def _compared(record: Record, finding: Finding, baseline: dict[str, Accepted], noise: Noise) -> Finding:
+    """The finding as it is, or worse, or lost."""
+    entry = baseline.get(record.id(finding))
+    if entry is None or finding.outcome == "fail":
+        return finding
+    if entry.outcome in DECIDED and finding.outcome not in DECIDED and finding.outcome != "error":
+        says = f"{finding.sentence} The baseline has it decided ({entry.outcome})."
+        return msgspec.structs.replace(finding, outcome="lost", sentence=says)
+    now, before = size(finding), entry.size
+    if now is None or before is None or now <= WORSE * before:
+        return finding
+    spread = noise(record, finding)
+    if now - WORSE * before <= spread:
+        return finding
+    says = (
+        f"{finding.sentence} It is {_times(now, before)} the accepted {before:.2g}, beyond the factor {WORSE:g}"
+        f" and beyond the noise of a start moved by some ulp ({spread:.1g})."
+    )
+    return msgspec.structs.replace(finding, outcome="worse", sentence=says)
+
+
+def _times(now: float, before: float) -> str:
+    return f"{now / before:.2g} times" if before > 0 else f"{now:.2g} against"
+
+
+def _with_absent(records: list[Record], name: str, entry: Accepted) -> list[Record]:
+    """The records with a finding for an accepted id that was not seen."""
+    label, engine, method, check, quantity = name.rsplit("/", 4)
+    gone = Finding(
+        check=check,
+        quantity=quantity,
+        outcome="absent",
+        sentence=f"The baseline has it ({entry.outcome}) and this run does not: it was removed, or could not be judged.",
+    )
+    for n, record in enumerate(records):
+        if (record.label, record.engine, record.method) == (label, engine, method):
+            return [*records[:n], msgspec.structs.replace(record, findings=(*record.findings, gone)), *records[n + 1 :]]
+    whole = Record(
+        case=label.partition("[")[0],
+        label=label,
+        parameters={},
+        engine=engine,
+        version="",
+        method=method,
+        is_reference=False,
+        runs=(),
+        findings=(gone,),
+    )
+    return [*records, whole]

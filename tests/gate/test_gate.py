@@ -1,0 +1,105 @@
+"""The gate opens for what was accepted, and closes for what is wrong, worse, lost or absent."""
+
+import json
+import xml.etree.ElementTree as ElementTree
+
+
+def test_without_a_baseline_the_gate_is_closed_and_says_how_to_bless(program):
+    done = program.gate()
+    assert done.returncode == 1
+    assert "refdem gate --bless --why" in done.stdout
+
+
+def test_a_blessed_program_passes_and_a_comment_changes_nothing(program):
+    program.bless()
+    program.spoil('"""usage: spring.py REQUEST TRAJECTORY"""', "# the same program")
+    done = program.gate("--junit", "gate.xml", "--markdown", "gate.md")
+    assert done.returncode == 0, done.stdout
+    assert "is open" in (program.folder / "gate.md").read_text()
+    suite = ElementTree.parse(program.folder / "gate.xml").getroot()
+    assert len(list(suite.iter("testcase"))) > 5
+    assert not list(suite.iter("failure"))
+
+
+def test_a_flipped_sign_closes_the_gate_although_the_version_stays(program):
+    program.bless()
+    program.spoil("x += h * v", "x -= h * v")
+    done = program.gate("--junit", "gate.xml", "--markdown", "gate.md")
+    assert done.returncode == 1
+    assert "FAIL" in done.stdout
+    assert "/spring/leapfrog/error/x" in done.stdout
+    text = (program.folder / "gate.md").read_text()
+    assert "is closed" in text
+    assert "refdem run harmonic-oscillator" in text
+    assert len(text.splitlines()) < 60
+    assert list(ElementTree.parse(program.folder / "gate.xml").getroot().iter("failure"))
+
+
+def test_an_error_constant_that_doubles_is_worse_although_it_holds_its_bound(program):
+    program.bless()
+    program.spoil("                x += h * v\n", "                x += h * v * (1 + 0.1 * h * h)\n")
+    done = program.gate()
+    assert done.returncode == 1
+    assert "WORSE" in done.stdout
+    assert "beyond the factor 1.5" in done.stdout
+
+
+def test_a_method_that_can_no_longer_be_judged_is_lost(program):
+    program.bless()
+    program.spoil("import json, sys\n", "import json, sys\nsys.exit(77)\n")
+    done = program.gate()
+    assert done.returncode == 1
+    assert "ABSENT" in done.stdout
+
+
+def test_an_accepted_finding_that_is_gone_is_absent(program):
+    program.bless()
+    text = (program.folder / "refdem.toml").read_text()
+    (program.folder / "refdem.toml").write_text(text.replace("symplectic = true\n", ""))
+    done = program.gate()
+    assert done.returncode == 1
+    assert "ABSENT" in done.stdout
+    assert "energy/drift" in done.stdout
+
+
+def test_blessing_needs_a_reason_and_shows_what_it_changes(program):
+    assert program.gate("--bless").returncode == 2
+    assert not (program.folder / "refdem-baseline.jsonl").exists()
+    program.bless()
+    program.spoil("                x += h * v\n", "                x += h * v * (1 + 0.1 * h * h)\n")
+    done = program.gate("--bless", "--why", "the scheme was changed")
+    assert "~ harmonic-oscillator/spring/leapfrog/error/x: pass" in done.stdout
+    header = json.loads((program.folder / "refdem-baseline.jsonl").read_text().splitlines()[0])
+    assert header["why"] == "the scheme was changed"
+
+
+def test_a_crash_is_an_error_and_exit_3_while_nothing_failed(program):
+    program.bless()
+    program.spoil("import json, sys\n", "import json, sys\nimport os\nos.abort()\n")
+    done = program.gate()
+    assert "ERROR" in done.stdout
+    assert "signal 6" in done.stdout
+    assert done.returncode == 1  # what the baseline has is gone
+
+
+def test_findings_are_shown_beside_the_change_on_github(program):
+    program.bless()
+    program.spoil("x += h * v", "x -= h * v")
+    assert "::error title=harmonic-oscillator/spring" in program.gate(GITHUB_ACTIONS="true").stdout
+
+
+def test_a_broken_baseline_is_said_so_and_left_alone(program):
+    program.bless()
+    (program.folder / "refdem-baseline.jsonl").write_text("not json\n")
+    done = program.gate()
+    assert done.returncode == 2
+    assert "version control" in done.stderr
+    assert (program.folder / "refdem-baseline.jsonl").read_text() == "not json\n"
+
+
+def test_a_toml_with_a_fault_is_one_clear_sentence(program):
+    (program.folder / "refdem.toml").write_text("[engine]\nname = 3\n")
+    done = program.gate()
+    assert done.returncode == 2
+    assert "refdem.toml" in done.stderr
+    assert "Traceback" not in done.stderr
