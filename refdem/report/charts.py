@@ -61,7 +61,7 @@ def _curves(base: Any, data: ChartData, x: alt.X, y: alt.Y, tips: list[alt.Toolt
     points = base.mark_point(filled=True, size=size, opacity=1).encode(x=x, y=y, color=colour, shape=shape, tooltip=tips)
     if not bound:
         return alt.layer(lines, points)
-    bounds = base.mark_line(strokeDash=[5, 4], opacity=0.7, strokeWidth=1.2).encode(x=x, y=alt.Y(f"{bound}:Q"), color=colour)
+    bounds = base.mark_line(strokeDash=[5, 4], opacity=0.85, strokeWidth=1.2).encode(x=x, y=alt.Y(f"{bound}:Q"), color=colour)
     return alt.layer(bounds, lines, points)
 
 

@@ -7,7 +7,7 @@ from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 
 from refdem.core.finding import CampaignSheet, CaseSheet, EngineSheet, Finding, Outcome, Record, Sheet
-from refdem.report.records import finite
+from refdem.report.jsonl import finite
 
 WORST_FIRST: tuple[Outcome, ...] = ("fail", "error", "stale", "undecided", "expected", "unsupported", "pass")
 
@@ -81,7 +81,7 @@ def _bare_engine(record: Record) -> EngineSheet:
 def page(label: str) -> str:
     """A file name for an instance, safe on any file system and different for different labels."""
     plain = re.sub(r"[^a-z0-9.=_-]+", "-", label.lower()).strip("-.")[:80]
-    return plain if plain == label else f"{plain}-{_digest(label)}".lstrip("-")
+    return plain if plain and plain == label else f"{plain}-{_digest(label)}".lstrip("-")
 
 
 def anchor(identity: str) -> str:

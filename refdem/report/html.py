@@ -41,8 +41,11 @@ def pages(contents: Contents, rows: dict[str, list[Row]], specs: dict[str, dict[
     yield "engines.html", templates.get_template("engines.html").render(everywhere, root="")
     cells = {(label, sheet.engine): cell(contents, rows[label], label, sheet.engine) for label in labels for sheet in contents.engines}
     groups = {outcome: grouped(contents, outcome) for outcome in WORST_FIRST if outcome != "pass" and outcome in contents.counts()}
-    yield "index.html", templates.get_template("index.html").render(
-        everywhere, root="", rows=rows, cells=cells, advice=advice(contents.counts()), groups=groups, specs=specs[""]
+    yield (
+        "index.html",
+        templates.get_template("index.html").render(
+            everywhere, root="", rows=rows, cells=cells, advice=advice(contents.counts()), groups=groups, specs=specs[""]
+        ),
     )
 
 

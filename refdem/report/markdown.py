@@ -49,7 +49,12 @@ def _tolerance_line(row: Row) -> list[str]:
 
 
 def _engine(record: Record) -> str:
-    return plain(record.engine) + (" (reference)" if record.is_reference else "")
+    return _tagged(record.engine, record.is_reference)
+
+
+def _tagged(engine: str, is_reference: bool) -> str:
+    """The engine, said to be the reference if its name does not say so."""
+    return plain(engine) + (" (reference)" if is_reference and engine != "reference" else "")
 
 
 def _matrix(contents: Contents, rows: dict[str, list[Row]]) -> str:
@@ -63,7 +68,7 @@ def _matrix(contents: Contents, rows: dict[str, list[Row]]) -> str:
             for c in cells
         ]
         lines.append([plain(sheet.label), *texts])
-    head = ["case", *(plain(engine.engine) + (" (reference)" if engine.is_reference else "") for engine in contents.engines)]
+    head = ["case", *(_tagged(engine.engine, engine.is_reference) for engine in contents.engines)]
     note = "The decimal logarithm of 1 / error at the finest level: the worst quantity, the best method of each engine."
     return f"## Correct digits\n\n{note}\n\n{_table(head, lines)}" if lines else ""
 

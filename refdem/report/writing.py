@@ -8,8 +8,8 @@ from refdem.core.store import Store
 from refdem.report import chart_data, figures, html, markdown, tables
 from refdem.report.contents import Contents, contents_of, page
 from refdem.report.files import written
+from refdem.report.jsonl import RECORDS, lines
 from refdem.report.junit import junit
-from refdem.report.records import RECORDS, lines
 from refdem.report.tolerance import Row, rows_of
 
 ASSETS = Path(__file__).with_name("assets")

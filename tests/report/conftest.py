@@ -1,0 +1,33 @@
+"""Synthetic sheets, and one report written from them."""
+
+import runpy
+from pathlib import Path
+
+import pytest
+
+from refdem.core.store import Store
+from refdem.report import write_report
+
+SYNTHETIC = runpy.run_path(str(Path(__file__).with_name("synthetic.py")))
+
+
+@pytest.fixture(scope="session")
+def synthetic():
+    return SYNTHETIC
+
+
+@pytest.fixture(scope="session")
+def sheets():
+    return SYNTHETIC["sheets"]()
+
+
+@pytest.fixture(scope="session")
+def store(tmp_path_factory):
+    return Store(tmp_path_factory.mktemp("store") / "store.sqlite")
+
+
+@pytest.fixture(scope="session")
+def folder(sheets, store, tmp_path_factory):
+    path = tmp_path_factory.mktemp("report")
+    write_report(path, sheets, store)
+    return path
