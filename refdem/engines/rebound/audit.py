@@ -62,5 +62,6 @@ AUDIT = (
         "1",
         "ias15 and bs cut their step to meet a sample and start from the one before the cut: more samples change the steps",
     ),
+    Default("warnings", "passed on", "dropped; errors end the run", "ias15 warns of loops that did not converge even where nothing pulls"),
     Default("SIGINT", "its own handler", "put back after every run", "integrate() takes the process's handler and keeps it"),
 )

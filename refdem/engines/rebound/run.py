@@ -1,5 +1,6 @@
 """One run of REBOUND: the compiled loop over its steps, and what it recorded as a trajectory."""
 
+import warnings
 from ctypes import addressof
 from time import perf_counter
 from typing import Any
@@ -55,9 +56,11 @@ def _engine(sim: rebound.Simulation, ode: ODE | None) -> Any:
 
 
 def _refuse_failure(sim: rebound.Simulation, request: Request, failed: int) -> None:
-    """Raises EngineError with REBOUND's own words."""
+    """Raises EngineError with REBOUND's own words; its warnings are not passed on: the checks see what they warn of."""
     try:
-        sim.process_messages()
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", RuntimeWarning)
+            sim.process_messages()
     except RuntimeError as error:
         raise EngineError(f"rebound, {request.method}: {error}") from None
     if failed:
