@@ -155,11 +155,14 @@ static inline void rub(const refdem_particles *p, int64_t mode, const meeting *m
     double k = p->tangential_stiffness, along = dot(s, m->slip), carried = dot(s, m->turn);
     double least = 1e-8 * p->friction * p->stiffness * p->radius[m->i], limit = fmax(m->limit, 0.0);
     double lean = k * limit / (limit * limit + least * least); /* k/limit, but finite where the force vanishes */
-    double across[3], towards[3] = {s[0], s[1], s[2]}, fast = size(m->slip);
+    double across[3], towards[3] = {s[0], s[1], s[2]}, fast = size(m->slip), flat = 1.0;
+    if (k == 0.0 && mode == SLIP) { /* along the slip; where that has no direction, as it was, in the plane of contact */
+        add(towards, -dot(towards, m->n), m->n);
+        flat = size(towards);
+    }
     for (int c = 0; c < 3; c++) {
-        across[c] = m->slip[c] - along * s[c] / dot(s, s);
-        if (k == 0.0 && along > least_slip(p, m))
-            towards[c] = m->slip[c] / fast;
+        across[c] = m->slip[c] - along * s[c] / fmax(dot(s, s), 1e-300);
+        towards[c] = k == 0.0 && along > least_slip(p, m) ? m->slip[c] / fast : towards[c] / flat;
     }
     if (mode == SLIP && size(across) < 1e-9 * fast) /* motion in a plane: rounding must not turn the spring */
         lean = 0.0;
