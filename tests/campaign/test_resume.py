@@ -6,6 +6,7 @@ import sqlite3
 import subprocess
 import sys
 import time
+from contextlib import closing
 
 from refdem.campaign.campaign import Campaign
 from refdem.campaign.specification import Entry, Specification
@@ -28,7 +29,7 @@ if __name__ == "__main__":
 def stored_runs(path):
     if not path.exists():
         return 0
-    with sqlite3.connect(path) as connection:
+    with closing(sqlite3.connect(path)) as connection:
         try:
             return connection.execute("SELECT count(*) FROM entries WHERE kind='run'").fetchone()[0]
         except sqlite3.OperationalError:

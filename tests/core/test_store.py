@@ -1,6 +1,7 @@
 """The store keeps what is finished and says clearly when it cannot."""
 
 import sqlite3
+from contextlib import closing
 
 import pytest
 
@@ -24,7 +25,7 @@ def test_a_corrupt_file_is_left_alone_and_said_to_be_corrupt(tmp_path):
 
 def test_a_store_of_another_format_is_refused(tmp_path):
     path = tmp_path / "s.sqlite"
-    with sqlite3.connect(path) as connection:
+    with closing(sqlite3.connect(path)) as connection:
         connection.execute("PRAGMA user_version=99")
     with pytest.raises(StoreError, match="format 99"):
         Store(path)
