@@ -18,8 +18,10 @@ int refdem_chipmunk_record(const refdem_chipmunk_engine *engine, int64_t bodies,
             out[1] = position.y;
             out[2] = velocity.x;
             out[3] = velocity.y;
-            out[4] = engine->angle(body[i]);
-            out[5] = engine->omega(body[i]);
+            if (engine->omega) {
+                out[4] = engine->angle(body[i]);
+                out[5] = engine->omega(body[i]);
+            }
         }
     }
     return 0;

@@ -27,7 +27,7 @@ int refdem_record(int kind, void *step, void *a, void *b, double h, int64_t samp
 
 typedef struct { double x, y; } refdem_vector2;
 
-/* Addresses in the engine: its space, its step, and what reads a body's state. */
+/* Addresses in the engine: its space, its step, and what reads a body's state; angle and omega are NULL if nothing can turn. */
 typedef struct {
     void *space;
     void (*step)(void *space, double h);
@@ -38,7 +38,7 @@ typedef struct {
 } refdem_chipmunk_engine;
 
 /* Steps Chipmunk `stride` times a sample. out (samples, bodies, 6): x, y [m], vx, vy [m/s], angle [rad], omega [rad/s];
- * row 0 is the state at the start. Returns 0. */
+ * row 0 is the state at the start; angle and omega are left alone if nothing can turn. Returns 0. */
 int refdem_chipmunk_record(const refdem_chipmunk_engine *engine, int64_t bodies, void *const *body, double h, int64_t samples,
                            int64_t stride, double *out);
 

@@ -4,6 +4,7 @@ from time import perf_counter
 from typing import Any
 
 import numpy as np
+import pymunk
 from numpy.typing import NDArray
 from pymunk._chipmunk_cffi import ffi as engine_ffi
 from pymunk._chipmunk_cffi import lib as engine_lib
@@ -29,24 +30,32 @@ def recorded(request: Request) -> tuple[Trajectory, Cost]:
     began = perf_counter()
     if engine_ffi.sizeof("cpFloat") != 8 or engine_ffi.sizeof("cpVect") != 16:
         raise EngineError(f"pymunk: cpFloat has {engine_ffi.sizeof('cpFloat')} bytes; expected 8")
+    columns = request.problem.scene.bodies
     space, bodies = space_of(request.problem.scene)
     ffi, lib = kernels.load("chipmunk").ffi, kernels.load("chipmunk").lib
-    engine = ffi.new("refdem_chipmunk_engine *", {"space": _address(ffi, space._space)})
-    for field, function in FUNCTIONS.items():
-        setattr(engine, field, ffi.cast(ffi.typeof(getattr(engine, field)), _number(engine_ffi.addressof(engine_lib, function))))
+    engine = _engine(ffi, space, turns=bool((columns.inertia[:, 2] * ~columns.fixed).any()))
     handles = ffi.new("void *[]", [_address(ffi, body._body) for body in bodies])
     samples, stride = len(request.problem.times), request.stride
     rows = np.empty((samples, len(bodies), 6))
+    rows[..., 4], rows[..., 5] = angle_of(columns.attitude), 0.0
+    out = kernels.pointer("chipmunk", rows, output=True)
     started = perf_counter()
-    lib.refdem_chipmunk_record(
-        engine, len(bodies), handles, request.signed_step, samples, stride, kernels.pointer("chipmunk", rows, output=True)
-    )
+    lib.refdem_chipmunk_record(engine, len(bodies), handles, request.signed_step, samples, stride, out)
     ended = perf_counter()
     steps = int(engine_lib.cpSpaceGetTimestamp(space._space))
     if steps != (samples - 1) * stride:
         raise EngineError(f"pymunk: the engine counted {steps} steps; expected {(samples - 1) * stride}")
     t = request.problem.times[0] + np.arange(samples) * stride * request.signed_step
     return _trajectory(request, t, rows), Cost(seconds=ended - started, setup=started - began, steps=steps)
+
+
+def _engine(ffi: Any, space: pymunk.Space, *, turns: bool) -> Any:
+    """Addresses for the compiled loop; angles are not read where nothing can turn."""
+    engine = ffi.new("refdem_chipmunk_engine *", {"space": _address(ffi, space._space)})
+    for field, function in FUNCTIONS.items():
+        if turns or field not in ("angle", "omega"):
+            setattr(engine, field, ffi.cast(ffi.typeof(getattr(engine, field)), _number(engine_ffi.addressof(engine_lib, function))))
+    return engine
 
 
 def _number(pointer: Any) -> int:

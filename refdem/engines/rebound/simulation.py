@@ -31,7 +31,7 @@ def simulation_of(request: Request, fields: Fields) -> tuple[rebound.Simulation,
     _place(sim, fields, first)
     ode = _add_rotors(sim, scene, fields)
     if fields.has_forces:
-        sim.additional_forces = AFF(_callback("forces", rebound.Simulation.extras.offset))
+        sim._additional_forces = AFF(_callback("forces", rebound.Simulation.extras.offset))  # the property would wrap it in Python
         sim.force_is_velocity_dependent = int(fields.rods > 0)
     return sim, ode
 
