@@ -4,7 +4,7 @@ import csv
 import io
 import math
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 from refdem.core.finding import Finding, Record
@@ -25,7 +25,7 @@ class ChartData:
     csv: str
     choices: tuple[str, ...] = ()
     styles: tuple[tuple[str, str, str], ...] = ()
-    numbers: tuple[float, ...] = ()
+    extents: dict[str, tuple[float, float]] = field(default_factory=dict)
     labels: tuple[str, ...] = ()
 
 
@@ -36,7 +36,13 @@ def errors(contents: Contents, rows: Sequence[Row]) -> ChartData | None:
          "error": rounded(level.error), "bound": rounded(level.bound)}
         for row in rows for level in row.levels
     ]  # fmt: skip
-    return _chart("errors", contents, (row.record for row in rows), found, ("error", "bound"), _quantities(rows))
+    chart = _chart("errors", contents, (row.record for row in rows), found, ("error", "bound"), _quantities(rows))
+    for control in ("step", "tolerance", "exact"):
+        chosen = [float(item["level"]) for item in found if item["control"] == control]
+        if chart and chosen:
+            alone = 2.0 if min(chosen) == max(chosen) else 1.0  # an axis needs two ends
+            chart.extents[control] = (min(chosen) / alone, max(chosen) * alone)
+    return chart
 
 
 def costs(contents: Contents, rows: Sequence[Row]) -> ChartData | None:
@@ -65,7 +71,7 @@ def overview(contents: Contents, rows: Sequence[Row]) -> ChartData | None:
     engines = sorted({item["engine"] for item in found}, key=list(colours).index)
     cases = tuple(sorted({item["case"] for item in found}))
     marks = tuple((name, colours[name], "circle") for name in engines)
-    return ChartData("overview", _csv(found), styles=marks, numbers=(_floor(found, ("error",)),), labels=cases)
+    return ChartData("overview", _csv(found), styles=marks, extents={"error": _decades(found, ("error",))}, labels=cases)
 
 
 def drifts(contents: Contents, label: str) -> ChartData | None:
@@ -99,17 +105,17 @@ def _chart(
     """The chart of these rows, None if there are none. Zeros go to the floor, as a log axis has no place for them."""
     if not found:
         return None
-    floor = _floor(found, names)
+    ends = _decades(found, names)
     for item in found:
-        item |= {f"shown_{name}": max(item[name], floor) for name in names}
+        item |= {f"shown_{name}": max(item[name], ends[0]) for name in names}
     marks = styles(((record.engine, record.method) for record in shown), engine_colours(contents))
-    return ChartData(kind, _csv(found), tuple(choices), tuple(marks), (floor,))
+    return ChartData(kind, _csv(found), tuple(choices), tuple(marks), {"error": ends})
 
 
-def _floor(found: list[dict[str, Any]], names: tuple[str, ...]) -> float:
-    """The power of ten below the smallest positive value."""
-    smallest = min((item[name] for item in found for name in names if item[name] > 0), default=1e-16)
-    return float(10.0 ** (math.floor(math.log10(smallest)) - 1))
+def _decades(found: list[dict[str, Any]], names: tuple[str, ...]) -> tuple[float, float]:
+    """Powers of ten below and above all positive values; zeros are drawn at the lower one."""
+    values = [item[name] for item in found for name in names if item[name] > 0] or [1e-16]
+    return 10.0 ** (math.floor(math.log10(min(values))) - 1), 10.0 ** math.ceil(math.log10(max(values)))
 
 
 def _csv(found: list[dict[str, Any]]) -> str:

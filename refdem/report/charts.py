@@ -27,12 +27,12 @@ def _chart(data: ChartData, **types: str) -> Any:
 def _log(name: str, title: str, data: ChartData, ticks: int = 8, *, labels: bool = True) -> alt.Y:
     """A logarithmic axis from the chart's floor up."""
     axis = alt.Axis(format=".0e", tickCount=ticks, labelOverlap=True, labels=labels, ticks=labels)
-    return alt.Y(f"{name}:Q", title=title, scale=alt.Scale(type="log", domainMin=data.numbers[0], nice=False), axis=axis)
+    return alt.Y(f"{name}:Q", title=title, scale=alt.Scale(type="log", domain=data.extents["error"], nice=False), axis=axis)
 
 
-def _log_x(name: str, title: str) -> alt.X:
+def _log_x(name: str, title: str, **scale: Any) -> alt.X:
     """A logarithmic axis with room on both sides."""
-    return alt.X(f"{name}:Q", title=title, scale=alt.Scale(type="log", nice=False, padding=14), axis=STEP_AXIS)
+    return alt.X(f"{name}:Q", title=title, scale=alt.Scale(type="log", nice=False, padding=14, **scale), axis=STEP_AXIS)
 
 
 def _style(data: ChartData) -> tuple[alt.Color, alt.Shape]:
@@ -69,7 +69,7 @@ def _errors(data: ChartData) -> Any:
     """Panels for step, tolerance and exact methods, with one axis of errors."""
     base = _chart(data, level="number", shown_error="number", shown_bound="number").transform_filter("datum.quantity == pick")
     tips = _tips("series", "quantity", "level", "error", "bound")
-    kinds = [kind for kind in ("step", "tolerance", "exact") if f",{kind}," in data.csv]
+    kinds = [kind for kind in ("step", "tolerance", "exact") if kind in data.extents]
     panels = []
     for kind in kinds:
         y = _log("shown_error", "largest error / scale", data) if not panels else _log("shown_error", "", data, labels=False)
@@ -77,7 +77,7 @@ def _errors(data: ChartData) -> Any:
         if kind == "exact":
             panels.append(_exact(chosen, data, y, tips))
             continue
-        x = _log_x("level", {"step": "step [s]", "tolerance": "tolerance"}[kind] + "; dashed: bound")
+        x = _log_x("level", {"step": "step [s]", "tolerance": "tolerance"}[kind] + "; dashed: bound", domain=data.extents[kind])
         width = (WIDTH if kind == kinds[0] else 2 * SIDE) - SIDE * (len(kinds) - 1) // 2
         panels.append(_curves(chosen, data, x, y, tips, bound="shown_bound").properties(width=width, height=HEIGHT))
     return alt.hconcat(*panels, spacing=8).resolve_scale(y="shared").add_params(_picked(data, "quantity"))

@@ -1,0 +1,32 @@
+"""The system's Chromium, and reports for it to open from disk."""
+
+import runpy
+import shutil
+from pathlib import Path
+
+import pytest
+
+from refdem.report import write_report
+
+ARGUMENTS = ("--headless", "--no-sandbox", "--disable-gpu", "--disable-background-networking", "--no-first-run")
+
+
+@pytest.fixture(scope="session")
+def browser():
+    from playwright.sync_api import sync_playwright
+
+    path = shutil.which("chromium") or shutil.which("chromium-browser") or shutil.which("google-chrome")
+    assert path, "no Chromium here: run ci/system-packages"
+    with sync_playwright() as playwright:
+        chromium = playwright.chromium.launch(executable_path=path, args=list(ARGUMENTS))
+        yield chromium
+        chromium.close()
+
+
+@pytest.fixture(scope="session")
+def folder(tmp_path_factory):
+    """A report of synthetic sheets, hostile names among them."""
+    synthetic = runpy.run_path(str(Path(__file__).parents[1] / "report" / "synthetic.py"))
+    path = tmp_path_factory.mktemp("a report") / "100% #1"
+    write_report(path, synthetic["sheets"]())
+    return path

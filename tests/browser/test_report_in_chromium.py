@@ -1,0 +1,158 @@
+"""The report as a reader sees it: opened from disk in Chromium, light and dark, wide and narrow."""
+
+from contextlib import contextmanager
+from urllib.parse import unquote, urlsplit
+
+import pytest
+
+SCHEMES = ("light", "dark")
+
+CONTRAST = """
+selector => {
+  const parts = text => text.match(/[\\d.]+/g).map(Number);
+  const light = ([r, g, b]) => [r, g, b].map(x => x / 255).map(x => x <= 0.04045 ? x / 12.92 : ((x + 0.055) / 1.055) ** 2.4)
+    .reduce((sum, x, k) => sum + x * [0.2126, 0.7152, 0.0722][k], 0);
+  const contrast = element => {
+    let behind = element, back = parts(getComputedStyle(behind).backgroundColor);
+    while (back.length === 4 && back[3] === 0 && behind.parentElement) {
+      behind = behind.parentElement;
+      back = parts(getComputedStyle(behind).backgroundColor);
+    }
+    const [low, high] = [light(parts(getComputedStyle(element).color)), light(back)].sort((a, b) => a - b);
+    return (high + 0.05) / (low + 0.05);
+  };
+  const seen = [...document.querySelectorAll(selector)].filter(element => element.checkVisibility() && element.innerText.trim());
+  return seen.map(element => [contrast(element), element.outerHTML.slice(0, 200)]);
+}
+"""
+"""Contrast of the text of each visible element with what is behind it, after WCAG 2.2."""
+
+SAID = (
+    "main p, main td, main th, main h1, main h2, main h3, main a, main .quiet, main .outcome, main .tally, main .mark, main small, footer p"
+)
+
+
+@contextmanager
+def opened(browser, path, *, scheme="light", width=1280, touched=()):
+    """The page with its charts drawn; fails on any message, dialog or request that is not of a file."""
+    context = browser.new_context(color_scheme=scheme, viewport={"width": width, "height": 900})
+    page, wrong = context.new_page(), []
+    page.on("console", lambda message: wrong.append(message.text))
+    page.on("pageerror", lambda error: wrong.append(str(error)))
+    page.on("dialog", lambda dialog: (wrong.append(dialog.message), dialog.dismiss()))
+    page.on("request", lambda request: wrong.append(request.url) if not request.url.startswith(("file:", "data:", "blob:")) else None)
+    page.on("requestfailed", lambda request: wrong.append(request.url))
+    page.goto(path.as_uri())
+    page.wait_for_function("[...document.querySelectorAll('.plot')].every(plot => plot.dataset.drawn === 'yes')")
+    yield page
+    context.close()
+    assert wrong == []
+
+
+def pages(folder):
+    return sorted(folder.rglob("*.html"))
+
+
+@pytest.mark.parametrize("scheme", SCHEMES)
+def test_every_page_opens_without_a_message_a_dialog_or_a_request(browser, folder, scheme):
+    assert len(pages(folder)) == 5
+    for path in pages(folder):
+        with opened(browser, path, scheme=scheme) as page:
+            assert page.title()
+
+
+def test_every_link_leads_to_a_file_and_to_a_place_in_it(browser, folder):
+    places, links = {}, []
+    for path in pages(folder):
+        with opened(browser, path) as page:
+            places[path.resolve()] = set(page.evaluate("[...document.querySelectorAll('[id]')].map(x => x.id)"))
+            links += [(path.name, link) for link in page.evaluate("[...document.querySelectorAll('a[href]')].map(x => x.href)")]
+    assert len(links) > 100
+    for source, link in links:
+        parts = urlsplit(link)
+        assert parts.scheme == "file", (source, link)
+        target = next((path for path in [*places, *folder.iterdir()] if str(path) == unquote(parts.path)), None)
+        assert target is not None, (source, link)
+        if parts.fragment:
+            assert unquote(parts.fragment) in places[target], (source, link)
+
+
+def test_plots_have_marks_and_choosing_a_quantity_moves_them(browser, folder):
+    with opened(browser, folder / "cases/pendulum.html") as page:
+        assert page.locator(".plot").count() == 3
+        for index in range(3):
+            marks = page.locator(".plot").nth(index).locator("svg .mark-symbol path, svg .mark-line path")
+            assert marks.count() > 10
+        plot = page.locator(".plot").first
+        before = plot.locator("svg.marks").evaluate("svg => svg.outerHTML")
+        plot.locator("select").select_option("x")
+        page.wait_for_function("before => document.querySelector('.plot svg.marks').outerHTML !== before", arg=before)
+
+
+def test_a_chart_tells_its_numbers_when_pointed_at(browser, folder):
+    with opened(browser, folder / "cases/pendulum.html") as page:
+        page.locator(".plot").first.locator("svg .mark-symbol path").first.hover(force=True)
+        tip = page.locator("#vg-tooltip-element.visible")
+        tip.wait_for()
+        assert "error" in tip.inner_text()
+        assert tip.locator("script, img").count() == 0
+
+
+@pytest.mark.parametrize("scheme", SCHEMES)
+def test_text_stands_out_from_what_is_behind_it(browser, folder, scheme):
+    for path in pages(folder):
+        with opened(browser, path, scheme=scheme) as page:
+            seen = page.evaluate(CONTRAST, SAID)
+            assert len(seen) > 20
+            assert [(round(contrast, 2), text) for contrast, text in seen if contrast < 4.5] == []
+
+
+def test_charts_take_the_colours_of_the_page(browser, folder):
+    inks = {}
+    for scheme in SCHEMES:
+        with opened(browser, folder / "index.html", scheme=scheme) as page:
+            inks[scheme] = page.locator(".plot svg .role-axis-label text").first.get_attribute("fill")
+    assert inks["light"] != inks["dark"]
+
+
+def test_a_reader_who_changes_to_dark_gets_dark_charts(browser, folder):
+    with opened(browser, folder / "index.html") as page:
+        ink = page.locator(".plot svg .role-axis-label text").first
+        before = ink.get_attribute("fill")
+        page.emulate_media(color_scheme="dark")
+        page.wait_for_function(
+            "before => document.querySelector('.plot svg .role-axis-label text')?.getAttribute('fill') !== before", arg=before
+        )
+
+
+def test_a_narrow_page_scrolls_its_tables_and_not_itself(browser, folder):
+    for path in pages(folder):
+        with opened(browser, path, width=390) as page:
+            assert page.evaluate("document.documentElement.scrollWidth") <= 390, path.name
+
+
+def test_every_quantity_is_shown_when_asked_for(browser, folder):
+    with opened(browser, folder / "index.html") as page:
+        line = page.locator(".tolerance tr.single").first
+        assert not line.is_visible()
+        page.get_by_label("every quantity").check()
+        assert line.is_visible()
+
+
+def test_a_link_to_a_finding_marks_it(browser, folder):
+    with opened(browser, folder / "index.html") as page:
+        page.locator("#error + ul .places a").first.click()
+        page.wait_for_load_state()
+        marked = page.locator("tr:target")
+        assert "signal 11" in marked.inner_text()
+        assert marked.evaluate("x => getComputedStyle(x).backgroundColor") != "rgba(0, 0, 0, 0)"
+
+
+def test_without_scripts_the_page_has_its_pictures(browser, folder):
+    context = browser.new_context(java_script_enabled=False)
+    page = context.new_page()
+    page.goto((folder / "cases/pendulum.html").as_uri())
+    picture = page.locator(".plot img").first
+    picture.scroll_into_view_if_needed()
+    assert picture.bounding_box()["height"] > 200
+    context.close()
