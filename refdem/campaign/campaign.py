@@ -12,7 +12,7 @@ import refdem
 from refdem.campaign import judging, plan, sheets, worker
 from refdem.campaign.deviations import of_engine
 from refdem.campaign.plan import Task
-from refdem.campaign.schedule import Job, Schedule
+from refdem.campaign.schedule import InProcess, Job, Schedule
 from refdem.campaign.specification import Specification
 from refdem.core import fingerprint
 from refdem.core.case import Instance
@@ -31,7 +31,10 @@ Progress = Callable[[str, int, int], None]
 
 @dataclass
 class Campaign:
-    """One campaign under way. `use_store` False runs everything anew (truth is proved once all the same)."""
+    """One campaign under way, in `jobs` worker processes, or in this one if that is 0.
+
+    `use_store` False runs everything anew (truth is proved once all the same).
+    """
 
     specification: Specification
     store: Store
@@ -48,7 +51,7 @@ class Campaign:
         start = time.perf_counter()
         instances = plan.instances(self.specification)
         engines, _ = plan.engines(self.specification)
-        with Schedule(self.jobs, self.specification.timeout) as schedule:
+        with Schedule(self.jobs, self.specification.timeout) if self.jobs else InProcess() as schedule:
             truths = self._truths(schedule, [instance for instance, _ in instances])
             tasks = [
                 task
@@ -71,7 +74,7 @@ class Campaign:
         )
         return [whole, *(sheets.engine_sheet(engine) for engine in engines), *cases.values(), *records]
 
-    def _truths(self, schedule: Schedule, instances: list[Instance]) -> list[SampledTruth]:
+    def _truths(self, schedule: Schedule | InProcess, instances: list[Instance]) -> list[SampledTruth]:
         """The sampled truth of every instance, from the store or made anew."""
         keys = [_truth_key(instance) for instance in instances]
         found = {key: truth for key in keys if (truth := self.store.truth(key)) is not None}
@@ -86,7 +89,7 @@ class Campaign:
             self.progress("truths", done, len(jobs))
         return [found[key] for key in keys]
 
-    def _run(self, schedule: Schedule, tasks: list[Task], wanted: list[tuple[int, Variant]], stage: str) -> None:
+    def _run(self, schedule: Schedule | InProcess, tasks: list[Task], wanted: list[tuple[int, Variant]], stage: str) -> None:
         """Runs what is wanted: equal runs once, unchanged ones read from the store."""
         requests: dict[tuple[int, Variant], Request] = {}
         keys: dict[str, list[tuple[int, Variant]]] = {}

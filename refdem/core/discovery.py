@@ -1,6 +1,7 @@
 """Finding cases, checks and engines: one file each in its folder, or an entry point of another package."""
 
 from collections.abc import Iterator
+from contextlib import contextmanager
 from functools import cache
 from importlib import import_module
 from importlib.metadata import entry_points
@@ -19,6 +20,19 @@ if TYPE_CHECKING:
 ROOT = Path(__file__).parents[1]
 DESCRIBED = "external"
 """Not an engine of its own but the way to any program that has a refdem.toml."""
+
+
+_HERE: "dict[str, Engine]" = {}
+
+
+@contextmanager
+def engine_here(engine: "Engine") -> Iterator[None]:
+    """While it lasts, `engine` finds this object by its name: for an engine that lives in this process alone."""
+    _HERE[engine.name] = engine
+    try:
+        yield
+    finally:
+        del _HERE[engine.name]
 
 
 def _names(folder: str) -> Iterator[str]:
@@ -64,6 +78,8 @@ def check(name: str) -> "Check":
 
 def engine(name: str) -> "Engine":
     """The engine of that name, or the program that the refdem.toml at that path describes; the engine itself is not imported."""
+    if name in _HERE:
+        return _HERE[name]
     if name.endswith(".toml"):
         program: Engine = import_module(f"refdem.engines.{DESCRIBED}").load(Path(name))
         return program

@@ -1,0 +1,35 @@
+"""The gate for a Python code in its own tests: no worker process, no file, no store."""
+
+import tempfile
+from collections.abc import Iterable
+from pathlib import Path
+
+from refdem.campaign.campaign import Campaign
+from refdem.campaign.specification import Entry, Specification
+from refdem.core import discovery
+from refdem.core.engine import Engine
+from refdem.core.finding import FAILING, Record
+from refdem.core.parameters import labelled
+from refdem.core.store import Store
+from refdem.gate.gate import supported
+
+
+def records(engine: Engine, cases: Iterable[str] = (), *, levels: int = 4) -> list[Record]:
+    """The records of an engine object in the given cases (`pendulum[theta0=2]`), or in all that it supports."""
+    with discovery.engine_here(engine), tempfile.TemporaryDirectory() as folder:
+        entries = [Entry(*labelled(case)) for case in cases] or supported(engine)
+        specification = Specification(name=f"gate of {engine.name}", case=entries, engines=[engine.name], levels=levels)
+        store = Store(Path(folder) / "store.sqlite")
+        sheets = Campaign(specification, store, jobs=0, use_store=False).sheets()
+        store.close()
+    return [sheet for sheet in sheets if isinstance(sheet, Record)]
+
+
+def broken(found: Iterable[Record]) -> list[str]:
+    """One text for every finding that closes the gate: its id and its sentence."""
+    return [
+        f"{record.id(finding)}: {finding.sentence}"
+        for record in found
+        for finding in record.findings
+        if finding.outcome in (*FAILING, "error")
+    ]
