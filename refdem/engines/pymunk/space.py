@@ -90,8 +90,8 @@ def _add_shapes(space: pymunk.Space, scene: Scene, bodies: list[pymunk.Body]) ->
             shapes.append(pymunk.Poly(body, outline(shape) or []))
     size = WALL * max(float(np.abs(scene.bodies.position).max()), *(_extent(shape) for shape in scene.bodies.shape))
     shapes += [_wall(space, plane, size) for plane in scene.all(Plane)]
-    for shape in shapes:
-        shape.friction, shape.elasticity = sqrt(law.friction), sqrt(law.restitution)
+    for solid in shapes:
+        solid.friction, solid.elasticity = sqrt(law.friction), sqrt(law.restitution)
     space.add(*shapes)
     return True
 
