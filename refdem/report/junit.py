@@ -14,13 +14,13 @@ _FORBIDDEN = re.compile("[^\t\n\r\u0020-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff
 def junit(contents: Contents) -> bytes:
     """The XML: failures for fail, error and stale; skipped, with the reason, for unsupported and undecided."""
     found = list(contents.findings())
-    counts = contents.counts()
+    counts: dict[str, int] = {str(outcome): count for outcome, count in contents.counts().items()}
     root = Element("testsuites", name="refdem")
     numbers = {
         "tests": len(found), "failures": sum(counts.get(x, 0) for x in ("fail", "stale")),
         "errors": counts.get("error", 0), "skipped": sum(counts.get(x, 0) for x in SKIPPED),
     }  # fmt: skip
-    suite = SubElement(root, "testsuite", name=_text(contents.campaign.name), **{key: str(value) for key, value in numbers.items()})
+    suite = SubElement(root, "testsuite", name=_text(contents.campaign.name), attrib={key: str(value) for key, value in numbers.items()})
     for record, finding in found:
         _testcase(suite, record, finding)
     indent(root)

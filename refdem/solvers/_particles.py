@@ -115,7 +115,7 @@ class Packed:
             "plane": np.array([(*p.point, *p.normal) for p in planes], float),
             "pair": self.pairs,
         }
-        numbers = {"bodies": len(bodies), "springs": len(springs), "pairs": len(self.pairs), "turning": self.turning}
+        numbers: dict[str, Any] = {"bodies": len(bodies), "springs": len(springs), "pairs": len(self.pairs), "turning": self.turning}
         numbers["gm"] = sum(e.gm for e in scene.all(CentralField))
         if law:
             numbers |= {name: getattr(law, name) for name in ("stiffness", "damping", "tangential_stiffness", "friction")}

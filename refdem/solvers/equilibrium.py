@@ -1,6 +1,7 @@
 """Bodies that rest and stay: every force is balanced, so the state is the start at all times (Newton 1687, law I)."""
 
 from time import perf_counter
+from typing import Any
 
 import numpy as np
 
@@ -43,7 +44,7 @@ class Equilibrium(Solver):
         """The start at every sample."""
         bodies, times = request.problem.scene.bodies, request.problem.times
         started = perf_counter()
-        state = {name: np.repeat(getattr(bodies, name)[None], len(times), axis=0) for name in STATE}
+        state: Any = {name: np.repeat(getattr(bodies, name)[None], len(times), axis=0) for name in STATE}
         seconds = perf_counter() - started
         return Trajectory(t=times, channels={"dissipated_work": np.zeros(len(times))}, **state), Cost(seconds=seconds)
 

@@ -33,7 +33,7 @@ def set_options(mujoco: Any, spec: Any, scene: Scene, method: str, step: float) 
     option = spec.option
     option.timestep = step
     option.integrator = getattr(mujoco.mjtIntegrator, INTEGRATORS[method])
-    option.gravity = np.sum([np.zeros(3), *(e.g for e in scene.all(UniformGravity))], axis=0)
+    option.gravity = np.sum(np.array([(0.0, 0.0, 0.0), *(e.g for e in scene.all(UniformGravity))]), axis=0)
     option.density = option.viscosity = 0.0
     option.cone = mujoco.mjtCone.mjCONE_ELLIPTIC
     option.solver = mujoco.mjtSolver.mjSOL_NEWTON

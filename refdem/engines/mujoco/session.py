@@ -64,7 +64,9 @@ def _trajectory(mujoco: Any, model: Any, freedoms: list[Freedom], rows: Array) -
     cuts_q = list(pairwise(accumulate((f.nq for f in freedoms), initial=0)))
     cuts_v = list(pairwise(accumulate((f.nv for f in freedoms), initial=0)))
     read = [f.read(q[:, slice(*a)], v[:, slice(*b)]) for f, a, b in zip(freedoms, cuts_q, cuts_v, strict=True)]
-    columns = {name: np.stack([getattr(body, name) for body in read], axis=1) for name in ("position", "velocity", "attitude", "omega")}
+    columns: Any = {
+        name: np.stack([getattr(body, name) for body in read], axis=1) for name in ("position", "velocity", "attitude", "omega")
+    }
     channels = {"rod_force": _rod_force(mujoco, model, q, v)} if any(isinstance(f, Hinge) for f in freedoms) else {}
     return Trajectory(t=np.ascontiguousarray(rows[:, -1]), channels=channels, **columns)
 

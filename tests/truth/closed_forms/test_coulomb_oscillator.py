@@ -105,7 +105,7 @@ def test_no_small_displacement_grows_beyond_the_sensitivity(scale, t):
     p = {name: Fraction(text) for name, text in DEFAULTS.items()}
     base = CoulombOscillator(scale, **p)
     start = base.at(t)
-    growth = {name: 0.0 for name in scale}
+    growth = dict.fromkeys(scale, 0.0)
     for axis, size in enumerate(scale.values()):
         moved = base.displaced(axis, Fraction(size) / 10**9).at(t)
         for name in scale:
