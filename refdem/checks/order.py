@@ -1,6 +1,7 @@
 """Observed order of convergence: halving the step must divide the error by 2^p."""
 
 from collections.abc import Mapping
+from itertools import pairwise
 
 import numpy as np
 
@@ -31,18 +32,13 @@ class Order(Check):
         truth = certified(trial)
         if truth is None:
             return [undecided(self.name, "state", no_truth(trial))]
-        claimed = trial.method.order_for(trial.instance.scene.features)
         counting, common = _counting(trial)
         if len(counting) < 3:
-            return [
-                undecided(
-                    self.name, "state", f"{len(counting)} levels count (their bound lies between 20 x round-off and 0.1); 3 are needed"
-                )
-            ]
-        seen = [
-            max(float(np.max(e[:common])) for e in errors(trial.instance, runs[Variant(h)].trajectory, truth).values()) for h in counting
-        ]
+            why = f"{len(counting)} levels count (their bound lies between 20 x round-off and 0.1); 3 are needed"
+            return [undecided(self.name, "state", why)]
         floor = [COUNTING_FLOOR * _floor(trial, h) for h in counting]
+        scaled = [errors(trial.instance, runs[Variant(h)].trajectory, truth) for h in counting]
+        seen = [max(float(np.max(error[:common])) for error in quantities.values()) for quantities in scaled]
         if all(error <= low for error, low in zip(seen, floor, strict=True)):
             return [
                 judged(
@@ -55,22 +51,24 @@ class Order(Check):
                     what="The error at every level",
                 )
             ]
-        orders = [float(np.log2(a / b)) if b > low else float(claimed) for a, b, low in zip(seen, seen[1:], floor[1:], strict=False)]
-        deficit = max(0.0, claimed - min(orders))
+        return [self._deficit(trial, seen, floor)]
+
+    def _deficit(self, trial: Trial, seen: list[float], floor: list[float]) -> Finding:
+        """What the lowest order of any pair lacks; a pair whose finer error is round-off has nothing more to show."""
+        claimed = trial.method.order_for(trial.instance.scene.features)
+        orders = [float(np.log2(a / b)) if b > low else float(claimed) for (a, b), low in zip(pairwise(seen), floor[1:], strict=True)]
         listed = ", ".join(f"{order:.2f}" for order in orders)
-        return [
-            judged(
-                check=self.name,
-                quantity="state",
-                value=deficit,
-                bound=max(0.15, 0.05 * claimed),
-                unit="1",
-                basis=f"order {claimed} is claimed and every pair of levels must reach it within max(0.15, 0.05 p)",
-                what=f"The observed order from pair to pair is {listed}; what the lowest lacks",
-                order_seen=orders[-1],
-                order_claimed=float(claimed),
-            )
-        ]
+        return judged(
+            check=self.name,
+            quantity="state",
+            value=max(0.0, claimed - min(orders)),
+            bound=max(0.15, 0.05 * claimed),
+            unit="1",
+            basis=f"order {claimed} is claimed and every pair of levels must reach it within max(0.15, 0.05 p)",
+            what=f"The observed order from pair to pair is {listed}; what the lowest lacks",
+            order_seen=orders[-1],
+            order_claimed=float(claimed),
+        )
 
 
 def _counting(trial: Trial) -> tuple[list[float], int]:

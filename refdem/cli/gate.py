@@ -21,13 +21,14 @@ def command(
     junit: Annotated[Path | None, typer.Option(help="Write JUnit XML.")] = None,
     markdown: Annotated[Path | None, typer.Option(help="Write Markdown for a pull request.")] = None,
     out: Annotated[Path | None, typer.Option(help="Write the whole report into this folder.")] = None,
-    jobs: Annotated[int, typer.Option(help="Worker processes; 0: one a core.")] = 0,
+    jobs: Annotated[int | None, typer.Option(help="Worker processes; default: one a core.")] = None,
 ) -> None:
     """Runs the gate of a program: every finding against truth, and against the baseline.
 
     Example: refdem gate --junit gate.xml --markdown gate.md
     """
     from refdem.cli.progress import Progress
+    from refdem.cli.run import workers
     from refdem.cli.summary import exit_status, lines
     from refdem.gate.gate import of_program
     from refdem.gate.markdown import annotations
@@ -35,9 +36,7 @@ def command(
 
     if bless and not why.strip():
         raise UsageError("--bless came without --why; say in a few words why these findings are right")
-    if jobs < 0:
-        raise UsageError(f"--jobs is {jobs}; expected a number >= 1, or 0 for one a core")
-    gate = of_program(toml, baseline, jobs or os.cpu_count() or 1, Progress())
+    gate = of_program(toml, baseline, workers(jobs), Progress())
     sheets = gate.sheets()
     if bless:
         _bless(gate, sheets, why)

@@ -34,6 +34,8 @@ def _own_store(tmp_path, monkeypatch):
         (["run", "pendulum", "--step", "0"], "expected a finite number"),
         (["run", "pendulum", "--step", "nan"], "expected a finite number"),
         (["run", "pendulum", "--jobs", "-1"], "--jobs"),
+        (["run", "pendulum", "--jobs", "0"], "--jobs"),
+        (["gate", "nowhere/refdem.toml"], "nowhere"),
         (["run", "--set", "mass=1"], "without a case"),
         (["run", "--campaign", "mian"], "known: "),
         (["run", "pendulum; rm -rf /"], "is not a name"),
