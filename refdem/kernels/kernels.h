@@ -179,5 +179,13 @@ int64_t refdem_particles_run(const refdem_particles *p, int method, double h, in
 int refdem_coulomb(double mass, double stiffness, double friction, double normal_force, double gravity, double x0, double v0,
                    double t0, int64_t samples, const double *t, double *stop, double *out);
 
+/* == head_on == */
+
+/* Two spheres that meet along the line of their centres under the linear law, no friction acting: from `overlap` <= 0 [m],
+ * growing at `closing` [m/s], at the times t (samples) >= 0 [s] after the start. touch (2): when they touch and part [s].
+ * out (samples, 5): overlap [m], its rate [m/s], 1 while they press, normal force [N], work lost [J]. Returns 0. */
+int refdem_head_on(double mass1, double mass2, double stiffness, double damping, int no_pull, double overlap, double closing,
+                   int64_t samples, const double *t, double *touch, double *out);
+
 /* == end == */
 #endif

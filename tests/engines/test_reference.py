@@ -72,7 +72,9 @@ def test_an_unknown_method_is_bad_usage():
         ENGINE.run(Request(problem=oscillator(), method="velocity-verlot", step=0.125))
 
 
-@pytest.mark.parametrize("method", [method for method in ENGINE.methods if ENGINE.refusal(oscillator(), method) is None], ids=lambda m: m.name)
+@pytest.mark.parametrize(
+    "method", [method for method in ENGINE.methods if ENGINE.refusal(oscillator(), method) is None], ids=lambda m: m.name
+)
 def test_every_method_that_takes_the_oscillator_solves_it(method):
     request = Request(problem=oscillator(), method=method.name, step=2.0**-8 if method.control == "step" else None)
     trajectory, cost = ENGINE.run(request)

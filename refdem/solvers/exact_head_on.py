@@ -1,0 +1,101 @@
+"""Two spheres that meet along the line of their centres, in closed form (kernels/head_on.c); both cut-offs, any damping."""
+
+from time import perf_counter
+
+import numpy as np
+from numpy.typing import NDArray
+
+from refdem.core.engine import Method
+from refdem.core.problem import Motion, Request
+from refdem.core.trajectory import Cost, Event, Trajectory
+from refdem.kernels import load, pointer
+from refdem.scene import Scene, Sphere
+from refdem.scene.elements.contact import Contact
+from refdem.solvers.solver import Solver
+
+Array = NDArray[np.float64]
+
+ROUNDED = 4 * 2.0**-52
+"""Overlaps of so many times the distance, and sideways speeds of so many times the speed, are rounding."""
+
+
+class ExactHeadOn(Solver):
+    """Free flight, damped sine, free flight, about a centre of mass in uniform motion."""
+
+    claims = Method(
+        name="exact-head-on",
+        summary="the damped sine between touch and release, in closed form",
+        control="exact",
+        conserves=frozenset({"momentum", "angular-momentum"}),
+        reversible=True,
+        symplectic=True,
+        backward=True,
+        cost_rank=5,
+    )
+    kernels = ("head_on",)
+
+    def refusal(self, problem: Motion) -> str | None:
+        """None for two free spheres that do not turn, nothing but linear contact, and no sideways velocity."""
+        scene, bodies = problem.scene, problem.scene.bodies
+        laws = scene.all(Contact)
+        if len(bodies) != 2 or not all(isinstance(shape, Sphere) for shape in bodies.shape) or bodies.fixed.any():
+            return "not two free spheres"
+        if len(laws) != 1 or len(scene.elements) != 1 or laws[0].law != "linear":
+            return "something else than one linear contact law"
+        if np.any(bodies.omega):
+            return "a sphere turns"
+        if problem.interval < 0 and laws[0].damping > 0:
+            return "time runs backwards through a dashpot"
+        overlap, closing, sideways = _approach(scene)
+        distance = float(bodies.radius.sum())
+        if overlap > ROUNDED * distance:
+            return "the spheres overlap at the start"
+        return "the spheres do not meet along the line of their centres" if sideways > ROUNDED * abs(closing) else None
+
+    def run(self, request: Request) -> tuple[Trajectory, Cost]:
+        """States at the samples; a run backwards is one with flipped velocities."""
+        begun = perf_counter()
+        scene, t = request.problem.scene, request.problem.times
+        law, bodies = scene.all(Contact)[0], scene.bodies
+        sense = float(np.sign(request.problem.interval))
+        overlap, closing, _ = _approach(scene)
+        start = min(overlap, 0.0) if abs(overlap) > ROUNDED * bodies.radius.sum() else 0.0
+        since, out, touch = sense * (t - t[0]), np.empty((len(t), 5)), np.empty(2)
+        numbers = (*bodies.mass.tolist(), law.stiffness, law.damping, law.cutoff == "zero_force", start, sense * closing)
+        buffers = [pointer("head_on", array, output=True) for array in (touch, out)]
+        lib = load("head_on").lib
+        started = perf_counter()
+        lib.refdem_head_on(*numbers, len(t), pointer("head_on", since), *buffers)
+        cost = Cost(seconds=perf_counter() - started, setup=started - begun)
+        position, velocity = _states(scene, since * sense, out[:, 0] - start, sense * out[:, 1] - closing)
+        names = ("contacts", "contact_force", "dissipated_work")
+        channels = {"overlap": np.maximum(out[:, 0], 0.0)} | {n: out[:, 2 + k].copy() for k, n in enumerate(names)}
+        pairs = zip(touch, ("contact", "release"), strict=True)
+        events = tuple(Event(time=float(t[0] + sense * when), kind=kind, body=0) for when, kind in pairs if 0 < when <= since[-1])
+        attitude = np.repeat(bodies.attitude[None], len(t), axis=0)
+        return Trajectory(
+            t=t, position=position, velocity=velocity, attitude=attitude, omega=np.zeros_like(velocity), channels=channels, events=events
+        ), cost
+
+
+def _approach(scene: Scene) -> tuple[float, float, float]:
+    """Overlap [m], speed at which it grows [m/s] and sideways speed [m/s] at the start."""
+    bodies = scene.bodies
+    line, relative = bodies.position[1] - bodies.position[0], bodies.velocity[0] - bodies.velocity[1]
+    distance = float(np.linalg.norm(line))
+    closing = float(relative @ line) / distance
+    return float(bodies.radius.sum()) - distance, closing, float(np.linalg.norm(relative - closing * line / distance))
+
+
+def _states(scene: Scene, t: Array, pressed: Array, sped: Array) -> tuple[Array, Array]:
+    """Positions and velocities (T, 2, 3) where the overlap and its rate have grown by `pressed` [m] and `sped` [m/s]."""
+    bodies = scene.bodies
+    line = bodies.position[1] - bodies.position[0]
+    normal = line / np.linalg.norm(line)
+    centre = bodies.mass @ bodies.velocity / bodies.mass.sum()
+    share = np.array([bodies.mass[1], -bodies.mass[0]])[:, None] / bodies.mass.sum() * normal
+    position = bodies.position + centre * t[:, None, None] + pressed[:, None, None] * share
+    return position, bodies.velocity + sped[:, None, None] * share
+
+
+METHOD = ExactHeadOn()
