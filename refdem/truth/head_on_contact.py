@@ -6,7 +6,7 @@ sin(w t)/w where damping is over-critical (W^2 = -w^2) or critical. Schwager and
 
 from flint import arb
 
-from refdem.truth.balls import UndecidedError, arb_of
+from refdem.truth.balls import arb_of
 from refdem.truth.sphere_pair import SpherePair
 
 
@@ -54,13 +54,11 @@ class HeadOnContact:
     def relative(self, t: arb) -> list[arb]:
         """x, y, vx, vy of body 1 against body 2, the friction impulse and its moment arm lost, at t."""
         end = self.end()
-        if end is not None and t >= end:
-            overlap, rate = self.overlap(end)
-            overlap += rate * (t - end)
-        elif end is None or t <= end:
-            overlap, rate = self.overlap(t)
-        else:
-            raise UndecidedError("whether the contact has ended")
+        overlap, rate = self.overlap(t)
+        if end is not None and not t <= end:
+            at_end, flying = self.overlap(end)
+            free = at_end + flying * (t - end), flying
+            overlap, rate = free if t >= end else (overlap.union(free[0]), rate.union(free[1]))
         return [overlap - arb_of(self.pair.reach), arb(0), rate, arb(0), arb(0), arb(0)]
 
     def constants(self) -> dict[str, arb]:

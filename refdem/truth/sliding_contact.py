@@ -15,7 +15,7 @@ from typing import Any
 from flint import arb, arb_poly, ctx
 
 from refdem.errors import NotCertifiedError
-from refdem.truth.balls import UndecidedError, arb_of
+from refdem.truth.balls import arb_of
 from refdem.truth.sphere_pair import SpherePair
 from refdem.truth.validated import Flow, Piece, first_zero, is_positive
 
@@ -75,7 +75,7 @@ class SlidingContact:
             if phase.end is None or t <= phase.end:
                 return self._cartesian(phase.polar(t))
             if not t > phase.end:
-                raise UndecidedError("whether the contact has ended")
+                raise NotCertifiedError("two-spheres: asked too near the end of the contact to tell whether it has ended")
             t, last = t - phase.end, phase.polar(phase.end)
         x, y, vx, vy, *impulses = self._cartesian(last)
         return [x + vx * t, y + vy * t, vx, vy, *impulses]

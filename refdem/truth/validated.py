@@ -14,7 +14,7 @@ from typing import Any
 from flint import arb, arb_poly, arb_series, ctx
 
 from refdem.errors import NotCertifiedError
-from refdem.truth.balls import UndecidedError, arb_of
+from refdem.truth.balls import arb_of
 
 Field = Callable[[Sequence[Any]], list[Any]]
 """f(y) by + - * / alone, for y of arb or of arb_series."""
@@ -111,9 +111,10 @@ def is_positive(value: Callable[[arb], arb], low: arb, high: arb, halvings: int 
 
 
 def first_zero(function: arb_poly, low: arb, high: arb) -> arb | None:
-    """The first zero in (low, high] of a function that is > 0 just after `low`, None if it has none; else UndecidedError.
+    """The first zero in (low, high] of a function that is > 0 just after `low`; None if it has none.
 
     Where the function rises, or is proved positive, there is none; where it falls the signs at the ends decide.
+    NotCertifiedError where neither is proved within HALVINGS: more digits would seldom help.
     """
     slope = function.derivative()
     waiting = [(low, high, HALVINGS)]
@@ -127,7 +128,7 @@ def first_zero(function: arb_poly, low: arb, high: arb) -> arb | None:
                 continue
             return _only_zero(function, slope, interval)
         if halvings == 0:
-            raise UndecidedError("whether the contact has ended")
+            raise NotCertifiedError("a first zero of the motion is too shallow, or too near the end of a step, to be proved")
         middle = ((a + b) / 2).mid()
         waiting += [(middle, b, halvings - 1), (a, middle, halvings - 1)]
     return None

@@ -168,6 +168,14 @@ def test_critical_damping_joins_the_regimes_on_both_sides():
     assert float(at["restitution"].mid) == pytest.approx(0.1353352832366127, rel=1e-14)
 
 
+def test_a_sample_exactly_at_the_end_of_the_force_is_certified():
+    # Critical: the force ends at 2/b = 2 m_eff 2/c = 3/8 with m_eff = 3/4, c = 8, k = c^2/(4 m_eff) = 64/3.
+    pair = replace(PAIR, stiffness=Fraction(64, 3), damping=Fraction(8), ends_with_overlap=False)
+    with precision(256):
+        before, at, after = (relative(pair, Fraction(3, 8) + by) for by in (-Fraction(1, 10**20), ZERO, Fraction(1, 10**20)))
+        assert max(abs(2 * b - a - c) for a, b, c in zip(before, at, after, strict=True)) < 1e-17
+
+
 def test_an_overlap_that_never_ends_has_no_duration():
     assert set(spheres(replace(PAIR, damping=Fraction(60))).scalars()) == {"max_overlap", "max_force"}
 
