@@ -95,7 +95,8 @@ class _Standing:
         """Points (M, 3) of the highest or the lowest face."""
         height = self.heights[body]
         edge = height.max() if highest else height.min()
-        return self.vertices[body][np.abs(height - edge) <= SLACK * self.size]
+        level: Array = self.vertices[body][np.abs(height - edge) <= SLACK * self.size]
+        return level
 
     def below(self, body: int) -> list[int]:
         """What the lowest face is level with, of that which it stands over: -1 is the plane."""
@@ -142,7 +143,8 @@ class _Standing:
 
     def _origin(self, body: int) -> Array:
         """The plane's point, from which vertices are measured."""
-        return _outline(self.scene, body, self.normal)[0] - self.vertices[body][0]
+        origin: Array = _outline(self.scene, body, self.normal)[0] - self.vertices[body][0]
+        return origin
 
 
 def _path(body: int, under: dict[int, int]) -> list[int]:
@@ -158,6 +160,8 @@ def _outline(scene: Scene, body: int, normal: Array) -> Array:
     """Vertices (M, 3) in space; of a sphere its lowest and its highest point."""
     shape, place = scene.bodies.shape[body], scene.bodies.position[body]
     if isinstance(shape, Polyhedron):
-        return place + rotated(scene.bodies.attitude[body], np.array(shape.vertices, float))
-    radius = shape.radius if isinstance(shape, Sphere) else 0.0
-    return place + np.array([-radius, radius])[:, None] * normal
+        from_centre = rotated(scene.bodies.attitude[body], np.array(shape.vertices, float))
+    else:
+        from_centre = np.array([-1.0, 1.0])[:, None] * (shape.radius if isinstance(shape, Sphere) else 0.0) * normal
+    outline: Array = place + from_centre
+    return outline

@@ -8,7 +8,7 @@ import numpy as np
 from refdem.core.engine import Method
 from refdem.core.problem import Motion, Request
 from refdem.core.trajectory import STATE, Cost, Trajectory
-from refdem.scene import Scene, Sphere
+from refdem.scene import Polyhedron, Scene, Sphere
 from refdem.scene.elements.contact import Contact
 from refdem.scene.elements.plane import Plane
 from refdem.scene.elements.uniform_gravity import UniformGravity
@@ -54,7 +54,7 @@ def _rigid_refusal(scene: Scene, law: Contact) -> str | None:
     others = [e.kind for e in scene.elements if not isinstance(e, Contact | Plane | UniformGravity)]
     if others:
         return f"{others[0]} beside rigid contacts"
-    if not all(isinstance(shape, _balance.Polyhedron | Sphere) for shape in scene.bodies.shape):
+    if not all(isinstance(shape, Polyhedron | Sphere) for shape in scene.bodies.shape):
         return "a point stands on nothing"
     return _balance.falling(scene, law)
 
