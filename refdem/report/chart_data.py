@@ -40,9 +40,14 @@ def errors(contents: Contents, rows: Sequence[Row]) -> ChartData | None:
     for control in ("step", "tolerance", "exact"):
         chosen = [float(item["level"]) for item in found if item["control"] == control]
         if chart and chosen:
-            alone = 2.0 if min(chosen) == max(chosen) else 1.0  # an axis needs two ends
-            chart.extents[control] = (min(chosen) / alone, max(chosen) * alone)
+            chart.extents[control] = _ends(chosen)
     return chart
+
+
+def _ends(values: list[float]) -> tuple[float, float]:
+    """The smallest and the largest value, apart where there is only one, as an axis needs two ends."""
+    alone = 2.0 if min(values) == max(values) else 1.0
+    return min(values) / alone, max(values) * alone
 
 
 def costs(contents: Contents, rows: Sequence[Row]) -> ChartData | None:
@@ -51,7 +56,10 @@ def costs(contents: Contents, rows: Sequence[Row]) -> ChartData | None:
         {"series": row.series, "quantity": row.quantity, "seconds": rounded(level.seconds), "error": rounded(level.error)}
         for row in rows for level in row.levels if level.seconds > 0
     ]  # fmt: skip
-    return _chart("costs", contents, (row.record for row in rows), found, ("error",), _quantities(rows))
+    chart = _chart("costs", contents, (row.record for row in rows), found, ("error",), _quantities(rows))
+    if chart:
+        chart.extents["seconds"] = _ends([float(item["seconds"]) for item in found])
+    return chart
 
 
 def _quantities(rows: Sequence[Row]) -> list[str]:

@@ -1,5 +1,6 @@
 """The charts, each defined once in Altair: interactive in pages and drawn as SVG for Markdown."""
 
+import math
 from typing import Any
 
 import altair as alt
@@ -7,8 +8,7 @@ from altair.utils.schemapi import debug_mode
 
 from refdem.report.chart_data import ChartData
 
-WIDTH, HEIGHT, SIDE = 460, 300, 110
-STEP_AXIS = alt.Axis(format="~e", tickCount=5, labelOverlap=True)
+WIDTH, HEIGHT, SIDE = 460, 300, 100
 
 
 def specification(data: ChartData) -> dict[str, Any]:
@@ -24,15 +24,24 @@ def _chart(data: ChartData, **types: str) -> Any:
     return alt.Chart(alt.InlineData(values=data.csv, format=alt.CsvDataFormat(type="csv", parse=types)))
 
 
-def _log(name: str, title: str, data: ChartData, ticks: int = 8, *, labels: bool = True) -> alt.Y:
+def _powers(ends: tuple[float, float], most: int) -> list[float]:
+    """At most `most` powers of ten between two ends, evenly apart; with 2 and 5 times these where there are less than two."""
+    first, last = math.ceil(math.log10(ends[0]) - 1e-9), math.floor(math.log10(ends[1]) + 1e-9)
+    if last > first:
+        return [float(f"1e{k}") for k in range(first, last + 1, -(-(last - first + 1) // most))]
+    return [x for k in range(first - 1, last + 2) for x in (float(f"{m}e{k}") for m in (1, 2, 5)) if ends[0] <= x <= ends[1]]
+
+
+def _log(name: str, title: str, data: ChartData, ticks: int = 9, *, labels: bool = True) -> alt.Y:
     """A logarithmic axis from the chart's floor up."""
-    axis = alt.Axis(format=".0e", tickCount=ticks, labelOverlap=True, labels=labels, ticks=labels)
+    axis = alt.Axis(format=".0e", values=_powers(data.extents["error"], ticks), labels=labels, ticks=labels)
     return alt.Y(f"{name}:Q", title=title, scale=alt.Scale(type="log", domain=data.extents["error"], nice=False), axis=axis)
 
 
-def _log_x(name: str, title: str, **scale: Any) -> alt.X:
+def _log_x(name: str, title: str, ends: tuple[float, float]) -> alt.X:
     """A logarithmic axis with room on both sides."""
-    return alt.X(f"{name}:Q", title=title, scale=alt.Scale(type="log", nice=False, padding=14, **scale), axis=STEP_AXIS)
+    axis = alt.Axis(format="~e", values=_powers(ends, 5), labelOverlap=True)
+    return alt.X(f"{name}:Q", title=title, scale=alt.Scale(type="log", nice=False, padding=14, domain=ends), axis=axis)
 
 
 def _style(data: ChartData) -> tuple[alt.Color, alt.Shape]:
@@ -77,8 +86,8 @@ def _errors(data: ChartData) -> Any:
         if kind == "exact":
             panels.append(_exact(chosen, data, y, tips))
             continue
-        x = _log_x("level", {"step": "step [s]", "tolerance": "tolerance"}[kind] + "; dashed: bound", domain=data.extents[kind])
-        width = (WIDTH if kind == kinds[0] else 2 * SIDE) - SIDE * (len(kinds) - 1) // 2
+        x = _log_x("level", {"step": "step [s]", "tolerance": "tolerance"}[kind] + "; dashed: bound", data.extents[kind])
+        width = WIDTH - SIDE * (len(kinds) - 1) if kind == kinds[0] else 3 * SIDE // 2
         panels.append(_curves(chosen, data, x, y, tips, bound="shown_bound").properties(width=width, height=HEIGHT))
     return alt.hconcat(*panels, spacing=8).resolve_scale(y="shared").add_params(_picked(data, "quantity"))
 
@@ -94,7 +103,7 @@ def _exact(chosen: Any, data: ChartData, y: alt.Y, tips: list[alt.Tooltip]) -> A
 
 def _costs(data: ChartData) -> Any:
     base = _chart(data, seconds="number", shown_error="number").transform_filter("datum.quantity == pick")
-    x, y = _log_x("seconds", "seconds in the engine's loop"), _log("shown_error", "largest error / scale", data)
+    x, y = _log_x("seconds", "seconds in the engine's loop", data.extents["seconds"]), _log("shown_error", "largest error / scale", data)
     curves = _curves(base, data, x, y, _tips("series", "quantity", "seconds", "error"))
     return curves.properties(width=WIDTH, height=HEIGHT).add_params(_picked(data, "quantity"))
 

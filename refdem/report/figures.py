@@ -4,13 +4,16 @@ import hashlib
 import json
 import re
 from collections.abc import Callable
-from dataclasses import asdict
+from dataclasses import asdict, replace
 from functools import cache
 from pathlib import Path
 from typing import Any
 
 from refdem.core.store import Store
 from refdem.report.chart_data import ChartData
+
+ROWS = "the rows of this chart"
+"""Stands for the rows in a specification that is kept."""
 
 PAPER = {
     "background": "white",
@@ -23,8 +26,13 @@ PAPER = {
 
 
 def specification(data: ChartData, store: Store | None) -> str:
-    """The Vega-Lite specification as JSON; Altair is imported only if the store does not have it."""
-    return _kept(store, "chart-spec", [_definitions(), asdict(data)], lambda: _specification(data)).decode()
+    """The Vega-Lite specification as JSON; Altair is imported only if the store does not have it.
+
+    What is kept is the definition without its rows, which change with every run.
+    """
+    bare = replace(data, csv=ROWS)
+    spec = _kept(store, "chart-spec", [_definitions(), asdict(bare)], lambda: _specification(bare)).decode()
+    return spec.replace(json.dumps(ROWS), json.dumps(data.csv))
 
 
 def _specification(data: ChartData) -> bytes:
