@@ -4,9 +4,13 @@ import numpy as np
 import pytest
 
 from refdem.core import discovery
-from refdem.core.problem import Request
+from refdem.core.problem import Motion, Request
 from refdem.core.trajectory import Trajectory
 from refdem.engines.reference import ENGINE
+from refdem.scene import Body, Scene, Sphere
+from refdem.scene.elements.contact import Contact
+from refdem.scene.elements.plane import Plane
+from refdem.scene.elements.uniform_gravity import UniformGravity
 
 STATE = tuple(f"{kind}{i}.{axis}" for i in (1, 2) for kind in ("r", "v", "omega") for axis in "xyz")
 
@@ -78,3 +82,36 @@ def test_it_is_the_cheapest_method_for_an_oblique_collision_and_refuses_what_can
     oblique = discovery.case("two-spheres").at(angle="1", friction="0.3").problem
     assert ENGINE.best(oblique).name == "contact-events"
     assert ENGINE.refusal(discovery.case("harmonic-oscillator").at().problem, ENGINE.method("contact-events"))
+
+
+@pytest.mark.parametrize(("method", "allowed"), [("contact-events", 2e-15), ("rk4", 2e-15), ("velocity-verlet", 2e-15)])
+def test_a_sliding_sphere_starts_to_roll_when_its_slip_ends_and_rolls_for_ever(method, allowed):
+    """t = 2 v0/(7 mu g), then v = omega R = 5/7 v0: mu = 1/4, g = 8, v0 = 7/2, R = 1/2; pressed in by exactly m g/k."""
+    ball = Body(mass=1.0, inertia=(0.1,) * 3, position=(0.0, 0.0, 0.5 - 2.0**-7), velocity=(3.5, 0.0, 0.0), shape=Sphere(radius=0.5))
+    law = Contact(law="linear", stiffness=1024.0, friction=0.25, branch="R")
+    scene = Scene.of([ball], [Plane(), UniformGravity(g=(0.0, 0.0, -8.0)), law])
+    times = np.arange(33) * 2.0**-4
+    seen = ENGINE.run(Request(problem=Motion(scene, times), method=method, step=None if method == "contact-events" else 2.0**-7))[0]
+    onset = 2 * 3.5 / (7 * 0.25 * 8.0)
+    speed = np.where(times < onset, 3.5 - 2.0 * times, 2.5)
+    place = np.where(times < onset, 3.5 * times - times**2, 3.5 * onset - onset**2 + 2.5 * (times - onset))
+    assert np.abs(seen.velocity[:, 0, 0] - speed).max() < allowed
+    assert np.abs(seen.position[:, 0, 0] - place).max() < 2 * allowed
+    assert np.abs(seen.omega[:, 0, 1] - np.where(times < onset, 10.0 * times, 5.0)).max() < 2 * allowed
+    assert np.ptp(seen.position[:, 0, 2]) == 0.0
+    lost = 0.5 * (3.5**2 - 2.5**2) - 0.5 * 0.1 * 5.0**2
+    assert seen.channels["dissipated_work"][-1] == pytest.approx(lost, rel=1e-14 if method != "velocity-verlet" else 1e-3)
+
+
+def test_a_ball_on_a_slope_held_by_its_tangential_spring_swings_about_the_static_stretch():
+    """No slip: friction alone spins the ball; for a large limit s'' = g sin a - (1/m + R^2/J) k_t s, from s = 0."""
+    ball = Body(mass=1.0, inertia=(0.1,) * 3, position=(0.0, 0.0, 0.5 - 2.0**-7), shape=Sphere(radius=0.5))
+    law = Contact(law="linear", stiffness=1024.0, tangential_stiffness=64.0, friction=10.0, branch="R")
+    scene = Scene.of([ball], [Plane(), UniformGravity(g=(1.0, 0.0, -8.0)), law])
+    times = np.arange(65) * 2.0**-5
+    seen = ENGINE.run(Request(problem=Motion(scene, times), method="contact-events"))[0]
+    ease = 1.0 + 0.25 / 0.1
+    rate = np.sqrt(64.0 * ease)
+    slip = np.sin(rate * times) / rate
+    surface = seen.velocity[:, 0, 0] - 0.5 * seen.omega[:, 0, 1]
+    assert np.abs(surface - slip).max() < 1e-14
