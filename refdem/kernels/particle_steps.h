@@ -20,7 +20,7 @@ typedef struct {
 } runner;
 
 /* Number c of a state grows by `by`; what rounding loses is kept beside the state (Kahan 1965; Knuth's sum, TAOCP 4.2.2). */
-static inline void gain(const runner *r, const double *restrict from, int64_t c, double by, double *restrict to)
+static inline void gain(const runner *r, const double *from, int64_t c, double by, double *to)
 {
     double part = from[r->size + c] + by, sum = from[c] + part, taken = sum - from[c];
     to[r->size + c] = (from[c] - (sum - taken)) + (part - taken);
@@ -83,7 +83,7 @@ static inline void spin(int64_t n, const double *restrict w, double h, double *r
 }
 
 /* Velocities and turning rates. */
-static inline void kick(const runner *r, const double *restrict from, const double *restrict dy, double h, double *restrict to)
+static inline void kick(const runner *r, const double *from, const double *restrict dy, double h, double *to)
 {
     int64_t n = r->p->bodies;
     for (int64_t c = 3 * n; c < (r->p->turning ? 9 * n : 6 * n); c++)
@@ -107,14 +107,14 @@ static inline int verlet(const runner *r, const double *restrict y, const double
         spin(p->bodies, out + spin_at(p), h, out + 9 * p->bodies);
     if (rubs)
         stretch(r, out, 0.5 * h, normal, 1);
-    memcpy(half, out, 2 * (size_t)r->size * sizeof *y);
     if (lags) {
+        memcpy(half, out, 2 * (size_t)r->size * sizeof *y);
         kick(r, half, dy, 0.5 * h, out);
         rates(p, r->mode, out, rate);
         kick(r, half, rate, 0.5 * h, out);
     }
     rates(p, r->mode, out, rate);
-    kick(r, half, rate, 0.5 * h, out);
+    kick(r, lags ? half : out, rate, 0.5 * h, out);
     out[work_at(p)] += 0.5 * h * (dy[work_at(p)] + rate[work_at(p)]);
     return 1;
 }
