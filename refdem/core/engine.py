@@ -5,6 +5,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Literal
 
+from refdem.core.deviation import Deviation
 from refdem.core.problem import Motion, Request
 from refdem.core.trajectory import Cost, Trajectory
 
@@ -16,6 +17,7 @@ class Method:
     control: a fixed `step`, a `tolerance`, or `exact` (round-off only). `order_with` lowers the order where a scene has
     the feature. `constant` is C in `error <= C L (T/tau) (h/tau)^p`. `conserves`: energy, momentum, angular-momentum,
     each to round-off; `symplectic`: no secular drift of energy. `complete_state`: a run can go on from its end state.
+    `velocity_time`: velocities and omegas hold at their sample, or half a step before it.
     """
 
     name: str
@@ -31,8 +33,13 @@ class Method:
     backward: bool = False
     complete_state: bool = True
     precision: Literal["double", "single"] = "double"
+    velocity_time: Literal["synchronous", "minus-half-step"] = "synchronous"
     deterministic: bool = True
     cost_rank: int = 0
+
+    def delay(self, level: float) -> float:
+        """Time [s] by which velocities and omegas lag behind their sample at this level."""
+        return level / 2 if self.velocity_time == "minus-half-step" and self.control == "step" else 0.0
 
     def order_for(self, features: frozenset[str]) -> int:
         """The order claimed for a scene with these features."""
@@ -63,6 +70,10 @@ class Engine(ABC):
     audit: tuple[Default, ...] = ()
     licence: str = ""
     is_reference: bool = False
+    time_limit: float | None = None
+    budget: float | None = None
+    expected: tuple[Deviation, ...] = ()
+    """Limits that the engine's own description sets, in seconds a run and seconds a campaign, and deviations it accepts."""
 
     @property
     def address(self) -> str:

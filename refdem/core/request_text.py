@@ -8,11 +8,11 @@ from refdem.core.problem import Request
 
 
 def request_text(request: Request) -> str:
-    """Lines `scene.bodies.0.mass 1.0`: indices from 0, numbers with 17 digits, true/false as 1/0, null left out.
+    """Lines `scene.bodies.0.mass 1.0`: indices from 0, numbers with 17 digits, true and false as 1 and 0, null left out.
 
-    Every list also has its length as `<key>.count`; an attitude and other vectors are lists of numbers.
+    A list also has its length as `<key>.count`; numbers that need not be whole have a point or an exponent.
     """
-    return "".join(f"{key} {value}\n" for key, value in _lines("", msgspec.to_builtins(msgspec.json.decode(request.to_json()))))
+    return "".join(f"{key} {value}\n" for key, value in _lines("", msgspec.json.decode(request.to_json())))
 
 
 def _lines(key: str, value: Any) -> list[tuple[str, str]]:
@@ -27,4 +27,10 @@ def _lines(key: str, value: Any) -> list[tuple[str, str]]:
         return []
     if isinstance(value, bool):
         return [(key, str(int(value)))]
-    return [(key, f"{value:.17g}" if isinstance(value, float) else str(value))]
+    return [(key, _digits(value) if isinstance(value, float) else str(value))]
+
+
+def _digits(value: float) -> str:
+    """17 significant digits, with a point or an exponent."""
+    text = f"{value:.17g}"
+    return text if set(text) & set(".e") else f"{text}.0"

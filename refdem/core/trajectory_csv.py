@@ -1,6 +1,7 @@
 """A trajectory as a CSV file, the way programs of any language hand it back."""
 
 import csv
+from itertools import islice
 from pathlib import Path
 from typing import Any
 
@@ -13,41 +14,51 @@ from refdem.errors import EngineError
 Array = NDArray[np.float64]
 
 COLUMNS = ("t", "body", "x", "y", "z", "vx", "vy", "vz", "qw", "qx", "qy", "qz", "wx", "wy", "wz")
-POINT = (1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+EVENT_COLUMNS = ("time", "kind", "body")
+STATES = len(COLUMNS)
+POINT = ["1", "0", "0", "0", "0", "0", "0"]
 """What empty attitude columns mean: a body that does not turn."""
-MOST_BYTES = 2**31
+MOST_EVENTS = 1_000_000
 
 
 def read_trajectory(path: Path, samples: int, bodies: int, events: Path | None = None) -> Trajectory:
-    """The trajectory in a file with a row per sample and body; raises EngineError with the line that is wrong."""
+    """The trajectory in a file with a row per sample and body; raises EngineError with the line that is wrong.
+
+    A channel's numbers stand in the rows of a sample, the k-th element's in body k's row; cells that are empty in every sample
+    are no element's.
+    """
     if not path.is_file():
         raise EngineError(f"the program ended and wrote no {path.name}; expected a CSV file with columns {','.join(COLUMNS)}")
-    if path.stat().st_size > MOST_BYTES:
-        raise EngineError(f"{path.name} has {path.stat().st_size} bytes; expected {samples} x {bodies} rows")
-    with path.open(newline="", encoding="utf-8", errors="replace") as file:
-        reader = csv.reader(file)
-        header = [name.strip() for name in next(reader, [])]
-        channels = _channels(header, path.name)
-        rows = [_row(line, header, reader.line_num, path.name) for line in reader if line]
+    lines = _lines(path, samples * bodies + 2)
+    header = [name.strip() for name in lines[0][1]] if lines else []
+    channels = _channels(header, path.name)
+    rows = [_row(line, header, number, path.name) for number, line in lines[1:]]
     if len(rows) != samples * bodies:
-        raise EngineError(f"{path.name} has {len(rows)} rows; expected {samples * bodies}: {samples} samples of {bodies} bodies")
+        came = f"{len(rows)} rows" if len(rows) < samples * bodies else "more rows"
+        raise EngineError(f"{path.name} has {came}; expected {samples * bodies}: {samples} samples of {bodies} bodies")
     table = np.array(rows).reshape(samples, bodies, -1)
     _refuse_disorder(table, bodies, path.name)
-    return Trajectory(
-        t=np.ascontiguousarray(table[:, 0, 0]),
-        position=np.ascontiguousarray(table[:, :, 2:5]),
-        velocity=np.ascontiguousarray(table[:, :, 5:8]),
-        attitude=np.ascontiguousarray(table[:, :, 8:12]),
-        omega=np.ascontiguousarray(table[:, :, 12:15]),
-        channels={name: np.ascontiguousarray(table[:, :, 15 + n]) for n, name in enumerate(channels)},
-        events=_events(events),
-    )
+    columns = {"t": table[:, 0, 0], "position": table[:, :, 2:5], "velocity": table[:, :, 5:8]}
+    columns |= {"attitude": table[:, :, 8:12], "omega": table[:, :, 12:15]}
+    arrays: dict[str, Any] = {name: np.ascontiguousarray(column) for name, column in columns.items()}
+    shown = {name: _channel(table[:, :, STATES + n], name, path.name) for n, name in enumerate(channels)}
+    return Trajectory(channels=shown, events=_events(events, bodies), **arrays)
+
+
+def _lines(path: Path, most: int) -> list[tuple[int, list[str]]]:
+    """The first `most` lines that are not empty, with their numbers; raises EngineError if it is no CSV file."""
+    try:
+        with path.open(newline="", encoding="utf-8", errors="replace") as file:
+            reader = csv.reader(file)
+            return list(islice(((reader.line_num, line) for line in reader if line), most))
+    except (OSError, csv.Error) as error:
+        raise EngineError(f"{path.name} cannot be read as CSV: {error}") from None
 
 
 def _channels(header: list[str], name: str) -> list[str]:
     """The channel columns after the fixed ones; raises EngineError for another header."""
-    extra = header[len(COLUMNS) :]
-    if tuple(header[: len(COLUMNS)]) != COLUMNS or not set(extra) <= set(CHANNELS) or len(set(extra)) < len(extra):
+    extra = header[STATES:]
+    if tuple(header[:STATES]) != COLUMNS or not set(extra) <= set(CHANNELS) or len(set(extra)) < len(extra):
         raise EngineError(
             f"{name} line 1 is {','.join(header)[:200]!r}; expected {','.join(COLUMNS)} and channels of {', '.join(CHANNELS)}"
         )
@@ -55,15 +66,35 @@ def _channels(header: list[str], name: str) -> list[str]:
 
 
 def _row(line: list[str], header: list[str], number: int, name: str) -> list[float]:
-    """The numbers of one line, with (1, 0, 0, 0) and 0 for the empty attitude and omega of a point."""
+    """The numbers of one line, with (1, 0, 0, 0) and 0 for the empty attitude and omega of a point, NaN for an empty channel."""
     if len(line) != len(header):
         raise EngineError(f"{name} line {number} has {len(line)} columns; expected {len(header)}")
-    if not any(cell.strip() for cell in line[8:15]):
-        line = [*line[:8], *map(str, POINT), *line[15:]]
+    if not any(cell.strip() for cell in line[8:STATES]):
+        line = [*line[:8], *POINT, *line[STATES:]]
+    found = []
+    for column, cell in zip(header, line, strict=True):
+        empty = column in CHANNELS and not cell.strip()
+        value = np.nan if empty else _number(cell)
+        if value is None or not (empty or np.isfinite(value)):
+            raise EngineError(f"{name} line {number}: {column} is {cell[:40]!r}; expected a finite number")
+        found.append(value)
+    return found
+
+
+def _number(cell: str) -> float | None:
+    """The number in a cell, also as Fortran writes it (1.5D+00); None if it is none."""
     try:
-        return [float(cell) for cell in line]
-    except ValueError as error:
-        raise EngineError(f"{name} line {number}: {error}") from None
+        return float(cell.lower().replace("d", "e"))
+    except ValueError:
+        return None
+
+
+def _channel(values: Array, channel: str, name: str) -> Array:
+    """The columns (T, elements) of a channel that are not empty."""
+    empty = np.isnan(values)
+    if np.any(empty.any(axis=0) != empty.all(axis=0)):
+        raise EngineError(f"{name}: {channel} is empty in some samples and not in others; expected a number in all or in none")
+    return np.ascontiguousarray(values[:, ~empty.all(axis=0)])
 
 
 def _refuse_disorder(table: Any, bodies: int, name: str) -> None:
@@ -72,20 +103,25 @@ def _refuse_disorder(table: Any, bodies: int, name: str) -> None:
     if len(wrong):
         sample, body = wrong[0]
         raise EngineError(
-            f"{name} line {sample * bodies + body + 2} is body {table[sample, body, 1]:g} at t = {table[sample, body, 0]!r}; "
-            f"expected body {body} at t = {table[sample, 0, 0]!r}: the bodies of a sample in order, at one time"
+            f"{name} row {sample * bodies + body + 1} is body {table[sample, body, 1]:g} at t = {table[sample, body, 0]:.17g}; "
+            f"expected body {body} at t = {table[sample, 0, 0]:.17g}: the bodies of a sample in order, at one time"
         )
 
 
-def _events(path: Path | None) -> tuple[Event, ...]:
+def _events(path: Path | None, bodies: int) -> tuple[Event, ...]:
     """The events in a CSV file `time,kind,body`, if there is one."""
     if path is None or not path.is_file():
         return ()
-    with path.open(newline="", encoding="utf-8", errors="replace") as file:
-        rows = list(csv.reader(file))
-    if not rows or [cell.strip() for cell in rows[0]] != ["time", "kind", "body"]:
-        raise EngineError(f"{path.name} line 1 is {rows[:1]}; expected time,kind,body")
-    try:
-        return tuple(Event(float(time), kind.strip(), int(body)) for time, kind, body in rows[1:])
-    except ValueError as error:
-        raise EngineError(f"{path.name}: {error}") from None
+    lines = _lines(path, MOST_EVENTS + 2)
+    header = tuple(cell.strip() for cell in lines[0][1]) if lines else ()
+    if header != EVENT_COLUMNS or len(lines) > MOST_EVENTS + 1:
+        raise EngineError(f"{path.name} line 1 is {','.join(header)[:200]!r}; expected time,kind,body and at most {MOST_EVENTS} events")
+    return tuple(_event(line, number, path.name, bodies) for number, line in lines[1:])
+
+
+def _event(line: list[str], number: int, name: str, bodies: int) -> Event:
+    """One event; raises EngineError if it is none."""
+    time, body = (_number(line[0]), _number(line[2])) if len(line) == len(EVENT_COLUMNS) else (None, None)
+    if time is None or not np.isfinite(time) or body is None or body not in range(bodies):
+        raise EngineError(f"{name} line {number} is {','.join(line)[:80]!r}; expected a time, a kind and a body of 0..{bodies - 1}")
+    return Event(time, line[1].strip(), int(body))

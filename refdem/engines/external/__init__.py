@@ -35,8 +35,8 @@ class External(Engine):
         self.description: Description = read(self.path)
         table = self.description.engine
         self.name = self.title = table.name
-        staggered = table.velocity_time != "synchronous"
-        self.methods = tuple(method.method(table.precision, staggered=staggered) for method in table.methods)
+        self.methods = tuple(method.method(table) for method in table.methods)
+        self.time_limit, self.budget, self.expected = table.timeout, table.budget, tuple(self.description.expected)
         self.program = Program(table, self.path.parent)
 
     @property

@@ -1,9 +1,7 @@
-"""A program run as a process: argv and never a shell, an empty folder, a time limit that ends its whole process group."""
+"""The program of a refdem.toml: where it is, what belongs to it, and one run of it in an empty folder."""
 
 import contextlib
-import os
 import shutil
-import signal
 import subprocess
 import tempfile
 from pathlib import Path
@@ -14,11 +12,15 @@ from refdem.core.request_text import request_text
 from refdem.core.trajectory import Cost, Trajectory
 from refdem.core.trajectory_csv import read_trajectory
 from refdem.engines.external.description import EngineTable
-from refdem.errors import EngineError, UnsupportedError
+from refdem.engines.external.kept import kept
+from refdem.engines.external.process import ended, printable
+from refdem.errors import EngineError, UsageError
 
-NOT_SUPPORTED = 77
 FILES = {"request": "request.json", "request_txt": "request.txt", "trajectory": "trajectory.csv", "events": "events.csv"}
-SHOWN = 300
+ROW = 1024
+"""Bytes that a row of the CSV file may take; 15 numbers and 5 channels of 17 digits take 500."""
+SPARE = 2**26
+"""Bytes that a program may write into one file however few rows are asked for: it may talk."""
 
 
 class Program:
@@ -39,8 +41,15 @@ class Program:
         """Every file that the command names, and every file that `inputs` matches."""
         named = [Path(self._placed(word)) for word in self.table.command]
         named += [Path(found) for word in self.table.command[:1] if (found := shutil.which(word))]
-        matched = [path for pattern in self.table.inputs for path in self.home.glob(pattern)]
+        matched = [path for pattern in self.table.inputs for path in self._matched(pattern)]
         return sorted({path.resolve() for path in [*named, *matched] if path.is_file()})
+
+    def _matched(self, pattern: str) -> list[Path]:
+        """The files that one of `inputs` matches; a fingerprint without them would call a changed program unchanged."""
+        found = [path for path in self.home.glob(pattern) if path.is_file()]
+        if not found:
+            raise UsageError(f"{self.home / 'refdem.toml'}: engine.inputs has {pattern!r}, which matches no file; correct or remove it")
+        return found
 
     def version(self) -> str:
         """First line of what the version command prints; empty if there is none or it fails."""
@@ -49,55 +58,31 @@ class Program:
         command = [self._placed(word) for word in self.table.version_command]
         with contextlib.suppress(OSError, subprocess.SubprocessError):
             done = subprocess.run(command, cwd=self.home, capture_output=True, text=True, timeout=10, errors="replace")
-            return (done.stdout or done.stderr).strip().splitlines()[0][:80] if (done.stdout or done.stderr).strip() else ""
+            lines = (done.stdout or done.stderr).strip().splitlines()
+            return printable(lines[0])[:80] if lines and done.returncode == 0 else ""
         return ""
 
     def run(self, request: Request) -> tuple[Trajectory, Cost]:
-        """One run; its folder is kept where something went wrong, and the error names it."""
-        folder = Path(tempfile.mkdtemp(prefix="refdem-run-"))
-        try:
-            found = self._run(request, folder)
-        except UnsupportedError:
-            shutil.rmtree(folder, ignore_errors=True)
-            raise
-        except EngineError as error:
-            raise EngineError(f"{error} (request and output are kept in {folder})") from None
-        shutil.rmtree(folder, ignore_errors=True)
-        return found
+        """One run; what it wrote is kept where something went wrong, and the error says where."""
+        with tempfile.TemporaryDirectory(prefix="refdem-run-", ignore_cleanup_errors=True) as name:
+            folder = Path(name)
+            try:
+                return self._run(request, folder)
+            except EngineError as error:
+                place = kept(folder, self.table.name)
+                raise EngineError(f"{error} (request and output are kept in {place})" if place else str(error)) from None
 
     def _run(self, request: Request, folder: Path) -> tuple[Trajectory, Cost]:
         paths = {name: folder / file for name, file in FILES.items()}
         paths["request"].write_bytes(request.to_json())
         paths["request_txt"].write_text(request_text(request))
+        times, bodies = request.problem.times, len(request.problem.scene.bodies)
         began = perf_counter()
-        status = self._ended([self._filled(word, paths) for word in self.table.command], folder)
+        command, most = [self._filled(word, paths) for word in self.table.command], SPARE + ROW * len(times) * bodies
+        ended(command, folder, name=self.table.name, timeout=self.table.timeout, most_bytes=most)
         seconds = perf_counter() - began
-        says = _last_lines(folder / "stderr.txt")
-        if status == NOT_SUPPORTED:
-            raise UnsupportedError(says.splitlines()[-1] if says else "the program says it cannot (exit 77)")
-        if status != 0:
-            how = f"signal {-status}" if status < 0 else f"exit status {status}"
-            raise EngineError(f"{self.table.name} ended with {how}: {says or 'it said nothing on stderr'}")
-        bodies = len(request.problem.scene.bodies)
-        trajectory = read_trajectory(paths["trajectory"], len(request.problem.times), bodies, paths["events"])
-        steps = request.stride * (len(request.problem.times) - 1) if request.step else 0
-        return trajectory, Cost(seconds=seconds, steps=steps)
-
-    def _ended(self, command: list[str], folder: Path) -> int:
-        """Runs the command in `folder`, its output kept beside; raises EngineError if it cannot start or does not end."""
-        with (folder / "stdout.txt").open("wb") as out, (folder / "stderr.txt").open("wb") as err:
-            try:
-                process = subprocess.Popen(command, cwd=folder, stdin=subprocess.DEVNULL, stdout=out, stderr=err, start_new_session=True)
-            except OSError as error:
-                raise EngineError(f"{command[0]} cannot be started: {error.strerror}") from None
-            try:
-                return process.wait(self.table.timeout)
-            except subprocess.TimeoutExpired:
-                raise EngineError(f"{self.table.name} was still running after {self.table.timeout:g} s and was ended") from None
-            finally:
-                with contextlib.suppress(ProcessLookupError):
-                    os.killpg(process.pid, signal.SIGKILL)
-                process.wait()
+        trajectory = read_trajectory(paths["trajectory"], len(times), bodies, paths["events"])
+        return trajectory, Cost(seconds=seconds, steps=request.stride * (len(times) - 1) if request.step else 0)
 
     def _filled(self, word: str, paths: dict[str, Path]) -> str:
         """A word of the command with its placeholders filled in and its relative path resolved."""
@@ -109,11 +94,3 @@ class Program:
         """A word that names a file below `home` as a full path, any other as it is."""
         path = self.home / word
         return str(path) if not Path(word).is_absolute() and path.is_file() else word
-
-
-def _last_lines(path: Path) -> str:
-    """The end of what the program said, printable."""
-    with path.open("rb") as file:
-        file.seek(max(0, path.stat().st_size - 4 * SHOWN))
-        text = file.read().decode(errors="replace").strip()
-    return "".join(c if c.isprintable() or c == "\n" else "?" for c in text)[-SHOWN:]

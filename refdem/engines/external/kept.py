@@ -1,0 +1,37 @@
+"""What failed runs leave behind for their author to look at: a few folders of bounded size."""
+
+import contextlib
+import shutil
+import time
+from pathlib import Path
+
+from refdem.core.store import default_path
+
+MOST_FOLDERS = 16
+"""Failed runs that are kept, of all programs: the newest."""
+MOST_BYTES = 2**20
+"""Of each file its beginning is kept; request and trajectory of an ordinary run are shorter."""
+MOST_FILES = 32
+
+
+def kept(folder: Path, name: str) -> Path | None:
+    """Copies the files of a failed run beside the store and drops older ones; None if nothing can be written there."""
+    home = default_path().parent / "failed-runs"
+    place = home / f"{name}-{time.time_ns()}"
+    try:
+        place.mkdir(parents=True)
+        for path in sorted(path for path in folder.iterdir() if path.is_file() and not path.is_symlink())[:MOST_FILES]:
+            with path.open("rb") as file:
+                (place / path.name).write_bytes(file.read(MOST_BYTES))
+    except OSError:
+        shutil.rmtree(place, ignore_errors=True)
+        return None
+    _drop_older(home)
+    return place
+
+
+def _drop_older(home: Path) -> None:
+    """Removes all but the newest folders; another process may be doing the same."""
+    with contextlib.suppress(OSError):
+        for path in sorted(home.iterdir(), key=lambda path: path.name.rpartition("-")[2])[:-MOST_FOLDERS]:
+            shutil.rmtree(path, ignore_errors=True)
