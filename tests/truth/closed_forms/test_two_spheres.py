@@ -111,6 +111,19 @@ def test_contact_is_the_taylor_series_in_cartesian_coordinates(pair, side, t):
         assert max(abs(a - b) for a, b in zip(found, expected, strict=True)) < 1e-30
 
 
+@pytest.mark.parametrize("lever", [ZERO, Fraction(1, 2), ONE])
+def test_the_slip_that_is_proved_to_keep_its_sign_is_that_of_the_vectors(lever):
+    pair, t = replace(SLIDING, lever=lever), Fraction(1, 5)
+    with precision(256):
+        contact = SlidingContact(pair)
+        contact.relative(arb_of(t))
+        x, y, vx, vy, *omega = witness(pair, t, -1)
+        distance = (x * x + y * y).sqrt()
+        arms = [arb_of(radius) - arb_of(lever) * (arb_of(pair.reach) - distance) for radius in pair.radii]
+        slip = (x * vy - y * vx) / distance - arms[0] * omega[0] - arms[1] * omega[1]
+        assert abs(contact.slip(contact.phases[0].polar(arb_of(t))) - slip) < 1e-30
+
+
 def test_a_pulling_contact_does_not_rub():
     pair = replace(SLIDING, damping=Fraction(6))
     with precision(256):
