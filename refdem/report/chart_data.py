@@ -31,7 +31,7 @@ class ChartData:
 
 def errors(contents: Contents, rows: Sequence[Row]) -> ChartData | None:
     """Error against step (or tolerance) of one instance, with bounds."""
-    found = [
+    found: list[dict[str, Any]] = [
         {"series": row.series, "quantity": row.quantity, "control": row.control, "level": rounded(level.level, 4),
          "error": rounded(level.error), "bound": rounded(level.bound)}
         for row in rows for level in row.levels
@@ -52,7 +52,7 @@ def _ends(values: list[float]) -> tuple[float, float]:
 
 def costs(contents: Contents, rows: Sequence[Row]) -> ChartData | None:
     """Error against seconds of one instance; only for pages that are not committed."""
-    found = [
+    found: list[dict[str, Any]] = [
         {"series": row.series, "quantity": row.quantity, "seconds": rounded(level.seconds), "error": rounded(level.error)}
         for row in rows for level in row.levels if level.seconds > 0
     ]  # fmt: skip
@@ -68,7 +68,7 @@ def _quantities(rows: Sequence[Row]) -> list[str]:
 
 def overview(contents: Contents, rows: Sequence[Row]) -> ChartData | None:
     """Error against step in units of the first step, every instance a small picture, every engine a colour."""
-    found = [
+    found: list[dict[str, Any]] = [
         {"case": row.record.label, "engine": row.record.engine, "series": row.series,
          "halvings": rounded(math.log2(row.levels[0].level / level.level), 3), "error": rounded(level.error)}
         for row in worst_rows(rows) for level in row.levels if row.control == "step" and level.error > 0

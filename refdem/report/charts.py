@@ -79,7 +79,7 @@ def _errors(data: ChartData) -> Any:
     base = _chart(data, level="number", shown_error="number", shown_bound="number").transform_filter("datum.quantity == pick")
     tips = _tips("series", "quantity", "level", "error", "bound")
     kinds = [kind for kind in ("step", "tolerance", "exact") if kind in data.extents]
-    panels = []
+    panels: list[Any] = []
     for kind in kinds:
         y = _log("shown_error", "largest error / scale", data) if not panels else _log("shown_error", "", data, labels=False)
         chosen = base.transform_filter(f"datum.control == '{kind}'")

@@ -12,6 +12,9 @@ from typing import Any
 from refdem.core.store import Store
 from refdem.report.chart_data import ChartData
 
+SNIPPET = "window.vegaEmbed = vegaEmbed;"
+"""What the shared script leaves for report.js."""
+
 ROWS = "the rows of this chart"
 """Stands for the rows in a specification that is kept."""
 
@@ -67,13 +70,13 @@ def _normalised(svg: str) -> str:
 
 def script(store: Store | None) -> bytes:
     """Vega, Vega-Lite and Vega-Embed in one script that needs no network."""
-    return _kept(store, "script", [_renderer()], _script)
+    return _kept(store, "script", [_renderer(), SNIPPET], _script)
 
 
 def _script() -> bytes:
     import vl_convert
 
-    return bytes(vl_convert.javascript_bundle().encode())
+    return bytes(vl_convert.javascript_bundle(SNIPPET).encode())
 
 
 def _kept(store: Store | None, kind: str, parts: list[Any], made: Callable[[], bytes]) -> bytes:

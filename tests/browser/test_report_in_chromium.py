@@ -33,7 +33,7 @@ SAID = (
 
 
 @contextmanager
-def opened(browser, path, *, scheme="light", width=1280, touched=()):
+def opened(browser, path, *, scheme="light", width=1280):
     """The page with its charts drawn; fails on any message, dialog or request that is not of a file."""
     context = browser.new_context(color_scheme=scheme, viewport={"width": width, "height": 900})
     page, wrong = context.new_page(), []
