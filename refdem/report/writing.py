@@ -3,12 +3,13 @@
 from collections.abc import Sequence
 from pathlib import Path
 
-from refdem.core.finding import Sheet
+from refdem.core.finding import CaseSheet, Record, Sheet
 from refdem.core.store import Store
+from refdem.errors import RefdemError
 from refdem.report import chart_data, figures, html, markdown, tables
 from refdem.report.contents import Contents, contents_of, page
 from refdem.report.files import written
-from refdem.report.jsonl import RECORDS, lines
+from refdem.report.jsonl import RECORDS, lines, sheets_in
 from refdem.report.junit import junit
 from refdem.report.tolerance import Row, rows_of
 
@@ -19,6 +20,7 @@ def write_everything(folder: Path, sheets: Sequence[Sheet], store: Store | None)
     """Records first, so that the report can be made again if a later file cannot be written; index.html last."""
     contents = contents_of(sheets)
     rows = {sheet.label: rows_of(contents, sheet.label) for sheet in contents.cases}
+    _clear(folder, set(rows))
     everything = [row for label in rows for row in rows[label]]
     written(folder / RECORDS, lines(sheets))
     written(folder / "findings.csv", tables.csv_text(tables.FINDING, tables.finding_rows(contents)))
@@ -32,6 +34,17 @@ def write_everything(folder: Path, sheets: Sequence[Sheet], store: Store | None)
     written(folder / "validation.md", markdown.validation(contents, rows, pictures))
     for name, text in html.pages(contents, rows, specs):
         written(folder / name, text)
+
+
+def _clear(folder: Path, labels: set[str]) -> None:
+    """Removes pages and pictures of instances that the report in this folder had and the new one has not."""
+    try:
+        before = {sheet.label for sheet in sheets_in(folder) if isinstance(sheet, CaseSheet | Record)}
+    except RefdemError:
+        return  # no report here, or one that says nothing of what it wrote
+    for label in before - labels:
+        (folder / "cases" / f"{page(label)}.html").unlink(missing_ok=True)
+        (folder / "figures" / f"{page(label)}.svg").unlink(missing_ok=True)
 
 
 def _charts(

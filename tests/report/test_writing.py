@@ -201,6 +201,14 @@ def test_a_report_of_nothing_is_a_report(tmp_path):
     assert "nothing was judged" in (tmp_path / "index.html").read_text()
 
 
+def test_a_report_over_another_leaves_nothing_of_it_and_nothing_else_is_touched(tmp_path, sheets, store, synthetic):
+    write_report(tmp_path, sheets, store)
+    (tmp_path / "figures/mine.svg").write_text("mine")
+    write_report(tmp_path, [synthetic["record"]("a", "a", "alpha", "rk4", synthetic["error"]("x", 1e-3, 4))], store)
+    assert [path.name for path in (tmp_path / "cases").iterdir()] == ["a.html"]
+    assert sorted(path.name for path in (tmp_path / "figures").iterdir()) == ["a.svg", "mine.svg", "tolerance.svg"]
+
+
 def test_a_record_without_sheets_of_its_case_and_engine_is_reported(tmp_path, synthetic):
     write_report(tmp_path, [synthetic["record"]("pendulum", "pendulum", "alpha", "rk4", synthetic["error"]("x", 1e-3, 4))])
     assert "alpha" in (tmp_path / "cases/pendulum.html").read_text()
