@@ -71,7 +71,8 @@ def levels(instance: Instance, method: Method, count: int, most_steps: float, st
     if method.control == "exact":
         return (0.0,)
     if method.control == "tolerance":
-        return tuple(10.0 ** -(4 + 2 * j) for j in range(count))
+        tolerances = (10.0 ** -(4 + 2 * j) for j in range(count))
+        return tuple(t for t in tolerances if t > COUNTING_FLOOR * method.round_off)  # below, step control never ends
     order, scales = method.order_for(instance.scene.features), instance.scales
     first = step or scales.tau * (HORIZON * scales.tau / (method.constant * scales.duration)) ** (1.0 / order)
     interval = float(instance.times[1])

@@ -15,16 +15,22 @@ from refdem.core.problem import Request
 from refdem.core.trajectory import Cost, Trajectory
 from refdem.engines.rebound.fields import FAMILY, Fields, fields_of
 from refdem.engines.rebound.simulation import function_address, simulation_of
-from refdem.errors import EngineError
+from refdem.errors import EngineError, UsageError
 from refdem.mechanics.quaternion import rotated
 
 Array = NDArray[np.float64]
 FUNCTIONS = {"steps": "reb_simulation_steps", "integrate": "reb_simulation_integrate", "update": "reb_simulation_update_acceleration"}
+FINEST_TOLERANCE = 1e-15
+"""Round-off hides smaller errors: at 1e-16 bs rejects every step, however small, for ever."""
 STEPPED = {"leapfrog", "leapfrog-8", "whfast"}
 
 
 def recorded(request: Request) -> tuple[Trajectory, Cost]:
     """Runs the request; raises EngineError if REBOUND gives up or has an error to tell."""
+    if request.tolerance is not None and request.tolerance < FINEST_TOLERANCE:
+        raise UsageError(
+            f"rebound, {request.method}: tolerance is {request.tolerance:g}; expected >= {FINEST_TOLERANCE:g}, or no step is accepted"
+        )
     began = perf_counter()
     fields = fields_of(request.problem.scene)
     sim, ode = simulation_of(request, fields)

@@ -6,8 +6,9 @@ import sys
 import numpy as np
 import pytest
 
-from refdem.core.problem import Motion
+from refdem.core.problem import Motion, Request
 from refdem.engines.rebound import ENGINE
+from refdem.errors import UsageError
 from refdem.scene import Body, Scene, Sphere
 from refdem.scene.elements.central_field import CentralField
 from refdem.scene.elements.contact import Contact
@@ -41,6 +42,12 @@ ROTOR = Body(mass=1.0, inertia=(0.0, 1.0, 1.0), omega=(0.0, 0.0, 1.0))
 )
 def test_the_missing_feature_is_named(method: str, scene: Scene, words: str) -> None:
     assert words in (ENGINE.refusal(Motion(scene, np.linspace(0.0, 1.0, 5)), ENGINE.method(method)) or "")
+
+
+def test_a_tolerance_that_no_step_can_meet_is_a_usage_error() -> None:
+    problem = Motion(Scene.of([POINT], [CentralField(gm=1.0)]), np.linspace(0.0, 1.0, 5))
+    with pytest.raises(UsageError, match="no step is accepted"):
+        ENGINE.run(Request(problem=problem, method="bs", tolerance=1e-16))
 
 
 def test_importing_the_adapter_does_not_import_rebound() -> None:
