@@ -1,6 +1,7 @@
 """A campaign from specification to sheets: truths, then runs, then what goes on from them, then judging."""
 
 import hashlib
+import math
 import time
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field
@@ -24,7 +25,10 @@ from refdem.core.store import Store
 from refdem.core.trajectory import Trajectory
 from refdem.core.truth import SampledTruth
 from refdem.core.variant import Variant
+from refdem.errors import UsageError
 
+GRACE = 30.0
+"""Seconds beyond an engine's own time limit before its worker is killed: to start, to read the trajectory, to keep what failed."""
 Progress = Callable[[str, int, int], None]
 """Told the stage, how many of its jobs are done, and how many there are."""
 
@@ -45,14 +49,17 @@ class Campaign:
     read: int = 0
     runs: dict[tuple[int, Variant], Run] = field(default_factory=dict)
     known: dict[tuple[str, ...], str] = field(default_factory=dict)
+    deadlines: dict[str, float] = field(default_factory=dict)
 
     def sheets(self) -> list[Sheet]:
         """Everything that a report is made of."""
         start = time.perf_counter()
         instances = plan.instances(self.specification)
         engines, _ = plan.engines(self.specification)
+        _refuse_namesakes(engines)
+        self.deadlines = {engine.name: time.time() + engine.budget for engine in engines if engine.budget is not None}
         with Schedule(self.jobs, self.specification.timeout) if self.jobs else InProcess() as schedule:
-            truths = self._truths(schedule, [instance for instance, _ in instances])
+            truths = self._truths(schedule, [(instance, self._delays(instance, engines)) for instance, _ in instances])
             tasks = [
                 task
                 for (instance, only), truth in zip(instances, truths, strict=True)
@@ -74,12 +81,18 @@ class Campaign:
         )
         return [whole, *(sheets.engine_sheet(engine) for engine in engines), *cases.values(), *records]
 
-    def _truths(self, schedule: Schedule | InProcess, instances: list[Instance]) -> list[SampledTruth]:
+    def _delays(self, instance: Instance, engines: list[Engine]) -> tuple[float, ...]:
+        """By how much [s] the velocities of some method lag at one of its levels."""
+        staggered = [engine for engine in engines if any(m.velocity_time != "synchronous" for m in engine.methods)]
+        trials = [trial for engine in staggered for trial, _ in plan.trials(self.specification, instance, engine)]
+        return tuple(sorted({delay for trial in trials for level in trial.levels if (delay := trial.method.delay(level))}))
+
+    def _truths(self, schedule: Schedule | InProcess, instances: list[tuple[Instance, tuple[float, ...]]]) -> list[SampledTruth]:
         """The sampled truth of every instance, from the store or made anew."""
-        keys = [_truth_key(instance) for instance in instances]
+        keys = [_truth_key(instance, delays) for instance, delays in instances]
         found = {key: truth for key in keys if (truth := self.store.truth(key)) is not None}
         missing = {key: instance for key, instance in zip(keys, instances, strict=True) if key not in found}
-        jobs = [Job(key, worker.sampled_truth, (i.case.id, i.p.given)) for key, i in missing.items()]
+        jobs = [Job(key, worker.sampled_truth, (i.case.id, i.p.given, delays)) for key, (i, delays) in missing.items()]
         for done, (job, result) in enumerate(schedule.results(jobs), 1):
             if isinstance(result, Failure):
                 found[job.key] = _no_truth(result)
@@ -105,11 +118,17 @@ class Campaign:
                 self.read += 1
                 self._keep(tasks, requests, key, places, data, from_store=True)
             else:
-                jobs.append(Job(key, worker.run, (tasks[places[0][0]].engine.address, requests[places[0]].to_json())))
+                jobs.append(self._job(key, tasks[places[0][0]].engine, requests[places[0]]))
         for done, (job, result) in enumerate(schedule.results(jobs), 1):
             self.made += 1
             self._keep(tasks, requests, job.key, keys[job.key], result, from_store=False)
             self.progress(stage, done, len(jobs))
+
+    def _job(self, key: str, engine: Engine, request: Request) -> Job:
+        """A run in a worker; a time limit that an engine keeps itself comes before the worker's."""
+        limit = None if engine.time_limit is None else max(self.specification.timeout, engine.time_limit + GRACE)
+        deadline = self.deadlines.get(engine.name, math.inf)
+        return Job(key, worker.run, (engine.address, request.to_json(), deadline), limit)
 
     def _version(self, engine: Engine) -> str:
         """The engine's version, asked for once."""
@@ -160,7 +179,7 @@ class Campaign:
 
     def _records(self, tasks: list[Task]) -> list[Sheet]:
         """The records of all tasks, in order of the plan."""
-        deviations = {task.engine.name: of_engine(task.engine.name) for task in tasks}
+        deviations = {task.engine.name: [*of_engine(task.engine.address), *task.engine.expected] for task in tasks}
         found: list[Sheet] = []
         for n, task in enumerate(tasks):
             runs = {variant: self.runs[n, variant] for variant in task.variants if (n, variant) in self.runs}
@@ -168,9 +187,20 @@ class Campaign:
         return found
 
 
-def _truth_key(instance: Instance) -> str:
+def _refuse_namesakes(engines: list[Engine]) -> None:
+    """Raises UsageError for two engines of one name: their findings could not be told apart."""
+    names = [engine.name for engine in engines]
+    for engine in engines:
+        if names.count(engine.name) > 1:
+            raise UsageError(
+                f"{names.count(engine.name)} engines are named {engine.name!r}; give each a name of its own in its refdem.toml"
+            )
+
+
+def _truth_key(instance: Instance, delays: tuple[float, ...] = ()) -> str:
     """sha256 of all that can change a sampled truth: case, parameters, samples, its code, python-flint."""
-    digest = hashlib.sha256(msgspec.json.encode([instance.case.id, instance.p.texts(), instance.times.tolist()]))
+    asked = [instance.case.id, instance.p.texts(), instance.times.tolist(), *delays]
+    digest = hashlib.sha256(msgspec.json.encode(asked))
     case = type(instance.case).__module__.split(".")[-1]
     source = fingerprint.of_source("truth", f"cases/{case}.py", "core/truth.py", "core/case.py")
     digest.update(f"{source}\0{installed('python-flint')}".encode())

@@ -9,6 +9,7 @@ from refdem.campaign.plan import Task
 from refdem.core.check import Check, Outcome
 from refdem.core.deviation import Deviation
 from refdem.core.finding import DECIDED, Finding, Record
+from refdem.core.judgement import undecided
 from refdem.core.run import Run
 from refdem.core.variant import Variant
 from refdem.errors import RefdemError
@@ -50,7 +51,9 @@ def _findings(task: Task, runs: Mapping[Variant, Run]) -> list[Finding]:
         findings.append(msgspec.structs.replace(_ERROR, outcome=outcome, sentence=sentence))
     outcomes = {v: Outcome(run.trajectory, run.cost) for v, run in runs.items() if run.trajectory is not None and run.cost is not None}
     for check in task.checks:
-        if all(variant in outcomes for variant in check.needs(task.trial)):
+        if check.synchronous and task.method.velocity_time != "synchronous":
+            findings.append(undecided(check.name, "state", "the method gives velocities half a step before its positions"))
+        elif all(variant in outcomes for variant in check.needs(task.trial)):
             findings += _judged(task, check, outcomes)
     return findings
 

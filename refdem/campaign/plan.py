@@ -2,12 +2,12 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
-from functools import cached_property
+from functools import cached_property, partial
 
 import numpy as np
 
 from refdem.campaign.specification import Specification
-from refdem.core import discovery, refinement
+from refdem.core import discovery, refinement, symmetry
 from refdem.core.case import Instance
 from refdem.core.check import Check, Trial
 from refdem.core.engine import Engine, Method
@@ -89,8 +89,13 @@ def trials(specification: Specification, instance: Instance, engine: Engine) -> 
             levels = refinement.levels(
                 instance, method, specification.levels, specification.most_steps, first_step(specification, instance)
             )
-        found.append((Trial(instance, method, levels, None), refusal))
+        refuses = partial(_refusal, engine, method)
+        found.append((Trial(instance, method, levels, None, refusal=refuses), refusal))
     return found
+
+
+def _refusal(engine: Engine, method: Method, motion: Motion) -> str | None:
+    return engine.refusal(motion, method)
 
 
 def first_step(specification: Specification, instance: Instance) -> float | None:
@@ -144,6 +149,10 @@ def request(task: Task, variant: Variant, base: Trajectory | None = None, *, ulp
     if variant.change == "denser_output":
         count = variant.amount * (len(problem.times) - 1)
         return plain.with_scene(problem.scene, np.arange(count + 1, dtype=np.float64) * (problem.interval / variant.amount))
+    if variant.change in symmetry.NAMES:
+        shown = symmetry.of(task.trial.instance, variant.change)
+        step = None if plain.step is None else plain.step * shown.units[2]
+        return replace(plain, problem=shown.applied(problem), step=step)
     if variant.change == "perturbed":
         return plain.with_scene(_perturbed(problem, variant.amount))
     if variant.goes_on:

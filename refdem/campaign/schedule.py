@@ -14,11 +14,15 @@ from refdem.core.run import Failure
 
 @dataclass(frozen=True)
 class Job:
-    """A function of a module and its arguments, all of them bytes, text or plain containers; `key` comes back with the result."""
+    """A function of a module and its arguments, all of them bytes, text or plain containers; `key` comes back with the result.
+
+    `timeout` [s], if any, is its own; else the schedule's holds.
+    """
 
     key: Any
     function: Callable[..., bytes]
     arguments: tuple[Any, ...]
+    timeout: float | None = None
 
 
 class InProcess:
@@ -56,21 +60,22 @@ class Schedule:
         waiting, running = iter(jobs), dict[Any, Job]()
         while True:
             for job in waiting:
-                running[self._pool.schedule(job.function, args=job.arguments, timeout=self._timeout)] = job
+                running[self._pool.schedule(job.function, args=job.arguments, timeout=job.timeout or self._timeout)] = job
                 if len(running) >= self._window:
                     break
             if not running:
                 return
             done, _ = wait(running, return_when=FIRST_COMPLETED)
             for future in done:
-                yield running.pop(future), self._result(future)
+                job = running.pop(future)
+                yield job, self._result(future, job.timeout or self._timeout)
 
-    def _result(self, future: Any) -> bytes | Failure:
+    def _result(self, future: Any, timeout: float) -> bytes | Failure:
         try:
             result: bytes = future.result()
             return result
         except FutureTimeout:
-            return Failure(kind="hang", sentence=f"it was still running after {self._timeout:g} s and was killed")
+            return Failure(kind="hang", sentence=f"it was still running after {timeout:g} s and was killed")
         except ProcessExpired as error:
             return Failure(kind="crash", sentence=f"its process died with exit code {error.exitcode}")
         except Exception as error:

@@ -1,5 +1,9 @@
 """What runs in a worker process: one truth or one run, bytes in and bytes out, an engine's fault turned into a Failure."""
 
+import math
+import time
+from pathlib import Path
+
 import msgspec
 
 from refdem.core import discovery
@@ -17,14 +21,14 @@ class Reply(msgspec.Struct, frozen=True, kw_only=True):
     failure: Failure | None = None
 
 
-def sampled_truth(case: str, given: dict[str, str]) -> bytes:
-    """The truth of an instance at its samples, as MessagePack of SampledTruth; until = 0 and a reason if there is none."""
+def sampled_truth(case: str, given: dict[str, str], delays: tuple[float, ...] = ()) -> bytes:
+    """The truth of an instance at its samples, and `delays` [s] before them, as MessagePack of SampledTruth; until = 0 and a reason if there is none."""
     from refdem.core.truth import SampledTruth
     from refdem.truth.sampled import sampled
 
     instance = discovery.case(case).at(**given)
     try:
-        truth = sampled(instance.truth(), instance.times.tolist())
+        truth = sampled(instance.truth(), instance.times.tolist(), delays)
     except NotCertifiedError as error:
         truth = SampledTruth(
             t=[], values={}, radii={}, sensitivity=[], scalars={}, method="not certified", witness="", until=0, reason=str(error)
@@ -32,8 +36,13 @@ def sampled_truth(case: str, given: dict[str, str]) -> bytes:
     return msgspec.msgpack.encode(truth)
 
 
-def run(engine: str, request: bytes) -> bytes:
-    """One run of an engine, as MessagePack of Reply."""
+def run(engine: str, request: bytes, deadline: float = math.inf) -> bytes:
+    """One run of an engine, as MessagePack of Reply; none any more once the clock [s since 1970] has passed the deadline."""
+    if time.time() > deadline:
+        failure = Failure(
+            kind="budget", sentence=f"the time budget of {Path(engine).name} was spent; raise engine.budget or run fewer cases"
+        )
+        return msgspec.msgpack.encode(Reply(failure=failure))
     return msgspec.msgpack.encode(_reply(engine, Request.from_json(request)))
 
 

@@ -17,6 +17,7 @@ class AngularMomentum(Check):
     name = "angular-momentum"
     title = "Angular momentum"
     kills = "a wrong lever arm, a torque left out, body axes taken for space axes"
+    synchronous = True
 
     def applies(self, trial: Trial) -> str | None:
         """Scenes in which something can turn and no torque about the origin acts from outside."""

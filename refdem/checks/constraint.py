@@ -18,6 +18,7 @@ class Constraint(Check):
     name = "constraint"
     title = "Constraint drift"
     kills = "a multiplier solved loosely, a rod that is a stiff spring, positions projected and velocities not"
+    synchronous = True
 
     def applies(self, trial: Trial) -> str | None:
         """Scenes with rods between points."""

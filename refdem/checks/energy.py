@@ -20,6 +20,7 @@ class Energy(Check):
     name = "energy"
     title = "Energy balance"
     kills = "a force that does not come from its potential, work counted twice, a missing gyroscopic term"
+    synchronous = True
 
     def applies(self, trial: Trial) -> str | None:
         """Where the potential energy is known at every sample."""

@@ -32,7 +32,7 @@ class Error(Check):
         truth = certified(trial)
         if truth is None:
             return [undecided(self.name, "state", no_truth(trial))]
-        seen = {level: errors(trial.instance, runs[Variant(level)].trajectory, truth) for level in trial.levels}
+        seen = {level: errors(trial.instance, runs[Variant(level)].trajectory, truth, trial.method.delay(level)) for level in trial.levels}
         return [self._finding(trial, runs, quantity, {h: e[quantity] for h, e in seen.items()}) for quantity in seen[trial.levels[0]]]
 
     def _finding(self, trial: Trial, runs: Mapping[Variant, Outcome], quantity: str, seen: dict[float, Array]) -> Finding:

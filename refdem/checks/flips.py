@@ -17,6 +17,7 @@ class Flips(Check):
     name = "flips"
     title = "Number of flips"
     kills = "a missing or wrong gyroscopic term, inertia axes mixed up"
+    synchronous = True
 
     def applies(self, trial: Trial) -> str | None:
         """One tumbling body without elements."""

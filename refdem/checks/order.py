@@ -37,7 +37,7 @@ class Order(Check):
             why = f"{len(counting)} levels count (their bound lies between 20 x round-off and 0.1); 3 are needed"
             return [undecided(self.name, "state", why)]
         floor = [COUNTING_FLOOR * _floor(trial, h) for h in counting]
-        scaled = [errors(trial.instance, runs[Variant(h)].trajectory, truth) for h in counting]
+        scaled = [errors(trial.instance, runs[Variant(h)].trajectory, truth, trial.method.delay(h)) for h in counting]
         seen = [max(float(np.max(error[:common])) for error in quantities.values()) for quantities in scaled]
         if all(error <= low for error, low in zip(seen, floor, strict=True)):
             return [

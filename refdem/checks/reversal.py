@@ -20,6 +20,7 @@ class Reversal(Check):
     name = "reversal"
     title = "Time reversal"
     kills = "a force taken at the wrong time level, hidden dissipation, state that is not in the state"
+    synchronous = True
 
     def applies(self, trial: Trial) -> str | None:
         """Conservative scenes and methods whose end state is complete."""

@@ -1,7 +1,7 @@
 """A check: decides itself where it applies, names the runs it needs, and judges them."""
 
 from abc import ABC, abstractmethod
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import ClassVar
 
@@ -12,6 +12,7 @@ from refdem.core import refinement
 from refdem.core.case import Instance
 from refdem.core.engine import Method
 from refdem.core.finding import Finding
+from refdem.core.problem import Motion
 from refdem.core.trajectory import Cost, Trajectory
 from refdem.core.truth import SampledTruth
 from refdem.core.variant import Variant
@@ -21,13 +22,17 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True, eq=False)
 class Trial:
-    """All that judging needs: the instance, the method's claims, its levels (coarse to fine) and the truth, if certified."""
+    """All that judging needs: the instance, the method's claims, its levels (coarse to fine) and the truth, if certified.
+
+    `refusal` says of any motion why the method cannot run it, or None.
+    """
 
     instance: Instance
     method: Method
     levels: tuple[float, ...]
     truth: SampledTruth | None
     truth_reason: str = ""
+    refusal: Callable[[Motion], str | None] = lambda motion: None
 
     @property
     def finest(self) -> Variant:
@@ -75,6 +80,7 @@ class Check(ABC):
     name: ClassVar[str]
     title: ClassVar[str]
     kills: ClassVar[str]  # the fault that it catches, in a few words
+    synchronous: ClassVar[bool] = False  # it reads positions and velocities together, so they must be of one time
 
     @abstractmethod
     def applies(self, trial: Trial) -> str | None:

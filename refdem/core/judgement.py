@@ -1,5 +1,6 @@
 """From measured values to findings: errors against truth in units of each quantity's scale, and the verdict itself."""
 
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -62,13 +63,36 @@ def no_truth(trial: Trial) -> str:
     return trial.truth_reason or (trial.truth.reason if trial.truth else "") or "no certified truth"
 
 
-def errors(instance: Instance, trajectory: Trajectory, truth: SampledTruth) -> dict[str, Array]:
+def errors(instance: Instance, trajectory: Trajectory, truth: SampledTruth, delay: float = 0.0) -> dict[str, Array]:
     """Error (until,) of every quantity against truth, in units of its scale, less the radius that truth itself has.
 
-    Angles modulo 2 pi; the components of an attitude together as the angle of one rotation. Raises EngineError if
-    nothing can be compared.
+    Angles modulo 2 pi; the components of an attitude together as the angle of one rotation. Where velocities lag by
+    `delay` [s], quantities made of them are compared with truth at their own time, and those that mix both are left out.
+    Raises EngineError if nothing can be compared.
     """
-    observed, until = instance.observe(trajectory), truth.until
+    observed = instance.observe(trajectory)
+    if not delay:
+        return _errors(instance, observed, truth)
+    by_velocity, by_position = _made_of(instance, trajectory)
+    found = _errors(instance, {name: values for name, values in observed.items() if name not in by_velocity}, truth)
+    late = {name: values for name, values in observed.items() if name in by_velocity - by_position}
+    return found | (_errors(instance, late, truth.delayed(delay)) if late else {})
+
+
+def _made_of(instance: Instance, trajectory: Trajectory) -> tuple[set[str], set[str]]:
+    """Names of the quantities that change with velocities, and of those that change with positions."""
+    plain, moved = instance.observe(trajectory), []
+    for names in (("velocity", "omega"), ("position", "attitude")):
+        columns = {name: getattr(trajectory, name) for name in names}
+        other = {name: values[..., [1, 0, 3, 2]] if name == "attitude" else 1.5 * values + 0.25 for name, values in columns.items()}
+        moved.append(instance.observe(replace(trajectory, **other)))
+    by_velocity, by_position = ({name for name in plain if np.any(plain[name] != seen[name])} for seen in moved)
+    return by_velocity, by_position
+
+
+def _errors(instance: Instance, observed: dict[str, Array], truth: SampledTruth) -> dict[str, Array]:
+    """`errors` of what was observed, all of it at the samples of this truth."""
+    until = truth.until
     found: dict[str, Array] = {}
     for name, values in observed.items():
         quantity = instance.quantities[name]
@@ -96,6 +120,24 @@ def _rotation_error(observed: dict[str, Array], truth: SampledTruth, parts: list
     radius = 2.0 * np.max([truth.radius(name) for name in parts], axis=0)
     error: Array = np.maximum(0.0, angle_between(seen, true) - radius)
     return error
+
+
+def distances(instance: Instance, a: Trajectory, b: Trajectory) -> Array:
+    """Largest difference (T,) of any state of any body between two runs, each column in its scale."""
+    scales, bodies = instance.scales, instance.scene.bodies
+    spin = float(np.max(np.linalg.norm(bodies.omega, axis=1))) or 1.0 / scales.tau
+    parts = [
+        np.abs(a.position - b.position).max(axis=(1, 2)) / scales.length,
+        np.abs(a.velocity - b.velocity).max(axis=(1, 2)) / scales.speed,
+    ]
+    if "rotation" in instance.scene.features:
+        from refdem.mechanics.quaternion import angle_between
+
+        turns = bodies.inertia.any(axis=1)
+        parts.append(np.abs(a.omega - b.omega).max(axis=(1, 2)) / spin)
+        parts.append(angle_between(a.attitude[:, turns], b.attitude[:, turns]).max(axis=1, initial=0.0))
+    largest: Array = np.maximum.reduce(parts)
+    return largest
 
 
 def curve(t: Array, value: Array, bound: Array | float) -> Series:

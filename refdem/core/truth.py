@@ -90,7 +90,8 @@ class Truth(ABC):
 class SampledTruth(msgspec.Struct, frozen=True, kw_only=True):
     """Truth at the samples of one problem: doubles with radii; what judging reads and the store keeps.
 
-    `until` counts the certified samples; `reason` says why there are no more.
+    `until` counts the certified samples; `reason` says why there are no more. `earlier` has, for a delay [s], values and
+    radii at that much before each sample, for velocities that lag; nothing is known before the first, so its radius is infinite.
     """
 
     t: list[float]
@@ -102,6 +103,7 @@ class SampledTruth(msgspec.Struct, frozen=True, kw_only=True):
     witness: str
     until: int
     reason: str = ""
+    earlier: dict[float, tuple[dict[str, list[float]], dict[str, list[float]]]] = {}
 
     def value(self, name: str) -> Array:
         """The certified samples of one quantity (until,)."""
@@ -110,6 +112,11 @@ class SampledTruth(msgspec.Struct, frozen=True, kw_only=True):
     def radius(self, name: str) -> Array:
         """Their radii (until,)."""
         return np.array(self.radii[name])
+
+    def delayed(self, delay: float) -> "SampledTruth":
+        """The same samples `delay` [s] earlier; they must have been sampled."""
+        values, radii = self.earlier[delay]
+        return msgspec.structs.replace(self, values=values, radii=radii)
 
     def growth(self) -> Array:
         """The largest S so far (until,): errors made at any earlier time are amplified by no more."""

@@ -3,7 +3,21 @@
 from dataclasses import dataclass
 from typing import Literal
 
-Change = Literal["none", "repeated", "reversed", "backward", "perturbed", "denser_output"]
+Change = Literal[
+    "none",
+    "repeated",
+    "reversed",
+    "backward",
+    "perturbed",
+    "denser_output",
+    "shifted",
+    "rotated",
+    "boosted",
+    "mirrored",
+    "relabelled",
+    "rescaled",
+    "delayed",
+]
 
 
 @dataclass(frozen=True, order=True)
@@ -12,6 +26,7 @@ class Variant:
 
     repeated: the same request again. reversed: on from the end with velocities flipped. backward: on from the end with
     negative steps. perturbed: the start moved by `amount` units in the last place. denser_output: `amount` times the samples.
+    The others are symmetries (core/symmetry.py).
     """
 
     level: float

@@ -6,9 +6,9 @@ from typing import Annotated, NamedTuple
 class Dimension(NamedTuple):
     """Exponents of mass [kg], length [m] and time [s]."""
 
-    mass: int
-    length: int
-    time: int
+    mass: float
+    length: float
+    time: float
 
 
 Number = Annotated[float, Dimension(0, 0, 0)]

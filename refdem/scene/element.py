@@ -1,12 +1,12 @@
 """What every element of a scene is: a frozen, JSON-typed record, with a potential if it has one."""
 
-from typing import Any, ClassVar
+from typing import Any, ClassVar, get_type_hints
 
 import msgspec
 import numpy as np
 from numpy.typing import NDArray
 
-from refdem.scene.dimension import Position
+from refdem.scene.dimension import Dimension, Position
 
 Array = NDArray[np.float64]
 
@@ -21,6 +21,11 @@ class Element(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=T
     def kind(self) -> str:
         """The element's name in JSON and in lists of features."""
         return str(self.__struct_config__.tag)
+
+    def dimension(self, field: str) -> Dimension | None:
+        """The dimension of one field, from its type; None for a number of a body."""
+        hint = get_type_hints(type(self), include_extras=True)[field]
+        return next((part for part in getattr(hint, "__metadata__", ()) if isinstance(part, Dimension)), None)
 
     def features(self) -> frozenset[str]:
         """What an engine must be able to do to carry this element."""

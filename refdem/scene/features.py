@@ -11,6 +11,10 @@ if TYPE_CHECKING:
     from refdem.scene.scene import Scene
 
 
+ALIGNED = 1e-14
+"""Sine of the angle between omega and J omega up to which rounding alone may have parted them."""
+
+
 def features(scene: "Scene") -> frozenset[str]:
     """Names of what an engine must carry: element kinds, laws, `rotation`, `tumbling`, shapes, `dimension:1|2|3`."""
     names: set[str] = set()
@@ -51,7 +55,9 @@ def _tumbles(scene: "Scene") -> bool:
 
     bodies = scene.bodies
     momentum = bodies.inertia * (body_omega := rotated(conjugate(bodies.attitude), bodies.omega))
-    return bool(np.any(np.abs(np.cross(body_omega, momentum)) > 0))
+    torque = np.linalg.norm(np.cross(body_omega, momentum), axis=1)
+    size = np.linalg.norm(body_omega, axis=1) * np.linalg.norm(momentum, axis=1)
+    return bool(np.any(torque > ALIGNED * size))
 
 
 def _dimension(scene: "Scene") -> int:

@@ -4,7 +4,7 @@ from typing import Any
 
 import numpy as np
 
-from refdem.scene.dimension import Length, Number, Stiffness
+from refdem.scene.dimension import Dimension, Length, Number, Stiffness
 from refdem.scene.element import Array, Link
 
 
@@ -19,6 +19,10 @@ class Spring(Link, frozen=True, kw_only=True, tag="spring"):
     def external(self) -> bool:  # type: ignore[override]
         """A spring to the world pushes the bodies from outside."""
         return self.b < 0
+
+    def dimension(self, field: str) -> Dimension | None:
+        """That of `stiffness` [N/m**exponent] follows from the exponent."""
+        return Dimension(1, 1 - self.exponent, -2) if field == "stiffness" else super().dimension(field)
 
     def faults(self) -> list[str]:
         """Negative length or an exponent that makes no restoring force."""

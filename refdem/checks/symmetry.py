@@ -1,0 +1,104 @@
+"""Symmetry: the same scene shifted, rotated, boosted, mirrored, relabelled, in other units, started later. Needs no truth."""
+
+from collections.abc import Mapping
+
+import numpy as np
+
+from refdem.core import symmetry
+from refdem.core.check import Array, Check, Outcome, Trial
+from refdem.core.finding import Finding
+from refdem.core.judgement import certified, distances, undecided, worst
+from refdem.core.refinement import HORIZON
+from refdem.core.variant import Variant
+
+ULPS = 64
+"""Where there is no truth, a start moved by so many units in the last place shows how errors grow."""
+MARGIN = 8.0
+"""One perturbation stands for all: others may grow by this factor more."""
+
+
+class Symmetry(Check):
+    """The motion is the same however the scene is put before the code, to round-off."""
+
+    name = "symmetry"
+    title = "Symmetry"
+    kills = "a frame taken for another, a hard-wired length or time, bodies treated unequally, a force that knows the origin"
+
+    def applies(self, trial: Trial) -> str | None:
+        """Scenes with some symmetry that the method can be shown."""
+        return None if self._shown(trial) else "no symmetry of the scene is one that the method can run"
+
+    def _shown(self, trial: Trial) -> list[str]:
+        """Symmetries that the scene has and whose picture of it the method does not refuse."""
+        scene = trial.instance.scene
+        names = [name for name in symmetry.NAMES if symmetry.broken(scene, name) is None]
+        return [name for name in names if trial.refusal(symmetry.of(trial.instance, name).applied(trial.instance.problem)) is None]
+
+    def needs(self, trial: Trial) -> tuple[Variant, ...]:
+        """One level, as it is, in every symmetry, and with the start moved a little."""
+        level = self._level(trial)
+        shown = tuple(Variant(level, name) for name in self._shown(trial))  # type: ignore[arg-type]
+        return (Variant(level), Variant(level, "perturbed", ULPS), *shown)
+
+    def _level(self, trial: Trial) -> float:
+        """The coarsest, where nothing is hidden by a small step; the finest where truncation has to be allowed for."""
+        return trial.levels[-1 if _decides(trial) else 0]
+
+    def judge(self, trial: Trial, runs: Mapping[Variant, Outcome]) -> list[Finding]:
+        """One finding a symmetry: the largest scaled difference of any state."""
+        base, moved, *shown = (runs[variant].trajectory for variant in self.needs(trial))
+        growth = self._growth(trial, distances(trial.instance, moved, base))
+        found = []
+        for variant, run in zip(self.needs(trial)[2:], shown, strict=True):
+            view = symmetry.of(trial.instance, variant.change)
+            allowed = self._allowed(trial, view, growth)
+            count = int(np.argmax(allowed > HORIZON)) if np.any(allowed > HORIZON) else len(allowed)
+            if count < 2:
+                found.append(undecided(self.name, variant.change, "round-off may grow past a tenth of the scale before the second sample"))
+                continue
+            found.append(
+                worst(
+                    check=self.name,
+                    quantity=variant.change,
+                    t=trial.instance.times[:count],
+                    values=distances(trial.instance, view.undone(run), base)[:count],
+                    allowed=allowed[:count],
+                    unit="1",
+                    basis="the laws of mechanics are the same there, so only "
+                    + _differs(trial)
+                    + ", as it grows in this motion, may differ",
+                    what=f"The difference between the motion and the same {variant.change}, in units of each scale,",
+                )
+            )
+        return found
+
+    def _growth(self, trial: Trial, moved: Array) -> Array:
+        """How much an early error has grown (T,): S of the truth, or what the moved start shows."""
+        if (truth := certified(trial)) is not None and truth.until == len(moved):
+            return truth.growth()
+        return np.maximum.accumulate(np.maximum(1.0, MARGIN * moved / (ULPS * 2.0**-52)))
+
+    def _allowed(self, trial: Trial, view: symmetry.Symmetry, growth: Array) -> Array:
+        """Round-off of both runs with the numbers as large as the symmetry makes them; truncation where a branch may flip.
+
+        A contact that begins, or a step size that is chosen, hangs on the last bit: there the two runs may take other steps.
+        """
+        level = self._level(trial)
+        rounding = 2 * trial.round_off(level) * symmetry.size(trial.instance, view)
+        allowed: Array = (rounding + (trial.truncation(level) if _decides(trial) else 0.0)) * growth
+        return allowed
+
+
+def _differs(trial: Trial) -> str:
+    return "round-off and the steps that hang on it" if _decides(trial) else "round-off"
+
+
+def _decides(trial: Trial) -> bool:
+    """The last bit may decide something: which step size is chosen, or in which step of a method that does not look for it
+    a contact begins or a body sticks."""
+    features = trial.instance.scene.features
+    switches = {"contact", "friction"} & features and trial.method.control == "step"
+    return trial.method.control == "tolerance" or bool(switches and trial.method.order_for(features) < max(2, trial.method.order))
+
+
+CHECK = Symmetry()

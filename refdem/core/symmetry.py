@@ -1,0 +1,157 @@
+"""Symmetries of mechanics: the same scene shifted, rotated, boosted, mirrored, relabelled, in other units, started later.
+
+x' = lambda (Q x + d + u t), t' = tau t + t0, masses times mu: a code must give the same motion, whatever the truth is.
+"""
+
+from dataclasses import dataclass, field, replace
+from typing import Any, get_type_hints
+
+import msgspec
+import numpy as np
+from numpy.typing import NDArray
+
+from refdem.core.case import Instance
+from refdem.core.problem import Motion
+from refdem.core.trajectory import Trajectory
+from refdem.mechanics.quaternion import matrix, product
+from refdem.scene import Scene
+from refdem.scene.bodies import Bodies
+from refdem.scene.dimension import Acceleration, Direction, Position
+from refdem.scene.element import Element, Link
+from refdem.scene.elements.central_field import CentralField
+from refdem.scene.shapes import Polyhedron, Shape, Sphere
+
+Array = NDArray[np.float64]
+
+NAMES = ("shifted", "rotated", "boosted", "mirrored", "relabelled", "rescaled", "delayed")
+REFLECTION = np.array([1.0, 1.0, -1.0, -1.0])
+"""What a reflection of x does to an attitude (w, x, y, z): R' = M R M with M = diag(-1, 1, 1)."""
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Symmetry:
+    """One map: unit quaternion `turn`, reflection of x, shift d [m], boost u [m/s], order of bodies, units, delay [s]."""
+
+    turn: Array = field(default_factory=lambda: np.array([1.0, 0.0, 0.0, 0.0]))
+    mirrored: bool = False
+    shift: Array = field(default_factory=lambda: np.zeros(3))
+    boost: Array = field(default_factory=lambda: np.zeros(3))
+    reverse: bool = False
+    units: tuple[float, float, float] = (1.0, 1.0, 1.0)
+    delay: float = 0.0
+
+    @property
+    def q(self) -> Array:
+        """The orthogonal matrix Q (3, 3)."""
+        turned: Array = matrix(self.turn)
+        return turned @ np.diag([-1.0, 1.0, 1.0]) if self.mirrored else turned
+
+    def applied(self, motion: Motion) -> Motion:
+        """The motion as the symmetry shows it."""
+        scene = Scene(self._bodies(motion.scene.bodies), tuple(self._element(e, len(motion.scene.bodies)) for e in motion.scene.elements))
+        return Motion(scene, self.units[2] * motion.times + self.delay)
+
+    def undone(self, run: Trajectory) -> Trajectory:
+        """The trajectory of the motion itself, from that of the motion as the symmetry shows it."""
+        _, length, time = self.units
+        order = slice(None, None, -1) if self.reverse else slice(None)
+        t = (run.t - self.delay) / time
+        position = (run.position[:, order] / length - self.shift - self.boost * t[:, None, None]) @ self.q
+        velocity = (run.velocity[:, order] * (time / length) - self.boost) @ self.q
+        omega = run.omega[:, order] * time @ self.q * (-1.0 if self.mirrored else 1.0)
+        attitude = run.attitude[:, order]
+        attitude = attitude * REFLECTION if self.mirrored else product(self.turn * np.array([1.0, -1.0, -1.0, -1.0]), attitude)
+        columns = (position, velocity, attitude, omega)
+        position, velocity, attitude, omega = (np.ascontiguousarray(values) for values in columns)
+        return Trajectory(t=t, position=position, velocity=velocity, attitude=attitude, omega=omega)
+
+    def _bodies(self, bodies: Bodies) -> Bodies:
+        """The bodies, column by column; the attitude of a point stays."""
+        mass, length, time = self.units
+        turns = np.any(bodies.inertia, axis=1, keepdims=True)
+        turned = bodies.attitude * REFLECTION if self.mirrored else product(self.turn, bodies.attitude)
+        columns: dict[str, Any] = {
+            "mass": bodies.mass * mass,
+            "inertia": bodies.inertia * (mass * length**2),
+            "position": length * (bodies.position @ self.q.T + self.shift),
+            "velocity": length / time * (bodies.velocity @ self.q.T + self.boost),
+            "attitude": np.where(turns, turned, bodies.attitude),
+            "omega": bodies.omega @ self.q.T / time * (-1.0 if self.mirrored else 1.0),
+            "fixed": bodies.fixed.copy(),
+            "shape": tuple(self._shape(shape) for shape in bodies.shape),
+        }
+        if self.reverse:
+            columns = {name: value[::-1].copy() if name != "shape" else value[::-1] for name, value in columns.items()}
+        return replace(bodies, **columns)
+
+    def _shape(self, shape: Shape) -> Shape:
+        """A shape in other units, and mirrored."""
+        length = self.units[1]
+        if isinstance(shape, Sphere):
+            return Sphere(radius=shape.radius * length)
+        if isinstance(shape, Polyhedron):
+            side = -1.0 if self.mirrored else 1.0
+            faces = tuple(face[::-1] for face in shape.faces) if self.mirrored else shape.faces
+            return Polyhedron(vertices=tuple((side * x * length, y * length, z * length) for x, y, z in shape.vertices), faces=faces)
+        return shape
+
+    def _element(self, element: Element, count: int) -> Element:
+        """An element with every field as its type says: places, directions, numbers with a dimension, bodies by number."""
+        changed: dict[str, Any] = {}
+        hints = get_type_hints(type(element), include_extras=True)
+        for name in element.__struct_fields__:
+            value, hint = getattr(element, name), hints[name]
+            if hint == Position:
+                changed[name] = self._place(value, space=not isinstance(element, Link) or (name == "anchor_b" and element.b < 0))
+            elif hint in (Direction, Acceleration):
+                unit = self.units[1] / self.units[2] ** 2 if hint == Acceleration else 1.0
+                changed[name] = tuple((self.q @ np.array(value) * unit).tolist())
+            elif name in ("a", "b") and self.reverse and value >= 0:
+                changed[name] = count - 1 - value
+            elif isinstance(value, float) and (dimension := element.dimension(name)) is not None:
+                changed[name] = value * float(np.prod(np.array(self.units) ** np.array(dimension)))
+        return msgspec.structs.replace(element, **changed)
+
+    def _place(self, value: tuple[float, float, float], *, space: bool) -> tuple[float, ...]:
+        """A place in space, or an anchor in body axes."""
+        length = self.units[1]
+        if space:
+            return tuple((length * (self.q @ np.array(value) + self.shift)).tolist())
+        x, y, z = value
+        return (-x * length if self.mirrored else x * length, y * length, z * length)
+
+
+def of(instance: Instance, name: str) -> Symmetry:
+    """The symmetry of that name for an instance, within the dimensions in which it moves; sizes of the order of its scales."""
+    scales, features = instance.scales, instance.scene.features
+    flat = np.array([1.0, "dimension:1" not in features, "dimension:3" in features])
+    turn = np.array([1.0, 2.0, 3.0, 4.0]) / np.sqrt(30.0) if "dimension:3" in features else np.array([2.0, 0.0, 0.0, 1.0]) / np.sqrt(5.0)
+    known = {
+        "shifted": Symmetry(shift=scales.length * np.array([8.0, -4.0, 2.0]) * flat),
+        "rotated": Symmetry(turn=turn),
+        "boosted": Symmetry(boost=scales.speed * np.array([0.5, -0.25, 0.125]) * flat),
+        "mirrored": Symmetry(mirrored=True),
+        "relabelled": Symmetry(reverse=True),
+        "rescaled": Symmetry(units=(0.25, 8.0, 2.0)),
+        "delayed": Symmetry(delay=16 * instance.problem.interval),
+    }
+    return known[name]
+
+
+def broken(scene: Scene, name: str) -> str | None:
+    """None if the scene has the symmetry, else what breaks it."""
+    centred = any(isinstance(element, CentralField) for element in scene.elements)
+    if name == "relabelled" and len(scene.bodies) < 2:
+        return "there is one body"
+    if name in ("shifted", "boosted") and centred:
+        return "the central field has its own origin"
+    if name == "boosted" and (scene.bodies.fixed.any() or any(e.external and e.kind != "uniform_gravity" for e in scene.elements)):
+        return "something stands still in space"
+    return None
+
+
+def size(instance: Instance, symmetry: Symmetry) -> float:
+    """How many times the scale the numbers become larger: round-off grows with them."""
+    scales = instance.scales
+    far = np.linalg.norm(symmetry.shift) + np.linalg.norm(symmetry.boost) * scales.duration
+    return float(1.0 + far / scales.length + np.linalg.norm(symmetry.boost) / scales.speed)

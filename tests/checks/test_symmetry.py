@@ -1,0 +1,126 @@
+"""The symmetry check passes the reference and is failed, in the symmetry that is broken, by a code that breaks it."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from refdem.campaign import plan
+from refdem.campaign.specification import Specification
+from refdem.core import discovery, symmetry
+from refdem.core.check import Outcome
+
+SPECIFICATION = Specification(name="test", case=[], levels=3)
+CASES = {
+    "two-spheres": {"angle": "1/2", "friction": "1/4", "tangential_stiffness": "96", "spins": "0,0,1,0,0,-2", "masses": "1,3"},
+    "free-rigid-body": {},
+    "harmonic-oscillator": {},
+}
+
+
+def task_of(case, method):
+    engine, instance = discovery.engine("reference"), discovery.case(case).at(**CASES[case])
+    (task,) = plan.tasks(replaced(method), instance, ("symmetry",), engine, None)
+    return task
+
+
+def replaced(method):
+    import msgspec
+
+    return msgspec.structs.replace(SPECIFICATION, method=method)
+
+
+def found(case, method, fault=lambda run, request: run):
+    task = task_of(case, method)
+    runs = {}
+    for variant in task.variants:
+        request = plan.request(task, variant)
+        run, cost = task.engine.run(request)
+        runs[variant] = Outcome(fault(run, request), cost)
+    return {finding.quantity: finding for finding in task.checks[0].judge(task.trial, runs)}
+
+
+@pytest.mark.parametrize(
+    ("case", "method", "names"),
+    [
+        ("two-spheres", "velocity-verlet", set(symmetry.NAMES)),
+        ("two-spheres", "contact-events", set(symmetry.NAMES)),
+        ("free-rigid-body", "rk4-free-body", set(symmetry.NAMES) - {"relabelled"}),
+        ("free-rigid-body", "exact-free-body", set(symmetry.NAMES) - {"relabelled"}),
+        ("harmonic-oscillator", "velocity-verlet", set(symmetry.NAMES) - {"relabelled", "boosted"}),
+    ],
+)
+def test_the_reference_has_every_symmetry_of_the_scene(case, method, names):
+    findings = found(case, method)
+    assert set(findings) == names
+    assert {name: f.sentence for name, f in findings.items() if f.outcome != "pass"} == {}
+
+
+def knows_the_origin(run, request):
+    return replace(run, position=run.position * (1 + 1e-9))
+
+
+def knows_an_axis(run, request):
+    return replace(run, velocity=run.velocity * np.array([1 + 1e-9, 1.0, 1.0]))
+
+
+def drags(run, request):
+    return replace(run, velocity=run.velocity * (1 - 1e-9 * run.t)[:, None, None])
+
+
+def turns_one_way(run, request):
+    return replace(run, omega=run.omega + np.array([0.0, 0.0, 1e-9]) * run.t[:, None, None])
+
+
+def prefers_the_first_body(run, request):
+    position = np.array(run.position)
+    position[1:, 0] += 1e-9
+    return replace(run, position=position)
+
+
+def knows_a_length(run, request):
+    return replace(run, position=run.position + 1e-9 * np.sign(run.t)[:, None, None])
+
+
+def knows_the_time(run, request):
+    return replace(run, position=run.position + 1e-9 * np.sin(run.t)[:, None, None])
+
+
+def single_precision_far_away(run, request):
+    return replace(run, position=run.position.astype(np.float32).astype(np.float64))
+
+
+@pytest.mark.parametrize(
+    ("case", "method", "fault", "name"),
+    [
+        ("two-spheres", "velocity-verlet", knows_the_origin, "shifted"),
+        ("two-spheres", "velocity-verlet", knows_an_axis, "rotated"),
+        ("two-spheres", "velocity-verlet", drags, "boosted"),
+        ("two-spheres", "velocity-verlet", turns_one_way, "mirrored"),
+        ("two-spheres", "velocity-verlet", prefers_the_first_body, "relabelled"),
+        ("two-spheres", "velocity-verlet", knows_a_length, "rescaled"),
+        ("two-spheres", "velocity-verlet", knows_the_time, "delayed"),
+        ("harmonic-oscillator", "velocity-verlet", knows_the_time, "delayed"),
+        ("two-spheres", "contact-events", single_precision_far_away, "shifted"),
+    ],
+)
+def test_a_code_that_breaks_a_symmetry_is_failed_in_it(case, method, fault, name):
+    finding = found(case, method, fault)[name]
+    assert finding.outcome == "fail", finding.sentence
+
+
+def test_a_scene_comes_back_from_every_symmetry():
+    instance = discovery.case("two-spheres").at(**CASES["two-spheres"])
+    engine = discovery.engine("reference")
+    for name in symmetry.NAMES:
+        view = symmetry.of(instance, name)
+        shown = view.applied(instance.problem)
+        assert shown.scene.features >= instance.scene.features - {"dimension:1", "dimension:2"}
+        bodies = shown.scene.bodies
+        from refdem.core.trajectory import Trajectory
+
+        columns = {column: getattr(bodies, column)[None] for column in ("position", "velocity", "attitude", "omega")}
+        start = view.undone(Trajectory(t=shown.times[:1], **columns))
+        for column in ("position", "velocity", "omega"):
+            assert np.allclose(getattr(start, column)[0], getattr(instance.scene.bodies, column), rtol=0, atol=1e-14)
+    assert engine.is_reference
