@@ -17,3 +17,11 @@ def written(path: Path, content: str | bytes) -> None:
     except OSError as error:
         beside.unlink(missing_ok=True) if path.parent.is_dir() else None
         raise StoreError(f"cannot write {path}: {error.strerror or error}. Choose another folder with --out.") from None
+
+
+def removed(path: Path) -> None:
+    """Takes away a file of an earlier report, if it is there; raises StoreError."""
+    try:
+        path.unlink(missing_ok=True)
+    except OSError as error:
+        raise StoreError(f"cannot remove {path}: {error.strerror or error}. Choose another folder with --out.") from None

@@ -8,7 +8,7 @@ from refdem.core.store import Store
 from refdem.errors import RefdemError
 from refdem.report import chart_data, figures, html, markdown, tables
 from refdem.report.contents import Contents, contents_of, page
-from refdem.report.files import written
+from refdem.report.files import removed, written
 from refdem.report.jsonl import RECORDS, lines, sheets_in
 from refdem.report.junit import junit
 from refdem.report.tolerance import Row, rows_of
@@ -43,8 +43,8 @@ def _clear(folder: Path, labels: set[str]) -> None:
     except RefdemError:
         return  # no report here, or one that says nothing of what it wrote
     for label in before - labels:
-        (folder / "cases" / f"{page(label)}.html").unlink(missing_ok=True)
-        (folder / "figures" / f"{page(label)}.svg").unlink(missing_ok=True)
+        removed(folder / "cases" / f"{page(label)}.html")
+        removed(folder / "figures" / f"{page(label)}.svg")
 
 
 def _charts(
