@@ -7,8 +7,8 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
-from refdem.core.finding import Finding, Record
-from refdem.report.contents import WORST_FIRST, Contents
+from refdem.core.finding import WORST_FIRST, Finding, Record
+from refdem.report.contents import Contents
 from refdem.report.numbers import rounded
 from refdem.report.palette import engine_colours, styles
 from refdem.report.tolerance import WORST, Row, worst_rows

@@ -6,10 +6,8 @@ from collections import Counter
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 
-from refdem.core.finding import CampaignSheet, CaseSheet, EngineSheet, Finding, Outcome, Record, Sheet
+from refdem.core.finding import WORST_FIRST, CampaignSheet, CaseSheet, EngineSheet, Finding, Outcome, Record, Sheet
 from refdem.report.jsonl import finite
-
-WORST_FIRST: tuple[Outcome, ...] = ("fail", "error", "stale", "undecided", "expected", "unsupported", "pass")
 
 
 @dataclass(frozen=True)
@@ -95,6 +93,9 @@ def _digest(text: str) -> str:
 
 ADVICE: dict[Outcome, str] = {
     "fail": "A measured value lies beyond its bound. Read each failed finding: its sentence names the quantity and the basis of the bound.",
+    "worse": "An error constant grew beyond what the baseline accepts. Find the change that did it, or bless the new one with a reason.",
+    "lost": "What the baseline has decided could not be decided now. Each finding says why.",
+    "absent": "What the baseline has was not found now. Restore it, or bless its absence with a reason.",
     "error": "An engine crashed, hung or broke the contract. What it ran is unjudged: repair the engine or its adapter, then run again.",
     "stale": "An expected deviation is not needed any more: the ordinary bound holds. Delete it from the list of expected deviations.",
     "undecided": "Nothing failed, but some findings could not be decided; each says why. They are not passes.",

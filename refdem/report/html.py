@@ -8,15 +8,18 @@ from typing import Any
 from jinja2 import Environment, FileSystemLoader, StrictUndefined
 from markupsafe import Markup
 
-from refdem.core.finding import EngineSheet, Finding, Record
-from refdem.report.contents import WORST_FIRST, Contents, advice, anchor, page
+from refdem.core.finding import WORST_FIRST, EngineSheet, Finding, Record
+from refdem.report.contents import Contents, advice, anchor, page
 from refdem.report.mathml import equations
 from refdem.report.numbers import ABSENT, decades, two
 from refdem.report.tolerance import TARGETS, WORST, Row, best_errors, cell
 
-MARKS = {"fail": "✗", "error": "!", "stale": "↻", "undecided": "?", "expected": "≈", "unsupported": "—", "pass": "✓"}
+MARKS = {"fail": "✗", "worse": "↘", "lost": "∅", "absent": "⊘", "error": "!", "stale": "↻", "undecided": "?", "expected": "≈", "unsupported": "—", "pass": "✓"}
 MEANINGS = {
     "fail": "a value lies beyond its bound",
+    "worse": "worse than the baseline accepts, beyond noise",
+    "lost": "decided in the baseline, not now",
+    "absent": "in the baseline, not in this run",
     "error": "no usable run",
     "stale": "an expected deviation that is not needed any more",
     "undecided": "could not be decided",

@@ -3,21 +3,21 @@
 import re
 from xml.etree.ElementTree import Element, SubElement, indent, tostring
 
-from refdem.core.finding import Finding, Record
+from refdem.core.finding import FAILING, Finding, Record
 from refdem.report.contents import Contents
 
-FAILURES = ("fail", "error", "stale")
+FAILURES = (*FAILING, "error")
 SKIPPED = ("unsupported", "undecided")
 _FORBIDDEN = re.compile("[^\t\n\r\u0020-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
 
 
 def junit(contents: Contents) -> bytes:
-    """The XML: failures for fail, error and stale; skipped, with the reason, for unsupported and undecided."""
+    """The XML: failures for what closes a gate or breaks a run; skipped, with the reason, for unsupported and undecided."""
     found = list(contents.findings())
     counts: dict[str, int] = {str(outcome): count for outcome, count in contents.counts().items()}
     root = Element("testsuites", name="refdem")
     numbers = {
-        "tests": len(found), "failures": sum(counts.get(x, 0) for x in ("fail", "stale")),
+        "tests": len(found), "failures": sum(counts.get(x, 0) for x in FAILING),
         "errors": counts.get("error", 0), "skipped": sum(counts.get(x, 0) for x in SKIPPED),
     }  # fmt: skip
     suite = SubElement(root, "testsuite", name=_text(contents.campaign.name), attrib={key: str(value) for key, value in numbers.items()})

@@ -2,8 +2,8 @@
 
 import re
 
-from refdem.core.finding import Record
-from refdem.report.contents import WORST_FIRST, Contents, advice, page
+from refdem.core.finding import WORST_FIRST, Record
+from refdem.report.contents import Contents, advice, page
 from refdem.report.html import MARKS, grouped, span, step, target
 from refdem.report.numbers import ABSENT, two
 from refdem.report.tolerance import TARGETS, Row, cell, worst_rows

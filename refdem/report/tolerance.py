@@ -5,8 +5,8 @@ from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from typing import Literal
 
-from refdem.core.finding import Finding, Level, Outcome, Record
-from refdem.report.contents import WORST_FIRST, Contents
+from refdem.core.finding import WORST_FIRST, Finding, Level, Outcome, Record
+from refdem.report.contents import Contents
 
 TARGETS = (1e-3, 1e-6, 1e-9)
 WORST = "worst of all"
