@@ -179,7 +179,7 @@ class Campaign:
 
     def _records(self, tasks: list[Task]) -> list[Sheet]:
         """The records of all tasks, in order of the plan."""
-        deviations = {task.engine.name: [*of_engine(task.engine.address), *task.engine.expected] for task in tasks}
+        deviations = {task.engine.name: [*of_engine(task.engine), *task.engine.expected] for task in tasks}
         found: list[Sheet] = []
         for n, task in enumerate(tasks):
             runs = {variant: self.runs[n, variant] for variant in task.variants if (n, variant) in self.runs}
@@ -192,9 +192,7 @@ def _refuse_namesakes(engines: list[Engine]) -> None:
     names = [engine.name for engine in engines]
     for engine in engines:
         if names.count(engine.name) > 1:
-            raise UsageError(
-                f"{names.count(engine.name)} engines are named {engine.name!r}; give each a name of its own in its refdem.toml"
-            )
+            raise UsageError(f"two engines are named {engine.name!r}; give each a name of its own in its refdem.toml")
 
 
 def _truth_key(instance: Instance, delays: tuple[float, ...] = ()) -> str:

@@ -6,6 +6,7 @@ import msgspec
 
 from refdem.campaign.specification import validation_folder
 from refdem.core.deviation import Deviation
+from refdem.core.engine import Engine
 from refdem.core.finding import Finding, Record
 from refdem.errors import UsageError
 
@@ -14,10 +15,13 @@ class _File(msgspec.Struct, forbid_unknown_fields=True):
     expected: list[Deviation] = []
 
 
-def of_engine(name: str) -> list[Deviation]:
-    """The deviations in validation/expected/<name>.toml; raises UsageError if the file is not well formed."""
-    path = validation_folder() / "expected" / f"{name}.toml"
-    if not path.exists():
+def of_engine(engine: Engine) -> list[Deviation]:
+    """The deviations in validation/expected/<name>.toml; raises UsageError if the file is not well formed.
+
+    A program that has a refdem.toml brings its own, whatever its name.
+    """
+    path = validation_folder() / "expected" / f"{engine.name}.toml"
+    if engine.address != engine.name or not path.exists():
         return []
     try:
         return msgspec.convert(tomllib.loads(path.read_text()), _File).expected

@@ -2,7 +2,6 @@
 
 import math
 import time
-from pathlib import Path
 
 import msgspec
 
@@ -22,7 +21,10 @@ class Reply(msgspec.Struct, frozen=True, kw_only=True):
 
 
 def sampled_truth(case: str, given: dict[str, str], delays: tuple[float, ...] = ()) -> bytes:
-    """The truth of an instance at its samples, and `delays` [s] before them, as MessagePack of SampledTruth; until = 0 and a reason if there is none."""
+    """The truth of an instance at its samples, and `delays` [s] before them, as MessagePack of SampledTruth.
+
+    until = 0 and a reason if there is none.
+    """
     from refdem.core.truth import SampledTruth
     from refdem.truth.sampled import sampled
 
@@ -39,9 +41,7 @@ def sampled_truth(case: str, given: dict[str, str], delays: tuple[float, ...] = 
 def run(engine: str, request: bytes, deadline: float = math.inf) -> bytes:
     """One run of an engine, as MessagePack of Reply; none any more once the clock [s since 1970] has passed the deadline."""
     if time.time() > deadline:
-        failure = Failure(
-            kind="budget", sentence=f"the time budget of {Path(engine).name} was spent; raise engine.budget or run fewer cases"
-        )
+        failure = Failure(kind="budget", sentence="the time budget of the campaign was spent; raise engine.budget or run fewer cases")
         return msgspec.msgpack.encode(Reply(failure=failure))
     return msgspec.msgpack.encode(_reply(engine, Request.from_json(request)))
 

@@ -94,7 +94,7 @@ def _refuse(engine: EngineTable, path: Path) -> None:
     names = [m.name for m in engine.methods]
     strange = sorted({*engine.supports, *(feature for m in engine.methods for feature in m.order_with)} - FEATURES)
     away = [pattern for pattern in engine.inputs if not pattern or PurePath(pattern).is_absolute()]
-    faults = [
+    faults: list[tuple[str, object, bool, str]] = [
         ("engine.name", engine.name, bool(NAME.fullmatch(engine.name)), "letters, digits, dots, dashes"),
         ("engine.command", engine.command, all(engine.command[:1]) and bool(engine.command), "the program and its arguments"),
         ("engine.command", engine.command, not any("\0" in word for word in engine.command), "words without NUL"),
