@@ -1,5 +1,6 @@
 """What the wheel and the source distribution hold, and that one can be made from the other."""
 
+import os
 import re
 import subprocess
 import sys
@@ -13,6 +14,8 @@ import pytest
 ROOT = Path(__file__).parents[2]
 VERSION = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]["version"]
 GENERATED = {"__pycache__"}
+ENVIRONMENT = os.environ | {"PATH": f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}"}
+"""meson and ninja are beside Python."""
 
 
 def sources(folder: str) -> set[str]:
@@ -26,7 +29,7 @@ def sdist(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """The source distribution of what is committed."""
     folder = tmp_path_factory.mktemp("sdist")
     code = f"import mesonpy; mesonpy.build_sdist({str(folder)!r})"
-    subprocess.run([sys.executable, "-c", code], cwd=ROOT, check=True, capture_output=True)
+    subprocess.run([sys.executable, "-c", code], cwd=ROOT, env=ENVIRONMENT, check=True, capture_output=True)
     (made,) = folder.glob("*.tar.gz")
     return made
 
@@ -38,7 +41,7 @@ def wheel(sdist: Path, tmp_path_factory: pytest.TempPathFactory) -> set[str]:
     with tarfile.open(sdist) as archive:
         archive.extractall(folder, filter="data")
     build = [sys.executable, "-m", "pip", "wheel", "--no-deps", "--no-build-isolation", "--wheel-dir", str(folder)]
-    subprocess.run([*build, str(folder / f"refdem-{VERSION}")], check=True, capture_output=True)
+    subprocess.run([*build, str(folder / f"refdem-{VERSION}")], env=ENVIRONMENT, check=True, capture_output=True)
     (made,) = folder.glob("*.whl")
     return set(zipfile.ZipFile(made).namelist())
 
