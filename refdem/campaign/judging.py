@@ -6,6 +6,7 @@ import msgspec
 
 from refdem.campaign.deviations import applied
 from refdem.campaign.plan import Task
+from refdem.core import symmetry
 from refdem.core.check import Check, Outcome
 from refdem.core.deviation import Deviation
 from refdem.core.finding import DECIDED, Finding, Record
@@ -41,7 +42,9 @@ def _findings(task: Task, runs: Mapping[Variant, Run]) -> list[Finding]:
     """The findings of a task, as they come from its checks."""
     if task.refusal is not None:
         return [Finding(check="run", quantity="scene", outcome="unsupported", sentence=f"Not supported: {task.refusal}.")]
-    broken = {variant: run.failure for variant, run in runs.items() if run.failure is not None}
+    failed = {variant: run.failure for variant, run in runs.items() if run.failure is not None}
+    unshown = {variant for variant, failure in failed.items() if failure.kind == "unsupported" and variant.change in symmetry.NAMES}
+    broken = {variant: failure for variant, failure in failed.items() if variant not in unshown}
     findings = []
     if broken:
         variant, failure = next(iter(broken.items()))
@@ -53,7 +56,7 @@ def _findings(task: Task, runs: Mapping[Variant, Run]) -> list[Finding]:
     for check in task.checks:
         if check.synchronous and task.method.velocity_time != "synchronous":
             findings.append(undecided(check.name, "state", "the method gives velocities half a step before its positions"))
-        elif all(variant in outcomes for variant in check.needs(task.trial)):
+        elif all(variant in outcomes or variant in unshown for variant in check.needs(task.trial)):
             findings += _judged(task, check, outcomes)
     return findings
 

@@ -14,7 +14,18 @@ from refdem.report.mathml import equations
 from refdem.report.numbers import ABSENT, decades, two
 from refdem.report.tolerance import TARGETS, WORST, Row, best_errors, cell
 
-MARKS = {"fail": "✗", "worse": "↘", "lost": "∅", "absent": "⊘", "error": "!", "stale": "↻", "undecided": "?", "expected": "≈", "unsupported": "—", "pass": "✓"}
+MARKS = {
+    "fail": "✗",
+    "worse": "↘",
+    "lost": "∅",
+    "absent": "⊘",
+    "stale": "↻",
+    "error": "!",
+    "undecided": "?",
+    "expected": "≈",
+    "unsupported": "—",
+    "pass": "✓",
+}
 MEANINGS = {
     "fail": "a value lies beyond its bound",
     "worse": "worse than the baseline accepts, beyond noise",

@@ -11,6 +11,9 @@ PROGRAM = '''
 import json, sys
 request = json.load(open(sys.argv[1]))
 body, spring = request["scene"]["bodies"][0], request["scene"]["elements"][0]
+if any(spring["anchor_b"]):
+    print("springs hang at the origin only", file=sys.stderr)
+    sys.exit(77)
 times, h = request["times"], request["step"]
 if times[1] < times[0]:
     h = -h
@@ -33,7 +36,7 @@ TOML = f'''
 name = "spring"
 command = ["{sys.executable}", "spring.py", "{{request}}", "{{trajectory}}"]
 version_command = ["{sys.executable}", "-c", "print('spring 1.0')"]
-supports = ["spring"]
+supports = ["spring", "dimension:1"]
 timeout = 30
 [[engine.methods]]
 name = "leapfrog"

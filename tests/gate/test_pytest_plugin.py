@@ -31,13 +31,14 @@ class Mine(Engine):
 
     def run(self, request):
         scene = request.problem.scene
+        origin = scene.elements[0].anchor_b[0]
         rate, h = scene.elements[0].stiffness / scene.bodies.mass[0] * FACTOR, request.signed_step
         x, v, rows = scene.bodies.position[0, 0], scene.bodies.velocity[0, 0], []
         for n in range(len(request.problem.times)):
             for _ in range(request.stride if n else 0):
-                v -= h / 2 * rate * x
+                v -= h / 2 * rate * (x - origin)
                 x += h * v
-                v -= h / 2 * rate * x
+                v -= h / 2 * rate * (x - origin)
             rows.append((x, 0, 0, v, 0, 0))
         rows = np.array(rows)
         return Trajectory.of_points(request.problem.times, rows[:, None, :3], rows[:, None, 3:]), Cost(seconds=0.0)

@@ -8,7 +8,7 @@ from refdem.core import fingerprint
 from refdem.core.engine import Engine, Method
 from refdem.core.problem import Motion, Request
 from refdem.core.trajectory import Cost, Trajectory
-from refdem.engines.external.description import Description, read
+from refdem.engines.external.description import DIMENSIONS, Description, read
 from refdem.engines.external.program import Program
 
 IMPLIED = {
@@ -69,7 +69,9 @@ class External(Engine):
         """None, or the feature of the scene that `supports` does not name."""
         if problem.interval < 0 and not method.backward:
             return "negative steps"
-        lacking = sorted(problem.scene.features - IMPLIED - set(self.description.engine.supports))
+        supports = set(self.description.engine.supports)
+        anywhere = set() if supports & DIMENSIONS else DIMENSIONS
+        lacking = sorted(problem.scene.features - (IMPLIED - DIMENSIONS) - anywhere - supports)
         return f"{', '.join(lacking)} (not in `supports` of {self.path.name})" if lacking else None
 
     def run(self, request: Request) -> tuple[Trajectory, Cost]:

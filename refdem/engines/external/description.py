@@ -15,7 +15,16 @@ from refdem.scene.elements.contact import Contact
 
 Law = Literal["energy", "momentum", "angular-momentum", "constraint"]
 BODIES = ("rotation", "tumbling", "fixed", "friction", "constraint", "shape:sphere", "shape:polyhedron")
-FEATURES = {*BODIES, *KINDS, "contact:damping", "contact:friction", *(f"contact:{law}" for law in get_args(get_type_hints(Contact)["law"]))}
+DIMENSIONS = {"dimension:1", "dimension:2", "dimension:3"}
+"""Of motion; a program that names none of them runs in all."""
+FEATURES = {
+    *BODIES,
+    *DIMENSIONS,
+    *KINDS,
+    "contact:damping",
+    "contact:friction",
+    *(f"contact:{law}" for law in get_args(get_type_hints(Contact)["law"])),
+}
 """What `supports` and `order_with` may name."""
 NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9._+-]{0,63}")
 
