@@ -83,6 +83,8 @@ def _row(line: list[str], header: list[str], number: int, name: str) -> list[flo
 
 def _number(cell: str) -> float | None:
     """The number in a cell, also as Fortran writes it (1.5D+00); None if it is none."""
+    if not cell.isascii() or "_" in cell:
+        return None
     try:
         return float(cell.lower().replace("d", "e"))
     except ValueError:

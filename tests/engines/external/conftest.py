@@ -1,0 +1,96 @@
+"""A small program in Python with a refdem.toml beside it, and one misbehaviour a method."""
+
+import sys
+from pathlib import Path
+
+import pytest
+
+PROGRAM = """
+import json, math, os, signal, subprocess, sys, time
+
+VERSION = "1.0"
+if sys.argv[1:] == ["--version"]:
+    print(VERSION)
+    sys.exit(0)
+request, trajectory, events = sys.argv[1:]
+asked = json.load(open(request))
+method, times, h = asked["method"], asked["times"], asked["step"]
+(body,), (spring,) = asked["scene"]["bodies"], asked["scene"]["elements"]
+if sorted(os.listdir()) != ["request.json", "request.txt", "stderr.txt", "stdout.txt"]:
+    sys.exit("the folder is not fresh: " + " ".join(os.listdir()))
+if method == "refuses":
+    sys.exit(print("loading ...\\nno springs on Saturdays", file=sys.stderr) or 77)
+if method == "fails":
+    sys.exit("segment 3: no convergence \\x1b[31m")
+if method == "silent":
+    sys.exit(0)
+if method == "aborts":
+    os.kill(os.getpid(), signal.SIGABRT)
+if method == "hangs":
+    subprocess.Popen([sys.executable, "-c", "import time; time.sleep(600)", "grandchild-of-refdem-test"])
+    time.sleep(600)
+if method == "leaves":
+    subprocess.Popen([sys.executable, "-c", "import time; time.sleep(600)", "grandchild-of-refdem-test"])
+if method == "floods":
+    signal.signal(signal.SIGXFSZ, signal.SIG_DFL)
+    with open("big", "w") as file:
+        while True:
+            file.write("x" * 2**20)
+rate, x, v = spring["stiffness"] / body["mass"], body["position"][0], body["velocity"][0]
+rows = []
+for n, t in enumerate(times):
+    for _ in range(round(abs(times[1] - times[0]) / h) if n else 0):
+        v -= 0.5 * h * rate * x
+        x += h * v
+        v -= 0.5 * h * rate * x
+    rows.append(f"{t!r},0,{x!r},0,0,{v!r},0,0,,,,,,,")
+header = "t,body,x,y,z,vx,vy,vz,qw,qx,qy,qz,wx,wy,wz"
+if method == "short":
+    rows.pop()
+if method == "long":
+    rows.append(rows[-1])
+if method == "nan":
+    rows[5] = rows[5].replace(",0,0,", ",nan,0,", 1)
+if method == "words":
+    rows[5] = "here comes sample five"
+if method == "late":
+    rows = [str(float(r.split(",")[0]) + h) + r[r.index(","):] for r in rows]
+if method == "other-body":
+    rows[4] = rows[4].replace(",0,", ",1,", 1)
+if method == "no-header":
+    header = rows[0]
+if method == "binary":
+    open(trajectory, "wb").write(bytes(range(256)) * 9)
+    sys.exit(0)
+with open(trajectory, "w") as file:
+    file.write("\\n".join([header, *rows]) + "\\n")
+with open(events, "w") as file:
+    file.write("time,kind,body\\n0.5,turn,0\\n" + ("soon,turn,0\\n" if method == "bad-event" else ""))
+"""
+
+MISBEHAVIOURS = """refuses fails silent aborts hangs leaves floods short long nan words late other-body no-header binary bad-event"""
+METHODS = ("good", *MISBEHAVIOURS.split())
+
+
+def described(folder: Path, *, command: str = "", more: str = "", methods: "list[str] | tuple[str, ...]" = METHODS) -> Path:
+    """A refdem.toml in `folder` for the program there."""
+    words = command or f'["{sys.executable}", "program.py", "{{request}}", "{{trajectory}}", "{{events}}"]'
+    tables = [
+        f'[[engine.methods]]\nname = "{name}"\norder = 2\nsymplectic = true\nreversible = true\nconserves = ["momentum"]\n'
+        for name in methods
+    ]
+    text = f'[engine]\nname = "small"\ncommand = {words}\nsupports = ["spring"]\ntimeout = 5\n{more}\n'
+    path = folder / "refdem.toml"
+    path.write_text(text + "\n".join(tables))
+    return path
+
+
+@pytest.fixture
+def small(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """The folder of the small program; failed runs are kept beside a store of its own."""
+    folder = tmp_path / "small"
+    folder.mkdir()
+    (folder / "program.py").write_text(PROGRAM)
+    described(folder, more=f'version_command = ["{sys.executable}", "program.py", "--version"]')
+    monkeypatch.setenv("REFDEM_STORE", str(tmp_path / "kept" / "store.sqlite"))
+    return folder

@@ -1,0 +1,153 @@
+"""A program as an engine: what it says is read, and whatever it does wrong is one clear error."""
+
+import shutil
+import time
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from refdem.core import discovery
+from refdem.core.problem import Request
+from refdem.core.trajectory import Event, Trajectory
+from refdem.engines.external.kept import MOST_BYTES, MOST_FOLDERS
+from refdem.errors import EngineError, UnsupportedError, UsageError
+
+
+def ran(folder: Path, method: str) -> Trajectory:
+    """The trajectory of a run of the small program."""
+    problem = discovery.case("harmonic-oscillator").at(samples="8", duration="2").problem
+    trajectory, cost = discovery.engine(str(folder / "refdem.toml")).run(
+        Request(problem=problem, method=method, step=problem.interval / 16)
+    )
+    assert cost.steps == 128
+    return trajectory
+
+
+def processes(word: str) -> list[Path]:
+    """Processes whose command line has the word."""
+    found = []
+    for path in Path("/proc").glob("[0-9]*/cmdline"):
+        try:
+            command = path.read_bytes().split(b"\0")
+        except OSError:
+            continue
+        if word.encode() in command:
+            found.append(path)
+    return found
+
+
+def test_what_a_program_writes_is_its_trajectory(small: Path) -> None:
+    run = ran(small, "good")
+    assert np.all(np.abs(run.position[:, 0, 0] - np.cos(run.t)) < 1e-4)
+    assert np.all(run.attitude == [1.0, 0.0, 0.0, 0.0])
+    assert run.events == (Event(0.5, "turn", 0),)
+
+
+@pytest.mark.parametrize(
+    ("method", "says"),
+    [
+        ("fails", r"small ended with exit status 1: segment 3: no convergence \?\[31m"),
+        ("silent", "wrote no trajectory.csv"),
+        ("aborts", r"signal 6 \(SIGABRT\)"),
+        ("short", "has 8 rows; expected 9: 9 samples of 1 bodies"),
+        ("long", "has more rows; expected 9"),
+        ("nan", "line 7: y is 'nan'; expected a finite number"),
+        ("words", "line 7 has 1 columns; expected 15"),
+        ("other-body", r"row 5 is body 1 at t = 1; expected body 0"),
+        ("no-header", "line 1 is '0.0,0,1.0"),
+        ("binary", "trajectory.csv"),
+        ("bad-event", "events.csv line 3 is 'soon,turn,0'"),
+    ],
+)
+def test_a_broken_run_says_what_happened_and_where_its_output_is(small: Path, method: str, says: str) -> None:
+    with pytest.raises(EngineError, match=says) as raised:
+        ran(small, method)
+    place = Path(str(raised.value).rpartition("kept in ")[2].rstrip(")"))
+    assert (place / "request.json").read_bytes()
+    assert (place / "request.txt").read_text().startswith("format 1\n")
+
+
+def test_exit_status_77_is_a_refusal_with_the_last_line_of_stderr(small: Path) -> None:
+    with pytest.raises(UnsupportedError, match=r"^no springs on Saturdays$"):
+        ran(small, "refuses")
+
+
+def test_a_program_that_hangs_is_ended_with_its_children(small: Path) -> None:
+    toml = small / "refdem.toml"
+    toml.write_text(toml.read_text().replace("timeout = 5", "timeout = 0.5"))
+    with pytest.raises(EngineError, match=r"still running after 0\.5 s and was ended"):
+        ran(small, "hangs")
+    assert not processes("grandchild-of-refdem-test")
+
+
+def test_children_left_behind_by_a_run_that_worked_are_ended(small: Path) -> None:
+    ran(small, "leaves")
+    time.sleep(0.1)
+    assert not processes("grandchild-of-refdem-test")
+
+
+def test_a_program_that_floods_the_disk_is_stopped_and_little_of_it_is_kept(small: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("refdem.engines.external.program.SPARE", 2**22)
+    with pytest.raises(EngineError, match="SIGXFSZ: a file grew too large") as raised:
+        ran(small, "floods")
+    place = Path(str(raised.value).rpartition("kept in ")[2].rstrip(")"))
+    assert (place / "big").stat().st_size == MOST_BYTES
+
+
+def test_only_the_newest_failed_runs_are_kept(small: Path, tmp_path: Path) -> None:
+    for _ in range(MOST_FOLDERS + 3):
+        with pytest.raises(EngineError):
+            ran(small, "silent")
+    assert len(list((tmp_path / "kept" / "failed-runs").iterdir())) == MOST_FOLDERS
+
+
+def test_a_missing_and_an_unrunnable_program_are_said_to_be_missing(small: Path) -> None:
+    toml = small / "refdem.toml"
+    for word in ("./nowhere", "./program.py"):
+        toml.write_text(f'[engine]\nname = "small"\ncommand = ["{word}"]\n[[engine.methods]]\nname = "a"\norder = 1\n')
+        engine = discovery.engine(str(toml))
+        assert "is not there or cannot be run" in (engine.missing() or "")
+        problem = discovery.case("harmonic-oscillator").at(samples="8").problem
+        with pytest.raises(EngineError, match="cannot be started"):
+            engine.run(Request(problem=problem, method="a", step=problem.interval))
+
+
+def test_a_rebuilt_program_with_the_same_version_has_another_fingerprint(small: Path) -> None:
+    def seen() -> tuple[str, str]:
+        engine = discovery.engine(str(small / "refdem.toml"))
+        return engine.version(), engine.fingerprint(engine.methods[0])
+
+    before = seen()
+    assert seen() == before
+    program = small / "program.py"
+    program.write_text(program.read_text().replace("v -= 0.5 * h * rate * x", "v += 0.5 * h * rate * x"))
+    after = seen()
+    assert (before[0], after[0]) == ("1.0", "1.0")
+    assert before[1] != after[1]
+
+
+def test_inputs_are_part_of_the_fingerprint_and_must_exist(small: Path) -> None:
+    toml = small / "refdem.toml"
+    toml.write_text(toml.read_text().replace("[engine]\n", '[engine]\ninputs = ["src/**/*.c"]\n'))
+    engine = discovery.engine(str(toml))
+    with pytest.raises(UsageError, match="matches no file"):
+        engine.fingerprint(engine.methods[0])
+    (small / "src" / "deep").mkdir(parents=True)
+    (small / "src" / "deep" / "a.c").write_text("one")
+    before = engine.fingerprint(engine.methods[0])
+    (small / "src" / "deep" / "a.c").write_text("two")
+    assert engine.fingerprint(engine.methods[0]) != before
+
+
+def test_a_scene_that_supports_does_not_name_is_refused(small: Path) -> None:
+    engine = discovery.engine(str(small / "refdem.toml"))
+    hanging = discovery.case("harmonic-oscillator").at(gravity="1").problem
+    assert "uniform_gravity" in (engine.refusal(hanging, engine.methods[0]) or "")
+    assert engine.refusal(discovery.case("harmonic-oscillator").at().problem, engine.methods[0]) is None
+
+
+def test_a_program_moved_elsewhere_is_found_from_there(small: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    shutil.move(small, tmp_path / "with blanks $HOME; x")
+    monkeypatch.chdir(tmp_path / "with blanks $HOME; x")
+    assert len(ran(Path(), "good").t) == 9
