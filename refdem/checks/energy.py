@@ -9,9 +9,12 @@ from refdem.core.check import Check, Outcome, Trial
 from refdem.core.finding import Finding
 from refdem.core.judgement import judged, worst
 from refdem.core.variant import Variant
+from refdem.scene.elements.contact import Contact
 
 TERMS = 2.0
 """Kinetic and potential energy each err by the bound on the state."""
+
+SPRINGS = "The rise of energy above the start (the tangential contact springs hold some that no trajectory shows)"
 
 
 class Energy(Check):
@@ -19,17 +22,12 @@ class Energy(Check):
 
     name = "energy"
     title = "Energy balance"
-    kills = "a force that does not come from its potential, work counted twice, a missing gyroscopic term"
+    kills = "a force that does not come from its potential, friction that drives, work counted twice, a missing gyroscopic term"
     synchronous = True
 
     def applies(self, trial: Trial) -> str | None:
         """Where the potential energy is known at every sample."""
-        features = trial.instance.scene.features
-        if {"contact:friction", "contact:linear"} <= features:
-            return "the tangential contact springs hold energy that no trajectory shows"
-        if "contact:rigid" in features:
-            return "rigid contacts have no potential"
-        return None
+        return "rigid contacts have no potential" if "contact:rigid" in trial.instance.scene.features else None
 
     def needs(self, trial: Trial) -> tuple[Variant, ...]:
         """The coarsest and the finest level."""
@@ -41,6 +39,8 @@ class Energy(Check):
             self._balance(trial, variant, runs[variant], name)
             for variant, name in zip(self.needs(trial), ("balance", "finest"), strict=False)
         ]
+        if "dissipated_work" in runs[trial.finest].trajectory.channels:
+            found.append(self._dissipation(trial, trial.finest, runs[trial.finest]))
         if trial.method.symplectic and trial.method.control == "step" and trial.instance.scene.is_conservative():
             found.append(self._drift(trial, runs[trial.finest]))
         return found
@@ -50,7 +50,9 @@ class Energy(Check):
         energy = mechanical(scene, run.trajectory)
         what = "The change of kinetic and potential energy"
         change = np.abs(energy - energy[0]) / scale
-        if not scene.is_conservative():
+        if any(law.tangential_stiffness > 0 and law.friction > 0 for law in scene.all(Contact)):
+            what, change = SPRINGS, np.maximum(0.0, energy - energy[0]) / scale
+        elif not scene.is_conservative():
             work = run.trajectory.channels.get("dissipated_work")
             if work is None:
                 what, change = "The rise of energy above any earlier value", (energy - np.minimum.accumulate(energy)) / scale
@@ -69,6 +71,21 @@ class Energy(Check):
             unit="1",
             basis=f"{basis}, for each of two terms",
             what=f"{what}, in units of the energy at the start,",
+        )
+
+    def _dissipation(self, trial: Trial, variant: Variant, run: Outcome) -> Finding:
+        """Work done against friction and damping is lost: it never comes back."""
+        work = run.trajectory.channels["dissipated_work"].reshape(len(run.trajectory.t), -1).sum(axis=1) / energy_scale(trial.instance)
+        allowed, basis = trial.kept("energy", variant.level)
+        return worst(
+            check=self.name,
+            quantity="dissipation",
+            t=trial.instance.times,
+            values=np.maximum.accumulate(work) - work,
+            allowed=TERMS * allowed,
+            unit="1",
+            basis=f"what is lost stays lost, to {basis}, for each of two terms",
+            what="The fall of the dissipated work below any earlier value, in units of the energy at the start,",
         )
 
     def _drift(self, trial: Trial, run: Outcome) -> Finding:

@@ -52,9 +52,14 @@ def angular(scene: Scene, run: Trajectory) -> dict[str, Array]:
 
 
 def angular_scale(instance: Instance) -> float:
-    """Sum of m |r| |v| + |J omega| at the start [kg m^2/s]; m L^2/tau if nothing moves."""
+    """Sum of m |r| |v| + |J omega| at the start [kg m^2/s]; m L^2/tau if nothing moves.
+
+    Bodies on which nothing acts fly as far as they go: |r| is then the farthest, for r x v is rounded on its scale.
+    """
     bodies = instance.scene.bodies
-    orbital = bodies.mass @ (np.linalg.norm(bodies.position, axis=1) * np.linalg.norm(bodies.velocity, axis=1))
+    speed = np.linalg.norm(bodies.velocity, axis=1)
+    flight = 0.0 if instance.scene.elements else instance.scales.duration * speed
+    orbital = bodies.mass @ ((np.linalg.norm(bodies.position, axis=1) + flight) * speed)
     spin = np.sum(bodies.inertia.max(axis=1) * np.linalg.norm(bodies.omega, axis=1))
     return float(orbital + spin) or instance.scales.mass * instance.scales.length * instance.scales.speed
 

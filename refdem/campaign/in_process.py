@@ -1,0 +1,57 @@
+"""Runs in this process: one task of an engine that need not be discovered, from its plan to its record; nothing is stored."""
+
+from collections.abc import Iterable
+from dataclasses import replace
+
+import msgspec
+
+from refdem.campaign import judging, plan, worker
+from refdem.campaign.plan import Task
+from refdem.campaign.specification import Specification
+from refdem.core.case import Instance
+from refdem.core.engine import Engine
+from refdem.core.finding import Record
+from refdem.core.problem import Request
+from refdem.core.run import Failure, Run
+from refdem.core.trajectory import Trajectory
+from refdem.core.truth import SampledTruth
+from refdem.core.variant import Variant
+from refdem.errors import RefdemError, UnsupportedError
+
+
+def truth_of(instance: Instance) -> SampledTruth:
+    """The certified samples of an instance; until = 0 and a reason if there are none."""
+    return msgspec.msgpack.decode(worker.sampled_truth(instance.case.id, instance.p.given), type=SampledTruth)
+
+
+def task_of(engine: Engine, method: str, instance: Instance, truth: SampledTruth, levels: int, checks: Iterable[str] = ()) -> Task:
+    """The task of one method on an instance with only these checks (none: all that apply)."""
+    specification = Specification(name="in process", case=[], levels=levels, method=method, checks=list(checks))
+    (task,) = plan.tasks(specification, instance, (), engine, truth, truth.reason)
+    return task
+
+
+def record_of(task: Task) -> Record:
+    """Runs and judges a task."""
+    runs: dict[Variant, Run] = {}
+    for variant in task.variants if task.refusal is None else ():
+        base = runs[variant.base].trajectory if variant.goes_on else None
+        if not variant.goes_on or base is not None:
+            runs[variant] = run_of(task.engine, plan.request(task, variant, base))
+    return judging.record(task, task.engine.version(), runs, [])
+
+
+def run_of(engine: Engine, request: Request) -> Run:
+    """One run; whatever an engine raises becomes a Failure."""
+    plain = Run(key="", request=request, engine=engine.name, version="")
+    try:
+        trajectory, cost = engine.run(request)
+        request.refuse_misaligned(trajectory.t)
+        return replace(plain, trajectory=Trajectory.from_bytes(trajectory.to_bytes()), cost=cost)
+    except UnsupportedError as error:
+        failure = Failure(kind="unsupported", sentence=str(error))
+    except RefdemError as error:
+        failure = Failure(kind="contract", sentence=str(error))
+    except Exception as error:
+        failure = Failure(kind="exception", sentence=f"{engine.name} raised {type(error).__name__}: {error}")
+    return replace(plain, failure=failure)

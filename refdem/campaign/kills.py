@@ -1,0 +1,173 @@
+"""Faults against checks: which fault is killed by the quantity that should see it, and which alarm a correct engine raises."""
+
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from dataclasses import dataclass, field
+from functools import cached_property
+from itertools import product
+
+import msgspec
+
+from refdem.campaign.in_process import record_of, task_of, truth_of
+from refdem.core import discovery
+from refdem.core.case import Instance
+from refdem.core.engine import Engine
+from refdem.core.finding import Finding, Record
+from refdem.core.truth import SampledTruth
+from refdem.faults.catalogue import faults
+from refdem.faults.fault import Fault
+from refdem.faults.settings import SETTINGS
+from refdem.faults.transparent import Transparent
+
+LEVELS = 3
+WRONG = ("fail", "error")
+
+
+class Kill(msgspec.Struct, frozen=True, kw_only=True):
+    """One fault on one setting at one seed: was the named quantity wrong, by how many decades, and what else was?"""
+
+    fault: str
+    kind: str
+    setting: str
+    seed: int
+    label: str
+    check: str
+    quantity: str
+    killed: bool
+    beyond: float | None
+    sentence: str
+    also: tuple[str, ...] = ()
+
+
+class Alarm(msgspec.Struct, frozen=True, kw_only=True):
+    """A finding against the correct engine."""
+
+    id: str
+    setting: str
+    seed: int
+    sentence: str
+
+
+class Matrix(msgspec.Struct, frozen=True, kw_only=True):
+    """All kills and alarms; `near` is the smallest margin of the correct engine, in decades, by check."""
+
+    engine: str
+    seeds: int
+    kills: tuple[Kill, ...]
+    alarms: tuple[Alarm, ...]
+    near: dict[str, float] = {}
+
+    def survivors(self) -> list[Kill]:
+        """The faults that some seed did not show."""
+        return [kill for kill in self.kills if not kill.killed]
+
+    def idle(self) -> list[str]:
+        """Checks that killed nothing."""
+        killing = {name.split("/")[0] for kill in self.kills for name in (*kill.also, kill.check) if kill.killed}
+        return [name for name in discovery.names("checks") if name not in killing]
+
+
+@dataclass
+class Trial:
+    """Faults against checks on one engine; `whole` judges by all checks at the first seed, to fill the matrix."""
+
+    engine: Engine | None = None
+    seeds: int = 20
+    chosen: tuple[Fault, ...] = ()
+    whole: bool = True
+    progress: Callable[[str, int, int], None] = lambda stage, done, total: None
+    _truths: dict[tuple[str, int], tuple[Instance, SampledTruth]] = field(default_factory=dict)
+
+    @cached_property
+    def faults(self) -> tuple[Fault, ...]:
+        """Those that the engine can carry."""
+        every = self.chosen or faults()
+        return every if self.engine is None else tuple(fault for fault in every if fault.inside is None)
+
+    def matrix(self) -> Matrix:
+        """The whole of it."""
+        kills, alarms, near = [], [], dict[str, float]()
+        work = list(product(range(self.seeds), self.faults))
+        for done, (seed, fault) in enumerate(work, 1):
+            kills.append(self.kill(fault, seed))
+            self.progress("faults", done, len(work))
+        for record, setting, seed in self._sound():
+            for finding in record.findings:
+                if finding.outcome in WRONG:
+                    alarms.append(Alarm(id=record.id(finding), setting=setting, seed=seed, sentence=finding.sentence))
+                if finding.margin is not None:
+                    near[finding.check] = min(near.get(finding.check, 99.0), finding.margin)
+        name = self.engine.name if self.engine else Transparent.name
+        return Matrix(engine=name, seeds=self.seeds, kills=tuple(kills), alarms=tuple(alarms), near=near)
+
+    def kill(self, fault: Fault, seed: int) -> Kill:
+        """One fault at one seed, on the setting whose turn it is."""
+        setting = fault.on[seed % len(fault.on)]
+        instance, truth = self._instance(setting, seed)
+        checks = () if self.whole and seed == 0 else _needed(fault)
+        record = self._record(fault.carrier(self.engine), fault.method, instance, truth, fault.levels, checks)
+        check, quantity = fault.sees
+        named = [f for f in record.findings if (f.check, f.quantity) == fault.sees]
+        wrong = [f"{f.check}/{f.quantity}" for f in record.findings if f.outcome in WRONG]
+        return Kill(
+            fault=fault.name,
+            kind=fault.kind,
+            setting=setting,
+            seed=seed,
+            label=instance.label,
+            check=check,
+            quantity=quantity,
+            killed=any(f.outcome in WRONG for f in named),
+            beyond=_beyond(named),
+            sentence=named[0].sentence if named else "the quantity was not judged",
+            also=tuple(wrong),
+        )
+
+    def _record(self, engine: Engine, method: str, instance: Instance, truth: SampledTruth, levels: int, checks: Iterable[str]) -> Record:
+        if self.engine is not None:
+            method = next((m.name for m in engine.methods if engine.refusal(instance.problem, m) is None), engine.methods[0].name)
+        return record_of(task_of(engine, method, instance, truth, levels, checks))
+
+    def _sound(self) -> Iterator[tuple[Record, str, int]]:
+        """Records of the engine without any fault, on every setting that a fault uses."""
+        used = dict.fromkeys(setting for fault in self.faults for setting in fault.on)
+        work = [(seed, name) for seed in range(self.seeds) for name in used]
+        for done, (seed, name) in enumerate(work, 1):
+            instance, truth = self._instance(name, seed)
+            engine = self.engine or Transparent()
+            for method in self._methods(name, seed):
+                yield self._record(engine, method, instance, truth, LEVELS, ()), name, seed
+            self.progress("sound engine", done, len(work))
+
+    def _methods(self, setting: str, seed: int) -> tuple[str, ...]:
+        """All of the transparent engine's at the first seed, then each in turn."""
+        if self.engine is not None:
+            return ("",)
+        methods = SETTINGS[setting].methods
+        return methods if seed == 0 else (methods[seed % len(methods)],)
+
+    def _instance(self, setting: str, seed: int) -> tuple[Instance, SampledTruth]:
+        """The instance and its truth, proved once for all faults of a seed."""
+        if (setting, seed) not in self._truths:
+            instance = discovery.case(SETTINGS[setting].case).at(**SETTINGS[setting].parameters(setting, seed))
+            self._truths[setting, seed] = instance, truth_of(instance)
+        return self._truths[setting, seed]
+
+
+def _needed(fault: Fault) -> tuple[str, ...]:
+    """The one check that must see the fault; the cheapest where only a broken contract is to be seen."""
+    return ("error" if fault.sees[0] == "run" else fault.sees[0],)
+
+
+def _beyond(named: list[Finding]) -> float | None:
+    """Decades by which the named quantity is out of bounds (negative: inside)."""
+    margins = [-f.margin for f in named if f.margin is not None]
+    return max(margins, default=None)
+
+
+def by_check(kills: Iterable[Kill]) -> Mapping[str, int]:
+    """How many faults each check saw, named for it or not."""
+    found: dict[str, int] = {}
+    for kill in kills:
+        for check in {name.split("/")[0] for name in kill.also}:
+            found[check] = found.get(check, 0) + 1
+    return found

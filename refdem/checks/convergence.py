@@ -1,0 +1,72 @@
+"""Convergence without truth: from level to level a run changes by 2^p less, whatever it converges to."""
+
+from collections.abc import Mapping
+from itertools import pairwise
+
+import numpy as np
+
+from refdem.core.check import Check, Outcome, Trial
+from refdem.core.finding import Finding
+from refdem.core.judgement import judged, undecided
+from refdem.core.refinement import COUNTING_FLOOR, HORIZON
+from refdem.core.variant import Variant
+
+
+class Convergence(Check):
+    """The finest three levels, where truth does not reach to the end of the run and so cannot show the order."""
+
+    name = "convergence"
+    title = "Convergence without truth"
+    kills = "a velocity or a spring of the step before where no truth is certified, results that never settle"
+
+    def applies(self, trial: Trial) -> str | None:
+        """Fixed steps, at least three levels, and samples that are not certified."""
+        if trial.method.control != "step":
+            return f"the method is controlled by {trial.method.control}, not by a step"
+        if trial.truth is not None and trial.truth.until == len(trial.instance.times):
+            return "truth is certified to the end: the observed order sees more"
+        return None if len(trial.levels) >= 3 else f"{len(trial.levels)} levels are planned; 3 are needed"
+
+    def needs(self, trial: Trial) -> tuple[Variant, ...]:
+        """The plain runs of the finest three levels."""
+        return trial.plain[-3:]
+
+    def judge(self, trial: Trial, runs: Mapping[Variant, Outcome]) -> list[Finding]:
+        """What the order lacks that two changes show; undecided where they are round-off or too large to show one."""
+        coarse, fine = (_change(trial, runs[a], runs[b]) for a, b in pairwise(self.needs(trial)))
+        floor = COUNTING_FLOOR * trial.round_off(trial.levels[-1])
+        if fine > HORIZON:
+            why = f"the finest two levels differ by {fine:.2g} of the scale: finer steps are needed"
+            return [undecided(self.name, "state", why)]
+        order = trial.method.order_for(trial.instance.scene.features)
+        seen = float(np.log2(coarse / fine)) if fine > floor else float(order)
+        return [
+            judged(
+                check=self.name,
+                quantity="state",
+                value=max(0.0, order - seen),
+                bound=max(0.15, 0.05 * order),
+                unit="1",
+                basis=f"order {order} is claimed, so from level to level the change must fall with it, within max(0.15, 0.05 p)",
+                what=f"The run changes by {coarse:.2g} and then by {fine:.2g} of its scale: order {seen:.2f}; what it lacks",
+                order_seen=seen,
+                order_claimed=float(order),
+            )
+        ]
+
+
+def _change(trial: Trial, coarse: Outcome, fine: Outcome) -> float:
+    """Largest scaled difference of any quantity at any sample between two levels."""
+    instance = trial.instance
+    first, second = instance.observe(coarse.trajectory), instance.observe(fine.trajectory)
+    found = 0.0
+    for name, quantity in instance.quantities.items():
+        if name in first and name in second and not quantity.group:
+            difference = second[name] - first[name]
+            if quantity.angle:
+                difference = np.remainder(difference + np.pi, 2 * np.pi) - np.pi
+            found = max(found, float(np.max(np.abs(difference))) / quantity.scale)
+    return found
+
+
+CHECK = Convergence()

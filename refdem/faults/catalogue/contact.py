@@ -1,0 +1,299 @@
+"""Contact: overlap, stiffness, damping, cut-off, reaction, and the lever arms and springs of the tangential force."""
+
+from dataclasses import replace
+from functools import partial
+from typing import Any
+
+from refdem.core.problem import Request
+from refdem.faults import vectors as vec
+from refdem.faults.change import late, of_elements, scaled
+from refdem.faults.fault import Fault
+from refdem.faults.parts import Parts
+from refdem.scene import Scene, Sphere
+from refdem.scene.elements.contact import Contact
+
+contact = partial(Fault, kind="contact")
+EPSILON = 1e-9
+
+
+def _branch(name: str) -> Any:
+    return of_elements(Contact, branch=lambda _: name)
+
+
+def _damps_approach_only(sound: Any) -> Any:
+    return lambda law, depth, rate: sound(law, depth, max(rate, 0.0))
+
+
+def _one_lever(p: Parts) -> dict[str, Any]:
+    """The lever of the first body serves for both (Lethe 300)."""
+    kept: list[Any] = []
+
+    def lever(law: Any, radius: Any, depth: Any) -> Any:
+        if kept:
+            return kept.pop()
+        kept.append(p.lever(law, radius, depth))
+        return kept[0]
+
+    return {"lever": lever}
+
+
+def _torque_once(p: Parts) -> dict[str, Any]:
+    """The second body gets no torque."""
+    kept = [False]
+
+    def torque_on(arm: Any, normal: Any, force: Any) -> Any:
+        kept[0] = not kept[0]
+        return p.torque_on(arm, normal, force) if kept[0] else vec.ZERO
+
+    return {"torque_on": torque_on}
+
+
+def _spinless(p: Parts) -> dict[str, Any]:
+    """Slip of the centres alone; there is none head-on, and then no friction."""
+    return {
+        "slip": lambda velocity, spin, normal: p.slip(velocity, vec.ZERO, normal),
+        "sliding_friction": lambda law, normal, slip, stopping: p.sliding_friction(law, normal, slip, 1e300) if any(slip) else vec.ZERO,
+    }
+
+
+def _late_damping(p: Parts) -> dict[str, Any]:
+    """All forces that depend on velocity use those of the step before."""
+
+    def loads(world: Any, state: Any, parts: Parts, before: Any = None, h: Any = 0.0) -> Any:
+        if before is None:
+            return p.loads(world, state, parts)
+        old = state.copy()
+        old.v = [vec.moved(v, -h / m, f) for v, m, f in zip(state.v, world.mass, before.force, strict=True)]
+        return p.loads(world, old, parts, before, h)
+
+    return {"loads": loads}
+
+
+def _hertz(p: Parts) -> dict[str, Any]:
+    """Force with d^(3/2): the nonlinear law for the linear one."""
+    return {"normal_force": lambda law, depth, rate: law.stiffness * 4 * max(depth, 0.0) ** 1.5 + law.damping * rate}
+
+
+def _larger(request: Request) -> Request:
+    """Radii 1 % larger."""
+    return _reshaped(request, lambda shapes: tuple(Sphere(radius=1.01 * shape.radius) for shape in shapes))
+
+
+def _swapped_shapes(request: Request) -> Request:
+    """The shapes in the other order."""
+    return _reshaped(request, lambda shapes: shapes[::-1])
+
+
+def _reshaped(request: Request, change: Any) -> Request:
+    scene = request.problem.scene
+    return request.with_scene(Scene(replace(scene.bodies, shape=change(scene.bodies.shape)), scene.elements))
+
+
+FAULTS = (
+    contact(
+        name="stiffness-in-series",
+        sentence="Both spheres have the stiffness, one behind the other: half of it acts.",
+        on=("knock",),
+        sees=("error", "r1.x"),
+        before=of_elements(Contact, stiffness=scaled(0.5)),
+    ),
+    contact(
+        name="stiffness-two-percent",
+        sentence="The stiffness is 2 % too small.",
+        on=("bounce",),
+        sees=("error", "v1.x"),
+        levels=5,
+        before=of_elements(Contact, stiffness=scaled(0.98)),
+    ),
+    contact(
+        name="damping-doubled",
+        sentence="Damping counts twice, once for each body.",
+        on=("knock",),
+        sees=("error", "v1.x"),
+        before=of_elements(Contact, damping=scaled(2.0)),
+    ),
+    contact(
+        name="damping-by-one-mass",
+        sentence="Damping for the mass of one body, not for the effective mass.",
+        on=("parting",),
+        sees=("error", "v2.x"),
+        before=of_elements(Contact, damping=scaled(1.4)),
+    ),
+    contact(
+        name="damping-sign",
+        sentence="The dashpot drives.",
+        on=("knock",),
+        sees=("energy", "balance"),
+        inside=lambda p: {"normal_force": lambda law, depth, rate: p.normal_force(law, depth, -rate)},
+    ),
+    contact(
+        name="damping-on-approach-only",
+        sentence="The dashpot acts on approach only.",
+        on=("knock",),
+        sees=("error", "v1.x"),
+        levels=4,
+        inside=lambda p: {"normal_force": _damps_approach_only(p.normal_force)},
+    ),
+    contact(
+        name="damping-late",
+        sentence="The dashpot uses the velocity of the step before.",
+        on=("knock",),
+        sees=("order", "state"),
+        inside=_late_damping,
+    ),
+    contact(
+        name="cutoff-never-pulls",
+        sentence="The force ends when it would pull; the law says with the overlap.",
+        on=("knock",),
+        sees=("error", "v1.x"),
+        levels=5,
+        before=of_elements(Contact, cutoff=lambda _: "zero_force"),
+    ),
+    contact(
+        name="cutoff-pulls",
+        sentence="The force pulls until the overlap ends; the law says that it never pulls.",
+        on=("parting",),
+        sees=("error", "v2.x"),
+        levels=5,
+        before=of_elements(Contact, cutoff=lambda _: "zero_overlap"),
+    ),
+    contact(
+        name="overlap-half",
+        sentence="Each sphere has half of the overlap.",
+        on=("bounce",),
+        sees=("error", "r2.x"),
+        inside=lambda p: {"overlap": lambda a, b, distance: p.overlap(a, b, distance) / 2},
+    ),
+    contact(
+        name="overlap-of-diameters",
+        sentence="Contact begins before the surfaces meet: radius 1 % too large.",
+        on=("bounce",),
+        sees=("error", "v1.x"),
+        before=_larger,
+    ),
+    contact(
+        name="law-of-hertz", sentence="The exponent 3/2 of Hertz in the linear law.", on=("bounce",), sees=("error", "v1.x"), inside=_hertz
+    ),
+    contact(
+        name="no-reaction",
+        sentence="The force acts on one body only.",
+        on=("bounce",),
+        sees=("momentum", "total"),
+        inside=lambda p: {"reaction": lambda force: vec.ZERO},
+    ),
+    contact(
+        name="reaction-twice",
+        sentence="The reaction is added twice.",
+        on=("bounce",),
+        sees=("momentum", "total"),
+        inside=lambda p: {"reaction": lambda force: vec.times(-2.0, force)},
+    ),
+    contact(
+        name="reaction-unequal",
+        sentence="Action and reaction differ by one part in 1e9.",
+        on=("bounce",),
+        sees=("momentum", "total"),
+        inside=lambda p: {"reaction": lambda force: vec.times(-1.0 - EPSILON, force)},
+    ),
+    contact(
+        name="normal-not-unit",
+        sentence="The normal is the vector between the centres, not made unit.",
+        on=("knock",),
+        sees=("error", "v1.x"),
+        inside=lambda p: {"normal_force": lambda law, depth, rate: 1.1 * p.normal_force(law, depth, rate)},
+    ),
+    contact(
+        name="normal-of-the-step-before",
+        sentence="The normal is that of the step before (Vyas).",
+        on=("scrape",),
+        sees=("order", "state"),
+        inside=lambda p: {"away": late(p.away)},
+    ),
+    contact(
+        name="lever-radius",
+        sentence="Lever arm R where the law says R - d/2.",
+        on=("scrape",),
+        sees=("angular-momentum", "total"),
+        before=_branch("R"),
+    ),
+    contact(
+        name="lever-short",
+        sentence="Lever arm R - d where the law says R - d/2.",
+        on=("scrape",),
+        sees=("angular-momentum", "total"),
+        before=_branch("R-d"),
+    ),
+    contact(
+        name="lever-of-the-centres",
+        sentence="Lever arm R - d/2 where the law says R.",
+        on=("scrape-long",),
+        sees=("error", "omega1.z"),
+        levels=5,
+        before=_branch("R-d/2"),
+    ),
+    contact(
+        name="lever-of-one",
+        sentence="The lever arm of one body for both (Lethe 300).",
+        on=("scrape",),
+        sees=("angular-momentum", "total"),
+        inside=_one_lever,
+    ),
+    contact(
+        name="torque-on-one",
+        sentence="Only one body gets a torque.",
+        on=("scrape",),
+        sees=("angular-momentum", "total"),
+        inside=_torque_once,
+    ),
+    contact(
+        name="torque-sign",
+        sentence="The torque turns the other way.",
+        on=("scrape",),
+        sees=("angular-momentum", "total"),
+        inside=lambda p: {"torque_on": lambda arm, normal, force: vec.times(-1.0, p.torque_on(arm, normal, force))},
+    ),
+    contact(
+        name="slip-without-spin",
+        sentence="Slip is that of the centres: spins are forgotten.",
+        on=("spinner",),
+        sees=("error", "omega2.z"),
+        inside=_spinless,
+    ),
+    contact(
+        name="slip-spin-sign",
+        sentence="Spins enter the slip with the other sign (Lethe 889).",
+        on=("spinner",),
+        sees=("error", "omega2.z"),
+        inside=lambda p: {"slip": lambda velocity, spin, normal: p.slip(velocity, vec.times(-1.0, spin), normal)},
+    ),
+    contact(
+        name="radii-swapped",
+        sentence="Each body has the lever arm of the other.",
+        on=("bristle",),
+        sees=("error", "omega1.z"),
+        before=_swapped_shapes,
+    ),
+    contact(
+        name="spring-late",
+        sentence="The tangential spring stretches by the slip of the step before (Lethe 300).",
+        on=("sticker",),
+        sees=("convergence", "state"),
+        inside=lambda p: {"stretched": lambda s, before, now, h: vec.moved(s, h, before)},
+    ),
+    contact(
+        name="spring-stiffness-of-the-normal",
+        sentence="The tangential spring has the stiffness of the normal one, and so a tighter limit.",
+        on=("bristle",),
+        levels=4,
+        sees=("error", "omega1.z"),
+        inside=lambda p: {"spring_friction": lambda law, s: vec.times(-law.stiffness, s)},
+    ),
+    contact(
+        name="spring-not-turned",
+        sentence="The tangential spring does not turn with the contact.",
+        on=("soft",),
+        levels=5,
+        sees=("error", "v1.x"),
+        inside=lambda p: {"transported": lambda stretch, normal: stretch},
+    ),
+)

@@ -1,0 +1,187 @@
+"""Energy: hidden dissipation, forces that do not come from their potential, gravity."""
+
+from functools import partial
+from typing import Any
+
+from refdem.faults import vectors as vec
+from refdem.faults.change import of_elements, scaled
+from refdem.faults.fault import Fault
+from refdem.scene.elements.central_field import CentralField
+from refdem.scene.elements.spring import Spring
+from refdem.scene.elements.uniform_gravity import UniformGravity
+
+energy = partial(Fault, kind="energy", on=("oscillator",))
+
+
+def _damped(rate: float) -> Any:
+    """Velocities decay at a rate [1/s]."""
+    return lambda p: {"kicked": lambda v, force, mass, h: vec.times(1 - rate * abs(h), p.kicked(v, force, mass, h))}
+
+
+def _power(exponent: float) -> Any:
+    """Attraction with another power of the distance."""
+    return lambda p: {"central_force": lambda mass, gm, r: vec.times(-mass * gm / vec.size(r) ** (exponent + 1), r)}
+
+
+def _softened(length: float) -> Any:
+    """Attraction softened at short distance."""
+    return lambda p: {"central_force": lambda mass, gm, r: vec.times(-mass * gm / (vec.dot(r, r) + length**2) ** 1.5, r)}
+
+
+def _clamped(fastest: float) -> Any:
+    """Velocities are cut off."""
+
+    def part(p: Any) -> Any:
+        def kicked(v: Any, force: Any, mass: Any, h: Any) -> Any:
+            return tuple(min(fastest, max(-fastest, x)) for x in p.kicked(v, force, mass, h))
+
+        return {"kicked": kicked}
+
+    return part
+
+
+def _dragged(sound: Any) -> Any:
+    """A little drag, from the way since the last call."""
+    kept: list[Any] = []
+
+    def part(spring: Any, a: Any, b: Any) -> Any:
+        kept.append(a)
+        before = kept.pop(0) if len(kept) > 1 else a
+        return vec.moved(sound(spring, a, b), -1e-3, vec.minus(a, before))
+
+    return part
+
+
+FAULTS = (
+    energy(
+        name="hidden-damping",
+        sentence="A damping of 1e-3 per second that nobody asked for.",
+        sees=("reversal", "reversed"),
+        inside=_damped(1e-3),
+    ),
+    energy(
+        name="hidden-damping-tiny",
+        sentence="A damping of 1e-9 per second that nobody asked for.",
+        sees=("reversal", "reversed"),
+        inside=_damped(1e-9),
+    ),
+    energy(
+        name="hidden-damping-fourth-order",
+        sentence="A drag that grows with the way since the last evaluation.",
+        method="rk4",
+        levels=5,
+        sees=("energy", "finest"),
+        inside=lambda p: {"spring_force": _dragged(p.spring_force)},
+    ),
+    energy(
+        name="exponent",
+        sentence="The attraction falls with the power 2.001.",
+        on=("orbit",),
+        method="suzuki",
+        sees=("error", "x"),
+        levels=5,
+        inside=_power(2.001),
+    ),
+    energy(name="exponent-one", sentence="The attraction falls with the power 1.", on=("orbit",), sees=("error", "x"), inside=_power(1.0)),
+    energy(
+        name="softened",
+        sentence="The attraction is softened by 1 % of the distance.",
+        on=("orbit",),
+        method="suzuki",
+        sees=("error", "y"),
+        levels=5,
+        inside=_softened(0.01),
+    ),
+    energy(
+        name="spring-one-sided",
+        sentence="The spring pulls on one side only.",
+        sees=("error", "x"),
+        inside=lambda p: {"spring_force": lambda s, a, b: p.spring_force(s, a, b) if a[0] > 0 else vec.ZERO},
+    ),
+    energy(
+        name="spring-cubic",
+        sentence="The spring hardens by 1 %.",
+        method="suzuki",
+        sees=("error", "x"),
+        levels=4,
+        inside=lambda p: {"spring_force": lambda s, a, b: vec.times(1 + 0.01 * vec.dot(a, a), p.spring_force(s, a, b))},
+    ),
+    energy(name="spring-twice", sentence="The spring acts twice.", sees=("error", "x"), before=of_elements(Spring, stiffness=scaled(2.0))),
+    energy(
+        name="spring-length",
+        sentence="The spring has a natural length.",
+        sees=("error", "x"),
+        before=of_elements(Spring, length=lambda _: 0.125),
+    ),
+    energy(
+        name="spring-swirls",
+        sentence="The spring pushes sideways a little: no potential has this force.",
+        on=("ellipse",),
+        method="suzuki",
+        sees=("angular-momentum", "total"),
+        inside=lambda p: {"spring_force": lambda s, a, b: vec.moved(p.spring_force(s, a, b), 1e-3, (-a[1], a[0], 0.0))},
+    ),
+    energy(
+        name="gravity-sign",
+        sentence="Gravity acts upwards.",
+        on=("hanging",),
+        sees=("error", "x"),
+        before=of_elements(UniformGravity, g=scaled(-1.0)),
+    ),
+    energy(
+        name="gravity-per-mass",
+        sentence="The weight is g, whatever the mass.",
+        on=("hanging",),
+        sees=("error", "x"),
+        inside=lambda p: {"weight": lambda mass, g: vec.times(0.25 + 0.5 * mass, g)},
+    ),
+    energy(
+        name="gravity-missing",
+        sentence="There is no gravity.",
+        on=("swing",),
+        sees=("error", "theta"),
+        before=of_elements(UniformGravity, g=scaled(0.0)),
+    ),
+    energy(
+        name="gravity-axis",
+        sentence="Gravity acts along another axis.",
+        on=("swing",),
+        sees=("error", "theta"),
+        before=of_elements(UniformGravity, g=lambda g: (g[1], g[0], g[2])),
+    ),
+    energy(
+        name="attraction-of-two-masses",
+        sentence="gm is multiplied by the reduced mass.",
+        on=("orbit",),
+        sees=("error", "vx"),
+        before=of_elements(CentralField, gm=scaled(0.5)),
+    ),
+    energy(
+        name="speed-limit",
+        sentence="Velocities are cut off at half of what is needed.",
+        on=("ellipse",),
+        sees=("error", "vy"),
+        inside=_clamped(0.5),
+    ),
+    energy(
+        name="rest-disturbed",
+        sentence="The contact force is off by one part in 1e9.",
+        on=("resting",),
+        sees=("rest", "speed"),
+        inside=lambda p: {"normal_force": lambda law, depth, rate: (1 + 1e-9) * p.normal_force(law, depth, rate)},
+    ),
+    energy(
+        name="rest-sinks",
+        sentence="The wall is softer than the spheres.",
+        on=("resting",),
+        sees=("rest", "displacement"),
+        inside=lambda p: {"overlap": lambda a, b, distance: p.overlap(a, b, distance) * (1.0 if b else 0.999)},
+    ),
+    energy(
+        name="free-body-slows",
+        sentence="A free body slows down by 1e-9 per second.",
+        on=("flyer",),
+        sees=("momentum", "total"),
+        inside=_damped(1e-9),
+    ),
+)

@@ -1,0 +1,161 @@
+"""Dry friction: sign, size, limit, sticking, and when it is evaluated."""
+
+from functools import partial
+from math import tanh
+from typing import Any
+
+from refdem.faults import vectors as vec
+from refdem.faults.change import late, of_elements, scaled
+from refdem.faults.fault import Fault
+from refdem.faults.parts import Parts
+from refdem.scene.elements.contact import Contact
+from refdem.scene.elements.slider import Slider
+
+friction = partial(Fault, kind="friction")
+SLOW = 2.0**-6
+"""[m/s] below which regularised friction fades."""
+
+
+def _regularised(p: Parts) -> dict[str, Any]:
+    """Friction fades with the speed, as sgn(0) = 0 wants: what should stick creeps."""
+    from dataclasses import replace
+
+    def loads(world: Any, state: Any, parts: Any, before: Any = None, h: Any = 0.0) -> Any:
+        bare = state.copy()
+        bare.side = []
+        found = p.loads(replace(world, sliders=[]), bare, parts, before, h)
+        for slider in world.sliders:
+            speed = vec.dot(state.v[slider.a], slider.axis)
+            force = -slider.friction * slider.normal_force * tanh(speed / SLOW)
+            found.force[slider.a] = vec.moved(found.force[slider.a], force, slider.axis)
+            found.power -= force * speed
+        return found
+
+    return {"loads": loads, "side_of": lambda *arguments: 0}
+
+
+def _without_damping(p: Parts) -> dict[str, Any]:
+    """The limit of friction follows the spring alone: the dashpot's part is lost."""
+    kept: dict[str, Any] = {}
+
+    def normal_force(law: Any, depth: Any, rate: Any) -> Any:
+        kept["spring"] = law.stiffness * depth
+        return p.normal_force(law, depth, rate)
+
+    def sliding(law: Any, normal: Any, slip: Any, stopping: Any) -> Any:
+        return p.sliding_friction(law, kept["spring"], slip, stopping)
+
+    return {"normal_force": normal_force, "sliding_friction": sliding}
+
+
+def _previous_normal(p: Parts) -> dict[str, Any]:
+    """The limit of friction is that of the force before."""
+    previous = late(lambda normal: normal)
+    return {"sliding_friction": lambda law, normal, slip, stopping: p.sliding_friction(law, previous(normal), slip, stopping)}
+
+
+FAULTS = (
+    friction(
+        name="friction-pushes",
+        sentence="Dry friction acts along the velocity.",
+        on=("rubbing",),
+        sees=("energy", "dissipation"),
+        inside=lambda p: {"slider_force": lambda slider, side: p.slider_force(slider, -side)},
+    ),
+    friction(
+        name="friction-missing",
+        sentence="There is no dry friction.",
+        on=("rubbing",),
+        sees=("stop", "stop_position"),
+        before=of_elements(Slider, friction=scaled(0.0)),
+    ),
+    friction(
+        name="friction-one-percent",
+        sentence="Dry friction is 1 % too strong.",
+        on=("rubbing",),
+        sees=("error", "x"),
+        before=of_elements(Slider, friction=scaled(1.01)),
+        levels=4,
+    ),
+    friction(
+        name="friction-half",
+        sentence="Friction is shared by the two bodies, also by the ground.",
+        on=("rubbing",),
+        sees=("error", "x"),
+        before=of_elements(Slider, friction=scaled(0.5)),
+    ),
+    friction(
+        name="friction-sticky",
+        sentence="Static friction is twice the sliding one.",
+        on=("rubbing",),
+        sees=("stop", "stop_time"),
+        inside=lambda p: {"holds": lambda slider, along: p.holds(slider, along / 2)},
+    ),
+    friction(
+        name="friction-creeps",
+        sentence="sgn(0) = 0: friction fades with the speed, and what should stick creeps.",
+        on=("rubbing",),
+        sees=("stop", "creep"),
+        inside=_regularised,
+    ),
+    friction(
+        name="contact-friction-pushes",
+        sentence="Friction at the contact drives the slip.",
+        on=("scrape",),
+        sees=("error", "v1.y"),
+        inside=lambda p: {"sliding_friction": lambda *a: vec.times(-1.0, p.sliding_friction(*a))},
+    ),
+    friction(
+        name="contact-friction-missing",
+        sentence="There is no friction at the contact.",
+        on=("scrape",),
+        sees=("error", "omega1.z"),
+        before=of_elements(Contact, friction=scaled(0.0)),
+    ),
+    friction(
+        name="contact-friction-five-percent",
+        sentence="Coulomb's coefficient is 5 % too large.",
+        on=("scrape",),
+        sees=("error", "omega1.z"),
+        levels=5,
+        before=of_elements(Contact, friction=scaled(1.05)),
+    ),
+    friction(
+        name="contact-limit-missing",
+        sentence="The tangential spring is not clipped at Coulomb's limit.",
+        on=("bristle",),
+        sees=("error", "v1.y"),
+        before=of_elements(Contact, friction=scaled(1e3)),
+    ),
+    friction(
+        name="contact-limit-per-axis",
+        sentence="The limit ignores the normal force: it is that of the weight.",
+        on=("bristle",),
+        sees=("error", "omega1.z"),
+        levels=4,
+        inside=lambda p: {"clipped": lambda law, stretch, normal: p.clipped(law, stretch, 1.0)},
+    ),
+    friction(
+        name="contact-limit-without-damping",
+        sentence="The limit of friction leaves the dashpot out.",
+        on=("scrape",),
+        sees=("error", "omega1.z"),
+        levels=4,
+        inside=_without_damping,
+    ),
+    friction(
+        name="contact-limit-late",
+        sentence="The limit of friction follows the normal force of the step before.",
+        on=("scrape",),
+        sees=("order", "state"),
+        inside=_previous_normal,
+    ),
+    friction(
+        name="contact-friction-viscous",
+        sentence="Friction grows with the slip: viscous for dry.",
+        on=("scrape",),
+        sees=("error", "omega1.z"),
+        levels=4,
+        inside=lambda p: {"sliding_friction": lambda law, normal, slip, stopping: vec.times(-law.friction * max(normal, 0.0), slip)},
+    ),
+)

@@ -1,0 +1,198 @@
+"""Integrators: coefficients, time levels, first and last steps."""
+
+from functools import partial
+from typing import Any
+
+from refdem.faults import vectors as vec
+from refdem.faults.change import late
+from refdem.faults.fault import Fault
+from refdem.faults.parts import S4, Parts
+
+integrator = partial(Fault, kind="integrator", on=("oscillator",))
+ORDER = ("order", "state")
+
+
+def _first_kick_twice(p: Parts) -> dict[str, Any]:
+    """The first kick of a run is a whole one, as if the velocity were half a step behind."""
+    kept = {"first": True}
+
+    def fresh(memory: Any) -> None:
+        kept["first"] = True
+        p.fresh(memory)
+
+    def kicked(v: Any, force: Any, mass: Any, h: Any) -> Any:
+        factor, kept["first"] = (2.0 if kept["first"] else 1.0), False
+        return p.kicked(v, force, mass, factor * h)
+
+    return {"kicked": kicked, "fresh": fresh}
+
+
+def _late_loads(p: Parts) -> dict[str, Any]:
+    """All forces are those of the step before."""
+    return {"loads": late(p.loads)}
+
+
+def _old_velocity(p: Parts) -> dict[str, Any]:
+    """The drift goes with the velocity that the step before drifted with."""
+    previous = late(lambda v: v)
+    return {"drifted": lambda r, v, h: p.drifted(r, previous(v), h)}
+
+
+def _lopsided(p: Parts) -> Any:
+    """All of a turn about axis 1 at once, and none of it at the end."""
+    kept = [0]
+
+    def axis_turn(axis: int, inertia: Any, omega: Any, q: Any, h: Any) -> Any:
+        if axis != 0:
+            return p.axis_turn(axis, inertia, omega, q, h)
+        kept[0] += 1
+        return p.axis_turn(axis, inertia, omega, q, 2 * h) if kept[0] % 2 else (omega, q)
+
+    return axis_turn
+
+
+def _every_other(sound: Any) -> Any:
+    """Nothing every other time."""
+    kept = [0]
+
+    def part(*arguments: Any) -> Any:
+        kept[0] += 1
+        return sound(*arguments) if kept[0] % 2 else vec.ZERO
+
+    return part
+
+
+def _averaged(sound: Any) -> Any:
+    """The mean of the present answer and the one before."""
+    previous = late(sound)
+
+    def part(*arguments: Any) -> Any:
+        return vec.times(0.5, vec.plus(sound(*arguments), previous(*arguments)))
+
+    return part
+
+
+FAULTS = (
+    integrator(
+        name="suzuki-coefficient",
+        sentence="A coefficient of the composition is off, though they add up to 1.",
+        method="suzuki",
+        sees=ORDER,
+        inside=lambda p: {"suzuki": (S4 + 0.02, S4, 1.0 - 4 * S4, S4, S4 - 0.02)},
+    ),
+    integrator(
+        name="suzuki-third-digit",
+        sentence="The outer coefficients are rounded to three digits.",
+        method="suzuki",
+        sees=ORDER,
+        levels=6,
+        inside=lambda p: {"suzuki": (0.414, 0.414, -0.656, 0.414, 0.414)},
+    ),
+    integrator(
+        name="suzuki-sign",
+        sentence="The sign of the middle coefficient is wrong (Principia 578).",
+        method="suzuki",
+        sees=("error", "x"),
+        inside=lambda p: {"suzuki": (S4, S4, 4.0 * S4 - 1.0, S4, S4)},
+    ),
+    integrator(
+        name="suzuki-misses",
+        sentence="The coefficients do not quite add up to 1.",
+        method="suzuki",
+        sees=("error", "v"),
+        levels=4,
+        inside=lambda p: {"suzuki": (S4, S4, 1.0 - 4.0 * S4, S4, S4 + 1e-3)},
+    ),
+    integrator(
+        name="rk4-weights",
+        sentence="Two weights of Runge-Kutta are swapped.",
+        method="rk4",
+        sees=ORDER,
+        inside=lambda p: {"rk4_weights": (1 / 3, 1 / 6, 1 / 6, 1 / 3)},
+    ),
+    integrator(
+        name="rk4-weight-typo",
+        sentence="The weights of Runge-Kutta add up to 5/6.",
+        method="rk4",
+        sees=("error", "x"),
+        inside=lambda p: {"rk4_weights": (1 / 6, 1 / 3, 1 / 6, 1 / 6)},
+    ),
+    integrator(
+        name="rk4-node",
+        sentence="The third stage is taken at 1/3, not at 1/2.",
+        method="rk4",
+        sees=ORDER,
+        on=("orbit",),
+        inside=lambda p: {"rk4_nodes": (0.5, 1 / 3, 1.0)},
+    ),
+    integrator(
+        name="rk4-last-stage",
+        sentence="The last stage is taken at the middle.",
+        method="rk4",
+        sees=ORDER,
+        inside=lambda p: {"rk4_nodes": (0.5, 0.5, 0.5)},
+    ),
+    integrator(
+        name="one-sided-kick", sentence="One whole kick in place of two halves.", sees=ORDER, inside=lambda p: {"verlet_kicks": (1.0, 0.0)}
+    ),
+    integrator(
+        name="kick-too-short",
+        sentence="The second kick is 1 % too short.",
+        sees=("error", "v"),
+        levels=4,
+        inside=lambda p: {"verlet_kicks": (0.5, 0.495)},
+    ),
+    integrator(name="first-kick-whole", sentence="The first kick of a run is a whole one.", sees=ORDER, inside=_first_kick_twice),
+    integrator(name="loads-late", sentence="All forces are those of the step before.", sees=ORDER, inside=_late_loads),
+    integrator(
+        name="drift-with-old-velocity", sentence="Positions move with the velocity of the step before.", sees=ORDER, inside=_old_velocity
+    ),
+    integrator(
+        name="kick-reversed",
+        sentence="The second kick has the other sign.",
+        sees=("error", "v"),
+        inside=lambda p: {"verlet_kicks": (0.5, -0.5)},
+    ),
+    integrator(
+        name="drift-double",
+        sentence="Positions move by two steps.",
+        sees=("error", "x"),
+        inside=lambda p: {"drifted": lambda r, v, h: p.drifted(r, v, 2 * h)},
+    ),
+    integrator(
+        name="step-one-part-in-thousand",
+        sentence="The step is 0.1 % too long.",
+        method="suzuki",
+        sees=("error", "x"),
+        levels=4,
+        inside=lambda p: {"drifted": lambda r, v, h: p.drifted(r, v, 1.001 * h), "kicked": lambda v, f, m, h: p.kicked(v, f, m, 1.001 * h)},
+    ),
+    integrator(
+        name="axis-order",
+        sentence="The splitting of the free body is not symmetric: one half turn is twice as long, another missing.",
+        on=("tumbler",),
+        sees=ORDER,
+        inside=lambda p: {"axis_turn": _lopsided(p)},
+    ),
+    integrator(
+        name="kick-forgets-gravity",
+        sentence="Gravity acts in the first kick only.",
+        on=("hanging",),
+        sees=("error", "x"),
+        inside=lambda p: {"weight": _every_other(p.weight)},
+    ),
+    integrator(
+        name="force-at-the-middle",
+        sentence="The force is taken where the bodies were half a drift before.",
+        sees=ORDER,
+        levels=4,
+        on=("orbit",),
+        inside=lambda p: {"central_force": _averaged(p.central_force)},
+    ),
+    integrator(
+        name="reversal-broken",
+        sentence="Each kick rounds towards zero by one part in 1e11.",
+        sees=("reversal", "reversed"),
+        inside=lambda p: {"kicked": lambda v, force, mass, h: vec.times(1 - 1e-11, p.kicked(v, force, mass, h))},
+    ),
+)

@@ -1,0 +1,211 @@
+"""Output and time level: what is written is not what was computed, or not when."""
+
+from dataclasses import replace
+from functools import partial
+from typing import Any
+
+import numpy as np
+
+from refdem.core.problem import Request
+from refdem.core.trajectory import Trajectory
+from refdem.faults import vectors as vec
+from refdem.faults.change import digits, of_columns
+from refdem.faults.fault import Fault
+
+output = partial(Fault, kind="output", on=("oscillator",))
+TRAJECTORY = ("run", "trajectory")
+
+
+def _rate(run: Trajectory, name: str) -> Any:
+    """d/dt of a column (T, N, ...), by differences between the samples."""
+    return np.gradient(getattr(run, name), run.t, axis=0, edge_order=2)
+
+
+def _step_late(request: Request, run: Trajectory) -> Trajectory:
+    """Every row but the first is a step late."""
+    h = np.full(len(run.t), request.signed_step)[:, None, None]
+    h[0] = 0.0
+    return replace(run, position=run.position - h * run.velocity, velocity=run.velocity - h * _rate(run, "velocity"))
+
+
+def _half_step_velocity(request: Request, run: Trajectory) -> Trajectory:
+    """Velocities are those of half a step before."""
+    h = np.full(len(run.t), request.signed_step)[:, None, None]
+    h[0] = 0.0
+    return replace(run, velocity=run.velocity - h / 2 * _rate(run, "velocity"))
+
+
+def _interpolated(request: Request, run: Trajectory) -> Trajectory:
+    """Rows lie on the chord between two steps that do not fall on the samples."""
+    return replace(run, position=run.position - request.signed_step**2 / 8 * _rate(run, "velocity"))
+
+
+def _sample_late(values: Any) -> Any:
+    return np.concatenate([values[:1], values[:-1]])
+
+
+def _drawn_out(run: Trajectory, factor: float) -> Trajectory:
+    return replace(run, t=run.t * factor)
+
+
+def _short(request: Request, run: Trajectory) -> Trajectory:
+    """The last row is missing."""
+    columns = {name: getattr(run, name)[:-1] for name in ("t", "position", "velocity", "attitude", "omega")}
+    return replace(run, **columns, channels={name: values[:-1] for name, values in run.channels.items()})
+
+
+def _not_a_number(request: Request, run: Trajectory) -> Trajectory:
+    return replace(run, velocity=np.where(np.arange(len(run.t))[:, None, None] == 5, np.nan, run.velocity))
+
+
+def _touched(state: Any) -> Any:
+    """Writing changes the last digits of a velocity."""
+    state.v[0] = vec.times(1 + 1e-15, state.v[0])
+    return state
+
+
+FAULTS = (
+    output(name="step-late", sentence="Every sample is a step late.", sees=("order", "state"), after=_step_late),
+    output(
+        name="sample-late",
+        sentence="Every row is the one before.",
+        sees=("error", "x"),
+        after=of_columns(position=_sample_late, velocity=_sample_late),
+    ),
+    output(
+        name="position-late",
+        sentence="Positions are written a row late, velocities are not.",
+        on=("orbit",),
+        sees=("error", "x"),
+        after=of_columns(position=_sample_late),
+    ),
+    output(
+        name="half-step-velocity",
+        sentence="Velocities are those of half a step before (leapfrog).",
+        sees=("error", "v"),
+        after=_half_step_velocity,
+    ),
+    output(
+        name="interpolated",
+        sentence="Rows are interpolated between steps.",
+        method="suzuki",
+        sees=("error", "x"),
+        levels=5,
+        after=_interpolated,
+    ),
+    output(
+        name="clock-off",
+        sentence="The time column runs fast by one part in a million.",
+        sees=TRAJECTORY,
+        after=lambda request, run: _drawn_out(run, 1 + 1e-6),
+    ),
+    output(
+        name="clock-added-up",
+        sentence="The time column is added up in single precision.",
+        sees=TRAJECTORY,
+        inside=lambda p: {"clock": lambda start, count, interval: float(np.float32(p.clock(start, count, interval)) + np.float32(1e-7))},
+    ),
+    output(name="row-missing", sentence="The last row is missing.", sees=TRAJECTORY, after=_short),
+    output(name="not-a-number", sentence="One number is NaN.", sees=TRAJECTORY, after=_not_a_number),
+    output(
+        name="output-changes-state",
+        sentence="Asking for output changes the trajectory (LAMMPS 1631).",
+        sees=("determinism", "output-rate"),
+        inside=lambda p: {"output": _touched},
+    ),
+    output(
+        name="six-digits",
+        sentence="Positions are written with six digits.",
+        on=("swing",),
+        sees=("constraint", "length"),
+        after=of_columns(position=digits(6)),
+    ),
+    output(
+        name="twelve-digits",
+        sentence="Velocities are written with twelve digits.",
+        on=("knock",),
+        sees=("momentum", "total"),
+        after=of_columns(velocity=digits(12)),
+    ),
+    output(
+        name="attitude-six-digits",
+        sentence="Attitudes are written with six digits.",
+        on=("tumbler",),
+        sees=("quaternion-norm", "norm"),
+        after=of_columns(attitude=digits(6)),
+    ),
+    output(
+        name="frozen-end",
+        sentence="After three quarters of the run the same row is written again and again.",
+        sees=("error", "x"),
+        after=of_columns(
+            position=lambda r: np.concatenate([r[: 3 * len(r) // 4], np.repeat(r[3 * len(r) // 4][None], len(r) - 3 * len(r) // 4, 0)])
+        ),
+    ),
+    output(
+        name="axes-swapped",
+        sentence="y and z are swapped in the output.",
+        on=("orbit",),
+        sees=("error", "y"),
+        after=of_columns(position=lambda r: r[..., [0, 2, 1]]),
+    ),
+    output(
+        name="mirrored",
+        sentence="x has the other sign in the output.",
+        on=("swing",),
+        sees=("error", "theta"),
+        after=of_columns(position=lambda r: r * [-1, 1, 1], velocity=lambda v: v * [-1, 1, 1]),
+    ),
+    output(
+        name="velocity-column-of-position",
+        sentence="Velocities are differences of positions.",
+        sees=("error", "v"),
+        after=lambda request, run: replace(run, velocity=_rate(run, "position")),
+    ),
+    output(name="largest-only", sentence="Speeds are written without their sign.", sees=("error", "v"), after=of_columns(velocity=np.abs)),
+    output(
+        name="momentum-for-velocity",
+        sentence="Momentum is written for velocity.",
+        on=("knock",),
+        sees=("momentum", "total"),
+        after=lambda request, run: replace(run, velocity=run.velocity * request.problem.scene.bodies.mass[:, None]),
+    ),
+    output(
+        name="end-from-file",
+        sentence="What goes on from an end state starts somewhere else.",
+        sees=("reversal", "reversed"),
+        before=lambda request: (
+            request
+            if request.problem.scene.bodies.velocity[0, 0] == 0
+            else request.with_scene(request.problem.scene.with_state(velocity=np.round(request.problem.scene.bodies.velocity, 8)))
+        ),
+    ),
+    output(
+        name="frames",
+        sentence="Positions are relative to where the bodies started.",
+        on=("orbit",),
+        sees=("error", "x"),
+        after=of_columns(position=lambda r: r - r[:1]),
+    ),
+    output(
+        name="bodies-swapped",
+        sentence="The rows of two bodies are swapped.",
+        on=("knock",),
+        sees=("error", "r1.x"),
+        after=of_columns(position=lambda r: r[:, ::-1], velocity=lambda v: v[:, ::-1]),
+    ),
+    output(
+        name="body-twice",
+        sentence="The second body's row repeats the first's.",
+        on=("bounce",),
+        sees=("momentum", "total"),
+        after=of_columns(velocity=lambda v: v[:, [0, 0]]),
+    ),
+    output(
+        name="sorted",
+        sentence="Bodies are written in order of x, so that they change numbers when sorted by speed.",
+        on=("knock",),
+        sees=("error", "v2.x"),
+        after=of_columns(velocity=lambda v: np.take_along_axis(v, np.argsort(v[..., :1], axis=1), axis=1)),
+    ),
+)

@@ -1,0 +1,144 @@
+"""Precision: single where double is declared, constants with few digits."""
+
+from functools import partial
+from typing import Any
+
+import numpy as np
+
+from refdem.faults.change import of_bodies, of_columns, of_elements, rounding, scaled, single
+from refdem.faults.fault import Fault
+from refdem.faults.parts import Parts
+from refdem.scene.elements.uniform_gravity import UniformGravity
+
+precision = partial(Fault, kind="precision")
+
+
+def _table(p: Parts) -> Any:
+    """Sines from a table of 4096 entries."""
+    return lambda axis, inertia, omega, q, h: p.axis_turn(axis, inertia, omega, q, round(h * omega[axis] * 4096) / 4096 / omega[axis])
+
+
+def _single_spin(p: Parts) -> Any:
+    """omega goes through single precision after every turn."""
+
+    def axis_turn(axis: int, inertia: Any, omega: Any, q: Any, h: Any) -> Any:
+        spun, turned = p.axis_turn(axis, inertia, omega, q, h)
+        return tuple(float(np.float32(x)) for x in spun), turned
+
+    return axis_turn
+
+
+def _forgotten(p: Parts) -> dict[str, Any]:
+    """Positions far from the origin lose digits: kept as multiples of 1e-10 m."""
+    return {"drifted": lambda r, v, h: tuple(round(x * 1e10) / 1e10 for x in p.drifted(r, v, h))}
+
+
+FAULTS = (
+    precision(
+        name="velocity-single",
+        sentence="Velocities are kept in single precision.",
+        on=("ellipse",),
+        sees=("angular-momentum", "total"),
+        inside=lambda p: {"kicked": rounding(p.kicked)},
+    ),
+    precision(
+        name="position-single",
+        sentence="Positions are kept in single precision.",
+        on=("swing",),
+        sees=("constraint", "length"),
+        inside=lambda p: {"drifted": rounding(p.drifted)},
+    ),
+    precision(
+        name="position-single-orbit",
+        sentence="Positions are kept in single precision.",
+        on=("orbit",),
+        sees=("angular-momentum", "total"),
+        inside=lambda p: {"drifted": rounding(p.drifted)},
+    ),
+    precision(
+        name="attitude-single",
+        sentence="Attitudes are kept in single precision.",
+        on=("tumbler",),
+        sees=("quaternion-norm", "norm"),
+        inside=lambda p: {"unit": rounding(p.unit)},
+    ),
+    precision(
+        name="momentum-single",
+        sentence="Spins are kept in single precision.",
+        on=("tumbler",),
+        sees=("angular-momentum", "total"),
+        inside=lambda p: {"axis_turn": _single_spin(p)},
+    ),
+    precision(
+        name="force-single",
+        sentence="Forces are computed in single precision.",
+        on=("oscillator",),
+        method="suzuki",
+        levels=8,
+        sees=("error", "x"),
+        inside=lambda p: {"spring_force": rounding(p.spring_force)},
+    ),
+    precision(
+        name="out-single",
+        sentence="The output file is in single precision.",
+        on=("orbit",),
+        sees=("angular-momentum", "total"),
+        after=of_columns(position=single, velocity=single),
+    ),
+    precision(
+        name="out-single-omega",
+        sentence="Angular velocities are written in single precision.",
+        on=("tumbler",),
+        sees=("angular-momentum", "spin"),
+        after=of_columns(omega=single),
+    ),
+    precision(
+        name="start-single",
+        sentence="The scene file is read in single precision.",
+        on=("swing",),
+        sees=("constraint", "length"),
+        before=of_bodies(position=single),
+    ),
+    precision(
+        name="gravity-truncated",
+        sentence="9.81 for 9.8125 m/s^2.",
+        on=("hanging",),
+        method="suzuki",
+        levels=6,
+        sees=("error", "x"),
+        before=of_elements(UniformGravity, g=scaled(9.81 / 9.8125)),
+    ),
+    precision(
+        name="masses-five-digits",
+        sentence="Masses are read with five digits.",
+        on=("oscillator",),
+        method="suzuki",
+        levels=6,
+        sees=("error", "x"),
+        before=of_bodies(mass=lambda m: m * (1 + 3e-5)),
+    ),
+    precision(
+        name="sine-table",
+        sentence="Sine and cosine come from a table.",
+        on=("tumbler",),
+        sees=("error", "attitude"),
+        levels=6,
+        inside=lambda p: {"axis_turn": _table(p)},
+    ),
+    precision(
+        name="fixed-point",
+        sentence="Positions are kept with ten decimals.",
+        on=("circler",),
+        sees=("constraint", "length"),
+        inside=_forgotten,
+    ),
+    precision(
+        name="normalised-loosely",
+        sentence="Attitudes are normalised when they are off by 1e-6 only.",
+        on=("tumbler",),
+        method="rk4",
+        sees=("quaternion-norm", "norm"),
+        levels=4,
+        inside=lambda p: {"unit": lambda q: p.unit(q) if abs(sum(x * x for x in q) - 1) > 1e-6 else q},
+    ),
+)

@@ -1,0 +1,222 @@
+"""Rotation: the gyroscopic term, quaternions, frames, angular velocity."""
+
+from functools import partial
+from typing import Any
+
+import numpy as np
+
+from refdem.faults import vectors as vec
+from refdem.faults.change import late, of_bodies, of_columns
+from refdem.faults.fault import Fault
+from refdem.mechanics.quaternion import conjugate, rotated
+
+rotation = partial(Fault, kind="rotation")
+OMEGA, TURN = ("error", "omega_body.x"), ("error", "attitude")
+
+
+def _space_side(q: Any, omega: Any) -> Any:
+    return tuple(x / 2 for x in vec.product((0.0, *omega), q))
+
+
+def _left_handed(q: Any, omega: Any) -> Any:
+    return tuple(x / 2 for x in vec.conjugate(vec.product((0.0, *omega), vec.conjugate(q))))
+
+
+def _turned_back(sound: Any, axis: int) -> Any:
+    """The turn about one axis goes the wrong way."""
+    return lambda about, inertia, omega, q, h: sound(about, inertia, omega, q, -h if about == axis else h)
+
+
+def _half_turn(sound: Any) -> Any:
+    """The quaternion turns by half of the angle by which the momentum does."""
+
+    def part(axis: int, inertia: Any, omega: Any, q: Any, h: Any) -> Any:
+        return sound(axis, inertia, omega, q, h)[0], sound(axis, inertia, omega, q, h / 2)[1]
+
+    return part
+
+
+def _body_axes(request: Any, run: Any) -> Any:
+    from dataclasses import replace
+
+    return replace(run, omega=rotated(conjugate(run.attitude), run.omega))
+
+
+FAULTS = (
+    rotation(
+        name="no-gyroscopic-term",
+        sentence="The gyroscopic term is missing (Brax 48, Godot 50173).",
+        on=("tumbler",),
+        method="rk4",
+        sees=OMEGA,
+        inside=lambda p: {"gyroscopic": lambda inertia, omega: vec.ZERO},
+    ),
+    rotation(
+        name="no-gyroscopic-term-first-order",
+        sentence="The gyroscopic term is missing in a method of order 1.",
+        on=("tumbler",),
+        method="euler",
+        sees=OMEGA,
+        inside=lambda p: {"gyroscopic": lambda inertia, omega: vec.ZERO},
+    ),
+    rotation(
+        name="gyroscopic-sign",
+        sentence="The gyroscopic term has the other sign.",
+        on=("tumbler",),
+        method="rk4",
+        sees=OMEGA,
+        inside=lambda p: {"gyroscopic": lambda inertia, omega: vec.times(-1.0, p.gyroscopic(inertia, omega))},
+    ),
+    rotation(
+        name="gyroscopic-half",
+        sentence="The gyroscopic term is half as large.",
+        on=("tumbler",),
+        method="rk4",
+        sees=("error", "omega_body.y"),
+        inside=lambda p: {"gyroscopic": lambda inertia, omega: vec.times(0.5, p.gyroscopic(inertia, omega))},
+    ),
+    rotation(
+        name="gyroscopic-late",
+        sentence="The gyroscopic term is that of the stage before: explicit where it must not be.",
+        on=("tumbler",),
+        method="rk4",
+        sees=("order", "state"),
+        inside=lambda p: {"gyroscopic": late(p.gyroscopic)},
+    ),
+    rotation(
+        name="gyroscopic-never-flips",
+        sentence="Without the gyroscopic term nothing turns over.",
+        on=("flipper",),
+        method="rk4",
+        sees=("flips", "flips"),
+        inside=lambda p: {"gyroscopic": lambda inertia, omega: vec.ZERO},
+    ),
+    rotation(
+        name="gyroscopic-axis",
+        sentence="The gyroscopic torque is that of the next axis.",
+        on=("tumbler",),
+        method="rk4",
+        sees=("energy", "finest"),
+        inside=lambda p: {"gyroscopic": lambda j, w: (lambda g: (g[1], g[2], g[0]))(p.gyroscopic(j, w))},
+    ),
+    rotation(
+        name="not-normalised",
+        sentence="The quaternion is never normalised.",
+        on=("tumbler",),
+        method="rk4",
+        sees=("quaternion-norm", "norm"),
+        inside=lambda p: {"unit": lambda q: q},
+    ),
+    rotation(
+        name="turn-side",
+        sentence="omega in body axes turns the quaternion from the side of space.",
+        on=("tumbler",),
+        method="rk4",
+        sees=TURN,
+        inside=lambda p: {"turn_rate": _space_side},
+    ),
+    rotation(
+        name="turn-left-handed",
+        sentence="The quaternion product is left-handed.",
+        on=("tumbler",),
+        method="rk4",
+        sees=TURN,
+        inside=lambda p: {"turn_rate": _left_handed},
+    ),
+    rotation(
+        name="turn-without-half",
+        sentence="q' = q omega without the factor 1/2.",
+        on=("tumbler",),
+        method="rk4",
+        sees=TURN,
+        inside=lambda p: {"turn_rate": lambda q, w: vec.product(q, (0.0, *w))},
+    ),
+    rotation(
+        name="turn-half-angle",
+        sentence="The quaternion turns by half the angle.",
+        on=("tumbler",),
+        sees=TURN,
+        inside=lambda p: {"axis_turn": _half_turn(p.axis_turn)},
+    ),
+    rotation(
+        name="turn-axis-2-back",
+        sentence="One of three rotations goes the wrong way.",
+        on=("tumbler",),
+        sees=OMEGA,
+        inside=lambda p: {"axis_turn": _turned_back(p.axis_turn, 1)},
+    ),
+    rotation(
+        name="start-omega-as-body",
+        sentence="omega in space axes is taken for omega in body axes.",
+        on=("tumbler",),
+        sees=OMEGA,
+        inside=lambda p: {"to_body": lambda q, a: a},
+    ),
+    rotation(
+        name="out-omega-body",
+        sentence="omega in body axes is written for omega in space axes.",
+        on=("tumbler",),
+        sees=("error", "omega.x"),
+        after=_body_axes,
+    ),
+    rotation(
+        name="out-omega-body-inside",
+        sentence="omega goes from body to space by the inverse rotation.",
+        on=("tumbler",),
+        method="suzuki",
+        sees=("error", "omega.x"),
+        inside=lambda p: {"to_space": lambda q, a: p.to_space(vec.conjugate(q), a)},
+    ),
+    rotation(
+        name="conjugated", sentence="The attitude maps space to body.", on=("tumbler",), sees=TURN, after=of_columns(attitude=conjugate)
+    ),
+    rotation(
+        name="order-xyzw",
+        sentence="The quaternion has its scalar last.",
+        on=("tumbler",),
+        sees=TURN,
+        after=of_columns(attitude=lambda q: np.roll(q, -1, axis=-1)),
+    ),
+    rotation(
+        name="order-xyzw-in",
+        sentence="The attitude at the start is read with its scalar last.",
+        on=("tumbler",),
+        sees=TURN,
+        before=of_bodies(attitude=lambda q: np.roll(q, 1, axis=-1)),
+    ),
+    rotation(
+        name="conjugated-start",
+        sentence="The attitude at the start is read as its inverse.",
+        on=("tumbler",),
+        sees=TURN,
+        before=of_bodies(attitude=conjugate),
+    ),
+    rotation(
+        name="attitude-stays",
+        sentence="The attitude is never turned.",
+        on=("flyer",),
+        sees=TURN,
+        after=of_columns(attitude=lambda q: np.broadcast_to(q[:1], q.shape)),
+    ),
+    rotation(
+        name="frequency-for-omega",
+        sentence="f in place of omega = 2 pi f.",
+        on=("tumbler",),
+        sees=("error", "omega.x"),
+        after=of_columns(omega=lambda w: w / (2 * np.pi)),
+    ),
+    rotation(
+        name="omega-sign",
+        sentence="omega has the other sign.",
+        on=("tumbler",),
+        sees=("error", "omega.y"),
+        after=of_columns(omega=lambda w: -w),
+    ),
+    rotation(
+        name="omega-axes-turned",
+        sentence="The axes of omega are written in another order.",
+        on=("tumbler",),
+        sees=("error", "omega.z"),
+        after=of_columns(omega=lambda w: np.roll(w, 1, axis=-1)),
+    ),
+)

@@ -1,0 +1,88 @@
+"""Changes of requests and trajectories, and parts that remember: what faults are written with."""
+
+from collections.abc import Callable
+from dataclasses import replace
+from typing import Any
+
+import msgspec
+import numpy as np
+from numpy.typing import NDArray
+
+from refdem.core.problem import Request
+from refdem.core.trajectory import Trajectory
+from refdem.scene import Scene
+from refdem.scene.element import Element
+
+Array = NDArray[np.float64]
+
+
+def of_bodies(**change: Callable[[Array], Array]) -> Callable[[Request], Request]:
+    """A request with columns of its bodies changed."""
+
+    def before(request: Request) -> Request:
+        scene = request.problem.scene
+        changed: dict[str, Any] = {name: np.array(make(getattr(scene.bodies, name)), float) for name, make in change.items()}
+        return request.with_scene(Scene(replace(scene.bodies, **changed), scene.elements))
+
+    return before
+
+
+def of_elements(kind: type[Element], **change: Callable[[Any], Any]) -> Callable[[Request], Request]:
+    """A request with fields of all elements of one kind changed."""
+
+    def made(element: Element) -> Element:
+        if not isinstance(element, kind):
+            return element
+        return msgspec.structs.replace(element, **{name: make(getattr(element, name)) for name, make in change.items()})
+
+    def before(request: Request) -> Request:
+        scene = request.problem.scene
+        return request.with_scene(Scene(scene.bodies, tuple(made(element) for element in scene.elements)))
+
+    return before
+
+
+def of_columns(**change: Callable[[Array], Array]) -> Callable[[Request, Trajectory], Trajectory]:
+    """A trajectory with columns changed."""
+
+    def after(request: Request, run: Trajectory) -> Trajectory:
+        changed: dict[str, Any] = {name: np.array(make(getattr(run, name)), float) for name, make in change.items()}
+        return replace(run, **changed)
+
+    return after
+
+
+def digits(count: int) -> Callable[[Array], Array]:
+    """Numbers with so many significant digits, as a text file of `%.{count}g` keeps them."""
+    return lambda values: np.vectorize(lambda value: float(f"{value:.{count}g}"))(values)
+
+
+def single(values: Array) -> Array:
+    """Numbers that went through single precision."""
+    return values.astype(np.float32).astype(float)
+
+
+def scaled(factor: float) -> Callable[[Any], Any]:
+    """The value times a factor, also component by component."""
+    return lambda value: tuple(factor * x for x in value) if isinstance(value, tuple) else factor * value
+
+
+def late(sound: Callable[..., Any]) -> Callable[..., Any]:
+    """A part that answers with what it should have answered the last time."""
+    kept: list[Any] = []
+
+    def part(*arguments: Any) -> Any:
+        kept.append(sound(*arguments))
+        return kept.pop(0) if len(kept) > 1 else kept[0]
+
+    return part
+
+
+def rounding(sound: Callable[..., Any]) -> Callable[..., Any]:
+    """A part whose numbers go through single precision."""
+
+    def part(*arguments: Any) -> Any:
+        found = sound(*arguments)
+        return tuple(float(np.float32(x)) for x in found) if isinstance(found, tuple) else float(np.float32(found))
+
+    return part

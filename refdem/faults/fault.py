@@ -1,0 +1,76 @@
+"""A fault: what is wrong, where it acts, and which quantity of which check must see it; and any engine that carries one."""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+from refdem.core.engine import Engine, Method
+from refdem.core.problem import Motion, Request
+from refdem.core.trajectory import Cost, Trajectory
+from refdem.faults.parts import SOUND, Parts
+from refdem.faults.transparent import Transparent
+
+Inside = Callable[[Parts], Mapping[str, Any]]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Fault:
+    """One known fault. Exactly one of `before`, `after` and `inside` says what is wrong.
+
+    before(request) changes the question, after(request, trajectory) the answer; inside(sound parts) gives the faulty parts by
+    name, anew for every engine, so that what they remember is their own. `on` names the settings on which it acts with
+    `method` of the transparent engine, `sees` the (check, quantity) that must fail there; `levels` is how far that must refine.
+    """
+
+    name: str
+    kind: str
+    sentence: str
+    on: tuple[str, ...]
+    sees: tuple[str, str]
+    method: str = "verlet"
+    before: Callable[[Request], Request] | None = None
+    after: Callable[[Request, Trajectory], Trajectory] | None = None
+    inside: Inside | None = None
+    levels: int = 3
+
+    def __post_init__(self) -> None:
+        if [self.before, self.after, self.inside].count(None) != 2:
+            raise ValueError(f"fault {self.name}: expected exactly one of before, after and inside")
+
+    def carrier(self, engine: Engine | None = None) -> Engine:
+        """An engine that has the fault: the transparent one, or any other if the fault is not inside."""
+        if self.inside:
+            if engine is not None and not isinstance(engine, Transparent):
+                raise ValueError(f"fault {self.name} is inside a part of the transparent engine")
+            return Transparent(SOUND.with_(**self.inside(SOUND)))
+        return Carrier(engine or Transparent(), self)
+
+
+class Carrier(Engine):
+    """An engine whose requests or trajectories are spoiled on the way."""
+
+    def __init__(self, engine: Engine, fault: Fault) -> None:
+        self.engine, self.fault = engine, fault
+        self.name, self.title, self.methods, self.is_reference = engine.name, engine.title, engine.methods, engine.is_reference
+
+    def missing(self) -> str | None:
+        """As the engine."""
+        return self.engine.missing()
+
+    def version(self) -> str:
+        """As the engine, with the fault."""
+        return f"{self.engine.version()} with {self.fault.name}"
+
+    def fingerprint(self, method: Method) -> str:
+        """As the engine, with the fault."""
+        return f"{self.engine.fingerprint(method)} {self.fault.name}"
+
+    def refusal(self, problem: Motion, method: Method) -> str | None:
+        """As the engine."""
+        return self.engine.refusal(problem, method)
+
+    def run(self, request: Request) -> tuple[Trajectory, Cost]:
+        """The run, spoiled before or after."""
+        asked = self.fault.before(request) if self.fault.before else request
+        trajectory, cost = self.engine.run(asked)
+        return (self.fault.after(request, trajectory) if self.fault.after else trajectory), cost

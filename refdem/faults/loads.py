@@ -1,0 +1,103 @@
+"""What acts on the bodies in a state: forces, torques, and how contacts stretch their springs."""
+
+from dataclasses import dataclass
+
+from refdem.faults import vectors as vec
+from refdem.faults.parts import Parts
+from refdem.faults.vectors import ZERO, Number, Vector
+from refdem.faults.world import State, World
+
+
+@dataclass(slots=True)
+class Loads:
+    """Force (space) and torque (body axes) on every body, slip and spring of every pair, and the power that is lost."""
+
+    force: list[Vector]
+    torque: list[Vector]
+    slip: list[Vector]
+    stretch: list[Vector]
+    power: Number
+
+
+def loads(world: World, state: State, parts: Parts, before: Loads | None = None, h: Number = 0.0) -> Loads:
+    """The loads of a state that was reached from one with the loads `before` in a step of h [s]."""
+    found = Loads([ZERO] * len(world.mass), [ZERO] * len(world.mass), [ZERO] * len(world.pairs), list(state.stretch), 0.0)
+    for spring in world.springs:
+        other = state.r[spring.b] if spring.b >= 0 else spring.anchor_b
+        _add(found, spring.a, spring.b, parts.spring_force(spring, state.r[spring.a], other), parts)
+    for i, mass in enumerate(world.mass):
+        for gm in world.fields:
+            found.force[i] = vec.plus(found.force[i], parts.central_force(mass, gm, state.r[i]))
+    for number in range(len(world.pairs)):
+        if state.acting[number]:
+            _touch(world, state, parts, found, number, before, h)
+    for i, mass in enumerate(world.mass):
+        for g in world.gravity:
+            found.force[i] = vec.plus(found.force[i], parts.weight(mass, g))
+    for slider, side in zip(world.sliders, state.side, strict=True):
+        force = parts.slider_force(slider, side)
+        if side == 0:
+            force = vec.times(-vec.dot(found.force[slider.a], slider.axis), slider.axis)
+        found.force[slider.a] = vec.plus(found.force[slider.a], force)
+        found.power -= vec.dot(force, state.v[slider.a])
+    return found
+
+
+def _add(found: Loads, a: int, b: int, force: Vector, parts: Parts) -> None:
+    """A force on a and its reaction on b, unless that is the world."""
+    found.force[a] = vec.plus(found.force[a], force)
+    if b >= 0:
+        found.force[b] = vec.plus(found.force[b], parts.reaction(force))
+
+
+def meeting(world: World, state: State, parts: Parts, number: int) -> tuple[Vector, Number, Number, Vector]:
+    """Normal from i to j, overlap, its rate, and velocity of i against j, of a pair."""
+    i, j = world.pairs[number]
+    if j < 0:
+        plane = world.planes[-1 - j]
+        normal = vec.times(-1.0, plane.normal)
+        depth = parts.overlap(world.radius[i], 0.0, -vec.dot(vec.minus(state.r[i], plane.point), normal))
+        return normal, depth, vec.dot(state.v[i], normal), state.v[i]
+    apart = parts.away(state.r[i], state.r[j])
+    distance = vec.size(apart)
+    normal, relative = vec.times(1.0 / distance, apart), vec.minus(state.v[i], state.v[j])
+    return normal, parts.overlap(world.radius[i], world.radius[j], distance), vec.dot(relative, normal), relative
+
+
+def _touch(world: World, state: State, parts: Parts, found: Loads, number: int, before: Loads | None, h: Number) -> None:
+    """Adds the contact forces and torques of one pair."""
+    law, (i, j) = world.law, world.pairs[number]
+    normal, depth, rate, relative = meeting(world, state, parts, number)
+    push = parts.normal_force(law, depth, rate)
+    _add(found, i, j, vec.times(-push, normal), parts)
+    found.power += law.damping * rate * rate
+    if not law.friction > 0 or not state.pressing[number]:
+        return
+    arm = parts.lever(law, world.radius[i], depth)
+    arm_j = parts.lever(law, world.radius[j], depth) if j >= 0 else 0.0
+    spin = vec.times(arm, parts.to_space(state.q[i], state.w[i]))
+    if j >= 0:
+        spin = vec.moved(spin, arm_j, parts.to_space(state.q[j], state.w[j]))
+    slip = found.slip[number] = parts.slip(relative, spin, normal)
+    if law.tangential_stiffness > 0:
+        stretch = parts.transported(state.stretch[number], normal)
+        if before is not None:
+            stretch = parts.stretched(stretch, parts.transported(before.slip[number], normal), slip, h)
+        if state.sliding[number]:
+            stretch = parts.clipped(law, stretch, push)
+        found.stretch[number] = stretch
+        force = parts.spring_friction(law, stretch)
+    else:
+        force = parts.sliding_friction(law, push, slip, _stopping(world, i, j, h))
+    _add(found, i, j, force, parts)
+    found.power -= vec.dot(force, slip)
+    for body, length in ((i, arm), (j, arm_j)):
+        if body >= 0:
+            torque = parts.to_body(state.q[body], parts.torque_on(length, normal, force))
+            found.torque[body] = vec.plus(found.torque[body], torque)
+
+
+def _stopping(world: World, i: int, j: int, h: Number) -> Number:
+    """The factor [kg/s] with which friction would undo the slip of two solid spheres in one step."""
+    ease = sum(3.5 / world.mass[body] for body in (i, j) if body >= 0)
+    return 1.0 / (abs(h) * ease) if h else world.number(1e300 if world.number is float else 1e30)

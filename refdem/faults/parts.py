@@ -1,0 +1,272 @@
+"""The parts of the transparent engine, each a small plain function or constant: what a fault replaces (`inside`)."""
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from math import cos, sin
+from typing import Any
+
+from refdem.errors import UnsupportedError
+from refdem.faults import vectors as vec
+from refdem.faults.vectors import Number, Quaternion, Vector
+from refdem.scene.elements.contact import Contact
+from refdem.scene.elements.rod import Rod
+from refdem.scene.elements.slider import Slider
+from refdem.scene.elements.spring import Spring
+
+
+def spring_force(spring: Spring, a: Vector, b: Vector) -> Vector:
+    """Force [N] on end a."""
+    apart = vec.minus(b, a)
+    if spring.length == 0 and spring.exponent == 1:
+        return vec.times(spring.stiffness, apart)
+    distance = vec.size(apart)
+    stretch = distance - spring.length
+    pull = spring.stiffness * abs(stretch) ** spring.exponent * (1 if stretch > 0 else -1)
+    return vec.times(pull / distance, apart)
+
+
+def weight(mass: Number, g: Vector) -> Vector:
+    """Force [N] of uniform gravity."""
+    return vec.times(mass, g)
+
+
+def central_force(mass: Number, gm: Number, r: Vector) -> Vector:
+    """Newton's attraction [N] to the origin."""
+    distance = vec.size(r)
+    return vec.times(-mass * gm / (distance * distance * distance), r)
+
+
+def gyroscopic(inertia: Vector, omega: Vector) -> Vector:
+    """The torque -omega x J omega [N m] in body axes."""
+    return vec.cross(vec.per_axis(inertia, omega), omega)
+
+
+def turn_rate(q: Quaternion, omega: Vector) -> Quaternion:
+    """q' = q omega_body / 2."""
+    w, x, y, z = vec.product(q, (0.0, *omega))
+    return w / 2, x / 2, y / 2, z / 2
+
+
+def turned(q: Quaternion, omega: Vector, h: Number) -> Quaternion:
+    """Attitude after turning with omega [rad/s] in body axes for h [s]."""
+    return vec.product(q, vec.turn_by(vec.times(h, omega)))
+
+
+def axis_turn(axis: int, inertia: Vector, omega: Vector, q: Quaternion, h: Number) -> tuple[Vector, Quaternion]:
+    """omega_body and attitude after the exact rotation of the body about one principal axis for h [s]."""
+    angle = h * omega[axis]
+    c, s = cos(angle), sin(angle)
+    momentum = list(vec.per_axis(inertia, omega))
+    i, j = (axis + 1) % 3, (axis + 2) % 3
+    momentum[i], momentum[j] = c * momentum[i] + s * momentum[j], c * momentum[j] - s * momentum[i]
+    half = [cos(angle / 2), 0.0, 0.0, 0.0]
+    half[1 + axis] = sin(angle / 2)
+    return vec.over_axis((momentum[0], momentum[1], momentum[2]), inertia), vec.product(q, (half[0], half[1], half[2], half[3]))
+
+
+def to_body(q: Quaternion, a: Vector) -> Vector:
+    """A space vector in body axes."""
+    return vec.rotated(vec.conjugate(q), a)
+
+
+def to_space(q: Quaternion, a: Vector) -> Vector:
+    """A body vector in space axes."""
+    return vec.rotated(q, a)
+
+
+def kicked(v: Vector, force: Vector, mass: Number, h: Number) -> Vector:
+    """Velocity after a force for h [s]."""
+    return vec.moved(v, h / mass, force)
+
+
+def spun_up(omega: Vector, torque: Vector, inertia: Vector, h: Number) -> Vector:
+    """omega_body after a torque in body axes for h [s]."""
+    return omega[0] + h * torque[0] / inertia[0], omega[1] + h * torque[1] / inertia[1], omega[2] + h * torque[2] / inertia[2]
+
+
+def drifted(r: Vector, v: Vector, h: Number) -> Vector:
+    """Position after h [s]."""
+    return vec.moved(r, h, v)
+
+
+def reaction(force: Vector) -> Vector:
+    """What the other body feels."""
+    return -force[0], -force[1], -force[2]
+
+
+def away(a: Vector, b: Vector) -> Vector:
+    """From the centre of a to that of b [m]."""
+    return vec.minus(b, a)
+
+
+def overlap(radius_a: Number, radius_b: Number, distance: Number) -> Number:
+    """Depth of the contact [m]."""
+    return (radius_a + radius_b) - distance
+
+
+def normal_force(law: Contact, depth: Number, rate: Number) -> Number:
+    """k d + c d' [N]; pulls when negative."""
+    return law.stiffness * depth + law.damping * rate
+
+
+def lever(law: Contact, radius: Number, depth: Number) -> Number:
+    """Arm [m] of the tangential force on a sphere."""
+    return radius - {"R": 0.0, "R-d/2": 0.5, "R-d": 1.0}[law.branch] * depth
+
+
+def slip(velocity: Vector, spin: Vector, normal: Vector) -> Vector:
+    """Tangential velocity of surface a against b [m/s]; spin = arm_a omega_a + arm_b omega_b."""
+    return vec.plus(vec.moved(velocity, -vec.dot(velocity, normal), normal), vec.cross(spin, normal))
+
+
+def transported(stretch: Vector, normal: Vector) -> Vector:
+    """The tangential spring turned into the present tangent plane, its length kept."""
+    before = vec.size(stretch)
+    flat = vec.moved(stretch, -vec.dot(stretch, normal), normal)
+    after = vec.size(flat)
+    return vec.times(before / after, flat) if after > 0 else flat
+
+
+def stretched(stretch: Vector, slip_before: Vector, slip_now: Vector, h: Number) -> Vector:
+    """The tangential spring after h [s] of slip."""
+    return vec.moved(stretch, h / 2, vec.plus(slip_before, slip_now))
+
+
+def clipped(law: Contact, stretch: Vector, normal: Number) -> Vector:
+    """The spring as long as Coulomb's limit allows."""
+    longest, length = law.friction * max(normal, 0.0) / law.tangential_stiffness, vec.size(stretch)
+    return vec.times(longest / length, stretch) if length > 0 else stretch
+
+
+def spring_friction(law: Contact, stretch: Vector) -> Vector:
+    """Force [N] of the tangential spring on a."""
+    return vec.times(-law.tangential_stiffness, stretch)
+
+
+def sliding_friction(law: Contact, normal: Number, slide: Vector, stopping: Number) -> Vector:
+    """Friction of full size against the slip; raises UnsupportedError where a step of it (`stopping` [kg/s]) would stop the slip."""
+    speed, limit = vec.size(slide), law.friction * max(normal, 0.0)
+    if limit > stopping * speed:
+        raise UnsupportedError("a contact without a tangential spring that comes to stick")
+    return vec.times(-limit / speed, slide) if speed > 0 else vec.ZERO
+
+
+def torque_on(arm: Number, normal: Vector, force: Vector) -> Vector:
+    """Torque [N m] of the tangential force on a; the reaction turns b the same way with its own arm."""
+    return vec.times(arm, vec.cross(normal, force))
+
+
+def presses(law: Contact, depth: Number, force: Number) -> Number:
+    """Positive while the contact acts."""
+    return depth if law.cutoff == "zero_overlap" else force
+
+
+def slider_force(slider: Slider, side: int) -> Vector:
+    """Dry friction [N] on a body that moves towards `side` along the axis."""
+    return vec.times(-side * slider.friction * slider.normal_force, slider.axis)
+
+
+def holds(slider: Slider, along: Number) -> bool:
+    """Dry friction balances a force [N] along its axis at rest."""
+    return abs(along) <= slider.friction * slider.normal_force
+
+
+def rod_position(rod: Rod, apart: Vector, direction: Vector, ease: Number) -> Number:
+    """Impulse over time [kg] along `direction` that brings the ends to the rod's length (one Newton step)."""
+    return (vec.dot(apart, apart) - rod.length * rod.length) / (2 * ease * vec.dot(apart, direction))
+
+
+def rod_velocity(rod: Rod, apart: Vector, relative: Vector, ease: Number) -> Number:
+    """Impulse over length [kg/s] that takes the relative velocity along the rod away."""
+    return vec.dot(apart, relative) / (ease * vec.dot(apart, apart))
+
+
+def rod_tension(rod: Rod, apart: Vector, relative: Vector, pull: Vector, ease: Number) -> Number:
+    """Rod force [N], positive in tension: (|v|^2 + r.a)/(r ease); `pull` is the relative acceleration without it."""
+    return (vec.dot(relative, relative) + vec.dot(apart, pull)) / (ease * rod.length)
+
+
+def clock(start: Number, count: int, interval: Number) -> Number:
+    """Time [s] of sample `count`."""
+    return start + count * interval
+
+
+def fresh(kept: dict[str, Any]) -> None:
+    """What is done with the memory of earlier runs: it is thrown away."""
+    kept.clear()
+
+
+def output(state: Any) -> Any:
+    """The state with which the run goes on after a sample was written: it is read, never changed."""
+    return state
+
+
+def loads(*arguments: Any) -> Any:
+    """All forces and torques of a state (refdem.faults.loads)."""
+    from refdem.faults.loads import loads as every
+
+    return every(*arguments)
+
+
+def side_of(*arguments: Any) -> Any:
+    """Towards where a slider moves (refdem.faults.events)."""
+    from refdem.faults.events import side_of as side
+
+    return side(*arguments)
+
+
+S4 = 1.0 / (4.0 - 4.0 ** (1.0 / 3.0))
+"""Suzuki 1990: five steps of a symmetric method of order 2 make one of order 4."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Parts:
+    """All parts by name."""
+
+    spring_force: Callable[..., Any] = spring_force
+    weight: Callable[..., Any] = weight
+    central_force: Callable[..., Any] = central_force
+    gyroscopic: Callable[..., Any] = gyroscopic
+    turn_rate: Callable[..., Any] = turn_rate
+    turned: Callable[..., Any] = turned
+    axis_turn: Callable[..., Any] = axis_turn
+    to_body: Callable[..., Any] = to_body
+    to_space: Callable[..., Any] = to_space
+    unit: Callable[..., Any] = vec.unit
+    kicked: Callable[..., Any] = kicked
+    spun_up: Callable[..., Any] = spun_up
+    drifted: Callable[..., Any] = drifted
+    reaction: Callable[..., Any] = reaction
+    away: Callable[..., Any] = away
+    overlap: Callable[..., Any] = overlap
+    normal_force: Callable[..., Any] = normal_force
+    lever: Callable[..., Any] = lever
+    slip: Callable[..., Any] = slip
+    transported: Callable[..., Any] = transported
+    stretched: Callable[..., Any] = stretched
+    clipped: Callable[..., Any] = clipped
+    spring_friction: Callable[..., Any] = spring_friction
+    sliding_friction: Callable[..., Any] = sliding_friction
+    torque_on: Callable[..., Any] = torque_on
+    presses: Callable[..., Any] = presses
+    slider_force: Callable[..., Any] = slider_force
+    holds: Callable[..., Any] = holds
+    rod_position: Callable[..., Any] = rod_position
+    rod_velocity: Callable[..., Any] = rod_velocity
+    rod_tension: Callable[..., Any] = rod_tension
+    clock: Callable[..., Any] = clock
+    fresh: Callable[..., Any] = fresh
+    output: Callable[..., Any] = output
+    loads: Callable[..., Any] = loads
+    side_of: Callable[..., Any] = side_of
+    verlet_kicks: tuple[float, float] = (0.5, 0.5)
+    suzuki: tuple[float, ...] = (S4, S4, 1.0 - 4.0 * S4, S4, S4)
+    rk4_nodes: tuple[float, ...] = (0.5, 0.5, 1.0)
+    rk4_weights: tuple[float, ...] = (1 / 6, 1 / 3, 1 / 3, 1 / 6)
+
+    def with_(self, **changed: Any) -> "Parts":
+        """The same parts with some replaced."""
+        return replace(self, **changed)
+
+
+SOUND = Parts()

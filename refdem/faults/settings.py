@@ -1,0 +1,226 @@
+"""Settings for faults to act on: cases with random parameters, drawn by a seed inside sensible bounds, all of them dyadic.
+
+Each is a short motion (about eight shortest times), so that faults x settings x seeds fit into minutes.
+"""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from fractions import Fraction
+
+import numpy as np
+
+Draw = Callable[[np.random.Generator], dict[str, str]]
+
+
+@dataclass(frozen=True)
+class Setting:
+    """A case with random parameters; `methods` are those of the transparent engine that run it."""
+
+    case: str
+    draw: Draw
+    methods: tuple[str, ...]
+
+    def parameters(self, name: str, seed: int) -> dict[str, str]:
+        """The parameters of a seed, as text."""
+        return self.draw(np.random.default_rng([seed, *name.encode()]))
+
+
+def _between(rng: np.random.Generator, low: float, high: float, unit: int = 32) -> Fraction:
+    """A random multiple of 1/unit in [low, high]."""
+    return Fraction(int(rng.integers(int(low * unit), int(high * unit), endpoint=True)), unit)
+
+
+def _list(values: object) -> str:
+    return ",".join(str(value) for value in values)  # type: ignore[attr-defined]
+
+
+def _sign(rng: np.random.Generator) -> int:
+    return int(rng.choice((-1, 1)))
+
+
+def _inertia(rng: np.random.Generator) -> list[Fraction]:
+    """Moments of a box with well separated sides, in any order."""
+    sides = [1 + _between(rng, 0, 0.25), 2 + _between(rng, 0, 0.25), 3 + _between(rng, 0, 0.25)]
+    moments = [sum(other * other for other in sides) - side * side for side in sides]
+    return [Fraction(round(float(moments[i]) * 8), 64) for i in rng.permutation(3)]
+
+
+def _tumbler(rng: np.random.Generator) -> dict[str, str]:
+    """A free body with three moments of inertia, spinning about no axis in particular, attitude anything."""
+    omega = [_sign(rng) * _between(rng, 0.5, 1.25) for _ in range(3)]
+    attitude = [int(rng.integers(1, 5)), *(_sign(rng) * int(rng.integers(1, 5)) for _ in range(3))]
+    return {"inertia": _list(_inertia(rng)), "omega_body": _list(omega), "attitude": _list(attitude), "duration": "6", "samples": "32"}
+
+
+def _flipper(rng: np.random.Generator) -> dict[str, str]:
+    """A body that turns over once about its intermediate axis."""
+    return {"offset": str(_between(rng, 1 / 32, 1 / 8, 128)), "direction": str(rng.choice(("1", "3"))), "duration": "24", "samples": "48"}
+
+
+def _swing(rng: np.random.Generator) -> dict[str, str]:
+    """A pendulum that swings."""
+    found = {"mass": _between(rng, 0.5, 3), "length": _between(rng, 0.5, 2), "gravity": _between(rng, 4, 12)}
+    found |= {"theta0": _sign(rng) * _between(rng, 0.75, 1.75), "thetadot0": _between(rng, -0.5, 0.5)}
+    return {name: str(value) for name, value in found.items()} | {"duration": "3", "samples": "32"}
+
+
+def _circler(rng: np.random.Generator) -> dict[str, str]:
+    """A pendulum that goes round."""
+    found = {"mass": _between(rng, 0.5, 3), "length": _between(rng, 1, 2), "gravity": _between(rng, 1, 2)}
+    found |= {"theta0": _between(rng, -1, 1), "thetadot0": _sign(rng) * _between(rng, 4, 5)}
+    return {name: str(value) for name, value in found.items()} | {"duration": "2", "samples": "32"}
+
+
+def _oscillator(rng: np.random.Generator) -> dict[str, str]:
+    """A mass on a spring."""
+    found = {"mass": _between(rng, 0.5, 2), "stiffness": _between(rng, 0.5, 2), "x0": _sign(rng) * _between(rng, 0.5, 2)}
+    return {name: str(value) for name, value in found.items()} | {"v0": str(_between(rng, -1, 1)), "duration": "8", "samples": "32"}
+
+
+def _hanging(rng: np.random.Generator) -> dict[str, str]:
+    """The same in gravity."""
+    return _oscillator(rng) | {"gravity": str(_sign(rng) * _between(rng, 0.5, 1.5))}
+
+
+def _rubbing(rng: np.random.Generator) -> dict[str, str]:
+    """A mass on a spring that friction stops after two to four half cycles, well away from the edge between two numbers of them."""
+    stiffness, x0 = _between(rng, 0.75, 2), _between(rng, 0.75, 1.5)
+    share = Fraction(1, 2 * int(rng.integers(2, 5))) + Fraction(1, 128)
+    found = {"mass": _between(rng, 0.75, 1.5), "stiffness": stiffness, "x0": _sign(rng) * x0, "friction_force": stiffness * x0 * share}
+    return {name: str(value) for name, value in found.items()} | {"duration": "20", "samples": "64"}
+
+
+def _orbit(rng: np.random.Generator) -> dict[str, str]:
+    """About one revolution about a centre of attraction."""
+    return {"gm": str(_between(rng, 0.75, 1.5)), "eccentricity": str(_between(rng, 0.0625, 0.375)), "duration": "6", "samples": "32"}
+
+
+def _ellipse(rng: np.random.Generator) -> dict[str, str]:
+    """About one revolution on a spring."""
+    return _orbit(rng) | {"stiffness": str(_between(rng, 0.75, 1.5))}
+
+
+def _spheres(rng: np.random.Generator) -> dict[str, Fraction]:
+    """Two unequal spheres."""
+    return {"stiffness": _between(rng, 96, 192, 1), "closing_speed": _between(rng, 0.75, 1.25)}
+
+
+def _pair(rng: np.random.Generator, low: float, high: float) -> str:
+    """A number and a larger one, in any order."""
+    small = _between(rng, low, high)
+    both = [small, small * _between(rng, 1.5, 2.5, 4)]
+    return _list(both[::-1] if rng.integers(2) else both)
+
+
+def _collision(rng: np.random.Generator, **more: object) -> dict[str, str]:
+    found = {**_spheres(rng), **more, "masses": _pair(rng, 0.75, 1.25), "radii": _pair(rng, 0.375, 0.625), "samples": 32}
+    return {name: str(value) for name, value in found.items()}
+
+
+def _knock(rng: np.random.Generator) -> dict[str, str]:
+    """Head-on, damped; the contact ends with the overlap."""
+    return _collision(rng, damping=_between(rng, 0.75, 2))
+
+
+def _parting(rng: np.random.Generator) -> dict[str, str]:
+    """Head-on, damped; the contact ends when it would pull."""
+    return _collision(rng, damping=_between(rng, 0.75, 2), cutoff="zero_force")
+
+
+def _bounce(rng: np.random.Generator) -> dict[str, str]:
+    """Head-on, nothing is lost."""
+    return _collision(rng, damping=0)
+
+
+def _spins(rng: np.random.Generator) -> str:
+    return f"0,0,{_between(rng, -0.125, 0.125)},0,0,{_between(rng, -0.125, 0.125)}"
+
+
+def _scrape(rng: np.random.Generator) -> dict[str, str]:
+    """Oblique with gross sliding; the lever arms add up to the distance."""
+    side = _sign(rng)
+    return _collision(
+        rng,
+        damping=_between(rng, 0.5, 1),
+        friction=_between(rng, 0.0625, 0.09375),
+        angle=side * _between(rng, 0.95, 1.1),
+        spins=_spins(rng),
+    )
+
+
+def _scrape_long(rng: np.random.Generator) -> dict[str, str]:
+    """The same with the radius as lever arm."""
+    return _scrape(rng) | {"branch": "R", "damping": "0"}
+
+
+def _scrape_short(rng: np.random.Generator) -> dict[str, str]:
+    """The same with the radius less the overlap as lever arm."""
+    return _scrape(rng) | {"branch": "R-d"}
+
+
+def _bristle(rng: np.random.Generator) -> dict[str, str]:
+    """Gross sliding with a tangential spring that is at its limit from the start."""
+    return _scrape(rng) | {"damping": "0", "tangential_stiffness": str(_between(rng, 80, 128, 1)), "samples": "32"}
+
+
+def _spinner(rng: np.random.Generator) -> dict[str, str]:
+    """Head-on; sphere 2 spins so fast that it slides all the time, sphere 1 slowly the other way."""
+    side = _sign(rng)
+    spins = f"0,0,{-side * _between(rng, 0.25, 0.5)},0,0,{side * _between(rng, 4, 6)}"
+    return _collision(rng, damping=0, friction=_between(rng, 0.0625, 0.125), spins=spins)
+
+
+def _soft(rng: np.random.Generator) -> dict[str, str]:
+    """Gross sliding of soft spheres: the normal turns far while the tangential spring remembers."""
+    stiffness = _between(rng, 2, 4)
+    more = {"stiffness": stiffness, "tangential_stiffness": stiffness / 4, "closing_speed": _between(rng, 0.75, 0.875)}
+    return _collision(rng, damping=0, friction=_between(rng, 0.125, 0.1875), angle=_sign(rng) * _between(rng, 1.15, 1.2), **more)
+
+
+def _sticker(rng: np.random.Generator) -> dict[str, str]:
+    """Oblique; the tangential spring holds, then slides."""
+    return _scrape(rng) | {"tangential_stiffness": str(_between(rng, 80, 128, 1)), "friction": "1", "angle": "1/4", "damping": "0"}
+
+
+def _tumbling_spheres(rng: np.random.Generator) -> dict[str, str]:
+    """The same with spins about all axes, so that the spring leaves the plane."""
+    return _sticker(rng) | {"spins": _list(_sign(rng) * _between(rng, 1, 2) for _ in range(6)), "damping": "1/2"}
+
+
+def _flyer(rng: np.random.Generator) -> dict[str, str]:
+    """A free body that flies straight and spins steadily."""
+    velocity = _list(_sign(rng) * _between(rng, 0.25, 1) for _ in range(3))
+    return {"velocity": velocity, "spin": str(_between(rng, 0.75, 1.5)), "duration": "8", "samples": "32"}
+
+
+def _resting(rng: np.random.Generator) -> dict[str, str]:
+    """Two spheres in elastic balance."""
+    return {"member": "spheres", "duration": str(_between(rng, 0.25, 0.5)), "samples": "16"}
+
+
+SMOOTH = ("euler", "verlet", "suzuki", "rk4", "verlet-single")
+TOUCHING = ("verlet", "verlet-single")
+SETTINGS: Mapping[str, Setting] = {
+    "tumbler": Setting("free-rigid-body", _tumbler, SMOOTH),
+    "flipper": Setting("intermediate-axis", _flipper, SMOOTH),
+    "swing": Setting("pendulum", _swing, ("euler", "verlet", "suzuki", "verlet-single")),
+    "circler": Setting("pendulum", _circler, ("euler", "verlet", "suzuki", "verlet-single")),
+    "oscillator": Setting("harmonic-oscillator", _oscillator, SMOOTH),
+    "hanging": Setting("harmonic-oscillator", _hanging, SMOOTH),
+    "rubbing": Setting("coulomb-oscillator", _rubbing, TOUCHING),
+    "orbit": Setting("two-body-orbit", _orbit, SMOOTH),
+    "ellipse": Setting("two-body-orbit", _ellipse, SMOOTH),
+    "knock": Setting("two-spheres", _knock, TOUCHING),
+    "parting": Setting("two-spheres", _parting, TOUCHING),
+    "bounce": Setting("two-spheres", _bounce, TOUCHING),
+    "scrape": Setting("two-spheres", _scrape, TOUCHING),
+    "scrape-long": Setting("two-spheres", _scrape_long, TOUCHING),
+    "scrape-short": Setting("two-spheres", _scrape_short, TOUCHING),
+    "bristle": Setting("two-spheres", _bristle, TOUCHING),
+    "spinner": Setting("two-spheres", _spinner, TOUCHING),
+    "soft": Setting("two-spheres", _soft, TOUCHING),
+    "sticker": Setting("two-spheres", _sticker, TOUCHING),
+    "tumbling-spheres": Setting("two-spheres", _tumbling_spheres, TOUCHING),
+    "flyer": Setting("newtons-first-law", _flyer, SMOOTH),
+    "resting": Setting("newtons-first-law", _resting, TOUCHING),
+}

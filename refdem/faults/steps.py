@@ -1,0 +1,186 @@
+"""Methods of the transparent engine: one step each, in the verbs kick, drift, hold."""
+
+from refdem.faults import vectors as vec
+from refdem.faults.loads import Loads
+from refdem.faults.parts import Parts
+from refdem.faults.vectors import Number, Vector
+from refdem.faults.world import State, World
+
+
+class Moving:
+    """A world, the parts that move it, and the loads of the present state."""
+
+    def __init__(self, world: World, parts: Parts) -> None:
+        self.world, self.parts = world, parts
+        self.turning = [i for i, turns in enumerate(world.turns) if turns and not world.fixed[i]]
+        self.free = [i for i, fixed in enumerate(world.fixed) if not fixed]
+        self.depends_on_velocity = bool(world.pairs) and (world.law.damping > 0 or world.law.friction > 0)
+
+
+def kick(m: Moving, state: State, load: Loads, h: Number) -> State:
+    """Velocities after the loads have acted for h."""
+    after = state.copy()
+    for i in m.free:
+        after.v[i] = m.parts.kicked(state.v[i], load.force[i], m.world.mass[i], h)
+    if m.world.pairs:
+        for i in m.turning:
+            after.w[i] = m.parts.spun_up(state.w[i], load.torque[i], m.world.inertia[i], h)
+    return after
+
+
+def drift(m: Moving, state: State, h: Number) -> State:
+    """Positions and attitudes after h: bodies turn as free ones do."""
+    after = state.copy()
+    for i in m.free:
+        after.r[i] = m.parts.drifted(state.r[i], state.v[i], h)
+    for i in m.turning:
+        inertia = m.world.inertia[i]
+        if inertia[0] == inertia[1] == inertia[2]:
+            after.q[i] = m.parts.unit(m.parts.turned(state.q[i], state.w[i], h))
+            continue
+        w, q = state.w[i], state.q[i]
+        for axis, part in ((0, 0.5), (1, 0.5), (2, 1.0), (1, 0.5), (0, 0.5)):
+            w, q = m.parts.axis_turn(axis, inertia, w, q, part * h)
+        after.w[i], after.q[i] = w, m.parts.unit(q)
+    return after
+
+
+def verlet(m: Moving, state: State, load: Loads, h: Number) -> tuple[State, Loads]:
+    """Kick, drift, kick (Swope et al. 1982); with rods RATTLE (Andersen 1983); one correction where forces depend on velocity."""
+    first, second = m.parts.verlet_kicks
+    moved = drift(m, hold_length(m, state, kick(m, state, load, first * h), h), h)
+    moved.work = state.work + 0.5 * h * load.power
+    after = m.parts.loads(m.world, kick(m, moved, load, second * h), m.parts, load, h)
+    if m.depends_on_velocity:
+        after = m.parts.loads(m.world, kick(m, moved, after, second * h), m.parts, load, h)
+    ended = hold_speed(m, kick(m, moved, after, second * h))
+    if m.world.sliders:
+        after = m.parts.loads(m.world, ended, m.parts, load, h)
+    ended.stretch = after.stretch
+    ended.work = moved.work + 0.5 * h * after.power
+    return ended, after
+
+
+def euler(m: Moving, state: State, load: Loads, h: Number) -> tuple[State, Loads]:
+    """Kick, drift: first order; gyroscopic term explicit."""
+    moved = kick(m, state, load, h)
+    for i in m.turning:
+        moved.w[i] = m.parts.spun_up(moved.w[i], m.parts.gyroscopic(m.world.inertia[i], moved.w[i]), m.world.inertia[i], h)
+    moved = hold_length(m, state, moved, h)
+    for i in m.free:
+        moved.r[i] = m.parts.drifted(moved.r[i], moved.v[i], h)
+    for i in m.turning:
+        moved.q[i] = m.parts.unit(m.parts.turned(moved.q[i], moved.w[i], h))
+    moved = hold_speed(m, moved)
+    after = m.parts.loads(m.world, moved, m.parts, load, h)
+    moved.stretch = after.stretch
+    moved.work = state.work + h * after.power
+    return moved, after
+
+
+def suzuki(m: Moving, state: State, load: Loads, h: Number) -> tuple[State, Loads]:
+    """Five steps of Verlet: order 4 (Suzuki 1990)."""
+    for part in m.parts.suzuki:
+        state, load = verlet(m, state, load, part * h)
+    return state, load
+
+
+Rates = tuple[list[Vector], list[Vector], list[vec.Quaternion], list[Vector]]
+
+
+def rates(m: Moving, state: State) -> Rates:
+    """r', v', q', omega_body' of every body."""
+    load, parts, bodies = m.parts.loads(m.world, state, m.parts), m.parts, range(len(m.world.mass))
+    still = (0.0, 0.0, 0.0, 0.0)
+    return (
+        [state.v[i] for i in bodies],
+        [parts.kicked(vec.ZERO, load.force[i], m.world.mass[i], 1.0) for i in bodies],
+        [parts.turn_rate(state.q[i], state.w[i]) if m.world.turns[i] else still for i in bodies],
+        [
+            parts.spun_up(vec.ZERO, parts.gyroscopic(m.world.inertia[i], state.w[i]), m.world.inertia[i], 1.0)
+            if m.world.turns[i]
+            else vec.ZERO
+            for i in bodies
+        ],
+    )
+
+
+def onward(state: State, rate: Rates, h: Number) -> State:
+    """The state after h at constant rates."""
+    after = state.copy()
+    for i in range(len(state.r)):
+        after.r[i], after.v[i] = vec.moved(state.r[i], h, rate[0][i]), vec.moved(state.v[i], h, rate[1][i])
+        w, x, y, z = state.q[i]
+        a, b, c, d = rate[2][i]
+        after.q[i], after.w[i] = (w + h * a, x + h * b, y + h * c, z + h * d), vec.moved(state.w[i], h, rate[3][i])
+    return after
+
+
+def rk4(m: Moving, state: State, load: Loads, h: Number) -> tuple[State, Loads]:
+    """The classical method of order 4 (Kutta 1901)."""
+    stages = [rates(m, state)]
+    for node in m.parts.rk4_nodes:
+        stages.append(rates(m, onward(state, stages[-1], node * h)))
+    for rate, weight in zip(stages, m.parts.rk4_weights, strict=True):
+        state = onward(state, rate, weight * h)
+    state.q = [m.parts.unit(q) for q in state.q]
+    return state, load
+
+
+SWEEPS = 60
+
+
+def _ends(m: Moving, rod: object, state: State) -> tuple[Vector, Vector, Number]:
+    """Vector from end b to end a, its rate, and what a unit impulse changes: 1/m_a + 1/m_b."""
+    a, b = rod.a, rod.b  # type: ignore[attr-defined]
+    if b < 0:
+        return vec.minus(state.r[a], rod.anchor_b), state.v[a], 1.0 / m.world.mass[a]  # type: ignore[attr-defined]
+    ease = 1.0 / m.world.mass[a] + 1.0 / m.world.mass[b]
+    return vec.minus(state.r[a], state.r[b]), vec.minus(state.v[a], state.v[b]), ease
+
+
+def _pull(m: Moving, rod: object, state: State, along: Vector, amount: Number) -> None:
+    """Takes an impulse along a vector from a and gives it to b."""
+    a, b = rod.a, rod.b  # type: ignore[attr-defined]
+    state.v[a] = vec.moved(state.v[a], -amount / m.world.mass[a], along)
+    if b >= 0:
+        state.v[b] = vec.moved(state.v[b], amount / m.world.mass[b], along)
+
+
+def hold_length(m: Moving, before: State, state: State, h: Number) -> State:
+    """Velocities with which a drift of h ends at the rods' lengths: Newton steps along the rods as they were."""
+    for _ in range(SWEEPS if m.world.rods else 0):
+        largest = 0.0
+        for rod in m.world.rods:
+            along, _, ease = _ends(m, rod, before)
+            apart, relative, _ = _ends(m, rod, state)
+            reached = vec.moved(apart, h, relative)
+            amount = m.parts.rod_position(rod, reached, along, ease) / h
+            _pull(m, rod, state, along, amount)
+            largest = max(largest, abs(amount * h * ease))
+        if largest < m.world.number(1e-16 if m.world.number is float else 1e-8):
+            break
+    return state
+
+
+def hold_speed(m: Moving, state: State) -> State:
+    """Velocities without a part along the rods."""
+    for _ in range(0 if not m.world.rods else 1 if len(m.world.rods) == 1 else SWEEPS):
+        for rod in m.world.rods:
+            apart, relative, ease = _ends(m, rod, state)
+            _pull(m, rod, state, apart, m.parts.rod_velocity(rod, apart, relative, ease))
+    return state
+
+
+def rod_forces(m: Moving, state: State) -> list[Number]:
+    """Force [N] in every rod that ends at the world."""
+    load = m.parts.loads(m.world, state, m.parts)
+    found = []
+    for rod in m.world.rods:
+        apart, relative, ease = _ends(m, rod, state)
+        pull = vec.times(1.0 / m.world.mass[rod.a], load.force[rod.a])
+        found.append(m.parts.rod_tension(rod, apart, relative, pull, ease))
+    return found
+
+
+STEPS = {"euler": euler, "verlet": verlet, "suzuki": suzuki, "rk4": rk4, "verlet-single": verlet}

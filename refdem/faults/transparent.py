@@ -1,0 +1,149 @@
+"""The transparent engine: small plain parts in the open, to carry known faults; it is not discovered among the engines."""
+
+from time import perf_counter
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from refdem.core import fingerprint
+from refdem.core.engine import Engine, Method
+from refdem.core.problem import Motion, Request
+from refdem.core.trajectory import Cost, Trajectory
+from refdem.faults.events import advance, first_modes, held
+from refdem.faults.loads import meeting
+from refdem.faults.parts import SOUND, Parts
+from refdem.faults.steps import STEPS, Moving, rod_forces
+from refdem.faults.world import PRECISIONS, SUPPORTED, State, start_of, world_of
+from refdem.scene.element import Element
+from refdem.scene.elements.contact import Contact
+from refdem.scene.elements.rod import Rod
+from refdem.scene.elements.slider import Slider
+from refdem.scene.elements.spring import Spring
+from refdem.scene.shapes import Polyhedron
+
+KEPT = frozenset({"momentum", "angular-momentum", "constraint"})
+_VERLET: dict[str, Any] = {"control": "step", "order": 2, "conserves": KEPT, "reversible": True, "symplectic": True, "backward": True}
+METHODS = (
+    Method(name="euler", summary="kick, drift; gyroscopic term explicit", control="step", order=1, conserves=frozenset({"momentum"})),
+    Method(name="verlet", summary="velocity Verlet, RATTLE, rotations about principal axes; cut at events", **_VERLET),
+    Method(name="suzuki", summary="five Verlet steps", **(_VERLET | {"order": 4})),
+    Method(name="rk4", summary="classical Runge-Kutta", control="step", order=4, conserves=frozenset({"momentum"}), backward=True),
+    Method(name="verlet-single", summary="velocity Verlet in single precision", precision="single", **_VERLET),
+)
+
+
+class Transparent(Engine):
+    """Points, spheres and free bodies; one method a step function; `parts` may be replaced."""
+
+    name = "transparent"
+    title = "Transparent engine"
+    methods = METHODS
+    licence = "BSD-3-Clause"
+
+    def __init__(self, parts: Parts = SOUND) -> None:
+        self.parts = parts
+        self.kept: dict[str, Any] = {}
+
+    def missing(self) -> str | None:
+        """It is always here."""
+        return None
+
+    def version(self) -> str:
+        """Its own."""
+        return "1"
+
+    def fingerprint(self, method: Method) -> str:
+        """Its source."""
+        return fingerprint.of_source("faults")
+
+    def refusal(self, problem: Motion, method: Method) -> str | None:
+        """None for what the method's step can do."""
+        scene = problem.scene
+        for element in scene.elements:
+            if reason := _refused(element):
+                return reason
+        if len(scene.all(Rod)) > 1:
+            return "more than one rod"
+        if scene.all(Contact) and any(isinstance(shape, Polyhedron) for shape in scene.bodies.shape):
+            return "no contact of polyhedra"
+        if method.name in ("euler", "suzuki", "rk4") and {"slider", "contact"} & scene.features:
+            return "no events"
+        return "no rods" if method.name == "rk4" and scene.all(Rod) else None
+
+    def run(self, request: Request) -> tuple[Trajectory, Cost]:
+        """Fixed steps, cut at events; a row of numbers after every `stride` of them."""
+        begun = perf_counter()
+        self.parts.fresh(self.kept)
+        method, scene, times = self.method(request.method), request.problem.scene, request.problem.times
+        number = PRECISIONS[method.precision]
+        world = world_of(scene, number)
+        m, state, h = Moving(world, self.parts), start_of(scene, world, self.parts.to_body), number(request.signed_step)
+        first_modes(m, state, h)
+        load = self.parts.loads(world, state, self.parts)
+        record = Recording(m, len(times), float(times[0]), request.problem.interval)
+        record.row(0, state)
+        for count in range(1, len(times)):
+            for _ in range(request.stride):
+                state, load = advance(m, STEPS[method.name], state, load, h)
+            state = record.row(count, state)
+        steps = request.stride * (len(times) - 1)
+        return record.trajectory(), Cost(seconds=perf_counter() - begun, steps=steps)
+
+
+def _refused(element: Element) -> str | None:
+    """None for an element that the engine has, as it has it."""
+    if not isinstance(element, SUPPORTED):
+        return f"no {element.kind}"
+    if isinstance(element, Spring | Rod | Slider) and (any(element.anchor_a) or element.b >= 0):
+        return f"a {element.kind} that does not join a centre to the world"
+    return "no rigid contact" if isinstance(element, Contact) and element.law == "rigid" else None
+
+
+class Recording:
+    """The rows of a trajectory in double precision."""
+
+    def __init__(self, m: Moving, samples: int, start: float, interval: float) -> None:
+        bodies = len(m.world.mass)
+        self.m, self.start, self.interval = m, start, interval
+        self.t = np.zeros(samples)
+        self.columns: dict[str, Any] = {name: np.zeros((samples, bodies, width)) for name, width in WIDTHS.items()}
+        self.columns["attitude"][..., 0] = 1.0
+        self.channels: dict[str, NDArray[np.float64]] = {}
+        if m.world.rods:
+            self.channels["rod_force"] = np.zeros((samples, len(m.world.rods)))
+        if m.world.law is not None:
+            self.channels |= {name: np.zeros(samples) for name in ("overlap", "contact_force")}
+        if (m.world.sliders or m.world.law is not None) and not (m.world.law is not None and m.world.law.tangential_stiffness > 0):
+            self.channels["dissipated_work"] = np.zeros(samples)
+
+    def row(self, count: int, state: State) -> State:
+        """Writes one sample and hands the state on."""
+        parts, world = self.m.parts, self.m.world
+        state = parts.output(state)
+        self.t[count] = parts.clock(self.start, count, self.interval)
+        for i in range(len(world.mass)):
+            self.columns["position"][count, i] = state.r[i]
+            self.columns["velocity"][count, i] = state.v[i]
+            if world.turns[i]:
+                self.columns["attitude"][count, i] = state.q[i]
+                self.columns["omega"][count, i] = parts.to_space(state.q[i], state.w[i])
+        if world.rods:
+            self.channels["rod_force"][count] = rod_forces(self.m, state)
+        work = state.work
+        for number in range(len(world.pairs)):
+            _, depth, rate, _ = meeting(world, state, parts, number)
+            push = parts.normal_force(world.law, depth, rate) if state.acting[number] else 0.0
+            self.channels["overlap"][count] = max(self.channels["overlap"][count], depth)
+            self.channels["contact_force"][count] = max(self.channels["contact_force"][count], push)
+            work -= 0.0 if state.acting[number] else held(world, depth)
+        if "dissipated_work" in self.channels:
+            self.channels["dissipated_work"][count] = work
+        return state
+
+    def trajectory(self) -> Trajectory:
+        """The whole of it."""
+        return Trajectory(t=self.t, **self.columns, channels=self.channels)
+
+
+WIDTHS = {"position": 3, "velocity": 3, "attitude": 4, "omega": 3}

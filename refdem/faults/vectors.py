@@ -1,0 +1,92 @@
+"""Vectors as tuples of three numbers and quaternions (w, x, y, z) as tuples of four, of whatever precision the numbers have."""
+
+from math import cos, sin, sqrt
+from typing import Any
+
+Number = Any
+"""A float, or a NumPy scalar of single precision."""
+Vector = tuple[Number, Number, Number]
+Quaternion = tuple[Number, Number, Number, Number]
+ZERO: Vector = (0.0, 0.0, 0.0)
+
+
+def plus(a: Vector, b: Vector) -> Vector:
+    """a + b."""
+    return a[0] + b[0], a[1] + b[1], a[2] + b[2]
+
+
+def minus(a: Vector, b: Vector) -> Vector:
+    """a - b."""
+    return a[0] - b[0], a[1] - b[1], a[2] - b[2]
+
+
+def times(factor: Number, a: Vector) -> Vector:
+    """factor a."""
+    return factor * a[0], factor * a[1], factor * a[2]
+
+
+def moved(a: Vector, factor: Number, b: Vector) -> Vector:
+    """a + factor b."""
+    return a[0] + factor * b[0], a[1] + factor * b[1], a[2] + factor * b[2]
+
+
+def dot(a: Vector, b: Vector) -> Number:
+    """a . b."""
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+
+
+def cross(a: Vector, b: Vector) -> Vector:
+    """a x b."""
+    return a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]
+
+
+def size(a: Vector) -> Number:
+    """|a|."""
+    return sqrt(a[0] * a[0] + a[1] * a[1] + a[2] * a[2])
+
+
+def per_axis(a: Vector, b: Vector) -> Vector:
+    """Products component by component."""
+    return a[0] * b[0], a[1] * b[1], a[2] * b[2]
+
+
+def over_axis(a: Vector, b: Vector) -> Vector:
+    """Quotients component by component."""
+    return a[0] / b[0], a[1] / b[1], a[2] / b[2]
+
+
+def conjugate(q: Quaternion) -> Quaternion:
+    """q*."""
+    return q[0], -q[1], -q[2], -q[3]
+
+
+def product(p: Quaternion, q: Quaternion) -> Quaternion:
+    """p q."""
+    return (
+        p[0] * q[0] - p[1] * q[1] - p[2] * q[2] - p[3] * q[3],
+        p[0] * q[1] + p[1] * q[0] + p[2] * q[3] - p[3] * q[2],
+        p[0] * q[2] + p[2] * q[0] + p[3] * q[1] - p[1] * q[3],
+        p[0] * q[3] + p[3] * q[0] + p[1] * q[2] - p[2] * q[1],
+    )
+
+
+def rotated(q: Quaternion, v: Vector) -> Vector:
+    """q v q*."""
+    axis = (q[1], q[2], q[3])
+    twist = times(2.0, cross(axis, v))
+    return plus(moved(v, q[0], twist), cross(axis, twist))
+
+
+def turn_by(angles: Vector) -> Quaternion:
+    """The rotation by |angles| [rad] about angles."""
+    angle = size(angles)
+    if not angle > 0:
+        return 1.0, 0.0, 0.0, 0.0
+    half = sin(angle / 2) / angle
+    return cos(angle / 2), half * angles[0], half * angles[1], half * angles[2]
+
+
+def unit(q: Quaternion) -> Quaternion:
+    """q / |q|."""
+    norm = sqrt(q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3])
+    return q[0] / norm, q[1] / norm, q[2] / norm, q[3] / norm

@@ -1,0 +1,137 @@
+"""A scene as plain numbers of one precision, and the state that changes."""
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from itertools import combinations
+from typing import Any
+
+import msgspec
+import numpy as np
+
+from refdem.faults.vectors import ZERO, Number, Quaternion, Vector
+from refdem.scene import Scene
+from refdem.scene.elements.central_field import CentralField
+from refdem.scene.elements.contact import Contact
+from refdem.scene.elements.plane import Plane
+from refdem.scene.elements.rod import Rod
+from refdem.scene.elements.slider import Slider
+from refdem.scene.elements.spring import Spring
+from refdem.scene.elements.uniform_gravity import UniformGravity
+
+SUPPORTED = (CentralField, Contact, Plane, Rod, Slider, Spring, UniformGravity)
+
+
+@dataclass(slots=True)
+class State:
+    """Position, velocity, attitude and omega_body of every body; the spring of every pair; work done against dissipation.
+
+    Modes, constant within a step: which pairs act, which of them press, whose tangential springs slide at their limit, and
+    towards which side every slider moves (0: sticks).
+    """
+
+    r: list[Vector]
+    v: list[Vector]
+    q: list[Quaternion]
+    w: list[Vector]
+    stretch: list[Vector]
+    work: Number = 0.0
+    acting: list[bool] = field(default_factory=list)
+    pressing: list[bool] = field(default_factory=list)
+    sliding: list[bool] = field(default_factory=list)
+    side: list[int] = field(default_factory=list)
+
+    def copy(self) -> "State":
+        """A state that can be changed without changing this one."""
+        return State(
+            list(self.r), list(self.v), list(self.q), list(self.w), list(self.stretch), self.work,
+            list(self.acting), list(self.pressing), list(self.sliding), list(self.side),
+        )  # fmt: skip
+
+
+@dataclass(frozen=True)
+class World:
+    """What does not change: numbers of bodies and elements, all of precision `number`."""
+
+    number: Callable[[float], Number]
+    mass: list[Number]
+    inertia: list[Vector]
+    radius: list[Number]
+    fixed: list[bool]
+    springs: list[Any]
+    sliders: list[Any]
+    rods: list[Any]
+    planes: list[Any]
+    law: Any
+    gravity: list[Vector]
+    fields: list[Number]
+    pairs: list[tuple[int, int]]
+
+    @property
+    def turns(self) -> list[bool]:
+        """Bodies that have moments of inertia."""
+        return [inertia[0] > 0 for inertia in self.inertia]
+
+    @property
+    def is_smooth(self) -> bool:
+        """No forces that depend on velocity and none that jump."""
+        return not self.pairs and not self.sliders
+
+
+def world_of(scene: Scene, number: Callable[[float], Number]) -> World:
+    """The scene in numbers of one precision; pairs (i, j) of bodies, or (i, -1 - n) of a body and plane n."""
+    bodies = scene.bodies
+    planes, laws = scene.all(Plane), scene.all(Contact)
+    round_bodies = [i for i, radius in enumerate(bodies.radius) if radius > 0]
+    pairs = [*combinations(round_bodies, 2), *((i, -1 - n) for i in round_bodies for n in range(len(planes)))] if laws else []
+    return World(
+        number=number,
+        mass=[number(m) for m in bodies.mass],
+        inertia=[_tuple(inertia, number) for inertia in bodies.inertia],
+        radius=[number(radius) for radius in bodies.radius],
+        fixed=[bool(fixed) for fixed in bodies.fixed],
+        springs=[_rounded(e, number) for e in scene.all(Spring)],
+        sliders=[_rounded(e, number) for e in scene.all(Slider)],
+        rods=[_rounded(e, number) for e in scene.all(Rod)],
+        planes=[_rounded(e, number) for e in planes],
+        law=_rounded(laws[0], number) if laws else None,
+        gravity=[_tuple(e.g, number) for e in scene.all(UniformGravity)],
+        fields=[number(e.gm) for e in scene.all(CentralField)],
+        pairs=pairs,
+    )
+
+
+def start_of(scene: Scene, world: World, to_body: Callable[..., Vector]) -> State:
+    """The state at the start; modes are not yet known."""
+    bodies, number = scene.bodies, world.number
+    q: list[Any] = [_tuple(q, number) for q in bodies.attitude]
+    return State(
+        r=[_tuple(r, number) for r in bodies.position],
+        v=[_tuple(v, number) for v in bodies.velocity],
+        q=q,
+        w=[to_body(turn, _tuple(omega, number)) for turn, omega in zip(q, bodies.omega, strict=True)],
+        stretch=[ZERO] * len(world.pairs),
+        work=number(0.0),
+        acting=[False] * len(world.pairs),
+        pressing=[False] * len(world.pairs),
+        sliding=[False] * len(world.pairs),
+        side=[0] * len(world.sliders),
+    )
+
+
+def _tuple(values: Any, number: Callable[[float], Number]) -> Any:
+    return tuple(number(float(value)) for value in values)
+
+
+def _rounded(element: Any, number: Callable[[float], Number]) -> Any:
+    """The element with all its numbers in one precision."""
+    changed = {}
+    for name in element.__struct_fields__:
+        value = getattr(element, name)
+        if isinstance(value, float):
+            changed[name] = number(value)
+        elif isinstance(value, tuple):
+            changed[name] = _tuple(value, number)
+    return msgspec.structs.replace(element, **changed)
+
+
+PRECISIONS: dict[str, Callable[[float], Number]] = {"double": float, "single": np.float32}
