@@ -45,8 +45,14 @@ class Symmetry(Check):
         return ULPS * round(trial.method.round_off * 2.0**53)
 
     def _level(self, trial: Trial) -> float:
-        """The coarsest, where nothing is hidden by a small step; the finest where truncation has to be allowed for."""
-        return trial.levels[-1 if _decides(trial) else 0]
+        """The coarsest, where nothing is hidden by a small step; finer where truncation has to be allowed for."""
+        if not _decides(trial):
+            return trial.levels[0]
+        if (truth := certified(trial)) is None:
+            return trial.levels[-1]
+        growth = float(truth.growth()[-1])
+        telling = [level for level in trial.levels if float(trial.truncation(level)[-1]) * growth < HORIZON / 2]
+        return (telling or trial.levels[-1:])[0]
 
     def judge(self, trial: Trial, runs: Mapping[Variant, Outcome]) -> list[Finding]:
         """One finding a symmetry: the largest scaled difference of any state."""
