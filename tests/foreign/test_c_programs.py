@@ -20,30 +20,43 @@ def test_a_correct_program_raises_no_alarm(workshop, language, cases):
 
 
 FREE, SPRING = "free-rigid-body", "harmonic-oscillator"
+PLUS, MINUS = "(lj * cos(angle) + lk * sin(angle))", "(lk * cos(angle) - lj * sin(angle))"
+OMEGA = "memcpy(body[i].w, w, sizeof w);"
+HALF_STEP = 'velocity_time = "minus-half-step"\n'
 FAULTS = {
     "the gyroscopic term with the other sign": (
-        "c", FREE, "error/omega_body.x", ("rotation.h", "(lj * cos(angle) + lk * sin(angle))", "(lj * cos(angle) - lk * sin(angle))"),
-        ("rotation.h", "(lk * cos(angle) - lj * sin(angle))", "(lk * cos(angle) + lj * sin(angle))"),
+        ("c", FREE, "error/omega_body.x"),
+        ("rotation.h", PLUS, PLUS.replace("+", "-")),
+        ("rotation.h", MINUS, MINUS.replace("-", "+")),
     ),
-    "inertia axes swapped": ("c", FREE, "error/omega_body.x", ("dem.c", '"inertia"),', '"inertia"), b->J[2] = b->J[0] + 0 * (b->J[0] = b->J[2]),')),
-    "f in place of omega": ("c", FREE, "error/omega.x", ("dem.c", "enum { MOST = 16 };", "enum { MOST = 16 };\n#define TURN 6.283185307179586"), ("dem.c", "memcpy(body[i].w, w, sizeof w);", "w[0] /= TURN, w[1] /= TURN, w[2] /= TURN, memcpy(body[i].w, w, sizeof w);")),
-    "the lever of a sphere halved": ("c", RUBBING, "error/omega1.z", ("dem.c", "a->torque[k] += arm_a", "a->torque[k] += 0.5 * arm_a")),
-    "friction along the slip": ("c", RUBBING, "error/v1.y", ("dem.c", "- rub * slip[k]", "+ rub * slip[k]")),
-    "output one step late": ("c", SPRING, "error/x", ("dem.c", "k < stride; k++", "k < stride - (n == 1); k++")),
-    "a force on one body only": ("c", RUBBING, "momentum/total", ("dem.c", "b->f[k] -= f[k];", "b->f[k] -= 0.999 * f[k];")),
-    "staggered velocities said to be synchronous": ("staggered", SPRING, "error/v", ("refdem.toml", 'velocity_time = "minus-half-step"', "")),
-    "a staggered start without its half kick": ("staggered", SPRING, "order/state", ("dem.c", "kick(-h / 2);", "forces();")),
-    "synchronous velocities said to be staggered": ("c", SPRING, "error/v", ("refdem.toml", "[engine]\n", '[engine]\nvelocity_time = "minus-half-step"\n')),
-    "a wrong weight of a stage": ("cpp", SPRING, "order/state", ("dem.cpp", "2 * k2[i] + 2 * k3[i]", "3 * k2[i] + 1 * k3[i]")),
-    "the gyroscopic term forgotten": ("cpp", FREE, "error/omega_body.x", ("dem.cpp", " - cross(w, L)", " - 0.0 * cross(w, L)")),
-    "the damping's sign": ("cpp", "two-spheres", "error/v1.x", ("dem.cpp", "+ e.damping * closing", "- e.damping * closing")),
-    "the quaternion conjugated in output": ("cpp", FREE, "error/attitude", ("dem.cpp", '",%.17g", s[o + k]', '",%.17g", k < 7 ? s[o + k] : -s[o + k]')),
-}  # fmt: skip
+    "inertia axes swapped": (
+        ("c", FREE, "error/omega_body.x"),
+        ("dem.c", '"inertia"),', '"inertia"), b->J[2] = b->J[0] + 0 * (b->J[0] = b->J[2]),'),
+    ),
+    "f in place of omega": (
+        ("c", FREE, "error/omega.x"),
+        ("dem.c", OMEGA, f"w[0] /= 2 * M_PI, w[1] /= 2 * M_PI, w[2] /= 2 * M_PI, {OMEGA}"),
+    ),
+    "the lever of a sphere halved": (("c", RUBBING, "error/omega1.z"), ("dem.c", "a->torque[k] += arm_a", "a->torque[k] += 0.5 * arm_a")),
+    "friction along the slip": (("c", RUBBING, "error/v1.y"), ("dem.c", "- rub * slip[k]", "+ rub * slip[k]")),
+    "output one step late": (("c", SPRING, "error/x"), ("dem.c", "k < stride; k++", "k < stride - (n == 1); k++")),
+    "a force on one body only": (("c", RUBBING, "momentum/total"), ("dem.c", "b->f[k] -= f[k];", "b->f[k] -= 0.999 * f[k];")),
+    "staggered velocities said to be synchronous": (("staggered", SPRING, "error/v"), ("refdem.toml", HALF_STEP, "")),
+    "a staggered start without its half kick": (("staggered", SPRING, "order/state"), ("dem.c", "kick(-h / 2);", "forces();")),
+    "synchronous velocities said to be staggered": (("c", SPRING, "error/v"), ("refdem.toml", "[engine]\n", "[engine]\n" + HALF_STEP)),
+    "a wrong weight of a stage": (("cpp", SPRING, "order/state"), ("dem.cpp", "2 * k2[i] + 2 * k3[i]", "3 * k2[i] + 1 * k3[i]")),
+    "the gyroscopic term forgotten": (("cpp", FREE, "error/omega_body.x"), ("dem.cpp", " - cross(w, L)", " - 0.0 * cross(w, L)")),
+    "the damping's sign": (("cpp", "two-spheres", "error/v1.x"), ("dem.cpp", "+ e.damping * closing", "- e.damping * closing")),
+    "the quaternion conjugated in output": (
+        ("cpp", FREE, "error/attitude"),
+        ("dem.cpp", '",%.17g", s[o + k]', '",%.17g", k < 7 ? s[o + k] : -s[o + k]'),
+    ),
+}
 
 
 @pytest.mark.parametrize("name", FAULTS)
 def test_a_planted_fault_turns_the_exit_status_and_is_named(workshop, name):
-    language, case, seen, *changes = FAULTS[name]
+    (language, case, seen), *changes = FAULTS[name]
     found = workshop.judged(workshop.built(language, *changes), case)
     assert found.status == 1, found.said
     assert seen in found.failed(), found.said
@@ -54,7 +67,7 @@ def test_a_rebuilt_program_runs_again_and_an_unchanged_one_does_not(workshop):
     assert "0 read from the store" in workshop.judged(toml, SPRING).said
     assert "\n0 runs made" in workshop.judged(toml, SPRING).said
     source = toml.parent / "dem.c"
-    source.write_text(source.read_text().replace("e->k = number", "e->k = -number"))
+    source.write_text(source.read_text().replace("a->f[k] += f;", "a->f[k] -= f;"))
     subprocess.run(["make", "-s", "-C", str(toml.parents[1]), "c"], check=True)
     flipped = workshop.judged(toml, SPRING)
     assert "0 read from the store" in flipped.said
