@@ -8,7 +8,10 @@ from refdem.core.finding import Finding, Record
 
 
 class Deviation(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """Excuses a failing value in [low, high] for these versions ("4.*"); `parameters` is the label's part in brackets."""
+    """Excuses a failing value in [low, high] for these versions ("4.*"); `parameters` is the label's part in brackets.
+
+    Names may be patterns with * and ?.
+    """
 
     case: str
     parameters: str = "*"
@@ -29,5 +32,5 @@ class Deviation(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields
             and fnmatchcase(finding.quantity, self.quantity)
             and fnmatchcase(record.method, self.method)
             and fnmatchcase(record.version, self.versions)
-            and (self.parameters in ("*", inside))
+            and fnmatchcase(inside, self.parameters)
         )
