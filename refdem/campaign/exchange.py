@@ -1,0 +1,152 @@
+"""Programs that run elsewhere: their requests as folders, and their trajectories judged when they have come back.
+
+A folder holds a manifest, a copy of each refdem.toml, and for every run a folder of its own with request.json and request.txt,
+into which its trajectory.csv (and events.csv) goes. A run that goes on from the end of another can only be written when that
+one has come back: a second export into the same folder does it.
+"""
+
+import contextlib
+import shutil
+from collections import Counter
+from collections.abc import Iterable
+from pathlib import Path
+
+import msgspec
+
+import refdem
+from refdem.campaign.campaign import Campaign, Progress
+from refdem.campaign.specification import Entry, Specification
+from refdem.core import discovery
+from refdem.core.engine import Engine, Method
+from refdem.core.finding import Sheet
+from refdem.core.problem import Motion, Request
+from refdem.core.request_text import request_text
+from refdem.core.store import Store
+from refdem.core.trajectory import Cost, Trajectory
+from refdem.core.trajectory_csv import read_trajectory
+from refdem.errors import EngineError, StoreError, UnsupportedError, UsageError
+
+MANIFEST = "manifest.json"
+RUNS = "runs.txt"
+REFUSED = "unsupported.txt"
+"""What a run's folder holds in place of a trajectory where the program ended with 77: why."""
+
+
+class Manifest(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """What was exported: by which refdem, what is to be judged, and the version of each program at that time."""
+
+    format: int = 1
+    refdem: str
+    case: list[Entry]
+    levels: int
+    versions: dict[str, str]
+
+
+class Elsewhere(Engine):
+    """A program of which only the description is here; a run is a folder. `writes`: requests are written where none are."""
+
+    def __init__(self, described: Engine, version: str, folder: Path, *, writes: bool) -> None:
+        self.name, self.title, self.licence, self.methods = described.name, described.title, described.licence, described.methods
+        self.expected, self.described, self.at, self.folder, self.writes = described.expected, described, version, folder, writes
+        self.asked: Counter[str] = Counter()
+        self.waiting: list[str] = []
+
+    def missing(self) -> str | None:
+        """None: nothing runs here."""
+        return None
+
+    def version(self) -> str:
+        """That of the program when it was exported."""
+        return self.at
+
+    def fingerprint(self, method: Method) -> str:
+        """Its name: what runs elsewhere cannot be looked at."""
+        return self.name
+
+    def refusal(self, problem: Motion, method: Method) -> str | None:
+        """As the description says."""
+        return self.described.refusal(problem, method)
+
+    def run(self, request: Request) -> tuple[Trajectory, Cost]:
+        """The trajectory that came back; UnsupportedError for a run that is not exported yet, EngineError for a missing one."""
+        plain = request.key(self.name)
+        self.asked[plain] += 1
+        name = plain[:32] if self.asked[plain] == 1 else f"{plain[:32]}-{self.asked[plain]}"
+        folder = self.folder / name
+        if not (folder / "request.json").is_file():
+            if not self.writes:
+                raise UnsupportedError(
+                    "this run goes on from another and is not exported yet; `refdem export` into the same folder writes it"
+                )
+            written(request, folder)
+        if (folder / REFUSED).is_file():
+            raise UnsupportedError((folder / REFUSED).read_text(errors="replace").strip()[-200:] or f"the program wrote {REFUSED}")
+        if not (folder / "trajectory.csv").is_file():
+            self.waiting.append(name)
+            raise EngineError(f"{name}/trajectory.csv has not come back")
+        times, bodies = request.problem.times, len(request.problem.scene.bodies)
+        trajectory = read_trajectory(folder / "trajectory.csv", len(times), bodies, folder / "events.csv")
+        return trajectory, Cost(seconds=0.0, steps=request.stride * (len(times) - 1) if request.step else 0)
+
+
+def written(request: Request, folder: Path) -> None:
+    """Writes request.json and request.txt; raises StoreError if that cannot be done."""
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        (folder / "request.txt").write_text(request_text(request))
+        (folder / "request.json").write_bytes(request.to_json())
+    except OSError as error:
+        raise StoreError(f"{folder} cannot be written: {error.strerror}; choose another folder") from None
+
+
+def exported(folder: Path, tomls: Iterable[Path], cases: list[Entry], levels: int, store: Store, progress: Progress) -> list[str]:
+    """Writes what can be written now and returns the names of the runs whose trajectories are still to come."""
+    engines = {path: discovery.engine(str(path)) for path in tomls}
+    versions = {engine.name: engine.version() if engine.missing() is None else "unknown" for engine in engines.values()}
+    manifest = Manifest(refdem=refdem.__version__, case=cases, levels=levels, versions=versions)
+    if (folder / MANIFEST).exists() and msgspec.structs.replace(read(folder), versions=versions) != manifest:
+        raise UsageError(f"{folder} holds the export of other cases, programs or levels; choose an empty folder")
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        for path, engine in engines.items():
+            if path.resolve() != (folder / f"{engine.name}.toml").resolve():
+                shutil.copyfile(path, folder / f"{engine.name}.toml")
+        (folder / MANIFEST).write_bytes(msgspec.json.format(msgspec.json.encode(manifest)))
+    except OSError as error:
+        raise StoreError(f"{folder} cannot be written: {error.strerror}; choose another folder") from None
+    _, waiting = _campaign(folder, manifest, store, progress, writes=True)
+    (folder / RUNS).write_text("".join(f"{name}\n" for name in waiting))
+    return waiting
+
+
+def judged(folder: Path, store: Store, progress: Progress) -> list[Sheet]:
+    """Everything found in the trajectories of a folder; one that is missing is an error."""
+    sheets, _ = _campaign(folder, read(folder), store, progress, writes=False)
+    return sheets
+
+
+def read(folder: Path) -> Manifest:
+    """The manifest of an export; raises UsageError if there is none, or if another refdem wrote it."""
+    path = folder / MANIFEST
+    try:
+        manifest = msgspec.json.decode(path.read_bytes(), type=Manifest)
+    except OSError:
+        raise UsageError(f"{path} is not there; expected a folder that `refdem export` wrote") from None
+    except msgspec.MsgspecError as error:
+        raise UsageError(f"{path}: {error}") from None
+    if manifest.refdem != refdem.__version__:
+        raise UsageError(f"{path} was written by refdem {manifest.refdem}, this is {refdem.__version__}; export again")
+    return manifest
+
+
+def _campaign(folder: Path, manifest: Manifest, store: Store, progress: Progress, *, writes: bool) -> tuple[list[Sheet], list[str]]:
+    """The campaign of an export in this process, and the runs that have not come back."""
+    names = list(manifest.versions)
+    with contextlib.ExitStack() as here:
+        engines = []
+        for name in names:
+            engines.append(Elsewhere(discovery.engine(str(folder / f"{name}.toml")), manifest.versions[name], folder, writes=writes))
+            here.enter_context(discovery.engine_here(engines[-1]))
+        specification = Specification(name=f"judgement of {', '.join(names)}", case=manifest.case, engines=names, levels=manifest.levels)
+        sheets = Campaign(specification, store, jobs=0, use_store=False, progress=progress).sheets()
+    return sheets, [name for engine in engines for name in engine.waiting]
