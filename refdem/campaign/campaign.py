@@ -160,9 +160,10 @@ class Campaign:
         *,
         from_store: bool,
     ) -> None:
-        """Writes a finished run to the store (failures are tried again next time) and hands it to all who need it."""
+        """Writes a finished run to the store (a crash or a hang is tried again next time) and hands it to all who need it."""
         reply = worker.Reply(failure=result) if isinstance(result, Failure) else msgspec.msgpack.decode(result, type=worker.Reply)
-        if not from_store and reply.failure is None and isinstance(result, bytes):
+        lasting = reply.failure is None or reply.failure.kind == "unsupported"
+        if not from_store and lasting and isinstance(result, bytes):
             self.store.put("run", key, result)
         trajectory = Trajectory.from_bytes(reply.trajectory) if reply.failure is None else None
         for n, variant in places:

@@ -43,7 +43,8 @@ def _findings(task: Task, runs: Mapping[Variant, Run]) -> list[Finding]:
     if task.refusal is not None:
         return [Finding(check="run", quantity="scene", outcome="unsupported", sentence=f"Not supported: {task.refusal}.")]
     failed = {variant: run.failure for variant, run in runs.items() if run.failure is not None}
-    unshown = {variant for variant, failure in failed.items() if failure.kind == "unsupported" and variant.change in symmetry.NAMES}
+    optional = (*symmetry.NAMES, "perturbed")
+    unshown = {variant for variant, failure in failed.items() if failure.kind == "unsupported" and variant.change in optional}
     broken = {variant: failure for variant, failure in failed.items() if variant not in unshown}
     findings = []
     if broken:

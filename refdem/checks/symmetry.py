@@ -9,6 +9,7 @@ from refdem.core.check import Array, Check, Outcome, Trial
 from refdem.core.finding import Finding
 from refdem.core.judgement import certified, distances, undecided, worst
 from refdem.core.refinement import HORIZON
+from refdem.core.trajectory import Trajectory
 from refdem.core.variant import Variant
 
 ULPS = 64
@@ -58,7 +59,7 @@ class Symmetry(Check):
         """One finding a symmetry: the largest scaled difference of any state."""
         plain, perturbed, *shown = self.needs(trial)
         base = runs[plain].trajectory
-        growth = self._growth(trial, distances(trial.instance, runs[perturbed].trajectory, base))
+        growth = self._growth(trial, runs[perturbed].trajectory if perturbed in runs else base, base)
         found = []
         for variant in shown:
             if variant not in runs:  # the code said when it ran that it cannot show this one
@@ -85,10 +86,11 @@ class Symmetry(Check):
             )
         return found or [undecided(self.name, "any", "the code refused every symmetry of the scene when it ran")]
 
-    def _growth(self, trial: Trial, moved: Array) -> Array:
+    def _growth(self, trial: Trial, perturbed: Trajectory, base: Trajectory) -> Array:
         """How much an early error has grown (T,): S of the truth, or what the moved start shows."""
-        if (truth := certified(trial)) is not None and truth.until == len(moved):
+        if (truth := certified(trial)) is not None and truth.until == len(base.t):
             return truth.growth()
+        moved = distances(trial.instance, perturbed, base)
         return np.maximum.accumulate(np.maximum(1.0, MARGIN * moved / (self._ulps(trial) * 2.0**-52)))
 
     def _allowed(self, trial: Trial, view: symmetry.Symmetry, growth: Array) -> Array:
