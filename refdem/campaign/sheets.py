@@ -26,7 +26,7 @@ def case_sheet(instance: Instance, truth: SampledTruth) -> CaseSheet:
         quantities={q.name: q.unit for q in instance.quantities.values()},
         truth_method=truth.method,
         truth_witness=truth.witness,
-        truth_scalars={name: (f"{mid:.17g}", f"{radius:.2g}") for name, (mid, radius) in truth.scalars.items()},
+        truth_scalars=truth.printed,
         truth_reason=truth.reason,
         reproduce=f"refdem run {case.id} {settings}".strip(),
     )

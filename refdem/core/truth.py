@@ -56,8 +56,8 @@ def _rounded_up(value: Fraction) -> str:
     if not value:
         return "0"
     exponent = _exponent(value) - 2
-    scaled = -((-value / Fraction(10) ** exponent).__floor__())
-    return f"{scaled}e{exponent}"
+    scaled = str(-((-value / Fraction(10) ** exponent).__floor__()))
+    return f"{scaled[0]}.{scaled[1:3]}e{exponent + len(scaled) - 1}"
 
 
 class Truth(ABC):
@@ -90,8 +90,9 @@ class Truth(ABC):
 class SampledTruth(msgspec.Struct, frozen=True, kw_only=True):
     """Truth at the samples of one problem: doubles with radii; what judging reads and the store keeps.
 
-    `until` counts the certified samples; `reason` says why there are no more. `earlier` has, for a delay [s], values and
-    radii at that much before each sample, for velocities that lag; nothing is known before the first, so its radius is infinite.
+    `until` counts the certified samples; `reason` says why there are no more; `printed` has the scalars in decimals.
+    `earlier` has, for a delay [s], values and radii at that much before each sample, for velocities that lag; nothing is
+    known before the first, so its radius is infinite.
     """
 
     t: list[float]
@@ -103,6 +104,7 @@ class SampledTruth(msgspec.Struct, frozen=True, kw_only=True):
     witness: str
     until: int
     reason: str = ""
+    printed: dict[str, tuple[str, str]] = {}
     earlier: dict[float, tuple[dict[str, list[float]], dict[str, list[float]]]] = {}
 
     def value(self, name: str) -> Array:

@@ -1,11 +1,14 @@
 """Truth at the samples of one problem, rounded to doubles with radii: what judging reads and the store keeps."""
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from fractions import Fraction
 
-from refdem.core.truth import SampledTruth, Truth
+from refdem.core.truth import Ball, SampledTruth, Truth
 from refdem.errors import NotCertifiedError
+
+PRINTED = 20
+"""Decimal places of the scalars that people read."""
 
 
 def sampled(truth: Truth, times: Sequence[float], delays: Sequence[float] = ()) -> SampledTruth:
@@ -25,16 +28,18 @@ def sampled(truth: Truth, times: Sequence[float], delays: Sequence[float] = ()) 
             value, radius = ball.rounded()
             values.setdefault(name, []).append(value)
             radii.setdefault(name, []).append(radius)
+    scalars = certified_scalars(truth)
     return SampledTruth(
         t=[float(t) for t in times],
         values=values,
         radii=radii,
         sensitivity=truth.sensitivities(certified),
-        scalars=rounded_scalars(truth),
+        scalars={name: ball.rounded() for name, ball in scalars.items()},
         method=truth.method,
         witness=truth.witness,
         until=len(certified),
         reason=reason,
+        printed={name: ball.decimals(PRINTED) for name, ball in scalars.items()},
         earlier={delay: _earlier(truth, certified, Fraction(delay)) for delay in delays if certified},
     )
 
@@ -48,9 +53,9 @@ def _earlier(truth: Truth, certified: Sequence[Fraction], delay: Fraction) -> tu
     return values, {name: [radius for _, radius in pairs] for name, pairs in rounded.items()}
 
 
-def rounded_scalars(truth: Truth) -> dict[str, tuple[float, float]]:
-    """The scalars as doubles with radii; none if they cannot be certified."""
+def certified_scalars(truth: Truth) -> Mapping[str, Ball]:
+    """The scalars; none if they cannot be certified."""
     try:
-        return {name: ball.rounded() for name, ball in truth.scalars().items()}
+        return truth.scalars()
     except NotCertifiedError:
         return {}
