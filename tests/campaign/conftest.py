@@ -52,15 +52,16 @@ class Played(Engine):
             raise ZeroDivisionError("a bug")
         rate = spring.stiffness / bodies.mass[0] * (1.001 if name == "wrong-force" else 1.0)
         drag = 1e-4 if name == "drag" else 0.0
+        origin = float(spring.anchor_b[0])
         x, v = float(bodies.position[0, 0]), float(bodies.velocity[0, 0])
         if name == "forgetful":
             v += 1e-7 * os.getpid() / 4e6 + 1e-9 * time.perf_counter()
         rows = [(x, v)]
         for _ in range(len(request.problem.times) - 1):
             for _ in range(stride):
-                v -= 0.5 * h * (rate * x + drag * v)
+                v -= 0.5 * h * (rate * (x - origin) + drag * v)
                 x += h * v
-                v -= 0.5 * h * (rate * x + drag * v)
+                v -= 0.5 * h * (rate * (x - origin) + drag * v)
             rows.append((x, v))
         x, v = np.array(rows).T
         t = request.problem.times * (1.01 if name == "late" else 1.0)
