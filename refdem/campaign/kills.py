@@ -102,7 +102,7 @@ class Trial:
     def kill(self, fault: Fault, seed: int) -> Kill:
         """One fault at one seed, on the setting whose turn it is."""
         setting = fault.on[seed % len(fault.on)]
-        instance, truth = self._instance(setting, seed)
+        instance, truth = self.instance(setting, seed)
         checks = () if self.whole and seed == 0 else _needed(fault)
         record = self._record(fault.carrier(self.engine), fault.method, instance, truth, fault.levels, checks)
         check, quantity = fault.sees
@@ -132,7 +132,7 @@ class Trial:
         used = dict.fromkeys(setting for fault in self.faults for setting in fault.on)
         work = [(seed, name) for seed in range(self.seeds) for name in used]
         for done, (seed, name) in enumerate(work, 1):
-            instance, truth = self._instance(name, seed)
+            instance, truth = self.instance(name, seed)
             engine = self.engine or Transparent()
             for method in self._methods(name, seed):
                 yield self._record(engine, method, instance, truth, LEVELS, ()), name, seed
@@ -145,7 +145,7 @@ class Trial:
         methods = SETTINGS[setting].methods
         return methods if seed == 0 else (methods[seed % len(methods)],)
 
-    def _instance(self, setting: str, seed: int) -> tuple[Instance, SampledTruth]:
+    def instance(self, setting: str, seed: int) -> tuple[Instance, SampledTruth]:
         """The instance and its truth, proved once for all faults of a seed."""
         if (setting, seed) not in self._truths:
             instance = discovery.case(SETTINGS[setting].case).at(**SETTINGS[setting].parameters(setting, seed))

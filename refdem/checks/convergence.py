@@ -7,7 +7,7 @@ import numpy as np
 
 from refdem.core.check import Check, Outcome, Trial
 from refdem.core.finding import Finding
-from refdem.core.judgement import judged, undecided
+from refdem.core.judgement import growth_shown, judged, perturbation, undecided
 from refdem.core.refinement import COUNTING_FLOOR, HORIZON
 from refdem.core.variant import Variant
 
@@ -28,13 +28,18 @@ class Convergence(Check):
         return None if len(trial.levels) >= 3 else f"{len(trial.levels)} levels are planned; 3 are needed"
 
     def needs(self, trial: Trial) -> tuple[Variant, ...]:
-        """The plain runs of the finest three levels."""
-        return trial.plain[-3:]
+        """The plain runs of the finest three levels, and two that show how errors grow: the coarsest one, and moved a little."""
+        coarsest = trial.levels[0]
+        return (*trial.plain[-3:], Variant(coarsest), Variant(coarsest, "perturbed", perturbation(trial.method)))
 
     def judge(self, trial: Trial, runs: Mapping[Variant, Outcome]) -> list[Finding]:
         """What the order lacks that two changes show; undecided where they are round-off or too large to show one."""
-        coarse, fine = (_change(trial, runs[a], runs[b]) for a, b in pairwise(self.needs(trial)))
-        floor = COUNTING_FLOOR * trial.round_off(trial.levels[-1])
+        coarse, fine = (_change(trial, runs[a], runs[b]) for a, b in pairwise(trial.plain[-3:]))
+        *_, plain, perturbed = self.needs(trial)
+        base = runs[plain].trajectory  # a code may refuse the moved start
+        moved = runs[perturbed].trajectory if perturbed in runs else base
+        growth = float(growth_shown(trial.instance, trial.method, moved, base)[-1])
+        floor = COUNTING_FLOOR * trial.round_off(trial.levels[-1]) * growth
         if fine > HORIZON:
             why = f"the finest two levels differ by {fine:.2g} of the scale: finer steps are needed"
             return [undecided(self.name, "state", why)]

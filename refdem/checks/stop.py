@@ -10,6 +10,7 @@ from refdem.core.judgement import certified, judged, no_truth, undecided
 from refdem.core.trajectory import Trajectory
 from refdem.core.variant import Variant
 from refdem.scene.elements.slider import Slider
+from refdem.scene.elements.spring import Spring
 
 
 class Stop(Check):
@@ -57,7 +58,7 @@ class Stop(Check):
                 basis="the bound on the state at the end of the run",
                 what=f"The distance of the last position from the true stop at x = {place:.6g} m, in units of L,",
             ),
-            self._time(trial, run, stop, allowed, rounding),
+            self._time(trial, run, stop, place, allowed, rounding),
             judged(
                 check=self.name,
                 quantity="creep",
@@ -69,17 +70,18 @@ class Stop(Check):
             ),
         ]
 
-    def _time(self, trial: Trial, run: Trajectory, stop: float, allowed: float, rounding: float) -> Finding:
+    def _time(self, trial: Trial, run: Trajectory, stop: float, place: float, allowed: float, rounding: float) -> Finding:
         """The engine's own event if it reports one; else the sample after which the speed stays at zero."""
-        t, tau = trial.instance.times, trial.instance.scales.tau
+        t, scales = trial.instance.times, trial.instance.scales
+        tau = scales.tau
         told = [event.time for event in run.events if event.kind == "stop"]
         if told:
             seen, slack, how = told[-1], 0.0, "as the engine reports it"
         else:
-            speed = np.abs(run.velocity[:, 0, 0]) / trial.instance.scales.speed
+            speed = np.abs(run.velocity[:, 0, 0]) / scales.speed
             moving = np.flatnonzero(speed > max(allowed, rounding))
             seen, how = (t[moving[-1]] if len(moving) else 0.0), "the last sample that moves"
-            slack = trial.instance.problem.interval + max(allowed, rounding) * trial.instance.scales.speed / _deceleration(trial)
+            slack = trial.instance.problem.interval + _unseen(trial, max(allowed, rounding) * scales.speed, place)
         return judged(
             check=self.name,
             quantity="stop_time",
@@ -92,10 +94,18 @@ class Stop(Check):
         )
 
 
-def _deceleration(trial: Trial) -> float:
-    """What friction alone takes off the speed [m/s^2]."""
+def _unseen(trial: Trial, speed: float, place: float) -> float:
+    """Time [s] before the stop in which the body is slower than `speed`: friction brakes it, a spring may push it on.
+
+    The last half cycle is a sine: v = a tau sin((t_stop - t)/tau) with a the deceleration at the stop, so that
+    t_stop - t <= (pi/2) v/a; all of it, pi tau, where a is so small that it is never faster.
+    """
     scene = trial.instance.scene
-    return sum(slider.friction * slider.normal_force for slider in scene.all(Slider)) / float(scene.bodies.mass.sum())
+    braking = sum(slider.friction * slider.normal_force for slider in scene.all(Slider))
+    pushing = sum(spring.stiffness * abs(place) for spring in scene.all(Spring))
+    slowing = (braking - pushing) / float(scene.bodies.mass.sum())
+    longest = np.pi * trial.instance.scales.tau
+    return float(min(longest, np.pi / 2 * speed / slowing)) if slowing > 0 else float(longest)
 
 
 CHECK = Stop()

@@ -7,15 +7,10 @@ import numpy as np
 from refdem.core import symmetry
 from refdem.core.check import Array, Check, Outcome, Trial
 from refdem.core.finding import Finding
-from refdem.core.judgement import certified, distances, undecided, worst
+from refdem.core.judgement import certified, distances, growth_shown, perturbation, undecided, worst
 from refdem.core.refinement import HORIZON
 from refdem.core.trajectory import Trajectory
 from refdem.core.variant import Variant
-
-ULPS = 64
-"""Where there is no truth, a start moved by so many units in the last place shows how errors grow."""
-MARGIN = 8.0
-"""One perturbation stands for all: others may grow by this factor more."""
 
 
 class Symmetry(Check):
@@ -39,11 +34,7 @@ class Symmetry(Check):
         """One level, as it is, in every symmetry, and with the start moved a little."""
         level = self._level(trial)
         shown = tuple(Variant(level, name) for name in self._shown(trial))  # type: ignore[arg-type]
-        return (Variant(level), Variant(level, "perturbed", self._ulps(trial)), *shown)
-
-    def _ulps(self, trial: Trial) -> int:
-        """The perturbation in units of double precision: a method of single precision sees nothing smaller than its own."""
-        return ULPS * round(trial.method.round_off * 2.0**53)
+        return (Variant(level), Variant(level, "perturbed", perturbation(trial.method)), *shown)
 
     def _level(self, trial: Trial) -> float:
         """The coarsest, where nothing is hidden by a small step; finer where truncation has to be allowed for."""
@@ -90,8 +81,7 @@ class Symmetry(Check):
         """How much an early error has grown (T,): S of the truth, or what the moved start shows."""
         if (truth := certified(trial)) is not None and truth.until == len(base.t):
             return truth.growth()
-        moved = distances(trial.instance, perturbed, base)
-        return np.maximum.accumulate(np.maximum(1.0, MARGIN * moved / (self._ulps(trial) * 2.0**-52)))
+        return growth_shown(trial.instance, trial.method, perturbed, base)
 
     def _allowed(self, trial: Trial, view: symmetry.Symmetry, growth: Array) -> Array:
         """Round-off of both runs with the numbers as large as the symmetry makes them; truncation where a branch may flip.

@@ -10,6 +10,7 @@ from refdem.scene import Scene
 from refdem.scene.elements.central_field import CentralField
 from refdem.scene.elements.contact import Contact
 from refdem.scene.elements.spring import Spring
+from refdem.scene.elements.uniform_gravity import UniformGravity
 
 Array = NDArray[np.float64]
 
@@ -25,10 +26,15 @@ def mechanical(scene: Scene, run: Trajectory) -> Array:
 
 
 def energy_scale(instance: Instance) -> float:
-    """Kinetic energy and size of the potential at the start [J]; m (L/tau)^2 if both are zero."""
+    """Kinetic energy and size of the potential at the start [J]; m (L/tau)^2 if both are zero.
+
+    The zero of a weight's potential is where the origin is: there it counts at least as the kinetic energy m (L/tau)^2 / 2.
+    """
     bodies = instance.scene.bodies
     start = Trajectory(t=np.zeros(1), **{name: getattr(bodies, name)[None] for name in ("position", "velocity", "attitude", "omega")})
     size = kinetic(instance.scene, start)[0] + abs(instance.scene.potential(start.position, start.attitude)[0])
+    if instance.scene.all(UniformGravity):
+        size = max(size, instance.scales.energy / 2)
     return float(size) or instance.scales.energy
 
 

@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 
 from refdem.core.case import Instance
 from refdem.core.check import Trial
+from refdem.core.engine import Method
 from refdem.core.finding import Finding, Series
 from refdem.core.trajectory import Trajectory
 from refdem.core.truth import SampledTruth
@@ -15,6 +16,10 @@ from refdem.errors import EngineError
 
 Array = NDArray[np.float64]
 
+PERTURBED = 64
+"""A start moved by so many units in the last place shows how errors grow."""
+MORE = 8.0
+"""One perturbation stands for all: others may grow by this factor more."""
 MOST_POINTS = 256
 """Points that a curve in a record keeps; the largest value of each stretch is the one that is kept."""
 
@@ -138,6 +143,17 @@ def distances(instance: Instance, a: Trajectory, b: Trajectory) -> Array:
         parts.append(angle_between(a.attitude[:, turns], b.attitude[:, turns]).max(axis=1, initial=0.0))
     largest: Array = np.maximum.reduce(parts)
     return largest
+
+
+def perturbation(method: Method) -> int:
+    """Units in the last place by which a start is moved to show how errors grow: those of a double, a single one being 2^29."""
+    return PERTURBED * round(method.round_off * 2.0**53)
+
+
+def growth_shown(instance: Instance, method: Method, moved: Trajectory, base: Trajectory) -> Array:
+    """How much an early error has grown (T,), as a start moved by `perturbation` shows it: what stands in for S without truth."""
+    shown = distances(instance, moved, base) / (perturbation(method) * 2.0**-52)
+    return np.maximum.accumulate(np.maximum(1.0, MORE * shown))
 
 
 def curve(t: Array, value: Array, bound: Array | float) -> Series:

@@ -54,7 +54,7 @@ def _tumbler(rng: np.random.Generator) -> dict[str, str]:
 
 def _flipper(rng: np.random.Generator) -> dict[str, str]:
     """A body that turns over once about its intermediate axis."""
-    return {"offset": str(_between(rng, 1 / 32, 1 / 8, 128)), "direction": str(rng.choice(("1", "3"))), "duration": "24", "samples": "48"}
+    return {"offset": str(_between(rng, 1 / 16, 1 / 8, 128)), "direction": str(rng.choice(("1", "3"))), "duration": "24", "samples": "48"}
 
 
 def _swing(rng: np.random.Generator) -> dict[str, str]:
@@ -119,12 +119,12 @@ def _collision(rng: np.random.Generator, **more: object) -> dict[str, str]:
 
 def _knock(rng: np.random.Generator) -> dict[str, str]:
     """Head-on, damped; the contact ends with the overlap."""
-    return _collision(rng, damping=_between(rng, 0.75, 2))
+    return _collision(rng, damping=_between(rng, 2, 4))
 
 
 def _parting(rng: np.random.Generator) -> dict[str, str]:
     """Head-on, damped; the contact ends when it would pull."""
-    return _collision(rng, damping=_between(rng, 0.75, 2), cutoff="zero_force")
+    return _collision(rng, damping=_between(rng, 2, 4), cutoff="zero_force")
 
 
 def _bounce(rng: np.random.Generator) -> dict[str, str]:
@@ -149,8 +149,8 @@ def _scrape(rng: np.random.Generator) -> dict[str, str]:
 
 
 def _scrape_long(rng: np.random.Generator) -> dict[str, str]:
-    """The same with the radius as lever arm."""
-    return _scrape(rng) | {"branch": "R", "damping": "0"}
+    """Gross sliding of soft spheres with the radius as lever arm."""
+    return _soft(rng) | {"branch": "R", "tangential_stiffness": "0"}
 
 
 def _scrape_short(rng: np.random.Generator) -> dict[str, str]:

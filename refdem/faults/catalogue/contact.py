@@ -117,6 +117,7 @@ FAULTS = (
         sentence="Damping for the mass of one body, not for the effective mass.",
         on=("parting",),
         sees=("error", "v2.x"),
+        levels=4,
         before=of_elements(Contact, damping=scaled(1.4)),
     ),
     contact(
@@ -146,7 +147,7 @@ FAULTS = (
         sentence="The force ends when it would pull; the law says with the overlap.",
         on=("knock",),
         sees=("error", "v1.x"),
-        levels=5,
+        levels=4,
         before=of_elements(Contact, cutoff=lambda _: "zero_force"),
     ),
     contact(
@@ -154,7 +155,7 @@ FAULTS = (
         sentence="The force pulls until the overlap ends; the law says that it never pulls.",
         on=("parting",),
         sees=("error", "v2.x"),
-        levels=5,
+        levels=4,
         before=of_elements(Contact, cutoff=lambda _: "zero_overlap"),
     ),
     contact(
@@ -197,7 +198,7 @@ FAULTS = (
     ),
     contact(
         name="normal-not-unit",
-        sentence="The normal is the vector between the centres, not made unit.",
+        sentence="The normal is a tenth too long: it was divided by something else than its length.",
         on=("knock",),
         sees=("error", "v1.x"),
         inside=lambda p: {"normal_force": lambda law, depth, rate: 1.1 * p.normal_force(law, depth, rate)},
@@ -228,7 +229,7 @@ FAULTS = (
         sentence="Lever arm R - d/2 where the law says R.",
         on=("scrape-long",),
         sees=("error", "omega1.z"),
-        levels=5,
+        levels=4,
         before=_branch("R-d/2"),
     ),
     contact(
@@ -292,7 +293,7 @@ FAULTS = (
         name="spring-not-turned",
         sentence="The tangential spring does not turn with the contact.",
         on=("soft",),
-        levels=5,
+        levels=6,
         sees=("error", "v1.x"),
         inside=lambda p: {"transported": lambda stretch, normal: stretch},
     ),

@@ -130,10 +130,10 @@ FAULTS = (
     ),
     energy(
         name="gravity-per-mass",
-        sentence="The weight is g, whatever the mass.",
+        sentence="The weight is that of a quarter of a kilogram more.",
         on=("hanging",),
         sees=("error", "x"),
-        inside=lambda p: {"weight": lambda mass, g: vec.times(0.25 + 0.5 * mass, g)},
+        inside=lambda p: {"weight": lambda mass, g: vec.times(0.25 + mass, g)},
     ),
     energy(
         name="gravity-missing",

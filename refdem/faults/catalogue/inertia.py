@@ -55,6 +55,7 @@ FAULTS = (
         sentence="The body is turned as if it were a sphere.",
         on=("flipper",),
         sees=("flips", "flips"),
+        levels=4,
         before=of_bodies(inertia=_mean),
     ),
     inertia(

@@ -27,6 +27,11 @@ def _turned_back(sound: Any, axis: int) -> Any:
     return lambda about, inertia, omega, q, h: sound(about, inertia, omega, q, -h if about == axis else h)
 
 
+def _leaning(g: Any) -> Any:
+    """A tenth of each component moved to the next axis."""
+    return vec.moved(vec.times(0.9, g), 0.1, (g[1], g[2], g[0]))
+
+
 def _half_turn(sound: Any) -> Any:
     """The quaternion turns by half of the angle by which the momentum does."""
 
@@ -89,15 +94,16 @@ FAULTS = (
         on=("flipper",),
         method="rk4",
         sees=("flips", "flips"),
+        levels=4,
         inside=lambda p: {"gyroscopic": lambda inertia, omega: vec.ZERO},
     ),
     rotation(
         name="gyroscopic-axis",
-        sentence="The gyroscopic torque is that of the next axis.",
+        sentence="A tenth of the gyroscopic torque is about the next axis.",
         on=("tumbler",),
         method="rk4",
         sees=("energy", "finest"),
-        inside=lambda p: {"gyroscopic": lambda j, w: (lambda g: (g[1], g[2], g[0]))(p.gyroscopic(j, w))},
+        inside=lambda p: {"gyroscopic": lambda j, w: _leaning(p.gyroscopic(j, w))},
     ),
     rotation(
         name="not-normalised",

@@ -1,0 +1,100 @@
+"""Every known fault is killed by the quantity named for it, and nothing is said against the engine without any."""
+
+import pytest
+
+from refdem.campaign.in_process import record_of, task_of, truth_of
+from refdem.campaign.kills import Trial
+from refdem.core import discovery
+from refdem.core.finding import Finding, Record
+from refdem.errors import UsageError
+from refdem.faults.catalogue import chosen, faults
+from refdem.faults.fault import Fault
+from refdem.faults.settings import SETTINGS
+from refdem.faults.transparent import Transparent
+
+SEED = 1
+
+
+@pytest.fixture(scope="module")
+def trial():
+    return Trial(seeds=1, whole=False)
+
+
+@pytest.mark.parametrize("fault", faults(), ids=lambda fault: fault.name)
+def test_a_fault_is_killed_by_the_quantity_named_for_it(trial, fault):
+    kill = trial.kill(fault, SEED)
+    assert kill.killed, f"{kill.label}: {kill.check}/{kill.quantity}: {kill.sentence}"
+
+
+@pytest.mark.parametrize("setting", SETTINGS)
+def test_nothing_is_said_against_the_correct_engine(trial, setting):
+    instance, truth = trial.instance(setting, SEED)
+    for method in SETTINGS[setting].methods:
+        record = record_of(task_of(Transparent(), method, instance, truth, 3))
+        assert [f"{record.id(f)}: {f.sentence}" for f in record.findings if f.outcome in ("fail", "error")] == []
+
+
+def test_there_are_faults_of_many_kinds_with_names_of_their_own():
+    every = faults()
+    assert len(every) >= 60
+    assert len({fault.name for fault in every}) == len(every)
+    assert len({fault.kind for fault in every}) >= 10
+    assert {setting for fault in every for setting in fault.on} <= set(SETTINGS)
+
+
+def test_parameters_are_the_same_for_the_same_seed_and_others_for_another():
+    for name, setting in SETTINGS.items():
+        assert setting.parameters(name, 3) == setting.parameters(name, 3)
+        assert setting.parameters(name, 3) != setting.parameters(name, 4)
+
+
+def test_a_fault_that_changes_nothing_survives():
+    idle = Fault(name="idle", kind="none", sentence="Nothing.", on=("oscillator",), sees=("error", "x"), before=lambda request: request)
+    matrix = Trial(seeds=1, chosen=(idle,)).matrix()
+    assert [kill.fault for kill in matrix.survivors()] == ["idle"]
+    assert "error" in matrix.idle()
+    assert matrix.alarms == ()
+
+
+def test_a_fault_seen_by_another_quantity_alone_survives():
+    (late,) = chosen(["rod-force-late"])
+    moved = Fault(name="moved", kind="none", sentence="", on=late.on, sees=("constraint", "length"), inside=late.inside)
+    kill = Trial(seeds=1, chosen=(moved,)).kill(moved, 0)
+    assert not kill.killed
+    assert "error/rod_force" in kill.also
+
+
+def test_an_engine_that_is_wrong_by_itself_alarms(monkeypatch):
+    broken = Fault(name="broken", kind="none", sentence="", on=("oscillator",), sees=("error", "x"), after=chosen(["sample-late"])[0].after)
+    engine = broken.carrier()
+    matrix = Trial(seeds=1, engine=engine, chosen=(broken,)).matrix()
+    assert any("error/x" in alarm.id for alarm in matrix.alarms)
+
+
+def test_faults_before_and_after_are_seen_in_the_reference_too():
+    matrix = Trial(seeds=1, engine=discovery.engine("reference"), chosen=chosen(["grams", "sample-late", "velocity-not-held"])).matrix()
+    assert [(kill.fault, kill.killed) for kill in matrix.kills] == [("sample-late", True), ("grams", True)]
+    assert matrix.alarms == ()
+
+
+def test_an_unknown_fault_is_named_with_the_nearest():
+    with pytest.raises(UsageError, match="no-gyroscopic-term"):
+        chosen(["no-gyroscopic-terms"])
+
+
+def test_a_fault_acts_in_exactly_one_way():
+    with pytest.raises(ValueError, match="exactly one"):
+        Fault(name="both", kind="none", sentence="", on=("swing",), sees=("error", "x"), before=lambda r: r, after=lambda r, t: t)
+
+
+def test_truth_is_withheld_where_it_cannot_be_proved():
+    instance = discovery.case("two-spheres").at(**SETTINGS["sticker"].parameters("sticker", 0))
+    assert truth_of(instance).until < len(instance.times)
+
+
+def test_records_and_findings_are_those_of_a_campaign():
+    instance = discovery.case("harmonic-oscillator").at(duration="4", samples="16")
+    record = record_of(task_of(Transparent(), "verlet", instance, truth_of(instance), 3, ("error",)))
+    assert isinstance(record, Record)
+    assert {type(finding) for finding in record.findings} == {Finding}
+    assert {finding.check for finding in record.findings} == {"error"}

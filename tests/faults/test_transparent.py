@@ -1,0 +1,105 @@
+"""The transparent engine is right before it carries faults: its orders, its events, its own limits."""
+
+from dataclasses import replace
+from itertools import pairwise
+
+import numpy as np
+import pytest
+
+from refdem.core import discovery
+from refdem.core.problem import Motion, Request
+from refdem.errors import UnsupportedError
+from refdem.faults.settings import SETTINGS
+from refdem.faults.transparent import Transparent
+from refdem.scene import Body, Scene
+from refdem.scene.elements.rod import Rod
+from refdem.scene.elements.spring import Spring
+
+
+def run(case, method, halvings, **given):
+    """The run at a step of interval / 2^halvings."""
+    instance = discovery.case(case).at(**given)
+    step = float(instance.times[1]) / 2**halvings
+    return Transparent().run(Request(problem=instance.problem, method=method, step=step))[0]
+
+
+@pytest.mark.parametrize(("method", "order"), [("euler", 1), ("verlet", 2), ("suzuki", 4), ("rk4", 4)])
+def test_an_oscillator_converges_to_the_cosine_with_the_claimed_order(method, order):
+    worst = []
+    for halvings in (2, 3):
+        found = run("harmonic-oscillator", method, halvings, duration="8", samples="32")
+        worst.append(np.max(np.abs(found.position[:, 0, 0] - np.cos(found.t))))
+    assert np.log2(worst[0] / worst[1]) == pytest.approx(order, abs=0.1)
+
+
+@pytest.mark.parametrize("method", ["verlet", "suzuki", "rk4"])
+def test_a_symmetric_top_precesses_at_the_rate_of_the_textbook(method):
+    found = run("free-rigid-body", method, 4, inertia="1,1,3/2", omega_body="1/2,0,1", duration="6", samples="32")
+    rate = (1.5 - 1) / 1 * 1.0  # Landau and Lifshitz, Mechanics, section 36
+    body = discovery.case("free-rigid-body").at(inertia="1,1,3/2", omega_body="1/2,0,1").observe(found)
+    np.testing.assert_allclose(body["omega_body.x"], 0.5 * np.cos(rate * found.t), atol=1e-3)
+    np.testing.assert_allclose(body["omega_body.z"], 1.0, atol=1e-5)
+
+
+def test_dry_friction_stops_at_the_turning_point_for_ever():
+    found = run("coulomb-oscillator", "verlet", 4, duration="16", samples="64")
+    late = found.t > 3 * np.pi + 0.01
+    assert np.ptp(found.position[late, 0, 0]) == 0
+    assert found.velocity[late].max() == 0
+    assert found.position[-1, 0, 0] == pytest.approx(-0.1, abs=1e-3)
+    assert found.channels["dissipated_work"][-1] == pytest.approx(0.495, abs=1e-3)  # half of 1 - 0.01
+
+
+@pytest.mark.parametrize("cutoff", ["zero_overlap", "zero_force"])
+def test_spheres_part_with_the_restitution_of_the_linear_law(cutoff):
+    found = run("two-spheres", "verlet", 4, cutoff=cutoff)
+    b, w0 = 1.0, 16.0  # c/(2 m), sqrt(k/m) with m = 1/2, k = 128, c = 1
+    w = np.sqrt(w0**2 - b**2)
+    lasts = np.pi / w if cutoff == "zero_overlap" else 2 * np.arccos(b / w0) / w
+    apart = found.velocity[-1, 1, 0] - found.velocity[-1, 0, 0]
+    assert apart == pytest.approx(np.exp(-b * lasts), abs=1e-4)
+
+
+def test_a_contact_that_sticks_and_slides_converges_with_order_two():
+    given = SETTINGS["tumbling-spheres"].parameters("tumbling-spheres", 1)
+    runs = [run("two-spheres", "verlet", halvings, **given).omega for halvings in (2, 3, 4)]
+    changes = [np.max(np.abs(b - a)) for a, b in pairwise(runs)]
+    assert np.log2(changes[0] / changes[1]) == pytest.approx(2, abs=0.15)
+
+
+def test_rods_keep_their_length_to_the_last_bits():
+    found = run("pendulum", "verlet", 3)
+    np.testing.assert_allclose(np.linalg.norm(found.position, axis=-1), 1.0, atol=4e-16 * 8)
+    assert np.max(np.abs(np.sum(found.position * found.velocity, axis=-1))) < 1e-14
+
+
+def test_single_precision_is_single():
+    found = run("harmonic-oscillator", "verlet-single", 3)
+    np.testing.assert_array_equal(found.position, found.position.astype(np.float32))
+    assert np.any(run("harmonic-oscillator", "verlet", 3).position != found.position)
+
+
+def test_it_says_what_it_cannot_do():
+    engine, method = Transparent(), Transparent().method("verlet")
+    two = [Body(mass=1.0), Body(mass=1.0, position=(1.0, 0.0, 0.0))]
+    times = np.array([0.0, 1.0])
+    for elements, word in (([Rod(a=0, b=1, length=1.0)], "rod"), ([Spring(a=0, b=1, stiffness=1.0)], "spring")):
+        assert word in engine.refusal(Motion(Scene.of(two, elements), times), method)
+    blocks = discovery.case("newtons-first-law").at(member="block").problem
+    assert "rigid" in engine.refusal(blocks, method)
+    sliding = discovery.case("coulomb-oscillator").at().problem
+    assert engine.refusal(sliding, engine.method("rk4")) == "no events"
+
+
+def test_a_contact_without_a_spring_that_comes_to_stick_is_refused_in_the_run():
+    instance = discovery.case("two-spheres").at(damping="0", angle="1/4", friction="1")
+    request = Request(problem=instance.problem, method="verlet", step=float(instance.times[1]) / 4)
+    with pytest.raises(UnsupportedError, match="stick"):
+        Transparent().run(request)
+
+
+def test_the_parts_are_its_own_and_a_run_leaves_nothing_behind():
+    first, second = (run("pendulum", "verlet", 2) for _ in range(2))
+    np.testing.assert_array_equal(first.position, second.position)
+    engine = Transparent(replace(Transparent().parts, weight=lambda mass, g: (0.0, 0.0, 0.0)))
+    assert engine.parts.weight is not Transparent().parts.weight
