@@ -65,7 +65,7 @@ def _judged(engine: Engine, method: Method, probe: Probe) -> list[Finding]:
     except Exception as error:  # whatever an adapter raises is its fault, and a finding
         sentence = f"{method.name} on {probe.name!r}: {type(error).__name__}: {error}"
         return [Finding(check="smoke", quantity=probe.name, outcome="error", sentence=sentence)]
-    findings = [_clock(trajectory, request, probe), _first_sample(trajectory, request, probe)]
+    findings = [_clock(trajectory, request, probe), _first_sample(trajectory, request, probe, method)]
     for name, expected in probe.expected(probe.times - probe.start).items():
         seen = _shown(trajectory, name, probe)
         if seen is not None:
@@ -95,10 +95,11 @@ def _clock(trajectory: Trajectory, request: Request, probe: Probe) -> Finding:
     return _finding(f"{probe.name}: clock", off, START_BOUND, CLOCK_BASIS, says)
 
 
-def _first_sample(trajectory: Trajectory, request: Request, probe: Probe) -> Finding:
-    """Is row 0 the scene's state?"""
+def _first_sample(trajectory: Trajectory, request: Request, probe: Probe, method: Method) -> Finding:
+    """Is row 0 the scene's state? Velocities that lag are those before it."""
     bodies = request.problem.scene.bodies
-    off, name = max((_largest(getattr(trajectory, n)[0], getattr(bodies, n), signless=n == "attitude"), n) for n in STATE)
+    names = STATE if method.velocity_time == "synchronous" else ("position", "attitude")
+    off, name = max((_largest(getattr(trajectory, n)[0], getattr(bodies, n), signless=n == "attitude"), n) for n in names)
     says = f"{request.method}: the first sample is off the scene's state by at most {off:.2g}, in {name}"
     return _finding(f"{probe.name}: first sample", off, START_BOUND, START_BASIS, says)
 

@@ -8,21 +8,12 @@ from refdem.core import fingerprint
 from refdem.core.engine import Engine, Method
 from refdem.core.problem import Motion, Request
 from refdem.core.trajectory import Cost, Trajectory
-from refdem.engines.external.description import DIMENSIONS, Description, read
+from refdem.engines.external.description import Description, read
 from refdem.engines.external.program import Program
+from refdem.engines.external.sense import DIMENSIONS
 
-IMPLIED = {
-    "contact",
-    "contact:damping",
-    "contact:friction",
-    "constraint",
-    "tumbling",
-    "shape:sphere",
-    "dimension:1",
-    "dimension:2",
-    "dimension:3",
-}
-"""Features that come with others which a program names: a law, a rod, rotation."""
+IMPLIED = {"contact", "contact:damping", "contact:friction", "constraint", "tumbling", "shape:sphere"}
+"""Features that come with others which a program names: a law, friction, a rod, rotation."""
 
 
 class External(Engine):
@@ -71,7 +62,7 @@ class External(Engine):
             return "negative steps"
         supports = set(self.description.engine.supports)
         anywhere = set() if supports & DIMENSIONS else DIMENSIONS
-        lacking = sorted(problem.scene.features - (IMPLIED - DIMENSIONS) - anywhere - supports)
+        lacking = sorted(problem.scene.features - IMPLIED - anywhere - supports)
         return f"{', '.join(lacking)} (not in `supports` of {self.path.name})" if lacking else None
 
     def run(self, request: Request) -> tuple[Trajectory, Cost]:

@@ -37,12 +37,13 @@ if method == "floods":
         while True:
             file.write("x" * 2**20)
 rate, x, v = spring["stiffness"] / body["mass"], body["position"][0], body["velocity"][0]
+anchor = spring["anchor_b"][0]
 rows = []
 for n, t in enumerate(times):
     for _ in range(round(abs(times[1] - times[0]) / h) if n else 0):
-        v -= 0.5 * h * rate * x
+        v -= 0.5 * h * rate * (x - anchor)
         x += h * v
-        v -= 0.5 * h * rate * x
+        v -= 0.5 * h * rate * (x - anchor)
     rows.append(f"{t!r},0,{x!r},0,0,{v!r},0,0,,,,,,,")
 header = "t,body,x,y,z,vx,vy,vz,qw,qx,qy,qz,wx,wy,wz"
 if method == "short":
@@ -79,7 +80,7 @@ def described(folder: Path, *, command: str = "", more: str = "", methods: "list
         f'[[engine.methods]]\nname = "{name}"\norder = 2\nsymplectic = true\nreversible = true\nconserves = ["momentum"]\n'
         for name in methods
     ]
-    text = f'[engine]\nname = "small"\ncommand = {words}\nsupports = ["spring"]\ntimeout = 5\n{more}\n'
+    text = f'[engine]\nname = "small"\ncommand = {words}\nsupports = ["spring", "dimension:1"]\ntimeout = 5\n{more}\n'
     path = folder / "refdem.toml"
     path.write_text(text + "\n".join(tables))
     return path

@@ -8,7 +8,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from refdem.engines.external.description import FEATURES, read
+from refdem.engines.external.description import read
+from refdem.engines.external.sense import FEATURES
 from refdem.errors import RefdemError, UsageError
 
 PLAIN = """

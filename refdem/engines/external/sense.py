@@ -1,0 +1,64 @@
+"""What the fields of a refdem.toml may say beyond their types."""
+
+import re
+from collections.abc import Iterator
+from pathlib import PurePath
+from typing import TYPE_CHECKING, get_args, get_type_hints
+
+from refdem.scene.elements import KINDS
+from refdem.scene.elements.contact import Contact
+
+if TYPE_CHECKING:
+    from refdem.engines.external.description import EngineTable, GateTable, MethodTable
+
+BODIES = ("rotation", "tumbling", "fixed", "friction", "constraint", "shape:sphere", "shape:polyhedron")
+DIMENSIONS = {"dimension:1", "dimension:2", "dimension:3"}
+"""Of motion; a program that names none of them runs in all."""
+FEATURES = {
+    *BODIES,
+    *DIMENSIONS,
+    *KINDS,
+    "contact:damping",
+    "contact:friction",
+    *(f"contact:{law}" for law in get_args(get_type_hints(Contact)["law"])),
+}
+"""What `supports` and `order_with` may name."""
+NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9._+-]{0,63}")
+
+
+def nonsense(engine: "EngineTable", gate: "GateTable") -> Iterator[tuple[str, object, str]]:
+    """What is well typed and makes no sense: its name, what came, what was expected."""
+    names = [m.name for m in engine.methods]
+    strange = sorted({*engine.supports, *(feature for m in engine.methods for feature in m.order_with)} - FEATURES)
+    away = [pattern for pattern in engine.inputs if not pattern or PurePath(pattern).is_absolute()]
+    faults: list[tuple[str, object, bool, str]] = [
+        ("engine.name", engine.name, bool(NAME.fullmatch(engine.name)), "letters, digits, dots, dashes"),
+        ("engine.command", engine.command, all(engine.command[:1]) and bool(engine.command), "the program and its arguments"),
+        ("engine.command", engine.command, not any("\0" in word for word in engine.command), "words without NUL"),
+        ("engine.methods", names, bool(names) and len(set(names)) == len(names), "at least one [[engine.methods]], each name once"),
+        ("engine.methods", names, all(NAME.fullmatch(name) for name in names), "names of letters, digits, dots, dashes"),
+        ("engine.supports or order_with", strange, not strange, f"features of {', '.join(sorted(FEATURES))}"),
+        ("gate.levels", gate.levels, 1 <= gate.levels <= 10, "a number of refinement levels, 1 to 10"),
+        ("engine.inputs", away, not away, "patterns below the folder of refdem.toml"),
+    ]
+    limits = {"timeout": engine.timeout, "budget": engine.budget}
+    faults += [(f"engine.{name}", limit, 0 < limit < float("inf"), "seconds > 0") for name, limit in limits.items()]
+    for m in engine.methods:
+        faults += _claims(m)
+    yield from ((name, came, expected) for name, came, holds, expected in faults if not holds)
+
+
+def _claims(m: "MethodTable") -> list[tuple[str, object, bool, str]]:
+    """Rules for the claims of one method: name, what came, whether it holds, what was expected."""
+    orders = [m.order, *m.order_with.values()]
+    reasoned = m.constant == 1 or bool(m.constant_reason.strip())
+    return [
+        (
+            f"order of {m.name}",
+            orders,
+            m.control != "step" or all(1 <= order <= 20 for order in orders),
+            "the order that it claims, 1 to 20",
+        ),
+        (f"constant of {m.name}", m.constant, 0 < m.constant < float("inf"), "a number > 0"),
+        (f"constant of {m.name}", m.constant, reasoned, "a constant_reason beside a constant that is not 1"),
+    ]

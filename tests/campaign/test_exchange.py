@@ -1,0 +1,139 @@
+"""Programs that run elsewhere: what is exported is enough to run them, and what comes back is judged."""
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from refdem.campaign.exchange import MANIFEST, RUNS, exported, judged
+from refdem.campaign.specification import Entry
+from refdem.core.finding import Record
+from refdem.core.store import Store
+from refdem.core.trajectory_csv import COLUMNS
+from refdem.errors import UsageError
+
+TOML = """
+[engine]
+name = "far"
+command = ["./far", "{request}", "{trajectory}"]
+supports = ["spring"]
+[[engine.methods]]
+name = "leapfrog"
+order = 2
+symplectic = true
+reversible = true
+conserves = ["momentum"]
+"""
+
+
+@pytest.fixture
+def toml(tmp_path: Path) -> Path:
+    path = tmp_path / "refdem.toml"
+    path.write_text(TOML)
+    return path
+
+
+def written(toml: Path, folder: Path, *cases: str) -> list[str]:
+    """The runs that an export waits for."""
+    store = Store(toml.parent / "store.sqlite")
+    waiting = exported(folder, [toml], [Entry(case) for case in cases or ("harmonic-oscillator",)], 3, store, lambda *_: None)
+    store.close()
+    return waiting
+
+
+def record(toml: Path, folder: Path) -> Record:
+    """What is found in the folder."""
+    store = Store(toml.parent / "store.sqlite")
+    (found,) = (sheet for sheet in judged(folder, store, lambda *_: None) if isinstance(sheet, Record))
+    store.close()
+    return found
+
+
+def run(folder: Path, pull: float = 1.0) -> None:
+    """What a program far away would do in one folder: leapfrog on a spring to the origin."""
+    asked = json.loads((folder / "request.json").read_text())
+    assert (folder / "request.txt").read_text().startswith("format 1\nmethod leapfrog\n")
+    (body,), (spring,), times = asked["scene"]["bodies"], asked["scene"]["elements"], np.array(asked["times"])
+    center, rate = np.array(spring["anchor_b"]), pull * spring["stiffness"] / body["mass"]
+    x, v, rows = np.array(body["position"]), np.array(body["velocity"]), [",".join(COLUMNS)]
+    stride = round(abs(times[1] - times[0]) / asked["step"])
+    h = (times[1] - times[0]) / stride
+    for n, t in enumerate(times):
+        for _ in range(stride if n else 0):
+            v = v - h / 2 * rate * (x - center)
+            x = x + h * v
+            v = v - h / 2 * rate * (x - center)
+        rows.append(",".join(map(repr, [float(t), 0, *x.tolist(), *v.tolist()])) + "," * 7)
+    (folder / "trajectory.csv").write_text("\n".join(rows) + "\n")
+
+
+def test_what_comes_back_is_judged_and_what_goes_on_from_it_is_written_next(toml: Path, tmp_path: Path) -> None:
+    folder = tmp_path / "to-run"
+    first = written(toml, folder)
+    assert (folder / RUNS).read_text().split() == first
+    for name in first:
+        run(folder / name)
+    before = record(toml, folder)
+    assert {f.outcome for f in before.findings} == {"pass", "unsupported"}
+    assert "`refdem export` into the same folder" in next(f.sentence for f in before.findings if f.outcome == "unsupported")
+    second = written(toml, folder)
+    assert second
+    assert not set(second) & set(first)
+    for name in second:
+        run(folder / name)
+    after = record(toml, folder)
+    assert {f.outcome for f in after.findings} == {"pass"}
+    assert "reversal" in {f.check for f in after.findings}
+    assert written(toml, folder) == []
+
+
+def test_a_missing_trajectory_is_an_error(toml: Path, tmp_path: Path) -> None:
+    folder = tmp_path / "to-run"
+    names = written(toml, folder)
+    for name in names[1:]:
+        run(folder / name)
+    found = record(toml, folder)
+    (error,) = (f for f in found.findings if f.outcome == "error")
+    assert f"{names[0]}/trajectory.csv has not come back" in error.sentence
+
+
+def test_a_wrong_force_fails_from_afar(toml: Path, tmp_path: Path) -> None:
+    folder = tmp_path / "to-run"
+    for name in written(toml, folder):
+        run(folder / name, pull=1.001)
+    assert "error/x" in {f"{f.check}/{f.quantity}" for f in record(toml, folder).findings if f.outcome == "fail"}
+
+
+def test_a_refusal_comes_back_as_a_file(toml: Path, tmp_path: Path) -> None:
+    folder = tmp_path / "to-run"
+    for name in written(toml, folder):
+        (folder / name / "unsupported.txt").write_text("no springs here\n")
+    (finding,) = record(toml, folder).findings
+    assert finding.outcome == "unsupported"
+    assert "no springs here" in finding.sentence
+
+
+def test_a_folder_of_another_export_is_not_mixed_up(toml: Path, tmp_path: Path) -> None:
+    written(toml, tmp_path / "to-run")
+    with pytest.raises(UsageError, match="the export of other cases"):
+        written(toml, tmp_path / "to-run", "harmonic-oscillator", "pendulum")
+
+
+@pytest.mark.parametrize(("text", "says"), [(None, "is not there"), ("{}", "missing required field"), ("[", "manifest")])
+def test_a_folder_without_a_good_manifest_is_refused(toml: Path, tmp_path: Path, text: str | None, says: str) -> None:
+    folder = tmp_path / "other"
+    folder.mkdir()
+    if text is not None:
+        (folder / MANIFEST).write_text(text)
+    with pytest.raises(UsageError, match=says):
+        record(toml, folder)
+
+
+def test_the_export_of_another_refdem_is_refused(toml: Path, tmp_path: Path) -> None:
+    folder = tmp_path / "to-run"
+    written(toml, folder)
+    manifest = folder / MANIFEST
+    manifest.write_text(manifest.read_text().replace('"refdem": "', '"refdem": "9'))
+    with pytest.raises(UsageError, match="export again"):
+        record(toml, folder)
