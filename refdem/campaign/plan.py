@@ -11,6 +11,7 @@ from refdem.core import discovery, refinement, symmetry
 from refdem.core.case import Instance
 from refdem.core.check import Check, Trial
 from refdem.core.engine import Engine, Method
+from refdem.core.parameters import nearest
 from refdem.core.problem import Motion, Request
 from refdem.core.selection import Selection
 from refdem.core.trajectory import Trajectory
@@ -75,6 +76,12 @@ def engines(specification: Specification) -> tuple[list[Engine], dict[str, str]]
             raise EngineMissingError(f"engine {name} is not installed here; {reason}")
         else:
             missing[name] = reason
+    if specification.method and not asked:
+        having = [engine for engine in found if any(m.name == specification.method for m in engine.methods)]
+        every = {method.name for engine in found for method in engine.methods}
+        if not having:
+            raise UsageError(f"no engine has a method {specification.method!r}; {nearest(specification.method, every)}")
+        return having, missing
     return found, missing
 
 

@@ -31,6 +31,7 @@ def _own_store(tmp_path, monkeypatch):
         (["run", "free-rigid-body", "--set", "inertia=1,1"], "expected 3"),
         (["run", "free-rigid-body", "--set", "attitude=0,0,0,0"], "quaternion"),
         (["run", "pendulum", "--engine", "reference", "--method", "rattel"], "did you mean 'rattle'"),
+        (["run", "pendulum", "--method", "rattel"], "did you mean 'rattle'"),
         (["run", "pendulum", "--step", "0"], "expected a finite number"),
         (["run", "pendulum", "--step", "nan"], "expected a finite number"),
         (["run", "pendulum", "--jobs", "-1"], "--jobs"),
