@@ -86,10 +86,12 @@ def errors(instance: Instance, trajectory: Trajectory, truth: SampledTruth, dela
 
 def _made_of(instance: Instance, trajectory: Trajectory) -> tuple[set[str], set[str]]:
     """Names of the quantities that change with velocities, and of those that change with positions."""
-    plain, moved = instance.observe(trajectory), []
+    from refdem.mechanics.quaternion import product
+
+    plain, moved, turn = instance.observe(trajectory), [], np.array([0.4, 0.1, 0.5, 0.3]) / np.sqrt(0.51)
     for names in (("velocity", "omega"), ("position", "attitude")):
         columns = {name: getattr(trajectory, name) for name in names}
-        other = {name: values[..., [1, 0, 3, 2]] if name == "attitude" else 1.5 * values + 0.25 for name, values in columns.items()}
+        other = {name: product(turn, values) if name == "attitude" else 1.5 * values + 0.25 for name, values in columns.items()}
         moved.append(instance.observe(replace(trajectory, **other)))
     by_velocity, by_position = ({name for name in plain if np.any(plain[name] != seen[name])} for seen in moved)
     return by_velocity, by_position
