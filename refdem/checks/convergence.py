@@ -11,6 +11,9 @@ from refdem.core.judgement import growth_shown, judged, perturbation, undecided
 from refdem.core.refinement import COUNTING_FLOOR, HORIZON
 from refdem.core.variant import Variant
 
+FURTHER = 2.0
+"""Changes between three levels are as far from the limit as errors one level coarser: the order lacks twice as much there."""
+
 
 class Convergence(Check):
     """The finest three levels, where truth does not reach to the end of the run and so cannot show the order."""
@@ -50,9 +53,9 @@ class Convergence(Check):
                 check=self.name,
                 quantity="state",
                 value=max(0.0, order - seen),
-                bound=max(0.15, 0.05 * order),
+                bound=FURTHER * max(0.15, 0.05 * order),
                 unit="1",
-                basis=f"order {order} is claimed, so from level to level the change must fall with it, within max(0.15, 0.05 p)",
+                basis=f"order {order} is claimed, so from level to level the change must fall with it, within 2 max(0.15, 0.05 p)",
                 what=f"The run changes by {coarse:.2g} and then by {fine:.2g} of its scale: order {seen:.2f}; what it lacks",
                 order_seen=seen,
                 order_claimed=float(order),
