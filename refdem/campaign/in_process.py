@@ -46,7 +46,7 @@ def run_of(engine: Engine, request: Request) -> Run:
     plain = Run(key="", request=request, engine=engine.name, version="")
     try:
         trajectory, cost = engine.run(Request.from_json(request.to_json()))  # as a worker gets it
-        request.refuse_misaligned(trajectory.t)
+        request.refuse_misaligned(trajectory.t, engine.method(request.method).round_off)
         return replace(plain, trajectory=Trajectory.from_bytes(trajectory.to_bytes()), cost=cost)
     except UnsupportedError as error:
         failure = Failure(kind="unsupported", sentence=str(error))

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from refdem.campaign.probes import INTERVAL, Probe, probes
 from refdem.core.engine import Engine, Method
 from refdem.core.finding import Finding
-from refdem.core.problem import Motion, Request
+from refdem.core.problem import CLOCK_ROUNDINGS, Motion, Request
 from refdem.core.trajectory import STATE, Trajectory
 from refdem.errors import EngineError
 from refdem.mechanics import momentum
@@ -65,7 +65,7 @@ def _judged(engine: Engine, method: Method, probe: Probe) -> list[Finding]:
     except Exception as error:  # whatever an adapter raises is its fault, and a finding
         sentence = f"{method.name} on {probe.name!r}: {type(error).__name__}: {error}"
         return [Finding(check="smoke", quantity=probe.name, outcome="error", sentence=sentence)]
-    findings = [_clock(trajectory, request, probe), _first_sample(trajectory, request, probe, method)]
+    findings = [_clock(trajectory, request, probe, method), _first_sample(trajectory, request, probe, method)]
     for name, expected in probe.expected(probe.times - probe.start).items():
         seen = _shown(trajectory, name, probe)
         if seen is not None:
@@ -87,12 +87,17 @@ def _refuse_shape(trajectory: Trajectory, request: Request) -> None:
         raise EngineError(f"trajectory.position has shape {trajectory.position.shape}; expected {expected}: samples, bodies, axes")
 
 
-def _clock(trajectory: Trajectory, request: Request, probe: Probe) -> Finding:
+def _few_roundings(method: Method) -> float:
+    """A few thousand roundings in double precision, a few in single."""
+    return max(START_BOUND, CLOCK_ROUNDINGS * method.round_off)
+
+
+def _clock(trajectory: Trajectory, request: Request, probe: Probe, method: Method) -> Finding:
     """Are the engine's own times the samples?"""
     times = request.problem.times
     off = float(np.max(np.abs(trajectory.t - times)) / np.max(np.abs(times)))
     says = f"{request.method}: the clock is off by at most {off:.2g} of the last sample's time"
-    return _finding(f"{probe.name}: clock", off, START_BOUND, CLOCK_BASIS, says)
+    return _finding(f"{probe.name}: clock", off, _few_roundings(method), CLOCK_BASIS, says)
 
 
 def _first_sample(trajectory: Trajectory, request: Request, probe: Probe, method: Method) -> Finding:
@@ -101,7 +106,7 @@ def _first_sample(trajectory: Trajectory, request: Request, probe: Probe, method
     names = STATE if method.velocity_time == "synchronous" else ("position", "attitude")
     off, name = max((_largest(getattr(trajectory, n)[0], getattr(bodies, n), signless=n == "attitude"), n) for n in names)
     says = f"{request.method}: the first sample is off the scene's state by at most {off:.2g}, in {name}"
-    return _finding(f"{probe.name}: first sample", off, START_BOUND, START_BASIS, says)
+    return _finding(f"{probe.name}: first sample", off, _few_roundings(method), START_BASIS, says)
 
 
 def _largest(seen: Array, expected: Array, *, signless: bool = False) -> float:

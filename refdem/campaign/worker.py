@@ -49,8 +49,9 @@ def run(engine: str, request: bytes, deadline: float = math.inf) -> bytes:
 def _reply(engine: str, request: Request) -> Reply:
     """Runs the request; the one place where an engine's exceptions, whatever they are, become a Failure."""
     try:
-        trajectory, cost = discovery.engine(engine).run(request)
-        request.refuse_misaligned(trajectory.t)
+        found = discovery.engine(engine)
+        trajectory, cost = found.run(request)
+        request.refuse_misaligned(trajectory.t, found.method(request.method).round_off)
     except UnsupportedError as error:
         return Reply(failure=Failure(kind="unsupported", sentence=str(error)))
     except RefdemError as error:

@@ -91,7 +91,9 @@ def _made_of(instance: Instance, trajectory: Trajectory) -> tuple[set[str], set[
     plain, moved, turn = instance.observe(trajectory), [], np.array([0.4, 0.1, 0.5, 0.3]) / np.sqrt(0.51)
     for names in (("velocity", "omega"), ("position", "attitude")):
         columns = {name: getattr(trajectory, name) for name in names}
-        other = {name: product(turn, values) if name == "attitude" else 1.5 * values + 0.25 for name, values in columns.items()}
+        other: dict[str, Any] = {
+            name: product(turn, values) if name == "attitude" else 1.5 * values + 0.25 for name, values in columns.items()
+        }
         moved.append(instance.observe(replace(trajectory, **other)))
     by_velocity, by_position = ({name for name in plain if np.any(plain[name] != seen[name])} for seen in moved)
     return by_velocity, by_position

@@ -13,6 +13,8 @@ from refdem.scene import Scene, SceneDocument
 from refdem.scene.scene import encoded
 
 Array = NDArray[np.float64]
+CLOCK_ROUNDINGS = 8
+"""A time in single precision is a step, a number of steps and a start, each rounded, times and plus."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -105,12 +107,12 @@ class Request:
         """The same request for another state, or other times."""
         return replace(self, problem=Motion(scene, self.problem.times if times is None else times))
 
-    def refuse_misaligned(self, t: Array) -> None:
-        """Raises EngineError unless the engine's own times `t` are the samples asked for, to round-off."""
+    def refuse_misaligned(self, t: Array, round_off: float = 2.0**-53) -> None:
+        """Raises EngineError unless the engine's own times `t` are the samples asked for, to the round-off of its precision."""
         times = self.problem.times
         if t.shape != times.shape:
             raise EngineError(f"trajectory.t has {len(t)} samples; expected {len(times)}")
-        allowed = 1e-12 * max(abs(times[0]), abs(times[-1]), abs(self.problem.interval))
+        allowed = max(1e-12, CLOCK_ROUNDINGS * round_off) * max(abs(times[0]), abs(times[-1]), abs(self.problem.interval))
         worst: Any = np.argmax(np.abs(t - times))
         if abs(t[worst] - times[worst]) > allowed:
-            raise EngineError(f"trajectory.t[{worst}] is {t[worst]!r} s; expected {times[worst]!r} s, the sample that was asked for")
+            raise EngineError(f"trajectory.t[{worst}] is {t[worst]:.17g} s; expected {times[worst]:.17g} s, the sample that was asked for")
