@@ -56,6 +56,16 @@ def test_time_that_is_off_is_refused_with_the_sample():
         request_of().refuse_misaligned(times[:4])
 
 
+def test_a_clock_in_single_precision_is_off_by_its_round_off_and_no_more():
+    times = request_of().problem.times
+    single = times.astype(np.float32).astype(float) * (1 + 2.0**-24)
+    with pytest.raises(EngineError):
+        request_of().refuse_misaligned(single)
+    request_of().refuse_misaligned(single, 2.0**-24)
+    with pytest.raises(EngineError):
+        request_of().refuse_misaligned(times * (1 + 2.0**-20), 2.0**-24)
+
+
 def test_times_that_go_nowhere_are_refused():
     with pytest.raises(UsageError, match="rising or all falling"):
         Motion(request_of().problem.scene, np.array([0.0, 1.0, 1.0]))

@@ -2,6 +2,7 @@
 
 import json
 import os
+import re
 import shutil
 import subprocess
 import sys
@@ -32,14 +33,20 @@ class Workshop:
 
     home: Path
 
-    def built(self, language: str, *faults: tuple[str, str, str]) -> Path:
-        """The refdem.toml of a program built from a copy in which `(file, text, other)` was replaced, which must be there once."""
+    def built(self, language: str, *faults: tuple[str, str, str], single: bool = False) -> Path:
+        """The refdem.toml of a program built from a copy in which `(file, text, other)` was replaced, which must be there once.
+
+        `single`: every double is a float, and the description says so.
+        """
         folder = self.home / f"{len(list(self.home.iterdir()))}"
         shutil.copytree(SOURCES, folder, ignore=shutil.ignore_patterns("dem", "*.mod", "*.py", "__pycache__"))
         for name, text, other in faults:
             path = folder / language / name
             assert path.read_text().count(text) == 1, f"{name} has {text!r} {path.read_text().count(text)} times"
             path.write_text(path.read_text().replace(text, other))
+        for path in (folder / language).iterdir() if single else ():
+            text = re.sub(r"\bdouble\b", "float", path.read_text()) if path.suffix != ".toml" else path.read_text()
+            path.write_text(text.replace("[engine]\n", '[engine]\nprecision = "single"\n'))
         subprocess.run(["make", "-s", "-C", str(folder), language], check=True, capture_output=True)
         return folder / language / "refdem.toml"
 

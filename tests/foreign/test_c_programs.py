@@ -20,6 +20,28 @@ def test_a_correct_program_raises_no_alarm(workshop, language, cases):
 
 
 FREE, SPRING = "free-rigid-body", "harmonic-oscillator"
+
+
+def test_a_correct_program_in_single_precision_raises_no_alarm(workshop):
+    found = workshop.judged(workshop.built("c", single=True), *SMOOTH, RUBBING)
+    assert found.status == 0, found.said
+    assert not {"fail", "error"} & set(found.outcomes.values())
+    assert workshop.refdem("smoke", str(workshop.built("c", single=True))).returncode == 0
+
+
+def test_single_precision_said_to_be_double_is_seen(workshop):
+    toml = workshop.built("c", single=True)
+    toml.write_text(toml.read_text().replace('precision = "single"\n', ""))
+    assert workshop.judged(toml, "harmonic-oscillator[gravity=1]").status in (1, 3)
+
+
+def test_a_correct_program_of_first_order_raises_no_alarm(workshop):
+    synchronous = ("refdem.toml", HALF_STEP, ""), ("refdem.toml", "order = 2", "order = 1\nsymplectic = true")
+    found = workshop.judged(workshop.built("staggered", ("dem.c", "kick(-h / 2);", "forces();"), *synchronous), *SMOOTH[:2], "two-spheres")
+    assert found.status == 0, found.said
+    assert found.outcomes["harmonic-oscillator/order/state"] == "pass"
+
+
 PLUS, MINUS = "(lj * cos(angle) + lk * sin(angle))", "(lk * cos(angle) - lj * sin(angle))"
 OMEGA = "memcpy(body[i].w, w, sizeof w);"
 HALF_STEP = 'velocity_time = "minus-half-step"\n'

@@ -59,9 +59,12 @@ def _status(status: int) -> str:
 
 def _last_lines(path: Path) -> str:
     """The end of what the program said, printable."""
-    with path.open("rb") as file:
-        file.seek(max(0, path.stat().st_size - 4 * SHOWN))
-        text = file.read().decode(errors="replace").strip()
+    try:
+        with path.open("rb") as file:
+            file.seek(max(0, path.stat().st_size - 4 * SHOWN))
+            text = file.read().decode(errors="replace").strip()
+    except OSError:
+        return ""
     return printable(text)[-SHOWN:]
 
 

@@ -5,7 +5,7 @@ import shutil
 import subprocess
 import tempfile
 from pathlib import Path
-from time import perf_counter
+from time import perf_counter, time
 
 from refdem.core.problem import Request
 from refdem.core.request_text import request_text
@@ -21,6 +21,9 @@ ROW = 1024
 """Bytes that a row of the CSV file may take; 15 numbers and 5 channels of 17 digits take 500."""
 SPARE = 2**26
 """Bytes that a program may write into one file however few rows are asked for: it may talk."""
+
+CLOCK_SLACK = 2.0
+"""Seconds by which a file system's clock may be coarse."""
 
 
 class Program:
@@ -77,10 +80,11 @@ class Program:
         paths["request"].write_bytes(request.to_json())
         paths["request_txt"].write_text(request_text(request))
         times, bodies = request.problem.times, len(request.problem.scene.bodies)
-        began = perf_counter()
+        began, began_at = perf_counter(), time()
         command, most = [self._filled(word, paths) for word in self.table.command], SPARE + ROW * len(times) * bodies
         ended(command, folder, name=self.table.name, timeout=self.table.timeout, most_bytes=most)
         seconds = perf_counter() - began
+        _refuse_stale(paths["trajectory"], began_at)
         trajectory = read_trajectory(paths["trajectory"], len(times), bodies, paths["events"])
         return trajectory, Cost(seconds=seconds, steps=request.stride * (len(times) - 1) if request.step else 0)
 
@@ -94,3 +98,9 @@ class Program:
         """A word that names a file below `home` as a full path, any other as it is."""
         path = self.home / word
         return str(path) if not Path(word).is_absolute() and path.is_file() else word
+
+
+def _refuse_stale(path: Path, began: float) -> None:
+    """Raises EngineError for a file that is older than the run: a link to, or a copy of, another run's."""
+    if path.is_file() and path.stat().st_mtime < began - CLOCK_SLACK:
+        raise EngineError(f"{path.name} is older than the run itself; expected a file that this run wrote")

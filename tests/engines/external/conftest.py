@@ -65,11 +65,13 @@ if method == "binary":
     sys.exit(0)
 with open(trajectory, "w") as file:
     file.write("\\n".join([header, *rows]) + "\\n")
+if method == "stale":
+    os.utime(trajectory, (1e9, 1e9))
 with open(events, "w") as file:
     file.write("time,kind,body\\n0.5,turn,0\\n" + ("soon,turn,0\\n" if method == "bad-event" else ""))
 """
 
-MISBEHAVIOURS = """refuses fails silent aborts hangs leaves floods short long nan words late other-body no-header binary bad-event"""
+MISBEHAVIOURS = """refuses fails silent aborts hangs leaves floods short long nan words late other-body no-header stale binary bad-event"""
 METHODS = ("good", *MISBEHAVIOURS.split())
 
 

@@ -64,6 +64,7 @@ def test_what_a_program_writes_is_its_trajectory(small: Path) -> None:
         ("words", "line 7 has 1 columns; expected 15"),
         ("other-body", r"row 5 is body 1 at t = 1; expected body 0"),
         ("no-header", "line 1 is '0.0,0,1.0"),
+        ("stale", "older than the run itself"),
         ("binary", "trajectory.csv"),
         ("bad-event", "events.csv line 3 is 'soon,turn,0'"),
     ],
