@@ -47,7 +47,7 @@ def worst(*, check: str, quantity: str, t: Array, values: Array, allowed: Array 
     """The finding at the sample that comes nearest to its bound, with the whole curve."""
     bounds = np.broadcast_to(np.asarray(allowed, float), values.shape)
     with np.errstate(divide="ignore", invalid="ignore"):
-        ratio = np.where(values > 0, values / bounds, 0.0)
+        ratio = np.where(np.isnan(values), np.inf, np.where(values > 0, values / bounds, 0.0))
     point = int(np.argmax(ratio))
     series = curve(t, values, bounds)
     return judged(check=check, quantity=quantity, value=float(values[point]), bound=float(bounds[point]), series=series, **more)

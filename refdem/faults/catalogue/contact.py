@@ -147,7 +147,7 @@ FAULTS = (
         sentence="The force ends when it would pull; the law says with the overlap.",
         on=("knock",),
         sees=("error", "v1.x"),
-        levels=4,
+        levels=5,
         before=of_elements(Contact, cutoff=lambda _: "zero_force"),
     ),
     contact(
@@ -155,7 +155,7 @@ FAULTS = (
         sentence="The force pulls until the overlap ends; the law says that it never pulls.",
         on=("parting",),
         sees=("error", "v2.x"),
-        levels=4,
+        levels=6,
         before=of_elements(Contact, cutoff=lambda _: "zero_overlap"),
     ),
     contact(
@@ -229,7 +229,7 @@ FAULTS = (
         sentence="Lever arm R - d/2 where the law says R.",
         on=("scrape-long",),
         sees=("error", "omega1.z"),
-        levels=4,
+        levels=5,
         before=_branch("R-d/2"),
     ),
     contact(

@@ -21,5 +21,6 @@ class CentralField(Element, frozen=True, kw_only=True, tag="central_field"):
 
     def potential(self, scene: Any, position: Array, attitude: Array) -> Array:
         """`-gm sum m/|r|` (T,) [J]."""
-        energy: Array = -self.gm * np.sum(scene.bodies.mass / np.linalg.norm(position, axis=-1), axis=-1)
+        with np.errstate(divide="ignore"):  # a body that a code puts into the centre has no finite energy, and so fails
+            energy: Array = -self.gm * np.sum(scene.bodies.mass / np.linalg.norm(position, axis=-1), axis=-1)
         return energy

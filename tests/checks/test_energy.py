@@ -1,0 +1,62 @@
+"""Energy where it is lost, where springs hold some of it, and where the zero of a potential is anybody's choice."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from refdem.campaign.in_process import record_of, task_of, truth_of
+from refdem.core import discovery
+from refdem.core.balance import energy_scale
+from refdem.core.judgement import worst
+from refdem.faults.transparent import Transparent
+
+
+class Spoiled(Transparent):
+    """The transparent engine with its trajectory changed."""
+
+    def __init__(self, change):
+        super().__init__()
+        self.change = change
+
+    def run(self, request):
+        run, cost = super().run(request)
+        return self.change(run), cost
+
+
+def findings(case, change=lambda run: run, **given):
+    instance = discovery.case(case).at(**given)
+    record = record_of(task_of(Spoiled(change), "verlet", instance, truth_of(instance), 3, ("energy",)))
+    return {finding.quantity: finding.outcome for finding in record.findings}
+
+
+def negative_work(run):
+    return replace(run, channels=run.channels | {"dissipated_work": -run.channels["dissipated_work"]})
+
+
+def test_work_that_comes_back_from_friction_is_a_fault_even_if_the_balance_holds():
+    assert findings("coulomb-oscillator")["dissipation"] == "pass"
+    assert findings("coulomb-oscillator", negative_work)["dissipation"] == "fail"
+
+
+STICKING = {"angle": "1/2", "friction": "1/4", "tangential_stiffness": "96", "spins": "0,0,1,0,0,-2", "masses": "1,3"}
+
+
+def test_a_contact_with_tangential_springs_never_gains_energy():
+    assert findings("two-spheres", **STICKING)["balance"] == "pass"
+    faster = findings(
+        "two-spheres", lambda run: replace(run, velocity=run.velocity * np.linspace(1, 1.5, len(run.t))[:, None, None]), **STICKING
+    )
+    assert faster["balance"] == "fail"
+
+
+@pytest.mark.parametrize("theta0", ["1.5703125", "1.5", "3"])
+def test_the_scale_of_a_pendulums_energy_does_not_vanish_where_its_potential_does(theta0):
+    instance = discovery.case("pendulum").at(theta0=theta0)
+    assert energy_scale(instance) > 0.4 * 9.8125
+
+
+def test_a_number_that_is_none_is_the_worst_of_all():
+    values = np.array([0.0, np.nan, 0.5])
+    finding = worst(check="c", quantity="q", t=np.arange(3.0), values=values, allowed=1.0, unit="1", basis="b", what="w")
+    assert finding.outcome == "fail"
