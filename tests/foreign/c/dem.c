@@ -83,6 +83,7 @@ static void step(double h) {
         kick(b, h / 2);
         for (int k = 0; k < 3; k++) b->r[k] += h * b->v[k];
         for (int i = 0; b->J[0] > 0 && i < 5; i++) turn(b->q, b->w, b->J, i < 3 ? i : 4 - i, i == 2 ? h : h / 2);
+        made_unit(b->q);
         half[b - body] = *b;
         kick(b, h / 2); /* predicted velocities, for forces that depend on them */
     }

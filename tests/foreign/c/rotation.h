@@ -23,3 +23,9 @@ static void turn(double *q, double *w, const double *J, int i, double h) {
     w[j] = (lj * cos(angle) + lk * sin(angle)) / J[j], w[k] = (lk * cos(angle) - lj * sin(angle)) / J[k];
     q[0] = c * u - s * x, q[1 + i] = c * x + s * u, q[1 + j] = c * y + s * z, q[1 + k] = c * z - s * y;
 }
+
+/* Rounding of the same turn again and again adds up: the norm would drift with the number of steps. */
+static void made_unit(double *q) {
+    double norm = sqrt(q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3]);
+    for (int k = 0; k < 4; k++) q[k] /= norm;
+}
