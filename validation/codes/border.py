@@ -1,0 +1,83 @@
+"""What every driver of a code needs at its border: the request, quaternions (w, x, y, z), and the trajectory file."""
+
+import json
+import sys
+from pathlib import Path
+
+HEADER = "t,body,x,y,z,vx,vy,vz,qw,qx,qy,qz,wx,wy,wz"
+
+
+def cannot(condition, why):
+    """Ends with status 77, said on stderr, if the code cannot say what the scene says."""
+    if condition:
+        print(why, file=sys.stderr)
+        sys.exit(77)
+
+
+def read(path):
+    """The request, its step [s], its steps from sample to sample."""
+    request = json.loads(Path(path).read_text())
+    times, step = request["times"], request["step"]
+    stride = round((times[1] - times[0]) / step)
+    cannot(stride < 1, "negative steps")
+    even = all(abs(t - times[0] - n * stride * step) < 1e-6 * step for n, t in enumerate(times))
+    cannot(not even, "samples that are not equally spaced")
+    return request, step, stride
+
+
+def of_kind(request, kind):
+    """The elements of one kind."""
+    return [element for element in request["scene"]["elements"] if element["kind"] == kind]
+
+
+def refuse_kinds(request, *known):
+    """Ends with status 77 for an element of another kind, and for bodies that are fixed."""
+    for element in request["scene"]["elements"]:
+        cannot(element["kind"] not in known, f"{element['kind']} is not among {', '.join(known)}")
+    cannot(any(body["fixed"] for body in request["scene"]["bodies"]), "fixed bodies")
+
+
+def refuse_shapes(request):
+    """Ends with status 77 for a body that is neither a point nor a solid sphere."""
+    for body in request["scene"]["bodies"]:
+        moment = 0.4 * body["mass"] * body["shape"].get("radius", 0.0) ** 2
+        cannot(body["shape"]["kind"] == "polyhedron", "polyhedra")
+        cannot(any(abs(j - moment) > 1e-14 * max(j, moment) for j in body["inertia"]), "inertia other than that of a solid sphere")
+
+
+def contact_law(request):
+    """The linear contact law, or None; ends with status 77 for another."""
+    laws = of_kind(request, "contact")
+    cannot(any(law["law"] != "linear" for law in laws), "contact laws other than the linear one")
+    return laws[0] if laws else None
+
+
+def product(p, q):
+    """The quaternion p q."""
+    a, b, c, d = p
+    e, f, g, h = q
+    return (a * e - b * f - c * g - d * h, a * f + b * e + c * h - d * g, a * g - b * h + c * e + d * f, a * h + b * g - c * f + d * e)
+
+
+def conjugate(q):
+    """q* ."""
+    return (q[0], -q[1], -q[2], -q[3])
+
+
+def turned(q, vector):
+    """q v q*: a vector of the body seen from space."""
+    return product(product(q, (0.0, *vector)), conjugate(q))[1:]
+
+
+def tensor(body):
+    """The inertia tensor in space axes, rows."""
+    axes = [turned(body["attitude"], axis) for axis in ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))]
+    return [[sum(j * axis[m] * axis[n] for j, axis in zip(body["inertia"], axes, strict=True)) for n in range(3)] for m in range(3)]
+
+
+def write(path, rows):
+    """The trajectory: rows of t, body, position, velocity, attitude (None: as at the start), omega."""
+    with Path(path).open("w") as file:
+        file.write(HEADER + "\n")
+        for t, body, *vectors in rows:
+            file.write(",".join([repr(t), str(body), *(repr(float(x)) for vector in vectors for x in vector)]) + "\n")
