@@ -1,0 +1,104 @@
+"""refdem diagnose: which known fault, or which integrator, a run behaves as."""
+
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+if TYPE_CHECKING:
+    from refdem.core.case import Instance
+    from refdem.core.engine import Engine
+    from refdem.faults.twins import Diagnosis
+
+SHOWN = 5
+
+
+def command(
+    record: Annotated[str, typer.Argument(help="What a finding is called: `case[name=value]/engine/method`, with or without check.")],
+    engine: Annotated[str, typer.Option(help="A refdem.toml, if the record's engine is a program.")] = "",
+    level: Annotated[int, typer.Option(help="Refinement level of the run to explain, 0 the coarsest.")] = 0,
+    json: Annotated[bool, typer.Option("--json", help="For programs.")] = False,
+) -> None:
+    """Runs twins of the transparent engine, each with one known fault or another integrator, and names the one that comes near.
+
+    Example: refdem diagnose free-rigid-body/mujoco/euler/error/omega_body.x
+    """
+    import msgspec
+
+    from refdem.core import discovery
+    from refdem.core.parameters import labelled
+    from refdem.core.selection import Selection
+    from refdem.errors import EngineMissingError, UsageError
+
+    label, name, method = parts_of(record)
+    case, given = labelled(label)
+    found = discovery.engine(engine or name)
+    if (reason := found.missing()) is not None:
+        raise EngineMissingError(f"engine {name} is not installed here; {reason}")
+    problem = discovery.case(case)
+    if isinstance(problem, Selection):
+        raise UsageError(f"{case} is a selection of cases; name one of them")
+    result, step = diagnosed(problem.at(**given), found, method, level)
+    if json:
+        print(msgspec.json.format(msgspec.json.encode(_document(record, step, result))).decode())
+        return
+    print(f"{record}, {f'step {step:.6g} s' if step else 'exact'}: {result.sentence()}")
+    for twin in result.twins[:SHOWN]:
+        print(f"  {twin.digits:5.1f} digits  {twin.behaviour}, step {twin.step:.3g} s")
+
+
+def parts_of(record: str) -> tuple[str, str, str]:
+    """Label, engine and method of a record's or a finding's id; raises UsageError."""
+    from refdem.errors import UsageError
+
+    head, bracket, tail = record.partition("]")
+    label, _, rest = record.partition("/") if not bracket else (head + bracket, "", tail.lstrip("/"))
+    names = rest.split("/")
+    if not label or len(names) < 2 or not all(names[:2]):
+        raise UsageError(f"record {record!r} is not a name; expected something like pendulum[theta0=2]/mujoco/euler")
+    return label, names[0], names[1]
+
+
+def diagnosed(instance: "Instance", engine: "Engine", method: str, level: int) -> "tuple[Diagnosis, float | None]":
+    """The diagnosis of one run, made anew, and its step; raises EngineError if the engine has none to show."""
+    from refdem.campaign.in_process import run_of
+    from refdem.core.problem import Request
+    from refdem.core.refinement import levels
+    from refdem.errors import EngineError, UnsupportedError
+    from refdem.faults.twins import diagnosis, first_part
+
+    claims = engine.method(method)
+    if (reason := engine.refusal(instance.problem, claims)) is not None:
+        raise UnsupportedError(f"{engine.name}/{method} cannot say {instance.label}: {reason}")
+    every = levels(instance, claims, 10, 1e6)
+    chosen = every[min(level, len(every) - 1)]
+    request = Request(
+        problem=instance.problem,
+        method=method,
+        step=chosen if claims.control == "step" else None,
+        tolerance=chosen if claims.control == "tolerance" else None,
+    )
+    request = first_part(request)
+    run = run_of(engine, request)
+    if run.trajectory is None or run.failure is not None:
+        raise EngineError(f"{engine.name}/{method}: {run.failure.sentence if run.failure else 'no trajectory'}")
+    return diagnosis(instance, request, run.trajectory), request.step
+
+
+def _document(record: str, step: float | None, result: "Diagnosis") -> dict[str, object]:
+    """The diagnosis as JSON has it."""
+    found = result.explanation
+    twins = [
+        {"fault": twin.fault.name if twin.fault else None, "method": twin.method, "step": twin.step, "distance": twin.distance}
+        for twin in result.twins
+    ]
+    explained = (
+        None if found is None else {"fault": found.fault.name if found.fault else None, "method": found.method, "digits": found.digits}
+    )
+    return {
+        "record": record,
+        "step": step,
+        "defect": result.defect,
+        "explained_by": explained,
+        "sentence": result.sentence(),
+        "twins": twins,
+    }
