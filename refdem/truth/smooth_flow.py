@@ -44,7 +44,7 @@ class SmoothFlow(ClosedForm):
     def sensitivities(self, times: Sequence[Fraction]) -> list[float]:
         """S at every time: the largest growth of an error made at t = 0 or at an earlier one of (up to 32 of) the times."""
         grown = [self.sensitivity(t) for t in times]
-        every = -(-len(times) // ORIGINS)
+        every = max(1, -(-len(times) // ORIGINS))
         with precision(SENSITIVITY_BITS):
             for first in range(0, len(times), every):
                 if grown[first] < BEYOND_DOUBLES:

@@ -93,8 +93,7 @@ def anomaly_gain(mean: arb, c: arb, s: arb) -> arb:
     Newton's method in floating point finds it. Then the interval Newton operator maps a ball into its inside, which proves that
     the ball holds a root; it is the only one, since the left side rises everywhere (its rate r/a is positive).
     """
-    e = (c * c + s * s).sqrt()
-    if not e < 1:
+    if not c * c + s * s < 1:  # not by its root: on a circle the ball of the sum reaches below 0
         raise UndecidedError("the orbit is not proved to be an ellipse")
     found = _newton(mean.mid(), c.mid(), s.mid())
     residual = found - c * found.sin() + s * (1 - found.cos()) - mean

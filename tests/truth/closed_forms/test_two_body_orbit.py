@@ -1,5 +1,6 @@
 """Plane orbits: against Taylor series of the equations of motion, conserved vectors, and growth by Kepler's third law."""
 
+import math
 from fractions import Fraction
 
 import pytest
@@ -122,3 +123,19 @@ def test_the_ball_of_keplers_equation_holds_a_change_of_sign():
 def test_growth_over_one_circular_turn_is_that_of_the_third_law():
     # Energy rises by dx + dvy, the axis by twice that, the period by 6 pi (dx + dvy): the neighbour is late by as much along y.
     assert orbit("0").sensitivity(2 * PI) == pytest.approx(12 * float(PI) + 1, rel=1e-9)
+
+
+@pytest.mark.parametrize(("gm", "semi_major"), [("1", "1"), ("0.9", "1.2"), ("7/3", "0.31")])
+def test_a_circle_of_any_size_is_certified(gm, semi_major):
+    """x = a cos n t, y = a sin n t with n^2 a^3 = gm, by floating point."""
+    circle = orbit(gm=gm, semi_major=semi_major)
+    a = float(Fraction(semi_major))
+    rate = (float(Fraction(gm)) / a**3) ** 0.5
+    ball = circle.at(Fraction(16, 5))
+    assert float(ball["x"].mid) == pytest.approx(a * math.cos(3.2 * rate), abs=1e-13)
+    assert float(ball["y"].mid) == pytest.approx(a * math.sin(3.2 * rate), abs=1e-13)
+    assert 1 <= circle.sensitivity(Fraction(16, 5)) < 1e4
+
+
+def test_no_certified_time_has_no_sensitivities():
+    assert orbit().sensitivities([]) == []
