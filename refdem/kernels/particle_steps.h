@@ -69,7 +69,8 @@ static inline void stretch(const runner *r, double *restrict y, double h, double
     }
 }
 
-/* q turned by the rotation vector w h, exactly. */
+/* q turned by the rotation vector w h, exactly, and put back to unit length by one step of Newton's: the same turn rounds the
+   same way every time, so that the length would drift with the number of steps. */
 static inline void spin(int64_t n, const double *restrict w, double h, double *restrict q)
 {
     for (int64_t i = 0; i < n; i++, w += 3, q += 4) {
@@ -79,6 +80,9 @@ static inline void spin(int64_t n, const double *restrict w, double h, double *r
         q[0] = c * old[0] - dot(v, old + 1);
         for (int k = 0; k < 3; k++)
             q[1 + k] = c * old[1 + k] + old[0] * v[k] + across[k];
+        double unit = 1.5 - 0.5 * (q[0] * q[0] + dot(q + 1, q + 1));
+        for (int k = 0; k < 4 && angle != 0.0; k++)
+            q[k] *= unit;
     }
 }
 
