@@ -54,7 +54,10 @@ class Hinge(Freedom):
         return True
 
     def say(self, mujoco: Any, world: Any) -> Any:
-        bob = {"mass": self.body.mass, "inertia": (SPECK,) * 3, "ipos": (0.0, -self.rod.length, 0.0), "explicitinertial": True}
+        """Mass and arm that make up for the speck, so that m l and m l^2 about the hinge are the point's own."""
+        mass, length = self.body.mass, self.rod.length
+        arm = length - SPECK / (mass * length)
+        bob = {"mass": mass * (length / arm), "inertia": (SPECK,) * 3, "ipos": (0.0, -arm, 0.0), "explicitinertial": True}
         said = world.add_body(pos=self.rod.anchor_b, **bob)
         said.add_joint(type=mujoco.mjtJoint.mjJNT_HINGE, axis=(0.0, 0.0, 1.0))
         said.add_site(name=self.site)

@@ -194,3 +194,13 @@ def test_a_fixed_body_stays_and_is_hit(played):
     run, _ = played(Scene.of([wall, ball], [Contact(law="linear", stiffness=900.0)]), step=2.0**-13, duration=0.5)
     assert np.abs(run.velocity[:, 0]).max() == 0
     assert abs(run.velocity[-1, 1, 0] + 1.0) < 4e-3
+
+
+def test_a_small_light_pendulum_swings_as_a_large_one_though_mujoco_wants_some_inertia(played):
+    """m l^2 = 1e-8 kg m^2, next to which MuJoCo's least inertia of 1e-15 would slow the swing by 5e-8 of its rate."""
+    ends = []
+    for mass, length, g in ((1.0, 1.0, 1.0), (0.01, 0.001, 0.001)):
+        bob = Body(mass=mass, position=(length * np.sin(1.0), -length * np.cos(1.0), 0.0))
+        run, _ = played(Scene.of([bob], [Rod(a=0, length=length), UniformGravity(g=(0.0, -g, 0.0))]), step=2.0**-7, duration=16.0)
+        ends.append(run.position[-1, 0] / length)
+    np.testing.assert_allclose(ends[1], ends[0], atol=1e-11)
