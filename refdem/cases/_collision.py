@@ -66,10 +66,12 @@ def scene(p: Parameters) -> Scene:
 
 
 def scales(p: Parameters) -> Scales:
-    """tau = contact duration/pi, or the relaxation time m/c of one that never ends; two of them; the length is the way closed in tau."""
-    tau = (duration(p) or np.pi * effective_mass(p) / p.damping) / np.pi
+    """tau = contact duration/pi, but no longer than 1/w0 (near critical damping pi/w is) or an over-damped one's m/c; two contacts."""
+    lasts, swing = duration(p), np.sqrt(effective_mass(p) / p.stiffness)
+    relaxation = effective_mass(p) / p.damping if p.damping else np.inf
+    tau = float(min(lasts / np.pi if lasts else np.inf, swing if relaxation > swing / 2 else relaxation))
     length = max(p.closing_speed * tau, float(p.radii.max()) * POSITIONS_ARE_ROUNDED)
-    return Scales(length=length, tau=tau, duration=2 * np.pi * tau, mass=effective_mass(p))
+    return Scales(length=length, tau=tau, duration=2 * lasts if lasts else 2 * np.pi * tau, mass=effective_mass(p))
 
 
 def spin_scale(p: Parameters) -> float:

@@ -103,10 +103,10 @@ def test_unequal_spheres_touch_without_overlap_and_have_no_momentum() -> None:
 
 @pytest.mark.parametrize("given", [{"damping": "4"}, {"damping": "8", "cutoff": "zero_force"}, {"damping": "40", "cutoff": "zero_force"}])
 def test_a_contact_lasts_as_long_as_scales_say(given: dict[str, str]) -> None:
-    """Against the motion by Taylor steps: at t = pi tau the overlap, or the force, is back at zero and was not before."""
+    """Against the motion by Taylor steps: after half the duration the overlap, or the force, is back at zero and was not before."""
     instance = discovery.case("two-spheres").at(**given)
     k, c, m = 128.0, float(given["damping"]), 0.5
-    steps, end = 20000, instance.scales.tau * np.pi
+    steps, end = 20000, instance.scales.duration / 2
     d, v, h, force = 0.0, 1.0, end / 20000, []
     for _ in range(steps):
         a = -(k * d + c * v) / m
@@ -115,6 +115,16 @@ def test_a_contact_lasts_as_long_as_scales_say(given: dict[str, str]) -> None:
         force.append(k * d + c * v if "cutoff" in given else d)
     assert min(force[: steps - 10]) > 0
     assert abs(force[-1]) < 1e-3 * max(force)
+
+
+@pytest.mark.parametrize("damping", ["0", "8", "15.84", "16", "40"])
+@pytest.mark.parametrize("cutoff", ["zero_overlap", "zero_force"])
+def test_the_shortest_time_of_a_contact_is_no_longer_than_that_of_its_fastest_mode(damping: str, cutoff: str) -> None:
+    """Near critical damping the contact lasts far longer than its fastest mode, and steps by pi/w would miss it."""
+    scales = discovery.case("two-spheres").at(damping=damping, cutoff=cutoff).scales
+    fastest = np.abs(np.roots([0.5, float(damping), 128.0])).max()
+    assert 0.25 < scales.tau * fastest <= 1 + 1e-7
+    assert scales.duration >= 2 * np.pi * scales.tau * (1 - 1e-12)
 
 
 def test_resting_bodies_show_displacements_from_their_places() -> None:
