@@ -51,6 +51,8 @@ def claims(method: Method) -> str:
     words += [f"order {order} with {feature}" for feature, order in method.order_with.items()]
     words += [f"keeps {name}" for name in sorted(method.conserves)]
     words += [word for word, holds in (("symplectic", method.symplectic), ("reversible", method.reversible)) if holds]
+    if method.summed_clock:
+        words.append("its clock is a plain sum of steps, off by up to u t each")
     if method.constant != 1:
         words.append(f"C = {method.constant:g} ({method.constant_reason})")
     return "; ".join(words)

@@ -89,7 +89,7 @@ class Symmetry(Check):
         A contact that begins, or a step size that is chosen, hangs on the last bit: there the two runs may take other steps.
         """
         level = self._level(trial)
-        rounding = 2 * trial.round_off(level) * symmetry.size(trial.instance, view)
+        rounding = 2 * (trial.round_off(level) + trial.clock()) * symmetry.size(trial.instance, view)
         allowed: Array = (rounding + (trial.truncation(level) if _decides(trial) else 0.0)) * growth
         return allowed
 

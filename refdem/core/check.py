@@ -43,6 +43,10 @@ class Trial:
         """Relative round-off that a run at this level may show."""
         return refinement.round_off(self.instance, self.method, refinement.steps_at(self.instance, self.method, level))
 
+    def clock(self) -> float:
+        """Relative error that the engine's clock may make in positions and velocities."""
+        return refinement.clock(self.instance, self.method)
+
     def truncation(self, level: float) -> Array:
         """Relative truncation error (T,) allowed at this level."""
         return refinement.truncation(self.instance, self.method, level, self.instance.times)

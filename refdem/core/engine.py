@@ -17,7 +17,8 @@ class Method:
     control: a fixed `step`, a `tolerance`, or `exact` (round-off only). `order_with` lowers the order where a scene has
     the feature. `constant` is C in `error <= C L (T/tau) (h/tau)^p`. `conserves`: energy, momentum, angular-momentum,
     each to round-off; `symplectic`: no secular drift of energy. `complete_state`: a run can go on from its end state.
-    `velocity_time`: velocities and omegas hold at their sample, or half a step before it.
+    `velocity_time`: velocities and omegas hold at their sample, or half a step before it. `summed_clock`: its time is a plain
+    sum of its steps, so that it may be off by u t for each of them.
     """
 
     name: str
@@ -34,6 +35,7 @@ class Method:
     complete_state: bool = True
     precision: Literal["double", "single"] = "double"
     velocity_time: Literal["synchronous", "minus-half-step"] = "synchronous"
+    summed_clock: bool = False
     deterministic: bool = True
     cost_rank: int = 0
 

@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 from refdem.core.case import Instance
 from refdem.core.engine import Method
 from refdem.core.truth import SampledTruth
+from refdem.errors import UsageError
 
 Array = NDArray[np.float64]
 
@@ -17,6 +18,10 @@ HORIZON = 0.1
 """A run is scored up to the first time at which its bound exceeds this part of the scale."""
 COUNTING_FLOOR = 20.0
 """A level counts for the order while its bound is at least this many times round-off."""
+MOST_STEPS = 1e10
+"""More steps than this are a slip of the caller's: no engine finishes them within a day."""
+CLOCK_STEPS = 4.0
+"""Steps that a method which chooses them takes in a shortest time: one of high order turns a fraction of a radian a step."""
 TOLERANCE_FACTOR = 1e3
 """A tolerance is local: its error may add up to this many times itself (design: 1e3 tol S)."""
 
@@ -28,6 +33,14 @@ def round_off(instance: Instance, method: Method, steps: float) -> float:
     """
     turns = instance.scales.duration / instance.scales.tau
     return ROUND_OFF_FACTOR * method.round_off * max(1.0, math.sqrt(steps), turns)
+
+
+def clock(instance: Instance, method: Method) -> float:
+    """Relative error of a clock that is summed plainly: u T/tau for each addition, one a sample and CLOCK_STEPS a tau; else 0."""
+    if not method.summed_clock:
+        return 0.0
+    turns = instance.scales.duration / instance.scales.tau
+    return method.round_off * turns * (len(instance.times) + CLOCK_STEPS * turns)
 
 
 def truncation(instance: Instance, method: Method, level: float, t: Array) -> Array:
@@ -53,7 +66,7 @@ def bound(instance: Instance, method: Method, level: float, truth: SampledTruth)
     """Relative error allowed at every certified sample (until,): (truncation + round-off) times S so far."""
     t = instance.times[: truth.until]
     allowed = truncation(instance, method, level, t) + round_off(instance, method, steps_at(instance, method, level))
-    return allowed * truth.growth()
+    return (allowed + clock(instance, method)) * truth.growth()
 
 
 def scored(allowed: Array) -> int:
@@ -65,8 +78,10 @@ def scored(allowed: Array) -> int:
 def levels(instance: Instance, method: Method, count: int, most_steps: float, step: float | None = None) -> tuple[float, ...]:
     """Refinement levels, coarse to fine: steps (or tolerances), each a power of two below the sample interval.
 
-    The first step is the largest with C (T/tau) (h/tau)^p <= 0.1; then halves, while there are at most `most_steps`
-    steps and the bound stays above round-off. With `step`, the levels start there.
+    The first step is the largest with C (T/tau) (h/tau)^p <= 0.1, or the smallest that `most_steps` allow: such a run is
+    scored up to its horizon. Then halves, while there are at most `most_steps` steps and the bound stays above round-off.
+    With `step`, the levels start there; raises UsageError for one that no run could finish. None if `most_steps` make even
+    tau, the shortest time, too short a step.
     """
     if method.control == "exact":
         return (0.0,)
@@ -76,7 +91,15 @@ def levels(instance: Instance, method: Method, count: int, most_steps: float, st
     order, scales = method.order_for(instance.scene.features), instance.scales
     first = step or scales.tau * (HORIZON * scales.tau / (method.constant * scales.duration)) ** (1.0 / order)
     interval = float(instance.times[1])
+    if step is not None and instance.times[-1] / step > MOST_STEPS:
+        raise UsageError(
+            f"step is {step:g} s, which makes {instance.times[-1] / step:.1g} steps; expected at most {MOST_STEPS:g}: take a longer step"
+        )
+    if step is None and instance.times[-1] / most_steps > scales.tau:
+        return ()
     halvings = max(0, int(np.ceil(np.log2(interval / first) - 1e-9)))
+    if step is None:
+        halvings = min(halvings, max(0, int(np.log2(most_steps * interval / instance.times[-1]))))
     chosen = [interval * 2.0**-halvings]
     while len(chosen) < count:
         finer = chosen[-1] / 2

@@ -5,7 +5,8 @@ import pytest
 
 from refdem.core import discovery
 from refdem.core.engine import Method
-from refdem.core.refinement import levels, round_off, truncation
+from refdem.core.refinement import clock, levels, round_off, truncation
+from refdem.errors import UsageError
 
 
 @pytest.fixture
@@ -49,3 +50,23 @@ def test_round_off_follows_the_declared_precision(instance):
     double = Method(name="m", summary="", control="exact")
     single = Method(name="m", summary="", control="exact", precision="single")
     assert round_off(instance, single, 100) / round_off(instance, double, 100) == 2.0**29
+
+
+def test_a_motion_too_long_for_the_first_level_starts_at_what_is_affordable():
+    long = discovery.case("harmonic-oscillator").at(duration="1e5")
+    method = Method(name="m", summary="", control="step", order=2)
+    steps = levels(long, method, 4, 1e6)
+    assert 4.99e5 < long.times[-1] / steps[0] <= 1e6
+    assert levels(long, method, 4, 5e4) == ()
+
+
+def test_a_first_step_that_no_run_could_finish_is_refused(instance):
+    with pytest.raises(UsageError, match="expected at most 1e"):
+        levels(instance, Method(name="m", summary="", control="step", order=2), 4, 1e6, 1e-300)
+
+
+def test_a_clock_that_is_summed_may_be_off_by_a_rounding_a_step(instance):
+    exact, summed = (Method(name="m", summary="", control="exact", summed_clock=flag) for flag in (False, True))
+    assert clock(instance, exact) == 0.0
+    losses = np.cumsum(np.full(64 + 80, 20.0 * 2.0**-53))
+    assert 0.9 * losses[-1] < clock(instance, summed) < 1.1 * losses[-1]

@@ -41,6 +41,7 @@ METHODS = (
         summary="Gauss-Radau of order 15 whose step keeps the error under round-off (Rein and Spiegel 2015, Pham et al. 2024)",
         control="exact",
         backward=True,
+        summed_clock=True,
         cost_rank=2,
     ),
     Method(
