@@ -96,6 +96,9 @@ def trials(specification: Specification, instance: Instance, engine: Engine) -> 
             levels = refinement.levels(
                 instance, method, specification.levels, specification.most_steps, first_step(specification, instance)
             )
+            if not levels:
+                turns = instance.scales.duration / instance.scales.tau
+                refusal = f"more than {specification.most_steps:g} steps for {turns:.3g} times the shortest time tau; shorten the duration"
         refuses = partial(_refusal, engine, method)
         found.append((Trial(instance, method, levels, None, refusal=refuses), refusal))
     return found
@@ -175,7 +178,11 @@ def request(task: Task, variant: Variant, base: Trajectory | None = None, *, ulp
 
 
 def _perturbed(problem: Motion, ulps: int) -> Scene:
-    """The scene with positions and velocities moved up by some units in the last place."""
-    bodies = problem.scene.bodies
-    moved = {name: getattr(bodies, name) * (1 + ulps * 2.0**-52) for name in ("position", "velocity", "omega")}
-    return problem.scene.with_state(**moved)
+    """The scene with positions and spins moved up by some units in the last place, velocities by turns down and up.
+
+    All of them up would be the same motion on another scale wherever forces are linear, and would show no growth at all.
+    """
+    bodies, moved = problem.scene.bodies, ulps * 2.0**-52
+    turns = np.where(np.arange(bodies.velocity.size) % 2, 1.0, -1.0).reshape(bodies.velocity.shape)
+    velocity = bodies.velocity * (1 + turns * moved)
+    return problem.scene.with_state(position=bodies.position * (1 + moved), velocity=velocity, omega=bodies.omega * (1 + moved))

@@ -9,18 +9,22 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from refdem.core.parameters import Parameter, Parameters
+from refdem.core.parameters import LARGEST, SMALLEST, Parameter, Parameters
 from refdem.core.problem import Motion
 from refdem.core.quantity import Quantity, Scales
 from refdem.core.trajectory import Trajectory
 from refdem.core.truth import Truth
+from refdem.errors import UsageError
 from refdem.scene import Scene
 
 Array = NDArray[np.float64]
 
+SHORTEST, LONGEST = 1e-6, 1e12
+"""A duration in units of tau: below, the motion drowns in round-off; above, one rounded parameter turns the phase by 1e-4."""
+
 CLOCK = (
     Parameter(name="duration", default="", unit="s", doc="how long the motion lasts; 20 tau by default", above=0),
-    Parameter(name="samples", default="64", unit="1", doc="number of sample intervals", at_least=2, at_most=100_000),
+    Parameter(name="samples", default="64", unit="1", doc="number of sample intervals", at_least=2, at_most=100_000, whole=True),
 )
 
 
@@ -66,7 +70,9 @@ class Case(ABC):
         """The case at one set of parameters, each as text; raises UsageError."""
         p = Parameters((*self.parameters, *CLOCK), given)
         self.refuse(p)
-        return Instance(self, p)
+        instance = Instance(self, p)
+        instance.refuse_unjudgeable()
+        return instance
 
 
 @dataclass(frozen=True, eq=False)
@@ -92,6 +98,19 @@ class Instance:
         """The scales, with the duration that was asked for."""
         own = self.case.scales(self.p)
         return Scales(own.length, own.tau, self.p.duration or own.duration, own.mass)
+
+    def refuse_unjudgeable(self) -> None:
+        """Raises UsageError for scales that binary64 cannot hold, or a duration in which there is nothing to see."""
+        scales = self.scales
+        sizes = (scales.length, scales.tau, scales.mass, scales.energy)
+        if not all(SMALLEST < size < LARGEST for size in sizes):
+            told = f"length {scales.length:.3g} m, time {scales.tau:.3g} s, mass {scales.mass:.3g} kg, energy {scales.energy:.3g} J"
+            raise UsageError(f"{self.label}: the scales come to {told}; expected each between 1e-100 and 1e100: take other parameters")
+        if not SHORTEST <= scales.duration / scales.tau <= LONGEST:
+            raise UsageError(
+                f"parameter duration: got {scales.duration:.6g} s, {scales.duration / scales.tau:.3g} times the shortest time tau = "
+                f"{scales.tau:.6g} s of the motion; expected {SHORTEST:g} to {LONGEST:g} times tau"
+            )
 
     @cached_property
     def quantities(self) -> dict[str, Quantity]:

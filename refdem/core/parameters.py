@@ -13,7 +13,9 @@ from refdem.errors import UsageError
 
 Exact = Fraction | tuple[Fraction, ...] | str | None
 _LABEL = re.compile(r"([a-z0-9-]+)(?:\[(.*)\])?")
-_NUMBER = re.compile(r"[+-]?(\d{1,60}(\.\d{0,60})?|\.\d{1,60})([eE][+-]?\d{1,3})?(/\d{1,60})?")
+_NUMBER = re.compile(r"[+-]?(\d{1,60}(\.\d{0,60})?|\.\d{1,60})([eE][+-]?\d{1,3})?(/\d{1,60})?", re.ASCII)
+SMALLEST, LARGEST = Fraction(1, 10**100), Fraction(10**100)
+"""Squares and products of three parameters stay inside binary64."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -29,6 +31,7 @@ class Parameter:
     at_least: float | None = None
     at_most: float | None = None
     choices: tuple[str, ...] = ()
+    whole: bool = False
 
     def bounds(self) -> str:
         """The bounds as a person reads them."""
@@ -36,7 +39,7 @@ class Parameter:
             return " | ".join(self.choices)
         low = f"> {self.above:g}" if self.above is not None else f">= {self.at_least:g}" if self.at_least is not None else ""
         high = f"<= {self.at_most:g}" if self.at_most is not None else ""
-        return " and ".join(x for x in (low, high) if x) or "any"
+        return " and ".join(x for x in ("whole" if self.whole else "", low, high) if x) or "any"
 
     def parsed(self, text: str) -> Exact:
         """The exact value of `text`; raises UsageError that names the parameter."""
@@ -60,16 +63,20 @@ class Parameter:
         numerator, _, denominator = text.partition("/")
         if denominator and int(denominator) == 0:
             raise UsageError(f"parameter {self.name}: got {text!r}; the denominator is zero")
-        return Fraction(numerator) / (int(denominator) if denominator else 1)
+        number = Fraction(numerator) / (int(denominator) if denominator else 1)
+        if number and not SMALLEST <= abs(number) <= LARGEST:
+            raise UsageError(f"parameter {self.name}: got {text!r}; expected 0 or a size between 1e-100 and 1e100")
+        return number
 
     def _refuse_out_of_bounds(self, number: Fraction) -> None:
         inside = (
-            (self.above is None or number > Fraction(self.above))
-            and (self.at_least is None or number >= Fraction(self.at_least))
-            and (self.at_most is None or number <= Fraction(self.at_most))
+            (self.above is None or number > _as_written(self.above))
+            and (self.at_least is None or number >= _as_written(self.at_least))
+            and (self.at_most is None or number <= _as_written(self.at_most))
+            and (not self.whole or number.denominator == 1)
         )
         if not inside:
-            raise UsageError(f"parameter {self.name}: got {float(number):g} {self.unit}; expected {self.bounds()}")
+            raise UsageError(f"parameter {self.name}: got {float(number):.17g} {self.unit}; expected {self.bounds()}")
 
 
 class Parameters(Mapping[str, Exact]):
@@ -109,6 +116,11 @@ class Parameters(Mapping[str, Exact]):
         return {n: _text(v) for n, v in self._exact.items() if v != self.declared[n].parsed(self.declared[n].default)}
 
 
+def _as_written(bound: float) -> Fraction:
+    """A bound as the source has it: 0.999999 is that decimal, not the double below it."""
+    return Fraction(repr(bound))
+
+
 def _text(value: Exact) -> str:
     if isinstance(value, tuple):
         return ",".join(_text(x) for x in value)
@@ -135,10 +147,12 @@ def labelled(label: str) -> tuple[str, dict[str, str]]:
 
 def settings(pairs: list[str]) -> dict[str, str]:
     """Parameters from `name=value` texts; raises UsageError."""
-    found = {}
+    found: dict[str, str] = {}
     for pair in pairs:
         name, equals, value = pair.partition("=")
         if not equals or not name or not value:
             raise UsageError(f"--set got {pair!r}; expected name=value, for example theta0=2 or inertia=1,2,3")
+        if found.get(name, value) != value:
+            raise UsageError(f"--set got {name} twice, as {found[name]} and as {value}; expected it once")
         found[name] = value
     return found
