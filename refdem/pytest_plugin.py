@@ -16,7 +16,6 @@ if TYPE_CHECKING:
 
 _SESSION = uuid4().hex
 """This process's own session: a process number may come back, and with it another session's records."""
-BROKEN = ("fail", "worse", "lost", "absent", "stale", "error")
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:
@@ -83,6 +82,8 @@ def refdem_gate() -> "Callable[..., list[Record]]":
 
 def decide(findings: "Iterable[Finding]") -> None:
     """Fails, skips or passes as the findings of one check say."""
+    from refdem.core.finding import BROKEN
+
     findings = list(findings)
     if wrong := [finding.sentence for finding in findings if finding.outcome in BROKEN]:
         pytest.fail("\n".join(wrong), pytrace=False)

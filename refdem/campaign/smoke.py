@@ -11,7 +11,7 @@ from refdem.core.engine import Engine, Method
 from refdem.core.finding import Finding
 from refdem.core.problem import CLOCK_ROUNDINGS, Motion, Request
 from refdem.core.trajectory import STATE, Trajectory
-from refdem.errors import EngineError
+from refdem.errors import EngineError, UnsupportedError
 from refdem.mechanics import momentum
 from refdem.mechanics.quaternion import conjugate, rotated
 
@@ -53,6 +53,8 @@ def _worst(by_method: list[list[Finding]]) -> list[Finding]:
 
 
 def _badness(finding: Finding) -> float:
+    if finding.outcome == "unsupported":
+        return -1.0
     return np.inf if finding.outcome == "error" or finding.value is None else finding.value
 
 
@@ -62,6 +64,8 @@ def _judged(engine: Engine, method: Method, probe: Probe) -> list[Finding]:
     try:
         trajectory, _ = engine.run(request)
         _refuse_shape(trajectory, request)
+    except UnsupportedError as error:
+        return [Finding(check="smoke", quantity=probe.name, outcome="unsupported", sentence=str(error))]
     except Exception as error:  # whatever an adapter raises is its fault, and a finding
         sentence = f"{method.name} on {probe.name!r}: {type(error).__name__}: {error}"
         return [Finding(check="smoke", quantity=probe.name, outcome="error", sentence=sentence)]

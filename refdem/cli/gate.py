@@ -51,7 +51,9 @@ def command(
     if not gate.baseline.is_file():
         print(f'no baseline {gate.baseline}: the gate stays closed; accept these findings with: refdem gate --bless --why "first baseline"')
         raise typer.Exit(1)
-    raise typer.Exit(exit_status(sheets))
+    status = exit_status(sheets)
+    print(f"the gate of {gate.engine.name} is {'closed' if status else 'open'}")
+    raise typer.Exit(status)
 
 
 def _bless(gate: "Gate", sheets: "list[Sheet]", why: str) -> None:

@@ -3,27 +3,21 @@
 from collections import Counter
 from collections.abc import Iterable
 
-from refdem.core.finding import FAILING, WORST_FIRST, CampaignSheet, Finding, Record, Sheet
+from refdem.core.finding import BROKEN, FAILING, WORST_FIRST, CampaignSheet, Sheet, worst_first
 
 SHOWN = 20
 
 
-def findings(sheets: Iterable[Sheet]) -> list[tuple[Record, Finding]]:
-    """Every finding with its record, worst first."""
-    found = [(sheet, finding) for sheet in sheets if isinstance(sheet, Record) for finding in sheet.findings]
-    return sorted(found, key=lambda pair: (WORST_FIRST.index(pair[1].outcome), pair[1].margin or 0.0))
-
-
 def exit_status(sheets: Iterable[Sheet]) -> int:
     """1 if a check failed or a deviation is stale, else 3 if an engine broke, else 0."""
-    outcomes = {finding.outcome for _, finding in findings(sheets)}
+    outcomes = {finding.outcome for _, finding in worst_first(sheets)}
     return 1 if outcomes & set(FAILING) else 3 if "error" in outcomes else 0
 
 
 def lines(sheets: list[Sheet]) -> list[str]:
     """The summary, line by line."""
-    every = findings(sheets)
-    worst = [(record, finding) for record, finding in every if finding.outcome in (*FAILING, "error")]
+    every = worst_first(sheets)
+    worst = [(record, finding) for record, finding in every if finding.outcome in BROKEN]
     shown = [f"{finding.outcome.upper():6} {record.id(finding)}\n       {finding.sentence}" for record, finding in worst[:SHOWN]]
     if len(worst) > SHOWN:
         shown.append(f"       ... and {len(worst) - SHOWN} more; the report has them all")

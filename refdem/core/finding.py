@@ -1,6 +1,7 @@
 """What came out: findings with their reasons, gathered in records; a report is a function of these."""
 
 import math
+from collections.abc import Iterable
 from typing import Literal
 
 import msgspec
@@ -10,6 +11,7 @@ Outcome = Literal["pass", "fail", "error", "unsupported", "undecided", "expected
 WORST_FIRST: tuple[Outcome, ...] = ("fail", "worse", "lost", "absent", "stale", "error", "undecided", "expected", "unsupported", "pass")
 FAILING: tuple[Outcome, ...] = ("fail", "worse", "lost", "absent", "stale")
 """What makes a command exit with 1; `error` alone makes it exit with 3."""
+BROKEN: tuple[Outcome, ...] = (*FAILING, "error")
 DECIDED: tuple[Outcome, ...] = ("pass", "fail", "expected", "stale", "worse")
 
 
@@ -54,9 +56,11 @@ class Finding(msgspec.Struct, frozen=True, kw_only=True):
         """Decades between value and bound; positive is inside. None if there is nothing to compare."""
         if self.value is None or self.bound is None:
             return None
-        if not self.value > 0:
+        if not math.isfinite(self.value):
+            return -math.inf
+        if self.value <= 0:
             return math.inf
-        return math.log10(self.bound / self.value) if self.bound > 0 else -math.inf
+        return math.log10(self.bound) - math.log10(self.value) if self.bound > 0 else -math.inf
 
 
 class Record(msgspec.Struct, frozen=True, kw_only=True, tag="record", tag_field="type"):
@@ -123,3 +127,9 @@ class CampaignSheet(msgspec.Struct, frozen=True, kw_only=True, tag="campaign", t
 
 
 Sheet = Record | CaseSheet | EngineSheet | CampaignSheet
+
+
+def worst_first(sheets: Iterable[Sheet]) -> list[tuple[Record, Finding]]:
+    """Every finding with its record: by outcome, then by margin."""
+    found = [(sheet, finding) for sheet in sheets if isinstance(sheet, Record) for finding in sheet.findings]
+    return sorted(found, key=lambda pair: (WORST_FIRST.index(pair[1].outcome), pair[1].margin or 0.0))

@@ -54,10 +54,12 @@ def read(path: Path) -> tuple[Header, dict[str, Accepted]]:
 
 
 def write(path: Path, records: list[Record], why: str) -> int:
-    """Accepts what was decided, in order of id, all or nothing; returns how many findings."""
+    """Accepts what was decided, in order of id, all or nothing; returns how many findings; raises UsageError if none was."""
     if not why.strip():
         raise UsageError("--bless came without --why; say in a few words why these findings are right")
     kept = [accepted(record, finding) for record in records for finding in record.findings if finding.outcome in DECIDED]
+    if not kept:
+        raise UsageError(f"nothing was decided, so there is nothing to accept; baseline {path} stays as it is; look at the errors first")
     header = Header(format=FORMAT, engine=records[0].engine, version=records[0].version, why=why)
     lines = [msgspec.json.encode(header), *(msgspec.json.encode(entry) for entry in sorted(kept, key=lambda entry: entry.id))]
     beside = path.with_name(path.name + ".new")

@@ -8,7 +8,7 @@ from refdem.campaign.campaign import Campaign
 from refdem.campaign.specification import Entry, Specification
 from refdem.core import discovery
 from refdem.core.engine import Engine
-from refdem.core.finding import FAILING, Record
+from refdem.core.finding import BROKEN, Record
 from refdem.core.parameters import labelled
 from refdem.core.store import Store
 from refdem.gate.gate import supported
@@ -27,9 +27,4 @@ def records(engine: Engine, cases: Iterable[str] = (), *, levels: int = 4) -> li
 
 def broken(found: Iterable[Record]) -> list[str]:
     """One text for every finding that closes the gate: its id and its sentence."""
-    return [
-        f"{record.id(finding)}: {finding.sentence}"
-        for record in found
-        for finding in record.findings
-        if finding.outcome in (*FAILING, "error")
-    ]
+    return [f"{record.id(finding)}: {finding.sentence}" for record in found for finding in record.findings if finding.outcome in BROKEN]

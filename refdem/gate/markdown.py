@@ -2,18 +2,18 @@
 
 from collections import Counter
 
-from refdem.core.finding import FAILING, WORST_FIRST, CaseSheet, Finding, Record, Sheet
+from refdem.core.finding import BROKEN, WORST_FIRST, CaseSheet, Finding, Record, Sheet, worst_first
 
 SHOWN = 20
 LONGEST = 300
+ENTITIES = {ord(character): f"&#{ord(character)};" for character in "&\\`*_[]<>|#~"}
 
 
 def markdown(engine: str, sheets: list[Sheet]) -> str:
     """The text; everything that comes from records is escaped."""
-    pairs = [(sheet, finding) for sheet in sheets if isinstance(sheet, Record) for finding in sheet.findings]
-    pairs.sort(key=lambda pair: (WORST_FIRST.index(pair[1].outcome), pair[1].margin or 0.0))
+    pairs = worst_first(sheets)
     counts = Counter[str](finding.outcome for _, finding in pairs)
-    broken = [(record, finding) for record, finding in pairs if finding.outcome in (*FAILING, "error")]
+    broken = [(record, finding) for record, finding in pairs if finding.outcome in BROKEN]
     verdict = "closed" if broken else "open"
     lines = [f"## refdem: the gate of {escaped(engine)} is {verdict}", ""]
     lines += [", ".join(f"{counts[name]} {name}" for name in WORST_FIRST if counts[name]) or "nothing was found", ""]
@@ -28,7 +28,8 @@ def markdown(engine: str, sheets: list[Sheet]) -> str:
 
 def _row(record: Record, finding: Finding) -> str:
     name = escaped(record.id(finding))
-    return f"| {finding.outcome} | {name} | {escaped(finding.sentence[:LONGEST])} |"
+    says = finding.sentence if len(finding.sentence) <= LONGEST else f"{finding.sentence[:LONGEST]} ..."
+    return f"| {finding.outcome} | {name} | {escaped(says)} |"
 
 
 def _commands(sheets: list[Sheet], broken: list[Record]) -> list[str]:
@@ -40,16 +41,13 @@ def _commands(sheets: list[Sheet], broken: list[Record]) -> list[str]:
 
 def escaped(text: str) -> str:
     """Text that stays text in a Markdown table."""
-    for character in "\\`*_[]<>|#~":
-        text = text.replace(character, "&#" + str(ord(character)) + ";")
-    return " ".join(text.split())
+    return " ".join(text.translate(ENTITIES).split())
 
 
 def annotations(sheets: list[Sheet]) -> list[str]:
     """Workflow commands that make GitHub show the worst ten findings beside the change."""
-    pairs = [(s, f) for s in sheets if isinstance(s, Record) for f in s.findings if f.outcome in (*FAILING, "error")]
-    pairs.sort(key=lambda pair: (WORST_FIRST.index(pair[1].outcome), pair[1].margin or 0.0))
-    return [f"::error title={_data(record.id(finding), ',:')}::{_data(finding.sentence)}" for record, finding in pairs[:10]]
+    broken = [pair for pair in worst_first(sheets) if pair[1].outcome in BROKEN]
+    return [f"::error title={_data(record.id(finding), ',:')}::{_data(finding.sentence)}" for record, finding in broken[:10]]
 
 
 def _data(text: str, more: str = "") -> str:

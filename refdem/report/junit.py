@@ -3,10 +3,9 @@
 import re
 from xml.etree.ElementTree import Element, SubElement, indent, tostring
 
-from refdem.core.finding import FAILING, Finding, Record
+from refdem.core.finding import BROKEN, FAILING, Finding, Record
 from refdem.report.contents import Contents
 
-FAILURES = (*FAILING, "error")
 SKIPPED = ("unsupported", "undecided")
 _FORBIDDEN = re.compile("[^\t\n\r\u0020-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
 
@@ -29,7 +28,7 @@ def junit(contents: Contents) -> bytes:
 
 def _testcase(suite: Element, record: Record, finding: Finding) -> None:
     item = SubElement(suite, "testcase", classname=_text(f"{record.label}/{record.engine}"), name=_text(record.id(finding)))
-    if finding.outcome in FAILURES:
+    if finding.outcome in BROKEN:
         tag = "error" if finding.outcome == "error" else "failure"
         SubElement(item, tag, type=finding.outcome, message=_text(finding.sentence)).text = _text(finding.basis)
     elif finding.outcome in SKIPPED:

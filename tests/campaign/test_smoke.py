@@ -9,7 +9,7 @@ from refdem.campaign.probes import probes
 from refdem.campaign.smoke import smoke
 from refdem.core.engine import Engine, Method
 from refdem.core.trajectory import Cost, Trajectory
-from refdem.errors import EngineError
+from refdem.errors import EngineError, UnsupportedError
 from refdem.mechanics.quaternion import conjugate, product, rotated
 from refdem.scene import Scene
 from refdem.scene.elements.spring import Spring
@@ -108,6 +108,17 @@ def test_nothing_is_said_against_an_adapter_that_is_right():
     findings = smoke(Plain())
     assert {f.outcome for f in findings if not f.quantity.startswith(("friction", "hanging", "circle", "knock"))} == {"pass"}
     assert {f.outcome for f in findings if f.quantity in ("friction", "hanging rod", "circle", "knock")} == {"unsupported"}
+
+
+def test_what_an_engine_refuses_when_it_runs_is_unsupported_and_no_error():
+    def refuses(request, columns):
+        if len(request.problem.scene.bodies) > 1:
+            raise UnsupportedError("one body only")
+        return columns
+
+    findings = smoke(Plain(refuses))
+    assert [(f.outcome, f.sentence) for f in findings if f.quantity == "two bodies"] == [("unsupported", "one body only")]
+    assert "error" not in {f.outcome for f in findings}
 
 
 @pytest.mark.parametrize("name", LIES)

@@ -3,6 +3,8 @@
 import json
 import xml.etree.ElementTree as ElementTree
 
+from refdem.gate.markdown import escaped
+
 
 def test_without_a_baseline_the_gate_is_closed_and_says_how_to_bless(program):
     done = program.gate()
@@ -15,6 +17,7 @@ def test_a_blessed_program_passes_and_a_comment_changes_nothing(program):
     program.spoil('"""usage: spring.py REQUEST TRAJECTORY"""', "# the same program")
     done = program.gate("--junit", "gate.xml", "--markdown", "gate.md")
     assert done.returncode == 0, done.stdout
+    assert done.stdout.splitlines()[-1] == "the gate of spring is open"
     assert "is open" in (program.folder / "gate.md").read_text()
     suite = ElementTree.parse(program.folder / "gate.xml").getroot()
     assert len(list(suite.iter("testcase"))) > 5
@@ -80,6 +83,20 @@ def test_a_crash_is_an_error_and_exit_3_while_nothing_failed(program):
     assert "ERROR" in done.stdout
     assert "signal 6" in done.stdout
     assert done.returncode == 1  # what the baseline has is gone
+
+
+def test_what_crashes_cannot_be_accepted_and_leaves_the_baseline_alone(program):
+    program.bless()
+    before = (program.folder / "refdem-baseline.jsonl").read_bytes()
+    program.spoil("import json, sys\n", "import json, sys\nsys.exit(1)\n")
+    done = program.gate("--bless", "--why", "it must be right")
+    assert done.returncode == 2
+    assert "nothing was decided" in done.stderr
+    assert (program.folder / "refdem-baseline.jsonl").read_bytes() == before
+
+
+def test_text_stays_text_in_a_markdown_table():
+    assert escaped("rod_force | <b> & #1") == "rod&#95;force &#124; &#60;b&#62; &#38; &#35;1"
 
 
 def test_findings_are_shown_beside_the_change_on_github(program):
