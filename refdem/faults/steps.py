@@ -78,6 +78,23 @@ def euler(m: Moving, state: State, load: Loads, h: Number) -> tuple[State, Loads
     return moved, after
 
 
+def drift_first(m: Moving, state: State, load: Loads, h: Number) -> tuple[State, Loads]:
+    """Drift, kick: the other symplectic Euler method, first order."""
+    moved = state.copy()
+    for i in m.free:
+        moved.r[i] = m.parts.drifted(state.r[i], state.v[i], h)
+    after = m.parts.loads(m.world, moved, m.parts, load, h)
+    return kick(m, moved, after, h), after
+
+
+def explicit(m: Moving, state: State, load: Loads, h: Number) -> tuple[State, Loads]:
+    """Explicit Euler: drift with the old velocity, kick with the old force; first order, and it gains energy."""
+    moved = kick(m, state, load, h)
+    for i in m.free:
+        moved.r[i] = m.parts.drifted(state.r[i], state.v[i], h)
+    return moved, m.parts.loads(m.world, moved, m.parts, load, h)
+
+
 def suzuki(m: Moving, state: State, load: Loads, h: Number) -> tuple[State, Loads]:
     """Five steps of Verlet: order 4 (Suzuki 1990)."""
     for part in m.parts.suzuki:
@@ -183,4 +200,12 @@ def rod_forces(m: Moving, state: State) -> list[Number]:
     return found
 
 
-STEPS = {"euler": euler, "verlet": verlet, "suzuki": suzuki, "rk4": rk4, "verlet-single": verlet}
+STEPS = {
+    "euler": euler,
+    "drift-first": drift_first,
+    "explicit-euler": explicit,
+    "verlet": verlet,
+    "suzuki": suzuki,
+    "rk4": rk4,
+    "verlet-single": verlet,
+}

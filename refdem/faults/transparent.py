@@ -26,6 +26,8 @@ KEPT = frozenset({"momentum", "angular-momentum", "constraint"})
 _VERLET: dict[str, Any] = {"control": "step", "order": 2, "conserves": KEPT, "reversible": True, "symplectic": True, "backward": True}
 METHODS = (
     Method(name="euler", summary="kick, drift; gyroscopic term explicit", control="step", order=1, conserves=frozenset({"momentum"})),
+    Method(name="drift-first", summary="drift, kick", control="step", order=1, conserves=frozenset({"momentum"})),
+    Method(name="explicit-euler", summary="explicit Euler", control="step", order=1, conserves=frozenset({"momentum"})),
     Method(name="verlet", summary="velocity Verlet, RATTLE, rotations about principal axes; cut at events", **_VERLET),
     Method(name="suzuki", summary="five Verlet steps", **(_VERLET | {"order": 4})),
     Method(name="rk4", summary="classical Runge-Kutta", control="step", order=4, conserves=frozenset({"momentum"}), backward=True),
@@ -67,7 +69,9 @@ class Transparent(Engine):
             return "more than one rod"
         if scene.all(Contact) and any(isinstance(shape, Polyhedron) for shape in scene.bodies.shape):
             return "no contact of polyhedra"
-        if method.name in ("euler", "suzuki", "rk4") and {"slider", "contact"} & scene.features:
+        if method.name in ("drift-first", "explicit-euler") and {"rotation", "rod"} & scene.features:
+            return "points without rods alone"
+        if not method.name.startswith("verlet") and {"slider", "contact"} & scene.features:
             return "no events"
         return "no rods" if method.name == "rk4" and scene.all(Rod) else None
 

@@ -23,7 +23,9 @@ def run(case, method, halvings, **given):
     return Transparent().run(Request(problem=instance.problem, method=method, step=step))[0]
 
 
-@pytest.mark.parametrize(("method", "order"), [("euler", 1), ("verlet", 2), ("suzuki", 4), ("rk4", 4)])
+@pytest.mark.parametrize(
+    ("method", "order"), [("euler", 1), ("drift-first", 1), ("explicit-euler", 1), ("verlet", 2), ("suzuki", 4), ("rk4", 4)]
+)
 def test_an_oscillator_converges_to_the_cosine_with_the_claimed_order(method, order):
     worst = []
     for halvings in (2, 3):
