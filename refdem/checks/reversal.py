@@ -43,7 +43,7 @@ class Reversal(Check):
             return [undecided(self.name, "return", no_truth(trial))]
         level, growth = trial.levels[-1], float(truth.growth()[-1])
         if _is_exact(trial):
-            size = 2 * math.sqrt(2.0) * trial.round_off(level) * growth**2
+            size = 2 * (math.sqrt(2.0) * trial.round_off(level) + trial.clock()) * growth**2
             basis = "a reversible method returns to round-off c u sqrt(n), there and back, times the sensitivity S both ways"
         else:
             size, basis = (
@@ -74,7 +74,10 @@ class Reversal(Check):
         order = trial.method.order_for(trial.instance.scene.features)
         expected = order if order % 2 else order + 1
         coarse, fine = (_defect(trial, runs[Variant(h, "reversed")].trajectory, "reversed") for h in trial.levels[-2:])
-        if not COUNTING_FLOOR * trial.round_off(trial.levels[-1]) * growth**2 < fine <= coarse < HORIZON:
+        scales, method = trial.instance.scales, trial.method
+        following = method.constant * scales.duration / scales.tau * (trial.levels[-1] / scales.tau) ** (expected + 1)
+        floor = max(following, COUNTING_FLOOR * trial.round_off(trial.levels[-1]) * growth**2)
+        if not floor < fine <= coarse < HORIZON:  # below the next term of the error there is no leading one to see
             return []
         seen = math.log2(coarse / fine)
         return [
