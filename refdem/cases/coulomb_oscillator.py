@@ -21,7 +21,7 @@ class CoulombOscillator(Case):
         "centre and loses 2 f/k of amplitude, until at a turning point the spring is no stronger than friction: there it stays, exactly."
     )
     latex = r"m\ddot x+f\,\mathrm{Sgn}(\dot x)+kx\ni 0,\qquad \mathrm{Sgn}(0)=[-1,1]"
-    source = "mechanics chapter, (1.97)-(1.100), figs. 1.15 and 1.20; stops if and only if k|x| <= f"
+    source = "Matuttis and Chen 2014, chapter 1, (1.97)-(1.100), figs. 1.15 and 1.20; stops if and only if k|x| <= f"
     parameters = (
         _line.MASS,
         _line.STIFFNESS,

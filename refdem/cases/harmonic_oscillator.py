@@ -21,7 +21,7 @@ class HarmonicOscillator(Case):
         "shifts the equilibrium by m g/k and changes nothing else."
     )
     latex = r"m\ddot x+kx=mg,\qquad x=\frac{mg}{k}+\left(x_0-\frac{mg}{k}\right)\cos\omega_0t+\frac{v_0}{\omega_0}\sin\omega_0t"
-    source = "mechanics chapter, (1.92), figs. 1.14a and 1.15; w0 = sqrt(k/m)"
+    source = "Matuttis and Chen 2014, chapter 1, (1.92), figs. 1.14a and 1.15; w0 = sqrt(k/m)"
     parameters = (
         _line.MASS,
         _line.STIFFNESS,

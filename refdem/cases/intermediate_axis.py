@@ -33,7 +33,7 @@ class IntermediateAxis(Case):
         r"t_\text{flip}\approx\frac{2}{\lambda}\ln\frac{1}{\epsilon}+\text{const},\qquad "
         r"\lambda=\omega_2\sqrt{\frac{(J_2-J_1)(J_3-J_2)}{J_1J_3}}"
     )
-    source = "mechanics chapter, (1.134)-(1.138), fig. 1.36, section 1.7.3"
+    source = "Matuttis and Chen 2014, chapter 1, (1.134)-(1.138), fig. 1.36, section 1.7.3"
     parameters = (
         _attitude.INERTIA,
         Parameter(name="omega_body", default="0,1,0", unit="rad/s", doc="angular velocity before the offset", shape=(3,)),

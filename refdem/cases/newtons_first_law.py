@@ -24,7 +24,7 @@ class NewtonsFirstLaw(Case):
         "third principal axis; a block on the ground, a stack of two, and two spheres in elastic balance stay where they are."
     )
     latex = r"\sum_i\mathbf F_i=0\;\Rightarrow\;\dot{\mathbf v}=0"
-    source = "mechanics chapter, section 1.7.4; Newton 1687, law I"
+    source = "Matuttis and Chen 2014, chapter 1, section 1.7.4; Newton 1687, law I"
     parameters = (
         Parameter(name="member", default="free", unit="1", doc="which scene", choices=("free", *_rest.SCENES)),
         Parameter(name="velocity", default="1/2,1/4,1/8", unit="m/s", doc="of the free body", shape=(3,)),

@@ -25,7 +25,7 @@ class Pendulum(Case):
         "length must stay, and the force in it (positive in tension) is part of the answer."
     )
     latex = r"\ddot\theta+\frac{g}{l}\sin\theta=0,\qquad F=m\left(l\dot\theta^2+g\cos\theta\right)"
-    source = "mechanics chapter, (1.112), figs. 1.3a and 1.22; k^2 = sin^2(theta0/2) + thetadot0^2/(4 w0^2)"
+    source = "Matuttis and Chen 2014, chapter 1, (1.112), figs. 1.3a and 1.22; k^2 = sin^2(theta0/2) + thetadot0^2/(4 w0^2)"
     parameters = (
         Parameter(name="mass", default="1", unit="kg", doc="the point mass", above=0),
         Parameter(name="length", default="1", unit="m", doc="the rod", above=0),

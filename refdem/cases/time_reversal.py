@@ -30,7 +30,7 @@ CASE = Selection(
         "Newton's equations of a conservative system do not tell the direction of time. Run forward, with all velocities flipped "
         "at the end, the motion returns to its start; what is missing on return is the method's own irreversibility."
     ),
-    source="mechanics chapter, section 1.7",
+    source="Matuttis and Chen 2014, chapter 1, section 1.7",
     check="reversal",
     admits=_reason,
 )

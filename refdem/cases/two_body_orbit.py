@@ -35,7 +35,7 @@ class TwoBodyOrbit(Case):
         "(parameter stiffness) it is the middle. Energy and angular momentum stay, and the ellipse does not turn."
     )
     latex = r"\ddot{\mathbf r}=-\frac{GM}{r^3}\,\mathbf r\quad\text{or}\quad\ddot{\mathbf r}=-k\,\mathbf r"
-    source = "mechanics chapter, section 1.7.4 (conservation laws); Kepler's equation E - e sin E = n t"
+    source = "Matuttis and Chen 2014, chapter 1, section 1.7.4 (conservation laws); Kepler's equation E - e sin E = n t"
     parameters = (
         Parameter(name="gm", default="1", unit="m^3/s^2", doc="Newton's attraction; not used with a spring", above=0),
         Parameter(name="semi_major", default="1", unit="m", doc="semi-major axis", above=0),

@@ -27,7 +27,7 @@ class TwoSpheres(Case):
         r"F_n=k\,d+c\,\dot d,\quad |F_t|=\min(k_t|s|,\mu F_n),\quad b=\frac{c}{2m_\text{eff}},\ \omega_0^2=\frac{k}{m_\text{eff}},"
         r"\ \omega=\sqrt{\omega_0^2-b^2},\quad e=\mathrm{e}^{-bt_c}"
     )
-    source = "mechanics chapter, section 1.7.4; Schwager and Poeschel 2007 for the force that must not pull"
+    source = "Matuttis and Chen 2014, chapter 1, section 1.7.4; Schwager and Poeschel 2007 for the force that must not pull"
     parameters = _collision.PARAMETERS
 
     def refuse(self, p: Parameters) -> None:
