@@ -1,6 +1,7 @@
 """Bad input: one clear sentence, exit 2, no traceback, nothing lost."""
 
 import os
+import signal
 import subprocess
 import sys
 
@@ -37,6 +38,17 @@ def _own_store(tmp_path, monkeypatch):
         (["run", "pendulum", "--jobs", "-1"], "--jobs"),
         (["run", "pendulum", "--jobs", "0"], "--jobs"),
         (["gate", "nowhere/refdem.toml"], "nowhere"),
+        (["run", "pendulum", "--set", "theta0=1", "--set", "theta0=2"], "twice"),
+        (["run", "pendulum", "--set", "theta0=1e400"], "between 1e-100 and 1e100"),
+        (["run", "pendulum", "--set", "theta0="], "name=value"),
+        (["run", "pendulum", "--set", "samples=2.5"], "whole"),
+        (["run", "pendulum", "--set", "duration=1e-30"], "times tau"),
+        (["run", "pendulum", "--set", "duration=1e90"], "times tau"),
+        (["run", "pendulum", "--engine", "reference", "--step", "1e-300"], "expected at most"),
+        (["run", "p\u00e9ndulo"], "is not a name"),
+        (["run", ""], "is not a name"),
+        (["truth", "pendulum", "--set", "mass=1e-400"], "between 1e-100 and 1e100"),
+        (["smoke", ""], "no engine"),
         (["run", "--set", "mass=1"], "without a case"),
         (["run", "--campaign", "mian"], "known: "),
         (["run", "pendulum; rm -rf /"], "is not a name"),
@@ -81,3 +93,29 @@ def test_a_folder_that_cannot_be_written_is_said_so_before_any_work(tmp_path):
     assert done.returncode == 2
     assert "cannot be written" in done.stderr
     assert not (tmp_path / "store.sqlite").exists()
+
+
+def test_a_reader_that_goes_away_is_neither_a_pass_nor_a_failure():
+    command = [sys.executable, "-c", "from refdem.cli import main; main()", "list", "cases", "--json"]
+    with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE) as done:
+        done.stdout.close()
+        said = done.stderr.read()
+    assert (done.returncode, said) == (141, b"")
+
+
+def test_an_interrupted_run_ends_with_130_and_goes_on_where_it_was(tmp_path):
+    command = [sys.executable, "-c", "from refdem.cli import main; main()", "run", "pendulum", "--engine", "reference", "--jobs", "1"]
+    store = tmp_path / "store.sqlite"
+    with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as begun:
+        for line in begun.stderr:
+            if line.startswith("truths"):
+                begun.send_signal(signal.SIGINT)
+                break
+        said = begun.stderr.read()
+    assert begun.returncode == 130
+    assert "refdem: interrupted" in said
+    assert "Traceback" not in said
+    assert store.exists()
+    again = refdem("run", "pendulum", "--engine", "reference", "--jobs", "1")
+    assert again.returncode == 0, again.stderr
+    assert "truths" not in again.stderr
