@@ -48,12 +48,16 @@ def command(
         markdown.write_text(told(gate.engine.name, sheets))
     if os.environ.get("GITHUB_ACTIONS") == "true":
         print("\n".join(annotations(sheets)))
+    raise typer.Exit(_verdict(gate, exit_status(sheets)))
+
+
+def _verdict(gate: "Gate", status: int) -> int:
+    """Says whether the gate is open; the exit status, 1 where nothing was accepted yet."""
     if not gate.baseline.is_file():
         print(f'no baseline {gate.baseline}: the gate stays closed; accept these findings with: refdem gate --bless --why "first baseline"')
-        raise typer.Exit(1)
-    status = exit_status(sheets)
+        return 1
     print(f"the gate of {gate.engine.name} is {'closed' if status else 'open'}")
-    raise typer.Exit(status)
+    return status
 
 
 def _bless(gate: "Gate", sheets: "list[Sheet]", why: str) -> None:

@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 
 from refdem.core.problem import Motion, Request
 from refdem.core.trajectory import Cost, Trajectory
+from refdem.kernels import load, pointer
 from refdem.scene import Bodies
 from refdem.solvers.solver import Solver
 
@@ -42,6 +43,31 @@ class FreeBodies(Solver):
         steps = 0 if request.step is None else request.stride * (len(t) - 1)
         cost = Cost(seconds=seconds, setup=perf_counter() - begun - seconds, steps=steps)
         return Trajectory(t=t, position=position, velocity=velocity, attitude=attitude, omega=omega), cost
+
+
+class SteppedFreeBodies(FreeBodies):
+    """Bodies that turn by the steps of one function of kernels/rigid_body.c."""
+
+    kernels = ("rigid_body",)
+
+    @property
+    @abstractmethod
+    def function(self) -> str:
+        """Name of the kernel's function."""
+
+    def refusal(self, problem: Motion) -> str | None:
+        """None if nothing acts on any body and some body turns."""
+        idle = None if "rotation" in problem.scene.features else "nothing turns; uniform motion needs no steps"
+        return super().refusal(problem) or idle
+
+    def turn(self, request: Request, number: int, attitude: Array, omega: Array) -> float:
+        """Attitude (T, 4) and omega (T, 3) after every `stride` steps."""
+        state = [pointer("rigid_body", column) for column in first_state(request.problem.scene.bodies, number)]
+        out = [pointer("rigid_body", column, output=True) for column in (attitude, omega)]
+        steps = getattr(load("rigid_body").lib, self.function)
+        started = perf_counter()
+        steps(*state, request.signed_step, len(request.problem.times), request.stride, *out)
+        return perf_counter() - started
 
 
 def spinning(bodies: Bodies) -> list[int]:
