@@ -68,7 +68,7 @@ class Campaign:
             ]
             wanted = [(n, variant) for n, task in enumerate(tasks) for variant in task.variants]
             self._run(schedule, tasks, [(n, v) for n, v in wanted if not v.goes_on], "runs")
-            self._run(schedule, tasks, [(n, v) for n, v in wanted if v.goes_on], "runs back")
+            self._run(schedule, tasks, [(n, v) for n, v in wanted if v.goes_on], "runs that go on")
         records = self._records(tasks)
         cases = {i.label: sheets.case_sheet(i, truth) for (i, _), truth in zip(instances, truths, strict=True)}
         whole = CampaignSheet(
@@ -77,7 +77,6 @@ class Campaign:
             runs_made=self.made,
             runs_read=self.read,
             seconds=time.perf_counter() - start,
-            planned=len(wanted),
         )
         return [whole, *(sheets.engine_sheet(engine) for engine in engines), *cases.values(), *records]
 

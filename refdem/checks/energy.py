@@ -85,7 +85,7 @@ class Energy(Check):
             values=np.maximum.accumulate(work) - work,
             allowed=TERMS * allowed,
             unit="1",
-            basis=f"what is lost stays lost, to {basis}, for each of two terms",
+            basis=f"what is lost stays lost: {basis}, for each of two terms",
             what="The fall of the dissipated work below any earlier value, in units of the energy at the start,",
         )
 

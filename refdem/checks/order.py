@@ -34,7 +34,7 @@ class Order(Check):
             return [undecided(self.name, "state", no_truth(trial))]
         counting, common = _counting(trial)
         if len(counting) < 3:
-            why = f"{len(counting)} levels count (their bound lies between 20 x round-off and 0.1); 3 are needed"
+            why = f"of {len(trial.levels)} levels {len(counting)} can count (a bound between 20 x round-off and 0.1); 3 are needed"
             return [undecided(self.name, "state", why)]
         floor = [COUNTING_FLOOR * _floor(trial, h) for h in counting]
         scaled = [errors(trial.instance, runs[Variant(h)].trajectory, truth, trial.method.delay(h)) for h in counting]

@@ -123,7 +123,6 @@ class CampaignSheet(msgspec.Struct, frozen=True, kw_only=True, tag="campaign", t
     runs_made: int
     runs_read: int
     seconds: float
-    planned: int = 0
 
 
 Sheet = Record | CaseSheet | EngineSheet | CampaignSheet
