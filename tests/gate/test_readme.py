@@ -35,7 +35,7 @@ def test_the_gate_of_the_readme_opens_and_closes_as_it_says(refdem, tmp_path):
     assert refdem("gate", "--bless", "--why", "first baseline").returncode == 0
     assert refdem("gate").stdout.splitlines()[-1] == "the gate of springs is open"
     program = (tmp_path / "springs.py").read_text()
-    (tmp_path / "springs.py").write_text(program.replace("h / 2)", "h)", 1))
+    (tmp_path / "springs.py").write_text(program.replace("h / 2)", "h)"))
     closed = refdem("gate")
     assert closed.returncode == 1
     assert closed.stdout.splitlines()[-1] == "the gate of springs is closed"
