@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from refdem.core.problem import Request
 from refdem.core.trajectory import Trajectory
+from refdem.faults.parts import Parts
 from refdem.scene import Scene
 from refdem.scene.element import Element
 
@@ -67,15 +68,33 @@ def scaled(factor: float) -> Callable[[Any], Any]:
     return lambda value: tuple(factor * x for x in value) if isinstance(value, tuple) else factor * value
 
 
-def late(sound: Callable[..., Any]) -> Callable[..., Any]:
-    """A part that answers with what it should have answered the last time."""
-    kept: list[Any] = []
+class Late:
+    """A part that answers with what it should have answered the last time; the first time of a run it is on time."""
 
-    def part(*arguments: Any) -> Any:
-        kept.append(sound(*arguments))
-        return kept.pop(0) if len(kept) > 1 else kept[0]
+    def __init__(self, sound: Callable[..., Any]) -> None:
+        self.sound = sound
+        self.kept: list[Any] = []
 
-    return part
+    def __call__(self, *arguments: Any) -> Any:
+        """The answer before."""
+        self.kept.append(self.sound(*arguments))
+        return self.kept.pop(0) if len(self.kept) > 1 else self.kept[0]
+
+
+def forgetting(p: Parts, part: Late, **parts: Any) -> dict[str, Any]:
+    """Faulty parts of which one is late, with what makes it forget the run before."""
+
+    def fresh(kept: dict[str, Any]) -> None:
+        part.kept.clear()
+        p.fresh(kept)
+
+    return {"fresh": fresh, **parts}
+
+
+def late(p: Parts, name: str) -> dict[str, Any]:
+    """The part of that name, late."""
+    part = Late(getattr(p, name))
+    return forgetting(p, part, **{name: part})
 
 
 def rounding(sound: Callable[..., Any]) -> Callable[..., Any]:

@@ -92,7 +92,7 @@ FAULTS = (
         name="rod-force-late",
         sentence="The rod's force is that of the sample before.",
         sees=FORCE,
-        inside=lambda p: {"rod_tension": late(p.rod_tension)},
+        inside=lambda p: late(p, "rod_tension"),
     ),
     constraint(
         name="rod-force-per-mass",

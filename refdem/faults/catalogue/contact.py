@@ -6,7 +6,7 @@ from typing import Any
 
 from refdem.core.problem import Request
 from refdem.faults import vectors as vec
-from refdem.faults.change import late, of_elements, scaled
+from refdem.faults.change import of_elements, scaled
 from refdem.faults.fault import Fault
 from refdem.faults.parts import Parts
 from refdem.scene import Scene, Sphere
@@ -67,6 +67,24 @@ def _late_damping(p: Parts) -> dict[str, Any]:
         return p.loads(world, old, parts, before, h)
 
     return {"loads": loads}
+
+
+def _old_normal(p: Parts) -> dict[str, Any]:
+    """The direction between two spheres is that of the step before, their distance the present one."""
+    turned: dict[str, Any] = {"by": vec.ZERO}
+
+    def loads(world: Any, state: Any, parts: Parts, before: Any = None, h: Any = 0.0) -> Any:
+        turned["by"] = vec.times(-h, vec.minus(state.v[1], state.v[0]))
+        found = p.loads(world, state, parts, before, h)
+        turned["by"] = vec.ZERO
+        return found
+
+    def away(a: Any, b: Any) -> Any:
+        apart = p.away(a, b)
+        old = vec.plus(apart, turned["by"])
+        return vec.times(vec.size(apart) / vec.size(old), old)
+
+    return {"loads": loads, "away": away}
 
 
 def _hertz(p: Parts) -> dict[str, Any]:
@@ -208,7 +226,7 @@ FAULTS = (
         sentence="The normal is that of the step before (Vyas).",
         on=("scrape",),
         sees=("order", "state"),
-        inside=lambda p: {"away": late(p.away)},
+        inside=_old_normal,
     ),
     contact(
         name="lever-radius",

@@ -5,7 +5,7 @@ from math import tanh
 from typing import Any
 
 from refdem.faults import vectors as vec
-from refdem.faults.change import late, of_elements, scaled
+from refdem.faults.change import of_elements, scaled
 from refdem.faults.fault import Fault
 from refdem.faults.parts import Parts
 from refdem.scene.elements.contact import Contact
@@ -49,9 +49,21 @@ def _without_damping(p: Parts) -> dict[str, Any]:
 
 
 def _previous_normal(p: Parts) -> dict[str, Any]:
-    """The limit of friction is that of the force before."""
-    previous = late(lambda normal: normal)
-    return {"sliding_friction": lambda law, normal, slip, stopping: p.sliding_friction(law, previous(normal), slip, stopping)}
+    """The limit of friction is that of the overlap a step before."""
+    kept: dict[str, Any] = {"h": 0.0}
+
+    def loads(world: Any, state: Any, parts: Parts, before: Any = None, h: Any = 0.0) -> Any:
+        kept["h"] = h
+        return p.loads(world, state, parts, before, h)
+
+    def normal_force(law: Any, depth: Any, rate: Any) -> Any:
+        kept["before"] = p.normal_force(law, depth - kept["h"] * rate, rate)
+        return p.normal_force(law, depth, rate)
+
+    def sliding(law: Any, normal: Any, slip: Any, stopping: Any) -> Any:
+        return p.sliding_friction(law, kept["before"], slip, stopping)
+
+    return {"loads": loads, "normal_force": normal_force, "sliding_friction": sliding}
 
 
 FAULTS = (

@@ -4,7 +4,7 @@ from functools import partial
 from typing import Any
 
 from refdem.faults import vectors as vec
-from refdem.faults.change import late
+from refdem.faults.change import Late, forgetting, late
 from refdem.faults.fault import Fault
 from refdem.faults.parts import S4, Parts
 
@@ -29,13 +29,13 @@ def _first_kick_twice(p: Parts) -> dict[str, Any]:
 
 def _late_loads(p: Parts) -> dict[str, Any]:
     """All forces are those of the step before."""
-    return {"loads": late(p.loads)}
+    return late(p, "loads")
 
 
 def _old_velocity(p: Parts) -> dict[str, Any]:
     """The drift goes with the velocity that the step before drifted with."""
-    previous = late(lambda v: v)
-    return {"drifted": lambda r, v, h: p.drifted(r, previous(v), h)}
+    previous = Late(lambda v: v)
+    return forgetting(p, previous, drifted=lambda r, v, h: p.drifted(r, previous(v), h))
 
 
 def _lopsided(p: Parts) -> Any:
@@ -62,14 +62,14 @@ def _every_other(sound: Any) -> Any:
     return part
 
 
-def _averaged(sound: Any) -> Any:
-    """The mean of the present answer and the one before."""
-    previous = late(sound)
+def _averaged(p: Parts) -> dict[str, Any]:
+    """Attraction is the mean of the present one and the one before."""
+    previous = Late(p.central_force)
 
-    def part(*arguments: Any) -> Any:
-        return vec.times(0.5, vec.plus(sound(*arguments), previous(*arguments)))
+    def central_force(*arguments: Any) -> Any:
+        return vec.times(0.5, vec.plus(p.central_force(*arguments), previous(*arguments)))
 
-    return part
+    return forgetting(p, previous, central_force=central_force)
 
 
 FAULTS = (
@@ -187,7 +187,7 @@ FAULTS = (
         sees=ORDER,
         levels=4,
         on=("orbit",),
-        inside=lambda p: {"central_force": _averaged(p.central_force)},
+        inside=_averaged,
     ),
     integrator(
         name="reversal-broken",

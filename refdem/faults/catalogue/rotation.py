@@ -86,7 +86,7 @@ FAULTS = (
         on=("tumbler",),
         method="rk4",
         sees=("order", "state"),
-        inside=lambda p: {"gyroscopic": late(p.gyroscopic)},
+        inside=lambda p: late(p, "gyroscopic"),
     ),
     rotation(
         name="gyroscopic-never-flips",
