@@ -1,7 +1,7 @@
 # Two commands for everyone: `make validate` and `make test`. They need Python 3.11+ with headers, a C11 compiler, make, and
 # a package index; no root. Everything goes into .venv and build/; unchanged sources install nothing.
 .DELETE_ON_ERROR:
-.PHONY: validate test test-all lint develop lock clean help
+.PHONY: validate test test-all lint develop codes lock clean help
 
 PYTHON ?= python3
 JOBS ?= 2
@@ -21,6 +21,7 @@ help:
 	@echo 'make validate   run every case in the reference and in every engine, write reports/'
 	@echo 'make test       all tests that need no root'
 	@echo 'make test-all   the others too: browser, sanitizers, packaging, lint'
+	@echo 'make codes      DEM codes that the gates in validation/codes run, in .venv-codes'
 	@echo 'make lint       ruff, mypy, import-linter, size budget'
 	@echo 'make develop    build the kernels beside their sources and run from the tree'
 	@echo 'make lock       pin the newest versions in requirements.lock'
@@ -31,9 +32,11 @@ validate: .venv/refdem
 test: .venv/refdem .venv/for-tests
 	$(BIN)/pytest tests validation -n $(JOBS) $(ELSEWHERE:%=--ignore=%)
 
-test-all: .venv/refdem .venv/for-all lint
+test-all: .venv/refdem .venv/for-all codes lint
 	ci/sanitized $(BIN)/python
 	$(BIN)/pytest $(ELSEWHERE)
+
+codes: .venv-codes/made
 
 lint: .venv/for-all
 	$(BIN)/ruff check
@@ -52,7 +55,7 @@ lock:
 	ci/lock $(PYTHON)
 
 clean:
-	rm -rf .venv build dist
+	rm -rf .venv .venv-codes build dist
 
 # Stamps: each says that its step was done with the files it depends on.
 .venv/made:
@@ -73,6 +76,13 @@ clean:
 .venv/for-all: .venv/for-tests
 	$(BIN)/python ci/dependencies.py browser lint >.venv/wanted.txt
 	$(CONSTRAINED) .venv/wanted.txt
+	touch $@
+
+# DEM codes have an environment of their own, so that nothing of theirs comes into refdem's.
+.venv-codes/made: validation/codes/requirements.txt
+	rm -rf .venv-codes
+	$(PYTHON) -m venv .venv-codes
+	.venv-codes/bin/pip --disable-pip-version-check install --quiet --requirement $<
 	touch $@
 
 .venv/refdem: .venv/for-runs build/sources.txt $(SOURCES)

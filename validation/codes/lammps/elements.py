@@ -7,11 +7,10 @@ from border import cannot
 
 LAWS = {
     "gran": "gran/hooke/history {stiffness!r} {tangential_stiffness!r} {per_mass!r} 0 {friction!r} 0",
-    "granular": "granular hooke {stiffness!r} {damping!r} tangential linear_history {tangential_stiffness!r} 0 {friction!r} damping velocity",
+    "granular": "granular hooke {stiffness!r} {damping!r} tangential linear_history {tangential_stiffness!r} 0 {friction!r}"
+    " damping velocity",
 }
 """No tangential damping; that along the normal is per effective mass in `gran`."""
-BRANCH = {"gran": "R", "granular": "R-d/2"}
-"""Lever arm of the tangential force."""
 
 
 def joined(numbers):
@@ -23,7 +22,8 @@ def law(c, method, masses, planes):
     """Name and numbers of a linear law."""
     effective = {a * b / (a + b) for a, b in combinations(masses, 2)} | (set(masses) if planes else set())
     cannot(c["friction"] > 0 and c["tangential_stiffness"] == 0, "friction of full size at any slip: it goes through a tangential spring")
-    cannot(c["friction"] > 0 and c["branch"] != BRANCH[method], f"branch {c['branch']}: it is {BRANCH[method]} in {method}")
+    cannot(c["friction"] > 0 and method == "granular", "friction in granular: slip is taken at R, torque at R - d/2")
+    cannot(c["friction"] > 0 and c["branch"] != "R", "a branch other than R in gran")
     pulls = c["damping"] > 0 and c["cutoff"] == "zero_overlap"
     cannot(c["friction"] > 0 and pulls, "no friction while the normal force pulls: the limit is friction times its size")
     cannot(method == "gran" and c["damping"] > 0 and len(effective) > 1, "one damping for unequal pairs: it is per effective mass")
@@ -55,7 +55,9 @@ def pushes(request):
     for n, field in enumerate(border.of_kind(request, "uniform_gravity")):
         yield f"fix gravity{n} all gravity {sum(g * g for g in field['g']) ** 0.5!r} vector {joined(field['g'])}"
     for n, spring in enumerate(border.of_kind(request, "spring")):
-        cannot(spring["b"] != -1 or spring["exponent"] != 1 or any(spring["anchor_a"]), "springs but linear ones from a centre to the world")
+        cannot(
+            spring["b"] != -1 or spring["exponent"] != 1 or any(spring["anchor_a"]), "springs but linear ones from a centre to the world"
+        )
         tether = f"{spring['stiffness']!r} {joined(spring['anchor_b'])} {spring['length']!r}"
         yield f"group held{n} id {spring['a'] + 1}\nfix spring{n} held{n} spring tether {tether}"
     for n, field in enumerate(border.of_kind(request, "central_field")):
