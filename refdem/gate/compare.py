@@ -10,6 +10,9 @@ from refdem.gate.baseline import Accepted
 WORSE = 1.5
 """A finding is worse when its size grows by more than this factor: a method's error constant does not move by itself."""
 
+QUIET = 0.01
+"""Two decades inside its bound, a value that is no error constant is round-off: any rearrangement of sums may move it."""
+
 Noise = Callable[[Record, Finding], float]
 """How far a finding's size moves when the start moves by some units in the last place."""
 
@@ -41,7 +44,7 @@ def _compared(record: Record, finding: Finding, baseline: dict[str, Accepted], n
         says = f"{finding.sentence} The baseline has it decided ({entry.outcome})."
         return msgspec.structs.replace(finding, outcome="lost", sentence=says)
     now, before = size(finding), entry.size
-    if now is None or before is None or now <= WORSE * before:
+    if now is None or before is None or now <= WORSE * before or _is_quiet(finding):
         return finding
     spread = noise(record, finding)
     if now - WORSE * before <= spread:
@@ -51,6 +54,13 @@ def _compared(record: Record, finding: Finding, baseline: dict[str, Accepted], n
         f" and beyond the noise of a start moved by some ulp ({spread:.1g})."
     )
     return msgspec.structs.replace(finding, outcome="worse", sentence=says)
+
+
+def _is_quiet(finding: Finding) -> bool:
+    """The value is far inside its bound and no error constant, which would tell of a change at any size."""
+    if finding.constant_seen is not None or finding.value is None or finding.bound is None:
+        return False
+    return finding.value <= QUIET * finding.bound
 
 
 def _times(now: float, before: float) -> str:
