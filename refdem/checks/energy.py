@@ -63,6 +63,7 @@ class Energy(Check):
                     np.abs(energy + work.reshape(len(energy), -1).sum(axis=1) - energy[0]) / scale,
                 )
         allowed, basis = trial.kept("energy", variant.level)
+        allowed = np.maximum(allowed, trial.round_off(variant.level) * _of_positions(trial))
         return worst(
             check=self.name,
             quantity=quantity,
@@ -105,6 +106,15 @@ class Energy(Check):
             basis=f"a symplectic method of order {order} keeps its energy error at (h/tau)^{order}, whatever the time",
             what="The mean energy of the last quarter of the run against that of the first, in units of the energy at the start,",
         )
+
+
+def _of_positions(trial: Trial) -> float:
+    """Round-off of positions as energy: the largest force sqrt(2 k E0) times u L, over E0; 1 where the motion fills its scale.
+
+    With E_s = m (L/tau)^2 = k L^2 it is sqrt(E_s / (2 E0)); large where bodies that are far apart in units of the way they
+    go meet slowly, as in a stiff contact.
+    """
+    return float(np.sqrt(trial.instance.scales.energy / (2 * energy_scale(trial.instance))))
 
 
 CHECK = Energy()
