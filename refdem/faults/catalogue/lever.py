@@ -1,0 +1,109 @@
+"""Levers and spins: where the tangential force takes hold, and the slip that turning makes."""
+
+from functools import partial
+from typing import Any
+
+from refdem.faults import vectors as vec
+from refdem.faults.change import of_elements
+from refdem.faults.fault import Fault
+from refdem.faults.parts import Parts
+from refdem.scene.elements.contact import Contact
+
+contact = partial(Fault, kind="contact")
+
+
+def _branch(name: str) -> Any:
+    return of_elements(Contact, branch=lambda _: name)
+
+
+def _one_lever(p: Parts) -> dict[str, Any]:
+    """The lever of the first body serves for both (Lethe 300)."""
+    kept: list[Any] = []
+
+    def lever(law: Any, radius: Any, depth: Any) -> Any:
+        if kept:
+            return kept.pop()
+        kept.append(p.lever(law, radius, depth))
+        return kept[0]
+
+    return {"lever": lever}
+
+
+def _torque_once(p: Parts) -> dict[str, Any]:
+    """The second body gets no torque."""
+    kept = [False]
+
+    def torque_on(arm: Any, normal: Any, force: Any) -> Any:
+        kept[0] = not kept[0]
+        return p.torque_on(arm, normal, force) if kept[0] else vec.ZERO
+
+    return {"torque_on": torque_on}
+
+
+def _spinless(p: Parts) -> dict[str, Any]:
+    """Slip of the centres alone; there is none head-on, and then no friction."""
+    return {
+        "slip": lambda velocity, spin, normal: p.slip(velocity, vec.ZERO, normal),
+        "sliding_friction": lambda law, normal, slip, stopping: p.sliding_friction(law, normal, slip, 1e300) if any(slip) else vec.ZERO,
+    }
+
+
+FAULTS = (
+    contact(
+        name="lever-radius",
+        sentence="Lever arm R where the law says R - d/2.",
+        on=("scrape",),
+        sees=("angular-momentum", "total"),
+        before=_branch("R"),
+    ),
+    contact(
+        name="lever-short",
+        sentence="Lever arm R - d where the law says R - d/2.",
+        on=("scrape",),
+        sees=("angular-momentum", "total"),
+        before=_branch("R-d"),
+    ),
+    contact(
+        name="lever-of-the-centres",
+        sentence="Lever arm R - d/2 where the law says R.",
+        on=("scrape-long",),
+        sees=("error", "omega1.z"),
+        levels=5,
+        before=_branch("R-d/2"),
+    ),
+    contact(
+        name="lever-of-one",
+        sentence="The lever arm of one body for both (Lethe 300).",
+        on=("scrape",),
+        sees=("angular-momentum", "total"),
+        inside=_one_lever,
+    ),
+    contact(
+        name="torque-on-one",
+        sentence="Only one body gets a torque.",
+        on=("scrape",),
+        sees=("angular-momentum", "total"),
+        inside=_torque_once,
+    ),
+    contact(
+        name="torque-sign",
+        sentence="The torque turns the other way.",
+        on=("scrape",),
+        sees=("angular-momentum", "total"),
+        inside=lambda p: {"torque_on": lambda arm, normal, force: vec.times(-1.0, p.torque_on(arm, normal, force))},
+    ),
+    contact(
+        name="slip-without-spin",
+        sentence="Slip is that of the centres: spins are forgotten.",
+        on=("spinner",),
+        sees=("error", "omega2.z"),
+        inside=_spinless,
+    ),
+    contact(
+        name="slip-spin-sign",
+        sentence="Spins enter the slip with the other sign (Lethe 889).",
+        on=("spinner",),
+        sees=("error", "omega2.z"),
+        inside=lambda p: {"slip": lambda velocity, spin, normal: p.slip(velocity, vec.times(-1.0, spin), normal)},
+    ),
+)
