@@ -27,7 +27,7 @@ class Rattle(Solver):
         summary="RATTLE: velocity Verlet with rods held in position and velocity to round-off",
         control="step",
         order=2,
-        conserves=frozenset({"momentum", "angular-momentum"}),
+        conserves=frozenset({"momentum", "angular-momentum", "constraint"}),
         reversible=True,
         symplectic=True,
         backward=True,

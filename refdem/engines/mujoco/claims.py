@@ -12,7 +12,7 @@ METHODS = (
         control="step",
         order=4,
         order_with=FIRST_ORDER,
-        conserves=frozenset({"momentum"}),
+        conserves=frozenset({"momentum", "constraint"}),
         cost_rank=2,
     ),
     Method(
@@ -20,7 +20,7 @@ METHODS = (
         summary="semi-implicit Euler, MuJoCo's default",
         control="step",
         order=1,
-        conserves=frozenset({"momentum"}),
+        conserves=frozenset({"momentum", "constraint"}),
         cost_rank=1,
     ),
     Method(
@@ -28,7 +28,7 @@ METHODS = (
         summary="Euler, implicit in velocity (gyroscopic terms of free bodies included), which MuJoCo recommends",
         control="step",
         order=1,
-        conserves=frozenset({"momentum"}),
+        conserves=frozenset({"momentum", "constraint"}),
         cost_rank=1,
     ),
 )
