@@ -104,7 +104,8 @@ def test_a_reader_that_goes_away_is_neither_a_pass_nor_a_failure():
 
 
 def test_an_interrupted_run_ends_with_130_and_goes_on_where_it_was(tmp_path):
-    command = [sys.executable, "-c", "from refdem.cli import main; main()", "run", "pendulum", "--engine", "reference", "--jobs", "1"]
+    case = "intermediate-axis[duration=100]"  # takes MuJoCo many seconds: the interrupt comes in time
+    command = [sys.executable, "-c", "from refdem.cli import main; main()", "run", case, "--engine", "mujoco", "--jobs", "1"]
     store = tmp_path / "store.sqlite"
     with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as begun:
         for line in begun.stderr:
@@ -116,6 +117,6 @@ def test_an_interrupted_run_ends_with_130_and_goes_on_where_it_was(tmp_path):
     assert "refdem: interrupted" in said
     assert "Traceback" not in said
     assert store.exists()
-    again = refdem("run", "pendulum", "--engine", "reference", "--jobs", "1")
+    again = refdem("run", case, "--engine", "reference", "--jobs", "1")
     assert again.returncode == 0, again.stderr
     assert "truths" not in again.stderr
