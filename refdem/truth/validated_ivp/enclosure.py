@@ -55,7 +55,7 @@ def disc(field: Program, jacobian: Program, start: Sequence[arb], first: arb) ->
                 break
             stiffness, radius = norm(jacobian, box), radius + width
             exponent += stiffness * width
-            if not exponent < 2 * REACH:
+            if not (exponent < 2 * REACH and radius.is_exact()):
                 break
             inner, speed = box, speeds(field, box)
             rings.append((radius, stiffness))
