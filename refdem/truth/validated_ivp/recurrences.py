@@ -19,16 +19,17 @@ def taylor(program: Program, start: Sequence[arb], order: int) -> list[arb_poly]
     """Polynomials of degree `order`: the Taylor coefficients of the solutions of y' = program(y) from `start`."""
     solution = [[value] for value in start]
     table: list[Series] = [[] for _ in program.operations]
+    constants = [arb_of(operation[1]) if operation[0] in ("constant", "scale") else arb(0) for operation in program.operations]
     partners: dict[tuple[str, int], Series] = {}
     for n in range(order):
-        for operation, series in zip(program.operations, table, strict=True):
+        for operation, constant, series in zip(program.operations, constants, table, strict=True):
             kind, *arguments = operation
             if kind == "in":
                 series.append(solution[arguments[0]][n])
             elif kind == "constant":
-                series.append(arb_of(arguments[0]) if n == 0 else arb(0))
+                series.append(constant if n == 0 else arb(0))
             elif kind == "scale":
-                series.append(arb_of(arguments[0]) * table[arguments[1]][n])
+                series.append(constant * table[arguments[1]][n])
             elif kind in ("sin", "cos"):
                 _wave(kind, table[arguments[0]], series, partners.setdefault((kind, arguments[0]), []), n)
             else:
