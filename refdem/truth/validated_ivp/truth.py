@@ -84,9 +84,11 @@ class ValidatedFlow(SmoothFlow):
         whole = (arb_mat(rows) * flow).table()
         order = [*self.state, *(name for name in self.names if name not in self.state)]
         sizes = [arb_of(self.scale[name]) for name in self.state]
-        found = arb_mat([
-            [whole[self.names.index(name)][j] * size / arb_of(self.scale[name]) for j, size in zip(self.moved, sizes, strict=True)]
-            for name in order
-        ])
+        found = arb_mat(
+            [
+                [whole[self.names.index(name)][j] * size / arb_of(self.scale[name]) for j, size in zip(self.moved, sizes, strict=True)]
+                for name in order
+            ]
+        )
         self.kept["jacobian", t] = found
         return found
