@@ -15,7 +15,7 @@ SOURCES := pyproject.toml meson.build ci/list-sources.py README.md LICENSE $(she
 # A file that is gone changes the list, and so the wheel.
 $(shell mkdir -p build && echo '$(SOURCES)' | cmp -s - build/sources.txt || echo '$(SOURCES)' >build/sources.txt)
 # Tests that need more than Python and a compiler: `make test-all` runs these.
-ELSEWHERE := tests/browser tests/faults_full tests/foreign/fortran tests/packaging
+ELSEWHERE := tests/browser tests/codes tests/faults_full tests/foreign/fortran tests/packaging
 
 help:
 	@echo 'make validate   run every case in the reference and in every engine, write reports/'
