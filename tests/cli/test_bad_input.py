@@ -4,6 +4,7 @@ import os
 import signal
 import subprocess
 import sys
+from functools import partial
 
 import pytest
 
@@ -107,7 +108,8 @@ def test_an_interrupted_run_ends_with_130_and_goes_on_where_it_was(tmp_path):
     case = "intermediate-axis[duration=100]"  # takes MuJoCo many seconds: the interrupt comes in time
     command = [sys.executable, "-c", "from refdem.cli import main; main()", "run", case, "--engine", "mujoco", "--jobs", "1"]
     store = tmp_path / "store.sqlite"
-    with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as begun:
+    heard = partial(signal.signal, signal.SIGINT, signal.SIG_DFL)  # a shell in the background passes on that it is ignored
+    with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, preexec_fn=heard) as begun:
         for line in begun.stderr:
             if line.startswith("truths"):
                 begun.send_signal(signal.SIGINT)
