@@ -3,7 +3,7 @@
 import sys
 from pathlib import Path
 
-KINDS = {".py", ".c", ".h", ".toml", ".csv", ".json", ".html", ".css", ".js", ".md", ".txt", ".typed"}
+KINDS = {".py", ".c", ".h", ".toml", ".csv", ".json", ".jsonl", ".html", ".css", ".js", ".md", ".txt", ".typed"}
 
 if __name__ == "__main__":
     for path in sorted(Path(sys.argv[1]).rglob("*")):
