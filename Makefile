@@ -1,7 +1,7 @@
 # Two commands for everyone: `make validate` and `make test`. They need Python 3.11+ with headers, a C11 compiler, make, and
 # a package index; no root. Everything goes into .venv and build/; unchanged sources install nothing.
 .DELETE_ON_ERROR:
-.PHONY: validate test test-all lint develop codes lock clean help
+.PHONY: validate test test-all certify manual lint develop codes lock clean help
 
 PYTHON ?= python3
 JOBS ?= 2
@@ -14,13 +14,15 @@ SOURCES := pyproject.toml meson.build ci/list-sources.py README.md LICENSE $(she
 	-not -path '*/__pycache__/*' -not -name '*.so' -not -name '.*')
 # A file that is gone changes the list, and so the wheel.
 $(shell mkdir -p build && echo '$(SOURCES)' | cmp -s - build/sources.txt || echo '$(SOURCES)' >build/sources.txt)
-# Tests that need more than Python and a compiler: `make test-all` runs these.
-ELSEWHERE := tests/browser tests/codes tests/faults_full tests/foreign/fortran tests/packaging
+# Tests that need more than Python and a compiler: `make test-all` runs these, the longest first.
+ELSEWHERE := tests/faults_full tests/codes tests/browser tests/foreign/fortran tests/packaging
 
 help:
 	@echo 'make validate   run every case in the reference and in every engine, write reports/'
 	@echo 'make test       all tests that need no root'
 	@echo 'make test-all   the others too: browser, sanitizers, packaging, lint'
+	@echo 'make certify    prove the certified truth again where its code changed; killed, it resumes'
+	@echo 'make manual     write the verification manual, a page a case, into reports/manual'
 	@echo 'make codes      DEM codes that the gates in validation/codes run, in .venv-codes'
 	@echo 'make lint       ruff, mypy, import-linter, size budget'
 	@echo 'make develop    build the kernels beside their sources and run from the tree'
@@ -34,7 +36,14 @@ test: .venv/refdem .venv/for-tests
 
 test-all: .venv/refdem .venv/for-all codes lint
 	ci/sanitized $(BIN)/python
-	$(BIN)/pytest $(ELSEWHERE)
+	$(BIN)/refdem certify --check --jobs $(JOBS)
+	$(BIN)/pytest $(ELSEWHERE) -n $(JOBS) --dist loadfile
+
+certify: .venv/refdem
+	$(BIN)/refdem certify --folder validation/truth --jobs $(JOBS)
+
+manual: .venv/refdem
+	$(BIN)/refdem manual reports
 
 codes: .venv-codes/made
 

@@ -1,5 +1,7 @@
 """What can go wrong, one class per party at fault; `exit_status` is what the command line returns."""
 
+from collections.abc import Mapping
+
 
 class RefdemError(Exception):
     """Base of every error that refdem raises on purpose: says where, what came, what was expected, what to do."""
@@ -34,4 +36,12 @@ class UnsupportedError(RefdemError):
 
 
 class NotCertifiedError(RefdemError):
-    """A truth value cannot be proved; the message says up to where it can."""
+    """A truth value cannot be proved; the message says up to where it can.
+
+    Where a motion can be followed no further: `code` (grazing, corner, separatrix, precision, singular, end), the `time` [s] up to
+    which it is certified, and the certified `state` there, balls by name.
+    """
+
+    def __init__(self, message: str, *, code: str = "", time: float | None = None, state: Mapping[str, object] | None = None) -> None:
+        super().__init__(message)
+        self.code, self.time, self.state = code, time, dict(state or {})

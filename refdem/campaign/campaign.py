@@ -2,6 +2,7 @@
 
 import hashlib
 import math
+import sys
 import time
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field
@@ -12,6 +13,7 @@ import msgspec
 import refdem
 from refdem.campaign import judging, plan, sheets, worker
 from refdem.campaign.deviations import of_engine
+from refdem.campaign.kept_truth import kept_truth
 from refdem.campaign.plan import Task
 from refdem.campaign.schedule import InProcess, Job, Schedule
 from refdem.campaign.specification import Specification
@@ -64,7 +66,7 @@ class Campaign:
                 task
                 for (instance, only), truth in zip(instances, truths, strict=True)
                 for engine in engines
-                for task in plan.tasks(self.specification, instance, only, engine, truth, truth.reason)
+                for task in plan.judged(plan.tasks(self.specification, instance, only, engine, truth, truth.reason))
             ]
             wanted = [(n, variant) for n, task in enumerate(tasks) for variant in task.variants]
             self._run(schedule, tasks, [(n, v) for n, v in wanted if not v.goes_on], "runs")
@@ -87,9 +89,12 @@ class Campaign:
         return tuple(sorted({delay for trial in trials for level in trial.levels if (delay := trial.method.delay(level))}))
 
     def _truths(self, schedule: Schedule | InProcess, instances: list[tuple[Instance, tuple[float, ...]]]) -> list[SampledTruth]:
-        """The sampled truth of every instance, from the store or made anew."""
+        """The sampled truth of every instance: from the store of finished work, from what comes with refdem, or made anew."""
         keys = [_truth_key(instance, delays) for instance, delays in instances]
         found = {key: truth for key in keys if (truth := self.store.truth(key)) is not None}
+        for key, (instance, delays) in zip(keys, instances, strict=True):
+            if key not in found and not delays and (kept := kept_truth(instance)) is not None:
+                found[key] = kept
         missing = {key: instance for key, instance in zip(keys, instances, strict=True) if key not in found}
         jobs = [Job(key, worker.sampled_truth, (i.case.id, i.p.given, delays)) for key, (i, delays) in missing.items()]
         for done, (job, result) in enumerate(schedule.results(jobs), 1):
@@ -199,8 +204,9 @@ def _truth_key(instance: Instance, delays: tuple[float, ...] = ()) -> str:
     """sha256 of all that can change a sampled truth: case, parameters, samples, its code, python-flint."""
     asked = [instance.case.id, instance.p.texts(), instance.times.tolist(), *delays]
     digest = hashlib.sha256(msgspec.json.encode(asked))
-    case = type(instance.case).__module__.split(".")[-1]
-    source = fingerprint.of_source("truth", f"cases/{case}.py", "core/truth.py", "core/case.py")
+    module = type(instance.case).__module__
+    case = f"cases/{module.split('.')[-1]}" + ("" if hasattr(sys.modules[module], "__path__") else ".py")
+    source = fingerprint.of_source("truth", case, "core/truth.py", "core/case.py")
     digest.update(f"{source}\0{installed('python-flint')}".encode())
     return digest.hexdigest()
 

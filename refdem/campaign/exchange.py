@@ -17,13 +17,13 @@ import refdem
 from refdem.campaign.campaign import Campaign, Progress
 from refdem.campaign.specification import Entry, Specification
 from refdem.core import discovery
+from refdem.core.answer_csv import read_answer
 from refdem.core.engine import Engine, Method
 from refdem.core.finding import Sheet
 from refdem.core.problem import Motion, Request
 from refdem.core.request_text import request_text
 from refdem.core.store import Store
 from refdem.core.trajectory import Cost, Trajectory
-from refdem.core.trajectory_csv import read_trajectory
 from refdem.errors import EngineError, StoreError, UnsupportedError, UsageError
 
 MANIFEST = "manifest.json"
@@ -84,9 +84,9 @@ class Elsewhere(Engine):
         if not (folder / "trajectory.csv").is_file():
             self.waiting.append(name)
             raise EngineError(f"{name}/trajectory.csv has not come back")
-        times, bodies = request.problem.times, len(request.problem.scene.bodies)
-        trajectory = read_trajectory(folder / "trajectory.csv", len(times), bodies, folder / "events.csv")
-        return trajectory, Cost(seconds=0.0, steps=request.stride * (len(times) - 1) if request.step else 0)
+        trajectory = read_answer(request.problem, folder / "trajectory.csv", folder / "events.csv")
+        steps = request.stride * (len(request.problem.times) - 1) if request.step else 0
+        return trajectory, Cost(seconds=0.0, steps=steps)
 
 
 def written(request: Request, folder: Path) -> None:

@@ -68,14 +68,20 @@ class Matrix(msgspec.Struct, frozen=True, kw_only=True):
 
 @dataclass
 class Trial:
-    """Faults against checks on one engine; `whole` judges by all checks at the first seed, to fill the matrix."""
+    """Faults against checks on one engine at `seeds` seeds from `first` on; `whole` judges by all checks at seed 0, to fill the matrix."""
 
     engine: Engine | None = None
     seeds: int = 20
+    first: int = 0
     chosen: tuple[Fault, ...] = ()
     whole: bool = True
     progress: Callable[[str, int, int], None] = lambda stage, done, total: None
     _truths: dict[tuple[str, int], tuple[Instance, SampledTruth]] = field(default_factory=dict)
+
+    @property
+    def drawn(self) -> range:
+        """The seeds."""
+        return range(self.first, self.first + self.seeds)
 
     @cached_property
     def faults(self) -> tuple[Fault, ...]:
@@ -86,7 +92,7 @@ class Trial:
     def matrix(self) -> Matrix:
         """The whole of it."""
         kills, alarms, near = [], [], dict[str, float]()
-        work = list(product(range(self.seeds), self.faults))
+        work = list(product(self.drawn, self.faults))
         for done, (seed, fault) in enumerate(work, 1):
             kills.append(self.kill(fault, seed))
             self.progress("faults", done, len(work))
@@ -124,13 +130,13 @@ class Trial:
 
     def _record(self, engine: Engine, method: str, instance: Instance, truth: SampledTruth, levels: int, checks: Iterable[str]) -> Record:
         if self.engine is not None:
-            method = next((m.name for m in engine.methods if engine.refusal(instance.problem, m) is None), engine.methods[0].name)
+            method = next((m.name for m in engine.methods if engine.refuses(instance.problem, m) is None), engine.methods[0].name)
         return record_of(task_of(engine, method, instance, truth, levels, checks))
 
     def _sound(self) -> Iterator[tuple[Record, str, int]]:
         """Records of the engine without any fault, on every setting that a fault uses."""
         used = dict.fromkeys(setting for fault in self.faults for setting in fault.on)
-        work = [(seed, name) for seed in range(self.seeds) for name in used]
+        work = [(seed, name) for seed in self.drawn for name in used]
         for done, (seed, name) in enumerate(work, 1):
             instance, truth = self.instance(name, seed)
             engine = self.engine or Transparent()

@@ -18,7 +18,6 @@ from refdem.core.trajectory import Trajectory
 from refdem.core.truth import SampledTruth
 from refdem.core.variant import Variant
 from refdem.errors import EngineMissingError, UsageError
-from refdem.scene import Scene
 
 
 @dataclass(frozen=True, eq=False)
@@ -57,10 +56,12 @@ def instances(specification: Specification) -> list[tuple[Instance, tuple[str, .
 
 
 def _admitted(selection: Selection) -> list[Instance]:
-    """Every case at its defaults that the selection admits."""
-    cases = [discovery.case(name) for name in discovery.names("cases")]
-    every = [case.at() for case in cases if not isinstance(case, Selection)]
-    return [instance for instance in every if selection.admits(instance) is None]
+    """Every case, at the parameters that the selection asks for, that it admits."""
+    cases = [case for name in discovery.names("cases") if not isinstance(case := discovery.case(name), Selection)]
+    every = [case.at(**given) for case in cases for given in selection.parameters(case)]
+    judges = discovery.check(selection.check).judges
+    found = {i.label: i for i in every if isinstance(i.problem, judges) and selection.admits(i) is None}
+    return list(found.values())
 
 
 def engines(specification: Specification) -> tuple[list[Engine], dict[str, str]]:
@@ -86,11 +87,15 @@ def engines(specification: Specification) -> tuple[list[Engine], dict[str, str]]
 
 
 def trials(specification: Specification, instance: Instance, engine: Engine) -> list[tuple[Trial, str | None]]:
-    """A trial a method, with the reason if the engine refuses the scene; raises UsageError for a method it does not have."""
+    """A trial a method, with the reason if the engine refuses the scene; raises UsageError for a method it does not have.
+
+    Methods for other kinds of questions are left out; an engine that has none for this kind refuses by its first.
+    """
     methods = [engine.method(specification.method)] if specification.method else list(engine.methods)
+    methods = [method for method in methods if method.answers == instance.problem.kind] or methods[:1]
     found = []
     for method in methods:
-        refusal = engine.refusal(instance.problem, method)
+        refusal = engine.refuses(instance.problem, method)
         levels: tuple[float, ...] = ()
         if refusal is None:
             levels = refinement.levels(
@@ -105,7 +110,7 @@ def trials(specification: Specification, instance: Instance, engine: Engine) -> 
 
 
 def _refusal(engine: Engine, method: Method, motion: Motion) -> str | None:
-    return engine.refusal(motion, method)
+    return engine.refuses(motion, method)
 
 
 def first_step(specification: Specification, instance: Instance) -> float | None:
@@ -133,20 +138,28 @@ def tasks(
         chosen, left_out = [], {}
         for name in names if refusal is None else []:
             check = discovery.check(name)
-            why = excluded.get(name) or check.applies(trial)
+            why = excluded.get(name) or check.left_out(trial)
             if why is None:
                 chosen.append(check)
             else:
                 left_out[name] = why
-        found.append(Task(engine, trial, refusal, tuple(chosen), left_out))
+        if chosen or refusal is not None or not only:  # the one check of a selection may leave a method out
+            found.append(Task(engine, trial, refusal, tuple(chosen), left_out))
     return found
+
+
+def judged(tasks: list[Task]) -> list[Task]:
+    """The tasks of one engine that go into a report: the reference has a method for each kind of scene, so that those which refuse
+    this one say nothing, unless all do."""
+    able = [task for task in tasks if task.refusal is None or not task.engine.is_reference]
+    return able or tasks[:1]
 
 
 def request(task: Task, variant: Variant, base: Trajectory | None = None, *, ulps: int = 0) -> Request:
     """The request of a variant; `base` is the trajectory on whose end it goes on; `ulps` moves every start."""
     problem = task.trial.instance.problem
     if ulps:
-        problem = Motion(_perturbed(problem, ulps), problem.times)
+        problem = problem.perturbed(ulps)
     control = task.method.control
     plain = Request(
         problem=problem,
@@ -154,35 +167,31 @@ def request(task: Task, variant: Variant, base: Trajectory | None = None, *, ulp
         step=variant.level if control == "step" else None,
         tolerance=variant.level if control == "tolerance" else None,
     )
+    if variant.change == "none":
+        return plain
     if variant.change == "repeated":
         return replace(plain, repeat=1)
+    if variant.change == "perturbed":
+        return replace(plain, problem=problem.perturbed(variant.amount))
+    if not isinstance(problem, Motion):
+        raise UsageError(f"variant {variant}: {problem.words} has no such variant")
+    return _of_motion(task, plain, problem, variant, base)
+
+
+def _of_motion(task: Task, plain: Request, problem: Motion, variant: Variant, base: Trajectory | None) -> Request:
+    """The request of a variant that only a motion has."""
     if variant.change == "denser_output":
         count = variant.amount * (len(problem.times) - 1)
         return plain.with_scene(problem.scene, np.arange(count + 1, dtype=np.float64) * (problem.interval / variant.amount))
     if variant.change in symmetry.NAMES:
-        shown = symmetry.of(task.trial.instance, variant.change)
+        shown, motion = symmetry.picture(task.trial.instance, variant.change)
         step = None if plain.step is None else plain.step * shown.units[2]
-        return replace(plain, problem=shown.applied(problem), step=step)
-    if variant.change == "perturbed":
-        return plain.with_scene(_perturbed(problem, variant.amount))
-    if variant.goes_on:
-        if base is None:
-            raise UsageError(f"variant {variant} goes on from a run that is not there")
-        sign = -1.0 if variant.change == "reversed" else 1.0
-        end = base.end()
-        state = {**end, "velocity": sign * end["velocity"], "omega": sign * end["omega"]}
-        state["attitude"] = end["attitude"] / np.linalg.norm(end["attitude"], axis=-1, keepdims=True)
-        times = problem.times if variant.change == "reversed" else problem.times[::-1]
-        return plain.with_scene(problem.scene.with_state(**state), times)
-    return plain
-
-
-def _perturbed(problem: Motion, ulps: int) -> Scene:
-    """The scene with positions and spins moved up by some units in the last place, velocities by turns down and up.
-
-    All of them up would be the same motion on another scale wherever forces are linear, and would show no growth at all.
-    """
-    bodies, moved = problem.scene.bodies, ulps * 2.0**-52
-    turns = np.where(np.arange(bodies.velocity.size) % 2, 1.0, -1.0).reshape(bodies.velocity.shape)
-    velocity = bodies.velocity * (1 + turns * moved)
-    return problem.scene.with_state(position=bodies.position * (1 + moved), velocity=velocity, omega=bodies.omega * (1 + moved))
+        return replace(plain, problem=motion if problem is task.trial.instance.problem else shown.applied(problem), step=step)
+    if base is None:
+        raise UsageError(f"variant {variant} goes on from a run that is not there")
+    sign = -1.0 if variant.change == "reversed" else 1.0
+    end = base.end()
+    state = {**end, "velocity": sign * end["velocity"], "omega": sign * end["omega"]}
+    state["attitude"] = end["attitude"] / np.linalg.norm(end["attitude"], axis=-1, keepdims=True)
+    times = problem.times if variant.change == "reversed" else problem.times[::-1]
+    return plain.with_scene(problem.scene.with_state(**state), times)

@@ -6,6 +6,7 @@ from refdem.core.case import Instance
 from refdem.core.engine import Engine, Method
 from refdem.core.finding import CaseSheet, EngineSheet
 from refdem.core.truth import SampledTruth
+from refdem.scene.scene import encoded
 
 
 def case_sheet(instance: Instance, truth: SampledTruth) -> CaseSheet:
@@ -21,7 +22,7 @@ def case_sheet(instance: Instance, truth: SampledTruth) -> CaseSheet:
         source=case.source,
         parameters=instance.p.texts(),
         units={p.name: p.unit for p in instance.p.declared.values()},
-        scene=msgspec.json.format(instance.scene.to_json()).decode(),
+        scene=msgspec.json.format(encoded(instance.problem.document())).decode(),
         scales={"L": scales.length, "tau": scales.tau, "T": scales.duration, "mass": scales.mass},
         quantities={q.name: q.unit for q in instance.quantities.values()},
         truth_method=truth.method,

@@ -31,7 +31,7 @@ def smoke(engine: Engine) -> list[Finding]:
     """Every probe with every method that takes it; one finding for each thing compared, of the worst method."""
     found: list[Finding] = []
     for probe in probes():
-        reasons = {method.name: engine.refusal(Motion(probe.scene, probe.times), method) for method in engine.methods}
+        reasons = {method.name: engine.refuses(Motion(probe.scene, probe.times), method) for method in engine.methods}
         takers = [method for method in engine.methods if reasons[method.name] is None]
         if not takers:
             reason = next(iter(reasons.values()), "it has no methods")

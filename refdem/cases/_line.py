@@ -15,6 +15,7 @@ Array = NDArray[np.float64]
 
 MASS = Parameter(name="mass", default="1", unit="kg", doc="the point mass", above=0)
 STIFFNESS = Parameter(name="stiffness", default="1", unit="N/m", doc="the spring", above=0)
+DELTA = Parameter(name="delta", default="1/10", unit="1/s", doc="damping: half the dashpot per mass", at_least=0)
 START = (
     Parameter(name="x0", default="1", unit="m", doc="place at the start"),
     Parameter(name="v0", default="0", unit="m/s", doc="velocity at the start"),
@@ -33,10 +34,16 @@ def scales(p: Parameters, shift: float = 0.0) -> Scales:
     return Scales(length=float(np.hypot(p.x0 - shift, p.v0 * tau)) + abs(shift), tau=tau, duration=20 * tau, mass=p.mass)
 
 
-def refuse_nothing(length: float) -> None:
+def damped_rate(square: float, delta: float) -> float:
+    """1/tau [1/s]: w0, or above critical damping the rate of the faster decay; `square` is w0^2."""
+    return float(max(np.sqrt(square), delta + np.sqrt(max(0.0, delta**2 - square))))
+
+
+def refuse_nothing(length: float, *names: str) -> None:
     """Raises UsageError if nothing would ever move and there is no length to compare with."""
     if not length > 0:
-        raise UsageError("parameters x0 and v0: got 0 and 0; expected a start at which something moves")
+        told = f"parameter {names[0]}: got 0" if names else "parameters x0 and v0: got 0 and 0"
+        raise UsageError(f"{told}; expected a start at which something moves")
 
 
 def quantities(s: Scales) -> tuple[Quantity, ...]:

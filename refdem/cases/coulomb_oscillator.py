@@ -2,7 +2,7 @@
 
 from refdem.cases import _line
 from refdem.cases._line import Array
-from refdem.core.case import Case
+from refdem.core.case import NEVER, Case
 from refdem.core.parameters import Parameter, Parameters
 from refdem.core.quantity import Quantity, Scales
 from refdem.core.trajectory import Trajectory
@@ -28,6 +28,7 @@ class CoulombOscillator(Case):
         Parameter(name="friction_force", default="0.15", unit="N", doc="size of the dry friction", at_least=0),
         *_line.START,
     )
+    chaotic_at = NEVER
 
     def refuse(self, p: Parameters) -> None:
         """Raises UsageError if there is no length to compare with."""

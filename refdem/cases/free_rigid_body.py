@@ -4,7 +4,7 @@ from numpy.linalg import norm
 
 from refdem.cases import _attitude
 from refdem.cases._attitude import Array
-from refdem.core.case import Case
+from refdem.core.case import NEVER, Case
 from refdem.core.parameters import Parameter, Parameters
 from refdem.core.quantity import Quantity, Scales
 from refdem.core.trajectory import Trajectory
@@ -31,6 +31,7 @@ class FreeRigidBody(Case):
         Parameter(name="omega_body", default="0.9,1.1,1.3", unit="rad/s", doc="angular velocity in principal axes", shape=(3,)),
         _attitude.ATTITUDE,
     )
+    chaotic_at = NEVER
 
     def refuse(self, p: Parameters) -> None:
         """Raises UsageError for values that make no spinning body."""

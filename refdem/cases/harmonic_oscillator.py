@@ -2,7 +2,7 @@
 
 from refdem.cases import _line
 from refdem.cases._line import Array
-from refdem.core.case import Case
+from refdem.core.case import NEVER, Case
 from refdem.core.parameters import Parameter, Parameters
 from refdem.core.quantity import Quantity, Scales
 from refdem.core.trajectory import Trajectory
@@ -28,6 +28,7 @@ class HarmonicOscillator(Case):
         Parameter(name="gravity", default="0", unit="m/s^2", doc="along +x"),
         *_line.START,
     )
+    chaotic_at = NEVER
 
     def refuse(self, p: Parameters) -> None:
         """Raises UsageError if nothing would ever move."""

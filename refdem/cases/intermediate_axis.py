@@ -4,7 +4,7 @@ import numpy as np
 
 from refdem.cases import _attitude
 from refdem.cases._attitude import Array
-from refdem.core.case import Case
+from refdem.core.case import NEVER, Case
 from refdem.core.parameters import Parameter, Parameters
 from refdem.core.quantity import Quantity, Scales
 from refdem.core.trajectory import Trajectory
@@ -41,6 +41,7 @@ class IntermediateAxis(Case):
         Parameter(name="offset", default="1/64", unit="1", doc="part of |omega_body| added along `direction`", above=0, at_most=1),
         Parameter(name="direction", default="1", unit="1", doc="principal axis of the offset", choices=("1", "3")),
     )
+    chaotic_at = NEVER
 
     def refuse(self, p: Parameters) -> None:
         """Raises UsageError for values that make no spinning body."""

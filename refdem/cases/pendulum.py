@@ -3,7 +3,7 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from refdem.core.case import Case
+from refdem.core.case import NEVER, Case
 from refdem.core.parameters import Parameter, Parameters
 from refdem.core.quantity import Quantity, Scales
 from refdem.core.trajectory import Trajectory
@@ -33,6 +33,7 @@ class Pendulum(Case):
         Parameter(name="theta0", default="1", unit="rad", doc="angle at the start, from the downward vertical"),
         Parameter(name="thetadot0", default="0", unit="rad/s", doc="rate at the start"),
     )
+    chaotic_at = NEVER
 
     def scene(self, p: Parameters) -> Scene:
         """The mass at x = l sin theta0, y = -l cos theta0."""

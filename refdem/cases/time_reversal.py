@@ -12,14 +12,14 @@ def _loses(element: Element) -> bool:
         if element.law == "rigid":
             return element.restitution < 1 or element.friction > 0
         return element.damping > 0 or element.friction > 0
-    return not element.conservative
+    return not element.reversible
 
 
 def _reason(instance: Instance) -> str | None:
     """None for a conservative scene, else the first element that is not."""
     for element in instance.scene.elements:
         if _loses(element):
-            return f"{element.kind} dissipates energy: the motion has no way back"
+            return f"{element.kind} {'brings energy in' if element.drives else 'dissipates energy'}: the motion has no way back"
     return None
 
 

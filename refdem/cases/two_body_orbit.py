@@ -3,7 +3,7 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from refdem.core.case import Case
+from refdem.core.case import NEVER, Case
 from refdem.core.parameters import Parameter, Parameters
 from refdem.core.quantity import Quantity, Scales
 from refdem.core.trajectory import Trajectory
@@ -42,6 +42,7 @@ class TwoBodyOrbit(Case):
         Parameter(name="eccentricity", default="1/2", unit="1", doc="of the ellipse, below 1", at_least=0, at_most=0.999999),
         Parameter(name="stiffness", default="", unit="N/m", doc="a spring to the centre in place of gravity", above=0),
     )
+    chaotic_at = NEVER
 
     def scene(self, p: Parameters) -> Scene:
         """The body on +x."""

@@ -7,7 +7,8 @@ import numpy as np
 from refdem.core.check import Check, Outcome, Trial
 from refdem.core.finding import Finding
 from refdem.core.judgement import judged
-from refdem.core.trajectory import STATE, Trajectory
+from refdem.core.problem import Motion, Problem
+from refdem.core.trajectory import Trajectory
 from refdem.core.variant import Variant
 
 DENSER = 4
@@ -18,6 +19,7 @@ class Determinism(Check):
 
     name = "determinism"
     title = "Determinism"
+    judges = (Problem,)
     kills = "state left over from an earlier run, uninitialised memory, output that changes the trajectory"
 
     def applies(self, trial: Trial) -> str | None:
@@ -27,7 +29,8 @@ class Determinism(Check):
     def needs(self, trial: Trial) -> tuple[Variant, ...]:
         """The coarsest level that is not coarser than the denser output, again, and with denser output."""
         level = self._level(trial)
-        return (Variant(level), Variant(level, "repeated"), Variant(level, "denser_output", DENSER))
+        denser = (Variant(level, "denser_output", DENSER),) if isinstance(trial.instance.problem, Motion) else ()
+        return (Variant(level), Variant(level, "repeated"), *denser)
 
     def _level(self, trial: Trial) -> float:
         interval = trial.instance.problem.interval
@@ -36,7 +39,7 @@ class Determinism(Check):
 
     def judge(self, trial: Trial, runs: Mapping[Variant, Outcome]) -> list[Finding]:
         """The largest difference of any number, twice."""
-        base, again, denser = (runs[variant].trajectory for variant in self.needs(trial))
+        base, again, *denser = (runs[variant].trajectory for variant in self.needs(trial))
         step = trial.method.control == "step"
         found = [
             judged(
@@ -54,7 +57,7 @@ class Determinism(Check):
                 judged(
                     check=self.name,
                     quantity="output-rate",
-                    value=_difference(base, denser, DENSER),
+                    value=_difference(base, denser[0], DENSER),
                     bound=0.0,
                     unit="1",
                     basis="output is read, never written: the bits stay the same",
@@ -66,7 +69,8 @@ class Determinism(Check):
 
 def _difference(a: Trajectory, b: Trajectory, stride: int) -> float:
     """Largest absolute difference of any state at the same sample."""
-    return max(float(np.max(np.abs(getattr(a, name) - getattr(b, name)[::stride]))) for name in STATE)
+    others = b.columns()
+    return max(float(np.max(np.abs(values - others[name][::stride]), initial=0.0)) for name, values in a.columns().items())
 
 
 CHECK = Determinism()

@@ -7,7 +7,7 @@ import numpy as np
 from refdem.core.balance import energy_scale, mechanical
 from refdem.core.check import Check, Outcome, Trial
 from refdem.core.finding import Finding
-from refdem.core.judgement import judged, worst
+from refdem.core.judgement import judged, undecided, worst
 from refdem.core.variant import Variant
 from refdem.scene.elements.contact import Contact
 
@@ -26,7 +26,10 @@ class Energy(Check):
     synchronous = True
 
     def applies(self, trial: Trial) -> str | None:
-        """Where the potential energy is known at every sample."""
+        """Where the potential energy is known at every sample, and a closed form keeps count of what a drive brings in."""
+        method = trial.method
+        if trial.instance.scene.is_driven() and method.control == "exact" and "energy" not in method.conserves:
+            return "a drive brings energy in, and the method does not claim to keep count of it"
         return "rigid contacts have no potential" if "contact:rigid" in trial.instance.scene.features else None
 
     def needs(self, trial: Trial) -> tuple[Variant, ...]:
@@ -39,7 +42,7 @@ class Energy(Check):
             self._balance(trial, variant, runs[variant], name)
             for variant, name in zip(self.needs(trial), ("balance", "finest"), strict=False)
         ]
-        if "dissipated_work" in runs[trial.finest].trajectory.channels:
+        if "dissipated_work" in runs[trial.finest].trajectory.channels and not trial.instance.scene.is_driven():
             found.append(self._dissipation(trial, trial.finest, runs[trial.finest]))
         if trial.method.symplectic and trial.method.control == "step" and trial.instance.scene.is_conservative():
             found.append(self._drift(trial, runs[trial.finest]))
@@ -55,6 +58,8 @@ class Energy(Check):
             what, change = SPRINGS, np.maximum(0.0, energy - energy[0]) / scale
         elif not scene.is_conservative():
             work = run.trajectory.channels.get("dissipated_work")
+            if work is None and scene.is_driven():
+                return undecided(self.name, quantity, "energy comes in from outside, and the run does not show how much")
             if work is None:
                 what, change = "The rise of energy above any earlier value", (energy - np.minimum.accumulate(energy)) / scale
             else:

@@ -1,6 +1,6 @@
 """Error against certified truth at every refinement level, point by point, up to the predictability horizon."""
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from itertools import pairwise
 
 import numpy as np
@@ -8,7 +8,9 @@ import numpy as np
 from refdem.core.check import Check, Outcome, Trial
 from refdem.core.finding import Finding, Level
 from refdem.core.judgement import Array, certified, curve, errors, judged, no_truth, undecided
+from refdem.core.problem import Problem
 from refdem.core.refinement import COUNTING_FLOOR, scored
+from refdem.core.statics import Static
 from refdem.core.variant import Variant
 
 
@@ -17,6 +19,7 @@ class Error(Check):
 
     name = "error"
     title = "Error against truth"
+    judges = (Problem,)
     kills = "anything that makes the motion wrong beyond the method's own truncation error"
 
     def applies(self, trial: Trial) -> str | None:
@@ -33,7 +36,20 @@ class Error(Check):
         if truth is None:
             return [undecided(self.name, "state", no_truth(trial))]
         seen = {level: errors(trial.instance, runs[Variant(level)].trajectory, truth, trial.method.delay(level)) for level in trial.levels}
-        return [self._finding(trial, runs, quantity, {h: e[quantity] for h, e in seen.items()}) for quantity in seen[trial.levels[0]]]
+        names = seen[trial.levels[0]]
+        return [self._finding(trial, runs, name, {h: e[name] for h, e in seen.items()}) for name in names] + self._unsaid(trial, names)
+
+    def _unsaid(self, trial: Trial, names: Iterable[str]) -> list[Finding]:
+        """One finding for what the engine left out of a question without time: its parts are asked for one by one."""
+        left = [name for name in trial.instance.quantities if name not in set(names)]
+        if not left or not isinstance(trial.instance.problem, Static):
+            return []
+        of = ", ".join(dict.fromkeys(name.partition(".")[0] for name in left))
+        return [
+            Finding(
+                check=self.name, quantity="unsaid", outcome="unsupported", sentence=f"The engine says nothing of {len(left)} numbers: {of}."
+            )
+        ]
 
     def _finding(self, trial: Trial, runs: Mapping[Variant, Outcome], quantity: str, seen: dict[float, Array]) -> Finding:
         truth = trial.truth
@@ -43,7 +59,7 @@ class Error(Check):
             allowed = trial.bound(level)
             count = scored(allowed)
             levels.append(_level(trial, level, error, allowed, runs[Variant(level)].cost.seconds))
-            ratio = float(np.max(error[:count] / allowed[:count])) if count > 1 else -1.0
+            ratio = float(np.max(error[:count] / allowed[:count])) if count >= min(2, len(allowed)) else -1.0
             if not ratio <= worst:
                 worst, at = ratio, level
         if worst < 0:
@@ -62,7 +78,7 @@ class Error(Check):
             levels=tuple(levels),
             series=curve(trial.instance.times[:count], error[:count], allowed[:count]),
             order_seen=_order_seen(trial, levels),
-            order_claimed=float(trial.method.order_for(trial.instance.scene.features)) if trial.method.control == "step" else None,
+            order_claimed=float(trial.method.order_for(trial.instance.problem.features)) if trial.method.control == "step" else None,
             constant_seen=_constant_seen(trial, levels),
         )
 
@@ -100,16 +116,16 @@ def _basis(trial: Trial, level: float) -> str:
         return "an exact method may be off by round-off times the sensitivity S of the motion"
     if trial.method.control == "tolerance":
         return f"1e3 times the tolerance {level:.2g}, times the sensitivity S of the motion"
-    order = trial.method.order_for(trial.instance.scene.features)
+    order = trial.method.order_for(trial.instance.problem.features)
     return f"claimed order {order}: C (1 + t/tau) (h/tau)^{order} S with C = {trial.method.constant:g}"
 
 
 def _what(trial: Trial, quantity: str, level: float, point: int, count: int) -> str:
     """The measured value in words."""
-    times = trial.instance.times
-    end = "" if count == len(times) else f" (scored up to the predictability horizon t = {times[count - 1]:.4g} s)"
+    times, when = trial.instance.times, trial.instance.problem.when
+    end = "" if count == len(times) else f" (scored up to the predictability horizon {when(times[count - 1])})"
     step = {"step": f" at step {level:.3g} s", "tolerance": f" at tolerance {level:.1g}", "exact": ""}[trial.method.control]
-    return f"The error of {quantity} in units of its scale{step}, worst against its bound at t = {times[point]:.4g} s{end},"
+    return f"The error of {quantity} in units of its scale{step}, worst against its bound at {when(times[point])}{end},"
 
 
 CHECK = Error()

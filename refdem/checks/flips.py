@@ -35,11 +35,13 @@ class Flips(Check):
         truth = certified(trial)
         if truth is None:
             return [undecided(self.name, "flips", no_truth(trial))]
-        count = scored(trial.bound(trial.levels[-1]))
+        bound = trial.bound(trial.levels[-1])
+        count = scored(bound)
         axis = "xyz"[int(np.argsort(trial.instance.scene.bodies.inertia[0])[1])]
         name = f"omega_body.{axis}"
-        seen = _flips(trial.instance.observe(runs[trial.finest].trajectory)[name][:count])
-        true = _flips(truth.value(name)[:count])
+        told = np.abs(truth.value(name)[:count]) > bound[:count] * trial.instance.quantities[name].scale  # else round-off has the sign
+        seen = _flips(trial.instance.observe(runs[trial.finest].trajectory)[name][:count][told])
+        true = _flips(truth.value(name)[:count][told])
         until = f"up to t = {trial.instance.times[count - 1]:.4g} s"
         what = f"Truth flips {true} times about axis {axis} and the run {seen} times {until}; the difference"
         return [

@@ -23,9 +23,9 @@ class Reversal(Check):
     synchronous = True
 
     def applies(self, trial: Trial) -> str | None:
-        """Conservative scenes and methods whose end state is complete."""
-        if not trial.instance.scene.is_conservative():
-            return "the scene dissipates, so time has a direction"
+        """Scenes without a direction of time and methods whose end state is complete."""
+        if not trial.instance.scene.is_reversible():
+            return "energy comes in or goes out, so time has a direction"
         if "contact:rigid" in trial.instance.scene.features:
             return "rigid contact forces at rest are not part of the state"
         return None if trial.method.complete_state else "the method's end state is not complete, so it cannot go on from there"

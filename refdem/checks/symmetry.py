@@ -28,7 +28,7 @@ class Symmetry(Check):
         """Symmetries that the scene has and whose picture of it the method does not refuse."""
         scene = trial.instance.scene
         names = [name for name in symmetry.NAMES if symmetry.broken(scene, name) is None]
-        return [name for name in names if trial.refusal(symmetry.of(trial.instance, name).applied(trial.instance.problem)) is None]
+        return [name for name in names if trial.refusal(symmetry.picture(trial.instance, name)[1]) is None]
 
     def needs(self, trial: Trial) -> tuple[Variant, ...]:
         """One level, as it is, in every symmetry, and with the start moved a little."""

@@ -67,7 +67,7 @@ def diagnosed(instance: "Instance", engine: "Engine", method: str, level: int) -
     from refdem.faults.twins import diagnosis, first_part
 
     claims = engine.method(method)
-    if (reason := engine.refusal(instance.problem, claims)) is not None:
+    if (reason := engine.refuses(instance.problem, claims)) is not None:
         raise UnsupportedError(f"{engine.name}/{method} cannot say {instance.label}: {reason}")
     every = levels(instance, claims, 10, 1e6)
     chosen = every[min(level, len(every) - 1)]

@@ -7,6 +7,7 @@ import typer
 
 if TYPE_CHECKING:
     from refdem.campaign.plan import Task
+    from refdem.core.case import Instance
 
 SKIPPED = {
     "rotation": "rotation (nothing can turn)",
@@ -39,17 +40,27 @@ def command(
     specification = Specification(name="explain", case=[Entry(name, own | settings(set or []))], engines=engine or [])
     engines, missing = plan.engines(specification)
     for instance, only in plan.instances(specification):
-        features, scales = instance.scene.features, instance.scales
-        dimension = next(feature[-1] for feature in features if feature.startswith("dimension:"))
-        print(f"{instance.label}: {instance.case.title}")
-        print(f"  the scene needs: {', '.join(sorted(features))}")
-        print(f"  it does without: {', '.join(without for what, without in SKIPPED.items() if what not in features) or 'nothing'}")
-        print(f"  motion in {dimension} of 3 dimensions; L = {scales.length:.6g} m, tau = {scales.tau:.6g} s, T = {scales.duration:.6g} s")
+        print("\n".join(asked(instance)))
         truth = msgspec.msgpack.decode(sampled_truth(instance.case.id, instance.p.given), type=SampledTruth)
         for found in engines:
             show(plan.tasks(specification, instance, only, found, truth, truth.reason))
     for name, reason in missing.items():
         print(f"  {name}: not installed; {reason}")
+
+
+def asked(instance: "Instance") -> list[str]:
+    """What the question needs and what it does without, line by line."""
+    from refdem.core.problem import Motion
+
+    features, scales, problem = instance.problem.features, instance.scales, instance.problem
+    lines = [f"{instance.label}: {instance.case.title}"]
+    if not isinstance(problem, Motion):
+        return [*lines, f"  it asks for {problem.words}: {', '.join(sorted(features))}; samples up to {problem.when(problem.times[-1])}"]
+    dimension = next(feature[-1] for feature in features if feature.startswith("dimension:"))
+    without = ", ".join(without for what, without in SKIPPED.items() if what not in features) or "nothing"
+    sizes = f"L = {scales.length:.6g} m, tau = {scales.tau:.6g} s, T = {scales.duration:.6g} s"
+    needs = f"  the scene needs: {', '.join(sorted(features))}"
+    return [*lines, needs, f"  it does without: {without}", f"  motion in {dimension} of 3 dimensions; {sizes}"]
 
 
 def show(tasks: "Iterable[Task]") -> None:

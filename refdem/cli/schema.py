@@ -7,7 +7,7 @@ import typer
 from refdem.errors import UsageError
 
 
-def command(what: Annotated[str, typer.Argument(help="request, trajectory, records, scene or toml")]) -> None:
+def command(what: Annotated[str, typer.Argument(help="request, trajectory, solids, records, scene, toml or certified")]) -> None:
     """Prints a JSON Schema.
 
     Example: refdem schema request
@@ -18,13 +18,28 @@ def command(what: Annotated[str, typer.Argument(help="request, trajectory, recor
 
     from refdem.core.finding import Sheet
     from refdem.core.problem import RequestDocument
+    from refdem.core.statics import SolidDocument
     from refdem.engines.external.description import Description
     from refdem.scene import SceneDocument
 
+    solid = msgspec.defstruct("SolidRequestDocument", [("method", str), ("problem", SolidDocument), ("format", int, 1)], kw_only=True)
     kinds = {"request": RequestDocument, "scene": SceneDocument, "records": Sheet, "toml": Description}
-    if what not in kinds and what != "trajectory":
-        raise UsageError(f"schema got {what!r}; expected trajectory, {', '.join(kinds)}")
-    print(json.dumps(trajectory() if what == "trajectory" else msgspec.json.schema(kinds[what]), indent=1))
+    if what == "certified":
+        from refdem.campaign.kept_truth import truth_folder
+
+        print((truth_folder() / "schema.json").read_text(), end="")
+        return
+    tables = {"trajectory": trajectory, "solids": solids}
+    if what not in kinds and what not in tables:
+        raise UsageError(f"schema got {what!r}; expected {', '.join(tables)}, certified, {', '.join(kinds)}")
+    if what in tables:
+        shown = tables[what]()
+    elif what == "request":
+        either, found = msgspec.json.schema_components([RequestDocument, solid])
+        shown = {"anyOf": list(either), "$defs": found}
+    else:
+        shown = msgspec.json.schema(kinds[what])
+    print(json.dumps(shown, indent=1))
 
 
 def trajectory() -> dict[str, Any]:
@@ -46,6 +61,26 @@ def trajectory() -> dict[str, Any]:
         "$schema": "https://json-schema.org/draft/2020-12/schema",
         "title": "trajectory.csv",
         "description": "One row for each sample and body, 17 digits. (qw, qx, qy, qz) takes body to space axes; omega is in space axes.",
+        "type": "array",
+        "items": row,
+    }
+
+
+def solids() -> dict[str, Any]:
+    """The schema of the table that answers a request for mass properties, each row an object of its cells."""
+    from refdem.core.answer_csv import SOLID_COLUMNS
+
+    empty = {"const": "", "description": "empty: the program cannot say it"}
+    units = {"mass": "kg", **dict.fromkeys("xyz", "m")}
+    cells: dict[str, Any] = {"solid": {"type": "string", "description": "its name in the request; the solids in their order there"}}
+    for name in SOLID_COLUMNS[1:]:
+        cells[name] = {"anyOf": [{"type": "number"}, empty], "description": f"[{units.get(name, 'kg m^2')}]"}
+    row = {"type": "object", "properties": cells, "required": list(SOLID_COLUMNS), "additionalProperties": False}
+    about = "the centre of mass, or about the point `about` where the request has one"
+    return {
+        "$schema": "https://json-schema.org/draft/2020-12/schema",
+        "title": "trajectory.csv, of a request for mass properties",
+        "description": f"A row a solid, 17 digits: mass, centre of mass, tensor of inertia (xy = -integral of x y) about {about}.",
         "type": "array",
         "items": row,
     }

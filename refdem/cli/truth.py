@@ -2,21 +2,29 @@
 
 import re
 from fractions import Fraction
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
 from refdem.errors import UsageError
 
+if TYPE_CHECKING:
+    from refdem.campaign.certified_list import CertifiedCase
+
+DEAR = 10.0
+"""Seconds that are announced before they are spent."""
+
 
 def command(
-    case: Annotated[str, typer.Argument(help="The case.")],
+    case: Annotated[str, typer.Argument(help="The case; with --list, none means all.")] = "",
     set: Annotated[list[str] | None, typer.Option(help="Parameter, name=value.")] = None,
     at: Annotated[str, typer.Option(help="Times [s], separated by commas; decimals or fractions, exact.")] = "",
     digits: Annotated[int, typer.Option(help="Digits after which the radius may begin.", min=1, max=1000)] = 40,
     json: Annotated[bool, typer.Option("--json", help="For programs.")] = False,
+    list: Annotated[bool, typer.Option("--list", help="What is certified: sets, values, digits, methods, witnesses.")] = False,
+    csv: Annotated[bool, typer.Option("--csv", help="The values that come proved with refdem, of one case or of all, as CSV.")] = False,
 ) -> None:
-    """Prints certified values of a case, for any parameters.
+    """Prints certified values of a case, for any parameters, or lists what comes proved with refdem.
 
     Example: refdem truth pendulum --set theta0=2 --at 1,5/2 --json
     """
@@ -24,6 +32,14 @@ def command(
     from refdem.core.parameters import labelled, settings
     from refdem.core.selection import Selection
 
+    if list:
+        listed(case, json)
+        return
+    if csv:
+        tabled(case)
+        return
+    if not case:
+        raise UsageError("truth got no case; expected one of `refdem list cases`, or --list")
     name, own = labelled(case)
     found = discovery.case(name)
     if isinstance(found, Selection):
@@ -31,10 +47,67 @@ def command(
     instance = found.at(**(own | settings(set or [])))
     times = [exact(text) for text in at.split(",") if text.strip()]
     truth = instance.truth().refined(digits)
+    if times:
+        warn(truth.forecast(max(times), digits))
     values = [value(None, *item, truth.method, digits) for item in truth.scalars().items()]
     for t in times:
         values += [value(t, *item, truth.method, digits) for item in truth.at(t).items()]
-    show({"case": name, "parameters": instance.p.texts(), "values": values, "witness": truth.witness}, json)
+    unit = "s" if "duration" in instance.p else ""
+    show({"case": name, "parameters": instance.p.texts(), "values": values, "witness": truth.witness}, json, unit)
+
+
+def listed(case: str, as_json: bool) -> None:
+    """Prints what is certified of a case (its sets), or of all (a line each); what has no witness is red."""
+    import msgspec
+
+    from refdem.campaign.certified_list import certified_cases, in_all
+    from refdem.campaign.kept_truth import truth_folder
+    from refdem.truth import load
+
+    found = certified_cases(truth_folder(), [case] if case else ())
+    sets = load(case) if case and found and found[0].sets else []
+    if as_json:
+        document = {"cases": found, "sets": [{"set": one.label, "values": len(one.values), "parameters": one.parameters} for one in sets]}
+        print(msgspec.json.format(msgspec.json.encode(document)).decode())
+        return
+    print(f"{'case':24} {'sets':>4} {'values':>6} {'digits':>6} {'stale':>5}  method | witness when proved | witness in the tests")
+    for one in found:
+        typer.secho(line_of(one), fg="red" if one.has_no_witness else None)
+    for one_set in sets:
+        print(f"    {one_set.label}: {len(one_set.values)} values at t = {times_of(one_set)}")
+    print(in_all(found))
+
+
+def line_of(one: "CertifiedCase") -> str:
+    """One case as a person reads it."""
+    digits = "exact" if one.sets and one.digits is None else one.digits or "-"
+    said = f"{one.witness} ({one.witnessed} values to {one.agreed} digits)" if one.witnessed else "none"
+    what = f"{'; '.join(one.methods) or 'nothing certified'} | {said} | {one.own_witness or 'none'}"
+    return f"{one.case:24} {one.sets:4} {one.values:6} {digits!s:>6} {one.stale:5}  {what}"
+
+
+def times_of(one: Any) -> str:
+    """The times of a set."""
+    return ", ".join(str(t) for t in sorted({value.t for value in one.values if value.t is not None})) or "no time"
+
+
+def warn(seconds: float) -> None:
+    """Says on stderr what the work will cost if that is more than DEAR seconds."""
+    if seconds > DEAR:
+        typer.echo(f"the proof will take about {seconds:.0f} s of CPU; fewer digits or an earlier time take less", err=True)
+
+
+def tabled(case: str) -> None:
+    """Prints the certified store as CSV; raises UsageError for a case that it does not have."""
+    import sys
+
+    from refdem.truth.certified.reader import load
+    from refdem.truth.certified.table import csv_of
+
+    try:
+        sys.stdout.write(csv_of(load(case)))
+    except ValueError as error:
+        raise UsageError(f"truth --csv: {error}") from None
 
 
 def exact(text: str) -> Fraction:
@@ -52,14 +125,14 @@ def value(t: Fraction | None, quantity: str, ball: Any, method: str, digits: int
     return {"t": when, "quantity": quantity, "mid": mid, "radius": radius, "method": method}
 
 
-def show(found: dict[str, Any], as_json: bool) -> None:
-    """Prints as JSON or as a table."""
+def show(found: dict[str, Any], as_json: bool, unit: str) -> None:
+    """Prints as JSON or as a table; what is not a motion has no unit of time."""
     import json
 
     if as_json:
         print(json.dumps(found, indent=1))
         return
     for item in found["values"]:
-        when = "" if item["t"] is None else f"({item['t']} s)"
+        when = "" if item["t"] is None else f"({item['t']} {unit}".rstrip() + ")"
         print(f"{item['quantity'] + when:24} {item['mid']} +- {item['radius']}")
     print(f"method: {found['values'][0]['method'] if found['values'] else 'none'}\nwitness: {found['witness']}")

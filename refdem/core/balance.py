@@ -7,17 +7,26 @@ from refdem.core.case import Instance
 from refdem.core.trajectory import Trajectory
 from refdem.mechanics import energy, momentum
 from refdem.scene import Scene
+from refdem.scene.elements.catch import Catch
 from refdem.scene.elements.central_field import CentralField
 from refdem.scene.elements.contact import Contact
+from refdem.scene.elements.dashpot import Dashpot
+from refdem.scene.elements.periodic_box import PeriodicBox
+from refdem.scene.elements.rod import Rod
 from refdem.scene.elements.spring import Spring
 from refdem.scene.elements.uniform_gravity import UniformGravity
 
 Array = NDArray[np.float64]
 
+ALONG_THE_LINE = (Spring, Rod, Catch)
+"""Links whose force points along the line between their anchors."""
+
 
 def kinetic(scene: Scene, run: Trajectory) -> Array:
-    """Kinetic energy (T,) [J]."""
-    return energy.kinetic(scene.bodies.mass, scene.bodies.inertia, run.velocity, run.attitude, run.omega)
+    """Kinetic energy (T,) [J] of the bodies, and of what elements move (a wheel)."""
+    own = energy.kinetic(scene.bodies.mass, scene.bodies.inertia, run.velocity, run.attitude, run.omega)
+    total: Array = np.sum([own, *(element.kinetic(scene, run.velocity) for element in scene.elements)], axis=0)
+    return total
 
 
 def mechanical(scene: Scene, run: Trajectory) -> Array:
@@ -28,12 +37,17 @@ def mechanical(scene: Scene, run: Trajectory) -> Array:
 def energy_scale(instance: Instance) -> float:
     """Kinetic energy and size of the potential at the start [J]; m (L/tau)^2 if both are zero.
 
-    The zero of a weight's potential is where the origin is: there it counts at least as the kinetic energy m (L/tau)^2 / 2.
+    The zero of a weight's potential is where the origin is, that of a spring which pushes is on a hill, and a drive may find
+    everything at rest: there it counts at least as the kinetic energy m (L/tau)^2 / 2. Where the square or the cube of a spring
+    pushes against its linear part, both count.
     """
     bodies = instance.scene.bodies
     start = Trajectory(t=np.zeros(1), **{name: getattr(bodies, name)[None] for name in ("position", "velocity", "attitude", "omega")})
-    size = kinetic(instance.scene, start)[0] + abs(instance.scene.potential(start.position, start.attitude)[0])
-    if instance.scene.all(UniformGravity):
+    held = [abs(instance.scene.potential(start.position, start.attitude)[0])]
+    held += [spring.potential_size(start.position, start.attitude)[0] for spring in instance.scene.all(Spring)]
+    size = kinetic(instance.scene, start)[0] + max(held)
+    pushes = any(spring.stiffness < 0 for spring in instance.scene.all(Spring))
+    if instance.scene.all(UniformGravity) or instance.scene.is_driven() or pushes:
         size = max(size, instance.scales.energy / 2)
     return float(size) or instance.scales.energy
 
@@ -75,8 +89,12 @@ def torque_reason(scene: Scene) -> str | None:
     for element in scene.elements:
         if isinstance(element, Contact) and element.friction > 0 and element.branch != "R-d/2":
             return f"the branch vectors {element.branch} do not sum to the centre distance, so the contact law itself changes it"
+        if isinstance(element, Dashpot) and element.b >= 0:
+            return "a dashpot resists across the line of its ends as well, and so turns them"
+        if isinstance(element, PeriodicBox):
+            return "the force between images in a periodic box does not act along one line"
         central = isinstance(element, CentralField) or (
-            isinstance(element, Spring) and not any(element.anchor_a) and not (element.b < 0 and any(element.anchor_b))
+            isinstance(element, ALONG_THE_LINE) and not any(element.anchor_a) and not (element.b < 0 and any(element.anchor_b))
         )
         if element.external and not central:
             return f"the element {element.kind} exerts a torque from outside"

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from refdem.core.parameters import LARGEST, SMALLEST, Parameter, Parameters
-from refdem.core.problem import Motion
+from refdem.core.problem import Ensemble, Iteration, Motion, Problem
 from refdem.core.quantity import Quantity, Scales
 from refdem.core.trajectory import Trajectory
 from refdem.core.truth import Truth
@@ -22,14 +22,23 @@ Array = NDArray[np.float64]
 SHORTEST, LONGEST = 1e-6, 1e12
 """A duration in units of tau: below, the motion drowns in round-off; above, one rounded parameter turns the phase by 1e-4."""
 
+NEVER: Mapping[str, str] = {}
+"""`chaotic_at` of a case that is never chaotic, whatever its parameters."""
+
+
+def given(**parameters: str) -> Mapping[str, str]:
+    """Parameters as text by name: what `chaotic_at` of a case is made of."""
+    return parameters
+
+
 CLOCK = (
     Parameter(name="duration", default="", unit="s", doc="how long the motion lasts; 20 tau by default", above=0),
     Parameter(name="samples", default="64", unit="1", doc="number of sample intervals", at_least=2, at_most=100_000, whole=True),
 )
 
 
-class Case(ABC):
-    """A canonical problem. Adding one is one file in cases/ with an instance of a subclass named CASE."""
+class Canonical(ABC):
+    """A canonical problem of any kind. Adding one is one file in cases/ with an instance of a subclass named CASE."""
 
     id: ClassVar[str]
     title: ClassVar[str]
@@ -38,14 +47,20 @@ class Case(ABC):
     source: ClassVar[str]
     parameters: ClassVar[tuple[Parameter, ...]]
     exclude: ClassVar[Mapping[str, str]] = {}
+    clock: ClassVar[tuple[Parameter, ...]] = ()
+    chaotic_at: ClassVar[Mapping[str, str] | None] = None
 
     @abstractmethod
-    def scene(self, p: Parameters) -> Scene:
-        """The scene at its start."""
+    def problem(self, p: Parameters) -> Problem:
+        """What is asked."""
 
     @abstractmethod
     def scales(self, p: Parameters) -> Scales:
         """Length, shortest time, duration (the default one: `duration` overrules it) and mass."""
+
+    def lasting(self, p: Parameters) -> Scales:
+        """The scales, with the duration that was asked for."""
+        return self.scales(p)
 
     @abstractmethod
     def quantities(self, p: Parameters) -> tuple[Quantity, ...]:
@@ -62,24 +77,84 @@ class Case(ABC):
     def refuse(self, p: Parameters) -> None:  # noqa: B027 (most cases have nothing to refuse)
         """Raises UsageError for values that are each in bounds but do not go together."""
 
+    def is_chaotic(self, p: Parameters) -> bool | None:
+        """True at the parameters `chaotic_at`, False where that is NEVER; None where nobody has said."""
+        if not self.chaotic_at:
+            return None if self.chaotic_at is None else False
+        return True if all(p[name] == p.declared[name].parsed(text) for name, text in self.chaotic_at.items()) else None
+
     def exclude_for(self, p: Parameters) -> Mapping[str, str]:
         """Checks that are left out at these parameters, with reasons."""
         return self.exclude
 
     def at(self, **given: str) -> "Instance":
         """The case at one set of parameters, each as text; raises UsageError."""
-        p = Parameters((*self.parameters, *CLOCK), given)
+        p = Parameters((*self.parameters, *self.clock), given)
         self.refuse(p)
         instance = Instance(self, p)
         instance.refuse_unjudgeable()
         return instance
 
 
+class Timed(Canonical):
+    """A canonical problem in time: it lasts `duration` and is seen at `samples` intervals."""
+
+    clock = CLOCK
+
+    def lasting(self, p: Parameters) -> Scales:
+        """The scales, with the duration that was asked for."""
+        own = self.scales(p)
+        return Scales(own.length, own.tau, p.duration or own.duration, own.mass)
+
+    def times(self, p: Parameters) -> Array:
+        """Samples (T,) [s]: whole multiples of an interval of 20 bits, so that multiples and halves of it are exact."""
+        samples = int(p.samples)
+        mantissa, exponent = np.frexp(self.lasting(p).duration / samples)
+        interval = np.ldexp(np.round(np.ldexp(mantissa, 20)), int(exponent) - 20)
+        return np.asarray(np.arange(samples + 1) * interval, dtype=np.float64)
+
+
+class Case(Timed):
+    """A canonical motion: its scene moves for `duration` and is seen at `samples` intervals."""
+
+    @abstractmethod
+    def scene(self, p: Parameters) -> Scene:
+        """The scene at its start."""
+
+    def problem(self, p: Parameters) -> Motion:
+        """The motion of the scene."""
+        return Motion(self.scene(p), self.times(p))
+
+
+class EnsembleCase(Timed):
+    """A canonical flow: a closed outline in the plane of a place and its rate is carried through phase space."""
+
+    @abstractmethod
+    def problem(self, p: Parameters) -> Ensemble:
+        """The scene, and the points of the outline as its starts."""
+
+    @abstractmethod
+    def starts(self, p: Parameters, outline: Array) -> tuple[Array, Array]:
+        """Position and velocity (M, N, 3) of points (M, 2) of that plane."""
+
+    @abstractmethod
+    def outline(self, p: Parameters, trajectory: Trajectory) -> tuple[Array, Array]:
+        """Place and rate (T, M) of the points in their order; the last one has the first for a neighbour."""
+
+
+class IterationCase(Canonical):
+    """A canonical iteration of a map; tau is one iterate, the duration their number."""
+
+    @abstractmethod
+    def problem(self, p: Parameters) -> Iteration:
+        """Map, start and n."""
+
+
 @dataclass(frozen=True, eq=False)
 class Instance:
     """A case at one set of parameters."""
 
-    case: Case
+    case: Canonical
     p: Parameters
 
     @property
@@ -90,14 +165,13 @@ class Instance:
 
     @cached_property
     def scene(self) -> Scene:
-        """The scene at its start."""
-        return self.case.scene(self.p)
+        """The scene at its start; raises UsageError where the question is not a motion."""
+        return self.problem.scene
 
     @cached_property
     def scales(self) -> Scales:
         """The scales, with the duration that was asked for."""
-        own = self.case.scales(self.p)
-        return Scales(own.length, own.tau, self.p.duration or own.duration, own.mass)
+        return self.case.lasting(self.p)
 
     def refuse_unjudgeable(self) -> None:
         """Raises UsageError for scales that binary64 cannot hold, or a duration in which there is nothing to see."""
@@ -119,16 +193,20 @@ class Instance:
 
     @cached_property
     def times(self) -> Array:
-        """Samples (T,) [s]: whole multiples of an interval of 20 bits, so that multiples and halves of it are exact."""
-        samples = int(self.p.samples)
-        mantissa, exponent = np.frexp(self.scales.duration / samples)
-        interval = np.ldexp(np.round(np.ldexp(mantissa, 20)), int(exponent) - 20)
-        return np.asarray(np.arange(samples + 1) * interval, dtype=np.float64)
+        """Samples (T,): seconds of a motion, numbers of iterates of an iteration."""
+        return self.problem.times
 
     @cached_property
-    def problem(self) -> Motion:
-        """The motion asked for."""
-        return Motion(self.scene, self.times)
+    def problem(self) -> Problem:
+        """What is asked."""
+        return self.case.problem(self.p)
+
+    @property
+    def motion(self) -> Motion:
+        """The motion asked for; raises UsageError where the question is another."""
+        if not isinstance(self.problem, Motion):
+            raise UsageError(f"{self.label} asks for {self.problem.words}, not for a motion")
+        return self.problem
 
     def observe(self, trajectory: Trajectory) -> dict[str, Array]:
         """Every quantity that the trajectory shows, each (T,)."""

@@ -12,7 +12,7 @@ from refdem.core import refinement
 from refdem.core.case import Instance
 from refdem.core.engine import Method
 from refdem.core.finding import Finding
-from refdem.core.problem import Motion
+from refdem.core.problem import Motion, Problem
 from refdem.core.trajectory import Cost, Trajectory
 from refdem.core.truth import SampledTruth
 from refdem.core.variant import Variant
@@ -85,10 +85,16 @@ class Check(ABC):
     title: ClassVar[str]
     kills: ClassVar[str]  # the fault that it catches, in a few words
     synchronous: ClassVar[bool] = False  # it reads positions and velocities together, so they must be of one time
+    judges: ClassVar[tuple[type[Problem], ...]] = (Motion,)  # kinds of questions that it applies to
 
     @abstractmethod
     def applies(self, trial: Trial) -> str | None:
         """None if it applies, else the reason why not."""
+
+    def left_out(self, trial: Trial) -> str | None:
+        """None if it judges this kind of question and applies, else the reason why not."""
+        problem = trial.instance.problem
+        return self.applies(trial) if isinstance(problem, self.judges) else f"it does not judge {problem.words}"
 
     @abstractmethod
     def needs(self, trial: Trial) -> tuple[Variant, ...]:

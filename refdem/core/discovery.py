@@ -12,7 +12,7 @@ from refdem.core.parameters import nearest
 from refdem.errors import UsageError
 
 if TYPE_CHECKING:
-    from refdem.core.case import Case
+    from refdem.core.case import Canonical
     from refdem.core.check import Check
     from refdem.core.engine import Engine
     from refdem.core.truth import Truth
@@ -35,12 +35,11 @@ def engine_here(engine: "Engine") -> Iterator[None]:
         del _HERE[engine.name]
 
 
-def _names(folder: str) -> Iterator[str]:
+@cache
+def _names(folder: str) -> tuple[str, ...]:
     """Module names in refdem/<folder>: files and small folders; underscores mark private ones."""
-    for path in sorted((ROOT / folder).iterdir()):
-        is_module = path.suffix == ".py" or (path / "__init__.py").exists()
-        if is_module and not path.name.startswith("_") and path.stem != DESCRIBED:
-            yield path.stem
+    modules = [path for path in sorted((ROOT / folder).iterdir()) if path.suffix == ".py" or (path / "__init__.py").exists()]
+    return tuple(path.stem for path in modules if not path.name.startswith("_") and path.stem != DESCRIBED)
 
 
 @cache
@@ -64,9 +63,9 @@ def names(folder: str) -> list[str]:
     return sorted({*(module.replace("_", "-") for module in _names(folder)), *_others(folder)})
 
 
-def case(name: str) -> "Case":
+def case(name: str) -> "Canonical":
     """The case (or selection) of that id."""
-    found: Case = _load("cases", "CASE", name)
+    found: Canonical = _load("cases", "CASE", name)
     return found
 
 

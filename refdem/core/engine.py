@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 from typing import Literal
 
 from refdem.core.deviation import Deviation
-from refdem.core.problem import Motion, Request
+from refdem.core.problem import Motion, Problem, Request
 from refdem.core.trajectory import Cost, Trajectory
 
 
@@ -18,7 +18,8 @@ class Method:
     the feature. `constant` is C in `error <= C L (T/tau) (h/tau)^p`. `conserves`: energy, momentum, angular-momentum,
     each to round-off; `symplectic`: no secular drift of energy. `complete_state`: a run can go on from its end state.
     `velocity_time`: velocities and omegas hold at their sample, or half a step before it. `summed_clock`: its time is a plain
-    sum of its steps, so that it may be off by u t for each of them.
+    sum of its steps, so that it may be off by u t for each of them. `answers` is the kind of questions that it is for; of one
+    without time it `knows` these features, and is silent about others.
     """
 
     name: str
@@ -38,6 +39,8 @@ class Method:
     summed_clock: bool = False
     deterministic: bool = True
     cost_rank: int = 0
+    answers: str = "motion"
+    knows: frozenset[str] = frozenset()
 
     def delay(self, level: float) -> float:
         """Time [s] by which velocities and omegas lag behind their sample at this level."""
@@ -97,6 +100,14 @@ class Engine(ABC):
     @abstractmethod
     def refusal(self, problem: Motion, method: Method) -> str | None:
         """None if the method can run the problem, else the missing feature in a few words."""
+
+    def refuses(self, problem: Problem, method: Method) -> str | None:
+        """`refusal` of any kind of question: the method must be for it, and know some of it."""
+        if method.answers != problem.kind:
+            return f"cannot run {problem.words}"
+        if isinstance(problem, Motion):
+            return self.refusal(problem, method)
+        return None if method.knows & problem.features else f"knows nothing that is asked of {problem.words}"
 
     @abstractmethod
     def run(self, request: Request) -> tuple[Trajectory, Cost]:

@@ -10,6 +10,7 @@ from refdem.core.case import Instance
 from refdem.core.check import Trial
 from refdem.core.engine import Method
 from refdem.core.finding import Finding, Series
+from refdem.core.problem import Motion
 from refdem.core.trajectory import Trajectory
 from refdem.core.truth import SampledTruth
 from refdem.errors import EngineError
@@ -59,8 +60,9 @@ def undecided(check: str, quantity: str, why: str) -> Finding:
 
 
 def certified(trial: Trial) -> SampledTruth | None:
-    """The truth if at least two samples of it are certified."""
-    return trial.truth if trial.truth is not None and trial.truth.until >= 2 else None
+    """The truth if at least two samples of it (or the only one) are certified."""
+    least = min(2, len(trial.instance.times))
+    return trial.truth if trial.truth is not None and trial.truth.until >= least else None
 
 
 def no_truth(trial: Trial) -> str:
@@ -132,7 +134,11 @@ def _rotation_error(observed: dict[str, Array], truth: SampledTruth, parts: list
 
 
 def distances(instance: Instance, a: Trajectory, b: Trajectory) -> Array:
-    """Largest difference (T,) of any state of any body between two runs, each column in its scale."""
+    """Largest difference (T,) of any state of any body between two runs, each column in its scale; of any quantity without a scene."""
+    if not isinstance(instance.problem, Motion):
+        one, other = instance.observe(a), instance.observe(b)
+        apart: Array = np.maximum.reduce([np.abs(one[name] - other[name]) / q.scale for name, q in instance.quantities.items()])
+        return apart
     scales, bodies = instance.scales, instance.scene.bodies
     spin = float(np.max(np.linalg.norm(bodies.omega, axis=1))) or 1.0 / scales.tau
     parts = [

@@ -138,11 +138,12 @@ def nearest(name: str, known: Any) -> str:
 
 
 def labelled(label: str) -> tuple[str, dict[str, str]]:
-    """Case id and parameters of `case` or `case[name=value name=value]`; raises UsageError."""
+    """Case id and parameters of `case`, `case[name=value name=value]` or `case[member]`; raises UsageError."""
     match = _LABEL.fullmatch(label)
     if not match:
         raise UsageError(f"case {label!r} is not a name; expected something like pendulum or pendulum[theta0=2]")
-    return match[1], settings((match[2] or "").split())
+    first, *others = (match[2] or "").split() or [""]
+    return match[1], settings([f"member={first}" if first and "=" not in first else first, *others] if first else [])
 
 
 def settings(pairs: list[str]) -> dict[str, str]:

@@ -1,6 +1,7 @@
-"""What is asked of an engine: a motion, and the request for one run of it."""
+"""What is asked of an engine: a question of some kind, and the request for one run of it."""
 
 import hashlib
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -8,31 +9,32 @@ import msgspec
 import numpy as np
 from numpy.typing import NDArray
 
+from refdem.core.ensemble import Ensemble, EnsembleDocument
+from refdem.core.question import DENSE, PER_OCTAVE, Iteration, IterationDocument, Motion, Problem
+from refdem.core.statics import Identity, IdentityDocument, Solid, SolidDocument
 from refdem.errors import EngineError, UsageError
 from refdem.scene import Scene, SceneDocument
 from refdem.scene.scene import encoded
+
+__all__ = ["DENSE", "PER_OCTAVE", "Ensemble", "Identity", "Iteration", "Motion", "Problem", "Request", "RequestDocument", "Solid"]
 
 Array = NDArray[np.float64]
 CLOCK_ROUNDINGS = 8
 """A time in single precision is a step, a number of steps and a start, each rounded, times and plus."""
 
 
-@dataclass(frozen=True, eq=False)
-class Motion:
-    """A scene, whose state holds at times[0], and the times (T,) [s] at which states are asked for; may run backwards."""
+def _iteration(read: IterationDocument) -> Iteration:
+    return Iteration(read.map, np.array(read.start), read.n)
 
-    scene: Scene
-    times: Array
 
-    def __post_init__(self) -> None:
-        gaps = np.diff(self.times)
-        if self.times.ndim != 1 or len(self.times) < 2 or not (np.all(gaps > 0) or np.all(gaps < 0)):
-            raise UsageError(f"times has shape {self.times.shape}; expected (T,) with T >= 2, all rising or all falling")
-
-    @property
-    def interval(self) -> float:
-        """Time [s] between samples, negative for a run backwards."""
-        return float(self.times[1] - self.times[0])
+AnyDocument = IterationDocument | SolidDocument | IdentityDocument | EnsembleDocument
+OTHERS: dict[type, Callable[[Any], Problem]] = {
+    IterationDocument: _iteration,
+    SolidDocument: Solid,
+    IdentityDocument: Identity,
+    EnsembleDocument: Ensemble.read,
+}
+"""How each document of a question that is no motion is read back."""
 
 
 class RequestDocument(msgspec.Struct, frozen=True, kw_only=True):
@@ -46,11 +48,23 @@ class RequestDocument(msgspec.Struct, frozen=True, kw_only=True):
     scene: SceneDocument
 
 
+class OtherRequestDocument(msgspec.Struct, frozen=True, kw_only=True):
+    """A request for anything but a motion."""
+
+    format: int = 1
+    method: str
+    problem: AnyDocument
+
+
+class _Kind(msgspec.Struct):
+    problem: msgspec.Raw = msgspec.Raw()
+
+
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Request:
     """One run: problem, method, and its step [s] (size only) or tolerance; neither for exact methods."""
 
-    problem: Motion
+    problem: Problem
     method: str
     step: float | None = None
     tolerance: float | None = None
@@ -66,6 +80,9 @@ class Request:
     def from_json(cls, text: bytes) -> "Request":
         """Reads what `document` wrote as JSON; raises UsageError with the path of the first fault."""
         try:
+            if bytes(msgspec.json.decode(text, type=_Kind).problem):
+                other = msgspec.json.decode(text, type=OtherRequestDocument)
+                return cls(problem=OTHERS[type(other.problem)](other.problem), method=other.method)
             read = msgspec.json.decode(text, type=RequestDocument)
         except msgspec.MsgspecError as error:
             raise UsageError(f"request: {error}") from None
@@ -91,9 +108,11 @@ class Request:
             raise UsageError(f"step is {self.step} s; expected a whole fraction of the sample interval {abs(self.problem.interval)} s")
         return round(exact)
 
-    def document(self) -> RequestDocument:
+    def document(self) -> RequestDocument | OtherRequestDocument:
         """The request as JSON has it."""
-        scene = self.problem.scene.document()
+        if not isinstance(self.problem, Motion):
+            return OtherRequestDocument(method=self.method, problem=self.problem.document())
+        scene = self.problem.document()
         return RequestDocument(method=self.method, step=self.step, tolerance=self.tolerance, times=self.problem.times.tolist(), scene=scene)
 
     def key(self, *fingerprints: str) -> str:

@@ -50,7 +50,7 @@ def truncation(instance: Instance, method: Method, level: float, t: Array) -> Ar
     if method.control == "tolerance":
         return np.full(len(t), TOLERANCE_FACTOR * level)
     tau = instance.scales.tau
-    order = method.order_for(instance.scene.features)
+    order = method.order_for(instance.problem.features)
     allowed: Array = method.constant * (1.0 + np.abs(t - t[0]) / tau) * (level / tau) ** order
     return allowed
 
@@ -88,7 +88,7 @@ def levels(instance: Instance, method: Method, count: int, most_steps: float, st
     if method.control == "tolerance":
         tolerances = (10.0 ** -(4 + 2 * j) for j in range(count))
         return tuple(t for t in tolerances if t > COUNTING_FLOOR * method.round_off)  # below, step control never ends
-    order, scales = method.order_for(instance.scene.features), instance.scales
+    order, scales = method.order_for(instance.problem.features), instance.scales
     first = step or scales.tau * (HORIZON * scales.tau / (method.constant * scales.duration)) ** (1.0 / order)
     interval = float(instance.times[1])
     if step is not None and instance.times[-1] / step > MOST_STEPS:

@@ -4,7 +4,8 @@ x' = lambda (Q x + d + u t), t' = tau t + t0, masses times mu: a code must give 
 """
 
 from dataclasses import dataclass, field, replace
-from typing import Any, get_type_hints
+from typing import Any
+from weakref import WeakKeyDictionary
 
 import msgspec
 import numpy as np
@@ -17,8 +18,9 @@ from refdem.mechanics.quaternion import matrix, product
 from refdem.scene import Scene
 from refdem.scene.bodies import Bodies
 from refdem.scene.dimension import Acceleration, Direction, Position
-from refdem.scene.element import Element, Link
+from refdem.scene.element import Element, Link, types_of
 from refdem.scene.elements.central_field import CentralField
+from refdem.scene.elements.periodic_box import PeriodicBox
 from refdem.scene.shapes import Polyhedron, Shape, Sphere
 
 Array = NDArray[np.float64]
@@ -98,7 +100,7 @@ class Symmetry:
     def _element(self, element: Element, count: int) -> Element:
         """An element with every field as its type says: places, directions, numbers with a dimension, bodies by number."""
         changed: dict[str, Any] = {}
-        hints = get_type_hints(type(element), include_extras=True)
+        hints = types_of(type(element))
         for name in element.__struct_fields__:
             value, hint = getattr(element, name), hints[name]
             if hint == Position:
@@ -110,7 +112,7 @@ class Symmetry:
                 changed[name] = count - 1 - value
             elif isinstance(value, float) and (dimension := element.dimension(name)) is not None:
                 changed[name] = value * float(np.prod(np.array(self.units) ** np.array(dimension)))
-        return msgspec.structs.replace(element, **changed)
+        return msgspec.structs.replace(element, **changed).delayed(self.delay)
 
     def _place(self, value: tuple[float, float, float], *, space: bool) -> tuple[float, ...]:
         """A place in space, or an anchor in body axes."""
@@ -138,9 +140,23 @@ def of(instance: Instance, name: str) -> Symmetry:
     return known[name]
 
 
+_PICTURES: WeakKeyDictionary[Instance, dict[str, tuple[Symmetry, Motion]]] = WeakKeyDictionary()
+
+
+def picture(instance: Instance, name: str) -> tuple[Symmetry, Motion]:
+    """The symmetry of that name and the instance's motion as it shows it; made once, for every method is shown the same."""
+    made = _PICTURES.setdefault(instance, {})
+    if name not in made:
+        view = of(instance, name)
+        made[name] = view, view.applied(instance.motion)
+    return made[name]
+
+
 def broken(scene: Scene, name: str) -> str | None:
     """None if the scene has the symmetry, else what breaks it."""
     centred = any(isinstance(element, CentralField) for element in scene.elements)
+    if name == "rotated" and any(isinstance(element, PeriodicBox) for element in scene.elements):
+        return "the periodic box has axes of its own"
     if name == "relabelled" and len(scene.bodies) < 2:
         return "there is one body"
     if name in ("shifted", "boosted") and centred:
@@ -152,6 +168,7 @@ def broken(scene: Scene, name: str) -> str | None:
 
 def size(instance: Instance, symmetry: Symmetry) -> float:
     """How many times the scale the numbers become larger: round-off grows with them."""
-    scales = instance.scales
+    scales, bodies = instance.scales, instance.scene.bodies
+    own = np.abs(bodies.position).max() / scales.length, np.abs(bodies.velocity).max() / scales.speed  # of the start itself
     far = np.linalg.norm(symmetry.shift) + np.linalg.norm(symmetry.boost) * scales.duration
-    return float(1.0 + far / scales.length + np.linalg.norm(symmetry.boost) / scales.speed)
+    return float(max(1.0, *own) + far / scales.length + np.linalg.norm(symmetry.boost) / scales.speed)

@@ -1,6 +1,6 @@
 """What an engine hands back: states at times, events, and beside them what they cost."""
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import msgspec
@@ -35,7 +35,8 @@ class Cost(msgspec.Struct, frozen=True, kw_only=True):
 class Trajectory:
     """States of N bodies at T times: position, velocity (T, N, 3), attitude (T, N, 4), omega (T, N, 3) in space axes.
 
-    Attitude and omega of points are (1, 0, 0, 0) and 0. Raises EngineError, naming the place, if a shape is wrong or a
+    Attitude and omega of points are (1, 0, 0, 0) and 0. The answer to a question without a scene has no bodies, and `values`
+    (T, ...) by name instead, at the samples t (T,) that were asked for. Raises EngineError, naming the place, if a shape is wrong or a
     number is not finite.
     """
 
@@ -46,6 +47,7 @@ class Trajectory:
     omega: Array
     channels: dict[str, Array] = field(default_factory=dict)
     events: tuple[Event, ...] = ()
+    values: dict[str, Array] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         if self.position.ndim != 3:
@@ -59,6 +61,8 @@ class Trajectory:
             if name not in CHANNELS:
                 raise EngineError(f"trajectory.channels has {name!r}; expected one of {', '.join(CHANNELS)}")
             _refuse(f"channels[{name}]", values, (count, *values.shape[1:]))
+        for name, values in self.values.items():
+            _refuse(f"values[{name}]", values, (count, *values.shape[1:]))
 
     @classmethod
     def of_points(cls, t: Array, position: Array, velocity: Array, **more: Any) -> "Trajectory":
@@ -68,6 +72,15 @@ class Trajectory:
         attitude[..., 0] = 1.0
         return cls(t=t, position=position, velocity=velocity, attitude=attitude, omega=np.zeros((count, bodies, 3)), **more)
 
+    @classmethod
+    def of_values(cls, t: Array, values: dict[str, Array]) -> "Trajectory":
+        """The answer to a question without a scene: arrays (T, ...) by name."""
+        return replace(cls.of_points(t, np.zeros((len(t), 0, 3)), np.zeros((len(t), 0, 3))), values=values)
+
+    def columns(self) -> dict[str, Array]:
+        """All states and values by name."""
+        return {name: getattr(self, name) for name in STATE} | self.values
+
     def end(self) -> dict[str, Array]:
         """The last state, column by column (N, ...)."""
         return {name: getattr(self, name)[-1] for name in STATE}
@@ -76,7 +89,10 @@ class Trajectory:
         """MessagePack with raw float64 arrays; `from_bytes` reads it back to the last bit."""
         arrays = {name: _packed(getattr(self, name)) for name in ("t", *STATE)}
         channels = {name: _packed(values) for name, values in self.channels.items()}
-        return msgspec.msgpack.encode({"arrays": arrays, "channels": channels, "events": self.events})
+        packed = {"arrays": arrays, "channels": channels, "events": self.events}
+        if self.values:
+            packed["values"] = {name: _packed(values) for name, values in self.values.items()}
+        return msgspec.msgpack.encode(packed)
 
     @classmethod
     def from_bytes(cls, data: bytes) -> "Trajectory":
@@ -84,7 +100,8 @@ class Trajectory:
         packed = msgspec.msgpack.decode(data, type=_Packed)
         arrays = {name: _unpacked(*value) for name, value in packed.arrays.items()}
         channels = {name: _unpacked(*value) for name, value in packed.channels.items()}
-        return cls(channels=channels, events=packed.events, **arrays)
+        values = {name: _unpacked(*value) for name, value in packed.values.items()}
+        return cls(channels=channels, events=packed.events, values=values, **arrays)
 
 
 STATE = ("position", "velocity", "attitude", "omega")
@@ -94,6 +111,7 @@ class _Packed(msgspec.Struct):
     arrays: dict[str, tuple[list[int], bytes]]
     channels: dict[str, tuple[list[int], bytes]]
     events: tuple[Event, ...]
+    values: dict[str, tuple[list[int], bytes]] = {}
 
 
 def _packed(values: Array) -> tuple[list[int], bytes]:

@@ -29,7 +29,7 @@ def read_trajectory(path: Path, samples: int, bodies: int, events: Path | None =
     """
     if not path.is_file():
         raise EngineError(f"the program ended and wrote no {path.name}; expected a CSV file with columns {','.join(COLUMNS)}")
-    lines = _lines(path, samples * bodies + 2)
+    lines = csv_lines(path, samples * bodies + 2)
     header = [name.strip() for name in lines[0][1]] if lines else []
     channels = _channels(header, path.name)
     rows = [_row(line, header, number, path.name) for number, line in lines[1:]]
@@ -45,7 +45,7 @@ def read_trajectory(path: Path, samples: int, bodies: int, events: Path | None =
     return Trajectory(channels=shown, events=_events(events, bodies), **arrays)
 
 
-def _lines(path: Path, most: int) -> list[tuple[int, list[str]]]:
+def csv_lines(path: Path, most: int) -> list[tuple[int, list[str]]]:
     """The first `most` lines that are not empty, with their numbers; raises EngineError if it is no CSV file."""
     try:
         with path.open(newline="", encoding="utf-8", errors="replace") as file:
@@ -74,14 +74,14 @@ def _row(line: list[str], header: list[str], number: int, name: str) -> list[flo
     found = []
     for column, cell in zip(header, line, strict=True):
         empty = column in CHANNELS and not cell.strip()
-        value = np.nan if empty else _number(cell)
+        value = np.nan if empty else number_in(cell)
         if value is None or not (empty or np.isfinite(value)):
             raise EngineError(f"{name} line {number}: {column} is {cell[:40]!r}; expected a finite number")
         found.append(value)
     return found
 
 
-def _number(cell: str) -> float | None:
+def number_in(cell: str) -> float | None:
     """The number in a cell, also as Fortran writes it (1.5D+00); None if it is none."""
     if not cell.isascii() or "_" in cell:
         return None
@@ -114,7 +114,7 @@ def _events(path: Path | None, bodies: int) -> tuple[Event, ...]:
     """The events in a CSV file `time,kind,body`, if there is one."""
     if path is None or not path.is_file():
         return ()
-    lines = _lines(path, MOST_EVENTS + 2)
+    lines = csv_lines(path, MOST_EVENTS + 2)
     header = tuple(cell.strip() for cell in lines[0][1]) if lines else ()
     if header != EVENT_COLUMNS or len(lines) > MOST_EVENTS + 1:
         raise EngineError(f"{path.name} line 1 is {','.join(header)[:200]!r}; expected time,kind,body and at most {MOST_EVENTS} events")
@@ -123,7 +123,7 @@ def _events(path: Path | None, bodies: int) -> tuple[Event, ...]:
 
 def _event(line: list[str], number: int, name: str, bodies: int) -> Event:
     """One event; raises EngineError if it is none."""
-    time, body = (_number(line[0]), _number(line[2])) if len(line) == len(EVENT_COLUMNS) else (None, None)
+    time, body = (number_in(line[0]), number_in(line[2])) if len(line) == len(EVENT_COLUMNS) else (None, None)
     if time is None or not np.isfinite(time) or body is None or body not in range(bodies):
         raise EngineError(f"{name} line {number} is {','.join(line)[:80]!r}; expected a time, a kind and a body of 0..{bodies - 1}")
     return Event(time, line[1].strip(), int(body))

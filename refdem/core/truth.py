@@ -86,6 +86,10 @@ class Truth(ABC):
         """Values that do not depend on time: periods, durations, numbers of flips."""
         return {}
 
+    def forecast(self, t: Fraction, digits: int) -> float:
+        """CPU seconds that `at(t)` with radii of at most 10^-digits is about to cost; 0 where that is not worth a word."""
+        return 0.0
+
 
 class SampledTruth(msgspec.Struct, frozen=True, kw_only=True):
     """Truth at the samples of one problem: doubles with radii; what judging reads and the store keeps.

@@ -2,16 +2,18 @@
 
 import hashlib
 import inspect
+from dataclasses import replace
 from functools import cached_property
 from importlib import import_module
 from importlib.metadata import version
 from pathlib import Path
+from typing import Any
 
 import refdem
 from refdem import kernels
 from refdem.core import fingerprint
 from refdem.core.engine import Engine, Method
-from refdem.core.problem import Motion, Request
+from refdem.core.problem import Motion, Problem, Request
 from refdem.core.trajectory import Cost, Trajectory
 from refdem.errors import UnsupportedError
 from refdem.solvers.solver import Solver
@@ -37,7 +39,7 @@ class Reference(Engine):
     @cached_property
     def methods(self) -> tuple[Method, ...]:  # type: ignore[override]
         """What each solver claims, cheapest first."""
-        return tuple(solver.claims for solver in self.solvers.values())
+        return tuple(replace(solver.claims, answers=solver.answers.kind) for solver in self.solvers.values())
 
     def missing(self) -> str | None:
         """None: it comes with refdem."""
@@ -62,21 +64,38 @@ class Reference(Engine):
 
     def refusal(self, problem: Motion, method: Method) -> str | None:
         """None if the method can run the problem, else why not."""
-        return self.solvers[method.name].refusal(problem)
+        return self.refuses(problem, method)
+
+    def refuses(self, problem: Problem, method: Method) -> str | None:
+        """None if the method answers such questions and can run this one, else why not."""
+        solver = self.solvers[method.name]
+        return solver.refusal(problem) if isinstance(problem, solver.answers) else f"cannot run {problem.words}"
 
     def run(self, request: Request) -> tuple[Trajectory, Cost]:
         """Runs the request with the method that it names; raises UnsupportedError if that method refuses the scene."""
         solver = self.solvers[self.method(request.method).name]
-        reason = solver.refusal(request.problem)
+        reason = self.refuses(request.problem, solver.claims)
         if reason:
             raise UnsupportedError(f"the reference's {request.method} cannot run this scene: {reason}")
         return solver.run(request)
 
-    def best(self, problem: Motion) -> Method:
+    def section(self, problem: Motion, frequency: Any, *, skip: int, keep: int) -> Any:
+        """The Poincare section of a point on a driven belt over frequencies (M,) [rad/s] (solvers/_belt_section.py).
+
+        Raises UnsupportedError for other scenes.
+        """
+        from refdem.solvers._belt_section import section
+
+        reason = self.solvers["stick-slip"].refusal(problem)
+        if reason:
+            raise UnsupportedError(f"the reference has no section of this scene: {reason}")
+        return section(problem.scene, frequency, skip=skip, keep=keep)
+
+    def best(self, problem: Problem) -> Method:
         """The cheapest method that does not refuse; raises UnsupportedError with every method's reason if all do."""
         reasons = []
         for method in self.methods:
-            reason = self.refusal(problem, method)
+            reason = self.refuses(problem, method)
             if reason is None:
                 return method
             reasons.append(f"{method.name}: {reason}")

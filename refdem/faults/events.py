@@ -1,5 +1,6 @@
 """Steps that are cut where a contact begins or ends, where friction ends, and where a slider stops (bisection of the step)."""
 
+from refdem.faults import positional
 from refdem.faults import vectors as vec
 from refdem.faults.loads import Loads, meeting
 from refdem.faults.steps import Moving
@@ -20,7 +21,10 @@ def values(m: Moving, state: State, number: int) -> tuple[Number, Number, Number
     normal, depth, rate, _ = meeting(m.world, state, m.parts, number)
     del normal
     push = m.parts.normal_force(m.world.law, depth, rate)
-    return m.parts.presses(m.world.law, depth, push), push, rate
+    acts = m.parts.presses(m.world.law, depth, push)
+    if m.world.corners[number] is not None:
+        acts = min(acts, m.world.law.stiffness * depth)
+    return acts, push, rate
 
 
 def first_modes(m: Moving, state: State, h: Number) -> None:
@@ -34,18 +38,23 @@ def first_modes(m: Moving, state: State, h: Number) -> None:
         if state.acting[number] and push <= m.world.law.stiffness * m.world.radius[i] * touch(m):
             state.sliding[number] = slides(m, state, m.parts.loads(m.world, state, m.parts), number, h)
     for number, slider in enumerate(m.world.sliders):
-        state.side[number] = m.parts.side_of(m, state, number, vec.dot(state.v[slider.a], slider.axis))
+        state.side[number] = m.parts.side_of(m, state, number, m.parts.slides_at(slider, state.v[slider.a]))
 
 
 def side_of(m: Moving, state: State, number: int, speed: Number) -> int:
     """Towards where a slider moves: 0 if it is at rest and friction holds it."""
     if speed:
         return 1 if speed > 0 else -1
-    slider = m.world.sliders[number]
-    state.side[number] = 1
-    without = m.parts.loads(m.world, state, m.parts).force[slider.a]
-    along = vec.dot(vec.minus(without, m.parts.slider_force(slider, 1)), slider.axis)
-    return 0 if m.parts.holds(slider, along) else 1 if along > 0 else -1
+    along = pull_along(m, state, number)
+    return 0 if m.parts.holds(m.world.sliders[number], along) else 1 if along > 0 else -1
+
+
+def pull_along(m: Moving, state: State, number: int) -> Number:
+    """The force [N] along a slider's axis of all else, where it does not slip."""
+    slider, trial = m.world.sliders[number], state.copy()
+    trial.side[number] = 1
+    without = m.parts.loads(m.world, trial, m.parts).force[slider.a]
+    return vec.dot(vec.minus(without, m.parts.slider_force(slider, 1, abs(m.parts.slides_at(slider, trial.v[slider.a])))), slider.axis)
 
 
 def slides(m: Moving, state: State, load: Loads, number: int, h: Number) -> bool:
@@ -101,8 +110,11 @@ def changes(m: Moving, before: State, after: State, load: Loads, h: Number) -> l
             found.append(("press", number))
         elif has_spring(m, before, number) and before.sliding[number] != slides_now(m, before, after, load, number, h):
             found.append(("slide", number))
+    found += positional.stops(m.world, before, after, m.parts, h)
     for number, slider in enumerate(m.world.sliders):
-        if vec.dot(after.v[slider.a], slider.axis) * before.side[number] < 0:
+        side = before.side[number]
+        released = side == 0 and not m.parts.holds(slider, pull_along(m, after, number))
+        if released or m.parts.slides_at(slider, after.v[slider.a]) * side < 0:
             found.append(("stop", number))
     return found
 
@@ -115,6 +127,10 @@ def changed(m: Moving, state: State, change: tuple[str, int]) -> None:
         state.work += held(m.world, depth) * (1 if state.acting[number] else -1)
         state.acting[number] = state.pressing[number] = not state.acting[number]
         state.stretch[number], state.sliding[number] = ZERO, False
+    elif kind == "turn":
+        positional.turned(m.world, state, m.parts, number)
+    elif kind == "edge":
+        pass  # the force has a corner there, nothing else
     elif kind == "slide":
         state.sliding[number] = not state.sliding[number]
     elif kind == "press":
@@ -123,13 +139,14 @@ def changed(m: Moving, state: State, change: tuple[str, int]) -> None:
     else:
         slider = m.world.sliders[number]
         v = state.v[slider.a]
-        state.v[slider.a] = vec.moved(v, -vec.dot(v, slider.axis), slider.axis)
+        state.v[slider.a] = vec.moved(v, -m.parts.slides_at(slider, v), slider.axis)
         state.side[number] = m.parts.side_of(m, state, number, 0.0)
 
 
 def held(world: World, depth: Number) -> Number:
     """What the normal spring holds [J]; lost if the contact ends while the bodies still overlap."""
-    return world.law.stiffness * depth * depth / 2 if depth > 0 else 0.0
+    power = world.law.exponent + 1
+    return world.law.stiffness * depth**power / power if depth > 0 else 0.0
 
 
 def advance(m: Moving, step: object, state: State, load: Loads, h: Number) -> tuple[State, Loads]:

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from refdem.core.engine import Engine, Method
-from refdem.core.problem import Motion, Request
+from refdem.core.problem import Motion, Problem, Request
 from refdem.core.trajectory import Cost, Trajectory
 from refdem.faults.parts import SOUND, Parts
 from refdem.faults.transparent import Transparent
@@ -68,6 +68,10 @@ class Carrier(Engine):
     def refusal(self, problem: Motion, method: Method) -> str | None:
         """As the engine."""
         return self.engine.refusal(problem, method)
+
+    def refuses(self, problem: Problem, method: Method) -> str | None:
+        """As the engine."""
+        return self.engine.refuses(problem, method)
 
     def run(self, request: Request) -> tuple[Trajectory, Cost]:
         """The run, spoiled before or after."""

@@ -1,7 +1,9 @@
 """What acts on the bodies in a state: forces, torques, and how contacts stretch their springs."""
 
 from dataclasses import dataclass
+from typing import Any
 
+from refdem.faults import positional
 from refdem.faults import vectors as vec
 from refdem.faults.parts import Parts
 from refdem.faults.vectors import ZERO, Number, Vector
@@ -25,6 +27,11 @@ def loads(world: World, state: State, parts: Parts, before: Loads | None = None,
     for spring in world.springs:
         other = state.r[spring.b] if spring.b >= 0 else spring.anchor_b
         _add(found, spring.a, spring.b, parts.spring_force(spring, state.r[spring.a], other), parts)
+    for pot in world.dashpots:
+        apart = vec.minus(state.r[pot.a], pot.anchor_b)
+        _lose(found, state, pot, parts.dashpot_force(pot, apart, state.v[pot.a]), parts)
+    for drive in world.drives:
+        _lose(found, state, drive, parts.drive_force(drive, state.t, world.number), parts)
     for i, mass in enumerate(world.mass):
         for gm in world.fields:
             found.force[i] = vec.plus(found.force[i], parts.central_force(mass, gm, state.r[i]))
@@ -34,13 +41,20 @@ def loads(world: World, state: State, parts: Parts, before: Loads | None = None,
     for i, mass in enumerate(world.mass):
         for g in world.gravity:
             found.force[i] = vec.plus(found.force[i], parts.weight(mass, g))
+    positional.pushed(world, state, parts, found.force)
     for slider, side in zip(world.sliders, state.side, strict=True):
-        force = parts.slider_force(slider, side)
+        force = parts.slider_force(slider, side, abs(parts.slides_at(slider, state.v[slider.a])))
         if side == 0:
             force = vec.times(-vec.dot(found.force[slider.a], slider.axis), slider.axis)
         found.force[slider.a] = vec.plus(found.force[slider.a], force)
         found.power -= vec.dot(force, state.v[slider.a])
     return found
+
+
+def _lose(found: Loads, state: State, link: Any, force: Vector, parts: Parts) -> None:
+    """A force of damping or of a drive; its power leaves the motion."""
+    _add(found, link.a, link.b, force, parts)
+    found.power -= vec.dot(force, state.v[link.a])
 
 
 def _add(found: Loads, a: int, b: int, force: Vector, parts: Parts) -> None:
@@ -53,6 +67,10 @@ def _add(found: Loads, a: int, b: int, force: Vector, parts: Parts) -> None:
 def meeting(world: World, state: State, parts: Parts, number: int) -> tuple[Vector, Number, Number, Vector]:
     """Normal from i to j, overlap, its rate, and velocity of i against j, of a pair."""
     i, j = world.pairs[number]
+    if world.corners[number] is not None:
+        arm, plane = arm_of(world, state, parts, number), world.planes[-1 - j]
+        normal, speed = vec.times(-1.0, plane.normal), vec.plus(state.v[i], vec.cross(parts.to_space(state.q[i], state.w[i]), arm))
+        return normal, vec.dot(vec.minus(vec.plus(state.r[i], arm), plane.point), normal), vec.dot(speed, normal), speed
     if j < 0:
         plane = world.planes[-1 - j]
         normal = vec.times(-1.0, plane.normal)
@@ -64,8 +82,31 @@ def meeting(world: World, state: State, parts: Parts, number: int) -> tuple[Vect
     return normal, parts.overlap(world.radius[i], world.radius[j], distance), vec.dot(relative, normal), relative
 
 
+def arm_of(world: World, state: State, parts: Parts, number: int) -> Vector:
+    """From the centre of a body to the corner of a pair, in space."""
+    return parts.to_space(state.q[world.pairs[number][0]], world.corners[number])  # type: ignore[no-any-return]
+
+
+def _corner(world: World, state: State, parts: Parts, found: Loads, number: int, h: Number) -> None:
+    """Adds force and torque on a corner that presses on a plane: sliding friction, no tangential spring."""
+    law, (i, j) = world.law, world.pairs[number]
+    normal, depth, rate, speed = meeting(world, state, parts, number)
+    push = parts.normal_force(law, depth, rate)
+    force = vec.times(-push, normal)
+    if law.friction > 0:
+        slip = found.slip[number] = parts.slip(speed, ZERO, normal)
+        rub = parts.sliding_friction(law, push, slip, _stopping(world, i, j, h))
+        force, found.power = vec.plus(force, rub), found.power - vec.dot(rub, slip)
+    found.power += law.damping * rate * rate
+    found.force[i] = vec.plus(found.force[i], force)
+    torque = vec.cross(arm_of(world, state, parts, number), force)
+    found.torque[i] = vec.plus(found.torque[i], parts.to_body(state.q[i], torque))
+
+
 def _touch(world: World, state: State, parts: Parts, found: Loads, number: int, before: Loads | None, h: Number) -> None:
     """Adds the contact forces and torques of one pair."""
+    if world.corners[number] is not None:
+        return _corner(world, state, parts, found, number, h)
     law, (i, j) = world.law, world.pairs[number]
     normal, depth, rate, relative = meeting(world, state, parts, number)
     push = parts.normal_force(law, depth, rate)

@@ -7,8 +7,13 @@ from typing import Any
 
 from refdem.errors import UnsupportedError
 from refdem.faults import vectors as vec
+from refdem.faults.iterating import SOUND_MAPS, MapParts
+from refdem.faults.outlines import linear_flow
+from refdem.faults.positional import SOUND_POSITIONAL, PositionalParts
 from refdem.faults.vectors import Number, Quaternion, Vector
 from refdem.scene.elements.contact import Contact
+from refdem.scene.elements.dashpot import Dashpot
+from refdem.scene.elements.force import Force
 from refdem.scene.elements.rod import Rod
 from refdem.scene.elements.slider import Slider
 from refdem.scene.elements.spring import Spring
@@ -17,12 +22,23 @@ from refdem.scene.elements.spring import Spring
 def spring_force(spring: Spring, a: Vector, b: Vector) -> Vector:
     """Force [N] on end a."""
     apart = vec.minus(b, a)
-    if spring.length == 0 and spring.exponent == 1:
+    if spring.length == 0 and spring.exponent == 1 and not (spring.quadratic or spring.cubic):
         return vec.times(spring.stiffness, apart)
     distance = vec.size(apart)
-    stretch = distance - spring.length
-    pull = spring.stiffness * abs(stretch) ** spring.exponent * (1 if stretch > 0 else -1)
-    return vec.times(pull / distance, apart)
+    s = distance - spring.length
+    pull = spring.stiffness * abs(s) ** spring.exponent * (1 if s > 0 else -1) + (spring.quadratic + spring.cubic * s) * s * s
+    return vec.times(pull / distance, apart) if distance > 0 else vec.ZERO
+
+
+def dashpot_force(dashpot: Dashpot, apart: Vector, relative: Vector) -> Vector:
+    """Force [N] on end a, against its velocity."""
+    return vec.times(-(dashpot.damping + dashpot.van_der_pol * vec.dot(apart, apart)), relative)
+
+
+def drive_force(force: Force, t: float, number: Callable[[float], Number]) -> Vector:
+    """Force [N] at the time t [s]."""
+    strength = number(force.amplitude * cos(force.frequency * t + force.phase))
+    return strength * number(force.axis[0]), strength * number(force.axis[1]), strength * number(force.axis[2])
 
 
 def weight(mass: Number, g: Vector) -> Vector:
@@ -105,8 +121,8 @@ def overlap(radius_a: Number, radius_b: Number, distance: Number) -> Number:
 
 
 def normal_force(law: Contact, depth: Number, rate: Number) -> Number:
-    """k d + c d' [N]; pulls when negative."""
-    return law.stiffness * depth + law.damping * rate
+    """k d + c d' [N], pulls when negative; k d^(3/2) for Hertz's law."""
+    return law.stiffness * (max(depth, 0.0) ** 1.5 if law.law == "hertz" else depth) + law.damping * rate
 
 
 def lever(law: Contact, radius: Number, depth: Number) -> Number:
@@ -161,14 +177,19 @@ def presses(law: Contact, depth: Number, force: Number) -> Number:
     return depth if law.cutoff == "zero_overlap" else force
 
 
-def slider_force(slider: Slider, side: int) -> Vector:
-    """Dry friction [N] on a body that moves towards `side` along the axis."""
-    return vec.times(-side * slider.friction * slider.normal_force, slider.axis)
+def slides_at(slider: Slider, velocity: Vector) -> Number:
+    """Velocity [m/s] along a slider's axis against its belt."""
+    return vec.dot(velocity, slider.axis) - slider.belt_velocity
+
+
+def slider_force(slider: Slider, side: int, speed: Number) -> Vector:
+    """Dry friction [N] on a body that slips towards `side` along the axis with this speed."""
+    return vec.times(-side * slider.coefficient(speed) * slider.normal_force, slider.axis)
 
 
 def holds(slider: Slider, along: Number) -> bool:
     """Dry friction balances a force [N] along its axis at rest."""
-    return abs(along) <= slider.friction * slider.normal_force
+    return abs(along) <= slider.coefficient(0.0) * slider.normal_force
 
 
 def rod_position(rod: Rod, apart: Vector, direction: Vector, ease: Number) -> Number:
@@ -224,6 +245,8 @@ class Parts:
     """All parts by name."""
 
     spring_force: Callable[..., Any] = spring_force
+    dashpot_force: Callable[..., Any] = dashpot_force
+    drive_force: Callable[..., Any] = drive_force
     weight: Callable[..., Any] = weight
     central_force: Callable[..., Any] = central_force
     gyroscopic: Callable[..., Any] = gyroscopic
@@ -249,6 +272,7 @@ class Parts:
     sliding_friction: Callable[..., Any] = sliding_friction
     torque_on: Callable[..., Any] = torque_on
     presses: Callable[..., Any] = presses
+    slides_at: Callable[..., Any] = slides_at
     slider_force: Callable[..., Any] = slider_force
     holds: Callable[..., Any] = holds
     rod_position: Callable[..., Any] = rod_position
@@ -259,6 +283,9 @@ class Parts:
     output: Callable[..., Any] = output
     loads: Callable[..., Any] = loads
     side_of: Callable[..., Any] = side_of
+    maps: MapParts = SOUND_MAPS
+    flow: Callable[..., Any] = linear_flow
+    positional: PositionalParts = SOUND_POSITIONAL
     verlet_kicks: tuple[float, float] = (0.5, 0.5)
     suzuki: tuple[float, ...] = (S4, S4, 1.0 - 4.0 * S4, S4, S4)
     rk4_nodes: tuple[float, ...] = (0.5, 0.5, 1.0)

@@ -9,6 +9,8 @@ from fractions import Fraction
 
 import numpy as np
 
+from refdem.faults import map_draws, positional
+
 Draw = Callable[[np.random.Generator], dict[str, str]]
 
 
@@ -82,12 +84,54 @@ def _hanging(rng: np.random.Generator) -> dict[str, str]:
     return _oscillator(rng) | {"gravity": str(_sign(rng) * _between(rng, 0.5, 1.5))}
 
 
+def _viscous(rng: np.random.Generator) -> dict[str, str]:
+    """The same in a fluid, below critical damping."""
+    return _oscillator(rng) | {"delta": str(_between(rng, 0.125, 0.375))}
+
+
+def _driven(rng: np.random.Generator) -> dict[str, str]:
+    """A periodic force on a heavy mass, without damping, away from resonance."""
+    found = {"mass": _between(rng, 1.5, 2), "stiffness": _between(rng, 1, 2), "f0": _between(rng, 0.75, 1.5), "delta": 0}
+    return {name: str(value) for name, value in (found | {"drive": _between(rng, 1.5, 2)}).items()} | {"duration": "8", "samples": "32"}
+
+
+def _hardening(rng: np.random.Generator) -> dict[str, str]:
+    """A spring with a cube."""
+    found = {"alpha": _between(rng, 0.75, 1.5), "beta": _between(rng, 0.25, 0.5), "amplitude": _sign(rng) * _between(rng, 0.5, 1)}
+    return {name: str(value) for name, value in found.items()} | {"duration": "6", "samples": "32"}
+
+
+def _lopsided(rng: np.random.Generator) -> dict[str, str]:
+    """A spring with a square, let go, neither damped nor driven."""
+    found = {"eps": _sign(rng) * _between(rng, 0.125, 0.25), "x0": _sign(rng) * _between(rng, 0.5, 1), "delta": 0, "f0": "0,0"}
+    return {name: str(value) for name, value in found.items()} | {"duration": "6", "samples": "32"}
+
+
+def _steep(rng: np.random.Generator) -> dict[str, str]:
+    """A spring that pulls with the power 3/2 of its stretch."""
+    found = {"mass": _between(rng, 0.5, 2), "stiffness": _between(rng, 0.5, 2), "amplitude": _sign(rng) * _between(rng, 0.5, 2)}
+    return {name: str(value) for name, value in found.items()} | {"samples": "32"}
+
+
+def _cycle(rng: np.random.Generator) -> dict[str, str]:
+    """Van der Pol's oscillator on the way to its cycle."""
+    found = {"mu": _between(rng, 0.25, 0.5), "p": _between(rng, 0.25, 0.5), "x0": _between(rng, 1, 1.5)}
+    return {name: str(value) for name, value in found.items()} | {"duration": "6", "samples": "24"}
+
+
 def _rubbing(rng: np.random.Generator) -> dict[str, str]:
     """A mass on a spring that friction stops after two to four half cycles, well away from the edge between two numbers of them."""
     stiffness, x0 = _between(rng, 0.75, 2), _between(rng, 0.75, 1.5)
     share = Fraction(1, 2 * int(rng.integers(2, 5))) + Fraction(1, 128)
     found = {"mass": _between(rng, 0.75, 1.5), "stiffness": stiffness, "x0": _sign(rng) * x0, "friction_force": stiffness * x0 * share}
     return {name: str(value) for name, value in found.items()} | {"duration": "20", "samples": "64"}
+
+
+def _sticking(rng: np.random.Generator) -> dict[str, str]:
+    """A driven mass that a belt catches, carries and lets go again."""
+    found = {"eta": _between(rng, 1, 1.5), "gamma": _between(rng, 0.375, 0.75), "x0": _between(rng, 0.75, 1.25)}
+    found |= {"mu0": _between(rng, 0.375, 0.4375), "mu1": Fraction(1, 8), "lambda0": _between(rng, 1.25, 1.5), "lambda1": Fraction(1, 64)}
+    return {name: str(value) for name, value in found.items()} | {"duration": "8", "samples": "32"}
 
 
 def _orbit(rng: np.random.Generator) -> dict[str, str]:
@@ -200,6 +244,8 @@ def _resting(rng: np.random.Generator) -> dict[str, str]:
 
 SMOOTH = ("euler", "verlet", "suzuki", "rk4", "verlet-single")
 TOUCHING = ("verlet", "verlet-single")
+DAMPED = ("euler", "verlet", "rk4", "verlet-single")
+ITERATED = ("iterated",)
 SETTINGS: Mapping[str, Setting] = {
     "tumbler": Setting("free-rigid-body", _tumbler, SMOOTH),
     "flipper": Setting("intermediate-axis", _flipper, SMOOTH),
@@ -207,7 +253,14 @@ SETTINGS: Mapping[str, Setting] = {
     "circler": Setting("pendulum", _circler, ("euler", "verlet", "suzuki", "verlet-single")),
     "oscillator": Setting("harmonic-oscillator", _oscillator, SMOOTH),
     "hanging": Setting("harmonic-oscillator", _hanging, SMOOTH),
+    "viscous": Setting("viscous-oscillator", _viscous, DAMPED),
+    "driven": Setting("driven-oscillator", _driven, SMOOTH),
+    "hardening": Setting("duffing", _hardening, SMOOTH),
+    "lopsided": Setting("quadratic-response", _lopsided, SMOOTH),
+    "steep": Setting("power-oscillator", _steep, ("euler", "verlet", "verlet-single")),
+    "cycle": Setting("van-der-pol", _cycle, DAMPED),
     "rubbing": Setting("coulomb-oscillator", _rubbing, TOUCHING),
+    "sticking": Setting("stick-slip", _sticking, TOUCHING),
     "orbit": Setting("two-body-orbit", _orbit, SMOOTH),
     "ellipse": Setting("two-body-orbit", _ellipse, SMOOTH),
     "knock": Setting("two-spheres", _knock, TOUCHING),
@@ -221,6 +274,16 @@ SETTINGS: Mapping[str, Setting] = {
     "soft": Setting("two-spheres", _soft, TOUCHING),
     "sticker": Setting("two-spheres", _sticker, TOUCHING),
     "tumbling-spheres": Setting("two-spheres", _tumbling_spheres, TOUCHING),
+    "hertz": Setting("hertz-spheres", positional.hertz, TOUCHING),
+    "tent": Setting("asymmetric-field", positional.tent, ("verlet",)),  # in single precision one pair of levels is left above round-off
+    "wedge": Setting("wedge-collision", positional.wedge, TOUCHING),
     "flyer": Setting("newtons-first-law", _flyer, SMOOTH),
     "resting": Setting("newtons-first-law", _resting, TOUCHING),
+    "chaotic-map": Setting("logistic", map_draws.chaotic_map, ITERATED),
+    "growth": Setting("logistic", map_draws.growth, ITERATED),
+    "stadium": Setting("billiards", map_draws.stadium, ITERATED),
+    "rectangle": Setting("billiards", map_draws.rectangle, ITERATED),
+    "head": Setting("phase-flow", map_draws.head, ("carried",)),
+    "wet-head": Setting("phase-flow", map_draws.wet_head, ("carried",)),
+    "long-oscillator": Setting("harmonic-oscillator", map_draws.long_oscillator, ("verlet",)),
 }

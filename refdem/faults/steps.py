@@ -14,7 +14,11 @@ class Moving:
         self.world, self.parts = world, parts
         self.turning = [i for i, turns in enumerate(world.turns) if turns and not world.fixed[i]]
         self.free = [i for i, fixed in enumerate(world.fixed) if not fixed]
-        self.depends_on_velocity = bool(world.pairs) and (world.law.damping > 0 or world.law.friction > 0)
+        self.depends_on_velocity = bool(
+            world.dashpots
+            or any(s.law != "coulomb" for s in world.sliders)
+            or (world.pairs and (world.law.damping > 0 or world.law.friction > 0))
+        )
 
 
 def kick(m: Moving, state: State, load: Loads, h: Number) -> State:
@@ -31,6 +35,7 @@ def kick(m: Moving, state: State, load: Loads, h: Number) -> State:
 def drift(m: Moving, state: State, h: Number) -> State:
     """Positions and attitudes after h: bodies turn as free ones do."""
     after = state.copy()
+    after.t = state.t + float(h)
     for i in m.free:
         after.r[i] = m.parts.drifted(state.r[i], state.v[i], h)
     for i in m.turning:
@@ -72,6 +77,7 @@ def euler(m: Moving, state: State, load: Loads, h: Number) -> tuple[State, Loads
     for i in m.turning:
         moved.q[i] = m.parts.unit(m.parts.turned(moved.q[i], moved.w[i], h))
     moved = hold_speed(m, moved)
+    moved.t = state.t + float(h)
     after = m.parts.loads(m.world, moved, m.parts, load, h)
     moved.stretch = after.stretch
     moved.work = state.work + h * after.power
@@ -81,6 +87,7 @@ def euler(m: Moving, state: State, load: Loads, h: Number) -> tuple[State, Loads
 def drift_first(m: Moving, state: State, load: Loads, h: Number) -> tuple[State, Loads]:
     """Drift, kick: the other symplectic Euler method, first order."""
     moved = state.copy()
+    moved.t = state.t + float(h)
     for i in m.free:
         moved.r[i] = m.parts.drifted(state.r[i], state.v[i], h)
     after = m.parts.loads(m.world, moved, m.parts, load, h)
@@ -90,6 +97,7 @@ def drift_first(m: Moving, state: State, load: Loads, h: Number) -> tuple[State,
 def explicit(m: Moving, state: State, load: Loads, h: Number) -> tuple[State, Loads]:
     """Explicit Euler: drift with the old velocity, kick with the old force; first order, and it gains energy."""
     moved = kick(m, state, load, h)
+    moved.t = state.t + float(h)
     for i in m.free:
         moved.r[i] = m.parts.drifted(state.r[i], state.v[i], h)
     return moved, m.parts.loads(m.world, moved, m.parts, load, h)
@@ -125,6 +133,7 @@ def rates(m: Moving, state: State) -> Rates:
 def onward(state: State, rate: Rates, h: Number) -> State:
     """The state after h at constant rates."""
     after = state.copy()
+    after.t = state.t + float(h)
     for i in range(len(state.r)):
         after.r[i], after.v[i] = vec.moved(state.r[i], h, rate[0][i]), vec.moved(state.v[i], h, rate[1][i])
         w, x, y, z = state.q[i]

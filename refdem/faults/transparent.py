@@ -8,15 +8,20 @@ from numpy.typing import NDArray
 
 from refdem.core import fingerprint
 from refdem.core.engine import Engine, Method
-from refdem.core.problem import Motion, Request
+from refdem.core.problem import Ensemble, Iteration, Motion, Problem, Request
 from refdem.core.trajectory import Cost, Trajectory
 from refdem.faults.events import advance, first_modes, held
+from refdem.faults.iterating import iterated
 from refdem.faults.loads import meeting
+from refdem.faults.outlines import carried
 from refdem.faults.parts import SOUND, Parts
 from refdem.faults.steps import STEPS, Moving, rod_forces
 from refdem.faults.world import PRECISIONS, SUPPORTED, State, start_of, world_of
+from refdem.scene import Scene
 from refdem.scene.element import Element
 from refdem.scene.elements.contact import Contact
+from refdem.scene.elements.dashpot import Dashpot
+from refdem.scene.elements.force import Force
 from refdem.scene.elements.rod import Rod
 from refdem.scene.elements.slider import Slider
 from refdem.scene.elements.spring import Spring
@@ -31,8 +36,11 @@ METHODS = (
     Method(name="verlet", summary="velocity Verlet, RATTLE, rotations about principal axes; cut at events", **_VERLET),
     Method(name="suzuki", summary="five Verlet steps", **(_VERLET | {"order": 4})),
     Method(name="rk4", summary="classical Runge-Kutta", control="step", order=4, conserves=frozenset({"momentum"}), backward=True),
+    Method(name="iterated", summary="maps, iterate by iterate", control="exact"),
+    Method(name="carried", summary="linear flows, start by start", control="exact", answers="ensemble"),
     Method(name="verlet-single", summary="velocity Verlet in single precision", precision="single", **_VERLET),
 )
+LINEAR = frozenset({"spring", "dashpot", "dimension:1"})
 
 
 class Transparent(Engine):
@@ -62,27 +70,44 @@ class Transparent(Engine):
     def refusal(self, problem: Motion, method: Method) -> str | None:
         """None for what the method's step can do."""
         scene = problem.scene
+        if method.name in ("iterated", "carried"):
+            return "cannot run a motion"
         for element in scene.elements:
             if reason := _refused(element):
                 return reason
         if len(scene.all(Rod)) > 1:
             return "more than one rod"
-        if scene.all(Contact) and any(isinstance(shape, Polyhedron) for shape in scene.bodies.shape):
-            return "no contact of polyhedra"
+        if reason := _corners_refused(scene):
+            return reason
         if method.name in ("drift-first", "explicit-euler") and {"rotation", "rod"} & scene.features:
             return "points without rods alone"
-        if not method.name.startswith("verlet") and {"slider", "contact"} & scene.features:
+        if not method.name.startswith("verlet") and {"slider", "contact", "wedge", "piecewise_field"} & scene.features:
             return "no events"
+        if method.name == "suzuki" and "dashpot" in scene.features:
+            return "no forces that depend on velocity"
         return "no rods" if method.name == "rk4" and scene.all(Rod) else None
+
+    def refuses(self, problem: Problem, method: Method) -> str | None:
+        """None for iterations by `iterated`, for linear flows by `carried`; motions as above."""
+        if isinstance(problem, Ensemble) and method.name == "carried":
+            return None if problem.features <= LINEAR else "not a linear flow"
+        if isinstance(problem, Iteration) and method.name == "iterated":
+            return None
+        return super().refuses(problem, method)
 
     def run(self, request: Request) -> tuple[Trajectory, Cost]:
         """Fixed steps, cut at events; a row of numbers after every `stride` of them."""
         begun = perf_counter()
         self.parts.fresh(self.kept)
+        if isinstance(request.problem, Iteration):
+            return iterated(request.problem, self.parts.maps), Cost(seconds=perf_counter() - begun, steps=request.problem.n)
+        if isinstance(request.problem, Ensemble):
+            return carried(request.problem, self.parts.flow), Cost(seconds=perf_counter() - begun)
         method, scene, times = self.method(request.method), request.problem.scene, request.problem.times
         number = PRECISIONS[method.precision]
         world = world_of(scene, number)
         m, state, h = Moving(world, self.parts), start_of(scene, world, self.parts.to_body), number(request.signed_step)
+        state.t = float(times[0])
         first_modes(m, state, h)
         load = self.parts.loads(world, state, self.parts)
         record = Recording(m, len(times), float(times[0]), request.problem.interval)
@@ -99,9 +124,18 @@ def _refused(element: Element) -> str | None:
     """None for an element that the engine has, as it has it."""
     if not isinstance(element, SUPPORTED):
         return f"no {element.kind}"
-    if isinstance(element, Spring | Rod | Slider) and (any(element.anchor_a) or element.b >= 0):
+    if isinstance(element, Dashpot | Force | Spring | Rod | Slider) and (any(element.anchor_a) or element.b >= 0):
         return f"a {element.kind} that does not join a centre to the world"
     return "no rigid contact" if isinstance(element, Contact) and element.law == "rigid" else None
+
+
+def _corners_refused(scene: Scene) -> str | None:
+    """None without polyhedra that can touch, or for one alone whose corners slide on planes."""
+    if not scene.all(Contact) or not any(isinstance(shape, Polyhedron) for shape in scene.bodies.shape):
+        return None
+    law = scene.all(Contact)[0]
+    spring = law.friction > 0 and (law.tangential_stiffness > 0 or law.branch != "R")
+    return "no contact of polyhedra" if len(scene.bodies) > 1 or spring or law.law != "linear" else None
 
 
 class Recording:
@@ -118,7 +152,8 @@ class Recording:
             self.channels["rod_force"] = np.zeros((samples, len(m.world.rods)))
         if m.world.law is not None:
             self.channels |= {name: np.zeros(samples) for name in ("overlap", "contact_force")}
-        if (m.world.sliders or m.world.law is not None) and not (m.world.law is not None and m.world.law.tangential_stiffness > 0):
+        springs = m.world.law is not None and m.world.law.tangential_stiffness > 0
+        if (m.world.sliders or m.world.walls or m.world.law is not None) and not springs:
             self.channels["dissipated_work"] = np.zeros(samples)
 
     def row(self, count: int, state: State) -> State:

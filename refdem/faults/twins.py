@@ -111,7 +111,7 @@ def _is_foreign(twin: Twin, instance: Instance) -> bool:
 def _twins(instance: Instance, request: Request, run: Trajectory, fault: Fault | None) -> Iterator[Twin]:
     """The fault in every method at the code's own step, and in the best method at finer ones."""
     engine: Engine = fault.carrier() if fault else Transparent()
-    methods = [method.name for method in METHODS if engine.refusal(request.problem, method) is None]
+    methods = [method.name for method in METHODS if engine.refuses(request.problem, method) is None]
     if fault is not None:
         methods = [name for name in methods if name in TOLD or name == fault.method]
     step = request.step or abs(request.problem.interval) / FINER

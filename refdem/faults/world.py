@@ -12,18 +12,23 @@ from refdem.faults.vectors import ZERO, Number, Quaternion, Vector
 from refdem.scene import Scene
 from refdem.scene.elements.central_field import CentralField
 from refdem.scene.elements.contact import Contact
+from refdem.scene.elements.dashpot import Dashpot
+from refdem.scene.elements.force import Force
+from refdem.scene.elements.piecewise_field import PiecewiseField
 from refdem.scene.elements.plane import Plane
 from refdem.scene.elements.rod import Rod
 from refdem.scene.elements.slider import Slider
 from refdem.scene.elements.spring import Spring
 from refdem.scene.elements.uniform_gravity import UniformGravity
+from refdem.scene.elements.wedge import Wedge
+from refdem.scene.shapes import Polyhedron
 
-SUPPORTED = (CentralField, Contact, Plane, Rod, Slider, Spring, UniformGravity)
+SUPPORTED = (CentralField, Contact, Dashpot, Force, PiecewiseField, Plane, Rod, Slider, Spring, UniformGravity, Wedge)
 
 
 @dataclass(slots=True)
 class State:
-    """Position, velocity, attitude and omega_body of every body; the spring of every pair; work done against dissipation.
+    """Position, velocity, attitude and omega_body of every body; the spring of every pair; work against dissipation; the time.
 
     Modes, constant within a step: which pairs act, which of them press, whose tangential springs slide at their limit, and
     towards which side every slider moves (0: sticks).
@@ -39,12 +44,13 @@ class State:
     pressing: list[bool] = field(default_factory=list)
     sliding: list[bool] = field(default_factory=list)
     side: list[int] = field(default_factory=list)
+    t: float = 0.0
 
     def copy(self) -> "State":
         """A state that can be changed without changing this one."""
         return State(
             list(self.r), list(self.v), list(self.q), list(self.w), list(self.stretch), self.work,
-            list(self.acting), list(self.pressing), list(self.sliding), list(self.side),
+            list(self.acting), list(self.pressing), list(self.sliding), list(self.side), self.t,
         )  # fmt: skip
 
 
@@ -58,6 +64,8 @@ class World:
     radius: list[Number]
     fixed: list[bool]
     springs: list[Any]
+    dashpots: list[Any]
+    drives: list[Any]
     sliders: list[Any]
     rods: list[Any]
     planes: list[Any]
@@ -65,6 +73,9 @@ class World:
     gravity: list[Vector]
     fields: list[Number]
     pairs: list[tuple[int, int]]
+    corners: list[Vector | None]
+    tents: list[Any]
+    walls: list[Any]
 
     @property
     def turns(self) -> list[bool]:
@@ -74,15 +85,21 @@ class World:
     @property
     def is_smooth(self) -> bool:
         """No forces that depend on velocity and none that jump."""
-        return not self.pairs and not self.sliders
+        return not self.pairs and not self.sliders and not self.walls and not self.tents
 
 
 def world_of(scene: Scene, number: Callable[[float], Number]) -> World:
-    """The scene in numbers of one precision; pairs (i, j) of bodies, or (i, -1 - n) of a body and plane n."""
+    """The scene in numbers of one precision; pairs (i, j) of bodies, or (i, -1 - n) of a body, or a corner of it, and plane n."""
     bodies = scene.bodies
     planes, laws = scene.all(Plane), scene.all(Contact)
     round_bodies = [i for i, radius in enumerate(bodies.radius) if radius > 0]
     pairs = [*combinations(round_bodies, 2), *((i, -1 - n) for i in round_bodies for n in range(len(planes)))] if laws else []
+    corners: list[Vector | None] = [None] * len(pairs)
+    for i, shape in enumerate(bodies.shape) if laws else ():
+        if isinstance(shape, Polyhedron):
+            found = [(-1 - n, corner) for n in range(len(planes)) for corner in shape.vertices]
+            pairs += [(i, plane) for plane, _ in found]
+            corners += [_tuple(corner, number) for _, corner in found]
     return World(
         number=number,
         mass=[number(m) for m in bodies.mass],
@@ -90,6 +107,8 @@ def world_of(scene: Scene, number: Callable[[float], Number]) -> World:
         radius=[number(radius) for radius in bodies.radius],
         fixed=[bool(fixed) for fixed in bodies.fixed],
         springs=[_rounded(e, number) for e in scene.all(Spring)],
+        dashpots=[_rounded(e, number) for e in scene.all(Dashpot)],
+        drives=scene.all(Force),
         sliders=[_rounded(e, number) for e in scene.all(Slider)],
         rods=[_rounded(e, number) for e in scene.all(Rod)],
         planes=[_rounded(e, number) for e in planes],
@@ -97,6 +116,9 @@ def world_of(scene: Scene, number: Callable[[float], Number]) -> World:
         gravity=[_tuple(e.g, number) for e in scene.all(UniformGravity)],
         fields=[number(e.gm) for e in scene.all(CentralField)],
         pairs=pairs,
+        corners=corners,
+        tents=[_rounded(e, number) for e in scene.all(PiecewiseField)],
+        walls=[_rounded(e, number) for e in scene.all(Wedge)],
     )
 
 

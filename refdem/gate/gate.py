@@ -100,6 +100,6 @@ def supported(engine: Engine) -> list[Entry]:
         if isinstance(case, Selection):
             continue
         problem = case.at().problem
-        if any(engine.refusal(problem, method) is None for method in engine.methods):
+        if any(engine.refuses(problem, method) is None for method in engine.methods):
             found.append(Entry(name))
     return found

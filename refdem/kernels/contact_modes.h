@@ -35,7 +35,7 @@ static inline double guard(const runner *r, int64_t k, int kind, const double *r
         double bend = dot(m.w, m.turn);
         for (int c = 0; c < 3; c++)
             bend += (a[3 * m.i + c] - (m.j < 0 ? 0.0 : a[3 * m.j + c])) * m.n[c];
-        growth = m.normal > 0.0 ? p->friction / stiffness * (p->stiffness * m.rate + p->damping * bend) : 0.0;
+        growth = p->friction / stiffness * (p->stiffness * m.rate + p->damping * bend); /* no jump where the force ends: no stick there */
     }
     return (along - growth) / (1e11 * least_slip(p, &m));
 }

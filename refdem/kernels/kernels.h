@@ -45,8 +45,9 @@ int refdem_chipmunk_record(const refdem_chipmunk_engine *engine, int64_t bodies,
 /* == rebound_forces == */
 
 /* What REBOUND's callbacks need. particle: address of the scene's first body in the engine's array; size and offsets of a
- * particle's columns in bytes. Ends are pairs of bodies, -1 the world. spring (springs, 6): stiffness [N/m^exponent],
- * length [m], exponent, anchor in the world (3) [m]. tension (rods) [N] is written by every evaluation of the forces.
+ * particle's columns in bytes. Ends are pairs of bodies, -1 the world. spring (springs, 8): stiffness [N/m^exponent],
+ * length [m], exponent, anchor in the world (3) [m], quadratic [N/m^2], cubic [N/m^3]. dashpot (dashpots, 5): damping [N s/m],
+ * van_der_pol [N s/m^3], anchor. drive (drives, 6): force [N], frequency [rad/s], phase, axis (3); `clock` [s] is the engine's. tension (rods) [N] is written by every evaluation of the forces.
  * inertia (turning, 3) [kg m^2], one row for each body that turns. */
 typedef struct {
     char *particle;
@@ -58,6 +59,13 @@ typedef struct {
     int64_t springs;
     const int64_t *spring_end;
     const double *spring;
+    int64_t dashpots;
+    const int64_t *dashpot_end;
+    const double *dashpot;
+    int64_t drives;
+    const int64_t *drive_end;
+    const double *drive;
+    const double *clock;
     int64_t rods;
     const int64_t *rod_end;
     const double *rod_anchor;
@@ -77,7 +85,7 @@ typedef struct {
 } refdem_rebound_engine;
 
 /* The callback `void (void *simulation)` for an engine that keeps its user's pointer (to a refdem_rebound_scene) at byte
- * `place` of a simulation; NULL if there is none. Adds gravity, springs and rods to the accelerations. */
+ * `place` of a simulation; NULL if there is none. Adds gravity, springs, dashpots, drives and rods to the accelerations. */
 void *refdem_rebound_forces(int64_t place);
 
 /* The callback `void (void *ode, double *rate, const double *y, double t)`: q' = q omega/2 and Euler's equations. */
@@ -141,9 +149,9 @@ int refdem_rattle(int64_t n, const double *mass, const double *gravity, int64_t 
 /* == particles == */
 
 /* Points and spheres. ease (bodies): 1/mass [1/kg], 0 for a fixed body; turn_ease (bodies): 1/inertia, 0 where nothing turns.
- * spring (springs, 6): stiffness [N/m^exponent], length [m], exponent, anchor in the world (3) [m]; its ends are pairs of
- * bodies, -1 the world. plane (planes, 6): point [m], unit normal. pair: bodies i and j that can meet, j = -1 - k for plane k.
- * branch: lever arm R - branch * overlap. no_pull: the contact ends when its force would pull. */
+ * spring (springs, 8): stiffness [N/m^exponent], length [m], exponent, anchor in the world (3) [m], quadratic [N/m^2], cubic
+ * [N/m^3]; its ends are pairs of bodies, -1 the world. plane (planes, 6): point [m], unit normal. pair: bodies i and j that can meet, j = -1 - k for plane k.
+ * branch: lever arm R - branch * overlap. no_pull: the contact ends when its force would pull. hertz: F = k d^(3/2) [N/m^(3/2)]. */
 typedef struct {
     int64_t bodies;
     const double *mass, *ease, *turn_ease, *radius;
@@ -156,7 +164,7 @@ typedef struct {
     int64_t pairs;
     const int64_t *pair;
     double stiffness, damping, tangential_stiffness, friction, branch;
-    int no_pull, turning;
+    int no_pull, turning, hertz;
 } refdem_particles;
 
 /* Numbers in a state: position, velocity (3 each a body); omega (3) and attitude (4) if `turning`; 3 a pair if there is
@@ -186,6 +194,168 @@ int refdem_coulomb(double mass, double stiffness, double friction, double normal
  * out (samples, 5): overlap [m], its rate [m/s], 1 while they press, normal force [N], work lost [J]. Returns 0. */
 int refdem_head_on(double mass1, double mass2, double stiffness, double damping, int no_pull, double overlap, double closing,
                    int64_t samples, const double *t, double *touch, double *out);
+
+/* == taylor_oscillator == */
+
+/* A point on a line, X its way from where its spring is at rest:
+ * m X'' = -(linear X + quadratic X^2 + cubic X^3) - (damping + van_der_pol (X + offset)^2) X' + weight + sum F cos(w t + phase),
+ * in kg, N/m, N/m^2, N/m^3, N s/m, N s/m^3, m, N; drive (drives, 3): F [N], w [rad/s], phase. */
+typedef struct {
+    double mass, linear, quadratic, cubic, damping, van_der_pol, offset, weight;
+    int64_t drives;
+    const double *drive;
+} refdem_oscillator;
+
+/* X, V from x0 [m], v0 [m/s] at t0, at the times t (samples) [s], all on one side of t0 and each farther than the one before.
+ * out (samples, 3): X, V, and the work [J] done by the motion against damping and drives. Errors: round-off times the motion's own
+ * sensitivity. Returns 0, or the sample (from 1) before which the motion goes to infinity. */
+int refdem_taylor_oscillator(const refdem_oscillator *p, double x0, double v0, double t0, int64_t samples, const double *t, double *out);
+
+/* == linear_oscillator == */
+
+/* drive (drives, 3): F [N], w [rad/s], phase. */
+typedef struct {
+    double mass, linear, damping, weight;
+    int64_t drives;
+    const double *drive;
+} refdem_linear;
+
+/* m X'' = -linear X - damping X' + weight + sum F cos(w t + phase), linear > 0 [N/m], damping [N s/m], weight [N], in closed form:
+ * X, V from x0 [m], v0 [m/s] at t0, at any times t (samples) [s]. out (samples, 2): X, V. Errors: a few ulp of the sizes of the free
+ * and of the driven motion, however long it lasts. Returns 0. */
+int refdem_linear_oscillator(const refdem_linear *p, double x0, double v0, double t0, int64_t samples, const double *t, double *out);
+
+/* == power_oscillator == */
+
+/* m x'' + k |x|^n sgn x = 0, n >= 1 [N/m^n], from x0, v0 at t0, at any times t (samples) [s]; in closed form.
+ * out (samples, 2): x, v. Errors: a few ulp, times the motion's own sensitivity. Returns 0. */
+int refdem_power_oscillator(double mass, double stiffness, double exponent, double x0, double v0, double t0, int64_t samples,
+                            const double *t, double *out);
+
+/* == maps == */
+
+/* Iterates n (samples), whole numbers that do not fall, of x -> eta x (1 - x), and of the flow of x' = eta x (1 - x) over one unit of
+ * time, from x0 in [0, 1]; out (samples). Each step rounds a few times; the flow is taken in one. Returns 0. */
+int refdem_logistic(double eta, double x0, int64_t samples, const double *n, double *out);
+int refdem_logistic_flow(double eta, double x0, int64_t samples, const double *n, double *out);
+
+/* Bounces n (samples), whole numbers that do not fall, in a table of width and height [m] centred on the origin: a rectangle, or a
+ * stadium (width >= height). start (4): a place inside [m], a unit direction; out (samples, 4): place [m] of the bounce, direction after
+ * it; bounce 0 is the start. Errors: a few ulp, times the motion's own sensitivity. Returns 0, or 1 for a direction of length 0. */
+int refdem_rectangle(double width, double height, const double *start, int64_t samples, const double *n, double *out);
+int refdem_stadium(double width, double height, const double *start, int64_t samples, const double *n, double *out);
+
+/* == stick_slip == */
+
+/* A point on a spring that rubs on a belt: m x'' in amplitude cos(frequency t + phase) + weight - stiffness x - N mu(|u|) Sgn(u) with
+ * u = x' - belt, mu(s) = (mu0 - mu1)/(1 + lambda0 s) + mu1 + lambda1 s^2 (`linear`: lambda1 s), in SI units; x from the spring's anchor. */
+typedef struct {
+    double mass, stiffness, weight, normal_force, mu0, mu1, lambda0, lambda1, belt, amplitude, frequency, phase;
+    int linear;
+} refdem_belt;
+
+/* x [m], v [m/s] and the work [J] done against friction and drive, from x0, v0 at t0, at times t (samples) >= t0 [s], rising.
+ * out (samples, 3): v is exactly the belt's while it sticks. event (most, 2): time [s], 1 it comes to stick, 2 it is released.
+ * Errors: round-off times the motion's own sensitivity; events to the last bits. Returns the number of events kept. */
+int64_t refdem_stick_slip(const refdem_belt *p, double x0, double v0, double t0, int64_t samples, const double *t, int64_t most,
+                          double *event, double *out);
+
+/* The section v = 0, x + origin > 0 for n frequencies > 0 [rad/s] of the drive, each from x0, v0 at t = 0: after `skip` periods of the
+ * drive, over `keep` more. out (n, most): x + origin in order, counts (n) of them. sums (n, blocks): growth of the logarithm of a
+ * tangent over equal parts of the time kept; none if blocks is 0. Returns 0. */
+int refdem_stick_slip_section(const refdem_belt *p, int64_t n, const double *frequency, double origin, double x0, double v0, int64_t skip,
+                              int64_t keep, int64_t blocks, int64_t most, double *counts, double *sums, double *out);
+
+/* == rod_chain == */
+
+/* A planar chain of up to 8 points (mass, rods) [kg] on rods (length, rods) [m] below a pivot at drive cos(frequency t + phase)
+ * (drive (2) [m], frequency [rad/s]) in uniform gravity (2) [m/s^2], at the times t (samples) of either direction. Angles are from
+ * the direction (0, -1), positive towards (1, 0); aim (rods, 2): their sines and cosines at the start, from which they count. out (samples, 2 rods + 1): angles [rad], rates [rad/s], work [J] that the pivot
+ * has done on the chain; row 0 is the start, given: 0, the rates, 0.
+ * Taylor series of order 20; errors are a few ulp times the sensitivity of the motion. Returns 0, or the sample that was not reached. */
+int refdem_rod_chain(int64_t rods, const double *length, const double *aim, const double *mass, const double *gravity,
+                     const double *drive, double frequency, double phase, int64_t samples, const double *t, double *out);
+
+/* == dissipating_body == */
+
+/* A body with principal moments inertia (3) [kg m^2] and a damping [s/(kg m^2)] inside, at the times t (samples) of either direction.
+ * out (samples, 7): angular momentum in principal axes [kg m^2/s], attitude (w, x, y, z); row 0 is the start, given.
+ * Taylor series of order 20; errors are a few ulp times the sensitivity of the motion. Returns 0, or the sample that was not reached. */
+int refdem_dissipating_body(const double *inertia, double damping, int64_t samples, const double *t, double *out);
+
+/* == string_wheel == */
+
+/* A pendulum of `mass` [kg] on the free part of a string over a wheel of `radius` [m], `counter` [kg] on the other side, `drag`
+ * = J/R^2 [kg], gravity [m/s^2]. out (samples, 4): r [m], theta [rad], u = r' - R theta' [m/s], theta' [rad/s]; as above. */
+int refdem_string_wheel(double mass, double counter, double drag, double radius, double gravity, int64_t samples, const double *t,
+                        double *out);
+
+/* == power_contact == */
+
+/* m d'' = -k d^n from any overlap [m] and its rate [m/s], n > 0; `in` and `out_law` (2): k [N/m^n] and n, up to the greatest overlap
+ * and from there on. touch (3): when they touch, turn and part [s]. out (samples, 2): overlap (negative while apart), its rate, at
+ * the times t (samples) of either sign [s]. Errors: a few ulp of the greatest overlap and of the speed. Returns 0. */
+int refdem_power_contact(double mass, const double *in, const double *out_law, double overlap, double rate, int64_t samples,
+                         const double *t, double *touch, double *out);
+
+/* == piecewise_field == */
+
+/* A point in the force F(x) of a tent: k1 (x - x1) for x1 <= x <= 0, k2 (x - x2) for 0 <= x <= x2, k1 > 0 > k2, k1 x1 = k2 x2:
+ * x [m], v [m/s] at the times t (samples) >= 0, rising [s], from x0, v0. out (samples, 2). Errors: round-off times the motion's own
+ * sensitivity. Returns 0. */
+int refdem_piecewise_field(double mass, double k1, double k2, double x1, double x2, double x0, double v0, int64_t samples,
+                           const double *t, double *out);
+
+/* == spinning_top == */
+
+/* A rigid body about a fixed point: inertia (3) > 0 [kg m^2], principal, about that point; arm (3) [m] from it to the centre of mass, in
+ * body axes; weight (3) [N] in space. out (samples, 7): attitude (w, x, y, z), omega in body axes [rad/s]; row 0 is the start, given.
+ * Taylor series of order 20 as above. Returns 0, or the sample that was not reached. */
+int refdem_spinning_top(const double *inertia, const double *arm, const double *weight, int64_t samples, const double *t, double *out);
+
+/* == tumbling_body == */
+
+/* A convex body over a plane: mass [kg]; principal inertia (3) > 0 [kg m^2]; gravity (3) [m/s^2]; plane: a point (3) [m] and the unit
+ * normal (3) towards the body; corner (corners, 3) [m] in body axes, at most 32; linear law with the cutoff zero_force and friction of
+ * full size against the slip of every corner that presses: stiffness > 0 [N/m], damping [N s/m], friction. */
+typedef struct {
+    double mass;
+    const double *inertia, *gravity, *plane;
+    int64_t corners;
+    const double *corner;
+    double stiffness, damping, friction;
+} refdem_tumbling_body;
+
+/* States at times t [s], rising. out (samples, 14): attitude (w, x, y, z), omega [rad/s] and velocity [m/s] in body axes, place [m] in
+ * space, lost work [J]; row 0 is the start, given. channel (samples, 3): corners that touch, largest depth [m], largest push [N]. event
+ * (most, 3): time [s], mode before (0 off, 1 presses, 2 idles), corner. Returns the number of events written, or -k if sample k was not
+ * reached: a corner's slip came to an end. */
+int64_t refdem_tumbling_body_run(const refdem_tumbling_body *given, int64_t samples, const double *t, int64_t most, double *event,
+                                 double *channel, double *out);
+
+/* == gas == */
+
+/* Equal smooth spheres: mass [kg], diameter [m], stiffness [N/m], damping [kg/s]; no_pull: the contact ends where it would pull. In a
+ * cubic periodic box of edge `size` [m], at least 2.5 diameters (0: none), or between `planes` (planes, 6): point [m] and unit normal.
+ * most_pairs: room for pairs closer than a diameter and a skin. */
+typedef struct {
+    int64_t bodies, planes, most_pairs, no_pull;
+    double mass, diameter, stiffness, damping, size;
+    const double *plane;
+} refdem_gas;
+
+/* Room that a run needs: doubles, integers, bytes; and contacts, at most. */
+int64_t refdem_gas_doubles(const refdem_gas *p);
+int64_t refdem_gas_integers(const refdem_gas *p);
+int64_t refdem_gas_bytes(const refdem_gas *p);
+int64_t refdem_gas_contacts(const refdem_gas *p);
+
+/* Velocity Verlet with signed `step` [s], `stride` steps a sample. out (samples, 2, bodies, 3): positions [m], which go on beyond the box,
+ * and velocities [m/s]; row 0 is the start, given. channel (samples, 2): number of contacts, dissipated work [J]. event (most, 2): time
+ * since the start [s] and body of each contact that begins. Momentum is kept exactly while velocities lie on the grid (gas.c), else to
+ * round-off. Returns the number of contacts that began, also beyond `most`; -1 if there was no room for the pairs or contacts. */
+int64_t refdem_gas_run(const refdem_gas *p, double step, int64_t samples, int64_t stride, int64_t most, double *work, int32_t *integers,
+                       uint8_t *bytes, double *event, double *channel, double *out);
 
 /* == end == */
 #endif

@@ -20,8 +20,8 @@ static double crossing(const runner *r, course *c, int64_t k, int kind, double h
 {
     double low = 0.0, high = 1.0, at_low = guard(r, k, kind, c->y, c->dy), at_high = last, found = 1.0;
     int side = 0;
-    if (at_low <= 0.0)
-        return 0.0;
+    if (at_low <= 0.0 || (kind == GAP && at_low <= SLACK && meet(r->p, k, c->y).rate * h < 0.0))
+        return 0.0; /* what parts within rounding parts now: else it would stick and slip without end at the last bit */
     for (int tries = 0; tries < 80 && high - low > 2e-16 * high; tries++) {
         found = (low * at_high - high * at_low) / (at_high - at_low);
         found = fmin(fmax(found, low + 1e-16 * high), high);

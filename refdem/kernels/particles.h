@@ -92,7 +92,7 @@ static inline meeting meet(const refdem_particles *p, int64_t k, const double *r
 {
     meeting m;
     approach(p, k, y, &m);
-    m.normal = p->stiffness * m.overlap + p->damping * m.rate;
+    m.normal = p->stiffness * m.overlap * (p->hertz ? sqrt(fmax(m.overlap, 0.0)) : 1.0) + p->damping * m.rate;
     m.limit = p->friction * m.normal;
     if (p->friction > 0.0) {
         const double *w = y + spin_at(p);
@@ -156,13 +156,16 @@ static inline void rub(const refdem_particles *p, int64_t mode, const meeting *m
     double least = 1e-8 * p->friction * p->stiffness * p->radius[m->i], limit = fmax(m->limit, 0.0);
     double lean = k * limit / (limit * limit + least * least); /* k/limit, but finite where the force vanishes */
     double across[3], towards[3] = {s[0], s[1], s[2]}, fast = size(m->slip), flat = 1.0;
-    if (k == 0.0 && mode == SLIP) { /* along the slip; where that has no direction, as it was, in the plane of contact */
+    if (k == 0.0 && mode == SLIP) { /* along the slip; where that has no direction, as it was; in the plane of contact, for a slip
+                                     * that ends is all rounding, and friction may be many times the normal force */
+        for (int c = 0; along > least_slip(p, m) && c < 3; c++)
+            towards[c] = m->slip[c] / fast;
         add(towards, -dot(towards, m->n), m->n);
-        flat = size(towards);
+        flat = fmax(size(towards), 1e-300); /* no direction yet, as after sticking without any pull: no friction */
     }
     for (int c = 0; c < 3; c++) {
         across[c] = m->slip[c] - along * s[c] / fmax(dot(s, s), 1e-300);
-        towards[c] = k == 0.0 && along > least_slip(p, m) ? m->slip[c] / fast : towards[c] / flat;
+        towards[c] /= flat;
     }
     if (mode == SLIP && size(across) < 1e-9 * fast) /* motion in a plane: rounding must not turn the spring */
         lean = 0.0;
@@ -196,15 +199,15 @@ static inline void twist(const refdem_particles *p, const meeting *m, const doub
 static inline void pull_springs(const refdem_particles *p, const double *restrict x, double *restrict force)
 {
     for (int64_t k = 0; k < p->springs; k++) {
-        const double *spring = p->spring + 6 * k;
+        const double *spring = p->spring + 8 * k;
         int64_t i = p->spring_end[2 * k], j = p->spring_end[2 * k + 1];
         double to[3], factor = spring[0];
         for (int c = 0; c < 3; c++)
             to[c] = (j < 0 ? spring[3 + c] : x[3 * j + c]) - x[3 * i + c];
-        if (spring[1] != 0.0 || spring[2] != 1.0) {
+        if (spring[1] != 0.0 || spring[2] != 1.0 || spring[6] != 0.0 || spring[7] != 0.0) {
             double distance = size(to), stretch = distance - spring[1];
-            double pull = spring[2] == 1.0 ? fabs(stretch) : pow(fabs(stretch), spring[2]);
-            factor *= distance > 0.0 ? copysign(pull, stretch) / distance : 0.0;
+            double pull = factor * copysign(spring[2] == 1.0 ? fabs(stretch) : pow(fabs(stretch), spring[2]), stretch);
+            factor = distance > 0.0 ? (pull + (spring[6] + spring[7] * stretch) * stretch * stretch) / distance : 0.0;
         }
         add(force + 3 * i, factor, to);
         if (j >= 0)

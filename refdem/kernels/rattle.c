@@ -32,10 +32,17 @@ static double dot(const double *a, const double *b)
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 }
 
+/* With what the sums left over, so that rods far from the origin are held as well as near it. */
 static void directions(const system_of_rods *s, const double *restrict x, double *restrict d)
 {
-    for (int64_t r = 0; r < s->rods; r++)
+    static const double nothing[3] = {0.0, 0.0, 0.0};
+    for (int64_t r = 0; r < s->rods; r++) {
+        double low[3];
         separation(s->rod_ends + 2 * r, s->rod_anchor + 3 * r, x, d + 3 * r);
+        separation(s->rod_ends + 2 * r, nothing, s->low_x, low);
+        for (int i = 0; i < 3; i++)
+            d[3 * r + i] += low[i];
+    }
 }
 
 /* Gravity and springs, per mass. */
@@ -52,7 +59,7 @@ static void accelerate(const system_of_rods *s, const double *restrict x)
         separation(ends, s->spring_anchor + 3 * k, x, d);
         size = sqrt(dot(d, d));
         stretch = size - law[1];
-        pull = law[2] == 1.0 ? law[0] * stretch : copysign(law[0] * pow(fabs(stretch), law[2]), stretch);
+        pull = law[2] == 1.0 ? law[0] * stretch : law[0] * copysign(pow(fabs(stretch), law[2]), stretch);
         pull = law[1] == 0.0 && law[2] == 1.0 ? law[0] : size > 0.0 ? pull / size : 0.0;
         for (int end = 0; end < 2; end++)
             if (ends[end] >= 0)

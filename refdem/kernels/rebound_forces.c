@@ -1,4 +1,4 @@
-/* Force fields, rods and Euler's equations in REBOUND's words: its callbacks, and a loop over its own steps.
+/* Force fields, dashpots, drives, rods and Euler's equations in REBOUND's words: its callbacks, and a loop over its own steps.
  *
  * REBOUND calls back with the address of its simulation (or set of equations) alone. What the callback needs hangs on a
  * pointer that the engine keeps for its users; where that pointer lies depends on the engine's version, so there is one
@@ -52,13 +52,27 @@ static void spring(const scene_t *scene, const int64_t *end, const double *p)
 {
     double d[3];
     difference(scene, end, scene->position, p + 3, d);
-    if (p[1] == 0 && p[2] == 1) {
+    if (p[1] == 0 && p[2] == 1 && p[6] == 0 && p[7] == 0) {
         push(scene, end, -p[0], d);
         return;
     }
     double distance = sqrt(dot(d, d)), stretch = distance - p[1];
     if (distance > 0)
-        push(scene, end, -copysign(p[0] * pow(fabs(stretch), p[2]), stretch) / distance, d);
+        push(scene, end, -(p[0] * copysign(pow(fabs(stretch), p[2]), stretch) + (p[6] + p[7] * stretch) * stretch * stretch) / distance, d);
+}
+
+static void dashpot(const scene_t *scene, const int64_t *end, const double *p)
+{
+    static const double rest[3] = {0, 0, 0};
+    double d[3], w[3];
+    difference(scene, end, scene->position, p + 2, d);
+    difference(scene, end, scene->velocity, rest, w);
+    push(scene, end, -(p[0] + p[1] * dot(d, d)), w);
+}
+
+static void drive(const scene_t *scene, const int64_t *end, const double *p)
+{
+    push(scene, end, p[0] * cos(p[1] * *scene->clock + p[2]), p + 3);
 }
 
 static double inverse_mass(const scene_t *scene, int64_t body)
@@ -88,7 +102,11 @@ static void forces(const scene_t *scene)
             a[i] = scene->fixed[body] ? 0.0 : a[i] + scene->gravity[i];
     }
     for (int64_t k = 0; k < scene->springs; k++)
-        spring(scene, scene->spring_end + 2 * k, scene->spring + 6 * k);
+        spring(scene, scene->spring_end + 2 * k, scene->spring + 8 * k);
+    for (int64_t k = 0; k < scene->dashpots; k++)
+        dashpot(scene, scene->dashpot_end + 2 * k, scene->dashpot + 5 * k);
+    for (int64_t k = 0; k < scene->drives; k++)
+        drive(scene, scene->drive_end + 2 * k, scene->drive + 6 * k);
     for (int64_t k = 0; k < scene->rods; k++)
         scene->tension[k] = rod(scene, scene->rod_end + 2 * k, scene->rod_anchor + 3 * k);
 }

@@ -5,7 +5,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
+    from refdem.core.figure import Figure
     from refdem.core.finding import Sheet
+    from refdem.core.manual import ManualPage
     from refdem.core.store import Store
     from refdem.report.tables import Tables
 
@@ -33,6 +35,20 @@ def write_report(folder: Path, sheets: "Sequence[Sheet]", store: "Store | None" 
     from refdem.report.writing import write_everything
 
     write_everything(Path(folder), sheets, store)
+
+
+def write_manual(folder: Path, pages: "Sequence[ManualPage]", *, version: str) -> None:
+    """Writes the verification manual into `folder`/manual, Markdown and HTML; raises StoreError if it cannot be written."""
+    from refdem.report.manual import write_pages
+
+    write_pages(Path(folder), pages, version=version)
+
+
+def write_gallery(folder: Path, figures: "Sequence[Figure]", *, version: str, store: "Store | None" = None) -> None:
+    """Writes gallery.html, gallery.md and a picture a figure into `folder`; raises StoreError if it cannot be written."""
+    from refdem.report.gallery import write_figures
+
+    write_figures(Path(folder), figures, version=version, store=store)
 
 
 def write_junit(path: Path, sheets: "Iterable[Sheet]") -> None:

@@ -40,8 +40,10 @@ MEANINGS = {
 }
 
 
-def pages(contents: Contents, rows: dict[str, list[Row]], specs: dict[str, dict[str, str]]) -> Iterator[tuple[str, str]]:
-    """(file name, text) of every page: cases, engines, and at last the index."""
+def pages(
+    contents: Contents, rows: dict[str, list[Row]], specs: dict[str, dict[str, str]], *, has_gallery: bool = False
+) -> Iterator[tuple[str, str]]:
+    """(file name, text) of every page: cases, engines, and at last the index, which has a link to a gallery if there is one."""
     templates = _templates()
     everywhere = {"contents": contents, "counts": contents.counts(), "marks": MARKS, "meanings": MEANINGS, "targets": TARGETS}
     labels = [sheet.label for sheet in contents.cases]
@@ -57,7 +59,14 @@ def pages(contents: Contents, rows: dict[str, list[Row]], specs: dict[str, dict[
     yield (
         "index.html",
         templates.get_template("index.html").render(
-            everywhere, root="", rows=rows, cells=cells, advice=advice(contents.counts()), groups=groups, specs=specs[""]
+            everywhere,
+            root="",
+            rows=rows,
+            cells=cells,
+            has_gallery=has_gallery,
+            advice=advice(contents.counts()),
+            groups=groups,
+            specs=specs[""],
         ),
     )
 

@@ -32,7 +32,7 @@ def write_everything(folder: Path, sheets: Sequence[Sheet], store: Store | None)
     written(folder / "assets" / "vega.js", figures.script(store))
     pictures, specs = _charts(folder, contents, rows, store)
     written(folder / "validation.md", markdown.validation(contents, rows, pictures))
-    for name, text in html.pages(contents, rows, specs):
+    for name, text in html.pages(contents, rows, specs, has_gallery=(folder / "gallery" / "gallery.html").exists()):
         written(folder / name, text)
 
 

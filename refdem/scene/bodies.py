@@ -43,7 +43,7 @@ class Bodies:
     def __post_init__(self) -> None:
         for column in COLUMNS:
             getattr(self, column).setflags(write=False)
-        for number in range(len(self.mass)):
+        for number in np.flatnonzero(_suspect(self)).tolist():
             _refuse_unphysical(self, number)
 
     @classmethod
@@ -81,6 +81,23 @@ COLUMNS = ("mass", "inertia", "position", "velocity", "attitude", "omega")
 def _fields(row: tuple[Any, ...]) -> dict[str, Any]:
     """One row of the columns as fields of a Body."""
     return {name: tuple(value) if isinstance(value, list) else value for name, value in zip(COLUMNS, row, strict=True)}
+
+
+def _suspect(bodies: Bodies) -> NDArray[np.bool_]:
+    """Bodies (N,) that have to be looked at one by one: all that cannot exist are among them."""
+    with np.errstate(all="ignore"):
+        wrong = ~(bodies.mass > 0) | np.any(bodies.inertia < 0, axis=1)
+        wrong |= np.any(2 * bodies.inertia > bodies.inertia.sum(axis=1, keepdims=True), axis=1)
+        wrong |= ~(np.abs(np.linalg.norm(bodies.attitude, axis=1) - 1) < 5e-10)
+        for name in COLUMNS:
+            wrong |= ~np.isfinite(getattr(bodies, name)).reshape(len(wrong), -1).all(axis=1)
+    checked = {shape: isinstance(shape, Polyhedron) or not _is_sound(shape) for shape in set(bodies.shape)}
+    return np.asarray(wrong | np.array([checked[shape] for shape in bodies.shape]))
+
+
+def _is_sound(shape: Shape) -> bool:
+    """A point, or a sphere with a radius."""
+    return not isinstance(shape, Sphere) or 0 < shape.radius < float("inf")
 
 
 def _refuse_unphysical(bodies: Bodies, number: int) -> None:

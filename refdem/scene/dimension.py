@@ -17,6 +17,7 @@ Length = Annotated[float, Dimension(0, 1, 0)]
 Force = Annotated[float, Dimension(1, 1, -2)]
 Stiffness = Annotated[float, Dimension(1, 0, -2)]
 Damping = Annotated[float, Dimension(1, 0, -1)]
+Frequency = Annotated[float, Dimension(0, 0, -1)]
 GravityParameter = Annotated[float, Dimension(0, 3, -2)]
 
 Direction = Annotated[tuple[float, float, float], Dimension(0, 0, 0)]

@@ -1,5 +1,6 @@
 """What every element of a scene is: a frozen, JSON-typed record, with a potential if it has one."""
 
+from functools import cache
 from typing import Any, ClassVar, get_type_hints
 
 import msgspec
@@ -11,11 +12,23 @@ from refdem.scene.dimension import Dimension, Position
 Array = NDArray[np.float64]
 
 
+@cache
+def types_of(kind: type) -> dict[str, Any]:
+    """The types of a record's fields, with their dimensions; Python looks them up anew at every call."""
+    return get_type_hints(kind, include_extras=True)
+
+
 class Element(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True, tag_field="kind"):
     """One force, constraint or field. `kind` is its tag in JSON."""
 
     conservative: ClassVar[bool] = True
     external: ClassVar[bool] = False  # acts from outside: momentum of the bodies is not kept
+    drives: ClassVar[bool] = False  # can bring energy in
+
+    @property
+    def reversible(self) -> bool:
+        """With all velocities flipped its motion runs back: what conserves energy does, and an element that knows better overrides this."""
+        return self.conservative
 
     @property
     def kind(self) -> str:
@@ -24,7 +37,7 @@ class Element(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=T
 
     def dimension(self, field: str) -> Dimension | None:
         """The dimension of one field, from its type; None for a number of a body."""
-        hint = get_type_hints(type(self), include_extras=True)[field]
+        hint = types_of(type(self))[field]
         return next((part for part in getattr(hint, "__metadata__", ()) if isinstance(part, Dimension)), None)
 
     def features(self) -> frozenset[str]:
@@ -35,9 +48,17 @@ class Element(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=T
         """Sentences about values that are not physical; empty if all is well."""
         return []
 
+    def delayed(self, delay: float) -> "Element":
+        """The element of the same motion that begins `delay` [s] later; one that reads the clock overrides this."""
+        return self
+
     def potential(self, scene: Any, position: Array, attitude: Array) -> Array:
         """Potential energy (T,) [J] for position (T, N, 3) [m], attitude (T, N, 4); zero by default."""
         return np.zeros(len(position))
+
+    def kinetic(self, scene: Any, velocity: Array) -> Array:
+        """Kinetic energy (T,) [J] of what the element itself moves, for velocity (T, N, 3) [m/s]; zero by default."""
+        return np.zeros(len(velocity))
 
 
 class Link(Element, frozen=True, kw_only=True):

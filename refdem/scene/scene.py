@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from refdem.errors import SceneError
 from refdem.scene.bodies import Bodies, Body
-from refdem.scene.element import Element, Link
+from refdem.scene.element import Element
 from refdem.scene.elements import AnyElement
 from refdem.scene.shapes import Point
 
@@ -42,7 +42,7 @@ class Scene:
                     raise SceneError(f"{where}.{name} is {value}; expected finite numbers")
             for fault in element.faults():
                 raise SceneError(f"{where}: {fault}")
-            if isinstance(element, Link):
+            if hasattr(element, "a"):
                 _refuse_ends(element, len(self.bodies), where)
 
     @classmethod
@@ -90,6 +90,14 @@ class Scene:
         """Every element has a potential or does no work."""
         return all(e.conservative for e in self.elements)
 
+    def is_reversible(self) -> bool:
+        """With all velocities flipped the motion runs back."""
+        return all(e.reversible for e in self.elements)
+
+    def is_driven(self) -> bool:
+        """Some element can bring energy in."""
+        return any(e.drives for e in self.elements)
+
     def potential(self, position: Array, attitude: Array) -> Array:
         """Potential energy of every element (T,) [J] for position (T, N, 3) [m] and attitude (T, N, 4)."""
         total: Any = sum(e.potential(self, position, attitude) for e in self.elements)
@@ -111,8 +119,8 @@ def _plain(value: Any) -> Any:
     raise TypeError(f"{type(value).__name__} cannot be written as JSON")
 
 
-def _refuse_ends(link: Link, count: int, where: str) -> None:
-    """Raises SceneError if a link names bodies that do not exist."""
+def _refuse_ends(link: Any, count: int, where: str) -> None:
+    """Raises SceneError if an element names bodies that do not exist."""
     if not 0 <= link.a < count or not -1 <= link.b < count or link.a == link.b:
         raise SceneError(
             f"{where}: joins bodies {link.a} and {link.b}; expected two different ones of 0..{count - 1}, b may be -1 (the world)"

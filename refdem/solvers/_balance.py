@@ -1,5 +1,7 @@
 """Whether a scene at rest certainly stays at rest: forces that add up to zero, or stacks that stand on a plane."""
 
+from dataclasses import dataclass
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -19,7 +21,7 @@ SLACK = 8 * 2.0**-52
 
 
 def unbalanced(scene: Scene) -> str | None:
-    """None if springs, fields and linear contacts add up to zero on every body that is not fixed."""
+    """None if springs, fields and contacts add up to zero on every body that is not fixed."""
     bodies = scene.bodies
     net, size = np.zeros_like(bodies.position), np.zeros(len(bodies))
 
@@ -33,7 +35,7 @@ def unbalanced(scene: Scene) -> str | None:
         line = ends[1] - ends[0]
         distance = float(np.linalg.norm(line))
         stretch = distance - spring.length
-        pull = np.sign(stretch) * spring.stiffness * abs(stretch) ** spring.exponent
+        pull = float(spring.pull(np.array(stretch)))
         if distance == 0.0 and spring.length > 0:
             return "a spring without direction"
         force = pull * line / (distance or 1.0)
@@ -46,7 +48,8 @@ def unbalanced(scene: Scene) -> str | None:
             push(number, -field.gm * mass * bodies.position[number] / np.linalg.norm(bodies.position[number]) ** 3)
     for i, j in _particles.pairs(scene):
         overlap, normal = _overlap(scene, i, j)
-        force = scene.all(Contact)[0].stiffness * max(overlap, 0.0) * normal
+        law = scene.all(Contact)[0]
+        force = law.stiffness * max(overlap, 0.0) ** law.exponent * normal
         push(i, -force)
         push(j, force)
     free = ~bodies.fixed
@@ -68,18 +71,51 @@ def _overlap(scene: Scene, i: int, j: int) -> tuple[float, Array]:
 
 def falling(scene: Scene, law: Contact) -> str | None:
     """None if every body stands on the one plane, or on exactly one other body, with its load's centre over the support."""
+    if isinstance(load := pressed(scene), str):
+        return load
+    if load.steepness > law.friction * (1 + SLACK):
+        return "static friction does not hold them"
+    return _Standing(scene, load.normal, load.point, load.gravity / load.pressing).fault()
+
+
+@dataclass(frozen=True)
+class Load:
+    """Gravity (3,) [m/s^2] on one plane: its part `pressing` against the `normal`, and `along` (3,) the plane."""
+
+    normal: Array
+    point: Array
+    gravity: Array
+    pressing: float
+
+    @property
+    def along(self) -> Array:
+        """What is left of gravity without its part against the normal."""
+        return np.asarray(self.gravity + self.pressing * self.normal)
+
+    @property
+    def steepness(self) -> float:
+        """Tangent of the slope."""
+        return float(np.linalg.norm(self.along)) / self.pressing
+
+
+def pressed(scene: Scene) -> Load | str:
+    """Gravity on the one plane, or why there is no such thing."""
     planes, gravity = scene.all(Plane), np.sum([np.zeros(3), *(np.array(e.g) for e in scene.all(UniformGravity))], axis=0)
     if len(planes) != 1:
         return f"{len(planes)} planes; expected one"
-    normal, point = np.array(planes[0].normal), np.array(planes[0].point)
+    normal = np.array(planes[0].normal)
     pressing = -float(gravity @ normal)
-    along = gravity + pressing * normal
     if not pressing > 0:
         return "gravity does not press the bodies on the plane"
-    if np.linalg.norm(along) > law.friction * pressing * (1 + SLACK):
-        return "static friction does not hold them"
-    standing = _Standing(scene, normal, point, gravity / pressing)
-    return standing.fault()
+    return Load(normal, np.array(planes[0].point), gravity, pressing)
+
+
+def tipping(scene: Scene, law: Contact, load: Load) -> str | None:
+    """None if the one body slides down the plane without turning: what carries it, tilted by friction, goes through its foot."""
+    if not load.steepness > law.friction * (1 + SLACK):
+        return "static friction holds it"
+    downhill = load.along / np.linalg.norm(load.along)
+    return _Standing(scene, load.normal, load.point, law.friction * downhill - load.normal).fault()
 
 
 class _Standing:

@@ -24,6 +24,8 @@ ELEMENTS = (Spring, UniformGravity, CentralField, Contact, Plane)
 BRANCH = {"R": 0.0, "R-d": 1.0, "R-d/2": 0.5}
 METHODS = {"velocity-verlet": 0, "rk4": 1, "contact-events": 2}
 FAMILY = "particles"
+MANY = 12
+"""Pairs that are looked at one by one in every step, and whose events cut it."""
 
 
 def contact_of(scene: Scene) -> Contact | None:
@@ -44,7 +46,7 @@ def pairs(scene: Scene) -> NDArray[np.int64]:
 
 
 def refusal(problem: Motion) -> str | None:
-    """None if the scene is points and spheres under springs, gravity, a central field and linear contact."""
+    """None if the scene is points and spheres under springs, gravity, a central field and linear or Hertzian contact."""
     scene = problem.scene
     for element in scene.elements:
         reason = _element_refusal(element)
@@ -52,6 +54,9 @@ def refusal(problem: Motion) -> str | None:
             return reason
     if len(scene.all(Contact)) > 1:
         return "more than one contact law"
+    spheres = np.count_nonzero(scene.bodies.radius) if scene.all(Contact) else 0
+    if spheres * (spheres - 1) / 2 + spheres * len(scene.all(Plane)) > MANY:
+        return f"more than {MANY} pairs that may meet"
     law = contact_of(scene)
     return _contact_refusal(scene, law) if law else _body_refusal(scene)
 
@@ -80,7 +85,7 @@ def _body_refusal(scene: Scene) -> str | None:
 
 
 def _contact_refusal(scene: Scene, law: Contact) -> str | None:
-    if law.law != "linear":
+    if law.law == "rigid":
         return f"contact law {law.law}"
     if any(isinstance(shape, Polyhedron) for shape in scene.bodies.shape):
         return "contact of polyhedra"
@@ -110,7 +115,7 @@ class Packed:
             "turn_ease": np.where(turns, 1.0 / np.where(turns, inertia, 1.0), 0.0),
             "radius": bodies.radius,
             "gravity": np.sum([e.g for e in scene.all(UniformGravity)], axis=0) if scene.all(UniformGravity) else np.zeros(3),
-            "spring": np.array([(s.stiffness, s.length, s.exponent, *s.anchor_b) for s in springs], float),
+            "spring": np.array([(s.stiffness, s.length, s.exponent, *s.anchor_b, s.quadratic, s.cubic) for s in springs], float),
             "spring_end": np.array([(s.a, s.b) for s in springs], np.int64),
             "plane": np.array([(*p.point, *p.normal) for p in planes], float),
             "pair": self.pairs,
@@ -119,7 +124,7 @@ class Packed:
         numbers["gm"] = sum(e.gm for e in scene.all(CentralField))
         if law:
             numbers |= {name: getattr(law, name) for name in ("stiffness", "damping", "tangential_stiffness", "friction")}
-            numbers |= {"branch": BRANCH[law.branch], "no_pull": law.cutoff == "zero_force"}
+            numbers |= {"branch": BRANCH[law.branch], "no_pull": law.cutoff == "zero_force", "hertz": law.law == "hertz"}
         ffi = kernels.load(FAMILY).ffi
         arrays = {name: _address(ffi, np.ascontiguousarray(value)) for name, value in self._kept.items()}
         self._buffers = arrays
@@ -165,7 +170,7 @@ def _trajectory(scene: Scene, times: Array, packed: Packed, out: Array, channel:
     """The kernel's rows as states, channels and events."""
     count, n = len(times), len(scene.bodies)
     blocks = np.split(out[:, : 13 * n if packed.turning else 6 * n], np.cumsum([3 * n, 3 * n, 3 * n])[: 3 if packed.turning else 1], axis=1)
-    columns = {name: np.ascontiguousarray(b).reshape(count, n, -1) for name, b in zip(_COLUMNS, blocks, strict=False)}
+    columns: dict[str, Any] = {name: np.ascontiguousarray(b).reshape(count, n, -1) for name, b in zip(_COLUMNS, blocks, strict=False)}
     if not packed.turning:
         columns["omega"] = np.zeros((count, n, 3))
         columns["attitude"] = np.broadcast_to(scene.bodies.attitude, (count, n, 4)).copy()

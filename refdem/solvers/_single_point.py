@@ -5,6 +5,7 @@ from numpy.typing import NDArray
 
 from refdem.scene import Element, Scene
 from refdem.scene.element import Link
+from refdem.scene.elements.spring import Spring
 from refdem.scene.elements.uniform_gravity import UniformGravity
 
 Array = NDArray[np.float64]
@@ -32,6 +33,11 @@ def turning(scene: Scene) -> str | None:
         return "rotation is coupled to the motion"
     off_centre = (link for link in scene.all(Link) if any(link.anchor_a) or (link.b >= 0 and any(link.anchor_b)))
     return "a link is off a body's centre" if any(off_centre) else None
+
+
+def is_linear(spring: Spring) -> bool:
+    """Its force is proportional to its stretch."""
+    return spring.exponent == 1 and not spring.quadratic and not spring.cubic
 
 
 def anchor(link: Link) -> Array:

@@ -25,8 +25,11 @@ class ContactEvents(Solver):
 
     def refusal(self, problem: Motion) -> str | None:
         """Scenes with linear contact between shapes that can meet."""
-        if _particles.contact_of(problem.scene) is None:
+        law = _particles.contact_of(problem.scene)
+        if law is None:
             return "no shapes that can meet"
+        if law.law != "linear":
+            return f"contact law {law.law}: not smooth at its onset"
         return RK4.refusal(problem)
 
     def run(self, request: Request) -> tuple[Trajectory, Cost]:

@@ -39,10 +39,12 @@ class ExactCoulomb(Solver):
         spring, slider = scene.all(Spring)[0], scene.all(Slider)[0]
         if spring.b >= 0 or slider.b >= 0 or scene.bodies.fixed.any():
             return "spring and slider do not tie a body to the world"
-        if spring.length or spring.exponent != 1 or not spring.stiffness > 0:
+        if spring.length or not single.is_linear(spring) or not spring.stiffness > 0:
             return "the spring is not linear from natural length 0"
         if not slider.friction * slider.normal_force > 0:
             return "the slider does not rub"
+        if not slider.is_plain:
+            return "the slider is on a belt, or its friction depends on the speed"
         if problem.interval < 0:
             return "time runs backwards, and a body that friction brought to rest may have come from anywhere"
         return _off_line(scene, np.array(slider.axis))

@@ -46,7 +46,7 @@ class ExactHeadOn(Solver):
             return "a sphere turns"
         if problem.interval < 0 and laws[0].damping > 0:
             return "time runs backwards through a dashpot"
-        overlap, closing, sideways = _approach(scene)
+        overlap, closing, sideways = approach(scene)
         distance = float(bodies.radius.sum())
         if overlap > ROUNDED * distance:
             return "the spheres overlap at the start"
@@ -58,7 +58,7 @@ class ExactHeadOn(Solver):
         scene, t = request.problem.scene, request.problem.times
         law, bodies = scene.all(Contact)[0], scene.bodies
         sense = float(np.sign(request.problem.interval))
-        overlap, closing, _ = _approach(scene)
+        overlap, closing, _ = approach(scene)
         start = min(overlap, 0.0) if abs(overlap) > ROUNDED * bodies.radius.sum() else 0.0
         since, out, touch = sense * (t - t[0]), np.empty((len(t), 5)), np.empty(2)
         numbers = (*bodies.mass.tolist(), law.stiffness, law.damping, law.cutoff == "zero_force", start, sense * closing)
@@ -67,7 +67,7 @@ class ExactHeadOn(Solver):
         started = perf_counter()
         lib.refdem_head_on(*numbers, len(t), pointer("head_on", since), *buffers)
         cost = Cost(seconds=perf_counter() - started, setup=started - begun)
-        position, velocity = _states(scene, since * sense, out[:, 0] - start, sense * out[:, 1] - closing)
+        position, velocity = states(scene, since * sense, out[:, 0] - start, sense * out[:, 1] - closing)
         names = ("contacts", "contact_force", "dissipated_work")
         channels = {"overlap": np.maximum(out[:, 0], 0.0)} | {n: out[:, 2 + k].copy() for k, n in enumerate(names)}
         pairs = zip(touch, ("contact", "release"), strict=True)
@@ -78,7 +78,7 @@ class ExactHeadOn(Solver):
         ), cost
 
 
-def _approach(scene: Scene) -> tuple[float, float, float]:
+def approach(scene: Scene) -> tuple[float, float, float]:
     """Overlap [m], speed at which it grows [m/s] and sideways speed [m/s] at the start."""
     bodies = scene.bodies
     line, relative = bodies.position[1] - bodies.position[0], bodies.velocity[0] - bodies.velocity[1]
@@ -87,7 +87,7 @@ def _approach(scene: Scene) -> tuple[float, float, float]:
     return float(bodies.radius.sum()) - distance, closing, float(np.linalg.norm(relative - closing * line / distance))
 
 
-def _states(scene: Scene, t: Array, pressed: Array, sped: Array) -> tuple[Array, Array]:
+def states(scene: Scene, t: Array, pressed: Array, sped: Array) -> tuple[Array, Array]:
     """Positions and velocities (T, 2, 3) where the overlap and its rate have grown by `pressed` [m] and `sped` [m/s]."""
     bodies = scene.bodies
     line = bodies.position[1] - bodies.position[0]

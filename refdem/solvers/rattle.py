@@ -43,6 +43,8 @@ class Rattle(Solver):
             return f"{others[0]} is not a rod, a spring or gravity"
         if not scene.all(Rod):
             return "no rod: velocity Verlet needs no constraints"
+        if any(spring.quadratic or spring.cubic for spring in scene.all(Spring)):
+            return "a spring with a square or a cube"
         return single.turning(scene)
 
     def run(self, request: Request) -> tuple[Trajectory, Cost]:

@@ -16,6 +16,7 @@ class RungeKutta(Solver):
         summary="classical Runge-Kutta; steps end where a contact begins, sticks, slips or ends",
         control="step",
         order=4,
+        order_with={"contact:hertz": 2},
         conserves=frozenset({"momentum"}),
         backward=True,
         cost_rank=40,

@@ -1,23 +1,26 @@
 """What every method of the reference implementation is: claims, a refusal, and a run over C kernels."""
 
 from abc import ABC, abstractmethod
+from typing import Any
 
 from refdem.core.engine import Method
-from refdem.core.problem import Motion, Request
+from refdem.core.problem import Motion, Problem, Request
 from refdem.core.trajectory import Cost, Trajectory
 
 
 class Solver(ABC):
     """One method. A file in solvers/ with an instance named METHOD is found by itself.
 
-    `kernels` names every C family that the method calls: their digests are part of a run's key.
+    `kernels` names every C family that the method calls: their digests are part of a run's key. `answers` is the kind of question
+    that it answers; `refusal` and `run` see no other.
     """
 
     claims: Method
+    answers: type[Problem] = Motion
     kernels: tuple[str, ...] = ()
 
     @abstractmethod
-    def refusal(self, problem: Motion) -> str | None:
+    def refusal(self, problem: Any) -> str | None:
         """None if it can run the problem (judged by the scene's content, never by a case's name), else why not."""
 
     @abstractmethod

@@ -1,1 +1,18 @@
-"""Certified truth: balls with proven radii, in python-flint; knows nothing of solvers or mechanics."""
+"""Certified truth: balls with proven radii, in python-flint; knows nothing of solvers or mechanics.
+
+`load` reads the certified values that come with refdem, with the standard library alone.
+"""
+
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+    from refdem.truth.certified.reader import CertifiedSet
+
+
+def load(case: str = "", *, folder: "Path | str | None" = None) -> "list[CertifiedSet]":
+    """The certified sets of one case, or of all; every hash is checked. Raises ValueError that says what is wrong and where."""
+    from refdem.truth.certified import reader
+
+    return reader.load(case, folder=folder)

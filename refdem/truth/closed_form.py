@@ -16,10 +16,13 @@ from flint import arb, ctx
 from refdem.core.truth import Ball, Truth
 from refdem.errors import NotCertifiedError
 from refdem.truth.balls import UndecidedError, arb_of, precision, refined
+from refdem.truth.exact import refuse_rounded
 
 DISPLACEMENT = Fraction(1, 2**120)
 """Part of its scale by which a coordinate of the start is moved for S: its square is far below any S that matters, and a
 start that is 1e-30 off a separatrix stays on its side."""
+FIRST_BITS = 256
+"""Working precision to begin with."""
 SENSITIVITY_BITS = 384
 """Working precision for S to start with: 120 bits are lost by the difference, 200 remain."""
 
@@ -51,6 +54,12 @@ class ClosedForm(Truth):
 
     state: tuple[str, ...]
 
+    def __new__(cls, *given: Any, **named: Any) -> Self:
+        """Refuses int and float where a constructor is annotated Fraction: 1/3 of ints is rounded, and 0.1 is not 1/10."""
+        if given or named:
+            refuse_rounded(cls.__init__, given, named)
+        return super().__new__(cls)
+
     def __init__(self, scale: Mapping[str, Size], *, digits: int = 40) -> None:
         self.scale = {name: Fraction(size) for name, size in scale.items()}
         self.digits = digits
@@ -68,6 +77,18 @@ class ClosedForm(Truth):
         """The scalars at the current precision."""
         return {}
 
+    def bits(self) -> int:
+        """Working precision to begin with."""
+        return FIRST_BITS
+
+    def sensitivity_bits(self) -> int:
+        """The same for S."""
+        return SENSITIVITY_BITS
+
+    def target(self) -> Fraction:
+        """The largest radius that is asked for."""
+        return min([Fraction(1), *(size for size in self.scale.values() if size > 0)]) / Fraction(10) ** self.digits
+
     def refined(self, digits: int) -> Self:
         """The same truth with radii of at most 10^-digits."""
         other = copy(self)
@@ -83,9 +104,8 @@ class ClosedForm(Truth):
         return self._certified(self.constants, "scalars")
 
     def _certified(self, evaluate: Callable[[], dict[str, arb]], what: str) -> dict[str, Ball]:
-        smallest = min([size for size in self.scale.values() if size > 0], default=Fraction(1))
-        target = min(Fraction(1), smallest) / 10**self.digits
-        balls = refined(evaluate, target)
+        target = self.target()
+        balls = refined(evaluate, target, self.bits())
         if balls is None:
             raise NotCertifiedError(f"{what}: balls cannot decide a branch at the highest precision; move the start off the boundary")
         if any(ball.radius > target for ball in balls.values()):
@@ -105,7 +125,7 @@ class ClosedForm(Truth):
         return found
 
     def _sensitivity(self, t: Fraction) -> float:
-        bits = SENSITIVITY_BITS
+        bits = self.sensitivity_bits()
         while True:
             with precision(bits):
                 try:

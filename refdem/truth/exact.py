@@ -1,7 +1,10 @@
-"""Exact parameters by kind: one number, or the numbers of a vector."""
+"""Exact parameters by kind: one number, or the numbers of a vector; what is not exact is refused."""
 
-from collections.abc import Mapping
+import re
+from collections.abc import Callable, Mapping, Sequence
 from fractions import Fraction
+from inspect import signature
+from typing import Any
 
 from refdem.core.parameters import Exact
 
@@ -25,3 +28,22 @@ def vector(p: Mapping[str, Exact], name: str) -> tuple[Fraction, ...]:
     if not isinstance(value, tuple):
         raise TypeError(f"parameter {name} is {value!r}; expected a vector")
     return value
+
+
+def refuse_rounded(constructor: Callable[..., None], given: Sequence[Any], named: Mapping[str, Any]) -> None:
+    """Raises TypeError for an int or float, in any depth, where an argument is annotated with Fraction but not with float (nor int)."""
+    found = signature(constructor)
+    for name, value in found.bind(None, *given, **named).arguments.items():
+        annotation = str(found.parameters[name].annotation)
+        if re.search(r"\bFraction\b", annotation) and not re.search(r"\bfloat\b", annotation):
+            for part in parts(value):
+                if isinstance(part, float) or (isinstance(part, int) and not re.search(r"\bint\b", annotation)):
+                    owner = constructor.__qualname__.partition(".")[0]
+                    raise TypeError(f"{owner} got {part!r} in {name}; expected exact numbers such as Fraction('{part}')")
+
+
+def parts(value: Any) -> list[Any]:
+    """The values in a value, however deep in mappings and sequences."""
+    if isinstance(value, Mapping):
+        return parts(list(value.values()))
+    return [found for part in value for found in parts(part)] if isinstance(value, list | tuple) else [value]

@@ -9,15 +9,17 @@ Jacobi (1850); Whittaker, Analytical Dynamics, 69-71; van Zon and Schofield (200
 from abc import ABC, abstractmethod
 from collections.abc import Sequence
 from fractions import Fraction
-from typing import ClassVar
+from typing import Any, ClassVar
 
 from flint import acb, arb
 
-from refdem.truth.balls import arb_of
+from refdem.truth.balls import UndecidedError, arb_of
 from refdem.truth.jacobi import Jacobi, carlson_f
 from refdem.truth.rotation import applied, cross, matrix, product, quaternion, times, transposed, turn
 
 Exact3 = tuple[Fraction, Fraction, Fraction]
+Balls3 = tuple[arb, arb, arb]
+"""Principal moments and omega that are not rational; what must be decided of them is then decided by balls."""
 AXES = (0, 1, 2)
 
 
@@ -26,10 +28,11 @@ class FreeBody(ABC):
 
     method: ClassVar[str]
 
-    def __init__(self, inertia: Exact3, omega: Exact3) -> None:
-        self.inertia, self.start = inertia, omega
-        self.momentum0 = tuple(j * w for j, w in zip(inertia, omega, strict=True))
-        self.l2 = sum((m * m for m in self.momentum0), Fraction(0))
+    def __init__(self, inertia: Exact3 | Balls3, omega: Exact3 | Balls3) -> None:
+        pairs: list[tuple[Any, Any]] = list(zip(inertia, omega, strict=True))
+        self.inertia, self.start = tuple(j for j, _ in pairs), tuple(w for _, w in pairs)
+        self.momentum0 = tuple(j * w for j, w in pairs)
+        self.l2 = dot_exact(self.momentum0, self.momentum0)
         self.length = arb_of(self.l2).sqrt()
 
     @abstractmethod
@@ -55,7 +58,7 @@ class Steady(FreeBody):
 
     def turn(self, t: arb) -> list[arb]:
         omega = self.omega(t)
-        size = arb_of(sum((w * w for w in self.start), Fraction(0))).sqrt()
+        size = arb_of(dot_exact(self.start, self.start)).sqrt()
         return turn([w / size for w in omega], size * t) if size > 0 else [arb(1), arb(0), arb(0), arb(0)]
 
 
@@ -64,11 +67,11 @@ class Axisymmetric(FreeBody):
 
     method = "two equal moments: one turn about L after one about the body's own axis"
 
-    def __init__(self, inertia: Exact3, omega: Exact3) -> None:
+    def __init__(self, inertia: Exact3 | Balls3, omega: Exact3 | Balls3) -> None:
         super().__init__(inertia, omega)
         self.axis = next(k for k in AXES if inertia[(k + 1) % 3] == inertia[(k + 2) % 3])
-        self.across = inertia[(self.axis + 1) % 3]
-        self.rate = arb_of(omega[self.axis] - self.momentum0[self.axis] / self.across)
+        self.across = self.inertia[(self.axis + 1) % 3]
+        self.rate = arb_of(self.start[self.axis] - self.momentum0[self.axis] / self.across)
 
     def omega(self, t: arb) -> list[arb]:
         back = matrix(turn(_unit(self.axis), -self.rate * t))
@@ -117,9 +120,9 @@ class Separatrix(Nodal):
 
     method = "separatrix: tanh and sech, the line of nodes of axis 2 turns at L/J2"
 
-    def __init__(self, inertia: Exact3, omega: Exact3) -> None:
+    def __init__(self, inertia: Exact3 | Balls3, omega: Exact3 | Balls3) -> None:
         super().__init__(inertia, omega)
-        low, self.axis, high = sorted(AXES, key=lambda i: inertia[i])
+        low, self.axis, high = sorted(AXES, key=lambda i: self.inertia[i])
         rest2 = self.l2 - self.momentum0[self.axis] ** 2
         rest = arb_of(rest2).sqrt()
         self.shares = {i: arb_of(self.momentum0[i]) / rest for i in (low, high)}
@@ -144,14 +147,16 @@ class Elliptic(Nodal):
 
     method = "Jacobi elliptic functions for omega, Jacobi's theta function for the attitude"
 
-    def __init__(self, inertia: Exact3, omega: Exact3) -> None:
+    def __init__(self, inertia: Exact3 | Balls3, omega: Exact3 | Balls3) -> None:
         super().__init__(inertia, omega)
-        low, mid, high = sorted(AXES, key=lambda i: inertia[i])
-        excess = self.l2 / inertia[mid] - dot_exact(self.momentum0, omega)
+        low, mid, high = sorted(AXES, key=lambda i: self.inertia[i])
+        excess = self.l2 / self.inertia[mid] - dot_exact(self.momentum0, self.start)
+        if not (excess > 0 or excess <= 0):
+            raise UndecidedError(f"about which axis it turns: {excess}")
         self.other, self.axis = (low, high) if excess > 0 else (high, low)
         self.mid = mid
-        ja, jb, jc = (1 / inertia[i] for i in (self.other, mid, self.axis))
-        kept = dot_exact(self.momentum0, omega) - self.l2 * jc
+        ja, jb, jc = (1 / self.inertia[i] for i in (self.other, mid, self.axis))
+        kept = dot_exact(self.momentum0, self.start) - self.l2 * jc
         self.a2, self.b2 = kept / (ja - jc), kept / (jb - jc)
         self.c2 = self.l2 - self.a2
         self.m = (self.b2 - self.a2) / self.c2
@@ -204,12 +209,13 @@ def kind(inertia: Exact3, omega: Exact3) -> type[FreeBody]:
     return Elliptic
 
 
-def dot_exact(a: Sequence[Fraction], b: Sequence[Fraction]) -> Fraction:
-    """a . b of rationals."""
-    return sum((x * y for x, y in zip(a, b, strict=True)), Fraction(0))
+def dot_exact(a: Sequence[Any], b: Sequence[Any]) -> Any:
+    """a . b, exact if both are."""
+    first, *rest = (x * y for x, y in zip(a, b, strict=True))
+    return sum(rest, first)
 
 
-def _growth(body: FreeBody, a: int, c: int) -> Fraction:
+def _growth(body: FreeBody, a: int, c: int) -> Any:
     """g in M_2' = g M_a M_c: (1/J_a - 1/J_c), with the other sign if (a, 2, c) is left-handed."""
     right_handed = (c - a) % 3 == 2
     difference = 1 / body.inertia[a] - 1 / body.inertia[c]

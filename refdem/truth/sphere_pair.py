@@ -54,8 +54,9 @@ class SpherePair:
 
     @property
     def is_head_on(self) -> bool:
-        """Along the normal for ever: no angle, and no slip or no friction."""
-        return self.angle == 0 and (self.friction == 0 or not any(self.surface_spin[1:]))
+        """Along the normal for ever: no angle, and no friction or no slip, neither at touch nor with the levers of an overlap."""
+        across = [self.lever * (self.spins[axis] + self.spins[3 + axis]) for axis in (1, 2)]
+        return self.angle == 0 and (self.friction == 0 or not any([*self.surface_spin[1:], *across]))
 
     def dyadic_step(self) -> Fraction:
         """A step [s] of proven integration: a power of two, at most half of the law's time and 1/32 of that to cross `reach`.

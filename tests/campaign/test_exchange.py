@@ -137,3 +137,19 @@ def test_the_export_of_another_refdem_is_refused(toml: Path, tmp_path: Path) -> 
     manifest.write_text(manifest.read_text().replace('"refdem": "', '"refdem": "9'))
     with pytest.raises(UsageError, match="export again"):
         record(toml, folder)
+
+
+def test_mass_properties_come_back_as_a_table(toml: Path, tmp_path: Path) -> None:
+    toml.write_text(TOML.replace('"spring"', '"solid:cuboid"').replace("order = 2", 'answers = "solid"').partition("symplectic")[0])
+    names = written(toml, tmp_path / "out", "moments-of-inertia")
+    for name in names:
+        asked = json.loads((tmp_path / "out" / name / "request.json").read_text())
+        rows = ["solid,mass,x,y,z,xx,yy,zz,xy,xz,yz"]
+        for solid in asked["problem"]["solids"]:
+            sides = solid["shape"].get("sides") if not solid.get("hollow") else None
+            mass = solid["density"] * sides[0] * sides[1] * sides[2] if sides else ""
+            rows.append(f"{solid['name']},{mass!r},,,,,,,,," if sides else f"{solid['name']},,,,,,,,,,")
+        (tmp_path / "out" / name / "trajectory.csv").write_text("\n".join(rows) + "\n")
+    found = {finding.quantity: finding.outcome for finding in record(toml, tmp_path / "out").findings if finding.check == "error"}
+    assert found["cuboid.mass"] == "pass"
+    assert "ellipsoid.mass" not in found

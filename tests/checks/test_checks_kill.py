@@ -78,10 +78,32 @@ def never_flips(run, level):
     return replace(run, omega=np.abs(run.omega), attitude=np.broadcast_to([1.0, 0, 0, 0], run.attitude.shape).copy())
 
 
+def drawn_in(run, level):
+    """After the catch the line is shortened a little, at the same speed."""
+    position = np.array(run.position)
+    position[run.t > 2] *= 1 - 1e-9
+    return replace(run, position=position)
+
+
+def braked(run, level):
+    velocity = np.array(run.velocity)
+    velocity[run.t > 2] *= 1 - 1e-9
+    return replace(run, velocity=velocity)
+
+
+def turned_faster(run, level):
+    """After the catch it goes round a little too fast for its speed."""
+    angle = 1e-9 * np.maximum(0.0, run.t - 2)[:, None]
+    x, y = run.position[..., 0], run.position[..., 1]
+    position = np.stack([x - angle * y, y + angle * x, run.position[..., 2]], axis=-1)
+    return replace(run, position=position)
+
+
 def told_too_late(run, level):
     return replace(run, events=(Event(9.5, "stop", 0),))
 
 
+RUBBING = {"angle": "1/2", "friction": "1/4", "tangential_stiffness": "96", "branch": "R"}
 KILLS = [
     ("error", "x", "harmonic-oscillator", "exact", scaled("position", 1 + 1e-11), {}),
     ("error", "v", "harmonic-oscillator", "second", scaled("velocity", 1.05), {}),
@@ -100,6 +122,9 @@ KILLS = [
     ("angular-momentum", "total", "free-rigid-body", "exact", body_omega, {}),
     ("angular-momentum", "spin", "free-rigid-body", "exact", inverted_attitude, {}),
     ("angular-momentum", "total", "two-body-orbit", "exact", scaled("velocity", 1.001, axis=1), {}),
+    ("angular-momentum", "law", "two-spheres", "exact", scaled("omega", 1 + 1e-9, axis=2), RUBBING),
+    ("energy-return", "gain", "asymmetric-field", "exact", scaled("velocity", 1 + 1e-9), {}),
+    ("energy-return", "return", "wedge-collision", "exact", growing("velocity", 1e-6), {}),
     ("constraint", "length", "pendulum", "exact", longer_rod, {}),
     ("constraint", "velocity", "pendulum", "exact", scaled("velocity", 1.001), {}),
     ("quaternion-norm", "norm", "free-rigid-body", "exact", unnormalised, {}),
@@ -107,6 +132,12 @@ KILLS = [
     ("stop", "stop_position", "coulomb-oscillator", "exact", stopped_elsewhere, {}),
     ("stop", "creep", "coulomb-oscillator", "exact", creeping, {}),
     ("stop", "stop_time", "coulomb-oscillator", "exact", told_too_late, {}),
+    ("capture", "speed", "captured-mass", "exact", drawn_in, {}),
+    ("capture", "inertia", "captured-mass", "exact", braked, {}),
+    ("capture", "omega", "captured-mass", "exact", turned_faster, {}),
+    ("equilibrium", "departure", "pendulum-equilibria", "exact", scaled("position", 1.001), {"delta": "1e-4"}),
+    ("equilibrium", "departure", "pendulum-equilibria", "exact", growing("position", 1e-9), {"delta": "0"}),
+    ("equilibrium", "bounded", "pendulum-equilibria", "exact", growing("position", 1.0), {"delta": "1e-3", "position": "bottom"}),
     ("flips", "flips", "intermediate-axis", "exact", never_flips, {}),
     ("reversal", "reversed", "harmonic-oscillator", "exact", growing("velocity", 1e-6), {}),
     ("determinism", "repeated", "harmonic-oscillator", "exact", scaled("position", 1 + 1e-15), {}),
@@ -123,5 +154,5 @@ def test_a_check_is_failed_by_its_fault_in_the_quantity_that_is_wrong(judge, che
 
 
 def test_every_check_has_a_fault_that_it_kills():
-    own = {"symmetry", "convergence"}  # each has a test file of its own
+    own = {"lyapunov", "bounces", "symmetry", "convergence", "second-integral", "top", "cooling", "phase-area"}  # each has tests of its own
     assert {check for check, *_ in KILLS} | own == set(discovery.names("checks"))

@@ -39,6 +39,50 @@ def test_work_that_comes_back_from_friction_is_a_fault_even_if_the_balance_holds
     assert findings("coulomb-oscillator", negative_work)["dissipation"] == "fail"
 
 
+def of_reference(method, change=lambda run: run, case="driven-oscillator", **given):
+    """Findings on energy of a method of the reference, its trajectory changed."""
+    engine = discovery.engine("reference")
+
+    class Changed(type(engine)):
+        def run(self, request):
+            run, cost = super().run(request)
+            return change(run), cost
+
+    instance = discovery.case(case).at(**given)
+    record = record_of(task_of(Changed(), method, instance, truth_of(instance), 3, ("energy",)))
+    return {finding.quantity: finding.outcome for finding in record.findings}
+
+
+def test_what_a_drive_brings_in_is_counted_and_may_come_and_go():
+    found = of_reference("taylor-oscillator", x0="0", f0="2", delta="0")
+    assert found == {"balance": "pass"}
+    scaled = {"dissipated_work": 1 + 1e-9}
+    wrong = of_reference(
+        "taylor-oscillator",
+        lambda run: replace(run, channels={name: run.channels[name] * factor for name, factor in scaled.items()}),
+        x0="0",
+        f0="2",
+        delta="0",
+    )
+    assert wrong == {"balance": "fail"}
+
+
+def test_a_closed_form_that_does_not_count_what_a_drive_brings_in_is_not_judged_by_it():
+    assert "pass" not in of_reference("exact-linear").values()
+    assert "undecided" not in of_reference("exact-linear").values()
+    stepped = findings("driven-oscillator", delta="0")
+    assert (stepped["balance"], stepped["finest"]) == ("undecided", "undecided")
+
+
+@pytest.mark.parametrize(
+    ("case", "given"),
+    [("driven-oscillator", {"x0": "0"}), ("duffing", {"alpha": "-1", "beta": "2"}), ("duffing", {"alpha": "-1", "amplitude": "1e-3"})],
+)
+def test_the_scale_of_energy_does_not_vanish_where_terms_cancel_or_nothing_moves_yet(case, given):
+    instance = discovery.case(case).at(**given)
+    assert energy_scale(instance) > 0.05 * instance.scales.energy
+
+
 STICKING = {"angle": "1/2", "friction": "1/4", "tangential_stiffness": "96", "spins": "0,0,1,0,0,-2", "masses": "1,3"}
 
 

@@ -33,7 +33,16 @@ def refdem(tmp_path, monkeypatch):
 
 
 @pytest.mark.parametrize(
-    ("what", "shows"), [("request", "times"), ("trajectory", "qw"), ("records", "findings"), ("scene", "bodies"), ("toml", "order_with")]
+    ("what", "shows"),
+    [
+        ("request", "times"),
+        ("request", "hollow"),
+        ("trajectory", "qw"),
+        ("solids", "xy"),
+        ("records", "findings"),
+        ("scene", "bodies"),
+        ("toml", "answers"),
+    ],
 )
 def test_a_schema_is_json_that_names_the_fields(refdem, what, shows):
     done = refdem("schema", what)

@@ -51,7 +51,7 @@ def test_closed_form_is_chosen_where_the_scene_has_one():
 
 
 def test_a_method_takes_over_where_there_is_no_closed_form():
-    stiffening = Motion(Scene.of([Body(mass=1.0, position=(1.0, 0.0, 0.0))], [Spring(a=0, stiffness=1.0, exponent=3.0)]), TIMES)
+    stiffening = Motion(Scene.of([Body(mass=1.0, position=(1.0, 0.0, 0.0))], [Spring(a=0, stiffness=1.0, length=0.5, exponent=1.5)]), TIMES)
     assert ENGINE.best(stiffening).control == "step"
 
 

@@ -88,7 +88,7 @@ def test_a_fault_acts_in_exactly_one_way():
 
 
 def test_truth_is_withheld_where_it_cannot_be_proved():
-    instance = discovery.case("two-spheres").at(**SETTINGS["sticker"].parameters("sticker", 0))
+    instance = discovery.case("two-spheres").at(**SETTINGS["tumbling-spheres"].parameters("tumbling-spheres", 0))
     assert truth_of(instance).until < len(instance.times)
 
 

@@ -39,7 +39,7 @@ class Workshop:
         `single`: every double is a float, and the description says so.
         """
         folder = self.home / f"{len(list(self.home.iterdir()))}"
-        shutil.copytree(SOURCES, folder, ignore=shutil.ignore_patterns("dem", "*.mod", "*.py", "__pycache__"))
+        shutil.copytree(SOURCES, folder, ignore=shutil.ignore_patterns("dem", "moments", "*.mod", "*.py", "__pycache__"))
         for name, text, other in faults:
             path = folder / language / name
             assert path.read_text().count(text) == 1, f"{name} has {text!r} {path.read_text().count(text)} times"

@@ -9,7 +9,9 @@ ROOT = Path(__file__).parents[2]
 FUNCTION, FILE, CASE, ADAPTER = 40, 300, 80, 120
 FOLDERS = ("refdem", "validation", "tests", "ci")
 
-EXCEPTIONS: dict[str, tuple[int, str]] = {}
+EXCEPTIONS: dict[str, tuple[int, str]] = {
+    "refdem/kernels/kernels.h": (480, "declarations alone, a section a family: the glue of all families is generated from it"),
+}
 """`path` or `path::function` -> lines allowed, and why."""
 
 

@@ -115,3 +115,46 @@ def test_a_ball_on_a_slope_held_by_its_tangential_spring_swings_about_the_static
     slip = np.sin(rate * times) / rate
     surface = seen.velocity[:, 0, 0] - 0.5 * seen.omega[:, 0, 1]
     assert np.abs(surface - slip).max() < 1e-14
+
+
+def test_a_slip_that_friction_stops_at_once_leaves_the_normal_velocity_alone():
+    """Friction 100 times the normal force: its direction, where the slip is all rounding, must stay in the plane of contact."""
+    given = {"masses": "0.516849,2.55599", "stiffness": "133595000", "damping": "15005.6", "closing_speed": "74.2905"}
+    given |= {"friction": "100", "angle": "-0.54975"}
+    instance = discovery.case("two-spheres").at(**given)
+    seen = ENGINE.run(Request(problem=instance.problem, method="contact-events"))[0]
+    assert largest_gain(instance.scene, seen) < 1e-13
+
+
+def largest_gain(scene, seen):
+    """Largest change of energy plus lost work, in units of the energy at the start; from the definitions of both."""
+    mass, inertia = scene.bodies.mass, scene.bodies.inertia[:, 0]
+    kinetic = 0.5 * ((seen.velocity**2).sum(axis=2) @ mass + (seen.omega**2).sum(axis=2) @ inertia)
+    overlap = np.maximum(0.0, scene.bodies.radius.sum() - np.linalg.norm(seen.position[:, 0] - seen.position[:, 1], axis=1))
+    whole = kinetic + 0.5 * scene.all(Contact)[0].stiffness * overlap**2 + seen.channels["dissipated_work"]
+    return np.abs(whole - whole[0]).max() / whole[0]
+
+
+STICKING = [
+    {"angle": "0.008727", "friction": "1/2", "tangential_stiffness": "256/7", "spins": "0,0,1,0,0,-2", "branch": "R"},
+    {"angle": "1/2", "friction": "1/4", "tangential_stiffness": "96", "masses": "1,3", "radii": "1/2,3/4", "branch": "R-d"},
+    {"angle": "1.48", "friction": "2", "tangential_stiffness": "256/7", "damping": "0"},
+    {"angle": "-1/2", "friction": "1/4", "damping": "4", "cutoff": "zero_force", "branch": "R-d", "masses": "1,1000000"},
+]
+
+
+@pytest.mark.parametrize("given", STICKING, ids=["half a degree", "unequal", "85 degrees", "no spring, masses a million apart"])
+def test_stick_and_slip_agree_with_certified_truth(given, largest_error):
+    assert largest_error("two-spheres", solved(**given), STATE, **given) < 1e-13
+
+
+def test_spheres_that_part_within_rounding_do_not_stick_and_slip_instead():
+    """At the last bit of overlap the limit of friction is rounding: stick and slip took turns until a step went by without release."""
+    from refdem.core import symmetry
+
+    given = {"masses": "1,3", "radii": "1/2,3/4", "damping": "0", "tangential_stiffness": "96", "friction": "1/4", "angle": "1/2"}
+    instance = discovery.case("two-spheres").at(**given, spins="0,0,1,0,0,1/2")
+    reference = discovery.engine("reference")
+    view, shown = symmetry.picture(instance, "relabelled")
+    plain, other = (reference.run(Request(problem=motion, method="contact-events"))[0] for motion in (instance.problem, shown))
+    assert np.abs(view.undone(other).omega - plain.omega).max() < 1e-13

@@ -1,5 +1,6 @@
 """What all closed forms share, on a harmonic motion and on starts at which balls cannot decide."""
 
+import re
 from fractions import Fraction
 from math import cos, sin, sqrt
 
@@ -9,6 +10,8 @@ from flint import arb
 from refdem.errors import NotCertifiedError
 from refdem.truth.balls import UndecidedError, arb_of, nearest_integer, precision, refined
 from refdem.truth.closed_form import ClosedForm, per_precision
+from refdem.truth.closed_forms.free_rigid_body import FreeRigidBody
+from refdem.truth.closed_forms.harmonic_oscillator import HarmonicOscillator
 from refdem.truth.sampled import sampled
 
 
@@ -106,3 +109,22 @@ def test_nearest_integer_is_that_of_the_midpoint():
     with precision(64):
         assert nearest_integer(arb("-2.6", 0.3)) == -3
         assert nearest_integer(arb("1e15") + arb("0.4")) == 10**15
+
+
+@pytest.mark.parametrize(
+    ("inertia", "omega", "wrong"),
+    [
+        ((1, 2, 3), (Fraction(1), Fraction(2), Fraction(3)), "1 in inertia"),
+        ((Fraction(1),) * 3, (0.1, Fraction(2), Fraction(3)), "0.1 in omega"),
+    ],
+)
+def test_numbers_that_would_be_rounded_are_refused(inertia, omega, wrong):
+    unit = tuple(map(Fraction, (1, 0, 0, 0)))
+    with pytest.raises(TypeError, match=re.escape(wrong) + ".*expected exact numbers such as"):
+        FreeRigidBody(inertia, omega, unit, {"omega.x": 1.0})
+
+
+def test_scales_may_be_floats_and_named_numbers_are_looked_at():
+    with pytest.raises(TypeError, match="HarmonicOscillator got 1 in mass"):
+        HarmonicOscillator({"x": 1.0}, mass=1, stiffness=Fraction(2), gravity=Fraction(0), x0=Fraction(1), v0=Fraction(0))
+    HarmonicOscillator({"x": 1.0, "v": 0.1}, mass=Fraction(1), stiffness=Fraction(2), gravity=Fraction(0), x0=Fraction(1), v0=Fraction(0))

@@ -52,7 +52,9 @@ class External(Engine):
         digest = hashlib.sha256(fingerprint.of_files([self.path]).encode())
         for file in self.program.files():
             digest.update(f"{file}\0{fingerprint.of_files([file])}".encode())
-        source = fingerprint.of_source("engines/external", "core/request_text.py", "core/trajectory_csv.py", "scene")
+        source = fingerprint.of_source(
+            "engines/external", "core/request_text.py", "core/trajectory_csv.py", "core/answer_csv.py", "core/statics.py", "scene"
+        )
         digest.update(f"{source}\0{fingerprint.of_machine()}".encode())
         return digest.hexdigest()
 

@@ -19,6 +19,7 @@ class MethodTable(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fiel
 
     name: str
     summary: str = ""
+    answers: Literal["motion", "solid"] = "motion"
     control: Literal["step", "tolerance", "exact"] = "step"
     order: int = 0
     order_with: dict[str, int] = {}
@@ -32,10 +33,12 @@ class MethodTable(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fiel
     deterministic: bool = True
 
     def method(self, engine: "EngineTable") -> Method:
-        """The method as the checks know it; a staggered one cannot go on from its end state."""
+        """The method as the checks know it; a staggered one cannot go on from its end state, and mass properties have no step."""
         fields = msgspec.structs.asdict(self)
         fields["conserves"] = frozenset(self.conserves)
         fields["complete_state"] = self.complete_state and engine.velocity_time == "synchronous"
+        if self.answers == "solid":
+            fields |= {"control": "exact", "knows": frozenset(name for name in engine.supports if name.startswith("solid:"))}
         return Method(**fields, precision=engine.precision, velocity_time=engine.velocity_time)
 
 

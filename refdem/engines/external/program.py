@@ -7,10 +7,10 @@ import tempfile
 from pathlib import Path
 from time import perf_counter, time
 
+from refdem.core.answer_csv import most_rows, read_answer
 from refdem.core.problem import Request
 from refdem.core.request_text import request_text
 from refdem.core.trajectory import Cost, Trajectory
-from refdem.core.trajectory_csv import read_trajectory
 from refdem.engines.external.description import EngineTable
 from refdem.engines.external.kept import kept
 from refdem.engines.external.process import ended, printable
@@ -79,14 +79,13 @@ class Program:
         paths = {name: folder / file for name, file in FILES.items()}
         paths["request"].write_bytes(request.to_json())
         paths["request_txt"].write_text(request_text(request))
-        times, bodies = request.problem.times, len(request.problem.scene.bodies)
         began, began_at = perf_counter(), time()
-        command, most = [self._filled(word, paths) for word in self.table.command], SPARE + ROW * len(times) * bodies
+        command, most = [self._filled(word, paths) for word in self.table.command], SPARE + ROW * most_rows(request.problem)
         ended(command, folder, name=self.table.name, timeout=self.table.timeout, most_bytes=most)
         seconds = perf_counter() - began
         _refuse_stale(paths["trajectory"], began_at)
-        trajectory = read_trajectory(paths["trajectory"], len(times), bodies, paths["events"])
-        return trajectory, Cost(seconds=seconds, steps=request.stride * (len(times) - 1) if request.step else 0)
+        trajectory = read_answer(request.problem, paths["trajectory"], paths["events"])
+        return trajectory, Cost(seconds=seconds, steps=request.stride * (len(request.problem.times) - 1) if request.step else 0)
 
     def _filled(self, word: str, paths: dict[str, Path]) -> str:
         """A word of the command with its placeholders filled in and its relative path resolved."""

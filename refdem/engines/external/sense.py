@@ -5,12 +5,15 @@ from collections.abc import Iterator
 from pathlib import PurePath
 from typing import TYPE_CHECKING, get_args, get_type_hints
 
+from refdem.core.statics import SolidShape
 from refdem.scene.elements import KINDS
 from refdem.scene.elements.contact import Contact
 
 if TYPE_CHECKING:
     from refdem.engines.external.description import EngineTable, GateTable, MethodTable
 
+SOLIDS = {"solid:hollow", "solid:turned", "solid:about"} | {f"solid:{shape.__struct_config__.tag}" for shape in get_args(SolidShape)}
+"""Of mass properties: shapes, and what is done with them."""
 BODIES = ("rotation", "tumbling", "fixed", "friction", "constraint", "shape:sphere", "shape:polyhedron")
 DIMENSIONS = {"dimension:1", "dimension:2", "dimension:3"}
 """Of motion; a program that names none of them runs in all."""
@@ -18,6 +21,8 @@ FEATURES = {
     *BODIES,
     *DIMENSIONS,
     *KINDS,
+    *SOLIDS,
+    *("slider:stribeck", "slider:belt", "spring:exponent", "spring:quadratic", "spring:cubic", "dashpot:van_der_pol"),
     "contact:damping",
     "contact:friction",
     *(f"contact:{law}" for law in get_args(get_type_hints(Contact)["law"])),
@@ -30,6 +35,7 @@ def nonsense(engine: "EngineTable", gate: "GateTable") -> Iterator[tuple[str, ob
     """What is well typed and makes no sense: its name, what came, what was expected."""
     names = [m.name for m in engine.methods]
     strange = sorted({*engine.supports, *(feature for m in engine.methods for feature in m.order_with)} - FEATURES)
+    mute = [m.name for m in engine.methods if m.answers == "solid" and not SOLIDS & set(engine.supports)]
     away = [pattern for pattern in engine.inputs if not pattern or PurePath(pattern).is_absolute()]
     faults: list[tuple[str, object, bool, str]] = [
         ("engine.name", engine.name, bool(NAME.fullmatch(engine.name)), "letters, digits, dots, dashes"),
@@ -38,6 +44,7 @@ def nonsense(engine: "EngineTable", gate: "GateTable") -> Iterator[tuple[str, ob
         ("engine.methods", names, bool(names) and len(set(names)) == len(names), "at least one [[engine.methods]], each name once"),
         ("engine.methods", names, all(NAME.fullmatch(name) for name in names), "names of letters, digits, dots, dashes"),
         ("engine.supports or order_with", strange, not strange, f"features of {', '.join(sorted(FEATURES))}"),
+        ("engine.supports", engine.supports, not mute, f"some of {', '.join(sorted(SOLIDS))} for method {', '.join(mute)}"),
         ("gate.levels", gate.levels, 1 <= gate.levels <= 10, "a number of refinement levels, 1 to 10"),
         ("engine.inputs", away, not away, "patterns below the folder of refdem.toml"),
     ]
@@ -56,7 +63,7 @@ def _claims(m: "MethodTable") -> list[tuple[str, object, bool, str]]:
         (
             f"order of {m.name}",
             orders,
-            m.control != "step" or all(1 <= order <= 20 for order in orders),
+            m.control != "step" or m.answers == "solid" or all(1 <= order <= 20 for order in orders),
             "the order that it claims, 1 to 20",
         ),
         (f"constant of {m.name}", m.constant, 0 < m.constant < float("inf"), "a number > 0"),

@@ -49,8 +49,11 @@ class Mujoco(Engine):
         return refusal(problem)
 
     def run(self, request: Request) -> tuple[Trajectory, Cost]:
-        """Compiles the scene and steps it in MuJoCo's own loop."""
-        from refdem.engines.mujoco.session import run
+        """Compiles the scene and steps it in MuJoCo's own loop; or asks its compiler and its algebra."""
+        if isinstance(request.problem, Motion):
+            from refdem.engines.mujoco.session import run
+        else:
+            from refdem.engines.mujoco.statics import run
 
         return run(request)
 

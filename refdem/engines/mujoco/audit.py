@@ -9,7 +9,8 @@ _MODEL = (
     Default("balanceinertia, boundmass, boundinertia, settotalmass", "off", "off", "mass and inertia are the scene's, to the bit"),
     Default("inertiafromgeom", "auto", "false", "inertia comes from the scene, not from shapes"),
     Default("density, viscosity, wind", "0", "0", "no medium"),
-    Default("joint damping, armature", "0", "0", "nothing that the scene does not say"),
+    Default("joint damping", "0", "a dashpot's, else 0", "the same along every slide joint, as a dashpot is; Euler takes it implicitly"),
+    Default("joint armature", "0", "0", "nothing that the scene does not say"),
     Default(
         "inertia of a point on a rod",
         "at least mjMINVAL = 1e-15 kg m^2",
@@ -22,11 +23,12 @@ _MODEL = (
 
 _CONSTRAINTS = (
     Default(
-        "unneeded machinery", "on", "off by disable flags", "contact, constraints, friction, springs, gravity only where the scene has them"
+        "unneeded machinery",
+        "on",
+        "off by disable flags",
+        "contact, constraints, friction, springs, dampers, gravity only where the scene has them",
     ),
-    Default(
-        "limits, equalities, actuation, sensors, dampers", "on", "off", "no scene has them; sensors are on after the run, for rod forces"
-    ),
+    Default("limits, equalities, actuation, sensors", "on", "off", "no scene has them; sensors are on after the run, for rod forces"),
     Default("autoreset", "on", "off", "a diverging run must be seen, not restarted in silence"),
     Default("warmstart", "on", "off", "a run can then go on from positions and velocities alone"),
     Default("sleep", "off", "off", "a body that rests must rest by the physics"),

@@ -5,6 +5,16 @@ from refdem.core.engine import Method
 FIRST_ORDER = {"contact": 1, "friction": 1}
 """Contact and dry friction switch inside a step, and no integrator of MuJoCo looks for the moment."""
 
+GEOMS = frozenset({"solid:cuboid", "solid:ellipsoid", "solid:cylinder"})
+ALGEBRA = frozenset(
+    f"identity:{name}"
+    for name in (
+        *("quaternion-about", "turn-about", "matrix-product", "matrix-vector", "product", "conjugate", "rotated", "matrix-of-quaternion"),
+        *("quaternion-of-matrix", "quaternion-of-euler", "rate", "unit", "absolute", "dot"),
+    )
+)
+"""Operations for which MuJoCo has a function."""
+
 METHODS = (
     Method(
         name="rk4",
@@ -31,6 +41,16 @@ METHODS = (
         conserves=frozenset({"momentum", "constraint"}),
         cost_rank=1,
     ),
+    Method(name="compiler", summary="the compiler's inertia of geoms of the solid's kind", control="exact", answers="solid", knows=GEOMS),
+    Method(
+        name="mesh-compiler",
+        summary="the compiler's exact inertia of meshes, whose vertices MuJoCo keeps in single precision",
+        control="exact",
+        precision="single",
+        answers="solid",
+        knows=frozenset({"solid:polyhedron"}),
+    ),
+    Method(name="algebra", summary="the functions mju_* for matrices and quaternions", control="exact", answers="identity", knows=ALGEBRA),
 )
 
 INTEGRATORS = {"rk4": "mjINT_RK4", "euler": "mjINT_EULER", "implicitfast": "mjINT_IMPLICITFAST"}

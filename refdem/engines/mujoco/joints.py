@@ -28,9 +28,14 @@ class Freedom(ABC):
     nq: int
     nv: int
 
+    @property
+    def lineage(self) -> "tuple[Freedom, ...]":
+        """Whose coordinates tell the body's state: its own, after those of what it hangs from."""
+        return (self,)
+
     @abstractmethod
     def say(self, mujoco: Any, world: Any) -> Any:
-        """The body of MuJoCo, added to the world, with its joints."""
+        """The body of MuJoCo, added to the world or to the body from which it hangs, with its joints."""
 
     @abstractmethod
     def start(self) -> tuple[Array, Array]:
@@ -78,7 +83,7 @@ class Slides(Freedom):
     """A body that does not turn: one slide joint an axis, whose coordinate is the position itself.
 
     `stiffness` (of the first, second and third power) and `reference` (3,) [m] make a spring to the world; `friction`
-    (3,) [N] dry friction along each axis; `solver` the parameters of the latter.
+    (3,) [N] dry friction along each axis; `solver` the parameters of the latter; `damping` [N s/m] that of every axis.
     """
 
     body: Body
@@ -87,6 +92,7 @@ class Slides(Freedom):
     reference: tuple[float, ...]
     friction: tuple[float, ...]
     solver: dict[str, Any]
+    damping: float = 0.0
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "nq", self.dimension)
@@ -95,7 +101,12 @@ class Slides(Freedom):
     def say(self, mujoco: Any, world: Any) -> Any:
         said = world.add_body(mass=self.body.mass, inertia=(1.0, 1.0, 1.0), explicitinertial=True)
         for k in range(self.dimension):
-            own = {"stiffness": self.stiffness, "springref": self.reference[k], "frictionloss": self.friction[k]}
+            own = {
+                "damping": (self.damping, 0.0, 0.0),
+                "stiffness": self.stiffness,
+                "springref": self.reference[k],
+                "frictionloss": self.friction[k],
+            }
             said.add_joint(type=mujoco.mjtJoint.mjJNT_SLIDE, axis=np.eye(3)[k], **own, **self.solver)
         return said
 

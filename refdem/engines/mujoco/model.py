@@ -6,11 +6,14 @@ import numpy as np
 
 from refdem.core.problem import Request
 from refdem.engines.mujoco import options, shapes, solver
+from refdem.engines.mujoco.ball import Ball
 from refdem.engines.mujoco.joints import Fixed, Freedom, Slides
 from refdem.engines.mujoco.turning import Free, Hinge
 from refdem.mechanics.quaternion import rotated
-from refdem.scene import Body, Scene
+from refdem.scene import Scene
+from refdem.scene.elements.ball_joint import BallJoint
 from refdem.scene.elements.contact import Contact
+from refdem.scene.elements.dashpot import Dashpot
 from refdem.scene.elements.plane import Plane
 from refdem.scene.elements.rod import Rod
 from refdem.scene.elements.slider import Slider
@@ -27,8 +30,8 @@ def compiled(request: Request) -> tuple[Any, list[Freedom]]:
     spec = mujoco.MjSpec()
     options.set_compiler(mujoco, spec)
     options.set_options(mujoco, spec, scene, request.method, step)
-    freedoms = [_freedom(scene, number, body, step) for number, body in enumerate(scene.bodies.single())]
-    said = [freedom.say(mujoco, spec.worldbody) for freedom in freedoms]
+    freedoms = [_freedom(scene, number, step) for number in range(len(scene.bodies))]
+    said = _said(mujoco, spec, freedoms)
     for law in scene.all(Contact):
         parameters = solver.contact(scene, law, step)
         for body, shape in zip(said, scene.bodies.shape, strict=True):
@@ -38,10 +41,19 @@ def compiled(request: Request) -> tuple[Any, list[Freedom]]:
     for number, spring in enumerate(scene.all(Spring)):
         if not _is_of_joints(scene, spring):
             _add_tendon(spec, scene, freedoms, said, spring, f"spring {number}")
-    for freedom in freedoms:
-        if isinstance(freedom, Hinge):
-            spec.add_sensor(type=mujoco.mjtSensor.mjSENS_FORCE, objtype=mujoco.mjtObj.mjOBJ_SITE, objname=freedom.site)
+    for rod in scene.all(Rod):
+        spec.add_sensor(type=mujoco.mjtSensor.mjSENS_FORCE, objtype=mujoco.mjtObj.mjOBJ_SITE, objname=f"rod on {rod.a}")
     return spec.compile(), freedoms
+
+
+def _said(mujoco: Any, spec: Any, freedoms: list[Freedom]) -> list[Any]:
+    """The bodies of MuJoCo in the scene's order, each said after that from which it hangs."""
+    said: dict[int, Any] = {}
+    for number, freedom in sorted(enumerate(freedoms), key=lambda pair: len(pair[1].lineage)):
+        above = next((said[i] for i, other in enumerate(freedoms) if freedom.lineage[-2:-1] == (other,)), spec.worldbody)
+        said[number] = freedom.say(mujoco, above)
+        said[number].name = f"body {number}"
+    return [said[number] for number in range(len(freedoms))]
 
 
 def _turns(scene: Scene, number: int) -> bool:
@@ -49,13 +61,23 @@ def _turns(scene: Scene, number: int) -> bool:
     return "rotation" in scene.features and bool(scene.bodies.inertia[number].any())
 
 
-def _freedom(scene: Scene, number: int, body: Body, step: float) -> Freedom:
+def _hinge(scene: Scene, rod: Rod) -> Hinge:
+    """The lower end of a rod, and what it hangs from."""
+    above = next((_hinge(scene, other) for other in scene.all(Rod) if other.a == rod.b), None)
+    return Hinge(scene.bodies.single()[rod.a], rod, above)
+
+
+def _freedom(scene: Scene, number: int, step: float) -> Freedom:
     """How body `number` moves."""
+    body = scene.bodies.single()[number]
     if body.fixed:
         return Fixed(body)
     for rod in scene.all(Rod):
         if rod.a == number:
-            return Hinge(body, rod)
+            return _hinge(scene, rod)
+    for joint in scene.all(BallJoint):
+        if joint.a == number:
+            return Ball(body, joint)
     if _turns(scene, number):
         return Free(body)
     dimension = next(n for n in (1, 2, 3) if f"dimension:{n}" in scene.features)
@@ -64,20 +86,21 @@ def _freedom(scene: Scene, number: int, body: Body, step: float) -> Freedom:
     reference = springs[0].anchor_b if springs else STILL
     sliders = [slider for slider in scene.all(Slider) if slider.a == number]
     friction = np.sum([np.abs(s.axis) * s.friction * s.normal_force for s in sliders], axis=0) if sliders else STILL
-    return Slides(body, dimension, stiffness, reference, tuple(friction), solver.friction(step) if sliders else {})
+    damping = sum(dashpot.damping for dashpot in scene.all(Dashpot) if dashpot.a == number)
+    return Slides(body, dimension, stiffness, reference, tuple(friction), solver.friction(step) if sliders else {}, damping)
 
 
 def _is_of_joints(scene: Scene, spring: Spring) -> bool:
     """A linear spring of no length to the world is the same along every axis: the joints' own stiffness. One a body."""
-    others = [s for s in scene.all(Spring) if s.a == spring.a and s.b < 0 and s.length == 0 and s.exponent == 1]
-    plain = spring.b < 0 and spring.length == 0 and spring.exponent == 1 and not any(spring.anchor_a)
-    return plain and not _turns(scene, spring.a) and others[0] is spring
+    plain = [s for s in scene.all(Spring) if s.a == spring.a and s.b < 0 and s.length == 0 and s.exponent == 1 and not s.cubic]
+    return spring in plain and not any(spring.anchor_a) and not _turns(scene, spring.a) and plain[0] is spring
 
 
 def _add_tendon(spec: Any, scene: Scene, freedoms: list[Freedom], said: list[Any], spring: Spring, name: str) -> None:
     """A spring as a spatial tendon between two sites."""
     tendon = spec.add_tendon(name=name, springlength=(spring.length,) * 2)
-    tendon.stiffness = (spring.stiffness, 0.0, 0.0) if spring.exponent == 1 else (0.0, 0.0, spring.stiffness)
+    linear, cube = (spring.stiffness, 0.0) if spring.exponent == 1 else (0.0, spring.stiffness)
+    tendon.stiffness = (linear, 0.0, cube + spring.cubic)
     for end, anchor in ((spring.a, spring.anchor_a), (spring.b, spring.anchor_b)):
         place: Any = anchor
         if end >= 0 and not freedoms[end].turns:

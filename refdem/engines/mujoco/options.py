@@ -8,7 +8,7 @@ from refdem.engines.mujoco.claims import INTEGRATORS
 from refdem.scene import Scene
 from refdem.scene.elements.uniform_gravity import UniformGravity
 
-NEVER = ("LIMIT", "EQUALITY", "ACTUATION", "SENSOR", "DAMPER", "WARMSTART", "AUTORESET")
+NEVER = ("LIMIT", "EQUALITY", "ACTUATION", "SENSOR", "WARMSTART", "AUTORESET")
 NOSLIP = 100
 """Most iterations of the post-solver that takes the softness out of friction; it ends by itself when nothing changes."""
 ITERATIONS = 100
@@ -56,6 +56,7 @@ def unneeded(scene: Scene) -> tuple[str, ...]:
         "CONSTRAINT": not meets and "slider" not in features,
         "FRICTIONLOSS": "slider" not in features,
         "SPRING": "spring" not in features,
+        "DAMPER": "dashpot" not in features,
         "GRAVITY": "uniform_gravity" not in features,
     }
     return tuple(name for name, is_off in off.items() if is_off)

@@ -5,14 +5,20 @@ from itertools import islice
 import numpy as np
 
 from refdem.core.problem import Motion
+from refdem.engines.mujoco import links
+from refdem.engines.mujoco.ball import of_ball_joints
 from refdem.engines.mujoco.shapes import box_sides, pairs
 from refdem.scene import Polyhedron, Scene
 from refdem.scene.elements.contact import Contact
-from refdem.scene.elements.rod import Rod
-from refdem.scene.elements.slider import Slider
-from refdem.scene.elements.spring import Spring
 
-SAID = {"spring", "slider", "rod", "plane", "contact", "uniform_gravity"}
+SAID = {"ball_joint", "dashpot", "spring", "slider", "rod", "plane", "contact", "uniform_gravity"}
+UNSAID = {
+    "central_field": "no central field: gravity is uniform",
+    "moving_anchor": "no joint that follows a law of time: a mocap body is put in place between steps and has no velocity",
+    "string_over_wheel": "no taut string: a tendon holds its length as a soft constraint",
+    "catch": "no constraint that begins at closest approach: one is switched between steps only, and is soft",
+    "force": "no force that follows the clock: controls and applied forces are constant over a step, also within Runge-Kutta",
+}
 SMALLEST = 1e-15
 """mjMINVAL: mass [kg] and principal inertia [kg m^2] of a moving body may not be below it."""
 
@@ -24,8 +30,8 @@ def refusal(problem: Motion) -> str | None:
         return "negative steps: MuJoCo takes them but does not document what they mean"
     for element in scene.elements:
         if element.kind not in SAID:
-            return {"central_field": "no central field: gravity is uniform"}.get(element.kind, f"no element {element.kind}")
-    for judged in (_of_bodies, _of_springs, _of_sliders, _of_rods, _of_contact):
+            return UNSAID.get(element.kind, f"no element {element.kind}")
+    for judged in (_of_bodies, links.of_springs, links.of_dashpots, links.of_sliders, links.of_rods, of_ball_joints, _of_contact):
         if reason := judged(scene):
             return reason
     return None
@@ -42,45 +48,6 @@ def _of_bodies(scene: Scene) -> str | None:
     return None
 
 
-def _of_springs(scene: Scene) -> str | None:
-    rods = {body for rod in scene.all(Rod) for body in (rod.a, rod.b)} - {-1}
-    for spring in scene.all(Spring):
-        if spring.exponent not in (1, 3):
-            return f"no spring of exponent {spring.exponent:g}: its force is a polynomial, linear or cubic where it is odd"
-        if rods & {spring.a, spring.b}:
-            return "this adapter says no spring on a body that hangs on a rod"
-    return None
-
-
-def _of_sliders(scene: Scene) -> str | None:
-    for slider in scene.all(Slider):
-        if slider.b >= 0:
-            return "this adapter says dry friction against the world only"
-        if sorted(np.abs(slider.axis)) != [0, 0, 1]:
-            return "this adapter says dry friction along x, y or z only"
-        if "rotation" in scene.features and scene.bodies.inertia[slider.a].any():
-            return "no dry friction along an axis on a free joint"
-        if any(rod.a == slider.a for rod in scene.all(Rod)):
-            return "this adapter says no dry friction on a body that hangs on a rod"
-    return None
-
-
-def _of_rods(scene: Scene) -> str | None:
-    rods = scene.all(Rod)
-    if rods and "dimension:3" in scene.features:
-        return "this adapter says a rod in a plane only (as a hinge); else it would be a soft constraint"
-    if any(rod.b >= 0 for rod in rods) or len({rod.a for rod in rods}) < len(rods):
-        return "this adapter says rods that hang from the world only, one a body; else they would be soft constraints"
-    for rod in rods:
-        arm = np.subtract(scene.bodies.position[rod.a], rod.anchor_b)
-        if any(rod.anchor_a) or scene.bodies.fixed[rod.a]:
-            return "this adapter says a rod to a body's centre only"
-        slip = abs(arm @ scene.bodies.velocity[rod.a])
-        if abs(np.linalg.norm(arm) - rod.length) > 1e-9 * rod.length or slip > 1e-9 * rod.length * (1 + slip):
-            return "a start off the rod: a hinge cannot show it"
-    return None
-
-
 def _of_contact(scene: Scene) -> str | None:
     found = scene.all(Contact)
     if not found or not scene.has_shapes():
@@ -94,6 +61,8 @@ def _of_contact(scene: Scene) -> str | None:
         if any(isinstance(shape, Polyhedron) and box_sides(shape) is None for shape in shapes):
             return "this adapter says boxes only, no other polyhedra"
         return None
+    if law.law != "linear":
+        return f"no contact law {law.law}: its contacts are springs and dampers in the acceleration"
     if any(isinstance(shape, Polyhedron) for shape in shapes):
         return "no linear contact law for polyhedra"
     if law.friction > 0:

@@ -1,6 +1,5 @@
 """One run: the scene compiled, stepped in MuJoCo's own loop, and read in numpy."""
 
-from itertools import accumulate, pairwise
 from time import perf_counter
 from typing import Any
 
@@ -45,9 +44,9 @@ def run(request: Request) -> tuple[Trajectory, Cost]:
 def _started(mujoco: Any, model: Any, freedoms: list[Freedom], request: Request) -> Any:
     """MjData at the scene's state and the first time."""
     data = mujoco.MjData(model)
-    starts = [freedom.start() for freedom in freedoms]
-    data.qpos[:] = np.concatenate([q for q, _ in starts])
-    data.qvel[:] = np.concatenate([v for _, v in starts])
+    for number, freedom in enumerate(freedoms):
+        q, v = _columns(model, freedoms, number)
+        data.qpos[q[-freedom.nq :] if freedom.nq else []], data.qvel[v[-freedom.nv :] if freedom.nv else []] = freedom.start()
     data.time = float(request.problem.times[0])
     return data
 
@@ -61,14 +60,25 @@ def _refuse_warnings(data: Any, warnings: list[str]) -> None:
 def _trajectory(mujoco: Any, model: Any, freedoms: list[Freedom], rows: Array) -> Trajectory:
     """The recorded rows in the scene's terms."""
     q, v = rows[:, : model.nq], rows[:, model.nq : -1]
-    cuts_q = list(pairwise(accumulate((f.nq for f in freedoms), initial=0)))
-    cuts_v = list(pairwise(accumulate((f.nv for f in freedoms), initial=0)))
-    read = [f.read(q[:, slice(*a)], v[:, slice(*b)]) for f, a, b in zip(freedoms, cuts_q, cuts_v, strict=True)]
+    places = [_columns(model, freedoms, number) for number in range(len(freedoms))]
+    read = [freedom.read(q[:, a], v[:, b]) for freedom, (a, b) in zip(freedoms, places, strict=True)]
     columns: Any = {
         name: np.stack([getattr(body, name) for body in read], axis=1) for name in ("position", "velocity", "attitude", "omega")
     }
     channels = {"rod_force": _rod_force(mujoco, model, q, v)} if any(isinstance(f, Hinge) for f in freedoms) else {}
     return Trajectory(t=np.ascontiguousarray(rows[:, -1]), channels=channels, **columns)
+
+
+def _columns(model: Any, freedoms: list[Freedom], number: int) -> tuple[list[int], list[int]]:
+    """Which coordinates and which velocities of the model tell the state of body `number`: those of its lineage."""
+    q: list[int] = []
+    v: list[int] = []
+    for freedom in freedoms[number].lineage:
+        own = number if freedom is freedoms[number] else freedoms.index(freedom)
+        joint = int(model.body(f"body {own}").jntadr[0]) if freedom.nq else 0
+        q += range(first := int(model.jnt_qposadr[joint]) if freedom.nq else 0, first + freedom.nq)
+        v += range(first := int(model.jnt_dofadr[joint]) if freedom.nv else 0, first + freedom.nv)
+    return q, v
 
 
 def _rod_force(mujoco: Any, model: Any, q: Array, v: Array) -> Array:

@@ -42,10 +42,14 @@ class Free(Freedom):
 
 @dataclass(frozen=True)
 class Hinge(Freedom):
-    """A point on a massless rod that hangs from the world: a hinge about z at the anchor, the angle from straight down."""
+    """A point on a massless rod below the world or another such point: a hinge about z at the upper end.
+
+    The coordinate is the angle from straight down, or from the direction of the rod above.
+    """
 
     body: Body
     rod: Rod
+    above: "Hinge | None" = None
     nq = 1
     nv = 1
 
@@ -53,12 +57,18 @@ class Hinge(Freedom):
     def turns(self) -> bool:
         return True
 
+    @property
+    def lineage(self) -> tuple["Hinge", ...]:
+        """The hinges from the world down to this one."""
+        return (*self.above.lineage, self) if self.above else (self,)
+
     def say(self, mujoco: Any, world: Any) -> Any:
         """Mass and arm that make up for the speck, so that m l and m l^2 about the hinge are the point's own."""
         mass, length = self.body.mass, self.rod.length
         arm = length - SPECK / (mass * length)
+        place = (0.0, -self.above.rod.length, 0.0) if self.above else self.rod.anchor_b
         bob = {"mass": mass * (length / arm), "inertia": (SPECK,) * 3, "ipos": (0.0, -arm, 0.0), "explicitinertial": True}
-        said = world.add_body(pos=self.rod.anchor_b, **bob)
+        said = world.add_body(pos=place, **bob)
         said.add_joint(type=mujoco.mjtJoint.mjJNT_HINGE, axis=(0.0, 0.0, 1.0))
         said.add_site(name=self.site)
         return said
@@ -68,13 +78,22 @@ class Hinge(Freedom):
         """The name of the site at the anchor where the rod's force is felt, in axes that turn with the rod."""
         return f"rod on {self.rod.a}"
 
+    def hanging(self) -> tuple[float, float]:
+        """Angle from straight down and its rate at the start."""
+        place, speed = (self.above.body.position, self.above.body.velocity) if self.above else (self.rod.anchor_b, (0.0, 0.0, 0.0))
+        (x, y, _), (u, v, _) = np.subtract(self.body.position, place), np.subtract(self.body.velocity, speed)
+        return float(np.arctan2(x, -y)), float((x * v - y * u) / self.rod.length**2)
+
     def start(self) -> tuple[Array, Array]:
-        x, y, _ = np.subtract(self.body.position, self.rod.anchor_b)
-        u, v, _ = self.body.velocity
-        return np.array([np.arctan2(x, -y)]), np.array([(x * v - y * u) / self.rod.length**2])
+        angle, rate = self.hanging()
+        before = self.above.hanging() if self.above else (0.0, 0.0)
+        return np.array([angle - before[0]]), np.array([rate - before[1]])
 
     def read(self, q: Array, v: Array) -> Columns:
-        sine, cosine, nothing = np.sin(q[:, 0]), np.cos(q[:, 0]), np.zeros(len(q))
-        outward = self.rod.length * np.stack([sine, -cosine, nothing], axis=-1)
-        sideways = self.rod.length * v * np.stack([cosine, sine, nothing], axis=-1)
-        return Columns(outward + np.array(self.rod.anchor_b), sideways, *self.still(len(q)))
+        """From the coordinates of the lineage, (T, its length) each."""
+        angle, rate = np.cumsum(q, axis=1), np.cumsum(v, axis=1)
+        length = np.array([hinge.rod.length for hinge in self.lineage])
+        sine, cosine, nothing = np.sin(angle), np.cos(angle), np.zeros_like(angle)
+        outward = np.stack([sine, -cosine, nothing], axis=-1) * length[:, None]
+        sideways = np.stack([cosine, sine, nothing], axis=-1) * (length * rate)[..., None]
+        return Columns(outward.sum(axis=1) + np.array(self.lineage[0].rod.anchor_b), sideways.sum(axis=1), *self.still(len(q)))

@@ -19,6 +19,17 @@ SEMI_IMPLICIT_EULER = Method(
     conserves=frozenset({"momentum", "angular-momentum"}),
     symplectic=True,
 )
+TURNS = frozenset({"identity:plane-turn", "identity:complex-turn"})
+STATICS = (
+    Method(
+        name="moments",
+        summary="area, centre and moment of convex polygons",
+        control="exact",
+        answers="solid",
+        knows=frozenset({"solid:polygon"}),
+    ),
+    Method(name="vectors", summary="Vec2d's turns", control="exact", answers="identity", knows=TURNS),
+)
 
 
 class Pymunk(Engine):
@@ -26,7 +37,7 @@ class Pymunk(Engine):
 
     name = "pymunk"
     title = "pymunk (Chipmunk)"
-    methods = (SEMI_IMPLICIT_EULER,)
+    methods = (SEMI_IMPLICIT_EULER, *STATICS)
     audit = AUDIT
     licence = "MIT"
 
@@ -56,6 +67,10 @@ class Pymunk(Engine):
 
     def run(self, request: Request) -> tuple[Trajectory, Cost]:
         """Runs one request; the times are the steps that the engine counted, times the step: it has no clock."""
+        if not isinstance(request.problem, Motion):
+            from refdem.engines.pymunk.statics import run
+
+            return run(request)
         from refdem.engines.pymunk.run import recorded
 
         return recorded(request)

@@ -4,7 +4,7 @@ from refdem.core.engine import Default
 
 AUDIT = (
     Default("clock", "none", "steps counted by the engine (cpSpaceGetTimestamp) times the step", "Chipmunk keeps no time"),
-    Default("Space.damping", "1", "1", "no drag: velocities are multiplied by damping**dt"),
+    Default("Space.damping", "1", "exp(-damping/mass) of the dashpots", "velocities are multiplied by damping**dt, the same for all"),
     Default("Space.sleep_time_threshold", "inf", "inf", "nothing is put to sleep"),
     Default(
         "Space.iterations",

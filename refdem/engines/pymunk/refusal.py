@@ -5,13 +5,19 @@ import numpy as np
 from refdem.core.problem import Motion
 from refdem.scene import Polyhedron, Scene, Sphere
 from refdem.scene.elements.contact import Contact
+from refdem.scene.elements.dashpot import Dashpot
 from refdem.scene.elements.plane import Plane
 from refdem.scene.elements.rod import Rod
 from refdem.scene.elements.slider import Slider
 from refdem.scene.elements.spring import Spring
 from refdem.scene.elements.uniform_gravity import UniformGravity
 
-KNOWN = (Contact, Plane, Rod, Slider, Spring, UniformGravity)
+UNKNOWN = {
+    "moving_anchor": "a pivot that follows a law of time (a kinematic body keeps the velocity that it was given)",
+    "string_over_wheel": "a string over a wheel (no pulley among the joints)",
+    "catch": "a hook that begins to hold at closest approach (joints hold from the start, or are added between steps)",
+}
+KNOWN = (Contact, Dashpot, Plane, Rod, Slider, Spring, UniformGravity)
 
 
 def reason(problem: Motion) -> str | None:
@@ -23,17 +29,34 @@ def reason(problem: Motion) -> str | None:
         return "motion or rotation in three dimensions"
     for element in scene.elements:
         if not isinstance(element, KNOWN):
-            return f"{element.kind} (no such element, and a force field would have to be programmed into it)"
+            return UNKNOWN.get(element.kind, f"{element.kind} (no such element, and a force field would have to be programmed into it)")
     return _element_reason(scene) or _contact_reason(scene)
 
 
 def _element_reason(scene: Scene) -> str | None:
     """Springs are linear, dry friction acts on every velocity at once."""
-    if any(spring.exponent != 1 for spring in scene.all(Spring)):
+    if any(spring.exponent != 1 or spring.quadratic or spring.cubic for spring in scene.all(Spring)):
         return "a spring whose force is not linear"
+    if scene.all(Dashpot) and fading(scene) is None:
+        return "damping that is not one rate of all bodies against the world (Space.damping)"
+    if any(slider.law != "coulomb" for slider in scene.all(Slider)):
+        return "dry friction that depends on the speed (joints and shapes have one limit)"
     if scene.all(Slider) and "dimension:1" not in scene.features:
         return "dry friction along one axis of a motion in the plane"
     return None
+
+
+def fading(scene: Scene) -> float | None:
+    """The rate [1/s] at which the dashpots take velocity from every body alike; None if they do not."""
+    free = [number for number, fixed in enumerate(scene.bodies.fixed) if not fixed]
+    damping = dict.fromkeys(free, 0.0)
+    for dashpot in scene.all(Dashpot):
+        if dashpot.b >= 0 or dashpot.van_der_pol or dashpot.damping < 0 or any(dashpot.anchor_a) or dashpot.a not in damping:
+            return None
+        damping[dashpot.a] += dashpot.damping
+    rates = {damping[number] / float(scene.bodies.mass[number]) for number in free}
+    turns = scene.all(Dashpot) and "rotation" in scene.features  # turning would be damped as well
+    return rates.pop() if len(rates) == 1 and not turns else None
 
 
 def _contact_reason(scene: Scene) -> str | None:

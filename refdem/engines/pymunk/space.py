@@ -1,12 +1,12 @@
 """A scene in Chipmunk's words: space, bodies, joints and shapes."""
 
-from math import sqrt
+from math import exp, sqrt
 from typing import Any
 
 import numpy as np
 import pymunk
 
-from refdem.engines.pymunk.refusal import outline
+from refdem.engines.pymunk.refusal import fading, outline
 from refdem.scene import Polyhedron, Scene, Sphere
 from refdem.scene.elements.contact import Contact
 from refdem.scene.elements.plane import Plane
@@ -24,7 +24,7 @@ WALL = 1e3
 def space_of(scene: Scene) -> tuple[pymunk.Space, list[pymunk.Body]]:
     """The space and its bodies, in the scene's order."""
     space = pymunk.Space()
-    space.damping, space.collision_slop = 1.0, 0.0
+    space.damping, space.collision_slop = exp(-(fading(scene) or 0.0)), 0.0
     space.sleep_time_threshold = float("inf")
     space.gravity = tuple(np.sum([g.g[:2] for g in scene.all(UniformGravity)] or [(0.0, 0.0)], axis=0).tolist())
     bodies = [_body(scene, number) for number in range(len(scene.bodies))]
@@ -58,6 +58,13 @@ def _body(scene: Scene, number: int) -> pymunk.Body:
     return body
 
 
+def _belt(space: pymunk.Space, link: Slider) -> pymunk.Body:
+    """A body that nothing stops: what the slider rubs on."""
+    space.add(belt := pymunk.Body(body_type=pymunk.Body.KINEMATIC))
+    belt.velocity = tuple((link.belt_velocity * np.array(link.axis[:2])).tolist())
+    return belt
+
+
 def _is_still(scene: Scene, end: int) -> bool:
     """The end of a link is the world or a fixed body."""
     return end < 0 or bool(scene.bodies.fixed[end])
@@ -66,6 +73,8 @@ def _is_still(scene: Scene, end: int) -> bool:
 def _joint(space: pymunk.Space, bodies: list[pymunk.Body], link: Spring | Rod | Slider) -> pymunk.Constraint:
     """A spring without damper, a rod without slack, or friction as a joint that holds no more than Coulomb's limit."""
     a, b = bodies[link.a], space.static_body if link.b < 0 else bodies[link.b]
+    if isinstance(link, Slider) and link.belt_velocity:
+        b = _belt(space, link)
     if isinstance(link, Spring):
         return pymunk.DampedSpring(a, b, link.anchor_a[:2], link.anchor_b[:2], link.length, link.stiffness, 0.0)
     if isinstance(link, Rod):

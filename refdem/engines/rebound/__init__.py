@@ -12,13 +12,16 @@ from refdem.engines.rebound.audit import AUDIT
 from refdem.engines.rebound.methods import METHODS
 from refdem.engines.rebound.refusal import reason
 
+KNOWN = frozenset(f"identity:{name}" for name in ("quaternion-about", "product", "inverse", "unit", "rotated"))
+ROTATION = Method(name="rotation", summary="unit quaternions, rebound.Rotation", control="exact", answers="identity", knows=KNOWN)
+
 
 class Rebound(Engine):
     """REBOUND through its Python package; stepped by a compiled loop over its own steps."""
 
     name = "rebound"
     title = "REBOUND"
-    methods = METHODS
+    methods = (*METHODS, ROTATION)
     audit = AUDIT
     licence = "GPL-3.0-or-later"
 
@@ -48,6 +51,10 @@ class Rebound(Engine):
 
     def run(self, request: Request) -> tuple[Trajectory, Cost]:
         """Runs one request; the times are the engine's own clock."""
+        if not isinstance(request.problem, Motion):
+            from refdem.engines.rebound.statics import run
+
+            return run(request)
         from refdem.engines.rebound.run import recorded
 
         return recorded(request)

@@ -15,7 +15,7 @@ AUDIT = (
     Default(
         "additional_forces",
         "none",
-        "a compiled callback if there are springs, rods or uniform gravity",
+        "a compiled callback if there are springs, dashpots, periodic forces, rods or uniform gravity",
         "REBOUND knows no such elements: its users program forces, and so does the adapter",
     ),
     Default(
@@ -24,7 +24,8 @@ AUDIT = (
         "multiplier force (v.v + r.a)/(r.r) in the callback",
         "the distance at the start is kept by the equations alone, nothing projects it",
     ),
-    Default("force_is_velocity_dependent", "0", "1 with rods", "IAS15 predicts velocities only then"),
+    Default("force_is_velocity_dependent", "0", "1 with rods or dashpots", "IAS15 predicts velocities only then"),
+    Default("clock of a periodic force", "-", "sim.t at every evaluation", "each integrator sets it to the time of the stage"),
     Default(
         "rotation",
         "particles have no spin",
@@ -45,8 +46,8 @@ AUDIT = (
     Default(
         "ias15.adaptive_mode",
         "prs23",
-        "global with springs, else prs23",
-        "prs23 takes its time from the acceleration, and 100 times the steps where that goes through zero on a line",
+        "global with springs and rods, else prs23",
+        "prs23 takes its time from the acceleration: 100 times the steps where it goes through zero, no end where a rod holds it at 0",
     ),
     Default("bs.eps_rel, bs.eps_abs", "1e-8, 1e-8", "the tolerance", "absolute in SI for places, velocities and quaternions alike"),
     Default("bs.min_dt, bs.max_dt", "0, 0", "0, 0", "no limits to the step"),

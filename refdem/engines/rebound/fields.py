@@ -1,4 +1,4 @@
-"""What REBOUND's callbacks read: masses, gravity, springs, rods and rotors of a scene, as the compiled loop has them."""
+"""What REBOUND's callbacks read: masses, gravity, springs, dashpots, drives, rods and rotors, as the compiled loop has them."""
 
 from dataclasses import dataclass
 from typing import Any
@@ -8,6 +8,8 @@ import numpy as np
 from refdem import kernels
 from refdem.engines.rebound.refusal import turning
 from refdem.scene import Scene
+from refdem.scene.elements.dashpot import Dashpot
+from refdem.scene.elements.force import Force
 from refdem.scene.elements.rod import Rod
 from refdem.scene.elements.spring import Spring
 from refdem.scene.elements.uniform_gravity import UniformGravity
@@ -24,17 +26,21 @@ class Fields:
     rotors: tuple[int, ...]
     rods: int
     has_forces: bool
+    reads_velocity: bool
 
 
 def fields_of(scene: Scene) -> Fields:
     """The fields of a scene; the places of its particles are filled in by the simulation."""
     ffi = kernels.load(FAMILY).ffi
     springs, rods, gravity = scene.all(Spring), scene.all(Rod), scene.all(UniformGravity)
+    dashpots, drives = scene.all(Dashpot), scene.all(Force)
     rotors = turning(scene)
     doubles = {
         "mass": scene.bodies.mass,
         "gravity": np.sum([g.g for g in gravity] or [(0.0, 0.0, 0.0)], axis=0),
-        "spring": np.array([(s.stiffness, s.length, s.exponent, *s.anchor_b) for s in springs]),
+        "spring": np.array([(s.stiffness, s.length, s.exponent, *s.anchor_b, s.quadratic, s.cubic) for s in springs]),
+        "dashpot": np.array([(d.damping, d.van_der_pol, *d.anchor_b) for d in dashpots]),
+        "drive": np.array([(f.amplitude, f.frequency, f.phase, *f.axis) for f in drives]),
         "rod_anchor": np.array([rod.anchor_b for rod in rods]),
         "tension": np.zeros(len(rods)),
         "inertia": scene.bodies.inertia[rotors],
@@ -42,13 +48,17 @@ def fields_of(scene: Scene) -> Fields:
     integers = {
         "fixed": scene.bodies.fixed,
         "spring_end": np.array([(s.a, s.b) for s in springs]),
+        "dashpot_end": np.array([(d.a, d.b) for d in dashpots]),
+        "drive_end": np.array([(f.a, f.b) for f in drives]),
         "rod_end": np.array([(rod.a, rod.b) for rod in rods]),
     }
-    counts = {"bodies": len(scene.bodies), "springs": len(springs), "rods": len(rods), "turning": len(rotors)}
+    counts = {"bodies": len(scene.bodies), "springs": len(springs), "dashpots": len(dashpots), "drives": len(drives)}
+    counts |= {"rods": len(rods), "turning": len(rotors)}
     struct, kept = ffi.new("refdem_rebound_scene *", counts), []
     for columns, kind, dtype in ((doubles, "double[]", np.float64), (integers, "int64_t[]", np.int64)):
         for name, values in columns.items():
             view = ffi.from_buffer(kind, np.ascontiguousarray(values, dtype), require_writable=False)
             setattr(struct, name, ffi.cast(kind.replace("[]", " *"), view))
             kept.append(view)
-    return Fields(struct, tuple(kept), tuple(rotors), len(rods), bool(springs or rods or gravity))
+    acts = bool(springs or dashpots or drives or rods or gravity)
+    return Fields(struct, tuple(kept), tuple(rotors), len(rods), acts, reads_velocity=bool(dashpots or rods))

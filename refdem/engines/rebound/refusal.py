@@ -4,18 +4,25 @@ import numpy as np
 
 from refdem.core.problem import Motion
 from refdem.scene import Scene
+from refdem.scene.element import Link
 from refdem.scene.elements.central_field import CentralField
+from refdem.scene.elements.dashpot import Dashpot
+from refdem.scene.elements.force import Force
 from refdem.scene.elements.rod import Rod
 from refdem.scene.elements.spring import Spring
 from refdem.scene.elements.uniform_gravity import UniformGravity
 
-KNOWN = (CentralField, Rod, Spring, UniformGravity)
+KNOWN = (CentralField, Dashpot, Force, Rod, Spring, UniformGravity)
 FIT = 1e-9
 """A rod fits if its ends are this close to its length, relatively: the multiplier keeps what it finds."""
 UNKNOWN = {
     "slider": "dry friction (no force that jumps with the velocity)",
     "contact": "contact with a force law (only instantaneous collisions of hard spheres)",
     "plane": "walls",
+    "ball_joint": "a ball joint (particles have no attitude)",
+    "moving_anchor": "a pivot that follows a law of time (a rod's force needs a point at rest or a particle)",
+    "string_over_wheel": "a string over a wheel (no constraint solver)",
+    "catch": "a hook (no event that begins a constraint)",
 }
 
 
@@ -36,7 +43,7 @@ def turning(scene: Scene) -> list[int]:
 
 def _link_reason(scene: Scene) -> str | None:
     """Forces act at centres; a rod stands alone and fits."""
-    links = [link for kind in (Spring, Rod) for link in scene.all(kind)]
+    links = [element for element in scene.elements if isinstance(element, Link)]
     if any(any(link.anchor_a) or (link.b >= 0 and any(link.anchor_b)) for link in links):
         return "a force off the centre of a body (particles have no attitude)"
     ends = [end for rod in scene.all(Rod) for end in (rod.a, rod.b) if end >= 0]
@@ -59,8 +66,10 @@ def _method_reason(scene: Scene, method: str) -> str | None:
         return "rotation (particles have no spin; only bs carries Euler's equations beside them)"
     if rotors and not scene.bodies.inertia[rotors].all():
         return "a spinning body with a moment of inertia that is zero"
-    if scene.all(Rod) and method.startswith("leapfrog"):
-        return "a rod (its force depends on velocities, which leapfrog has only at the other time)"
+    for kind in {"rod", "dashpot"} & scene.features if method.startswith("leapfrog") else ():
+        return f"a {kind} (its force depends on velocities, which leapfrog has only at the other time)"
+    if method in ("leapfrog-8", "ias15") and any(spring.exponent % 2 != 1 for spring in scene.all(Spring)):
+        return "a spring whose force is not smooth where it changes sign (order 8 needs its derivatives, ias15's steps shrink to nothing)"
     if method == "whfast" and not (scene.elements and all(isinstance(e, CentralField) for e in scene.elements)):
         return "anything but one attracting centre"
     return None

@@ -15,7 +15,6 @@ from refdem.errors import EngineError
 from refdem.mechanics.quaternion import conjugate, rotated
 from refdem.scene import Scene
 from refdem.scene.elements.central_field import CentralField
-from refdem.scene.elements.spring import Spring
 
 FIRST_STEP = 2.0**-8
 """First step of the adaptive integrators, in units of the sample interval: REBOUND's default is a thousandth of a unit of time."""
@@ -32,7 +31,7 @@ def simulation_of(request: Request, fields: Fields) -> tuple[rebound.Simulation,
     ode = _add_rotors(sim, scene, fields)
     if fields.has_forces:
         sim._additional_forces = AFF(_callback("forces", rebound.Simulation.extras.offset))  # the property would wrap it in Python
-        sim.force_is_velocity_dependent = int(fields.rods > 0)
+        sim.force_is_velocity_dependent = int(fields.reads_velocity)
     return sim, ode
 
 
@@ -53,7 +52,8 @@ def _set_integrator(sim: rebound.Simulation, request: Request) -> None:
     else:
         sim.dt = FIRST_STEP * request.problem.interval
     if name == "ias15":
-        sim.integrator.adaptive_mode = "global" if request.problem.scene.all(Spring) else "prs23"
+        linked = {"spring", "rod"} & request.problem.scene.features
+        sim.integrator.adaptive_mode = "global" if linked else "prs23"
     if name == "bs":
         sim.integrator.eps_rel = sim.integrator.eps_abs = request.tolerance
 
@@ -79,6 +79,7 @@ def _place(sim: rebound.Simulation, fields: Fields, first: int) -> None:
     struct = fields.struct
     struct.particle, struct.size = ffi.cast("char *", base + first * size), size
     struct.position, struct.velocity, struct.acceleration = particle.x.offset, particle.vx.offset, particle.ax.offset
+    struct.clock = ffi.cast("double *", addressof(sim) + rebound.Simulation.t.offset)
     sim.extras = int(ffi.cast("uintptr_t", struct))
 
 

@@ -202,7 +202,7 @@ FAULTS = (
     contact(
         name="spring-late",
         sentence="The tangential spring stretches by the slip of the step before (Lethe 300).",
-        on=("sticker",),
+        on=("tumbling-spheres",),
         sees=("convergence", "state"),
         inside=lambda p: {"stretched": lambda s, before, now, h: vec.moved(s, h, before)},
     ),

@@ -31,7 +31,7 @@ def _regularised(p: Parts) -> dict[str, Any]:
             found.power -= force * speed
         return found
 
-    return {"loads": loads, "side_of": lambda *arguments: 0}
+    return {"loads": loads, "side_of": lambda *arguments: 0, "holds": lambda *arguments: True}  # no mode to leave
 
 
 def _without_damping(p: Parts) -> dict[str, Any]:
@@ -72,7 +72,7 @@ FAULTS = (
         sentence="Dry friction acts along the velocity.",
         on=("rubbing",),
         sees=("energy", "dissipation"),
-        inside=lambda p: {"slider_force": lambda slider, side: p.slider_force(slider, -side)},
+        inside=lambda p: {"slider_force": lambda slider, side, speed: p.slider_force(slider, -side, speed)},
     ),
     friction(
         name="friction-missing",

@@ -67,8 +67,8 @@ FAULTS = (
         name="lever-of-the-centres",
         sentence="Lever arm R - d/2 where the law says R.",
         on=("scrape-long",),
-        sees=("error", "omega1.z"),
-        levels=5,
+        sees=("angular-momentum", "law"),
+        levels=6,
         before=_branch("R-d/2"),
     ),
     contact(

@@ -41,6 +41,11 @@ def _half_turn(sound: Any) -> Any:
     return part
 
 
+def _steady(sound: Any) -> Any:
+    """The body turns about its axes with the angular velocity that it has, which stays in body axes."""
+    return lambda axis, inertia, omega, q, h: (omega, sound(axis, inertia, omega, q, h)[1])
+
+
 def _body_axes(request: Any, run: Any) -> Any:
     from dataclasses import replace
 
@@ -54,7 +59,7 @@ FAULTS = (
         on=("tumbler",),
         method="rk4",
         sees=OMEGA,
-        inside=lambda p: {"gyroscopic": lambda inertia, omega: vec.ZERO},
+        inside=lambda p: {"gyroscopic": lambda inertia, omega: vec.ZERO, "axis_turn": _steady(p.axis_turn)},
     ),
     rotation(
         name="no-gyroscopic-term-first-order",

@@ -1,11 +1,15 @@
-"""The contact law between shapes that meet: linear spring-dashpot with tangential spring and Coulomb limit, or rigid."""
+"""The contact law between shapes that meet: linear spring-dashpot with tangential spring and Coulomb limit, Hertz's, or rigid."""
 
 from typing import Any, Literal
 
 import numpy as np
 
-from refdem.scene.dimension import Damping, Number, Stiffness
+from refdem.mechanics.neighbours import FEW, near_pairs
+from refdem.mechanics.quaternion import rotated
+from refdem.scene.dimension import Damping, Dimension, Number, Stiffness
 from refdem.scene.element import Array, Element
+from refdem.scene.elements.periodic_box import PeriodicBox
+from refdem.scene.elements.plane import Plane
 
 
 class Contact(Element, frozen=True, kw_only=True, tag="contact"):
@@ -15,10 +19,11 @@ class Contact(Element, frozen=True, kw_only=True, tag="contact"):
     with no dashpot, clipped (spring included) at `friction` times the normal force; `tangential_stiffness = 0` with
     friction > 0 is sliding friction of full size whenever there is slip. `branch` is the lever arm of the tangential
     force: the radius R, R - overlap, or R - overlap/2. `cutoff`: the force ends with the overlap, or already when it
-    would pull (zero_force). rigid: no overlap, `restitution` for the normal velocity, Coulomb friction.
+    would pull (zero_force). hertz: normal force `stiffness * overlap**(3/2)`, stiffness [N/m^(3/2)], without damping, and with
+    no friction but the sliding one of full size (Hertz 1882). rigid: no overlap, `restitution` for the normal velocity, Coulomb friction.
     """
 
-    law: Literal["linear", "rigid"]
+    law: Literal["linear", "hertz", "rigid"]
     stiffness: Stiffness = 0.0
     damping: Damping = 0.0
     tangential_stiffness: Stiffness = 0.0
@@ -30,7 +35,16 @@ class Contact(Element, frozen=True, kw_only=True, tag="contact"):
     @property
     def conservative(self) -> bool:  # type: ignore[override]
         """Neither damping nor friction, and a rigid law that gives everything back."""
-        return self.damping == 0 and self.friction == 0 and (self.law == "linear" or self.restitution == 1)
+        return self.damping == 0 and self.friction == 0 and (self.law != "rigid" or self.restitution == 1)
+
+    @property
+    def exponent(self) -> float:
+        """The normal force is stiffness * overlap**exponent."""
+        return 1.5 if self.law == "hertz" else 1.0
+
+    def dimension(self, field: str) -> Dimension | None:
+        """That of Hertz's stiffness [N/m^(3/2)] follows from the exponent."""
+        return Dimension(1, 1 - self.exponent, -2) if field == "stiffness" else super().dimension(field)
 
     def features(self) -> frozenset[str]:
         """The law, and friction where there is some."""
@@ -45,19 +59,49 @@ class Contact(Element, frozen=True, kw_only=True, tag="contact"):
         """Negative coefficients, and a linear law without stiffness."""
         numbers = ("stiffness", "damping", "tangential_stiffness", "friction", "restitution")
         found = [f"{name} is {value}, expected >= 0" for name in numbers if (value := getattr(self, name)) < 0]
-        if self.law == "linear" and not self.stiffness > 0:
-            found.append(f"stiffness is {self.stiffness}, expected > 0 for the linear law")
+        if self.law != "rigid" and not self.stiffness > 0:
+            found.append(f"stiffness is {self.stiffness}, expected > 0 for the {self.law} law")
+        if self.law == "hertz" and (self.damping or self.tangential_stiffness):
+            found.append("damping or tangential_stiffness is not 0, expected a normal force alone, or sliding, for the hertz law")
         if self.restitution > 1:
             found.append(f"restitution is {self.restitution}, expected <= 1")
         return found
 
     def potential(self, scene: Any, position: Array, attitude: Array) -> Array:
-        """`stiffness overlap**2 / 2` of every pair of spheres (T,) [J]; the tangential spring is not in it."""
+        """`stiffness overlap**(n+1) / (n+1)` of spheres with each other and with planes (T,) [J], n = 1 or 3/2; no tangential spring."""
         energy = np.zeros(len(position))
-        if self.law != "linear":
+        if self.law == "rigid":
             return energy
+        power = self.exponent + 1
         radius = scene.bodies.radius
-        for i, j in zip(*np.triu_indices(len(radius), 1), strict=True):
-            overlap = radius[i] + radius[j] - np.linalg.norm(position[:, i] - position[:, j], axis=-1)
-            energy += 0.5 * self.stiffness * np.maximum(overlap, 0.0) ** 2 * (min(radius[i], radius[j]) > 0)
+        few = np.count_nonzero(radius) <= FEW
+        for samples in [slice(None)] if few else [slice(k, k + 1) for k in range(len(position))]:
+            overlap = _overlaps(scene, position[samples], radius)
+            energy[samples] = self.stiffness / power * np.sum(np.maximum(overlap, 0.0) ** power, axis=1)
+        for plane in scene.all(Plane):
+            overlap = radius - (position - np.array(plane.point)) @ np.array(plane.normal)
+            energy += self.stiffness / power * np.sum(np.maximum(overlap, 0.0) ** power * (radius > 0), axis=1)
+            energy += self.stiffness / power * np.sum(np.maximum(_depths(scene, plane, position, attitude), 0.0) ** power, axis=1)
         return energy
+
+
+def _depths(scene: Any, plane: Plane, position: Array, attitude: Array) -> Array:
+    """How deep (T, C) [m] the corners of all polyhedra are behind a plane."""
+    corners = [(i, corner) for i, shape in enumerate(scene.bodies.shape) for corner in getattr(shape, "vertices", ())]
+    body, arm = [i for i, _ in corners], np.array([corner for _, corner in corners]).reshape(-1, 3)
+    turned = rotated(attitude[:, body], np.broadcast_to(arm, (len(position), *arm.shape)))
+    depth: Array = -(position[:, body] + turned - np.array(plane.point)) @ np.array(plane.normal)
+    return depth
+
+
+def _overlaps(scene: Any, position: Array, radius: Array) -> Array:
+    """Overlaps (T, P) [m] of all pairs of spheres, of many of those that are near in the first sample; of nearest images in a box."""
+    spheres, boxes = np.flatnonzero(radius > 0), scene.all(PeriodicBox)
+    if len(spheres) <= FEW:
+        i, j = np.triu_indices(len(spheres), 1)
+    else:
+        i, j = near_pairs(position[0, spheres], 2 * float(radius.max()), boxes[0].size if boxes else 0.0)
+    i, j = spheres[i], spheres[j]
+    apart = position[:, j] - position[:, i]
+    overlap: Array = radius[i] + radius[j] - np.linalg.norm(boxes[0].nearest(apart) if boxes else apart, axis=-1)
+    return overlap

@@ -1,29 +1,67 @@
 """Dry friction along an axis: `Sgn(0) = [-1, 1]`, so a body at rest under no more than the limit stays at rest."""
 
-from typing import ClassVar
+from typing import Annotated, Any, ClassVar, Literal
 
-from refdem.scene.dimension import Direction, Force, Number
+from refdem.scene.dimension import Dimension, Direction, Force, Number
 from refdem.scene.element import Link
+
+SpeedInverse = Annotated[float, Dimension(0, -1, 1)]
+SpeedsInverse = Annotated[float, Dimension(0, -2, 2)]
+Speed = Annotated[float, Dimension(0, 1, -1)]
 
 
 class Slider(Link, frozen=True, kw_only=True, tag="slider"):
-    """Coulomb force of size `friction * normal_force` [N] against the relative velocity along `axis` (unit, world axes)."""
+    """Friction of size `coefficient(|u|) normal_force` [N] against u, the velocity along `axis` (unit, world axes) less that of the belt.
+
+    coulomb: the coefficient is `friction`, whatever the speed. stribeck: `(mu0 - mu1)/(1 + lambda0 |u|) + mu1 + lambda1 |u|**2`, or
+    with |u| in the last term (stribeck_linear); lambda0 [s/m], lambda1 [s**2/m**2] or [s/m]. At u = 0 it holds up to the coefficient
+    of zero speed. `belt_velocity` [m/s] is that of what it rubs on, along the axis.
+    """
 
     conservative: ClassVar[bool] = False
 
-    friction: Number
+    friction: Number = 0.0
     normal_force: Force
     axis: Direction = (1.0, 0.0, 0.0)
+    law: Literal["coulomb", "stribeck", "stribeck_linear"] = "coulomb"
+    mu0: Number = 0.0
+    mu1: Number = 0.0
+    lambda0: SpeedInverse = 0.0
+    lambda1: SpeedsInverse = 0.0
+    belt_velocity: Speed = 0.0
 
     @property
     def external(self) -> bool:  # type: ignore[override]
         """Friction against the world acts from outside."""
         return self.b < 0
 
+    @property
+    def drives(self) -> bool:  # type: ignore[override]
+        """A belt that moves does work."""
+        return self.belt_velocity != 0
+
+    @property
+    def is_plain(self) -> bool:
+        """Coulomb's law on a ground that does not move."""
+        return self.law == "coulomb" and self.belt_velocity == 0
+
+    def dimension(self, field: str) -> Dimension | None:
+        """That of `lambda1` follows from the law."""
+        return Dimension(0, -1, 1) if field == "lambda1" and self.law == "stribeck_linear" else super().dimension(field)
+
     def features(self) -> frozenset[str]:
         """Dry friction is a feature of its own: it lowers the order of most methods."""
-        return frozenset({"slider", "friction"})
+        own = {"slider:stribeck"} if self.law != "coulomb" else set()
+        return frozenset({"slider", "friction"} | own | ({"slider:belt"} if self.belt_velocity else set()))
 
     def faults(self) -> list[str]:
         """A negative coefficient or normal force."""
-        return [f"{name} is {value}, expected >= 0" for name in ("friction", "normal_force") if (value := getattr(self, name)) < 0]
+        names = ("friction", "normal_force", "mu0", "mu1", "lambda0", "lambda1")
+        return [f"{name} is {value}, expected >= 0" for name in names if (value := getattr(self, name)) < 0]
+
+    def coefficient(self, speed: Any) -> Any:
+        """Friction over normal force at a speed |u| >= 0 [m/s]."""
+        if self.law == "coulomb":
+            return self.friction
+        last = speed * speed if self.law == "stribeck" else speed
+        return (self.mu0 - self.mu1) / (1 + self.lambda0 * speed) + self.mu1 + self.lambda1 * last

@@ -10,129 +10,179 @@ zero_force: max(0, k d + c d'), so that from t = 2 al/w on the spheres fly freel
 the time at which the force ends. Friction of body i acts at the lever l_i = R_i (branch R), R_i - d (R-d) or R_i - d/2 (R-d/2) along
 the normal, for torque and for slip alike, and only while the normal force presses: the limit is friction x max(0, k d + c d').
 
-Proved: head-on (angle 0, and friction 0 or no surface velocity R1 omega1 + R2 omega2 across the normal) in closed form; oblique
-without friction, and gross sliding with spins about z alone, by proven integration. Where the contact may stick: not certified.
+Proved: head-on (nothing slips, ever) in closed form; all else, with stick, slip and release, by validated integration from event to
+event, if nothing turns out of the plane of the motion: with friction, spins about z alone. Not certified: a slip, or a friction, that
+is too near a limit to tell on which side it is.
 Scalars: duration and restitution (of the normal velocity; neither if an overlap never ends), max_overlap, max_force.
 """
 
-from collections.abc import Mapping
-from copy import copy
+from collections.abc import Mapping, Sequence
 from fractions import Fraction
+from itertools import pairwise
 
-from flint import arb
+import numpy as np
+from flint import arb, arb_mat
+from numpy.typing import NDArray
 
 from refdem.core.parameters import Parameters
-from refdem.core.truth import Truth
+from refdem.core.truth import Ball, Truth
 from refdem.errors import NotCertifiedError
-from refdem.truth.balls import arb_of, precision
-from refdem.truth.closed_form import ClosedForm, per_precision
+from refdem.truth.balls import arb_of, ball_of, precision
+from refdem.truth.contact_motion import ContactMotion, TracedContact
+from refdem.truth.contact_phases import ContactPhases
+from refdem.truth.events.crossing import SwitchError
+from refdem.truth.events.truth import LADDER, HybridFlow
 from refdem.truth.head_on_contact import HeadOnContact
-from refdem.truth.sliding_contact import STILL, SlidingContact
+from refdem.truth.smooth_flow import ORIGINS
 from refdem.truth.sphere_pair import SpherePair, sphere_pair
 
+Array = NDArray[np.float64]
 NAMES = tuple(f"{kind}{body}.{axis}" for body in (1, 2) for kind in ("r", "v", "omega") for axis in "xyz")
 """The 18 quantities: r1.x r1.y r1.z v1.x .. omega1.z r2.x .. omega2.z."""
-BITS = 128
-"""Working precision for S: with starts that are displaced by 2^-60 of a scale, 2^-30 of the response remain."""
-IN_PLANE = ("r1.x", "r1.y", "v1.x", "v1.y", "r2.x", "r2.y", "v2.x", "v2.y")
+IN_PLANE = tuple(f"{kind}{body}.{axis}" for body in (1, 2) for kind in "rv" for axis in "xy")
+MOVED = (*IN_PLANE, "omega1.z", "omega2.z")
+"""What S displaces, and whose answers it counts."""
 
 
-class TwoSpheres(ClosedForm):
+class TwoSpheres(HybridFlow):
     """Positions [m], velocities [m/s] and angular velocities [rad/s] of both, NAMES, at t >= 0.
 
     S(t) is that of the motion in its plane; out of it a head-on collision grows as across the normal. Where nothing slips S leaves
     friction out: a slip that a small displacement starts is soon stuck again.
     """
 
-    state = ("r1.x", "r1.y", "v1.x", "v1.y")
+    def __init__(self, scale: Mapping[str, float], pair: SpherePair, *, digits: int = 40) -> None:
+        super(HybridFlow, self).__init__(scale, digits=digits)
+        self.spheres = pair
+        self.phases = ContactPhases(pair, rubs=not pair.is_head_on)
+        self.method = "closed form" if pair.is_head_on else HybridFlow.method
+        self.witness = "Taylor series in Cartesian coordinates with the switches found anew, energy, momenta"
 
-    def __init__(self, scale: Mapping[str, float], pair: SpherePair) -> None:
-        super().__init__(scale)
-        self.spheres, self.offset = pair, STILL
-        self.method = "closed form" if pair.is_head_on else "interval-verified Taylor integration in polar coordinates"
-        self.witness = "Taylor series in Cartesian coordinates, energy, momenta"
+    def motion(self, bits: int) -> ContactMotion:
+        """The motion at a precision, as far as it has been followed."""
+        if "traced" not in self.kept:
+            self.refuse_what_leaves_the_plane()
+            self.kept["traced"] = TracedContact(self.phases)
+        if ("motion", bits) not in self.kept:
+            self.kept["motion", bits] = ContactMotion(self.kept["traced"], bits)
+        found: ContactMotion = self.kept["motion", bits]
+        return found
 
-    @per_precision
-    def motion(self) -> HeadOnContact | SlidingContact:
-        """The relative motion at the current precision."""
-        if self.spheres.is_head_on and not any(self.offset):
-            return HeadOnContact(self.spheres)
-        return SlidingContact(self.spheres, offset=self.offset)
+    def refuse_what_leaves_the_plane(self) -> None:
+        """Raises NotCertifiedError."""
+        pair = self.spheres
+        if pair.friction and not pair.is_head_on and any(pair.spins[axis] for axis in (0, 1, 3, 4)):
+            raise NotCertifiedError("two-spheres: with friction, only spins about z keep the motion in its plane; set the others to 0")
 
-    def displaced(self, axis: int, amount: Fraction) -> "TwoSpheres":
-        """The collision with x, y, vx or vy (axis 0 .. 3) of body 1 against body 2 larger by `amount` at the start."""
-        other = copy(self)
-        other.kept = {}
-        other.offset = tuple(by + amount * (i == axis) for i, by in enumerate(self.offset))
-        return other
+    def clock(self, t: Fraction) -> arb:
+        """A time in units of the phases'."""
+        return arb_of(t / self.phases.time)
 
-    def evaluate(self, t: arb) -> dict[str, arb]:
-        """The 18 quantities at t."""
+    def at(self, t: Fraction) -> dict[str, Ball]:
         if t < 0:
             raise NotCertifiedError("two-spheres: t < 0 is before the start")
-        x, y, vx, vy, impulse, lost = self.relative(t)
+        what = f"at t = {float(t):.17g} s"
+        if self.spheres.is_head_on or t == 0:
+            return self._certified(lambda: self.evaluate(arb_of(t)), what)
+        return self.climbed(lambda motion: self.quantities(self.in_si(motion.place(self.clock(t)))), what)
+
+    def evaluate(self, t: arb) -> dict[str, arb]:
+        """The 18 quantities at touch, or of a head-on contact."""
+        spins = [arb_of(self.spheres.spins[axis]) for axis in (2, 5)]
+        return self.quantities([*(self.spheres.start() if t == 0 else HeadOnContact(self.spheres).relative(t)[:4]), *spins])
+
+    def units(self) -> list[Fraction]:
+        """Of x, y, vx, vy, o1, o2 [m, m/s, 1/s]."""
+        turns = [self.phases.speed / radius for radius in self.spheres.radii]
+        return [self.phases.length] * 2 + [self.phases.speed] * 2 + turns
+
+    def in_si(self, place: Sequence[arb]) -> list[arb]:
+        """x, y, vx, vy and the spins about z, from what a motion says of them."""
+        return [value * arb_of(unit) for value, unit in zip(place, self.units(), strict=False)]
+
+    def quantities(self, relative: Sequence[arb]) -> dict[str, arb]:
+        """The 18 quantities from x, y, vx, vy of body 1 against body 2, and the spins about z."""
+        x, y, vx, vy, *turning = relative
         values: list[arb] = []
         for body in (0, 1):
             share = arb_of((1 - 2 * body) * self.spheres.masses[1 - body] / sum(self.spheres.masses))
-            spin = [arb_of(part) for part in self.spheres.spins[3 * body : 3 * body + 3]]
-            radius, moment = arb_of(self.spheres.radii[body]), arb_of(self.spheres.moments[body])
-            spin[2] -= (radius * impulse - arb_of(self.spheres.lever) * lost) / moment
-            values += [share * x, share * y, arb(0), share * vx, share * vy, arb(0), *spin]
+            spin = [arb_of(part) for part in self.spheres.spins[3 * body : 3 * body + 2]]
+            values += [share * x, share * y, arb(0), share * vx, share * vy, arb(0), *spin, turning[body]]
         return dict(zip(NAMES, values, strict=True))
 
-    def relative(self, t: arb) -> list[arb]:
-        """x, y, vx, vy of body 1 against body 2, friction impulse J [N s] and integral of overlap x friction [N s m]."""
-        if t == 0:
-            start = [value + arb_of(by) for value, by in zip(self.spheres.start(), self.offset, strict=True)]
-            return [*start, arb(0), arb(0)]
-        found: list[arb] = self.motion().relative(t)
+    def uncertified(self, error: SwitchError, what: str) -> NotCertifiedError:
+        """The honest end."""
+        if not error.state:
+            return NotCertifiedError(f"two-spheres {what}: {error.code}: {error}", code=error.code)
+        place = self.kept["traced"].place("contact", error.state)
+        state = {name: ball_of(value) for name, value in self.quantities(self.in_si(place[:6])).items()}
+        time = float(place[-1].mid()) * float(self.phases.time)
+        told = f"two-spheres {what}: {error.code}: {error}; certified up to t = {time:.17g} s"
+        return NotCertifiedError(told, code=error.code, time=time, state=state)
+
+    def scalars(self) -> dict[str, Ball]:
+        if self.spheres.is_head_on:
+            return self._certified(lambda: HeadOnContact(self.spheres).constants(), "scalars")
+        return self.climbed(self.extremes, "scalars")
+
+    def extremes(self, motion: ContactMotion) -> dict[str, arb]:
+        """duration, restitution, max_overlap, max_force."""
+        motion.part()
+        end, phases = motion.events[-1], self.phases
+        hardest = motion.hardest()
+        found = {
+            "duration": end.time * arb_of(phases.time),
+            "restitution": -motion.phases[-2].crossing()[3][1] / motion.phases[0].entered[1],
+            "max_overlap": motion.deepest() * arb_of(phases.length),
+        }
+        force = arb_of(self.spheres.effective_mass * phases.speed / phases.time)
+        return found if hardest is None else {**found, "max_force": hardest * force}
+
+    def sensitivity(self, t: Fraction) -> float:
+        return self.growth(self.transfer(Fraction(0), t), t) if t else 1.0
+
+    def sensitivities(self, times: Sequence[Fraction]) -> list[float]:
+        """S at every time: the largest growth of an error made at t = 0 or at an earlier one of (up to 32 of) the times.
+
+        Sticking forgets: its flow has no inverse, so growths are products of those from sample to sample.
+        """
+        found, every = [1.0] * len(times), max(1, -(-len(times) // ORIGINS))
+        steps = [self.transfer(first, second) for first, second in pairwise(times)]
+        for first in range(0, len(times), every):
+            whole = np.eye(8)
+            for i in range(first + 1, len(times)):
+                whole = steps[i - 1] @ whole
+                found[i] = max(found[i], self.growth(whole, times[i] - times[first]))
         return found
 
-    def constants(self) -> dict[str, arb]:
-        """Scalars of the collision."""
-        found: dict[str, arb] = self.motion().constants()
+    def transfer(self, first: Fraction, second: Fraction) -> Array:
+        """d (x, y, vx, vy, spins, spring, clock) at one time by that at an earlier one, to rounding."""
+        if (first, second) not in self.kept:
+            a, b = self.clock(first), self.clock(second)
+            with precision(LADDER[0]):
+                motion = self.motion(LADDER[0])
+                before, after = (_floats(motion.slopes(t)) for t in (a, b))
+                self.kept[first, second] = after @ motion.transfer(a, b) @ np.linalg.inv(before)
+        found: Array = self.kept[first, second]
         return found
 
-    def _sensitivity(self, t: Fraction) -> float:
-        """As in the base, with the relative motion displaced in its plane and the centre of mass moving uniformly."""
-        with precision(BITS):
-            columns = [self._relative_column(axis, t) for axis in range(4)]
-        rows = [self._row(columns, t, body, component) for body in (0, 1) for component in range(4)]
-        spins = [self._spin_row(columns, body) for body in (0, 1)]
-        return max(1.0, *rows, *spins) * (1 + 2.0**-40)
+    def growth(self, whole: Array, elapsed: Fraction) -> float:
+        """Largest sum, over the coordinates MOVED of both bodies, of the scaled answers of one; the centre of mass moves uniformly."""
+        units = np.array([float(unit) for unit in self.units()])
+        slopes = whole[:6, :6] * units[:, None] / units
+        shares = np.array([float(mass) for mass in self.spheres.masses]) / float(sum(self.spheres.masses))
+        apart, centre = np.zeros((6, 10)), np.zeros((4, 10))
+        apart[:4, :4], apart[:4, 4:8], apart[4:, 8:] = np.eye(4), -np.eye(4), np.eye(2)
+        centre[:, :4], centre[:, 4:8] = shares[0] * np.eye(4), shares[1] * np.eye(4)
+        centre[:2] += float(elapsed) * centre[2:]
+        moved = slopes @ apart
+        answers = np.vstack([centre + shares[1] * moved[:4], centre - shares[0] * moved[:4], moved[4:]])
+        sizes = np.array([float(self.scale[name]) for name in MOVED])
+        return max(1.0, float(np.max(np.abs(answers) @ sizes / sizes))) * (1 + 2.0**-40)
 
-    def _relative_column(self, axis: int, t: Fraction) -> list[float]:
-        """d (x, y, vx, vy, J, lost)(t) / d start of one coordinate of the relative state."""
-        amount = self.scale[self.state[axis]] / 2**60
-        if ("displaced", axis) not in self.kept:
-            self.kept["displaced", axis] = [self.displaced(axis, amount), self.displaced(axis, -amount)]
-        plus, minus = (displaced.relative(arb_of(t)) for displaced in self.kept["displaced", axis])
-        return [float((high - low) / arb_of(2 * amount)) for high, low in zip(plus, minus, strict=True)]
 
-    def _row(self, columns: list[list[float]], t: Fraction, body: int, component: int) -> float:
-        """Scaled response of x, y, vx or vy of one body to all that of both."""
-        total = float(sum(self.spheres.masses))
-        shares = [float(mass) / total for mass in self.spheres.masses]
-        names = IN_PLANE[4 * body : 4 * body + 4]
-        response = 0.0
-        for of, sign in ((0, 1), (1, -1)):
-            for axis in range(4):
-                carried = 1.0 if axis == component else float(t) if axis == component + 2 else 0.0
-                slope = shares[of] * carried + (1 - 2 * body) * shares[1 - body] * sign * columns[axis][component]
-                response += abs(slope) * float(self.scale[IN_PLANE[4 * of + axis]])
-        size = float(self.scale[names[component]])
-        return response / size if size else 0.0
-
-    def _spin_row(self, columns: list[list[float]], body: int) -> float:
-        """Scaled response of one body's spin about z: its own start stays, and the friction impulse varies."""
-        radius, moment, size = float(self.spheres.radii[body]), float(self.spheres.moments[body]), float(self.scale[f"omega{body + 1}.z"])
-        if not size:
-            return 0.0
-        response = 0.0
-        for axis, column in enumerate(columns):
-            slope = (radius * column[4] - float(self.spheres.lever) * column[5]) / moment
-            response += abs(slope) * sum(float(self.scale[IN_PLANE[4 * of + axis]]) for of in (0, 1))
-        return 1.0 + response / size
+def _floats(matrix: arb_mat) -> Array:
+    return np.array([[float(x.mid()) for x in row] for row in matrix.table()])
 
 
 def truth(p: Parameters, scale: Mapping[str, float]) -> Truth:

@@ -1,149 +1,182 @@
-"""Where the solution exists on a complex disc, how fast it moves there, and the Taylor remainders that follow (Cauchy)."""
+"""Where solutions exist on a complex disc about a Taylor polynomial T of one of them, and how far from it they are (Cauchy, Gronwall).
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+|x| is the largest |x_i|/w_i for weights w > 0 in which the field moves all coordinates about alike; |J| is the matrix norm to it.
+"""
 
-from flint import acb, arb
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from fractions import Fraction
+from math import frexp
+from operator import mul
 
-from refdem.truth.balls import precision
-from refdem.truth.validated_ivp.field import Program, largest, sum_of
+import numpy as np
+from flint import acb, arb, arb_poly
 
-BITS = 64
-"""Of boxes: they bound, they need not be sharp."""
-TURNS = 12
-"""Of the Picard iteration on one ring, before the disc ends or a narrower ring is tried."""
-REACH = 5
-"""A disc ends where the bound exp(integral of L) of the flow Jacobian would pass exp(5)."""
-MOST = 60
-"""Rings: what hardly moves is not followed for ever."""
-WIDTH = 0.15
-"""L times the width of a ring: wider ones need too much room to be proved, narrower ones cost more evaluations."""
-Box = list[acb]
+from refdem.truth.balls import arb_of, largest, outward, precision
+from refdem.truth.traced_field import Program
+
+BITS, JACOBIAN_BITS = 64, 40
+"""Of boxes, which bound and need not be sharp; of the flow Jacobian of a step, far below its own share in the error."""
+REACH = 12
+"""Most of |J| at the start times the outer radius: sums whose terms grow as exp of that lose its bits."""
+FACTORS = 2.0, 1 / 2, 1.25, 1 / 1.25, 1.08, 1 / 1.08
+"""By which the outer radius is changed as long as that lengthens the step."""
+RINGS = 8
+"""Between the step and nearly the outer radius, on each of which |J| is bounded."""
+ROOM = arb(2) ** -20
+"""About the polynomial, in parts of its motion: more than thin sets need."""
+
+
+def geometric(ratio: arb, order: int) -> arb:
+    """sum over n >= order of ratio^n, for 0 <= ratio < 1."""
+    return ratio**order / (1 - ratio)
 
 
 @dataclass(frozen=True)
 class Disc:
-    """For every start in a box and |z| <= radius: y(z) exists, is analytic, and |y_i'(z)| <= speed_i.
+    """|f(T(z))| <= speed for |z| <= outer, T of degree `order`; the solutions from all starts are analytic for |z| <= radius.
 
-    `rings` has outer radii and, for each, a bound L of |J(y(z))| up to there, in the norm of the largest row sum of absolute values.
+    `rings` has radii and, for each, a bound L of |J| on the solutions from the radius before it; `step` is what the order allows.
     """
 
+    order: int
+    weights: list[arb]
+    outer: arb
+    speed: arb
+    step: Fraction
     rings: list[tuple[arb, arb]]
-    speed: list[arb]
 
     @property
     def radius(self) -> arb:
         """R, exact."""
         return self.rings[-1][0]
 
+    def sides(self, size: arb) -> list[arb]:
+        """Bounds of every coordinate of what has at most that norm."""
+        return [outward(weight * size) for weight in self.weights]
 
-def disc(field: Program, jacobian: Program, start: Sequence[arb], first: arb) -> Disc | None:
-    """A disc as large as REACH and Picard's theorem allow, ring by ring; None if not even a ring of width `first` is proved.
+    def gronwall(self, since: arb) -> arb:
+        """Bound of |V(z)|, V the flow Jacobian, and of the growth of a distance, for |z| = since: exp(integral of L); nan beyond R."""
+        exponent, inner = arb(0 if since <= self.radius else "nan"), arb(0)
+        for radius, stiffness in self.rings:
+            if inner < since:
+                exponent += stiffness * (min(radius, since) - inner)
+            inner = radius
+        return exponent.exp()
 
-    Theorem (Picard, along rays): let y(z) lie in the box C for all |z| <= R, and let B be a box with C + z f(B) inside B for all
-    |z| <= D, f analytic on B. Then y exists and is analytic for |z| <= R + D and lies in C + D f(B): along each ray the mean of f(y)
-    lies in the convex f(B), so y <- y(R) + integral of f(y) maps the continuous functions into B into themselves, and contracts.
+    def apart(self, since: arb, start: arb) -> arb:
+        """Bound of |y(z) - T(z)|, |z| = since <= R, for every solution with |y(0) - T(0)| <= start.
+
+        Theorem (defect): T' and f(T) have the same coefficients below N, T' has no others, and those of f(T) are at most M S^-n where
+        |f(T)| <= M on |z| <= S (Cauchy). So |T' - f(T)| <= M q^N/(1 - q), q = |z|/S, whose integral from 0 to |z| = s is at most
+        s M q^N/((1 - q)(N + 1)). Theorem (Gronwall): e = y - T has |e|' <= L |e| + |T' - f(T)| along a ray.
+        """
+        defect = since * self.speed * geometric(since / self.outer, self.order) / (self.order + 1)
+        return outward(self.gronwall(since) * (start + defect))
+
+    def jacobian_remainder(self, since: arb, order: int) -> arb:
+        """Bound of |V(z) - sum_(n <= order) V_n z^n|, |z| = since < R: |V_n| <= exp(integral of L) R^-n (Gronwall, Cauchy)."""
+        return outward(self.gronwall(self.radius) * geometric(since / self.radius, order + 1))
+
+    def jacobian_order(self, bits: int) -> int:
+        """The order at which that remainder over the step is at most about 2^-bits."""
+        halvings = (self.gronwall(self.radius).log() / arb(2).log() + bits) / (self.radius / arb_of(self.step)).log()
+        return int(float(halvings * arb(2).log())) + 1
+
+
+class Tube:
+    """Boxes about a polynomial on discs about 0."""
+
+    def __init__(self, polynomials: Sequence[arb_poly]) -> None:
+        self.centre = [acb(one[0]) for one in polynomials]
+        self.sizes = [arb_poly([0, *(outward(c) for c in one.coeffs()[1:])]) for one in polynomials]
+
+    def box(self, radius: arb, room: Sequence[arb] = ()) -> list[acb]:
+        """All within `room` of T(z), |z| <= radius: squares in the complex plane."""
+        halves = [outward(size(radius) + (room[i] if room else 0)) for i, size in enumerate(self.sizes)]
+        return [value + acb(arb(0, half), arb(0, half)) for value, half in zip(self.centre, halves, strict=True)]
+
+
+def norm(values: Sequence[arb | acb], weights: Sequence[arb]) -> arb:
+    """Bound of the norm of a vector; not finite if one of its values is not."""
+    return largest([value / weight for value, weight in zip(values, weights, strict=True)])
+
+
+def matrix_norm(entries: Sequence[arb | acb], weights: Sequence[arb]) -> arb:
+    """Bound of |J| for a matrix whose rows come one after another: the norm of the bounds of |J| w."""
+    count, sizes = len(weights), [outward(entry) for entry in entries]
+    return norm([sum(map(mul, sizes[i : i + count], weights), arb(0)) for i in range(0, len(sizes), count)], weights)
+
+
+def weighted(speeds: Sequence[arb], slopes: Sequence[arb | acb], slowest: float) -> list[arb]:
+    """Weights w = (1 - |J|/r)^-1 |f|, r a little more than the spectral radius of |J|: then |J| w <= r w and |f| <= w."""
+    rates = np.array([float(outward(speed)) for speed in speeds])
+    matrix = np.array([float(outward(entry)) for entry in slopes]).reshape(len(rates), -1)
+    if not (np.isfinite(rates).all() and np.isfinite(matrix).all()):
+        return [arb(1)] * len(rates)
+    r = 1.25 * max(slowest, *np.abs(np.linalg.eigvals(matrix)))
+    found = np.linalg.solve(np.eye(len(rates)) - matrix / r, rates if rates.any() else rates + 1)
+    return [arb(float(weight)) for weight in np.maximum(found, found[found > 0].min() / 1024)]
+
+
+def disc(
+    field: Program, jacobian: Program, polynomials: Sequence[arb_poly], order: int, radii: Sequence[arb], ratio: float, first: float
+) -> Disc | None:
+    """The disc for the longest step at this order, searched from an outer radius `first` [s] on; None if none is proved.
+
+    The step is `ratio` of the outer radius, and shorter by what the speed there would cost in bits.
     """
     with precision(BITS):
-        inner: Box = [acb(value) for value in start]
-        rings: list[tuple[arb, arb]] = []
-        speed: list[arb] = []
-        radius, exponent, width = arb(0), arb(0), first
-        while exponent < REACH and len(rings) < MOST:
-            box = ring(field, inner, width)
-            if box is None:
-                break
-            stiffness, radius = norm(jacobian, box), radius + width
-            exponent += stiffness * width
-            if not (exponent < 2 * REACH and radius.is_exact()):
-                break
-            inner, speed = box, speeds(field, box)
-            rings.append((radius, stiffness))
-            width = width_of(stiffness, radius)
-        return Disc(rings, speed) if rings else None
+        tube = Tube(polynomials)
+        here, near = tube.box(arb(0)), tube.box(arb(first / 3))
+        rates, slopes = field.run(here), jacobian.run(near)
+        weights = weighted(rates, slopes if all(x.is_finite() for x in slopes) else jacobian.run(here), 1 / first)
+        slow, stiff = norm(rates, weights), matrix_norm(jacobian.run(here), weights)
+        least = (stiff + 1 / arb(first)) / 2**40
+
+        def speed(radius: float) -> arb:
+            return norm(field.run(tube.box(arb(radius))), weights)
+
+        def step(radius: float) -> float:
+            quick = speed(radius)
+            reaches = quick.is_finite() and stiff * radius < REACH
+            return ratio * radius * float((slow + least) / (quick + least)) ** (1.0 / order) if reaches else 0.0
+
+        outer = highest(step, first)
+        mantissa, exponent = frexp(step(outer))
+        short = Fraction(int(mantissa * 256), 256) * Fraction(2) ** exponent
+        begun = Disc(order, weights, arb(outer), speed(outer), short, [])
+        return grown(begun, jacobian, tube, norm(radii, weights), stiff) if short else None
 
 
-def width_of(stiffness: arb, most: arb) -> arb:
-    """Of a ring where |J| is about `stiffness`: an exact number of few bits, at most `most`."""
-    width = (arb(WIDTH) / (stiffness + arb(WIDTH) / most)).lower()
-    mantissa, exponent = width.man_exp()
-    surplus = max(0, int(mantissa).bit_length() - 8)
-    return arb(int(mantissa) >> surplus) * arb(2) ** (int(exponent) + surplus)
+def highest(value: Callable[[float], float], first: float) -> float:
+    """About where a function that rises and then falls has its maximum."""
+    best, reached = first, value(first)
+    while reached == 0.0 and best > first / 2**100:
+        best, reached = best / 2, value(best / 2)
+    for factor in FACTORS:
+        while (now := value(best * factor)) > reached and best < first * 2**20:
+            best, reached = best * factor, now
+    return best
 
 
-def ring(field: Program, inner: Box, width: arb) -> Box | None:
-    """A box that holds the solution up to `width` further out than `inner` does; None if none is proved."""
-    box = inner
-    for _ in range(TURNS):
-        image = picard(field, inner, box, width)
-        if not all(side.is_finite() for side in image):
-            return None
-        if is_inside(image, box):
-            return image
-        box = [wider(side, old) for side, old in zip(image, inner, strict=True)]
-    return None
+def grown(found: Disc, jacobian: Program, tube: Tube, start: arb, stiff: arb) -> Disc | None:
+    """The disc with the rings that make the series of the flow Jacobian shortest; None if the step is not inside any that is proved.
 
-
-def picard(field: Program, start: Box, box: Box, radius: arb) -> Box:
-    """start + z f(box) for all |z| <= radius: a square about the start, as wide as the largest |z f|."""
-    return [value + square(radius * largest([rate])) for value, rate in zip(start, field.run(box), strict=True)]
-
-
-def square(half: arb) -> acb:
-    """All complex numbers whose real and imaginary parts are at most that in size."""
-    side = arb(0, half.abs_upper())
-    return acb(side, side)
-
-
-def is_inside(image: Box, box: Box) -> bool:
-    """Every side of the image lies in that of the box."""
-    return all(side.contains(new) for side, new in zip(box, image, strict=True))
-
-
-def wider(side: acb, start: acb) -> acb:
-    """A side with a twentieth more room about the start."""
-    return side + (side - start) / 20 + square(arb(2) ** (8 - BITS) * (1 + largest([start])))
-
-
-def speeds(field: Program, box: Box) -> list[arb]:
-    """Bounds of |f_i| over the box."""
-    return [largest([rate]) for rate in field.run(box)]
-
-
-def norm(jacobian: Program, box: Box) -> arb:
-    """Bound over the box of the largest row sum of |J_ij|; `jacobian` has the rows one after another."""
-    sizes = [largest([entry]) for entry in jacobian.run(box)]
-    return largest([sum_of(sizes[i : i + len(box)]) for i in range(0, len(sizes), len(box))])
-
-
-def geometric(ratio: arb, order: int) -> arb:
-    """sum over n > order of ratio^n, for 0 <= ratio < 1."""
-    return ratio ** (order + 1) / (1 - ratio)
-
-
-def remainder(found: Disc, step: arb, order: int) -> list[arb]:
-    """Bounds of |y_i(h) - sum_(n <= order) c_n h^n| for |h| = step < radius, for every start in the box of the disc.
-
-    Theorem (Cauchy): |y'| <= M on |z| <= R gives n |c_n| <= M R^(1-n); the tail is at most R M (h/R)^(N+1) / (1 - h/R) / (N+1).
+    Theorem (existence): let |J| <= L where within `margin` of T(z), |z| <= s, and apart(s) <= margin. Then the solutions from all
+    starts exist and stay there for |z| <= s: along a ray none can be the first to leave.
     """
-    tail = geometric(step / found.radius, order) / (order + 1)
-    return [arb((found.radius * speed * tail).abs_upper()) for speed in found.speed]
-
-
-def jacobian_remainder(found: Disc, step: arb, order: int) -> arb:
-    """Bound of every entry of V(h) - sum_(n <= order) V_n h^n, V the flow Jacobian.
-
-    Theorem: V' = J(y) V, V(0) = 1 gives |V(z)| <= exp(integral of L) on the disc (Gronwall along the ray), so Cauchy gives
-    |V_n| <= exp(integral of L up to R) R^-n.
-    """
-    return arb((gronwall(found, found.radius) * geometric(step / found.radius, order)).abs_upper())
-
-
-def gronwall(found: Disc, since: arb) -> arb:
-    """Bound of the growth in `since` <= radius of a distance between two solutions that start in the box: exp(integral of L)."""
-    exponent, inner = arb(0), arb(0)
-    for radius, stiffness in found.rings:
-        if inner < since:
-            exponent += stiffness * (min(radius, since) - inner)
-        inner = radius
-    return exponent.exp()
+    best, step, wide = None, float(found.step), float(found.outer) * 0.95
+    for k in range(-1, RINGS + 1):
+        radius = arb(step / 2 if k < 0 else step * (wide / step) ** (k / RINGS))
+        guess = replace(found, rings=[*found.rings, (radius, stiff)])
+        margin = 4 * guess.apart(radius, start) + ROOM * norm([size(radius) for size in tube.sizes], found.weights)
+        stiff = matrix_norm(jacobian.run(tube.box(radius, found.sides(margin))), found.weights)
+        found = replace(found, rings=[*found.rings, (radius, stiff)])
+        if not found.apart(radius, start) <= margin:
+            break
+        if k > 0:
+            if best is not None and found.jacobian_order(JACOBIAN_BITS) > best.jacobian_order(JACOBIAN_BITS):
+                break
+            best = found
+    return best

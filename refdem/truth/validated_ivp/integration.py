@@ -11,49 +11,48 @@ from dataclasses import dataclass
 from fractions import Fraction
 from math import ceil, log2
 
-from flint import acb, arb, arb_mat, arb_poly, ctx
+import numpy as np
+from flint import arb, arb_mat, arb_poly
+from numpy.typing import NDArray
 
 from refdem.errors import NotCertifiedError
-from refdem.truth.balls import UndecidedError, arb_of, ball_of, precision
-from refdem.truth.validated_ivp.enclosure import Disc, disc, gronwall, norm, remainder, width_of
-from refdem.truth.validated_ivp.field import Field, Program, largest, traced
-from refdem.truth.validated_ivp.moved import Spread, at_start, flow_jacobian, hull, moved, outward
+from refdem.truth.balls import UndecidedError, arb_of, ball_of, largest, outward, precision
+from refdem.truth.traced_field import Field, Program, traced
+from refdem.truth.validated_ivp.enclosure import JACOBIAN_BITS, Disc, disc, norm
+from refdem.truth.validated_ivp.moved import Spread, at_start, flow_jacobian, flow_series, moved
 from refdem.truth.validated_ivp.recurrences import taylor
 
 GUARD = 24
 """Bits by which coefficients are sharper than the bits asked for, for the rounding of their sums."""
 HALVINGS = 24
 """A disc 2^-24 as wide as the widest so far means that the motion, or the set, has run into a singularity."""
-JACOBIAN_BITS = 48
-"""To which the flow Jacobian of a step is known: far below its own share in the error."""
 
 
 @dataclass(frozen=True)
 class Steps:
-    """How steps are made: h/R, and the orders of solution and Jacobian (None: those that the bits ask for)."""
+    """How steps are made: part of the outer radius, orders of solution and Jacobian (None: those that the bits ask for)."""
 
-    ratio: Fraction = Fraction(1, 6)
+    ratio: Fraction = Fraction(1, 4)
     order: int | None = None
     jacobian_order: int | None = None
+    jacobian_bits: int = JACOBIAN_BITS
 
-    def orders(self, bits: int) -> tuple[int, int]:
-        """Orders of the solution and of its Jacobian."""
-        gained = -log2(self.ratio)
-        return self.order or ceil(bits / gained), self.jacobian_order or ceil(JACOBIAN_BITS / gained)
+    def orders(self, bits: int) -> tuple[int, int | None]:
+        """Orders of the solution and of its Jacobian (None: as its remainder on each disc asks for)."""
+        return self.order or ceil(bits / -log2(self.ratio)), self.jacobian_order
 
 
 @dataclass(frozen=True)
 class Piece:
-    """The solution on [begin, begin + length]: polynomials from the exact centre, and the set about it."""
+    """The solution on [begin, begin + length]: T from the exact centre, the set about it (of norm `start`), the series of V."""
 
     begin: Fraction
     length: Fraction
     polynomials: list[arb_poly]
-    box: list[arb]
     disc: Disc
     spread: Spread
-    widest: arb
-    order: int
+    start: arb
+    flow: list[arb_mat]
 
     @property
     def end(self) -> Fraction:
@@ -61,13 +60,15 @@ class Piece:
 
     def centre(self, since: arb) -> list[arb]:
         """The solution from the exact centre, at (every point of the ball of) a time since the begin."""
-        rest = remainder(self.disc, outward(since), self.order)
-        return [one(since) + arb(0, radius) for one, radius in zip(self.polynomials, rest, strict=True)]
+        return self._from(since, arb(0))
 
     def at(self, since: arb) -> list[arb]:
         """The solutions from the whole set."""
-        apart = arb(0, outward(gronwall(self.disc, outward(since)) * self.widest))
-        return [value + apart for value in self.centre(since)]
+        return self._from(since, self.start)
+
+    def _from(self, since: arb, start: arb) -> list[arb]:
+        radii = self.disc.sides(self.disc.apart(outward(since), start))
+        return [one(since) + arb(0, radius) for one, radius in zip(self.polynomials, radii, strict=True)]
 
 
 class Integration:
@@ -98,12 +99,29 @@ class Integration:
         with precision(self.bits + GUARD):
             return self.moved_by(piece, t - arb_of(piece.begin)) * piece.spread.jacobian()
 
+    def between(self, s: Fraction, t: Fraction) -> NDArray[np.float64]:
+        """The derivative of the state at t by that at s <= t, in doubles: products of those of the pieces."""
+        first, last = (self.pieces.index(self.piece(arb_of(time))) for time in (s, t))
+        whole = np.linalg.inv(self.floats(first, s - self.begins[first]))
+        for k in range(first, last):
+            whole = self.floats(k, self.pieces[k].length) @ whole
+        return self.floats(last, t - self.begins[last]) @ whole
+
+    def floats(self, k: int, since: Fraction) -> NDArray[np.float64]:
+        """The flow Jacobian from the begin of the k-th piece in doubles."""
+        return np.array([[float(x.mid()) for x in row] for row in self.moved_by(self.pieces[k], arb_of(since)).table()])
+
+    @property
+    def end(self) -> Fraction:
+        """Up to where pieces are made."""
+        return self.pieces[-1].end if self.pieces else Fraction(0)
+
     def piece(self, t: arb) -> Piece:
         """The piece that holds the midpoint of the time; pieces up to it are made. A ball must lie in the disc of its piece."""
         middle = ball_of(t).mid
         if middle < 0:
             raise ValueError(f"t = {t}; an integration runs forward from 0")
-        while not self.pieces or self.pieces[-1].end < middle:
+        while not self.pieces or self.end < middle:
             self.advance()
         found = self.pieces[bisect_right(self.begins, middle) - 1]
         if not abs(t - arb_of(found.begin)) < found.disc.radius:
@@ -112,42 +130,36 @@ class Integration:
 
     def advance(self) -> None:
         """Makes the next piece and moves the set to its end."""
-        begin = self.pieces[-1].end if self.pieces else Fraction(0)
-        radii = self.spread.radii()
-        box = hull(self.centre, radii)
-        found = self.proved_disc(box, begin)
+        begin = self.end
         with precision(self.bits + GUARD):
-            length = dyadic(found.radius * arb_of(self.steps.ratio))
             polynomials = taylor(self.field, self.centre, self.order)
-            piece = Piece(begin, length, polynomials, box, found, self.spread, largest(radii), self.order)
-            end = piece.centre(arb_of(length))
-        self.spread = moved(self.spread, self.moved_by(piece, arb_of(length)), [value.rad() for value in end])
+        found = self.proved_disc(polynomials, begin)
+        start = norm(self.spread.radii(), found.weights)
+        with precision(self.steps.jacobian_bits + GUARD):
+            order = self.jacobian_order or found.jacobian_order(self.steps.jacobian_bits)
+            flow = flow_series(self.slopes, polynomials, found, start, order)
+        piece = Piece(begin, found.step, polynomials, found, self.spread, start, flow)
+        with precision(self.bits + GUARD):
+            length = arb_of(piece.length)
+            end = piece.centre(length)
+        self.spread = moved(self.spread, self.moved_by(piece, length), [value.rad() for value in end])
         self.centre = [value.mid() for value in end]
         self.pieces.append(piece)
         self.begins.append(begin)
 
     def moved_by(self, piece: Piece, since: arb) -> arb_mat:
         """The flow Jacobian from the begin of a piece."""
-        return flow_jacobian(self.field, self.slopes, piece.box, piece.disc, since, self.jacobian_order)
+        with precision(self.steps.jacobian_bits + GUARD):
+            return flow_jacobian(piece.flow, piece.disc, since)
 
-    def proved_disc(self, box: Sequence[arb], begin: Fraction) -> Disc:
-        """The largest disc that is found; its first ring is as wide as the stiffness there suggests, or narrower."""
-        width = width_of(norm(self.slopes, [acb(value) for value in box]), self.first)
-        for _ in range(HALVINGS):
-            found = disc(self.field, self.slopes, box, width)
+    def proved_disc(self, polynomials: Sequence[arb_poly], begin: Fraction) -> Disc:
+        """The disc for the longest step that is found, or for a shorter one."""
+        radii, ratio = self.spread.radii(), float(self.steps.ratio)
+        for halving in range(HALVINGS):
+            found = disc(self.field, self.slopes, polynomials, self.order, radii, ratio / 2**halving, float(self.first))
             if found is not None and found.radius > self.widest / 2**HALVINGS:
-                self.first, self.widest = width * 2, max(self.widest, found.radius)
+                self.first, self.widest = found.outer, max(self.widest, found.radius)
                 return found
-            width = width / 2
-        if largest(self.spread.radii()) > arb(2) ** (-HALVINGS):
+        if largest(radii) > arb(2) ** (-HALVINGS):
             raise UndecidedError(f"the set of solutions is too large to be enclosed after t = {float(begin):.17g} s")
         raise NotCertifiedError(f"the motion is enclosed up to t = {float(begin):.17g} s and no further: no disc is proved there")
-
-
-def dyadic(value: arb) -> Fraction:
-    """A number of eight bits that is at most the (positive) value and close to it."""
-    with precision(ctx.prec):
-        mantissa, exponent = value.abs_lower().man_exp()
-    number = Fraction(int(mantissa)) * Fraction(2) ** int(exponent)
-    unit = Fraction(2) ** (int(mantissa).bit_length() + int(exponent) - 8)
-    return (number / unit).__floor__() * unit

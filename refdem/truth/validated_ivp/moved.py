@@ -7,17 +7,17 @@ the Q of a QR decomposition of V A with its longest edge first wraps least (Lohn
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from operator import mul
 
 import numpy as np
 from flint import arb, arb_mat, arb_poly, arb_series, ctx
 
-from refdem.truth.balls import arb_of, precision
-from refdem.truth.validated_ivp.enclosure import Disc, jacobian_remainder
-from refdem.truth.validated_ivp.field import Program, largest, sum_of
-from refdem.truth.validated_ivp.recurrences import taylor
+from refdem.truth.balls import largest, outward, precision
+from refdem.truth.traced_field import Program
+from refdem.truth.validated_ivp.enclosure import Disc
 
 BITS = 128
-"""Of Jacobians and of the lengths of the set."""
+"""Of the lengths of the set and of its frame."""
 
 
 @dataclass(frozen=True)
@@ -50,49 +50,46 @@ def at_start(radii: Sequence[arb]) -> Spread:
     return Spread(identity(size), [outward(radius) for radius in radii], identity(size), arb_mat(size, size))
 
 
-def outward(value: arb) -> arb:
-    """An exact number that |value| does not exceed."""
-    return arb(value.abs_upper())
-
-
 def products(matrix: arb_mat, lengths: Sequence[arb]) -> list[arb]:
     """Bounds of |M r| for |r_j| <= lengths_j."""
-    return [outward(sum_of([abs(x) * length for x, length in zip(row, lengths, strict=True)])) for row in matrix.table()]
+    return [outward(sum((abs(x) * length for x, length in zip(row, lengths, strict=True)), arb(0))) for row in matrix.table()]
 
 
-def hull(centre: Sequence[arb], radii: Sequence[arb]) -> list[arb]:
-    """The box about an exact centre."""
-    return [value + arb(0, radius) for value, radius in zip(centre, radii, strict=True)]
+def flow_series(jacobian: Program, polynomials: Sequence[arb_poly], found: Disc, start: arb, order: int) -> list[arb_mat]:
+    """V_0 .. V_order for every start of norm `start` from T(0): (n+1) V_(n+1) = sum J_i V_(n-i), J_i the coefficients of J(y(t)).
+
+    Theorem: on the disc two solutions differ by at most exp(integral of L) start (Gronwall), and each from T by `apart`; coefficients
+    differ by that R^-n (Cauchy). Those of T are those of the solution from T(0) up to N, and 0 beyond.
+    """
+    size, radius = len(polynomials), found.radius
+    near, far = found.gronwall(radius) * start, found.apart(radius, start)
+    rooms = [found.sides((near if n <= found.order else far) / radius**n) for n in range(order)]
+    solution = [[one[n] + arb(0, rooms[n][i]) for n in range(order)] for i, one in enumerate(polynomials)]
+    slopes, terms = jacobian_series(jacobian, solution), [identity(size)]
+    for n in range(order):
+        terms.append(sum(map(mul, slopes[: n + 1], terms[::-1]), arb_mat(size, size)) / (n + 1))
+    return terms
 
 
-def flow_jacobian(field: Program, jacobian: Program, box: Sequence[arb], found: Disc, step: arb, order: int) -> arb_mat:
-    """Enclosure of the derivative of y(h) by y(0) for every start in the box: (n+1) V_(n+1) = sum J_i V_(n-i), and the remainder."""
-    size = len(box)
-    with precision(BITS):
-        slopes = jacobian_series(jacobian, taylor(field, box, order), order)
-        terms = [identity(size)]
-        for n in range(order):
-            term = arb_mat(size, size)
-            for i in range(n + 1):
-                term += slopes[i] * terms[n - i]
-            terms.append(term / arb(n + 1))
-        total = terms[-1]
-        for term in terms[-2::-1]:
-            total = total * step + term
-        rest = arb(0, jacobian_remainder(found, outward(step), order))
-        return total + arb_mat(size, size, [rest] * size**2)
-
-
-def jacobian_series(jacobian: Program, solution: Sequence[arb_poly], order: int) -> list[arb_mat]:
-    """J_0 .. J_(order-1): the Taylor coefficients of J(y(t))."""
-    size, before = len(solution), ctx.cap
+def jacobian_series(jacobian: Program, solution: Sequence[Sequence[arb]]) -> list[arb_mat]:
+    """J_0, J_1, ...: as many as there are coefficients of each y_i."""
+    size, order, before = len(solution), len(solution[0]), ctx.cap
     try:
         ctx.cap = order
-        series = [arb_series(one.coeffs()[:order], prec=order) for one in solution]
-        entries = [arb_poly(entry.coeffs()) for entry in jacobian.run(series, lambda c: arb_series([arb_of(c)], prec=order))]
+        series = [arb_series(one, prec=order) for one in solution]
+        entries = [arb_poly(entry.coeffs()) for entry in jacobian.run(series, lambda ball: arb_series([ball], prec=order))]
     finally:
         ctx.cap = before
     return [arb_mat(size, size, [entry[k] for entry in entries]) for k in range(order)]
+
+
+def flow_jacobian(terms: Sequence[arb_mat], found: Disc, since: arb) -> arb_mat:
+    """Enclosure of the derivative of y(since) by y(0): the series and its remainder."""
+    total = terms[-1]
+    for term in terms[-2::-1]:
+        total = total * since + term
+    rest = found.jacobian_remainder(outward(since), len(terms) - 1)
+    return total + arb_mat([[arb(0, outward(rest * a / b)) for b in found.weights] for a in found.weights])
 
 
 def moved(spread: Spread, jacobian: arb_mat, local: Sequence[arb]) -> Spread:
@@ -102,8 +99,7 @@ def moved(spread: Spread, jacobian: arb_mat, local: Sequence[arb]) -> Spread:
         frame = orthogonal(edges, spread.lengths)
         back = frame.inv()
         turned = back * edges
-        carried, added = products(turned, spread.lengths), products(back, local)
-        lengths = [outward(a + b) for a, b in zip(carried, added, strict=True)]
+        lengths = [outward(a + b) for a, b in zip(products(turned, spread.lengths), products(back, local), strict=True)]
         whole = jacobian * spread.growth
         growth = whole.mid()
         return Spread(frame, lengths, growth, turned * spread.slack + back * (whole - growth))

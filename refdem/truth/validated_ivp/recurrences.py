@@ -4,89 +4,132 @@ Theorem: if y is the series of the solution from y_0, then (n+1) y_(n+1) = [f(y)
 coefficients contain those of the solutions from every point of the start.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
+from itertools import count, repeat
 from operator import mul
 
 from flint import arb, arb_poly
 
-from refdem.truth.balls import arb_of
-from refdem.truth.validated_ivp.field import Program
+from refdem.truth.traced_field import Program
 
 Series = list[arb]
+BLOCK = 16
+"""Coefficients that are multiplied one by one; Arb multiplies whole blocks of them."""
+
+
+class Product:
+    """[x y]_0, [x y]_1, ... one after another, of two series that grow meanwhile: [x y]_k needs x_0 .. x_k and y_0 .. y_k.
+
+    Relaxed multiplication (van der Hoeven 2002, section 4): with m the largest power of two in k, [k-m, k) x [0, 2m) and its mirror
+    image are added to `known` when k is reached; what is left of [x y]_k are the pairs with one index in the block of k.
+    """
+
+    def __init__(self, x: Series, y: Series) -> None:
+        self.x, self.y, self.k = x, y, 0
+        self.known: Series = []
+
+    def next(self) -> arb:
+        """The next coefficient."""
+        x, y, k = self.x, self.y, self.k
+        begin = k - k % BLOCK
+        if begin == 0:
+            found = sum(map(mul, x[: k + 1], y[k::-1]), arb(0))
+        else:
+            if begin == k:
+                self.add_blocks(k, k & -k)
+            half = sum(map(mul, x[begin : k + 1], y[k - begin :: -1]), arb(0))
+            found = self.known[k] + (2 * half if x is y else sum(map(mul, y[begin : k + 1], x[k - begin :: -1]), half))
+        self.k += 1
+        return found
+
+    def add_blocks(self, k: int, m: int) -> None:
+        """What the newest m coefficients make of the first ones, to [k, k + m)."""
+        x, y, low = self.x, self.y, k - m
+        whole = arb_poly(x[low:k]) * arb_poly(y[: 2 * m if low else m])
+        if low:
+            whole += whole if x is y else arb_poly(y[low:k]) * arb_poly(x[: 2 * m])
+        self.known += [arb(0)] * (k + m - len(self.known))
+        for i in range(k, k + m):
+            self.known[i] += whole[i - low]
 
 
 def taylor(program: Program, start: Sequence[arb], order: int) -> list[arb_poly]:
     """Polynomials of degree `order`: the Taylor coefficients of the solutions of y' = program(y) from `start`."""
     solution = [[value] for value in start]
-    table: list[Series] = [[] for _ in program.operations]
-    constants = [arb_of(operation[1]) if operation[0] in ("constant", "scale") else arb(0) for operation in program.operations]
-    partners: dict[tuple[str, int], Series] = {}
+    table: list[Series] = [solution[o[1]] if o[0] == "in" else [] for o in program.operations]
+    waves = {operation: series for operation, series in zip(program.operations, table, strict=True) if operation[0] in PARTNERS}
+    rules = []
+    for (kind, *parts), ball, series in zip(program.operations, program.constants(), table, strict=True):
+        if kind in PARTNERS:
+            rules.append((series, RULES[kind](waves[PARTNERS[kind], parts[0]], ball, table[parts[0]])))
+        elif kind != "in":
+            earlier = [] if kind == "constant" else parts[-1:] if kind == "scale" else parts
+            rules.append((series, RULES[kind](series, ball, *(table[i] for i in earlier))))
     for n in range(order):
-        for operation, constant, series in zip(program.operations, constants, table, strict=True):
-            kind, *arguments = operation
-            if kind == "in":
-                series.append(solution[arguments[0]][n])
-            elif kind == "constant":
-                series.append(constant if n == 0 else arb(0))
-            elif kind == "scale":
-                series.append(constant * table[arguments[1]][n])
-            elif kind in ("sin", "cos"):
-                _wave(kind, table[arguments[0]], series, partners.setdefault((kind, arguments[0]), []), n)
-            else:
-                series.append(NEXT[kind](series, *(table[i] for i in arguments), n))
+        for series, rule in rules:
+            series.append(next(rule))
         for series, output in zip(solution, program.outputs, strict=True):
             series.append(table[output][n] / (n + 1))
     return [arb_poly(series) for series in solution]
 
 
-def convolution(a: Series, b: Series, n: int, first: int, last: int) -> arb:
-    """sum over first <= i <= last of a_i b_(n-i)."""
-    return sum(map(mul, a[first : last + 1], b[n - last : n - first + 1][::-1]), arb(0))
+PARTNERS = {"sin": "cos", "cos": "sin"}
+Rule = Iterator[arb]
+"""The coefficients of an operation, each asked for when it is the next one of its series and its arguments have theirs."""
 
 
-def _product(_: Series, a: Series, b: Series, n: int) -> arb:
-    if a is not b:
-        return convolution(a, b, n, 0, n)
-    half = 2 * convolution(a, a, n, 0, (n - 1) // 2) if n else arb(0)
-    return half + a[n // 2] * a[n // 2] if n % 2 == 0 else half
+def constant(_: Series, ball: arb) -> Rule:
+    """c, 0, 0, ..."""
+    yield ball
+    yield from repeat(arb(0))
 
 
-def _quotient(q: Series, a: Series, b: Series, n: int) -> arb:
-    return (a[n] - convolution(q, b, n, 0, n - 1)) / b[0] if n else a[0] / b[0]
+def product(_: Series, __: arb, a: Series, b: Series) -> Rule:
+    """[a b]_n."""
+    whole = Product(a, b)
+    while True:
+        yield whole.next()
 
 
-def _root(s: Series, a: Series, n: int) -> arb:
-    if n == 0:
-        return a[0].sqrt()
-    return (a[n] - (convolution(s, s, n, 1, n - 1) if n > 1 else 0)) / (2 * s[0])
+def quotient(q: Series, _: arb, a: Series, b: Series) -> Rule:
+    """q b_0 = a - q (b - b_0)."""
+    later: Series = []
+    whole = Product(q, later)
+    yield a[0] / b[0]
+    for n in count(1):
+        later.append(b[n])
+        yield (a[n] - whole.next()) / b[0]
 
 
-def _slopes(a: Series, n: int) -> Series:
-    """i a_i for i = 0 .. n."""
-    return [i * a[i] for i in range(n + 1)]
+def root(s: Series, _: arb, a: Series) -> Rule:
+    """2 s_0 (s - s_0) = a - a_0 - (s - s_0)^2."""
+    later: Series = []
+    whole = Product(later, later)
+    yield a[0].sqrt()
+    yield a[1] / (2 * s[0])
+    for n in count(2):
+        later.append(s[n - 1])
+        yield (a[n] - whole.next()) / (2 * s[0])
 
 
-def _exponential(e: Series, a: Series, n: int) -> arb:
-    return convolution(_slopes(a, n), e, n, 1, n) / n if n else a[0].exp()
+def driven(partner: Series, first: Callable[[arb], arb], sign: int, a: Series) -> Rule:
+    """w' = sign a' partner from w_0 = first(a_0)."""
+    slopes: Series = []
+    whole = Product(slopes, partner)
+    yield first(a[0])
+    for n in count(1):
+        slopes.append(sign * n * a[n])
+        yield whole.next() / n
 
 
-def _wave(kind: str, a: Series, series: Series, partner: Series, n: int) -> None:
-    """The next coefficient of sin a (or cos a), and of its partner cos a (or sin a): n s_n = sum i a_i c_(n-i), and so on."""
-    sign = 1 if kind == "sin" else -1
-    if n == 0:
-        both = a[0].sin(), a[0].cos()
-        first, second = both if kind == "sin" else both[::-1]
-    else:
-        slopes = _slopes(a, n)
-        first, second = sign * convolution(slopes, partner, n, 1, n) / n, -sign * convolution(slopes, series, n, 1, n) / n
-    series.append(first)
-    partner.append(second)
-
-
-NEXT: dict[str, Callable[..., arb]] = {
-    "+": lambda _, a, b, n: a[n] + b[n],
-    "*": _product,
-    "/": _quotient,
-    "exp": _exponential,
-    "sqrt": _root,
+RULES: dict[str, Callable[..., Rule]] = {
+    "constant": constant,
+    "scale": lambda _, ball, a: (ball * a[n] for n in count()),
+    "+": lambda _, __, a, b: (a[n] + b[n] for n in count()),
+    "*": product,
+    "/": quotient,
+    "sqrt": root,
+    "exp": lambda e, _, a: driven(e, arb.exp, 1, a),
+    "sin": lambda cosine, _, a: driven(cosine, arb.sin, 1, a),
+    "cos": lambda sine, _, a: driven(sine, arb.cos, -1, a),
 }

@@ -55,6 +55,15 @@ def test_claims_become_those_of_the_method(tmp_path: Path) -> None:
     assert not method.complete_state
 
 
+def test_a_method_for_mass_properties_has_no_step_and_knows_what_supports_names(tmp_path: Path) -> None:
+    text = PLAIN.replace("command =", 'supports = ["spring", "solid:cuboid", "solid:about"]\ncommand =').replace(
+        "order = 2", 'answers = "solid"'
+    )
+    engine = description(tmp_path, text).engine  # type: ignore[attr-defined]
+    method = engine.methods[0].method(engine)
+    assert (method.answers, method.control, method.knows) == ("solid", "exact", {"solid:cuboid", "solid:about"})
+
+
 @pytest.mark.parametrize(
     ("change", "says"),
     [
@@ -73,6 +82,9 @@ def test_claims_become_those_of_the_method(tmp_path: Path) -> None:
         (("mydem", "my/dem"), "engine.name"),
         (('name = "verlet"', 'name = "a/b"'), "engine.methods"),
         (('[[engine.methods]]\nname = "verlet"\norder = 2', ""), "methods"),
+        (("order = 2", 'answers = "solid"'), "solid:polyhedron"),
+        (("order = 2", 'answers = "map"'), "map"),
+        (("command", 'supports = ["solid:torus"]\ncommand'), "solid:torus"),
         (("[engine]", "[engin]"), "engin"),
         (("[engine]", "[engine"), "line"),
     ],
@@ -96,10 +108,12 @@ def test_a_missing_file_and_a_folder_are_named(tmp_path: Path) -> None:
 
 def test_every_feature_that_a_case_needs_can_be_named() -> None:
     from refdem.core import discovery
+    from refdem.core.problem import Motion, Solid
     from refdem.core.selection import Selection
 
     cases = [discovery.case(name) for name in discovery.names("cases")]
-    needed = {feature for case in cases if not isinstance(case, Selection) for feature in case.at().scene.features}
+    problems = [case.at().problem for case in cases if not isinstance(case, Selection)]
+    needed = {feature for problem in problems if isinstance(problem, Motion | Solid) for feature in problem.features}
     assert {feature for feature in needed if not feature.startswith("dimension:")} <= FEATURES
 
 

@@ -47,8 +47,11 @@ def test_bodies_do_not_attract_each_other_without_one():
     assert (sim.gravity, sim.N, sim.integrator.order, sim.dt) == ("none", 1, 8, 0.125)
 
 
-@pytest.mark.parametrize(("element", "mode", "velocities"), [(Spring(a=0, stiffness=1.0), "GLOBAL", 0), (Rod(a=0, length=1.0), "PRS23", 1)])
-def test_ias15_takes_its_steps_from_all_particles_where_there_are_springs(element, mode, velocities):
+@pytest.mark.parametrize(
+    ("element", "mode", "velocities"),
+    [(Spring(a=0, stiffness=1.0), "GLOBAL", 0), (Rod(a=0, length=1.0), "GLOBAL", 1), (CentralField(gm=1.0), "PRS23", 0)],
+)
+def test_ias15_takes_its_steps_from_all_particles_where_there_are_springs_or_rods(element, mode, velocities):
     sim = made(Scene.of([POINT], [element]), "ias15")
     assert f"adaptive_mode={mode}" in repr(sim.integrator)
     assert sim.force_is_velocity_dependent == velocities

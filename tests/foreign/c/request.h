@@ -29,7 +29,7 @@ static const char *text(const char *format, ...) {
 }
 
 /* n numbers `scene.WHAT.I.NAME.0`, `.1` and so on; zeros where there are none. */
-static void vector(double *out, int n, const char *what, int i, const char *name) {
+static inline void vector(double *out, int n, const char *what, int i, const char *name) {
     for (int k = 0; k < n; k++) out[k] = atof(text("scene.%s.%d.%s.%d", what, i, name, k));
 }
 

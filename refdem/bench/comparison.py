@@ -1,0 +1,84 @@
+"""Two records compared through their noise: rounds in units of the yardstick of the same round, slower or faster only beyond doubt."""
+
+import math
+import statistics
+from collections.abc import Sequence
+from itertools import combinations
+
+import msgspec
+
+from refdem.bench.record import Curve, Record
+
+CHANGE = 0.10
+"""A change of less than this is none."""
+
+
+class Change(msgspec.Struct, frozen=True, kw_only=True):
+    """One curve in both records: the factor by which its time has grown, and what that says."""
+
+    key: tuple[str, str, str]
+    factor: float
+    verdict: str
+    error_factor: float
+
+
+def compared(now: Record, then: Record) -> list[Change]:
+    """The curves that both records have, at the levels that both have.
+
+    Slower: every round now is slower than every round then, and the medians differ by more than CHANGE. For n rounds each of equal
+    codes, without drift, that happens once in C(2n, n): 1/252 for 5.
+    """
+    before = {curve.key: curve for curve in then.curves}
+    found = []
+    for curve in now.curves:
+        other = before.get(curve.key)
+        levels = _common(curve, other) if other else set()
+        if other is None or not levels:
+            continue
+        a, b = rounds_of(now, curve, levels), rounds_of(then, other, levels)
+        errors = {point.level: point.error for point in other.points}
+        worst = max((p.error / errors[p.level] for p in curve.points if p.level in levels and errors[p.level] > 0), default=1.0)
+        factor = math.exp(statistics.median(a) - statistics.median(b))
+        found.append(Change(key=curve.key, factor=factor, verdict=verdict(a, b), error_factor=worst))
+    return found
+
+
+def _common(curve: Curve, other: Curve) -> set[float]:
+    return {point.level for point in curve.points} & {point.level for point in other.points}
+
+
+def rounds_of(record: Record, curve: Curve, levels: set[float]) -> list[float]:
+    """The mean over levels of log(seconds / yardstick), round by round."""
+    chosen = [point.rounds for point in curve.points if point.level in levels]
+    return [
+        statistics.fmean(math.log(times[number] / yard) for times in chosen)
+        for number, yard in enumerate(record.yardstick)
+        if all(number < len(times) and times[number] > 0 for times in chosen)
+    ]
+
+
+def verdict(now: Sequence[float], then: Sequence[float]) -> str:
+    """`slower`, `faster` or `same` from logarithms of times; `same` if there are less than 4 rounds."""
+    if min(len(now), len(then)) < 4:
+        return "same"
+    change = statistics.median(now) - statistics.median(then)
+    if min(now) > max(then) and change > math.log1p(CHANGE):
+        return "slower"
+    if max(now) < min(then) and -change > math.log1p(CHANGE):
+        return "faster"
+    return "same"
+
+
+def false_alarm_rate(record: Record) -> float | None:
+    """Part of comparisons of a code with itself that call it slower or faster: every split of its rounds in two; None below 8 rounds."""
+    alarms = total = 0
+    for curve in record.curves:
+        series = rounds_of(record, curve, {point.level for point in curve.points}) if curve.points else []
+        half = len(series) // 2
+        if half < 4:
+            continue
+        for chosen in combinations(range(len(series)), half):
+            rest = [value for number, value in enumerate(series) if number not in chosen]
+            alarms += verdict([series[number] for number in chosen], rest) != "same"
+            total += 1
+    return alarms / total if total else None

@@ -1,0 +1,121 @@
+"""Refinement until a method has no more to show, then all of its levels again and again, interleaved with those of the others."""
+
+import gc
+import hashlib
+import statistics
+from collections.abc import Callable, Iterable, Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass, field
+from time import perf_counter
+
+from refdem.bench.entrant import Entrant
+from refdem.bench.record import Point
+from refdem.core.trajectory import Cost
+from refdem.core.truth import SampledTruth
+from refdem.errors import RefdemError
+
+ENOUGH = 1e-14
+"""An error that no refinement improves."""
+SHORT, MOST_INNER = 2e-3, 15
+"""Runs shorter than this [s] are repeated within a round, as a clock and a cache that is cold would be seen; the median counts."""
+WORK = b"\0" * (1 << 20)
+
+
+@dataclass
+class Measured:
+    """What is known of an entrant: each level's errors, first set-up, and rounds of costs."""
+
+    entrant: Entrant
+    errors: dict[float, dict[str, float]] = field(default_factory=dict)
+    first: dict[float, Cost] = field(default_factory=dict)
+    rounds: dict[float, list[Cost]] = field(default_factory=dict)
+    refusal: str = ""
+
+    @property
+    def compiled(self) -> float:
+        """Seconds that the first set-up cost beyond the median of later ones: compilation, imports, tables."""
+        later = [cost.setup for costs in self.rounds.values() for cost in costs]
+        return max(0.0, max((c.setup for c in self.first.values()), default=0.0) - statistics.median(later)) if later else 0.0
+
+    def points(self, names: set[str]) -> list[Point]:
+        """One point a level, coarse to fine; the error is the largest among `names`."""
+        return [
+            Point(
+                level=level,
+                error=max(errors[name] for name in names & errors.keys()),
+                rounds=[cost.seconds for cost in self.rounds[level]],
+                setup=statistics.median(cost.setup for cost in self.rounds[level]),
+                steps=self.first[level].steps,
+            )
+            for level, errors in self.errors.items()
+            if names & errors.keys() and self.rounds.get(level)
+        ]
+
+
+def refined(entrant: Entrant, truth: SampledTruth, *, longest: float) -> Measured:
+    """Runs level by level until the error is ENOUGH, has stopped to fall, or a run takes more than `longest` [s].
+
+    A coarse level at which the engine breaks down is left out; if it breaks at all of them, the last reason is the refusal.
+    """
+    found, best = Measured(entrant), float("inf")
+    risen = 0
+    for level in entrant.levels:
+        try:
+            trajectory, cost = entrant.run(level)
+            errors = entrant.errors(trajectory, truth, level)
+        except (RefdemError, ArithmeticError) as error:
+            found.refusal = str(error)
+            continue
+        found.errors[level], found.first[level], found.rounds[level] = errors, cost, []
+        worst = max(errors.values())
+        risen = 0 if worst < 0.7 * best else risen + 1
+        best = min(best, worst)
+        if best <= ENOUGH or risen >= 2 or cost.seconds > longest:
+            break
+    if found.errors:
+        found.refusal = ""
+    return found
+
+
+def interleaved(entrants: Iterable[Measured], rounds: int, told: Callable[[int], None] = lambda done: None) -> list[float]:
+    """Times every level of every entrant once a round, from another one on in each; returns the yardstick [s] round by round."""
+    places = [(measured, level) for measured in entrants for level in measured.errors]
+    yardstick = []
+    with _no_collection():
+        for number in range(rounds):
+            gc.collect()
+            yardstick.append(_yardstick())
+            turn = number * len(places) // max(1, rounds)
+            for measured, level in places[turn:] + places[:turn]:
+                measured.rounds[level].append(_timed(measured.entrant, level, measured.first[level].seconds))
+            told(number + 1)
+    return yardstick
+
+
+def _timed(entrant: Entrant, level: float, first: float) -> Cost:
+    """The cost of one run; of short ones the run with the median time."""
+    inner = 1 if first > SHORT else min(MOST_INNER, int(SHORT / max(first, 1e-7)) + 1)
+    costs = sorted((entrant.run(level)[1] for _ in range(inner)), key=lambda cost: cost.seconds)
+    return costs[inner // 2]
+
+
+def _yardstick() -> float:
+    """Seconds of a fixed piece of work, the median of 5: what this machine is worth at this moment."""
+    times = []
+    for _ in range(5):
+        started = perf_counter()
+        hashlib.sha256(WORK).digest()
+        times.append(perf_counter() - started)
+    return statistics.median(times)
+
+
+@contextmanager
+def _no_collection() -> Iterator[None]:
+    """No garbage collector between two readings of the clock."""
+    was = gc.isenabled()
+    gc.disable()
+    try:
+        yield
+    finally:
+        if was:
+            gc.enable()

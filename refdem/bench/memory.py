@@ -1,0 +1,44 @@
+"""Peak memory of a run, seen from a process of its own."""
+
+import multiprocessing
+from collections.abc import Sequence
+from pathlib import Path
+
+from refdem.bench.peers import peers
+from refdem.core import discovery
+from refdem.core.engine import Engine
+from refdem.core.problem import Request
+
+STATUS, RESET = Path("/proc/self/status"), Path("/proc/self/clear_refs")
+
+
+def peaks(asked: Sequence[tuple[str, bool, Request, Request]]) -> list[int | None]:
+    """Bytes by which each finest run lifts the peak of resident memory, after the coarsest has loaded everything.
+
+    For (address of the engine, is it a peer, coarsest, finest request); None where the system does not say, or the run fails there.
+    """
+    jobs = [(engine, peer, coarse.to_json(), fine.to_json()) for engine, peer, coarse, fine in asked]
+    if not jobs or not RESET.exists():
+        return [None] * len(jobs)
+    with multiprocessing.get_context("spawn").Pool(1) as pool:
+        found: list[int | None] = pool.starmap(_peak, jobs, chunksize=1)
+    return found
+
+
+def _peak(name: str, is_peer: bool, coarse: bytes, fine: bytes) -> int | None:
+    engine: Engine = next(peer for peer in peers() if peer.name == name) if is_peer else discovery.engine(name)
+    try:
+        engine.run(Request.from_json(coarse))
+        request = Request.from_json(fine)
+        RESET.write_text("5")  # the peak starts again from what is held now
+        before = _resident("VmRSS")
+        engine.run(request)
+    except Exception:  # a run that fails here has said so in its curve
+        return None
+    return max(0, _resident("VmHWM") - before)
+
+
+def _resident(field: str) -> int:
+    """A field of the process's status [bytes]."""
+    line = next(line for line in STATUS.read_text().splitlines() if line.startswith(field))
+    return 1024 * int(line.split()[1])

@@ -1,0 +1,41 @@
+"""What the peers share: they run what `equations` can write, forward, at a tolerance."""
+
+from importlib.metadata import version
+from importlib.util import find_spec
+
+from refdem.bench.peers._equations import Equations, equations
+from refdem.core.engine import Engine, Method
+from refdem.core.problem import Motion, Problem
+from refdem.errors import UnsupportedError
+
+CARTESIAN = "-cartesian"
+"""Ends the name of a method that moves a rod's end in Cartesian coordinates, by its constraint force."""
+
+
+class Peer(Engine):
+    """An integrator of first-order systems; `name` is also that of its package."""
+
+    def missing(self) -> str | None:
+        """None if the package is here."""
+        return None if find_spec(self.name) else f"install refdem[bench], or {self.name}"
+
+    def version(self) -> str:
+        """The version of the package."""
+        return version(self.name)
+
+    def fingerprint(self, method: Method) -> str:
+        """The version: runs of a bench are never stored."""
+        return self.version()
+
+    def refusal(self, problem: Motion, method: Method) -> str | None:
+        """None for the scenes whose equations are written down."""
+        if problem.interval < 0:
+            return "only forward in time"
+        return None if equations(problem, cartesian=method.name.endswith(CARTESIAN)) else "its equations are not written for peers"
+
+    def asked(self, problem: Problem, name: str) -> Equations:
+        """The equations; raises UnsupportedError if there are none."""
+        found = equations(problem, cartesian=name.endswith(CARTESIAN)) if isinstance(problem, Motion) else None
+        if found is None:
+            raise UnsupportedError(f"{self.name} has no equations for this scene")
+        return found

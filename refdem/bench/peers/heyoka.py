@@ -1,0 +1,84 @@
+"""heyoka: Taylor's method of adaptive order and step, compiled for each system (Biscani and Izzo 2021)."""
+
+from time import perf_counter
+from typing import Any
+
+import numpy as np
+
+from refdem.bench.peers._coulomb import coulomb
+from refdem.bench.peers._peer import CARTESIAN, Peer
+from refdem.core.engine import Method
+from refdem.core.problem import Motion, Request
+from refdem.core.trajectory import Cost, Trajectory
+
+EVENTS = "taylor-events"
+
+
+class Heyoka(Peer):
+    """A compiled integrator is kept for each system and tolerance, so that only its first run pays for the compiler."""
+
+    name = "heyoka"
+    title = "heyoka"
+    licence = "MPL-2.0"
+    methods = (
+        Method(name="taylor", summary="Taylor, order by the tolerance; a pendulum in its angle", control="tolerance"),
+        Method(name="taylor" + CARTESIAN, summary="a rod's end by its stabilised constraint force", control="tolerance"),
+        Method(name=EVENTS, summary="dry friction with events where the velocity is zero", control="tolerance"),
+    )
+
+    def __init__(self) -> None:
+        self._compiled: dict[tuple[Any, ...], Any] = {}
+
+    def refusal(self, problem: Motion, method: Method) -> str | None:
+        """None for scenes with equations; events for a Coulomb oscillator."""
+        if method.name == EVENTS:
+            return None if coulomb(problem.scene) else "dry friction on a line is all it has events for"
+        return super().refusal(problem, method)
+
+    def run(self, request: Request) -> tuple[Trajectory, Cost]:
+        """States on the grid of the samples, by the dense output of the Taylor series."""
+        if request.method == EVENTS:
+            return self._with_events(request)
+        begun, problem, tolerance = perf_counter(), request.problem, request.tolerance
+        system = self.asked(problem, request.method)
+        key = (system.key, tolerance)
+        if key not in self._compiled:
+            self._compiled[key] = _integrator(system, tolerance)
+        integrator = self._compiled[key]
+        integrator.time, integrator.state[:] = problem.times[0], system.start
+        started = perf_counter()
+        found = integrator.propagate_grid(problem.times)
+        cost = Cost(seconds=perf_counter() - started, setup=started - begun, steps=int(found[3]))
+        return system.trajectory(problem.times, np.ascontiguousarray(found[-1])), cost
+
+    def _with_events(self, request: Request) -> tuple[Trajectory, Cost]:
+        """From turning point to turning point, until at one of them the spring is no stronger than friction."""
+        begun, t = perf_counter(), request.problem.times
+        law = coulomb(request.problem.scene)
+        assert law is not None
+        key = (law, request.tolerance)
+        if key not in self._compiled:
+            self._compiled[key] = law.integrator(request.tolerance)
+        integrator = self._compiled[key]
+        integrator.time, integrator.state[:], integrator.pars[0] = t[0], (law.place, law.speed), law.direction
+        started = perf_counter()
+        found = integrator.propagate_grid(t)
+        states = np.empty((len(t), 2))
+        states[: len(found[-1])] = found[-1]
+        states[len(found[-1]) :] = integrator.state[0], 0.0
+        cost = Cost(seconds=perf_counter() - started, setup=started - begun, steps=int(found[3]))
+        position, velocity = np.zeros((len(t), 1, 3)), np.zeros((len(t), 1, 3))
+        position[:, 0, 0], velocity[:, 0, 0] = states.T
+        return Trajectory.of_points(t, position, velocity), cost
+
+
+def _integrator(system: Any, tolerance: float | None) -> Any:
+    """The compiled integrator of a system."""
+    import heyoka
+
+    names = heyoka.make_vars(*(f"y{number}" for number in range(len(system.start))))
+    rates = system.rates(names, heyoka.sin)
+    return heyoka.taylor_adaptive(list(zip(names, rates, strict=True)), list(system.start), tol=tolerance, compact_mode=False)
+
+
+PEER = Heyoka()

@@ -1,0 +1,88 @@
+"""From points to what they say: order, error constant, growth, and the time to an error."""
+
+import math
+import statistics
+from collections.abc import Sequence
+from itertools import combinations, pairwise
+
+from refdem.bench.record import Growth, Point, Reach
+from refdem.core.trajectory import Cost
+
+CLEAR = 30.0
+"""A pair of levels shows truncation if the finer error is so many times the least error of the curve."""
+ROUND_OFF = 1e-12
+"""And if it is above this: what round-off adds up to in runs as long as those of a bench."""
+
+
+def seconds(point: Point) -> float:
+    """The median of the rounds [s]."""
+    return statistics.median(point.rounds)
+
+
+def seconds_of(costs: Sequence[Cost]) -> float:
+    """The median of the seconds of some costs."""
+    return statistics.median(cost.seconds for cost in costs)
+
+
+def reach(points: Sequence[Point], target: float) -> Reach | None:
+    """Seconds to an error of `target`; None if no point is as good.
+
+    On a straight line in logarithms between the first point that meets it and the one before, round by round; a first point, and
+    one that is not dearer than the one before it, stands for itself.
+    """
+    meets = next((k for k, point in enumerate(points) if point.error <= target), None)
+    if meets is None:
+        return None
+    count = min(len(points[k].rounds) for k in range(max(0, meets - 1), meets + 1))
+    times = [_crossing(points, meets, target, number) for number in range(count)]
+    return Reach(seconds=statistics.median(times), least=min(times), most=max(times))
+
+
+def _crossing(points: Sequence[Point], meets: int, target: float, number: int) -> float:
+    after = points[meets]
+    if meets == 0:
+        return after.rounds[number]
+    before = points[meets - 1]
+    early, late = before.rounds[number], after.rounds[number]
+    if not (after.error > 0 and early < late):
+        return late
+    part = math.log(before.error / target) / math.log(before.error / after.error)
+    return early * (late / early) ** part
+
+
+def order(points: Sequence[Point]) -> float | None:
+    """The order between the finest two levels whose errors are truncation; None if there are none."""
+    seen = _truncating(points)
+    if not seen:
+        return None
+    coarse, fine = seen[-1]
+    return math.log(coarse.error / fine.error) / math.log(coarse.level / fine.level)
+
+
+def constant(points: Sequence[Point], *, claimed: int, tau: float, duration: float) -> float | None:
+    """C in error = C (1 + T/tau) (h/tau)^p at the finest level that shows truncation, p claimed."""
+    seen = _truncating(points)
+    if not seen or claimed < 1:
+        return None
+    return seen[-1][1].error / ((1 + duration / tau) * (seen[-1][1].level / tau) ** claimed)
+
+
+def _truncating(points: Sequence[Point]) -> list[tuple[Point, Point]]:
+    """Neighbours whose errors both stand clear of the floor and of the scale itself, and fall."""
+    floor = min((point.error for point in points), default=0.0)
+    last = points[-1].error if points else 0.0
+    still_falling = len(points) > 1 and last == floor and points[-2].error > 3 * last
+    clear = max(ROUND_OFF, 0.0 if still_falling else CLEAR * floor)
+    return [(a, b) for a, b in pairwise(points) if 0 < b.error < a.error < 0.3 and b.error > clear]
+
+
+def growth(by: str, sizes: Sequence[float], times: Sequence[float]) -> Growth:
+    """Seconds against sizes; the exponent is the median over all pairs of sizes of the slope in logarithms (Theil and Sen)."""
+    pairs = [(a, b) for a, b in combinations(zip(sizes, times, strict=True), 2) if a[0] != b[0] and min(a[1], b[1]) > 0]
+    slopes = [math.log(b[1] / a[1]) / math.log(b[0] / a[0]) for a, b in pairs]
+    return Growth(by=by, sizes=list(sizes), seconds=list(times), exponent=statistics.median(slopes) if slopes else None)
+
+
+def per_step(points: Sequence[Point]) -> float | None:
+    """Seconds a step at the finest level; None where steps are not counted."""
+    return seconds(points[-1]) / points[-1].steps if points and points[-1].steps else None

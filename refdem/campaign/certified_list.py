@@ -1,0 +1,77 @@
+"""What is certified, case by case: sets, values, digits, method, who witnesses it, and what is stale or has no witness."""
+
+import math
+from collections.abc import Iterable
+from fractions import Fraction
+from pathlib import Path
+
+import msgspec
+
+from refdem.core import discovery
+from refdem.core.selection import Selection
+from refdem.truth.certified.reader import CertifiedSet, load
+from refdem.truth.certified.sources import digest_of
+
+NONE = "none"
+
+
+class CertifiedCase(msgspec.Struct, frozen=True, kw_only=True):
+    """One line of the table. `digits`: decimals that the worst radius leaves; `witnessed` values that `witness` confirmed when they
+    were proved, to `agreed` digits; `own_witness` is what the truth itself names, checked by the tests; `stale` sets."""
+
+    case: str
+    sets: int
+    values: int
+    digits: int | None
+    methods: list[str]
+    witness: str
+    witnessed: int
+    agreed: int | None
+    own_witness: str
+    stale: int
+
+    @property
+    def has_no_witness(self) -> bool:
+        """Neither when it was proved nor in the tests."""
+        return self.witness == NONE and self.own_witness in ("", NONE)
+
+
+def certified_cases(folder: Path, only: Iterable[str] = ()) -> list[CertifiedCase]:
+    """The whole catalogue, or these cases, also those without certified sets; raises UsageError for one that is not there."""
+    sets: dict[str, list[CertifiedSet]] = {}
+    for one in load(folder=folder / "certified"):
+        sets.setdefault(one.case, []).append(one)
+    asked = list(only) or discovery.names("cases")
+    wanted = {name for name in asked if not isinstance(discovery.case(name), Selection)}
+    return [certified_case(name, sets.get(name, [])) for name in sorted(wanted)]
+
+
+def certified_case(name: str, sets: list[CertifiedSet]) -> CertifiedCase:
+    """The line of one case."""
+    said = [one.witnessed for one in sets if one.witnessed]
+    radii = [Fraction(value.radius) for one in sets for value in one.values]
+    source = digest_of(name)
+    return CertifiedCase(
+        case=name,
+        sets=len(sets),
+        values=len(radii),
+        digits=_digits(max(radii)) if radii else None,
+        methods=sorted({one.method for one in sets}),
+        witness="; ".join(sorted({by["by"] for by in said})) or NONE,
+        witnessed=sum(by["values"] for by in said),
+        agreed=min((by["digits"] for by in said), default=None),
+        own_witness="; ".join(sorted({one.witness for one in sets})),
+        stale=sum(one.source != source for one in sets),
+    )
+
+
+def _digits(radius: Fraction) -> int | None:
+    """Decimal places before the radius begins; None if it is 0."""
+    return math.floor(-math.log10(radius)) if radius else None
+
+
+def in_all(found: list[CertifiedCase]) -> str:
+    """The sentence below the table."""
+    kept = [one for one in found if one.sets]
+    sets, proved, witnessed = (sum(getattr(one, name) for one in kept) for name in ("sets", "values", "witnessed"))
+    return f"{sets} sets of {len(kept)} cases: {proved} values, {witnessed} of them confirmed by a witness when they were proved"

@@ -1,0 +1,29 @@
+"""Sampled truths that come with refdem: read where an instance is one of them and the code behind it is still the same."""
+
+from pathlib import Path
+
+from refdem.campaign.specification import validation_folder
+from refdem.core.case import Instance
+from refdem.core.truth import SampledTruth
+from refdem.truth.certified import samples
+from refdem.truth.certified.sources import digest_of
+
+
+def truth_folder() -> Path:
+    """The folder of the store: sets.toml, certified/ and samples/."""
+    return validation_folder() / "truth"
+
+
+def samples_key(instance: Instance) -> str:
+    """The key of an instance in samples/: case, parameters, times and scales."""
+    scales = {name: quantity.scale for name, quantity in instance.quantities.items()}
+    return samples.key_of(instance.case.id, instance.p.texts(), instance.times.tolist(), scales)
+
+
+def kept_truth(instance: Instance, folder: Path | None = None) -> SampledTruth | None:
+    """The sampled truth of an instance if it is kept and not stale; raises StoreError if it is damaged."""
+    home = (folder or truth_folder()) / "samples"
+    entries = [one for one in samples.kept(home, instance.case.id) if one.label == instance.label]
+    if not entries or entries[0].source != digest_of(instance.case.id) or entries[0].key != samples_key(instance):
+        return None
+    return samples.truth_of(entries[0], home / f"{instance.case.id}.jsonl")

@@ -1,0 +1,79 @@
+"""Checking the certified store: every hash, and a stratified sample proved and witnessed again, compared by overlap, never by bytes."""
+
+import hashlib
+import json
+from collections.abc import Callable, Iterable, Iterator
+from pathlib import Path
+
+from refdem.campaign.certification import proved_set
+from refdem.campaign.schedule import Job, Schedule
+from refdem.core import discovery
+from refdem.core.run import Failure
+from refdem.truth.certified.reader import CertifiedSet, Value, load
+
+EARLIEST = 2
+"""Times of a set that are proved again: validated integration costs as much as the time it covers."""
+LONGEST = 100.0
+"""Seconds for one set of the sample."""
+Progress = Callable[[str, int, int], None]
+
+
+def damaged(folder: Path) -> list[str]:
+    """What does not hold in the files themselves: hashes, decimals, doubles, and the list of files."""
+    problems = []
+    try:
+        load(folder=folder / "certified")
+    except ValueError as error:
+        problems.append(str(error))
+    lines = [line.split("  ") for line in (folder / "certified" / "sha256sums.txt").read_text().splitlines()]
+    listed = {name: digest for digest, name in lines}
+    there = {path.name: hashlib.sha256(path.read_bytes()).hexdigest() for path in (folder / "certified").glob("*.jsonl")}
+    names = sorted({*listed, *there})
+    return problems + [f"{name}: not as sha256sums.txt has it" for name in names if listed.get(name) != there.get(name)]
+
+
+def sample(sets: Iterable[CertifiedSet], *, each: int, seed: str) -> list[CertifiedSet]:
+    """`each` sets of every case and method, chosen by the seed."""
+    strata: dict[tuple[str, str], list[CertifiedSet]] = {}
+    for one in sets:
+        strata.setdefault((one.case, one.method), []).append(one)
+    chosen = [sorted(group, key=lambda one: _lot(one, seed))[:each] for group in strata.values()]
+    return [one for group in chosen for one in group]
+
+
+def _lot(one: CertifiedSet, seed: str) -> str:
+    return hashlib.sha256(f"{seed}\0{one.label}".encode()).hexdigest()
+
+
+def contradictions(sets: list[CertifiedSet], *, jobs: int, progress: Progress) -> Iterator[str]:
+    """What a new proof, or the witness, says otherwise than the store; each set at its earliest times."""
+    work = {}
+    for one in sets:
+        times = sorted({value.t for value in one.values if value.t is not None})[:EARLIEST]
+        given = {name: text for name, text in one.parameters.items() if text != ""}
+        work[one.label] = one, Job(one.label, proved_set, (one.case, given, tuple(map(str, times))))
+    with Schedule(jobs, LONGEST) as schedule:
+        for done, (job, result) in enumerate(schedule.results([job for _, job in work.values()]), 1):
+            progress("prove again", done, len(work))
+            yield from _differences(work[job.key][0], result)
+
+
+def _differences(one: CertifiedSet, result: bytes | Failure) -> Iterator[str]:
+    found = {"lines": [], "reason": result.sentence} if isinstance(result, Failure) else json.loads(result)
+    if found["reason"]:
+        yield f"{one.label}: {found['reason']}"
+        return
+    again = [json.loads(line) for line in found["lines"][1:]]
+    if not again:
+        yield f"{one.label}: nothing was proved again"
+    for t, quantity, mid, radius, _ in again:
+        kept = one.value(quantity, t)
+        if not kept.overlaps(Value(kept.t, quantity, mid, radius, None)):
+            yield f"{one.label}: {quantity} at {t} is {kept.mid} +- {kept.radius} in the store, {mid} +- {radius} proved again"
+
+
+def catalogue() -> list[str]:
+    """Ids of the cases that have a truth of their own."""
+    from refdem.core.selection import Selection
+
+    return [name for name in discovery.names("cases") if not isinstance(discovery.case(name), Selection)]

@@ -1,0 +1,61 @@
+"""What the two cases of rotation algebra share: from operations to the problem, its quantities and what an engine says."""
+
+from abc import abstractmethod
+from typing import Any, ClassVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from refdem.core.algebra import SIZES
+from refdem.core.case import Canonical
+from refdem.core.parameters import Parameters
+from refdem.core.problem import Identity
+from refdem.core.quantity import Quantity, Scales
+from refdem.core.statics import IdentityDocument, Operation
+from refdem.core.trajectory import Trajectory
+
+Array = NDArray[np.float64]
+Row = tuple[str, str, list[Any]]
+"""Name, operation, operands: numbers, or names of earlier rows."""
+
+X, Y, Z = [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]
+
+
+class AlgebraCase(Canonical):
+    """Rows of operations; a quantity is a result, with `.0`, `.1` ... where it has several numbers. `angles`: rows of angles."""
+
+    angles: ClassVar[frozenset[str]] = frozenset()
+
+    @abstractmethod
+    def rows(self, p: Parameters) -> list[Row]:
+        """The operations."""
+
+    def sizes(self, p: Parameters) -> dict[str, float]:
+        """The size of a row's numbers where it is not 1: the scale in which it counts."""
+        return {}
+
+    def problem(self, p: Parameters) -> Identity:
+        """All rows."""
+        operations = [Operation(name=name, operation=operation, operands=operands) for name, operation, operands in self.rows(p)]
+        return Identity(IdentityDocument(operations=operations))
+
+    def scales(self, p: Parameters) -> Scales:
+        """Numbers near 1, and no time."""
+        return Scales(length=1.0, tau=1.0, duration=1.0)
+
+    def quantities(self, p: Parameters) -> tuple[Quantity, ...]:
+        """Every number of every result."""
+        sizes = self.sizes(p)
+        found = []
+        for name, operation, _ in self.rows(p):
+            count = SIZES[operation][1]
+            labels = [name] if count == 1 else [f"{name}.{i}" for i in range(count)]
+            found += [Quantity(label, "1", sizes.get(name, 1.0), angle=name in self.angles) for label in labels]
+        return tuple(found)
+
+    def observe(self, p: Parameters, trajectory: Trajectory) -> dict[str, Array]:
+        """What the engine could say."""
+        seen: dict[str, Array] = {}
+        for name, values in trajectory.values.items():
+            seen |= {name: values[:, 0]} if values.shape[1] == 1 else {f"{name}.{i}": values[:, i] for i in range(values.shape[1])}
+        return seen

@@ -1,0 +1,80 @@
+"""Spheres over the floor y = 0 in gravity along -y, under the linear law."""
+
+from collections.abc import Mapping
+from fractions import Fraction
+from typing import Any, ClassVar
+
+import numpy as np
+
+from refdem.cases.impact_benchmarks._member import POSITIONS_ARE_ROUNDED, Member
+from refdem.cases.impact_benchmarks._numbers import damping
+from refdem.cases.impact_benchmarks._wall import linear
+from refdem.core.parameters import Parameters
+from refdem.core.quantity import Scales
+from refdem.core.truth import Truth
+from refdem.errors import UsageError
+from refdem.scene import Body, Scene, Sphere
+from refdem.scene.elements.plane import Plane
+from refdem.scene.elements.uniform_gravity import UniformGravity
+
+
+class OnFloor(Member):
+    """What the members have in common: one law, gravity."""
+
+    def values(self, p: Parameters) -> Any:
+        """With the dashpot that makes the restitution of the sphere on the floor, without gravity."""
+        v = super().values(p)
+        v.effective = v.mass
+        v.branch, v.cutoff, v.tangential_stiffness = "R", "zero_overlap", Fraction(0)
+        for name, missing in (("friction", 0), ("restitution", 1)):
+            v.__dict__.setdefault(name, Fraction(missing))
+        v.damping = damping(v.restitution, v.effective, v.stiffness, "zero_overlap")
+        return v
+
+    def of(self, v: Any, bodies: list[Body], *planes: Plane) -> Scene:
+        """The scene of these bodies."""
+        return Scene.of(bodies, [Plane(normal=(0.0, 1.0, 0.0)), *planes, UniformGravity(g=(0.0, -float(v.gravity), 0.0)), linear(v)])
+
+    def floor(self, v: Any) -> Any:
+        """The same for truth."""
+        from refdem.truth.closed_forms.impact_benchmarks.floor import Floor
+
+        return Floor(**{name: getattr(v, name) for name in ("mass", "radius", "stiffness", "damping", "gravity")})
+
+
+def ball(v: Any, mass: Fraction, height: Fraction, speed: Fraction = Fraction(0)) -> Body:
+    """A solid sphere over the origin."""
+    m, r = float(mass), float(v.radius)
+    return Body(mass=m, inertia=(0.4 * m * r * r,) * 3, shape=Sphere(radius=r), position=(0.0, float(height), 0.0),
+                velocity=(float(speed), 0.0, 0.0))  # fmt: skip
+
+
+class Bounce(OnFloor):
+    """Let fall from `height`; lasts to about the top of the flight after bounce number `bounces`."""
+
+    bounces: ClassVar[int] = 2
+
+    def values(self, p: Parameters) -> Any:
+        """With a fall to come."""
+        v = super().values(p)
+        if v.height <= v.radius:
+            raise UsageError(f"parameter height: got {float(v.height):g} m; expected more than the radius {float(v.radius):g} m")
+        return v
+
+    def scene(self, v: Any) -> Scene:
+        """At rest in the air."""
+        return self.of(v, [ball(v, v.mass, v.height)])
+
+    def scales(self, v: Any) -> Scales:
+        """tau = sqrt(m/k); the length that it falls in that time at the floor, but at least height/8."""
+        tau, drop = float(np.sqrt(float(v.mass / v.stiffness))), 2 * float(v.height - v.radius)
+        fall, e = float(np.sqrt(drop / float(v.gravity))), float(v.restitution)
+        lasts = fall * (1 + 2 * sum(e**n for n in range(1, self.bounces)) + e**self.bounces) + self.bounces * np.pi * tau
+        speed = float(np.sqrt(drop * float(v.gravity)))
+        return Scales(max(speed * tau, float(v.height) / POSITIONS_ARE_ROUNDED), tau, float(lasts), float(v.mass))
+
+    def truth(self, v: Any, scale: Mapping[str, float]) -> Truth:
+        """From bounce to bounce."""
+        from refdem.truth.closed_forms.impact_benchmarks import floor
+
+        return floor.Bounce(scale, self.floor(v), height=v.height, until=Fraction(self.scales(v).duration))

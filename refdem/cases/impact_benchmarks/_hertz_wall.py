@@ -1,0 +1,46 @@
+"""A sphere that touches a rigid wall, the plane x = 0, from the left: under Hertz's law, with Coulomb friction."""
+
+from collections.abc import Mapping
+from fractions import Fraction
+from typing import Any
+
+import numpy as np
+
+from refdem.cases.impact_benchmarks._numbers import hertz_stiffness
+from refdem.cases.impact_benchmarks._wall import Wall, of_impact, struck
+from refdem.core.quantity import Scales
+from refdem.core.truth import Truth
+from refdem.scene import Scene
+from refdem.scene.elements.contact import Contact
+from refdem.scene.elements.plane import Plane
+
+HERTZ_CONTACT = 2.94327518
+"""Its duration in units of greatest overlap/closing speed: (4/5) B(2/5, 1/2)."""
+
+
+class HertzWall(Wall):
+    """Hertz's law, and friction of full size whenever there is slip."""
+
+    def values(self, p: Any) -> Any:
+        """With the stiffness of the material."""
+        v = super().values(p)
+        v.hertz = hertz_stiffness(v.modulus, v.poisson, v.radius, wall=True)
+        return v
+
+    def scene(self, v: Any) -> Scene:
+        """Touching, without overlap."""
+        law = Contact(law="hertz", stiffness=float(v.hertz), friction=float(v.friction), branch="R")
+        return Scene.of([struck(v)], [Plane(normal=(-1.0, 0.0, 0.0)), law])
+
+    def scales(self, v: Any) -> Scales:
+        """tau = contact duration/pi; two contacts."""
+        depth = (1.25 * float(v.mass * v.normal**2 / v.hertz)) ** 0.4
+        lasts = HERTZ_CONTACT * depth / float(v.normal)
+        return of_impact(v, tau=lasts / np.pi, lasts=lasts)
+
+    def truth(self, v: Any, scale: Mapping[str, float]) -> Truth:
+        """Closed form."""
+        from refdem.truth.closed_forms.impact_benchmarks.hertz_wall import HertzWallImpact
+
+        numbers = {name: Fraction(getattr(v, name)) for name in ("mass", "radius", "friction", "normal", "across", "spin")}
+        return HertzWallImpact(scale, stiffness=v.hertz, **numbers)

@@ -1,0 +1,64 @@
+"""Two equal spheres that touch and close head-on, under Hertz's law."""
+
+from collections.abc import Mapping
+from fractions import Fraction
+from typing import Any
+
+import numpy as np
+
+from refdem.cases.impact_benchmarks._hertz_wall import HERTZ_CONTACT
+from refdem.cases.impact_benchmarks._member import POSITIONS_ARE_ROUNDED, Array, Member
+from refdem.cases.impact_benchmarks._numbers import hertz_stiffness
+from refdem.core.parameters import Parameters
+from refdem.core.quantity import Quantity, Scales
+from refdem.core.trajectory import Trajectory
+from refdem.core.truth import Truth
+from refdem.scene import Body, Scene, Sphere
+from refdem.scene.elements.contact import Contact
+
+
+class HertzPair(Member):
+    """Two equal ones, head-on, centre of mass at rest; overlap and its rate."""
+
+    def values(self, p: Parameters) -> Any:
+        """With the effective mass and Hertz's stiffness."""
+        v = super().values(p)
+        v.effective, v.hertz = v.mass / 2, hertz_stiffness(v.modulus, v.poisson, v.radius, wall=False)
+        v.masses, v.radii, v.spins = (v.mass,) * 2, (v.radius,) * 2, (Fraction(0),) * 2
+        return v
+
+    def scene(self, v: Any) -> Scene:
+        """Centres on x."""
+        return Scene.of(touching(v), [Contact(law="hertz", stiffness=float(v.hertz))])
+
+    def scales(self, v: Any) -> Scales:
+        """Greatest overlap, but at least R/8; tau = duration/pi; two contacts."""
+        depth = (1.25 * float(v.effective * v.speed**2 / v.hertz)) ** 0.4
+        lasts = HERTZ_CONTACT * depth / float(v.speed)
+        return Scales(max(depth, float(v.radius) / POSITIONS_ARE_ROUNDED), lasts / np.pi, 2 * lasts, float(v.effective))
+
+    def quantities(self, v: Any) -> tuple[Quantity, ...]:
+        """Overlap and its rate."""
+        return (Quantity("overlap", "m", self.scales(v).length), Quantity("v", "m/s", self.scales(v).speed))
+
+    def observe(self, v: Any, run: Trajectory) -> dict[str, Array]:
+        """Overlap and its rate."""
+        x, u = run.position[:, :, 0], run.velocity[:, :, 0]
+        return {"overlap": 2 * float(v.radius) - np.abs(x[:, 1] - x[:, 0]), "v": u[:, 0] - u[:, 1]}
+
+    def truth(self, v: Any, scale: Mapping[str, float]) -> Truth:
+        """Closed form."""
+        from refdem.truth.closed_forms.hertz_spheres import HertzSpheres
+
+        return HertzSpheres(scale, v.effective, v.hertz, v.speed)
+
+
+def touching(v: Any) -> list[Body]:
+    """Sphere 1 at x < 0, sphere 2 at x > 0, centre of mass at rest at the origin; `masses`, `radii`, `spins` of both, closing `speed`."""
+    total, gap = sum(v.masses), sum(v.radii)
+    columns = zip(v.masses, v.masses[::-1], v.radii, v.spins, (1, -1), strict=True)
+    return [
+        Body(mass=float(m), inertia=(0.4 * float(m * r * r),) * 3, shape=Sphere(radius=float(r)), omega=(0.0, 0.0, float(spin)),
+             position=(float(-sign * other / total * gap), 0.0, 0.0), velocity=(float(sign * other / total * v.speed), 0.0, 0.0))
+        for m, other, r, spin, sign in columns
+    ]  # fmt: skip

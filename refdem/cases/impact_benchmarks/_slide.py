@@ -1,0 +1,34 @@
+"""A sphere that lies on the floor, slides, and rolls in the end."""
+
+from collections.abc import Mapping
+from fractions import Fraction
+from typing import Any
+
+import numpy as np
+
+from refdem.cases.impact_benchmarks._floor import OnFloor, ball
+from refdem.cases.impact_benchmarks._member import POSITIONS_ARE_ROUNDED
+from refdem.core.quantity import Scales
+from refdem.core.truth import Truth
+from refdem.scene import Scene
+
+
+class Slide(OnFloor):
+    """Thrown along x with `speed`, without spin, its overlap that of its weight; lasts twice as long as it slides."""
+
+    def scene(self, v: Any) -> Scene:
+        """In equilibrium along y."""
+        return self.of(v, [ball(v, v.mass, v.radius - v.mass * v.gravity / v.stiffness, v.speed)])
+
+    def scales(self, v: Any) -> Scales:
+        """tau = sqrt(m/k)."""
+        tau, slides = float(np.sqrt(float(v.mass / v.stiffness))), float(Fraction(2, 7) * v.speed / (v.friction * v.gravity))
+        length = max(float(v.speed) * tau, float(v.radius) / POSITIONS_ARE_ROUNDED)
+        return Scales(length, tau, 2 * slides, float(v.mass))
+
+    def truth(self, v: Any, scale: Mapping[str, float]) -> Truth:
+        """Sliding, then rolling."""
+        from refdem.truth.closed_forms.impact_benchmarks.slide_to_roll import SlideToRoll
+
+        names = ("mass", "radius", "stiffness", "gravity", "friction", "speed")
+        return SlideToRoll(scale, **{name: getattr(v, name) for name in names})

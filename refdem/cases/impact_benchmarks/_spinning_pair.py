@@ -1,0 +1,57 @@
+"""Two spheres, alike or not, that touch and spin about z while they close head-on, under the linear law."""
+
+from collections.abc import Mapping
+from fractions import Fraction
+from typing import Any, ClassVar
+
+import numpy as np
+
+from refdem.cases.impact_benchmarks._member import POSITIONS_ARE_ROUNDED, Member
+from refdem.cases.impact_benchmarks._numbers import ball_mass, damping
+from refdem.cases.impact_benchmarks._pair import touching
+from refdem.cases.impact_benchmarks._wall import linear
+from refdem.core.parameters import Parameters
+from refdem.core.quantity import Scales
+from refdem.core.truth import Truth
+from refdem.scene import Scene
+
+
+class SpinningPair(Member):
+    """`partner_radius`, `partner_density` and `partner_spin` are the second sphere's."""
+
+    bodies: ClassVar[int] = 2
+
+    def values(self, p: Parameters) -> Any:
+        """With masses, radii and spins of both, the effective mass, and the dashpot that makes the restitution."""
+        v = super().values(p)
+        v.masses, v.radii = (v.mass, ball_mass(v.partner_density, v.partner_radius)), (v.radius, v.partner_radius)
+        v.spins, v.effective = (v.spin, v.partner_spin), v.masses[0] * v.masses[1] / sum(v.masses)
+        v.damping = damping(v.restitution, v.effective, v.stiffness, v.cutoff)
+        return v
+
+    def scene(self, v: Any) -> Scene:
+        """Centres on x."""
+        return Scene.of(touching(v), [linear(v)])
+
+    def scales(self, v: Any) -> Scales:
+        """tau = 1/omega_max; two contacts."""
+        mass, b = float(v.effective), float(v.damping / (2 * v.effective))
+        rate = np.sqrt(float(v.stiffness) / mass)
+        lasts = (np.pi if v.cutoff == "zero_overlap" else 2 * np.arccos(b / rate)) / np.sqrt(rate * rate - b * b)
+        tau = float(np.sqrt(mass / max(float(v.stiffness), 3.5 * float(v.tangential_stiffness))))
+        speed = float(v.speed + max(abs(r * spin) for r, spin in zip(v.radii, v.spins, strict=True)))
+        return Scales(max(speed * tau, float(max(v.radii)) / POSITIONS_ARE_ROUNDED), tau, float(2 * lasts), mass)
+
+    def truth(self, v: Any, scale: Mapping[str, float]) -> Truth:
+        """That of two spheres."""
+        from refdem.truth.closed_forms.two_spheres import TwoSpheres
+        from refdem.truth.sphere_pair import SpherePair
+
+        nothing = Fraction(0)
+        names = ("masses", "radii", "stiffness", "damping", "tangential_stiffness", "friction")
+        return TwoSpheres(scale, SpherePair(
+            **{name: getattr(v, name) for name in names}, closing_speed=v.speed, angle=nothing,
+            spins=(nothing, nothing, v.spins[0], nothing, nothing, v.spins[1]),
+            lever={"R": nothing, "R-d/2": Fraction(1, 2), "R-d": Fraction(1)}[v.branch],
+            ends_with_overlap=v.cutoff == "zero_overlap",
+        ))  # fmt: skip

@@ -1,0 +1,48 @@
+"""Two spheres squeezed between the floor and a ceiling at `height`."""
+
+from collections.abc import Mapping
+from typing import Any, ClassVar
+
+import numpy as np
+
+from refdem.cases.impact_benchmarks._floor import OnFloor, ball
+from refdem.cases.impact_benchmarks._member import POSITIONS_ARE_ROUNDED
+from refdem.cases.impact_benchmarks._numbers import ball_mass, damping
+from refdem.core.parameters import Parameters
+from refdem.core.quantity import Scales
+from refdem.core.truth import Truth
+from refdem.errors import UsageError
+from refdem.scene import Scene
+from refdem.scene.elements.plane import Plane
+
+
+class Stack(OnFloor):
+    """At rest at a quarter and three quarters of the height; all three contacts press and stay."""
+
+    bodies: ClassVar[int] = 2
+
+    def values(self, p: Parameters) -> Any:
+        """The dashpot is that of the restitution of the two with each other."""
+        v = super().values(p)
+        v.upper = ball_mass(v.partner_density, v.radius)
+        v.effective = v.mass * v.upper / (v.mass + v.upper)
+        v.damping = damping(v.restitution, v.effective, v.stiffness, "zero_overlap")
+        if not v.height < 4 * v.radius:
+            raise UsageError(f"parameter height: got {float(v.height):g} m; expected less than four radii, so that all contacts press")
+        return v
+
+    def scene(self, v: Any) -> Scene:
+        """Between two planes."""
+        bodies = [ball(v, v.mass, v.height / 4), ball(v, v.upper, v.height * 3 / 4)]
+        return self.of(v, bodies, Plane(point=(0.0, float(v.height), 0.0), normal=(0.0, -1.0, 0.0)))
+
+    def scales(self, v: Any) -> Scales:
+        """tau = sqrt(m/(3 k)) of the lighter one; 40 tau."""
+        tau = float(np.sqrt(float(min(v.mass, v.upper) / v.stiffness) / 3))
+        return Scales(float(v.height) / POSITIONS_ARE_ROUNDED, tau, 40 * tau, float(v.effective))
+
+    def truth(self, v: Any, scale: Mapping[str, float]) -> Truth:
+        """A linear system."""
+        from refdem.truth.closed_forms.impact_benchmarks import floor
+
+        return floor.Stack(scale, self.floor(v), upper_mass=v.upper, ceiling=v.height, starts=(v.height / 4, v.height * 3 / 4))

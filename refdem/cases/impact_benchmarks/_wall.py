@@ -1,0 +1,76 @@
+"""A sphere that touches a rigid wall, the plane x = 0, from the left: under the linear law."""
+
+from collections.abc import Mapping
+from fractions import Fraction
+from typing import Any
+
+import numpy as np
+
+from refdem.cases.impact_benchmarks._member import POSITIONS_ARE_ROUNDED, Member
+from refdem.cases.impact_benchmarks._numbers import PI, damping, root, sine
+from refdem.core.quantity import Scales
+from refdem.core.truth import Truth
+from refdem.scene import Body, Scene, Sphere
+from refdem.scene.elements.contact import Contact
+from refdem.scene.elements.plane import Plane
+
+
+class Wall(Member):
+    """The linear law; velocity by speed and angle, or by its normal part and psi = v_t/(friction v_n)."""
+
+    def values(self, p: Any) -> Any:
+        """With `normal`, `across` [m/s], `spin` [rad/s] and, without a stiffness, Hertz's `hertz`."""
+        v = super().values(p)
+        for name, missing in (("spin", Fraction(0)), ("friction", Fraction(0)), ("angle", Fraction(0)), ("psi", Fraction(0))):
+            v.__dict__.setdefault(name, missing)
+        v.__dict__.setdefault("branch", "R")
+        v.__dict__.setdefault("cutoff", "zero_overlap")
+        if hasattr(v, "normal_speed"):
+            v.normal, v.across = v.normal_speed, v.psi * v.friction * v.normal_speed
+        else:
+            v.normal, v.across = v.speed * (sine(v.angle + PI / 2) if v.angle else 1), v.speed * sine(v.angle)
+        if hasattr(v, "stiffness"):
+            v.damping = damping(v.restitution, v.mass, v.stiffness, v.cutoff)
+        return v
+
+    def scene(self, v: Any) -> Scene:
+        """Touching, without overlap."""
+        return Scene.of([struck(v)], [Plane(normal=(-1.0, 0.0, 0.0)), linear(v)])
+
+    def scales(self, v: Any) -> Scales:
+        """tau = 1/omega_max; two contacts."""
+        rate = np.sqrt(float(v.stiffness / v.mass))
+        b = float(v.damping / (2 * v.mass))
+        lasts = (np.pi if v.cutoff == "zero_overlap" else 2 * np.arccos(b / rate)) / np.sqrt(rate * rate - b * b)
+        tau = 1 / np.sqrt(max(float(v.stiffness), 3.5 * float(v.tangential_stiffness * (v.friction > 0))) / float(v.mass))
+        return of_impact(v, tau=float(tau), lasts=float(lasts))
+
+    def truth(self, v: Any, scale: Mapping[str, float]) -> Truth:
+        """From switch to switch."""
+        from refdem.truth.closed_forms.impact_benchmarks.wall import WallImpact, WallPair
+
+        names = ("mass", "radius", "stiffness", "damping", "tangential_stiffness", "friction", "normal", "across", "spin")
+        lever = {"R": Fraction(0), "R-d/2": Fraction(1, 2), "R-d": Fraction(1)}[v.branch]
+        return WallImpact(
+            scale,
+            WallPair(lever=lever, ends_with_overlap=v.cutoff == "zero_overlap", **{name: Fraction(getattr(v, name)) for name in names}),
+        )
+
+
+def struck(v: Any) -> Body:
+    """The sphere, left of the wall."""
+    m, r = float(v.mass), float(v.radius)
+    return Body(mass=m, inertia=(0.4 * m * r * r,) * 3, shape=Sphere(radius=r), position=(-r, 0.0, 0.0),
+                velocity=(float(v.normal), float(v.across), 0.0), omega=(0.0, 0.0, float(v.spin)))  # fmt: skip
+
+
+def linear(v: Any) -> Contact:
+    """The law."""
+    numbers = {name: float(getattr(v, name)) for name in ("stiffness", "damping", "tangential_stiffness", "friction")}
+    return Contact(law="linear", branch=v.branch, cutoff=v.cutoff, **numbers)
+
+
+def of_impact(v: Any, *, tau: float, lasts: float) -> Scales:
+    """Length: the way in tau, but at least R/8."""
+    speed = float(root(v.normal**2 + v.across**2)) + abs(float(v.spin * v.radius))
+    return Scales(length=max(speed * tau, float(v.radius) / POSITIONS_ARE_ROUNDED), tau=tau, duration=2 * lasts, mass=float(v.mass))

@@ -1,0 +1,82 @@
+"""Bounces of a billiard: the speed is kept and each of them lies on the wall, for ever, whatever chaos does to the rest."""
+
+from collections.abc import Mapping
+
+import numpy as np
+
+from refdem.core.check import Array, Check, Outcome, Trial
+from refdem.core.finding import Finding
+from refdem.core.judgement import worst
+from refdem.core.maps import Billiard, StadiumBilliard
+from refdem.core.problem import Iteration
+from refdem.core.refinement import ROUND_OFF_FACTOR
+from refdem.core.variant import Variant
+
+CORNER = 1e-12
+"""Part of the table's size: a place after many bounces is not known better."""
+BASIS = "it follows from one bounce alone, so that no error of earlier ones counts: a few roundings"
+
+
+class Bounces(Check):
+    """Judged at every sample, beyond the predictability horizon too."""
+
+    name = "bounces"
+    title = "Bounces"
+    judges = (Iteration,)
+    kills = "a reflection that is not one, a wall in the wrong place, a direction that loses its length bounce by bounce"
+
+    def applies(self, trial: Trial) -> str | None:
+        """Billiards."""
+        problem = trial.instance.problem
+        return None if isinstance(problem, Iteration) and isinstance(problem.map, Billiard) else "it is no billiard"
+
+    def needs(self, trial: Trial) -> tuple[Variant, ...]:
+        """The plain run."""
+        return (trial.finest,)
+
+    def judge(self, trial: Trial, runs: Mapping[Variant, Outcome]) -> list[Finding]:
+        """Speed, distance from the wall, and directions that point out of the table."""
+        problem, run = trial.instance.problem, runs[trial.finest].trajectory
+        assert isinstance(problem, Iteration)
+        assert isinstance(problem.map, Billiard)
+        place, direction = run.values["position"][1:], run.values["direction"][1:]
+        off, normal = wall(problem.map, place)
+        sizes = {
+            "speed": (np.abs(np.hypot(*direction.T) - 1), "The change of the speed, as a part of it,"),
+            "wall": (np.abs(off) / trial.instance.scales.length, "The distance of a bounce from the wall, in units of the table,"),
+            "inward": (np.maximum(0.0, np.sum(direction * normal, axis=1)), "The part of a direction that points out of the table"),
+        }
+        return [
+            worst(
+                check=self.name,
+                quantity=name,
+                t=run.t[1:],
+                values=values,
+                allowed=ROUND_OFF_FACTOR * trial.method.round_off,
+                unit="1",
+                basis=BASIS,
+                what=what,
+            )
+            for name, (values, what) in sizes.items()
+        ]
+
+
+def wall(table: Billiard, place: Array) -> tuple[Array, Array]:
+    """Distance (T,) [m] of places (T, 2) from the wall, positive outside, and the unit normal (T, 2) out of the table there.
+
+    In the corner of a rectangle, to rounding, two walls are met one after the other and either may be meant: the normal is 0.
+    """
+    half = np.array([table.width, table.height]) / 2
+    if isinstance(table, StadiumBilliard):
+        ahead = np.maximum(np.abs(place[:, 0]) - (half[0] - half[1]), 0.0)
+        from_line = np.column_stack((np.copysign(ahead, place[:, 0]), place[:, 1]))
+        size = np.hypot(*from_line.T)
+        return size - half[1], from_line / np.maximum(size, np.finfo(float).tiny)[:, None]
+    beyond = np.abs(place) - half
+    across = beyond[:, 0] > beyond[:, 1]
+    cornered = beyond.min(axis=1) > -CORNER * half.max()
+    normal = np.where(across[:, None], [1.0, 0.0], [0.0, 1.0]) * np.sign(place) * ~cornered[:, None]
+    return np.where(across, beyond[:, 0], beyond[:, 1]), normal
+
+
+CHECK = Bounces()

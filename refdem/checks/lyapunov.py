@@ -1,0 +1,117 @@
+"""Lyapunov exponents (1.131)-(1.133): neighbours part exponentially where the motion is chaotic, and as a power of time where not."""
+
+from collections.abc import Mapping
+
+import numpy as np
+
+from refdem.core.check import Array, Check, Outcome, Trial
+from refdem.core.finding import Finding
+from refdem.core.judgement import certified, distances, judged, undecided
+from refdem.core.problem import Iteration, Motion
+from refdem.core.variant import Variant
+from refdem.mechanics.stability import LARGEST_POWER, Growth, growth
+
+APART = 2**26
+"""Units in the last place, 1.5e-8, by which the neighbour starts off: far more than round-off, and 13 e-folds below SATURATED."""
+SATURATED = 0.01
+"""Neighbours further apart than this part of the scale no longer follow the linearised motion."""
+LONG = 100.0
+"""In units of tau: in a shorter time a regular motion cannot be told from a chaotic one."""
+FEWEST = 9
+"""Samples from which an exponent can be taken."""
+CLEAR = 1.5
+"""Times by which truth must pass the limits of the classifier before a run is held to them: chaos has its quiet times."""
+ERRORS = 2.0
+"""Standard errors by which an exponent must be positive; of truth CLEAR times as many."""
+FACTOR = 10.0
+"""The neighbour starts off in one direction, S is the growth of the worst: in the mean over the window they part by such a factor."""
+
+
+class Lyapunov(Check):
+    """The exponent of two neighbouring runs, with its error bar, against that of truth, and what it makes of the motion."""
+
+    name = "lyapunov"
+    title = "Lyapunov exponent"
+    judges = (Motion, Iteration)
+    kills = "state that is rounded or snapped, so that neighbours meet; energy that is fed in, so that they part"
+
+    def applies(self, trial: Trial) -> str | None:
+        """Where the case says that it is chaotic, or that it is not and lasts long; methods whose neighbours can be compared."""
+        scales, chaotic = trial.instance.scales, trial.instance.case.is_chaotic(trial.instance.p)
+        if chaotic is None:
+            return "nobody has said whether the motion is chaotic"
+        if trial.method.control == "tolerance" or trial.method.precision != "double":
+            return "neighbouring runs differ by the tolerance, or by single precision, as much as by their starts"
+        if not chaotic and scales.duration < LONG * scales.tau:
+            return f"a regular motion is told from a chaotic one after {LONG:g} tau, not before"
+        return None
+
+    def needs(self, trial: Trial) -> tuple[Variant, ...]:
+        """The finest level, and the same from a start beside it."""
+        return (trial.finest, Variant(trial.levels[-1], "perturbed", APART))
+
+    def judge(self, trial: Trial, runs: Mapping[Variant, Outcome]) -> list[Finding]:
+        """The exponent, and the class of the motion."""
+        plain, beside = self.needs(trial)
+        if beside not in runs:
+            return [undecided(self.name, "exponent", "the code refused the start beside it when it ran")]
+        apart = distances(trial.instance, runs[beside].trajectory, runs[plain].trajectory)
+        beyond = np.flatnonzero(apart > SATURATED)
+        count = int(beyond[0]) if len(beyond) else len(apart)
+        if not apart[0] > 0:
+            return [undecided(self.name, "exponent", "the neighbour starts at the same place")]
+        if count < FEWEST:
+            return [undecided(self.name, "exponent", f"neighbours are far apart after {count} samples; ask for more of them")]
+        t = trial.instance.times[:count]
+        seen = growth(t, np.maximum(apart[:count], apart[0] * 2.0**-20))
+        if not trial.instance.case.is_chaotic(trial.instance.p):
+            return [self._regular(seen)]
+        truth = certified(trial)
+        if truth is None or truth.until < count:
+            return [self._positive(seen)]
+        true = growth(t, truth.growth()[:count])
+        if not (true.power > CLEAR * LARGEST_POWER and true.exponent > CLEAR * ERRORS * true.error):
+            until, size = trial.instance.problem.when(t[-1]), f"{true.exponent:.2g} +- {true.error:.1g}"
+            why = f"until {until} neighbours of the true motion part with the exponent {size}, the power {true.power:.2g}"
+            return [undecided(self.name, "class", f"{why}: too little to be called chaos")]
+        return [self._positive(seen), self._against_truth(trial, seen, true, t)]
+
+    def _regular(self, seen: Growth) -> Finding:
+        """No faster than a power of the time."""
+        return judged(
+            check=self.name,
+            quantity="power",
+            value=max(0.0, seen.power),
+            bound=LARGEST_POWER,
+            unit="1",
+            basis="a regular motion lets neighbours part as the time, or its square (1.132): its exponent is zero",
+            what=f"The exponent is {seen.exponent:.2g} +- {seen.error:.1g}; the power of the time with which neighbours part at last",
+        )
+
+    def _positive(self, seen: Growth) -> Finding:
+        """Two error bars above zero, and faster than a power of the time."""
+        return judged(
+            check=self.name,
+            quantity="class",
+            value=0.0 if seen.is_exponential(ERRORS) else 1.0,
+            bound=0.0,
+            unit="1",
+            basis="a chaotic motion lets neighbours part as exp(lambda t), lambda > 0 (1.133)",
+            what=f"The exponent is {seen.exponent:.4g} +- {seen.error:.2g}, the power {seen.power:.3g}; what contradicts chaos",
+        )
+
+    def _against_truth(self, trial: Trial, seen: Growth, true: Growth, t: Array) -> Finding:
+        """The exponent that S has over the same time."""
+        bound = 3 * (seen.error + true.error) + float(np.log(FACTOR) / (t[-1] - t[0]))
+        return judged(
+            check=self.name,
+            quantity="exponent",
+            value=abs(seen.exponent - true.exponent),
+            bound=bound,
+            unit="1/s" if isinstance(trial.instance.problem, Motion) else "1",
+            basis="three error bars of both, and a factor of 10 for the direction in which the neighbour starts off",
+            what=f"The exponent is {seen.exponent:.4g} +- {seen.error:.2g} and that of truth {true.exponent:.4g}; the difference",
+        )
+
+
+CHECK = Lyapunov()

@@ -1,0 +1,97 @@
+"""The area of an outline in phase space against Liouville's theorem: kept, falling as exp(-2 delta t), or deposited (1.107)-(1.111)."""
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+
+from refdem.core.case import EnsembleCase
+from refdem.core.check import Check, Outcome, Trial
+from refdem.core.finding import Finding
+from refdem.core.judgement import Array, certified, no_truth, undecided, worst
+from refdem.core.problem import Ensemble
+from refdem.core.variant import Variant
+from refdem.mechanics.oscillation import phase_area
+
+CORNER_ROUNDINGS = 8
+"""Roundings in a product of the shoelace formula, each of the size of place times rate."""
+
+
+COARSE = 0.01
+"""Part of the area: a polygon that may be off by more is not judged, nor what comes after it."""
+MIN_SAMPLES = 2
+SMOOTH, BROKEN = 0.45, 4.0
+"""Parts of that difference. Below a half, a point that is astray is seen: it is in one of the two polygons with twice the area that it
+has in the whole. Where friction breaks sides at turning points, 60 random heads needed up to 1.1."""
+
+
+class PhaseArea(Check):
+    """The area that the outline encloses, sample by sample."""
+
+    name = "phase-area"
+    title = "Area in phase space"
+    judges = (Ensemble,)
+    kills = "hidden damping or driving, a volume that should be kept and is not, points that are left behind"
+
+    def applies(self, trial: Trial) -> str | None:
+        """Cases whose starts are an outline."""
+        return None if isinstance(trial.instance.case, EnsembleCase) else "the starts are no outline"
+
+    def needs(self, trial: Trial) -> tuple[Variant, ...]:
+        """The plain run of the finest level."""
+        return (trial.finest,)
+
+    def judge(self, trial: Trial, runs: Mapping[Variant, Outcome]) -> list[Finding]:
+        """One finding: the largest error in units of the area at the start."""
+        truth, case = certified(trial), trial.instance.case
+        if truth is None or "area" not in truth.values:
+            return [undecided(self.name, "area", no_truth(trial))]
+        assert isinstance(case, EnsembleCase)
+        x, v = case.outline(trial.instance.p, runs[trial.finest].trajectory)
+        first = abs(truth.value("area")[0])
+        straight = polygon(x, v, BROKEN if "friction" in trial.instance.problem.features else SMOOTH) / first
+        until = min(truth.until, int(np.argmax(straight > COARSE)) if np.any(straight > COARSE) else len(straight))
+        if until < MIN_SAMPLES:
+            return [undecided(self.name, "area", "the outline has too few points for how it stretches")]
+        error = np.abs(phase_area(x, v)[:until] - truth.value("area")[:until]) / first
+        allowed = straight[:until] + rounding(trial, x, v)[:until] * truth.growth()[:until] / first
+        return [
+            worst(
+                check=self.name,
+                quantity="area",
+                t=trial.instance.times[:until],
+                values=np.maximum(0.0, error - truth.radius("area")[:until] / first),
+                allowed=allowed,
+                unit="1",
+                basis="round-off of the points, and what polygons of half and of a quarter of them show that straight sides leave out",
+                what="The error of the area that the outline encloses, in units of that at the start,",
+            )
+        ]
+
+
+def polygon(x: Array, v: Array, part: float) -> Array:
+    """How far off (T,) the area of the outline's polygon may be: `part` of what polygons of half and of a quarter of its points differ by.
+
+    Straight sides leave out areas that fall with the square of their length: all of them together are a twelfth of that difference
+    where everything is smooth, and more where a turning point breaks a side.
+    """
+    differ = np.abs(phase_area(x[:, ::2], v[:, ::2]) - phase_area(x[:, ::4], v[:, ::4]))
+    found: Array = part * np.maximum.accumulate(differ)
+    return found
+
+
+def rounding(trial: Trial, x: Array, v: Array) -> Array:
+    """Round-off (T,) of an area: that of the points along the whole outline."""
+    shift_x, shift_v = (np.abs(column).max(axis=1) for column in (x, v))
+    around: Any = shift_v * _way(x) + shift_x * _way(v)
+    found: Array = CORNER_ROUNDINGS * trial.round_off(trial.levels[-1]) * around
+    return found
+
+
+def _way(column: Array) -> Array:
+    """The way (T,) that a coordinate goes on once round the outline."""
+    found: Array = np.abs(np.diff(column, axis=1, append=column[:, :1])).sum(axis=1)
+    return found
+
+
+CHECK = PhaseArea()

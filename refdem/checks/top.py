@@ -1,0 +1,86 @@
+"""A body on a ball joint of the world: the joint stays closed, L about the vertical stays, and L_3 if the body is symmetric."""
+
+from collections.abc import Mapping
+
+import numpy as np
+
+from refdem.core.check import Check, Outcome, Trial
+from refdem.core.finding import Finding
+from refdem.core.judgement import Array, worst
+from refdem.core.trajectory import Trajectory
+from refdem.core.variant import Variant
+from refdem.mechanics.quaternion import conjugate, rotated
+from refdem.scene import Scene
+from refdem.scene.elements.ball_joint import BallJoint
+from refdem.scene.elements.uniform_gravity import UniformGravity
+
+
+class Top(Check):
+    """To round-off where the method claims it (angular momentum, constraint), else to its truncation error."""
+
+    name = "top"
+    title = "Top on its tip"
+    kills = "a joint that opens, a torque about the vertical or about the axis of the top, space axes taken for body axes"
+    synchronous = True
+
+    def applies(self, trial: Trial) -> str | None:
+        """One body on one ball joint of the world, and no other element than gravity."""
+        scene = trial.instance.scene
+        kinds = {element.kind for element in scene.elements} - {"uniform_gravity"}
+        joints = scene.all(BallJoint)
+        return None if kinds == {"ball_joint"} and len(joints) == len(scene.bodies) == 1 and joints[0].b < 0 else "there is no top"
+
+    def needs(self, trial: Trial) -> tuple[Variant, ...]:
+        """The coarsest level."""
+        return (Variant(trial.levels[0]),)
+
+    def judge(self, trial: Trial, runs: Mapping[Variant, Outcome]) -> list[Finding]:
+        """Opening of the joint in place and velocity; change of L_z and L_3."""
+        level, scene = trial.levels[0], trial.instance.scene
+        run = runs[Variant(level)].trajectory
+        closed, kept = trial.kept("constraint", level), trial.kept("angular-momentum", level)
+        place, speed = _opening(scene, run)
+        size = trial.instance.scales
+        spins = _spins(scene, run)
+        scale = max(float(np.max(np.abs(spin))) for spin in spins.values()) or size.mass * size.length * size.speed
+        changes = {name: np.abs(spin - spin[0]) / scale for name, spin in spins.items()}
+        parts = {"joint": (place / size.length, closed), "joint velocity": (speed / size.speed, closed)}
+        parts |= {name: (change, kept) for name, change in changes.items()}
+        return [
+            worst(
+                check=self.name,
+                quantity=name,
+                t=trial.instance.times,
+                values=values,
+                allowed=allowed,
+                unit="1",
+                basis=basis,
+                what=f"The {'opening of the' if name.startswith('joint') else 'change of'} {name}, in units of its scale,",
+            )
+            for name, (values, (allowed, basis)) in parts.items()
+        ]
+
+
+def _opening(scene: Scene, run: Trajectory) -> tuple[Array, Array]:
+    """Distance (T,) [m] of the two anchors, and their relative speed [m/s]."""
+    joint = scene.all(BallJoint)[0]
+    first, second = joint.ends(run.position, run.attitude)
+    moving = run.velocity[:, joint.a] + np.cross(run.omega[:, joint.a], first - run.position[:, joint.a])
+    return np.linalg.norm(first - second, axis=1), np.linalg.norm(moving, axis=1)
+
+
+def _spins(scene: Scene, run: Trajectory) -> dict[str, Array]:
+    """L about the vertical through the joint (T,), and about the third axis of a body that is symmetric about it and hangs on it."""
+    joint, bodies = scene.all(BallJoint)[0], scene.bodies
+    gravity = sum((np.array(field.g) for field in scene.all(UniformGravity)), np.zeros(3))
+    axis = gravity / np.linalg.norm(gravity) if gravity.any() else np.array([0.0, 0.0, 1.0])
+    attitude = run.attitude[:, joint.a]
+    inner = rotated(conjugate(attitude), run.omega[:, joint.a]) * bodies.inertia[joint.a]
+    arm = run.position[:, joint.a] - np.array(joint.anchor_b)
+    whole = rotated(attitude, inner) + bodies.mass[joint.a] * np.cross(arm, run.velocity[:, joint.a])
+    found = {"L_z": whole @ axis}
+    symmetric = bodies.inertia[joint.a, 0] == bodies.inertia[joint.a, 1] and not any(joint.anchor_a[:2])
+    return found | {"L_3": inner[:, 2]} if symmetric else found
+
+
+CHECK = Top()

@@ -1,0 +1,88 @@
+"""refdem bench: run time against error, with peers beside the engines."""
+
+import sys
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+if TYPE_CHECKING:
+    from refdem.bench.record import Record
+    from refdem.bench.tables import Table
+    from refdem.report.bench import Cells
+
+TITLE = "Run time against error"
+
+
+def command(
+    case: Annotated[list[str] | None, typer.Argument(help="Cases, also as `pendulum[theta0=2]`; none: pendulum.")] = None,
+    engine: Annotated[list[str] | None, typer.Option(help="Engines, or paths of refdem.toml; none: all installed.")] = None,
+    method: Annotated[str, typer.Option(help="Only this method of the engines; peers stay.")] = "",
+    set: Annotated[list[str] | None, typer.Option(help="Parameter of the cases, name=value.")] = None,
+    rounds: Annotated[int, typer.Option(help="Interleaved repeats of every run.", min=1)] = 5,
+    most_steps: Annotated[float, typer.Option(help="No run takes more steps.")] = 1e6,
+    longest: Annotated[float, typer.Option(help="Refinement ends with a run that takes longer [s].")] = 0.3,
+    grow: Annotated[list[str] | None, typer.Option(help="Time against a parameter, as samples=64,256,1024.")] = None,
+    peers: Annotated[bool, typer.Option(help="With heyoka and SciPy, where installed.")] = True,
+    memory: Annotated[bool, typer.Option(help="With the peak memory, in a process of its own.")] = True,
+    stability: Annotated[bool, typer.Option(help="With the largest stable step.")] = True,
+    against: Annotated[Path | None, typer.Option(help="A bench.json to compare with.")] = None,
+    out: Annotated[Path, typer.Option(help="Folder for bench.md, bench.html, bench.json.")] = Path("refdem-bench"),
+) -> None:
+    """Measures run time against error; exit 1 if a method is slower than in the record that it is compared with.
+
+    Example: refdem bench pendulum two-body-orbit --engine reference --engine rebound --rounds 7
+    """
+    import msgspec
+
+    from refdem.bench.record import read
+    from refdem.bench.session import Bench
+    from refdem.campaign.specification import Entry
+    from refdem.cli.run import refuse_unwritable
+    from refdem.core.parameters import labelled, settings
+
+    given = settings(set or [])
+    entries = [Entry(name, own | given) for name, own in map(labelled, case or ["pendulum"])]
+    then = read(against) if against else None
+    refuse_unwritable(out)
+    bench = Bench(
+        cases=entries, engines=engine or [], method=method, rounds=rounds, most_steps=most_steps, longest=longest, with_peers=peers,
+        with_memory=memory, with_stability=stability, grow=grown(grow or []), progress=lambda told: print(told, file=sys.stderr),
+    )  # fmt: skip
+    record = bench.record()
+    (out / "bench.json").write_bytes(msgspec.json.encode(record))
+    slower = written(out, record, then)
+    print(f"bench: {out / 'bench.html'}")
+    raise typer.Exit(1 if slower else 0)
+
+
+def grown(pairs: list[str]) -> dict[str, list[str]]:
+    """Values by parameter from `name=value,value` texts."""
+    from refdem.core.parameters import settings
+
+    return {name: values.split(",") for name, values in settings(pairs).items()}
+
+
+def written(out: Path, record: "Record", then: "Record | None") -> bool:
+    """Writes the pages and prints the tables; whether a method is slower than `then`."""
+    from refdem.bench.comparison import compared, false_alarm_rate
+    from refdem.bench.tables import changes, chart_rows, introduction, tables
+    from refdem.report.bench import Section, write
+
+    found = compared(record, then) if then else []
+    extra: list[Cells] = [_cells(changes(found))] if found else []
+    words = introduction(record)
+    if (rate := false_alarm_rate(record)) is not None:
+        words += f" Comparisons of a half of the rounds with the other half raise a false alarm in {100 * rate:.2g} % of all splits."
+    sections = []
+    for label in record.compared:
+        points = [(c.engine, c.method, c.is_reference, seconds, error) for c, seconds, error in chart_rows(record, label)]
+        sections.append(Section(label, points, [_cells(table) for table in tables(record, label)]))
+    write(out, TITLE, words, extra, sections)
+    for title, header, rows in [*extra, *(table for section in sections for table in section.tables)]:
+        print("\n".join([f"{title}: {'; '.join(header)}", *("  " + "; ".join(row) for row in rows)]))
+    return any(change.verdict == "slower" for change in found)
+
+
+def _cells(table: "Table") -> "Cells":
+    return table.title, table.header, table.rows

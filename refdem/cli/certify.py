@@ -1,0 +1,64 @@
+"""refdem certify: proves the certified store again, or checks that it holds."""
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+
+def command(
+    cases: Annotated[list[str] | None, typer.Argument(help="Cases; none: all.")] = None,
+    folder: Annotated[Path | None, typer.Option(help="The store: sets.toml, certified/, samples/. Its own by default.")] = None,
+    check: Annotated[bool, typer.Option("--check", help="Only check: every hash, and a sample proved and witnessed again.")] = False,
+    each: Annotated[int, typer.Option(help="With --check: sets of every case and method that are proved again.", min=0)] = 1,
+    seed: Annotated[str, typer.Option(help="With --check: which sets.")] = "1",
+    anew: Annotated[bool, typer.Option("--anew", help="Prove everything, also what holds.")] = False,
+    jobs: Annotated[int, typer.Option(help="Worker processes.", min=1)] = 2,
+) -> None:
+    """Proves every set of sets.toml whose code or parameters changed, has it witnessed, and writes the store; killed, it resumes.
+
+    Example: refdem certify --check
+    """
+    from refdem.campaign.certification import Certification
+    from refdem.campaign.kept_truth import truth_folder
+    from refdem.cli.progress import Progress
+    from refdem.core.store import Store, default_path
+
+    home = folder or truth_folder()
+    if check:
+        raise typer.Exit(checked(home, cases or [], each=each, seed=seed, jobs=jobs))
+    work = Certification(home, Store(default_path()), jobs, anew, Progress())
+    work.run(cases or [])
+    for problem in work.problems:
+        print(f"PROBLEM: {problem}")
+    print(f"{work.made} sets proved. {told(home)}")
+    raise typer.Exit(1 if work.problems else 0)
+
+
+def checked(folder: Path, cases: list[str], *, each: int, seed: str, jobs: int) -> int:
+    """Exit status of a check; what is wrong is printed."""
+    from refdem.campaign.reproof import contradictions, damaged, sample
+    from refdem.cli.progress import Progress
+    from refdem.truth.certified.reader import load
+
+    problems = damaged(folder)
+    if not problems:
+        chosen = sample([one for one in load(folder=folder / "certified") if not cases or one.case in cases], each=each, seed=seed)
+        problems += contradictions(chosen, jobs=jobs, progress=Progress())
+        print(f"{len(chosen)} sets proved again. {told(folder)}")
+    for problem in problems:
+        print(f"PROBLEM: {problem}")
+    return 1 if problems else 0
+
+
+def told(folder: Path) -> str:
+    """How much the store holds, and what of it is stale."""
+    from refdem.campaign.certification import stale
+    from refdem.truth.certified.reader import load
+
+    sets = load(folder=folder / "certified")
+    old = stale(folder)
+    named = ", ".join(old[:5]) + (" ..." if len(old) > 5 else "")
+    more = f", {len(old)} stale or missing: {named}; run `make certify`" if old else ", none stale"
+    cases, values = len({one.case for one in sets}), sum(len(one.values) for one in sets)
+    return f"The store has {len(sets)} sets of {cases} cases, {values} values{more}."

@@ -1,0 +1,22 @@
+"""refdem manual: the verification manual, a page a case."""
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+
+def command(
+    folder: Annotated[Path, typer.Argument(help="Folder of the report; the pages come into its manual/.")] = Path("reports"),
+) -> None:
+    """Writes statement, method, witness, digits, checks and settled slips of every case, as Markdown and HTML.
+
+    Example: refdem manual reports
+    """
+    import refdem
+    from refdem.campaign.kept_truth import truth_folder
+    from refdem.manual.pages import pages
+    from refdem.report import write_manual
+
+    write_manual(folder, list(pages(truth_folder())), version=refdem.__version__)
+    print(f"manual: {folder / 'manual' / 'index.html'}")

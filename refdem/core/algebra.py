@@ -1,0 +1,46 @@
+"""The words of rotation algebra: every operation that an Identity may ask for, with the sizes of its operands and of its result.
+
+Matrices (9) are row by row and map body vectors to space; quaternions (4) are (w, x, y, z); angles are in radians; 0: any size.
+"""
+
+SIZES: dict[str, tuple[tuple[int, ...], int]] = {
+    "sum": ((4, 4), 4),
+    "dot": ((4, 4), 1),
+    "difference": ((4, 4), 4),
+    "quotient": ((1, 1), 1),
+    "plane-turn": ((1, 2), 2),  # angle, vector: by the matrix (1.9)
+    "complex-turn": ((1, 2), 2),  # angle, vector: by exp(i angle)
+    "plane-eigenvalue": ((1,), 2),  # angle: real part and imaginary part >= 0 of an eigenvalue of the matrix
+    "plane-determinant": ((1,), 1),
+    "mirror": ((1, 2), 2),  # angle, vector: mirrored at the line with that angle to x
+    "mirror-determinant": ((1,), 1),
+    "turn-about": ((3, 1), 9),  # unit vector, angle
+    "matrix-product": ((9, 9), 9),
+    "matrix-vector": ((9, 3), 3),
+    "determinant": ((9,), 1),
+    "turn-angle": ((9,), 1),  # in [0, pi]
+    "quaternion-about": ((3, 1), 4),  # unit vector, angle
+    "product": ((4, 4), 4),
+    "real-product": ((4, 4), 4),  # by the real matrix 4 x 4 of the first
+    "complex-product": ((4, 4), 4),  # by the complex matrices 2 x 2 of both
+    "complex-eigenvalue": ((4,), 2),  # real part and imaginary part >= 0 of an eigenvalue of the complex matrix
+    "conjugate": ((4,), 4),
+    "inverse": ((4,), 4),
+    "absolute": ((4,), 1),
+    "unit": ((4,), 4),
+    "negative": ((4,), 4),
+    "rotated": ((4, 3), 3),  # q v q* for the unit quaternion q
+    "matrix-of-quaternion": ((4,), 9),
+    "quaternion-of-matrix": ((9,), 4),  # w >= 0
+    "matrix-of-euler": ((3,), 9),  # phi, theta, psi of z-x-z
+    "quaternion-of-euler": ((3,), 4),
+    "euler-of-matrix": ((9,), 3),  # theta in [0, pi]
+    "euler-rates": ((3, 3), 3),  # Euler angles, omega in space axes
+    "rate": ((4, 3), 4),  # q' for omega in space axes (1.67)
+    "second-rate": ((4, 3, 3), 4),  # q'' for omega and its derivative (1.68)
+    "omega-of-rate": ((4, 4), 3),  # 2 q' q* (1.89)
+    "body-omega-of-rate": ((4, 4), 3),  # 2 q* q' (1.90)
+    "rotation-energy": ((1, 1), 1),  # J omega^2/2
+    "first-order-freedom": ((1, 0, 0), 1),  # dimension, coordinates point by point, rods as pairs of points: velocities that keep them
+    "rigid-freedom": ((1, 0), 1),  # dimension, coordinates: motions that keep every distance
+}

@@ -1,0 +1,85 @@
+"""A question about many starts of one scene at once: an outline, or a cloud, carried through phase space."""
+
+from dataclasses import dataclass
+from typing import ClassVar
+
+import msgspec
+import numpy as np
+from numpy.typing import NDArray
+
+from refdem.core.question import Motion, Problem
+from refdem.errors import UsageError
+from refdem.scene import Scene, SceneDocument
+
+Array = NDArray[np.float64]
+
+
+class EnsembleDocument(msgspec.Struct, frozen=True, kw_only=True, tag="ensemble", tag_field="kind"):
+    """An ensemble as JSON has it; starts are little-endian doubles (M, N, 3)."""
+
+    scene: SceneDocument
+    times: list[float]
+    position: bytes
+    velocity: bytes
+
+
+@dataclass(frozen=True, eq=False)
+class Ensemble(Problem):
+    """A scene of N bodies, M starts of it at times[0]: position, velocity (M, N, 3) [m, m/s], and the times (T,) [s] asked for.
+
+    The answer has `position` and `velocity` (T, M, N, 3). The state that the scene itself has does not count. Nothing turns.
+    """
+
+    kind: ClassVar[str] = "ensemble"
+    words: ClassVar[str] = "an ensemble of motions"
+    scene: Scene
+    times: Array
+    position: Array
+    velocity: Array
+
+    def __post_init__(self) -> None:
+        shape = (len(self.position), len(self.scene.bodies), 3)
+        if self.position.shape != shape or self.velocity.shape != shape or not shape[0]:
+            raise UsageError(
+                f"ensemble: starts have shapes {self.position.shape} and {self.velocity.shape}; expected {shape}, at least one"
+            )
+        if not (np.all(np.isfinite(self.position)) and np.all(np.isfinite(self.velocity))):
+            raise UsageError("ensemble: a start is not finite")
+        Motion(self.scene, self.times)
+
+    @classmethod
+    def read(cls, document: EnsembleDocument) -> "Ensemble":
+        """The ensemble of a document; raises UsageError if its starts have the wrong length."""
+        scene = Scene.of(document.scene.bodies, document.scene.elements)
+        count = 3 * len(scene.bodies)
+        raw = [
+            np.frombuffer(column[: len(column) // 8 * 8], dtype="<f8").astype(float) for column in (document.position, document.velocity)
+        ]
+        if any(column.size % count for column in raw) or raw[0].size != raw[1].size:
+            raise UsageError(f"ensemble: starts of {raw[0].size} and {raw[1].size} numbers; expected as many, {count} to a start")
+        position, velocity = (column.reshape(-1, len(scene.bodies), 3) for column in raw)
+        return cls(scene, np.array(document.times), position, velocity)
+
+    @property
+    def features(self) -> frozenset[str]:
+        """Those of the scene."""
+        return self.scene.features
+
+    def document(self) -> EnsembleDocument:
+        """Scene, times and starts."""
+        starts = {name: np.ascontiguousarray(getattr(self, name), dtype="<f8").tobytes() for name in ("position", "velocity")}
+        return EnsembleDocument(scene=self.scene.document(), times=self.times.tolist(), **starts)
+
+    def perturbed(self, ulps: int) -> "Ensemble":
+        """Every start moved as that of a motion is."""
+        moved = ulps * 2.0**-52
+        turns = np.where(np.arange(self.velocity[0].size) % 2, 1.0, -1.0).reshape(self.velocity[0].shape)
+        return Ensemble(self.scene, self.times, self.position * (1 + moved), self.velocity * (1 + turns * moved))
+
+    def when(self, sample: float) -> str:
+        """A time."""
+        return f"t = {sample:.4g} s"
+
+    def motion(self, member: int) -> Motion:
+        """The motion of one start."""
+        return Motion(self.scene.with_state(position=self.position[member], velocity=self.velocity[member]), self.times)

@@ -1,0 +1,91 @@
+"""A figure as data: curves, points and clouds on axes, with a caption, the numbers seen in it, and the commands that make it."""
+
+from dataclasses import dataclass, field
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from refdem.errors import UsageError
+
+Array = NDArray[np.float64]
+GREY = -1
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Series:
+    """One part of a picture: x, y (N,), nan where a curve breaks.
+
+    `ink` numbers the report's colours, GREY is none of them. `label` is for the legend; series of one ink share a label, and those
+    without one are not in it. An `area` is a closed outline, a `cloud` so many points that only their density is drawn, a `text`
+    writes `words` (N,).
+    """
+
+    x: Array
+    y: Array
+    label: str = ""
+    ink: int = 0
+    mark: Literal["line", "points", "area", "cloud", "text"] = "line"
+    dashed: bool = False
+    width: float = 1.5
+    words: tuple[str, ...] = ()
+
+    def __post_init__(self) -> None:
+        if self.x.ndim != 1 or self.x.shape != self.y.shape or not len(self.x):
+            raise UsageError(f"series {self.label!r}: x and y have shapes {self.x.shape} and {self.y.shape}; expected (N,), N >= 1, twice")
+        if self.mark == "text" and len(self.words) != len(self.x):
+            raise UsageError(f"series {self.label!r}: {len(self.words)} words for {len(self.x)} places")
+
+
+@dataclass(frozen=True, kw_only=True)
+class Axis:
+    """What is on an axis; `ends` are those of the data unless given, `is_hidden` leaves line, ticks and title out."""
+
+    title: str = ""
+    ends: tuple[float, float] | None = None
+    is_log: bool = False
+    is_hidden: bool = False
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Panel:
+    """A picture with its axes, `size` in pixels (width, height)."""
+
+    series: tuple[Series, ...]
+    x: Axis
+    y: Axis
+    title: str = ""
+    size: tuple[int, int] = (460, 280)
+
+    def ends(self, name: Literal["x", "y"]) -> tuple[float, float]:
+        """Those given, or of all finite data with a margin of 4 %."""
+        axis: Axis = getattr(self, name)
+        if axis.ends is not None:
+            return axis.ends
+        values = np.concatenate([getattr(series, name) for series in self.series])
+        low, high = float(np.nanmin(values)), float(np.nanmax(values))
+        if axis.is_log:
+            return low / 1.2, high * 1.2
+        margin = 0.04 * (high - low) or 1.0
+        return low - margin, high + margin
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Figure:
+    """A figure of the chapter, made anew: panels in `columns`; `numbers` are what was measured in it, by name.
+
+    `commands`: what makes it, then what shows the runs behind it one by one.
+    """
+
+    id: str
+    title: str
+    caption: str
+    panels: tuple[Panel, ...]
+    columns: int = 1
+    numbers: dict[str, float] = field(default_factory=dict)
+    commands: tuple[str, ...] = ()
+
+    @property
+    def name(self) -> str:
+        """Its id as file names have it."""
+        return "fig-" + self.id.replace(".", "-")

@@ -1,0 +1,78 @@
+"""What a page of the verification manual says of a case; a page is a function of these."""
+
+import msgspec
+
+
+class ParameterLine(msgspec.Struct, frozen=True, kw_only=True):
+    """One parameter: exact in truth, with unit and bounds."""
+
+    name: str
+    default: str
+    unit: str
+    bounds: str
+    doc: str
+
+
+class QuantityLine(msgspec.Struct, frozen=True, kw_only=True):
+    """One quantity: its unit, and the size against which an error counts at the defaults; a scalar has a certified value and radius."""
+
+    name: str
+    unit: str = ""
+    scale: float | None = None
+    mid: str = ""
+    radius: str = ""
+
+
+class CheckLine(msgspec.Struct, frozen=True, kw_only=True):
+    """One check: what it judges and kills; `left_out` says why it is not for this case at its defaults."""
+
+    name: str
+    title: str
+    kills: str
+    left_out: str = ""
+
+
+class TruthLine(msgspec.Struct, frozen=True, kw_only=True):
+    """How the values are proved and witnessed, and what of them the store has."""
+
+    method: str
+    own_witness: str
+    witness: str
+    witnessed: int
+    agreed: int | None
+    sets: int
+    values: int
+    digits: int | None
+    has_no_witness: bool
+    labels: tuple[str, ...] = ()
+    not_certified: tuple[tuple[str, str, str], ...] = ()
+    """(set, time, reason)"""
+
+
+class Slip(msgspec.Struct, frozen=True, kw_only=True):
+    """A slip of the source: where, what it says, what holds, and the numbers (what, value) that settle it."""
+
+    where: str
+    says: str
+    holds: str
+    measured: tuple[tuple[str, str], ...]
+
+
+class ManualPage(msgspec.Struct, frozen=True, kw_only=True):
+    """The page of one case."""
+
+    case: str
+    title: str
+    statement: str
+    latex: str
+    source: str
+    convention: str
+    kind: str
+    features: tuple[str, ...]
+    parameters: tuple[ParameterLine, ...]
+    quantities: tuple[QuantityLine, ...]
+    scalars: tuple[QuantityLine, ...]
+    truth: TruthLine
+    checks: tuple[CheckLine, ...]
+    slips: tuple[Slip, ...]
+    reproduce: tuple[str, ...]

@@ -1,0 +1,70 @@
+"""A body on a ball joint of the world: MuJoCo's own, at the joint, with the centre of mass at the end of an arm."""
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from refdem.engines.mujoco.joints import Array, Columns, Freedom
+from refdem.mechanics.quaternion import conjugate, rotated
+from refdem.scene import Body, Scene
+from refdem.scene.elements.ball_joint import BallJoint
+
+FITS = 1e-9
+"""Part of a length, or of a speed, by which a joint may be open at the start: rounding."""
+
+
+@dataclass(frozen=True)
+class Ball(Freedom):
+    """Quaternion w first, body to space; omega in body axes."""
+
+    body: Body
+    joint: BallJoint
+    nq = 4
+    nv = 3
+
+    @property
+    def turns(self) -> bool:
+        return True
+
+    @property
+    def arm(self) -> Array:
+        """From the joint to the centre of mass, in body axes."""
+        return -np.array(self.joint.anchor_a)
+
+    def say(self, mujoco: Any, world: Any) -> Any:
+        own = {"mass": self.body.mass, "inertia": self.body.inertia, "ipos": tuple(self.arm), "explicitinertial": True}
+        said = world.add_body(pos=self.joint.anchor_b, **own)
+        said.add_joint(type=mujoco.mjtJoint.mjJNT_BALL)
+        return said
+
+    def start(self) -> tuple[Array, Array]:
+        attitude = np.array(self.body.attitude, float)
+        return attitude, rotated(conjugate(attitude), np.array(self.body.omega, float))
+
+    def read(self, q: Array, v: Array) -> Columns:
+        omega, arm = rotated(q, v), rotated(q, self.arm)
+        return Columns(arm + np.array(self.joint.anchor_b), np.cross(omega, arm), q, omega)
+
+
+def of_ball_joints(scene: Scene) -> str | None:
+    """None if every ball joint can be said."""
+    joints = scene.all(BallJoint)
+    if not joints:
+        return None
+    if any(element.kind not in ("ball_joint", "uniform_gravity") for element in scene.elements):
+        return "this adapter says ball joints beside gravity only"
+    if any(joint.b >= 0 for joint in joints) or len({joint.a for joint in joints}) < len(joints):
+        return "this adapter says ball joints of the world only, one a body"
+    for joint in joints:
+        body = scene.bodies.single()[joint.a]
+        arm, omega = rotated(np.array(body.attitude), -np.array(joint.anchor_a)), np.array(body.omega)
+        off, slip = np.subtract(body.position, joint.anchor_b) - arm, np.subtract(body.velocity, np.cross(omega, arm))
+        size = float(np.linalg.norm(arm))
+        if body.fixed or not any(body.inertia):
+            return "a ball joint on a body that does not turn"
+        if np.linalg.norm(off) > FITS * (size + np.linalg.norm(joint.anchor_b)) or np.linalg.norm(slip) > FITS * size * np.linalg.norm(
+            omega
+        ):
+            return "a start with the joint open: a ball joint cannot show it"
+    return None

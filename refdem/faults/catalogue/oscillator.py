@@ -1,0 +1,145 @@
+"""Oscillators: damping and its sign, drives and their clock, powers of a spring, van der Pol's dashpot."""
+
+from functools import partial
+from math import pi
+from typing import Any
+
+from refdem.core.problem import Request
+from refdem.faults import vectors as vec
+from refdem.faults.change import late, of_elements, scaled
+from refdem.faults.fault import Fault
+from refdem.faults.parts import Parts
+from refdem.scene.elements.dashpot import Dashpot
+from refdem.scene.elements.force import Force
+from refdem.scene.elements.spring import Spring
+
+oscillator = partial(Fault, kind="oscillator", sees=("error", "x"))
+
+
+def _per_mass(request: Request) -> Request:
+    """Amplitudes of forces are taken for accelerations."""
+    return of_elements(Force, amplitude=scaled(float(request.problem.scene.bodies.mass[0])))(request)
+
+
+def _restarted(request: Request) -> Request:
+    """Forces count the time from the first sample."""
+    start = float(request.problem.times[0])
+    changed = tuple(
+        Force(a=e.a, amplitude=e.amplitude, frequency=e.frequency, phase=e.phase + e.frequency * start, axis=e.axis)
+        if isinstance(e, Force)
+        else e
+        for e in request.problem.scene.elements
+    )
+    return request.with_scene(type(request.problem.scene)(request.problem.scene.bodies, changed))
+
+
+def _odd_square(p: Parts) -> dict[str, Any]:
+    """The square of the stretch with the sign of the stretch."""
+
+    def part(spring: Any, a: Any, b: Any) -> Any:
+        force, apart = p.spring_force(spring, a, b), vec.minus(b, a)
+        s = min(0.0, vec.size(apart) - spring.length)
+        return vec.moved(force, -2 * spring.quadratic * s * s / vec.size(apart), apart)
+
+    return {"spring_force": part}
+
+
+FAULTS = (
+    oscillator(
+        name="damping-drives",
+        sentence="The dashpot pushes along the velocity.",
+        on=("viscous",),
+        sees=("energy", "balance"),
+        before=of_elements(Dashpot, damping=scaled(-1.0)),
+    ),
+    oscillator(
+        name="damping-delta-for-b",
+        sentence="delta is taken for b/m: half of the damping is missing.",
+        on=("viscous",),
+        before=of_elements(Dashpot, damping=scaled(0.5)),
+    ),
+    oscillator(
+        name="damping-one-percent",
+        sentence="The damping is 1 % too strong.",
+        on=("viscous",),
+        levels=5,
+        before=of_elements(Dashpot, damping=scaled(1.01)),
+    ),
+    oscillator(
+        name="dashpot-late",
+        sentence="The dashpot acts with the velocity of the evaluation before.",
+        on=("viscous",),
+        method="rk4",
+        sees=("order", "state"),
+        inside=lambda p: late(p, "dashpot_force"),
+    ),
+    oscillator(
+        name="drive-per-mass",
+        sentence="The amplitude of the force is taken for an acceleration.",
+        on=("driven",),
+        before=_per_mass,
+    ),
+    oscillator(
+        name="drive-sine",
+        sentence="The force is a sine in place of a cosine.",
+        on=("driven",),
+        before=of_elements(Force, phase=lambda phase: phase - pi / 2),
+    ),
+    oscillator(
+        name="drive-in-hertz",
+        sentence="The angular frequency of the force is taken for a frequency in hertz.",
+        on=("driven",),
+        before=of_elements(Force, frequency=scaled(2 * pi)),
+    ),
+    oscillator(
+        name="drive-restarts",
+        sentence="The force counts its time from the start of the run.",
+        on=("driven",),
+        sees=("symmetry", "delayed"),
+        before=_restarted,
+    ),
+    oscillator(
+        name="drive-late",
+        sentence="The force is that of the evaluation before.",
+        on=("driven",),
+        sees=("order", "state"),
+        inside=lambda p: late(p, "drive_force"),
+    ),
+    oscillator(
+        name="cube-sign",
+        sentence="The cube of the stretch acts the other way.",
+        on=("hardening",),
+        before=of_elements(Spring, cubic=scaled(-1.0)),
+    ),
+    oscillator(
+        name="cube-potential",
+        sentence="The cube has the factor 1/4 of its potential.",
+        on=("hardening",),
+        before=of_elements(Spring, cubic=scaled(0.25)),
+    ),
+    oscillator(
+        name="square-odd",
+        sentence="The square of the stretch has the sign of the stretch.",
+        on=("lopsided",),
+        inside=_odd_square,
+    ),
+    oscillator(
+        name="power-truncated",
+        sentence="The power of the stretch is cut to a whole number.",
+        on=("steep",),
+        before=of_elements(Spring, exponent=lambda n: float(n // 1)),
+    ),
+    oscillator(
+        name="nonlinearity-half",
+        sentence="Half of the damping that grows with the place is missing.",
+        on=("cycle",),
+        before=of_elements(Dashpot, van_der_pol=scaled(0.5)),
+    ),
+    oscillator(
+        name="nonlinearity-one-percent",
+        sentence="mu is 1 % too large.",
+        on=("cycle",),
+        levels=5,
+        before=of_elements(Dashpot, damping=scaled(1.01), van_der_pol=scaled(1.01)),
+    ),
+)

@@ -1,0 +1,44 @@
+"""Flows of outlines in phase space: volume that is lost or won, and points that are left behind."""
+
+from dataclasses import replace
+from functools import partial
+from math import exp
+from typing import Any
+
+from refdem.core.problem import Request
+from refdem.core.trajectory import Trajectory
+from refdem.faults.fault import Fault
+from refdem.faults.outlines import linear_flow
+
+carried = partial(Fault, kind="phase-volume", method="carried")
+AREA = ("phase-area", "area")
+
+
+def _left_behind(request: Request, run: Trajectory) -> Trajectory:
+    """One point between two corners stays where it began."""
+    values = {name: column.copy() for name, column in run.values.items()}
+    for column in values.values():
+        column[:, 1] = column[0, 1]
+    return replace(run, values=values)
+
+
+def _squeezed(x: float, v: float, square: float, delta: float, t: float) -> Any:
+    """Velocities lose a part in 1e10 in each unit of time."""
+    place, rate = linear_flow(x, v, square, delta, t)
+    return place, rate * exp(-1e-10 * t)
+
+
+FAULTS = (
+    carried(
+        name="point-left-behind", sentence="One point of an outline is not carried with the others.", on=("head",),
+        sees=AREA, after=_left_behind,
+    ),
+    carried(
+        name="hidden-damping-of-volume", sentence="A flow that should keep phase space volume loses a little of it.", on=("head",),
+        sees=AREA, inside=lambda p: {"flow": _squeezed},
+    ),
+    carried(
+        name="volume-shrinks-half-as-fast", sentence="The volume falls as exp(-delta t), not exp(-2 delta t).", on=("wet-head",),
+        sees=AREA, inside=lambda p: {"flow": lambda x, v, square, delta, t: linear_flow(x, v, square, delta / 2, t)},
+    ),
+)  # fmt: skip

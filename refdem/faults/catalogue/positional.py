@@ -1,0 +1,83 @@
+"""Forces of place and orientation: Hertz's power and its factors, the flanks of a field, a law that looks at the velocity."""
+
+from functools import partial
+from typing import Any
+
+from refdem.faults.change import of_elements, scaled
+from refdem.faults.fault import Fault
+from refdem.faults.parts import Parts
+from refdem.faults.positional import PositionalParts
+from refdem.scene.elements.contact import Contact
+from refdem.scene.elements.piecewise_field import PiecewiseField
+from refdem.scene.elements.wedge import Wedge
+
+positional = partial(Fault, kind="positional")
+
+
+def _linear(p: Parts) -> dict[str, Any]:
+    """The power 1 for 3/2, about as stiff at some overlap."""
+    return {"normal_force": lambda law, depth, rate: law.stiffness * 0.2 * depth}
+
+
+def _of_field(force: Any) -> Any:
+    return lambda p: {"positional": PositionalParts(field_force=force)}
+
+
+def _by_sign(p: Parts) -> dict[str, Any]:
+    """Which law presses is read off the sign of d', as an approach and a separation."""
+    sound = p.positional.wedge_force
+    return {"positional": PositionalParts(wedge_force=lambda wall, depth, edge, rate: sound(wall, depth, rate > 0, rate))}
+
+
+def _one_slope(field: Any, s: Any) -> Any:
+    """Both flanks with the slope of the first."""
+    return max(field.k1 * (min(s, -s) - field.x1), 0.0)
+
+
+FAULTS = (
+    positional(
+        name="hertz-linear",
+        sentence="The power of the overlap is 1 instead of 3/2.",
+        on=("hertz",),
+        sees=("error", "overlap"),
+        inside=_linear,
+    ),
+    positional(
+        name="hertz-factor",
+        sentence="A factor 4/3 of Hertz's stiffness counts twice.",
+        on=("hertz",),
+        sees=("error", "v"),
+        before=of_elements(Contact, stiffness=scaled(4 / 3)),
+    ),
+    positional(
+        name="field-one-slope",
+        sentence="The force falls as steeply as it rises.",
+        on=("tent",),
+        sees=("energy-return", "gain"),
+        levels=5,
+        inside=_of_field(_one_slope),
+    ),
+    positional(
+        name="field-two-percent",
+        sentence="The work of the field is 2 % too small.",
+        on=("tent",),
+        sees=("energy-return", "gain"),
+        levels=6,
+        before=of_elements(PiecewiseField, k1=scaled(0.98), k2=scaled(0.98)),
+    ),
+    positional(
+        name="wedge-by-sign",
+        sentence="Approach and separation are told apart by the sign of the velocity, not by the orientation.",
+        on=("wedge",),
+        sees=("energy-return", "return"),
+        inside=_by_sign,
+    ),
+    positional(
+        name="wedge-flat-softer",
+        sentence="The flat side is 5 % too soft.",
+        on=("wedge",),
+        sees=("energy-return", "gain"),
+        levels=5,
+        before=of_elements(Wedge, stiffness=scaled(0.95)),
+    ),
+)

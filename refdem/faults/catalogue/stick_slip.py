@@ -1,0 +1,81 @@
+"""Friction that depends on the speed, on a belt that moves: against what the speed counts, how it fades, sticking, and the drive."""
+
+from dataclasses import replace
+from functools import partial
+from math import pi, tanh
+from typing import Any
+
+from refdem.faults import vectors as vec
+from refdem.faults.change import of_elements, scaled
+from refdem.faults.fault import Fault
+from refdem.faults.parts import Parts
+from refdem.scene.elements.force import Force
+from refdem.scene.elements.slider import Slider
+
+stick_slip = partial(Fault, kind="stick-slip", on=("sticking",))
+SLOW = 2.0**-6
+"""[m/s] below which regularised friction fades."""
+
+
+def _fading(p: Parts) -> dict[str, Any]:
+    """sgn(0) = 0: friction fades with the speed, and what should stick creeps."""
+
+    def loads(world: Any, state: Any, parts: Any, before: Any = None, h: Any = 0.0) -> Any:
+        bare = state.copy()
+        bare.side = []
+        found = p.loads(replace(world, sliders=[]), bare, parts, before, h)
+        for slider in world.sliders:
+            speed = parts.slides_at(slider, state.v[slider.a])
+            force = -slider.coefficient(abs(speed)) * slider.normal_force * tanh(speed / SLOW)
+            found.force[slider.a] = vec.moved(found.force[slider.a], force, slider.axis)
+        return found
+
+    return {"loads": loads, "side_of": lambda *arguments: 0, "holds": lambda *arguments: True}
+
+
+FAULTS = (
+    stick_slip(
+        name="stribeck-against-the-ground",
+        sentence="The friction's speed is taken against the ground instead of the belt.",
+        sees=("error", "v"),
+        inside=lambda p: {"slider_force": lambda s, side, speed: p.slider_force(s, side, abs(side * speed + s.belt_velocity))},
+    ),
+    stick_slip(
+        name="stribeck-sign-against-the-ground",
+        sentence="Friction opposes the velocity against the ground instead of that against the belt.",
+        sees=("error", "v"),
+        before=of_elements(Slider, belt_velocity=scaled(0.0)),
+    ),
+    stick_slip(
+        name="stribeck-fading",
+        sentence="sgn(0) = 0: friction fades with the speed against the belt, and nothing sticks.",
+        sees=("error", "v"),
+        levels=4,
+        inside=_fading,
+    ),
+    stick_slip(
+        name="stribeck-static-only",
+        sentence="Friction does not fall with the speed: the static coefficient for all.",
+        sees=("error", "v"),
+        before=of_elements(Slider, lambda0=scaled(0.0)),
+    ),
+    stick_slip(
+        name="stribeck-last-term-linear",
+        sentence="The last term of the law grows with the speed instead of its square.",
+        sees=("error", "v"),
+        levels=5,
+        before=of_elements(Slider, law=lambda law: "stribeck_linear"),
+    ),
+    stick_slip(
+        name="stribeck-released-late",
+        sentence="It sticks until the pull is a tenth beyond the limit.",
+        sees=("error", "v"),
+        inside=lambda p: {"holds": lambda slider, along: p.holds(slider, along / 1.1)},
+    ),
+    stick_slip(
+        name="belt-drive-sine",
+        sentence="The drive is a sine for a cosine.",
+        sees=("error", "v"),
+        before=of_elements(Force, phase=lambda phase: phase - pi / 2),
+    ),
+)

@@ -1,0 +1,114 @@
+"""Maps in the open, for faults to be planted in: the logistic map and equation, billiards bounce by bounce, in plain Python."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from math import exp, hypot, sqrt
+from typing import Any
+
+import numpy as np
+
+from refdem.core.maps import Billiard, Logistic, LogisticFlow, StadiumBilliard
+from refdem.core.problem import Iteration
+from refdem.core.trajectory import Trajectory
+
+State = tuple[float, ...]
+Pair = tuple[float, float]
+
+
+def logistic(x: float, eta: float) -> float:
+    """The next iterate of the map."""
+    return eta * x * (1.0 - x)
+
+
+def logistic_flow(x: float, eta: float) -> float:
+    """The state of the equation one unit of time later."""
+    return x / (x + (1.0 - x) * exp(-eta))
+
+
+def ahead(place: Pair, direction: Pair, table: Billiard) -> float:
+    """The way to the straight wall that is met next; a fault that hits the wrong one flies on."""
+    half = (table.width / 2, table.height / 2)
+    ways = [(h - x if u > 0 else -h - x) / u if u else float("inf") for x, u, h in zip(place, direction, half, strict=True)]
+    return min(ways)
+
+
+def straight_normal(place: Pair, table: Billiard) -> Pair:
+    """The normal out of the table at a place on a straight wall: that of the wall it is nearest to."""
+    from_x, from_y = table.width / 2 - abs(place[0]), table.height / 2 - abs(place[1])
+    return (1.0 if place[0] > 0 else -1.0, 0.0) if from_x < from_y else (0.0, 1.0 if place[1] > 0 else -1.0)
+
+
+def centre(table: Billiard) -> float:
+    """Where on the x axis the half circle on the right has its centre."""
+    return (table.width - table.height) / 2
+
+
+def reflected(direction: Pair, normal: Pair) -> Pair:
+    """The direction after the bounce."""
+    along = direction[0] * normal[0] + direction[1] * normal[1]
+    return direction[0] - 2.0 * along * normal[0], direction[1] - 2.0 * along * normal[1]
+
+
+def settled(state: State) -> State:
+    """What is kept from one iterate to the next: all of it, directions of length 1."""
+    if len(state) == 1:
+        return state
+    x, y, u, v = state
+    return x, y, u / hypot(u, v), v / hypot(u, v)
+
+
+@dataclass(frozen=True)
+class MapParts:
+    """The parts by name."""
+
+    logistic: Callable[..., Any] = logistic
+    logistic_flow: Callable[..., Any] = logistic_flow
+    ahead: Callable[..., Any] = ahead
+    straight_normal: Callable[..., Any] = straight_normal
+    centre: Callable[..., Any] = centre
+    reflected: Callable[..., Any] = reflected
+    settled: Callable[..., Any] = settled
+
+
+SOUND_MAPS = MapParts()
+
+
+def iterated(problem: Iteration, parts: MapParts) -> Trajectory:
+    """The iterates asked for."""
+    wanted, asked = set(problem.times.astype(int).tolist()), problem.map
+    state, rows = tuple(problem.start.tolist()), []
+    for n in range(problem.n + 1):
+        if n:
+            state = parts.settled(_next(state, asked, parts))
+        if n in wanted:
+            rows.append(state)
+    out = np.array(rows)
+    if isinstance(asked, Billiard):
+        return Trajectory.of_values(problem.times, {"position": out[:, :2].copy(), "direction": out[:, 2:].copy()})
+    return Trajectory.of_values(problem.times, {"x": out[:, 0].copy()})
+
+
+def _next(state: State, asked: Any, parts: MapParts) -> State:
+    if isinstance(asked, LogisticFlow):
+        return (parts.logistic_flow(state[0], asked.eta),)
+    if isinstance(asked, Logistic):
+        return (parts.logistic(state[0], asked.eta),)
+    place, direction = (state[0], state[1]), (state[2], state[3])
+    way = parts.ahead(place, direction, asked)
+    hit = (place[0] + way * direction[0], place[1] + way * direction[1])
+    if isinstance(asked, StadiumBilliard) and (abs(hit[0]) > parts.centre(asked) or not direction[1]):
+        hit, normal = _on_arc(place, direction, asked, parts.centre(asked) * (1.0 if hit[0] > 0 else -1.0))
+    else:
+        normal = parts.straight_normal(hit, asked)
+        hit = tuple(n * h if n else x for n, h, x in zip(normal, (asked.width / 2, asked.height / 2), hit, strict=True))  # type: ignore[assignment]
+    return (*hit, *parts.reflected(direction, normal))
+
+
+def _on_arc(place: Pair, direction: Pair, table: Billiard, middle: float) -> tuple[Pair, Pair]:
+    """The place on the half circle about (middle, 0) that is met, and the normal there."""
+    r, x = table.height / 2, place[0] - middle
+    b = x * direction[0] + place[1] * direction[1]
+    way = -b + sqrt(max(0.0, b * b - (x * x + place[1] ** 2 - r * r)))
+    n = ((x + way * direction[0]) / r, (place[1] + way * direction[1]) / r)
+    n = (n[0] / hypot(*n), n[1] / hypot(*n))
+    return (middle + r * n[0], r * n[1]), n

@@ -1,0 +1,120 @@
+"""Parts of the transparent engine for forces that place and orientation choose, and the draws of their settings."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from fractions import Fraction
+from typing import Any
+
+import numpy as np
+
+from refdem.faults import vectors as vec
+from refdem.faults.vectors import Number, Quaternion
+from refdem.scene.elements.piecewise_field import PiecewiseField
+from refdem.scene.elements.wedge import Wedge
+
+EDGE = (0.0, 1.0, 0.0)
+HALF_TURN: Quaternion = (0.0, 0.0, 0.0, 1.0)
+
+
+def field_force(field: PiecewiseField, s: Number) -> Number:
+    """F [N] along the axis at s [m]."""
+    if s <= 0:
+        return field.k1 * max(s - field.x1, 0.0)
+    return field.k2 * min(s - field.x2, 0.0)
+
+
+def wedge_force(wall: Wedge, depth: Number, edge_first: bool, rate: Number) -> Number:
+    """Force [N] along the normal on a body that presses; its rate says nothing."""
+    return wall.quadratic * depth * depth if edge_first else wall.stiffness * depth
+
+
+def wedge_energy(wall: Wedge, depth: Number, edge_first: bool) -> Number:
+    """What the wall holds [J]."""
+    return wall.quadratic * depth * depth * depth / 3 if edge_first else wall.stiffness * depth * depth / 2
+
+
+@dataclass(frozen=True, kw_only=True)
+class PositionalParts:
+    """All of them by name."""
+
+    field_force: Callable[..., Any] = field_force
+    wedge_force: Callable[..., Any] = wedge_force
+
+
+SOUND_POSITIONAL = PositionalParts()
+
+
+def pushed(world: Any, state: Any, parts: Any, force: list[Any]) -> None:
+    """Adds the forces of fields and walls."""
+    for i, fixed in enumerate(world.fixed):
+        for field in () if fixed else world.tents:
+            s = vec.dot(vec.minus(state.r[i], field.point), field.axis)
+            force[i] = vec.moved(force[i], parts.positional.field_force(field, s), field.axis)
+        for wall in () if fixed else world.walls:
+            depth, rate, edge = approach(wall, state, parts, i)
+            if depth > 0:
+                force[i] = vec.moved(force[i], parts.positional.wedge_force(wall, depth, edge, rate), wall.normal)
+
+
+def approach(wall: Wedge, state: Any, parts: Any, i: int) -> tuple[Number, Number, bool]:
+    """Overlap, its rate, and whether the edge looks at the wall."""
+    depth, rate = vec.dot(vec.minus(wall.point, state.r[i]), wall.normal), -vec.dot(state.v[i], wall.normal)
+    return depth, rate, bool(vec.dot(parts.to_space(state.q[i], EDGE), wall.normal) < 0)
+
+
+def stops(world: Any, before: Any, after: Any, parts: Any, h: Number) -> list[tuple[str, int]]:
+    """Where a step passes an edge of a field or of a wall; bodies that press on a wall for wedges and have come to a stop in it."""
+    found = [("edge", 0)] if edges(world, before, parts) != edges(world, after, parts) else []
+    for number, (wall, i) in enumerate(pairs(world)):
+        _, rate, _ = approach(wall, before, parts, i)
+        depth, now, _ = approach(wall, after, parts, i)
+        if depth > 0 and rate * h > 0 and now * h < 0:
+            found.append(("turn", number))
+    return found
+
+
+def edges(world: Any, state: Any, parts: Any) -> list[int]:
+    """On which side of every edge every body is: a force has a corner there."""
+    places = [vec.dot(vec.minus(r, field.point), field.axis) for field in world.tents for r in state.r]
+    sides = [(s > field.x1) + (s > 0) + (s > field.x2) for field in world.tents for s in places]
+    return sides + [int(approach(wall, state, parts, i)[0] > 0) for wall, i in pairs(world)]
+
+
+def turned(world: Any, state: Any, parts: Any, number: int) -> None:
+    """Turns a wedge by pi about its z axis; what the wall holds less by that is lost."""
+    wall, i = pairs(world)[number]
+    depth, _, edge = approach(wall, state, parts, i)
+    state.q[i] = vec.product(state.q[i], HALF_TURN)
+    state.work += wedge_energy(wall, depth, edge) - wedge_energy(wall, depth, not edge)
+
+
+def pairs(world: Any) -> list[tuple[Wedge, int]]:
+    """Every wall for wedges with every body that it can press."""
+    return [(wall, i) for wall in world.walls for i, fixed in enumerate(world.fixed) if not fixed]
+
+
+def _between(rng: np.random.Generator, low: float, high: float) -> str:
+    return str(Fraction(int(rng.integers(int(low * 32), int(high * 32), endpoint=True)), 32))
+
+
+def hertz(rng: np.random.Generator) -> dict[str, str]:
+    """Two Hertzian spheres."""
+    found = {"effective_mass": _between(rng, 0.5, 2), "stiffness": _between(rng, 500, 1500), "closing_speed": _between(rng, 0.5, 2)}
+    return found | {"samples": "32"}
+
+
+def tent(rng: np.random.Generator) -> dict[str, str]:
+    """A particle that crosses an asymmetric field from left to right."""
+    found = {
+        "mass": _between(rng, 0.75, 1.5),
+        "k1": _between(rng, 0.75, 1.5),
+        "x2": _between(rng, 0.375, 0.625),
+        "v0": _between(rng, 1, 1.5),
+    }
+    return found | {"samples": "32"}
+
+
+def wedge(rng: np.random.Generator) -> dict[str, str]:
+    """A wedge that loses about half of its energy."""
+    found = {"mass": _between(rng, 0.75, 1.25), "k1": _between(rng, 1.5, 2.5), "k2": _between(rng, 10, 14)}
+    return found | {"closing_speed": _between(rng, 0.875, 1.25), "samples": "32"}

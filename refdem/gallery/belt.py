@@ -1,0 +1,27 @@
+"""Settled motions and sections of the stick-slip oscillator over the frequency of its drive (1.125)."""
+
+from typing import Any
+
+import numpy as np
+
+from refdem.core import discovery
+from refdem.gallery.runs import Array, Seen, command, instance, moved, remember
+
+SKIPPED, PER_PERIOD = 60, 240
+
+
+def orbit(eta: str, periods: int = 12, **parameters: Any) -> Seen:
+    """A motion after SKIPPED periods of the drive, over some more; one sample stands for what was left out."""
+    asked = instance("stick-slip", eta=eta, **parameters)
+    remember(command(asked))
+    period = 2 * np.pi / asked.p.eta
+    t = np.r_[0.0, (SKIPPED + np.arange(periods * PER_PERIOD + 1) / PER_PERIOD) * period]
+    return moved("stick-slip", t, eta=eta, **parameters)
+
+
+def section(eta: Array, *, skip: int, keep: int, **parameters: Any) -> Any:
+    """The reference's section v = 0, x > 0 at the frequencies (M,), with exponents."""
+    reference: Any = discovery.engine("reference")
+    asked = instance("stick-slip", **parameters)
+    remember(command(asked))
+    return reference.section(asked.problem, eta, skip=skip, keep=keep)

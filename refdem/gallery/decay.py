@@ -1,0 +1,34 @@
+"""Figures 1.15 and 1.16: three oscillators that lose their energy in three ways."""
+
+import numpy as np
+
+from refdem.core.figure import GREY, Axis, Figure, Panel, Series
+from refdem.gallery.runs import seen
+from refdem.mechanics.oscillation import turning_points
+
+DURATION, SAMPLES = 16, 1600
+
+
+def decaying(name: str, quantity: str, title: str, caption: str) -> Figure:
+    """Place x or velocity v over the time."""
+    clock = {"duration": DURATION, "samples": SAMPLES}
+    free = seen("harmonic-oscillator", x0=1, v0=0, **clock)
+    wet = seen("viscous-oscillator", x0=1, v0=0, delta="0.1", **clock)
+    dry = seen("coulomb-oscillator", x0=1, v0=0, friction_force="0.15", **clock)
+    p = dry.instance.p
+    w0 = float(np.sqrt(p.stiffness / p.mass))
+    slope = 2 * p.friction_force * w0 / (np.pi * p.stiffness)
+    first = p.x0 if quantity == "x" else w0 * (p.x0 - p.friction_force / p.stiffness) + slope * w0 * np.pi / (2 * w0)
+    ends = np.array([0.0, first / (slope * (1 if quantity == "x" else w0))])
+    envelopes = [Series(x=ends, y=np.array([sign * first, 0.0]), ink=GREY, dashed=True, width=1) for sign in (1, -1)]
+    places = turning_points(dry.t, dry["x"], dry["v"])[1]
+    numbers = {"stop of the dry one [s]": dry.trajectory.events[0].time, "its place there [m]": float(dry["x"][-1])}
+    numbers |= {f"turning point {n + 1} [m]": float(x) for n, x in enumerate(places[:3])}
+    curves = (
+        Series(x=free.t, y=free[quantity], label="undamped", ink=GREY, dashed=True),
+        Series(x=wet.t, y=wet[quantity], label="viscous, delta = 0.1", ink=0),
+        Series(x=dry.t, y=dry[quantity], label="Coulomb, f = 0.15", ink=1, width=2),
+    )
+    unit = {"x": "x [m]", "v": "v [m/s]"}[quantity]
+    panel = Panel(series=(*curves, *envelopes), x=Axis(title="t [s]", ends=(0.0, DURATION)), y=Axis(title=unit), size=(620, 300))
+    return Figure(id=name, title=title, caption=caption, panels=(panel,), numbers=numbers if quantity == "x" else {})

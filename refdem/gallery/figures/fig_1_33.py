@@ -1,0 +1,61 @@
+"""Figure 1.33: the shape of the wall alone: a cat's head of points flies on a rectangular and on a stadium table (1.6.4)."""
+
+from typing import Any
+
+import numpy as np
+
+from refdem.core.figure import GREY, Axis, Figure, Panel, Series
+from refdem.core.problem import Iteration
+from refdem.gallery.runs import Array, answer, command, instance, remember
+
+DIRECTION = (4, 3)
+BOUNCES, MOMENTS = 16, (0.0, 4.0, 8.0, 14.0)
+PICKED = (0, 130, 300)
+
+
+def figure() -> Figure:
+    """Both tables: the points at four moments, and three of their paths."""
+    head = instance("phase-flow", points=1024, centre=("-1", "-1/2"), size="1/4").problem
+    points = np.stack((head.position[:, 0, 0], head.velocity[:, 0, 0]), axis=1)
+    panels, numbers = [], {}
+    for geometry in ("rectangle", "stadium"):
+        asked = instance("billiards", geometry=geometry, direction=DIRECTION)
+        remember(command(asked))
+        paths = [path(asked, point) for point in points]
+        series = [Series(x=paths[k][:, 0], y=paths[k][:, 1], ink=GREY, width=1) for k in PICKED]
+        series.append(Series(x=wall(geometry, asked.p.size)[:, 0], y=wall(geometry, asked.p.size)[:, 1], ink=1, width=2))
+        for n, moment in enumerate(MOMENTS):
+            places = np.array([place(own, moment) for own in paths])
+            series.append(Series(x=places[:, 0], y=places[:, 1], mark="cloud", width=2.5))
+            if n in (0, len(MOMENTS) - 1):
+                numbers[f"{geometry}: spread at t = {moment:g} [m]"] = float(np.hypot(*places.std(axis=0)))
+        axes: dict[str, Any] = {"x": Axis(ends=(-2.1, 2.1), is_hidden=True), "y": Axis(ends=(-1.1, 1.1), is_hidden=True)}
+        panels.append(Panel(series=tuple(series), title=geometry, size=(630, 330), **axes))
+    caption = (
+        "1040 points on a cat's head fly with one velocity and are reflected by the wall; blue are the points at t = 0, 4, 8 and 14, grey "
+        "the paths of three of them. In the rectangle they stay side by side, in the stadium the half circles scatter them."
+    )
+    return Figure(id="1.33", title="Billiards", caption=caption, panels=tuple(panels), numbers=numbers)
+
+
+def path(asked: Any, start: Array) -> Array:
+    """Places (BOUNCES + 1, 2) of the bounces of a point."""
+    first: Iteration = asked.problem
+    run = answer(Iteration(first.map, np.concatenate((start, first.start[2:])), BOUNCES))
+    return run.values["position"]
+
+
+def place(path: Array, moment: float) -> Array:
+    """Where a point is that flies along a path with speed 1."""
+    way = np.concatenate(([0.0], np.cumsum(np.hypot(*np.diff(path, axis=0).T))))
+    return np.array([np.interp(moment, way, path[:, i]) for i in (0, 1)])
+
+
+def wall(geometry: str, size: Array) -> Array:
+    """The border of the table (N, 2) [m]."""
+    half = size / 2
+    if geometry == "rectangle":
+        return half * np.array([[-1, -1], [1, -1], [1, 1], [-1, 1], [-1, -1]])
+    turn = np.linspace(-np.pi / 2, np.pi / 2, 61)
+    arc = half[1] * np.stack((np.cos(turn), np.sin(turn)), axis=1) + [half[0] - half[1], 0.0]
+    return np.concatenate((arc, -arc, arc[:1]))

@@ -1,0 +1,78 @@
+"""Figure 1.36: angular momentum of a free body on Poinsot's ellipsoid of constant kinetic energy (1.137), (1.138)."""
+
+from typing import Any
+
+import numpy as np
+
+from refdem.core.figure import GREY, Axis, Figure, Panel, Series
+from refdem.gallery.runs import Array, moved, seen
+from refdem.gallery.space import axis, seen_from_above
+
+INERTIA = np.array([1.0, 2.0, 3.0])
+ENERGY = 1.0
+REACH, BEYOND = 3.4, (2.2, 1.5, 0.7)
+"""What the picture shows, and how far the axes stick out of the ellipsoid."""
+HALF_AXES = np.sqrt(2 * ENERGY * INERTIA)
+ANGLES = (0.25, 0.5, 0.75)
+"""From axes 1 and 3 on the ellipsoid made round [rad]."""
+
+
+def figure() -> Figure:
+    """Closed curves about axes 1 and 3, the separatrix through axis 2 (dashed), and the border of the ellipsoid."""
+    series = [border()]
+    lengths = {}
+    for ink, first in ((0, 0), (1, 2)):
+        for angle in ANGLES:
+            for sign in (1, -1):
+                round_one = np.zeros(3)
+                round_one[first], round_one[2 - first] = sign * np.cos(angle), np.sin(angle)
+                curve = momentum(round_one)
+                series += [drawn(curve, ink, is_front=False), drawn(curve, ink, is_front=True)]
+                lengths[f"axis {first + 1}, {angle:g} rad off"] = float(np.ptp(np.linalg.norm(curve, axis=1)))
+    # J1 (J2 - J1) w1^2 = J3 (J3 - J2) w3^2 with w = L/J on the ellipsoid: L/HALF_AXES = n
+    ratio = np.sqrt(INERTIA[1] * (INERTIA[2] - INERTIA[1]) / (INERTIA[1] * (INERTIA[1] - INERTIA[0])))
+    for start in ((ratio, 1.0), (-ratio, 1.0), (ratio, -1.0), (-ratio, -1.0)):
+        near = np.array([start[0], 0.0, start[1]]) / np.hypot(*start)
+        series += [drawn(momentum(near, forward=forward), GREY, is_front=True, dashed=True) for forward in (True, False)]
+    for n, name in enumerate(("L1", "L2", "L3")):
+        unit = np.eye(3)[n]
+        begin, end = HALF_AXES[n] * unit, (HALF_AXES[n] + BEYOND[n]) * unit
+        series += axis(begin, end, name)
+    axes: dict[str, Any] = {"x": Axis(ends=(-REACH, REACH), is_hidden=True), "y": Axis(ends=(-REACH, REACH), is_hidden=True)}
+    panel = Panel(series=tuple(series), size=(540, 540), **axes)
+    caption = (
+        "J = (1, 2, 3), kinetic energy 1. The angular momentum in body axes, as the reference's runs have it, runs along closed curves "
+        "about axis 1 (blue) and axis 3 (orange), thin behind; the dashed separatrix leads from axis 2 to its opposite."
+    )
+    numbers = {"largest change of |L| of all": max(lengths.values())}
+    return Figure(id="1.36", title="Poinsot's ellipsoid", caption=caption, panels=(panel,), numbers=numbers)
+
+
+def momentum(round_one: Array, *, forward: bool = True) -> Array:
+    """L (T, 3) in body axes of a run whose start is at this place of the unit sphere, stretched to the ellipsoid."""
+    omega = tuple(f"{w:.12g}" for w in HALF_AXES * round_one / INERTIA)
+    if forward:
+        run = seen("free-rigid-body", omega_body=omega, duration="24", samples=480)
+    else:
+        run = moved("free-rigid-body", -np.linspace(0.0, 24.0, 481), omega_body=omega)
+    return INERTIA * np.stack([run[f"omega_body.{axis}"] for axis in "xyz"], axis=1)
+
+
+def drawn(points: Array, ink: int, *, is_front: bool, dashed: bool = False) -> Series:
+    """The part of a curve on the side of the ellipsoid that is seen, or on the other."""
+    right, up, _ = seen_from_above(points)
+    towards = seen_from_above(points / INERTIA)[2] >= 0  # omega = L/J is normal to the ellipsoid
+    hidden = towards != is_front
+    return Series(x=np.where(hidden, np.nan, right), y=np.where(hidden, np.nan, up), ink=ink, width=1.8 if is_front else 0.5, dashed=dashed)
+
+
+def border() -> Series:
+    """The outline of the ellipsoid: where its normal is at right angles to the view."""
+    eye = np.array([seen_from_above(unit[None])[2][0] for unit in np.eye(3)])
+    normal = HALF_AXES * eye / np.linalg.norm(HALF_AXES * eye)
+    one = np.cross(normal, [1.0, 0.0, 0.0])
+    one /= np.linalg.norm(one)
+    other = np.cross(normal, one)
+    turn = np.linspace(0, 2 * np.pi, 181)[:, None]
+    right, up, _ = seen_from_above(HALF_AXES * (np.cos(turn) * one + np.sin(turn) * other))
+    return Series(x=right, y=up, ink=GREY, width=1)

@@ -1,0 +1,33 @@
+"""Finding the figures, and making them with the commands that show their runs."""
+
+from collections.abc import Iterable
+from dataclasses import replace
+from importlib import import_module
+from pathlib import Path
+
+from refdem.core.figure import Figure
+from refdem.core.parameters import nearest
+from refdem.errors import UsageError
+from refdem.gallery.runs import recorded
+
+FOLDER = Path(__file__).with_name("figures")
+
+
+def names() -> list[str]:
+    """Ids of all figures in the order of the chapter."""
+    found = [path.stem.removeprefix("fig_").replace("_", ".") for path in FOLDER.glob("fig_*.py")]
+    return sorted(found, key=lambda name: [int(part) for part in name.split(".")])
+
+
+def figure(name: str) -> Figure:
+    """The figure of that id, computed now; raises UsageError with the nearest id."""
+    if name not in names():
+        raise UsageError(f"no figure {name!r}; {nearest(name, names())}")
+    with recorded() as commands:
+        made: Figure = import_module(f"refdem.gallery.figures.fig_{name.replace('.', '_')}").figure()
+    return replace(made, commands=(f"refdem gallery {name}", *dict.fromkeys(commands)))
+
+
+def figures(chosen: Iterable[str] = ()) -> list[Figure]:
+    """The figures chosen, or all of them."""
+    return [figure(name) for name in (list(chosen) or names())]

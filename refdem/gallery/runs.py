@@ -1,0 +1,90 @@
+"""Runs of the reference that figures are drawn from; each is remembered as the command that makes it."""
+
+import shlex
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from refdem.core import discovery
+from refdem.core.case import Instance
+from refdem.core.problem import Motion, Problem, Request
+from refdem.core.trajectory import Trajectory
+
+Array = NDArray[np.float64]
+_COMMANDS: list[list[str]] = []
+
+
+@contextmanager
+def recorded() -> Iterator[list[str]]:
+    """While it lasts, commands of runs are put into the list."""
+    _COMMANDS.append([])
+    try:
+        yield _COMMANDS[-1]
+    finally:
+        _COMMANDS.pop()
+
+
+def remember(command: str) -> None:
+    """Puts a command beside the figure that is being made."""
+    if _COMMANDS:
+        _COMMANDS[-1].append(command)
+
+
+@dataclass(frozen=True, eq=False)
+class Seen:
+    """A run and what the case sees in it: quantities (T,) at the samples t (T,)."""
+
+    instance: Instance
+    trajectory: Trajectory
+    quantities: dict[str, Array]
+
+    @property
+    def t(self) -> Array:
+        """The samples (T,): seconds, or numbers of iterates."""
+        return self.trajectory.t
+
+    def __getitem__(self, name: str) -> Array:
+        return self.quantities[name]
+
+
+def instance(case: str, **parameters: Any) -> Instance:
+    """A case at these parameters, numbers or text."""
+    given = {name: ",".join(map(_text, value)) if isinstance(value, tuple) else _text(value) for name, value in parameters.items()}
+    return discovery.case(case).at(**given)
+
+
+def seen(case: str, **parameters: Any) -> Seen:
+    """What the reference's cheapest method makes of a case, and remembers the command for it."""
+    asked = instance(case, **parameters)
+    remember(command(asked))
+    trajectory = answer(asked.problem)
+    return Seen(asked, trajectory, asked.observe(trajectory))
+
+
+def moved(case: str, times: Array, **parameters: Any) -> Seen:
+    """The same seen at times (T,) of one's own, from the first of which the start counts; one of many, so it is not remembered."""
+    asked = instance(case, **parameters)
+    trajectory = answer(Motion(asked.scene, times))
+    return Seen(asked, trajectory, asked.observe(trajectory))
+
+
+def answer(problem: Problem) -> Trajectory:
+    """The reference's answer to any question."""
+    reference: Any = discovery.engine("reference")
+    trajectory: Trajectory = reference.run(Request(problem=problem, method=reference.best(problem).name))[0]
+    return trajectory
+
+
+def command(asked: Instance) -> str:
+    """What a person types to see such a run judged."""
+    given = "".join(f" --set {shlex.quote(f'{name}={value}')}" for name, value in asked.p.changed().items())
+    return f"refdem run {asked.case.id}{given} --engine reference"
+
+
+def _text(value: Any) -> str:
+    """A parameter as the command line reads it."""
+    return value if isinstance(value, str) else repr(float(value)) if isinstance(value, float) else str(value)

@@ -1,0 +1,25 @@
+"""Drawing three dimensions on two: a parallel projection, and the frame of its axes."""
+
+import numpy as np
+
+from refdem.core.figure import GREY, Series
+from refdem.gallery.runs import Array
+
+ACROSS, UP = 35.0, 25.0
+"""Degrees by which the axes are turned about the vertical, and the view is raised."""
+
+
+def seen_from_above(points: Array) -> tuple[Array, Array, Array]:
+    """Right, up and towards the eye (N,) of points (N, 3) in a parallel projection."""
+    turn, rise = np.radians(ACROSS), np.radians(UP)
+    x, y, z = points.T
+    right = x * np.cos(turn) + y * np.sin(turn)
+    away = -x * np.sin(turn) + y * np.cos(turn)
+    return right, z * np.cos(rise) + away * np.sin(rise), z * np.sin(rise) - away * np.cos(rise)
+
+
+def axis(begin: Array, end: Array, name: str) -> tuple[Series, Series]:
+    """A line in space, and its name at the end."""
+    right, up, _ = seen_from_above(np.array([begin, end, np.asarray(begin) + 1.1 * (np.asarray(end) - begin)]))
+    line = Series(x=right[:2], y=up[:2], ink=GREY, width=1)
+    return line, Series(x=right[2:], y=up[2:], ink=GREY, mark="text", words=(name,))

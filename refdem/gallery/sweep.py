@@ -1,0 +1,36 @@
+"""Sweeps of the driven Duffing oscillator: each frequency goes on where the one before has settled."""
+
+from functools import cache
+
+import numpy as np
+
+from refdem.gallery.runs import Array, moved, seen
+
+ALPHA, BETA, FORCE = 1.0, 0.4, 1.5
+PER_PERIOD = 32
+SETTLED = 9.0
+"""Times 1/delta after which a run is at its amplitude to 1e-4."""
+
+
+@cache
+def amplitudes(delta: float, drives: tuple[float, ...]) -> Array:
+    """Half of the way from turning to turning (M,) [m] at the frequencies (M,) [rad/s] in their order."""
+    x, v, found = 0.1, 0.0, []
+    for drive in drives:
+        x, v, amplitude = settled(delta, drive, x, v)
+        found.append(amplitude)
+    return np.array(found)
+
+
+def settled(delta: float, drive: float, x: float, v: float) -> tuple[float, float, float]:
+    """Place, velocity and amplitude after SETTLED/delta seconds and more, in whole periods of the drive."""
+    period = 2 * np.pi / drive
+    whole = int(np.ceil(SETTLED / delta / period)) + 6
+    t = np.r_[0.0, (whole - 1 + np.arange(PER_PERIOD + 1) / PER_PERIOD) * period]
+    run = moved("driven-duffing", t, delta=delta, drive=drive, x0=x, v0=v)
+    return float(run["x"][-1]), float(run["v"][-1]), float(np.ptp(run["x"][1:])) / 2
+
+
+def shown(delta: float, drive: float) -> None:
+    """Remembers one run of a sweep."""
+    seen("driven-duffing", delta=delta, drive=drive)

@@ -1,0 +1,218 @@
+/* A point on a spring that rubs on a moving belt and is driven: m x'' in F cos(w t + phase) + weight - k x - N mu(|u|) Sgn(u), u = x' - belt.
+ *
+ * mu(s) = (mu0 - mu1)/(1 + lambda0 s) + mu1 + lambda1 s^2, or lambda1 s in its last term. While it slips: Taylor series of order 20 by
+ * the recurrences of products and of the quotient (Jorba and Zou 2005, proposition 1), the step such that they end at round-off. Events
+ * are zeros of these series to the last bit: a stretch without one is told by bounds of the series, never by its ends alone. While it
+ * sticks the pull P = F cos + weight - k x is monotone between turning points known in closed form. A slip begins with u = 0 and, after
+ * sticking, u' = 0, exactly.
+ */
+#ifndef REFDEM_BELT_H
+#define REFDEM_BELT_H
+
+#include "double_double.h"
+#include "kernels.h"
+#include "series_zeros.h"
+
+enum { STICKS = 0, STOPS = 1, LEAVES = 2, MOST_PIECES = 1 << 30 };
+
+typedef refdem_belt belt;
+
+/* A stretch: series of x, of |u|, of the work done against friction and drive; where it ends, and by which event. */
+typedef struct {
+    double x[ORDER + 1], w[ORDER + 1], work[ORDER + 1], rate[ORDER + 1], end;
+    int event, leads;
+} piece;
+
+/* Now: side is the sign of u, 0 while it sticks; fresh is the order of the zero of u with which a slip began. tangent: x, u. */
+typedef struct {
+    dd now, x, work;
+    double w, tangent[2];
+    int side, fresh, follows;
+} motion;
+
+static inline dd grown(dd from, double by)
+{
+    dd sum = two_sum(from.hi, by);
+    return quick_two_sum(sum.hi, sum.lo + from.lo);
+}
+
+/* The drive [N] and its phase's cosine and sine at `since` after now. */
+static inline double drive(const belt *p, dd now, double since, double *restrict slope)
+{
+    double c, s;
+    turned(dd_add(dd_scale(dd_add(now, dd_of(since)), p->frequency), dd_of(p->phase)), &c, &s);
+    *slope = -p->amplitude * p->frequency * s;
+    return p->amplitude * c;
+}
+
+/* Taylor coefficients of the drive about now. */
+static inline void driven(const belt *p, dd now, double *restrict force)
+{
+    double c, s, factor = p->amplitude;
+    turned(dd_add(dd_scale(now, p->frequency), dd_of(p->phase)), &c, &s);
+    for (int n = 0; n < ORDER; n++) {
+        force[n] = factor * (n % 4 == 0 ? c : n % 4 == 1 ? -s : n % 4 == 2 ? -c : s);
+        factor *= p->frequency * PART[n + 1];
+    }
+}
+
+/* The series of a slip to the given side; the rate of the friction by |u| too, for tangents. */
+static inline void expand(const belt *p, const motion *m, int with_work, piece *restrict y)
+{
+    double force[ORDER], q[ORDER], lost[ORDER], v[ORDER], side = m->side, ease = 1.0 / p->mass;
+    driven(p, m->now, force);
+    y->x[0] = m->x.hi, y->w[0] = m->w, y->work[0] = 0.0;
+    for (int n = 0; n < ORDER; n++) {
+        q[n] = n ? -q[0] * p->lambda0 * product(y->w + 1, q, n - 1) : 1.0 / (1.0 + p->lambda0 * y->w[0]);
+        double last = p->linear ? y->w[n] : p->lambda1 != 0.0 ? square(y->w, n) : 0.0;
+        double rub = p->normal_force * ((p->mu0 - p->mu1) * q[n] + (n ? 0.0 : p->mu1) + p->lambda1 * last);
+        double pull = force[n] + (n ? 0.0 : p->weight) - p->stiffness * y->x[n];
+        v[n] = side * y->w[n] + (n ? 0.0 : p->belt);
+        if (with_work) {
+            lost[n] = side * rub - force[n];
+            y->work[n + 1] = product(lost, v, n) * PART[n + 1];
+        }
+        y->x[n + 1] = v[n] * PART[n + 1];
+        y->w[n + 1] = n == 0 && m->fresh == 2 ? 0.0 : (side * pull - rub) * ease * PART[n + 1];
+    }
+    for (int n = 0; m->follows && n < ORDER; n++)
+        y->rate[n] = p->normal_force * (p->lambda1 * (p->linear ? (n == 0) : 2.0 * y->w[n]) - (p->mu0 - p->mu1) * p->lambda0 * square(q, n));
+}
+
+/* The longest step for which the last terms stay below round-off of the motion's own sizes. */
+static inline double step_of(const belt *p, const piece *y)
+{
+    double rate = sqrt(p->stiffness / p->mass), reach = p->normal_force * p->mu0 / p->stiffness + fabs(y->x[0]) + y->w[0] / rate;
+    double a = fmax(fabs(y->x[ORDER]), fabs(y->w[ORDER]) / rate) / reach;
+    double b = fmax(fabs(y->x[ORDER - 1]), fabs(y->w[ORDER - 1]) / rate) / reach;
+    double h = exp2((-57.0 - log2(fmax(a, 1e-300))) / ORDER), k = exp2((-57.0 - log2(fmax(b, 1e-300))) / (ORDER - 1));
+    return fmin(fmin(h, k), 2.0 / rate);
+}
+
+/* The first zero of |u| in a slip: of the series without the zero with which it began. */
+static inline double stop_of(const motion *m, const piece *y, double h)
+{
+    double a[ORDER + 1];
+    for (int n = 0; n <= ORDER; n++)
+        a[n] = n + m->fresh <= ORDER ? y->w[n + m->fresh] : 0.0;
+    return first_zero(a, h);
+}
+
+static inline double pull_at(const belt *p, const motion *m, double since, double *restrict slope)
+{
+    double force = drive(p, m->now, since, slope);
+    *slope -= p->stiffness * p->belt;
+    return force + p->weight - p->stiffness * (m->x.hi + (m->x.lo + p->belt * since));
+}
+
+/* When |P| passes the limit between two times between which P is monotone. */
+static inline double passing(const belt *p, const motion *m, double limit, double low, double high)
+{
+    double slope, side = pull_at(p, m, high, &slope) > 0.0 ? 1.0 : -1.0;
+    for (int i = 0; i < 1100; i++) {
+        double middle = 0.5 * (low + high);
+        if (middle <= low || middle >= high)
+            break;
+        if (side * pull_at(p, m, middle, &slope) > limit)
+            high = middle;
+        else
+            low = middle;
+    }
+    return high;
+}
+
+/* When it is released, since now; infinity if it sticks for ever. */
+static inline double release_of(const belt *p, const motion *m)
+{
+    double limit = p->normal_force * p->mu0, slope, lead = p->stiffness * p->belt, swing = fabs(p->amplitude * p->frequency);
+    double first = pull_at(p, m, 0.0, &slope), low = 0.0;
+    if (fabs(first) >= limit && first * slope > 0.0)
+        return 0.0;
+    double longest = lead != 0.0 ? 2.0 * (limit + fabs(p->amplitude)) / fabs(lead) + 1.0 / fmax(p->frequency, 1.0) : INFINITY;
+    if (swing <= fabs(lead))
+        return lead != 0.0 ? passing(p, m, limit, 0.0, longest) : INFINITY;
+    /* P' = 0 where sin(phase) = -k belt/(F w) */
+    double c, s, angle = asin(-lead / (p->amplitude * p->frequency)), turn = 2.0 * DD_PI.hi;
+    turned(dd_add(dd_scale(m->now, p->frequency), dd_of(p->phase)), &c, &s);
+    double begin = atan2(s, c), next[2] = {angle - begin, DD_PI.hi - angle - begin};
+    for (int i = 0; i < 2; i++)
+        next[i] -= turn * floor(next[i] / turn);
+    for (int64_t k = 0; k < MOST_PIECES; k++) {
+        double phase = (k % 2 ? fmax(next[0], next[1]) : fmin(next[0], next[1])) + turn * (double)(k / 2);
+        double high = phase / p->frequency;
+        if (fabs(pull_at(p, m, high, &slope)) > limit)
+            return passing(p, m, limit, low, high);
+        if (lead == 0.0 && k > 2)
+            return INFINITY;
+        low = high;
+    }
+    return INFINITY;
+}
+
+/* The next stretch of the motion. */
+static inline void next_piece(const belt *p, const motion *m, int with_work, piece *restrict y)
+{
+    if (m->side == 0) {
+        for (int n = 0; n <= ORDER; n++)
+            y->x[n] = y->w[n] = y->work[n] = y->rate[n] = 0.0;
+        y->x[0] = m->x.hi, y->x[1] = p->belt;
+        y->work[1] = p->belt * (p->weight - p->stiffness * m->x.hi), y->work[2] = -0.5 * p->stiffness * p->belt * p->belt;
+        y->end = release_of(p, m), y->event = LEAVES;
+        return;
+    }
+    expand(p, m, with_work, y);
+    double h = step_of(p, y), stop = stop_of(m, y, h);
+    y->event = stop > 0.0 ? STOPS : 0;
+    y->end = stop > 0.0 ? stop : h;
+}
+
+/* The tangent carried along a slip: dx' = du, m du' = -k dx - N mu'(|u|) du. */
+static inline void carried(const belt *p, motion *m, const piece *y)
+{
+    double a[ORDER + 1], b[ORDER + 1];
+    a[0] = m->tangent[0], b[0] = m->tangent[1];
+    for (int n = 0; n < ORDER; n++) {
+        a[n + 1] = b[n] * PART[n + 1];
+        b[n + 1] = -(p->stiffness * a[n] + product(y->rate, b, n)) * PART[n + 1] / p->mass;
+    }
+    m->tangent[0] = value(a, y->end), m->tangent[1] = value(b, y->end);
+}
+
+/* Moves to the end of a stretch and through its event; returns STICKS + 1 if it comes to stick, LEAVES if it leaves, else 0. */
+static inline int pass(const belt *p, motion *m, const piece *y)
+{
+    if (m->follows && m->side)
+        carried(p, m, y);
+    m->x = grown(m->x, gained(y->x, y->end));
+    m->work = grown(m->work, gained(y->work, y->end));
+    m->w = y->event ? 0.0 : value(y->w, y->end);
+    m->now = dd_add(m->now, dd_of(y->end));
+    m->fresh = 0;
+    if (!y->event)
+        return 0;
+    double slope, limit = p->normal_force * p->mu0, pull = pull_at(p, m, 0.0, &slope);
+    int before = m->side;
+    if (y->event == LEAVES) {
+        m->side = pull > 0.0 ? 1 : -1, m->fresh = 2;
+        return LEAVES;
+    }
+    if (fabs(pull) <= limit) {
+        m->side = 0, m->tangent[1] = 0.0;
+        return STOPS;
+    }
+    m->side = pull > 0.0 ? 1 : -1, m->fresh = 1;
+    m->tangent[1] *= (pull - m->side * limit) / (pull - before * limit);
+    return 0;
+}
+
+static inline motion begun(const belt *p, double x0, double v0, double t0)
+{
+    motion m = {.now = dd_of(t0), .x = dd_of(x0), .work = dd_of(0.0), .w = fabs(v0 - p->belt), .tangent = {1.0, 0.0}};
+    m.side = v0 > p->belt ? 1 : v0 < p->belt ? -1 : 0;
+    double slope, pull = pull_at(p, &m, 0.0, &slope);
+    if (m.side == 0 && fabs(pull) > p->normal_force * p->mu0)
+        m.side = pull > 0.0 ? 1 : -1, m.fresh = 1;
+    return m;
+}
+
+#endif

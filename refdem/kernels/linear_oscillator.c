@@ -1,0 +1,123 @@
+/* A point on a line: linear spring, linear damping, constant and periodic forces, in closed form.
+ *
+ * About the equilibrium X'' + 2 b X' + w0^2 X = sum f cos(w s + psi), s = t - t0. Free part: exp(-b s) times cos, sin (b < w0), 1, s
+ * (b = w0) or cosh, sinh (b > w0). A drive, from rest, where damping is light: with L = -b + i W, W^2 = w0^2 - b^2,
+ *   x + ... = f/(2 W) Im(exp(i psi) K(L, i w) + exp(-i psi) K(L, -i w)),   K(L, M) = exp(M s) (exp((L - M) s) - 1)/(L - M),
+ * which loses nothing at resonance, where L = M; where it is heavy: the steady motion and the free one that cancels it at the start.
+ */
+#include <complex.h>
+
+#include "double_double.h"
+#include "kernels.h"
+
+typedef struct {
+    dd rate, decay, width; /* w0, b, sqrt(|w0^2 - b^2|) */
+    int kind;
+} linear;
+
+enum { CRITICAL, UNDER, OVER };
+
+static linear prepared(double mass, double stiffness, double damping)
+{
+    dd m = dd_of(mass), square = dd_div(dd_of(stiffness), m), b = dd_div(dd_scale(dd_of(damping), 0.5), m);
+    dd gap = dd_sub(square, dd_square(b));
+    linear p = {dd_sqrt(square), b, dd_sqrt(dd_abs(gap)), gap.hi > 0.0 ? UNDER : gap.hi < 0.0 ? OVER : CRITICAL};
+    return p;
+}
+
+/* exp(-b s) times cos W s and (sin W s)/W, or what takes their places. */
+static void shapes(const linear *p, dd s, double *restrict c, double *restrict d)
+{
+    dd phase = dd_mul(p->width, s);
+    if (p->kind == UNDER) {
+        double sine, fade = exp(-dd_round(dd_mul(p->decay, s)));
+        turned(phase, c, &sine);
+        *c *= fade, *d = fade * sine / p->width.hi;
+    } else if (p->kind == CRITICAL) {
+        *c = exp(-dd_round(dd_mul(p->decay, s)));
+        *d = *c * dd_round(s);
+    } else { /* the slow rate b - W = w0^2/(b + W), without cancellation; backwards both are as they are */
+        dd slow = dd_div(dd_square(p->rate), dd_add(p->decay, p->width));
+        double fade = exp(-dd_round(dd_mul(slow, s))), rest = expm1(-2.0 * dd_round(phase));
+        *c = fade * (1.0 + 0.5 * rest), *d = -0.5 * fade * rest / p->width.hi;
+    }
+}
+
+/* The free motion after s from X, V. */
+static void freely(const linear *p, dd s, double from, double speed, double *restrict x, double *restrict v)
+{
+    double c, d, b = p->decay.hi, square = p->rate.hi * p->rate.hi;
+    shapes(p, s, &c, &d);
+    *x = fma(from, c, fma(b, from, speed) * d);
+    *v = fma(speed, c, -fma(square, from, b * speed) * d);
+}
+
+/* (exp(z s) - 1)/z exp(i w s) for z = -b + i gap, gap in double-double. */
+static double complex answer(dd decay, dd gap, dd w, dd s)
+{
+    double cw, sw, c, sine, half, unused, a = -dd_round(dd_mul(decay, s));
+    turned(dd_mul(w, s), &cw, &sw);
+    turned(dd_mul(gap, s), &c, &sine);
+    turned(dd_scale(dd_mul(gap, s), 0.5), &unused, &half);
+    double complex z = CMPLX(-decay.hi, gap.hi);
+    double complex top = CMPLX(fma(expm1(a), c, -2.0 * half * half), exp(a) * sine);
+    double complex ratio = z == 0.0 ? dd_round(s) : top / z;
+    return CMPLX(cw, sw) * ratio;
+}
+
+/* A drive of light damping from rest. */
+static void resounding(const linear *p, dd s, double f, double w, double c0, double s0, double *restrict x, double *restrict v)
+{
+    dd up = dd_of(w), b = p->decay, wide = p->width;
+    double complex sum = CMPLX(c0, s0) * answer(b, dd_sub(wide, up), up, s) + CMPLX(c0, -s0) * answer(b, dd_add(wide, up), dd_neg(up), s);
+    double scale = 0.5 * f / wide.hi;
+    *x += scale * cimag(sum);
+    *v += scale * cimag(CMPLX(-b.hi, wide.hi) * sum);
+}
+
+/* The steady motion at a phase whose cos and sin are given. */
+static void steady(const linear *p, double f, double w, double c, double s, double *restrict x, double *restrict v)
+{
+    dd up = dd_of(w);
+    double gap = dd_round(dd_sub(dd_square(p->rate), dd_square(up))), drag = 2.0 * p->decay.hi * w, size = gap * gap + drag * drag;
+    *x = f * fma(gap, c, drag * s) / size;
+    *v = f * w * fma(drag, c, -gap * s) / size;
+}
+
+/* A drive from rest: what it adds after s. */
+static void drive(const linear *p, dd s, double mass, const double *restrict d, double t0, double *restrict x, double *restrict v)
+{
+    double c0, s0, f = d[0] / mass, w = d[1];
+    dd start = dd_add(two_product(w, t0), dd_of(d[2]));
+    turned(start, &c0, &s0);
+    if (p->kind == UNDER && p->decay.hi < 0.5 * p->rate.hi) {
+        resounding(p, s, f, w, c0, s0, x, v);
+        return;
+    }
+    double c, sine, x0, v0, x1, v1;
+    turned(dd_add(start, dd_scale(s, w)), &c, &sine);
+    steady(p, f, w, c0, s0, &x0, &v0);
+    steady(p, f, w, c, sine, &x1, &v1);
+    *x += x1, *v += v1;
+    freely(p, s, x0, v0, &x1, &v1);
+    *x -= x1, *v -= v1;
+}
+
+int refdem_linear_oscillator(const refdem_linear *p, double x0, double v0, double t0, int64_t samples, const double *t, double *out)
+{
+    linear b = prepared(p->mass, p->linear, p->damping);
+    dd middle = dd_div(dd_of(p->weight), dd_of(p->linear));
+    double from = dd_round(dd_sub(dd_of(x0), middle));
+    for (int64_t row = 0; row < samples; row++, out += 2) {
+        double x = x0, v = v0;
+        if (t[row] != t0) {
+            dd s = two_sum(t[row], -t0);
+            freely(&b, s, from, v0, &x, &v);
+            for (int64_t k = 0; k < p->drives; k++)
+                drive(&b, s, p->mass, p->drive + 3 * k, t0, &x, &v);
+            x = dd_round(dd_add(middle, dd_of(x)));
+        }
+        out[0] = x, out[1] = v;
+    }
+    return 0;
+}

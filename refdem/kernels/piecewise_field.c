@@ -1,0 +1,99 @@
+/* A point in a force that rises linearly from x1 to 0 and falls linearly to x2 (source: Matuttis and Chen 2014, (1.139)), in closed form.
+ *
+ * On the rising flank x - x1 = A exp(lambda t) + B exp(-lambda t), lambda^2 = k1/m; on the falling one x - x2 = R cos(omega t + delta),
+ * omega^2 = -k2/m; outside, free flight. Each phase ends where its own formula says.
+ */
+#include <math.h>
+
+#include "kernels.h"
+
+enum { LEFT, RISING, FALLING, RIGHT };
+
+typedef struct {
+    double x1, x2, lambda, omega;
+} tent;
+
+typedef struct {
+    int region;
+    double x, v;          /* at its begin */
+    double a, b, lag;     /* A, B; or R and delta in a and lag */
+    double lasts;
+    int next;
+} phase;
+
+static phase free_flight(const tent *f, int region, double x, double v)
+{
+    phase p = {.region = region, .x = x, .v = v, .lasts = INFINITY};
+    double edge = region == LEFT ? f->x1 : f->x2, towards = region == LEFT ? v : -v;
+    if (towards > 0.0)
+        p.lasts = (edge - x) / v, p.next = region == LEFT ? RISING : FALLING;
+    return p;
+}
+
+static phase rising(const tent *f, double x, double v)
+{
+    double s = x - f->x1, h = -f->x1;
+    phase p = {.region = RISING, .x = x, .v = v, .lasts = INFINITY, .a = 0.5 * (s + v / f->lambda), .b = 0.5 * (s - v / f->lambda)};
+    if (p.a > 0.0)
+        p.lasts = log((h + sqrt(fmax(0.0, h * h - 4.0 * p.a * p.b))) / (2.0 * p.a)) / f->lambda, p.next = FALLING;
+    if (p.a < 0.0)
+        p.lasts = 0.5 * log(-p.b / p.a) / f->lambda, p.next = LEFT;
+    return p;
+}
+
+static phase falling(const tent *f, double x, double v)
+{
+    const double pi = 3.14159265358979323846;
+    double s = x - f->x2;
+    phase p = {.region = FALLING, .x = x, .v = v, .lasts = INFINITY, .a = hypot(s, v / f->omega), .lag = atan2(-v / f->omega, s)};
+    if (p.lag < 0.0)
+        p.lag += 2.0 * pi;
+    if (v < 0.0 && p.a > f->x2)
+        p.lasts = (acos(-f->x2 / p.a) - p.lag) / f->omega, p.next = RISING;
+    else if (p.a > 0.0)
+        p.lasts = (1.5 * pi - p.lag) / f->omega, p.next = RIGHT;
+    return p;
+}
+
+static phase entered(const tent *f, int region, double x, double v)
+{
+    return region == RISING ? rising(f, x, v) : region == FALLING ? falling(f, x, v) : free_flight(f, region, x, v);
+}
+
+static void state(const tent *f, const phase *p, double t, double *restrict x, double *restrict v)
+{
+    *x = p->x + p->v * t, *v = p->v;
+    if (p->region == RISING) {
+        double grown = p->a * exp(f->lambda * t), left = p->b * exp(-f->lambda * t);
+        *x = f->x1 + (grown + left), *v = f->lambda * (grown - left);
+    }
+    if (p->region == FALLING)
+        *x = f->x2 + p->a * cos(f->omega * t + p->lag), *v = -f->omega * p->a * sin(f->omega * t + p->lag);
+}
+
+static int region_at(const tent *f, double x, double v)
+{
+    if (x < f->x1 || (x == f->x1 && v <= 0.0))
+        return LEFT;
+    if (x < 0.0 || (x == 0.0 && v < 0.0))
+        return RISING;
+    return x < f->x2 || (x == f->x2 && v < 0.0) ? FALLING : RIGHT;
+}
+
+int refdem_piecewise_field(double mass, double k1, double k2, double x1, double x2, double x0, double v0, int64_t samples,
+                           const double *t, double *out)
+{
+    tent f = {x1, x2, sqrt(k1 / mass), sqrt(-k2 / mass)};
+    double begin = 0.0, edges[4] = {x1, 0.0, x2, 0.0};
+    phase now = entered(&f, region_at(&f, x0, v0), x0, v0);
+    for (int64_t row = 0; row < samples; row++, out += 2) {
+        while (t[row] - begin > now.lasts) {
+            double x, v;
+            state(&f, &now, now.lasts, &x, &v);
+            begin += now.lasts;
+            now = entered(&f, now.next, edges[now.region < now.next ? now.region : now.next], v);
+        }
+        state(&f, &now, t[row] - begin, out, out + 1);
+    }
+    return 0;
+}

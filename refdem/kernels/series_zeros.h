@@ -1,0 +1,109 @@
+/* Taylor series of order 20: products, values, and their first zeros to the last bit.
+ *
+ * A stretch without a zero is told by bounds of the series, never by its ends alone: where the sum of what lowers it leaves it positive
+ * there is none, where the slope is nowhere positive there is at most one; else the stretch is halved.
+ */
+#ifndef REFDEM_SERIES_ZEROS_H
+#define REFDEM_SERIES_ZEROS_H
+
+#include <math.h>
+#include <string.h>
+
+enum { ORDER = 20 };
+
+/* 1/n: a product is ready sooner than a quotient. */
+static const double PART[ORDER + 1] = {
+    0.0,      1.0 / 1,  1.0 / 2,  1.0 / 3,  1.0 / 4,  1.0 / 5,  1.0 / 6,  1.0 / 7,  1.0 / 8,  1.0 / 9, 1.0 / 10,
+    1.0 / 11, 1.0 / 12, 1.0 / 13, 1.0 / 14, 1.0 / 15, 1.0 / 16, 1.0 / 17, 1.0 / 18, 1.0 / 19, 1.0 / 20,
+};
+
+static inline double product(const double *restrict a, const double *restrict b, int n)
+{
+    double even = 0.0, odd = 0.0;
+    for (int i = 0; i < n; i += 2)
+        even += a[i] * b[n - i], odd += a[i + 1] * b[n - i - 1];
+    return n % 2 ? even + odd : even + odd + a[n] * b[0];
+}
+
+static inline double square(const double *a, int n)
+{
+    double sum = 0.0;
+    for (int i = 0; 2 * i < n; i++)
+        sum += a[i] * a[n - i];
+    return n % 2 ? 2.0 * sum : 2.0 * sum + a[n / 2] * a[n / 2];
+}
+
+static inline double value(const double *restrict a, double s)
+{
+    double sum = a[ORDER];
+    for (int n = ORDER - 1; n >= 0; n--)
+        sum = fma(sum, s, a[n]);
+    return sum;
+}
+
+static inline double gained(const double *restrict a, double s)
+{
+    double sum = 0.0;
+    for (int n = ORDER; n >= 1; n--)
+        sum = (sum + a[n]) * s;
+    return sum;
+}
+
+/* b(s) = a(s + at) */
+static inline void moved(const double *restrict a, double at, double *restrict b)
+{
+    for (int n = 0; n <= ORDER; n++)
+        b[n] = a[n];
+    for (int k = 0; k < ORDER; k++)
+        for (int n = ORDER - 1; n >= k; n--)
+            b[n] += at * b[n + 1];
+}
+
+/* The zero of a series in [low, high], where it falls through one, to the last bit. */
+static inline double zero_between(const double *restrict a, double low, double high)
+{
+    for (int i = 0; i < 200; i++) {
+        double middle = 0.5 * (low + high);
+        if (middle <= low || middle >= high)
+            break;
+        if (value(a, middle) > 0.0)
+            low = middle;
+        else
+            high = middle;
+    }
+    return high;
+}
+
+/* The first zero in (0, h] of a series that is > 0 just after 0; -1 if there is none. */
+static inline double first_zero(const double *restrict a, double h)
+{
+    double from[64], width[64], b[ORDER + 1];
+    int waiting = 1;
+    from[0] = 0.0, width[0] = h;
+    while (waiting) {
+        waiting--;
+        double low = from[waiting], w = width[waiting], least, steepest, power = w;
+        if (low > 0.0)
+            moved(a, low, b);
+        else
+            memcpy(b, a, sizeof b);
+        least = fmax(b[0], 0.0), steepest = b[1];
+        for (int n = 1; n <= ORDER; n++, power *= w)
+            least += fmin(0.0, b[n] * power);
+        if (least > 0.0)
+            continue;
+        power = w;
+        for (int n = 2; n <= ORDER; n++, power *= w)
+            steepest += fmax(0.0, n * b[n] * power);
+        if (steepest <= 0.0 || w < 0x1p-45 * h) {
+            if (value(a, low + w) <= 0.0)
+                return zero_between(a, low, low + w);
+            continue;
+        }
+        from[waiting] = low + 0.5 * w, width[waiting++] = 0.5 * w;
+        from[waiting] = low, width[waiting++] = 0.5 * w;
+    }
+    return -1.0;
+}
+
+#endif

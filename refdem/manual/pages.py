@@ -1,0 +1,101 @@
+"""The pages of the manual from cases, checks and the certified store."""
+
+from collections.abc import Iterator
+from pathlib import Path
+
+from refdem.campaign import plan
+from refdem.campaign.certified_list import certified_case
+from refdem.campaign.specification import Specification
+from refdem.core import discovery
+from refdem.core.case import Canonical, Instance
+from refdem.core.manual import CheckLine, ManualPage, ParameterLine, QuantityLine, TruthLine
+from refdem.core.selection import Selection
+from refdem.errors import NotCertifiedError
+from refdem.manual.slips import slips_of
+from refdem.truth.certified.reader import CertifiedSet, load
+from refdem.truth.witnesses.testimony import witnesses
+
+DIGITS = 24
+"""Decimal places of the scalars that are shown."""
+
+
+def pages(folder: Path) -> Iterator[ManualPage]:
+    """A page for every case with a truth of its own; `folder` is the store's."""
+    sets: dict[str, list[CertifiedSet]] = {}
+    for one in load(folder=folder / "certified"):
+        sets.setdefault(one.case, []).append(one)
+    for name in discovery.names("cases"):
+        case = discovery.case(name)
+        if not isinstance(case, Selection):
+            yield page(case, sets.get(name, []))
+
+
+def page(case: Canonical, sets: list[CertifiedSet]) -> ManualPage:
+    """The page of one case at its defaults."""
+    instance = case.at()
+    return ManualPage(
+        case=case.id,
+        title=case.title,
+        statement=case.statement,
+        latex=case.latex,
+        source=case.source,
+        convention=" ".join((type(case).__doc__ or "").split()),
+        kind=instance.problem.words,
+        features=tuple(sorted(instance.problem.features)),
+        parameters=tuple(
+            ParameterLine(name=p.name, default=p.default, unit=p.unit, bounds=p.bounds(), doc=p.doc) for p in instance.p.declared.values()
+        ),
+        quantities=tuple(QuantityLine(name=q.name, unit=q.unit, scale=q.scale) for q in instance.quantities.values()),
+        scalars=scalars(instance),
+        truth=truth_line(case.id, instance, sets),
+        checks=tuple(checks(instance)),
+        slips=slips_of(case.id),
+        reproduce=reproduce(case.id, instance),
+    )
+
+
+def scalars(instance: Instance) -> tuple[QuantityLine, ...]:
+    """The certified scalars at the defaults."""
+    try:
+        found = instance.truth().refined(DIGITS).scalars()
+    except NotCertifiedError:
+        return ()
+    named = {name: ball.decimals(DIGITS) for name, ball in found.items() if name not in instance.quantities}
+    return tuple(QuantityLine(name=name, mid=mid, radius=radius) for name, (mid, radius) in named.items())
+
+
+def truth_line(name: str, instance: Instance, sets: list[CertifiedSet]) -> TruthLine:
+    """How it is proved, by the case itself where the store has nothing."""
+    found, truth = certified_case(name, sets), instance.truth()
+    witness = witnesses().get(name)
+    return TruthLine(
+        method="; ".join(found.methods) or truth.method,
+        own_witness=found.own_witness or truth.witness,
+        witness=found.witness if found.witnessed else witness.method if witness else "none",
+        witnessed=found.witnessed,
+        agreed=found.agreed,
+        sets=found.sets,
+        values=found.values,
+        digits=found.digits,
+        has_no_witness=witness is None and (found.own_witness or truth.witness) in ("", "none"),
+        labels=tuple(one.label for one in sets),
+        not_certified=tuple((one.label, t, reason) for one in sets for t, reason in one.not_certified.items()),
+    )
+
+
+def checks(instance: Instance) -> Iterator[CheckLine]:
+    """Every check; one is for this case if it applies in some method of the reference that can run it."""
+    specification = Specification(name="manual", case=[], engines=["reference"])
+    tasks = [task for task in plan.tasks(specification, instance, (), discovery.engine("reference"), None) if task.refusal is None]
+    applied = {check.name for task in tasks for check in task.checks}
+    for name in discovery.names("checks"):
+        check = discovery.check(name)
+        reasons = list(dict.fromkeys(task.left_out[name] for task in tasks if name in task.left_out))
+        known = {"left_out": ""} if name in applied else {"left_out": "; ".join(reasons) or "no method of the reference runs it"}
+        yield CheckLine(name=name, title=check.title, kills=check.kills, **known)
+
+
+def reproduce(name: str, instance: Instance) -> tuple[str, ...]:
+    """Commands that show the same."""
+    at = f" --at {float(instance.times[1]):g}" if instance.quantities and len(instance.times) > 1 else ""
+    return f"refdem truth {name}{at}", f"refdem truth --list {name}", f"refdem run {name}", f"refdem explain {name}"

@@ -1,0 +1,110 @@
+"""Mass, centre of mass and inertia of bodies: point clouds, polygons and polyhedra, and what moving and turning does to them.
+
+Matuttis and Chen 2014, chapter 1, (1.14) to (1.31); a polyhedron is the signed sum of the tetrahedra between its faces and a point.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Self
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class MassProperties:
+    """`mass` [kg], `centre` of mass (3,) [m], and the `inertia` tensor (3, 3) [kg m^2] about it."""
+
+    mass: float
+    centre: Array
+    inertia: Array
+
+    def about(self, point: ArrayLike) -> Array:
+        """The tensor (3, 3) about another point (3,) [m]: the parallel axis theorem (1.28)."""
+        return self.inertia + _of_point(self.mass, np.asarray(point, float) - self.centre)
+
+    def turned(self, turn: Array) -> Self:
+        """The same body after the rotation matrix `turn` (3, 3) about the origin: R J R^T (1.30)."""
+        return type(self)(self.mass, turn @ self.centre, turn @ self.inertia @ turn.T)
+
+    def __add__(self, other: Self) -> Self:
+        """Both bodies as one."""
+        mass = self.mass + other.mass
+        centre = (self.mass * self.centre + other.mass * other.centre) / mass
+        return type(self)(mass, centre, self.about(centre) + other.about(centre))
+
+    def __sub__(self, hollow: Self) -> Self:
+        """The body without a part of it (1.31)."""
+        return self + type(self)(-hollow.mass, hollow.centre, -hollow.inertia)
+
+    def principal(self) -> tuple[Array, Array]:
+        """Principal moments (3,) in rising order, and the right-handed axes (3, 3) as columns."""
+        moments, axes = np.linalg.eigh(self.inertia)
+        axes[:, 2] *= np.sign(np.linalg.det(axes))
+        return moments, axes
+
+
+def _of_point(mass: float, arm: Array) -> Array:
+    """`mass` (|a|^2 1 - a a^T), (3, 3) [kg m^2]."""
+    return mass * (arm @ arm * np.eye(3) - np.outer(arm, arm))
+
+
+def of_points(mass: ArrayLike, position: ArrayLike) -> MassProperties:
+    """Of N points: mass (N,) [kg], position (N, 3) [m] (1.14)."""
+    mass, position = np.asarray(mass, float), np.asarray(position, float)
+    total = float(np.sum(mass))
+    centre = mass @ position / total
+    arms = position - centre
+    inertia = np.sum([_of_point(m, arm) for m, arm in zip(mass, arms, strict=True)], axis=0)
+    return MassProperties(total, centre, inertia)
+
+
+def of_polyhedron(vertices: ArrayLike, faces: Sequence[Sequence[int]], density: float) -> MassProperties:
+    """Of a solid with flat faces, convex or not: vertices (V, 3) [m], faces counter-clockwise from outside, density [kg/m^3].
+
+    Each triangle of a face spans a tetrahedron with the mean of the vertices. Its volume has a sign, so what lies outside
+    cancels. Over a tetrahedron with corners 0, p, q, r the mean of x x^T is (sum of the corners' own + s s^T)/20, s = p + q + r.
+    """
+    corners = np.asarray(vertices, float)
+    origin = corners.mean(axis=0)
+    fans = [(face[0], face[i], face[i + 1]) for face in faces for i in range(1, len(face) - 1)]
+    p, q, r = (corners[list(index)] - origin for index in zip(*fans, strict=True))
+    mass = density * np.einsum("ij,ij->i", p, np.cross(q, r)) / 6
+    total, s = float(np.sum(mass)), p + q + r
+    centre = mass @ s / (4 * total)
+    second = sum(np.einsum("i,ij,ik->jk", mass, a, a) for a in (p, q, r, s)) / 20 - total * np.outer(centre, centre)
+    return MassProperties(total, origin + centre, np.trace(second) * np.eye(3) - second)
+
+
+def of_polygon(vertices: ArrayLike, density: float) -> MassProperties:
+    """Of a simple polygon in x-y, convex or not: vertices (V, 2) [m] counter-clockwise, density [kg/m^2]; `inertia[2, 2]` is its J.
+
+    A triangle with corners p, q and the mean of the vertices has m (p.p + p.q + q.q)/6 about the latter, with the sign of p x q.
+    """
+    corners = np.asarray(vertices, float)
+    origin = corners.mean(axis=0)
+    p = corners - origin
+    q = np.roll(p, -1, axis=0)
+    mass = density * (p[:, 0] * q[:, 1] - p[:, 1] * q[:, 0]) / 2
+    total, s = float(np.sum(mass)), p + q
+    centre = mass @ s / (3 * total)
+    second = sum(np.einsum("i,ij,ik->jk", mass, a, a) for a in (p, q, s)) / 12 - total * np.outer(centre, centre)
+    flat = np.zeros((3, 3))
+    flat[:2, :2] = second
+    return MassProperties(total, np.append(origin + centre, 0.0), np.trace(flat) * np.eye(3) - flat)
+
+
+def of_ellipsoid(half_axes: Sequence[float], density: float) -> MassProperties:
+    """Of an ellipsoid about the origin, half axes (3,) [m], density [kg/m^3]: a ball, stretched."""
+    a = np.asarray(half_axes, float)
+    mass = float(4 / 3 * np.pi * np.prod(a) * density)
+    return MassProperties(mass, np.zeros(3), mass / 5 * np.diag(np.sum(a * a) - a * a))
+
+
+def of_cylinder(half_axes: Sequence[float], height: float, density: float) -> MassProperties:
+    """Of an elliptical cylinder about the origin, half axes (2,) in x and y, height [m] along z, density [kg/m^3]."""
+    squares = np.array([half_axes[0] ** 2 / 4, half_axes[1] ** 2 / 4, height**2 / 12])
+    mass = float(np.pi * half_axes[0] * half_axes[1] * height * density)
+    return MassProperties(mass, np.zeros(3), mass * np.diag(np.sum(squares) - squares))

@@ -1,0 +1,134 @@
+"""The verification manual: a page a case in Markdown (committed) and in HTML (offline, in the report's style), and a table of them all."""
+
+from collections.abc import Sequence
+from pathlib import Path
+
+from refdem.core.manual import CheckLine, ManualPage, QuantityLine
+from refdem.report.files import removed, written
+from refdem.report.html import _templates
+from refdem.report.markdown import _table, plain
+from refdem.report.mathml import equations
+from refdem.report.numbers import two
+
+CSS = Path(__file__).with_name("assets") / "report.css"
+FEW = 24
+"""Quantities that a page lists one by one; more are listed by name."""
+NOBODY = "**nobody**: no witness"
+
+
+def write_pages(folder: Path, pages: Sequence[ManualPage], *, version: str) -> None:
+    """Writes manual/<case>.md and .html, manual/index of both kinds, and the style; pages of cases that are gone are removed."""
+    home = Path(folder) / "manual"
+    known = {f"{name}.{kind}" for name in ("index", *(page.case for page in pages)) for kind in ("md", "html")}
+    for path in sorted(home.glob("*")):
+        if path.name not in known and path.suffix in (".md", ".html"):
+            removed(path)
+    templates = _templates()
+    templates.filters["prose"] = scale_of
+    written(Path(folder) / "assets" / CSS.name, CSS.read_bytes())
+    for index, page in enumerate(pages):
+        written(home / f"{page.case}.md", markdown(page))
+        beside = {"before": pages[index - 1] if index else None, "after": pages[index + 1] if index + 1 < len(pages) else None}
+        text = templates.get_template("manual.html").render(sheet=page, version=version, equations=equations(page.latex), few=FEW, **beside)
+        written(home / f"{page.case}.html", text)
+    written(home / "index.md", index_markdown(pages))
+    written(home / "index.html", templates.get_template("manual_index.html").render(pages=pages, version=version))
+
+
+def markdown(page: ManualPage) -> str:
+    """The page of one case as Markdown."""
+    parts = [
+        f"# {plain(page.title)} (`{page.case}`)",
+        plain(page.statement),
+        f"$$\n{page.latex}\n$$",
+        f"Source: {plain(page.source)}. Convention: {plain(page.convention)}",
+        f"It asks for {plain(page.kind)}: {plain(', '.join(page.features))}.",
+        "## Parameters\n\nExact in truth; engines run them rounded to binary64.\n\n" + _table(*parameters(page)),
+        "## Quantities\n\n" + quantities(page.quantities),
+        *(["## Scalars at the defaults\n\n" + scalars(page.scalars)] if page.scalars else []),
+        "## Truth\n\n" + truth(page),
+        "## Checks\n\nIn the methods of the reference; engines have more.\n\n" + checks(page.checks),
+        *(["## Slips of the source\n\n" + "\n\n".join(slips(page))] if page.slips else []),
+        "## Again\n\n```\n" + "\n".join(page.reproduce) + "\n```",
+    ]
+    return "\n\n".join(parts) + "\n"
+
+
+def parameters(page: ManualPage) -> tuple[list[str], list[list[str]]]:
+    """Head and lines of the table of parameters."""
+    lines = [
+        [f"`{p.name}`", plain(p.default) or "(the case decides)", plain(p.unit), plain(p.bounds), plain(p.doc)] for p in page.parameters
+    ]
+    return ["parameter", "default", "unit", "bounds", "what"], lines
+
+
+def quantities(found: Sequence[QuantityLine]) -> str:
+    """A table, or a list of names where they are many."""
+    if len(found) > FEW:
+        return f"{len(found)} values: {', '.join(f'`{q.name}`' for q in found)}."
+    return _table(["quantity", "unit", "size against which an error counts"], [[f"`{q.name}`", plain(q.unit), two(q.scale)] for q in found])
+
+
+def scalars(found: Sequence[QuantityLine]) -> str:
+    """A table, or the first of many."""
+    more = f"\n\nand {len(found) - FEW} more" if len(found) > FEW else ""
+    return _table(["scalar", "value", "radius"], [[f"`{q.name}`", q.mid, q.radius] for q in found[:FEW]]) + more
+
+
+def truth(page: ManualPage) -> str:
+    """How it is proved, who witnesses it, and what of it is certified."""
+    t = page.truth
+    said = f" {t.witnessed} of the certified values were confirmed, to at least {t.agreed} digits." if t.witnessed else ""
+    digits = "exactly" if t.sets and t.digits is None else f"to {t.digits} decimal places"
+    kept = f"{t.values} values of {t.sets} parameter sets, all proved {digits}" if t.sets else "none yet"
+    lines = [
+        f"- Method: {plain(t.method)}.",
+        f"- Witness when it is proved: {plain(t.witness) if t.witness != 'none' else 'none'}.{said}",
+        f"- Witness in the tests: {plain(t.own_witness) if t.own_witness not in ('', 'none') else 'none'}.",
+        f"- In the certified store: {kept}.",
+        *([f"- {NOBODY}."] if t.has_no_witness else []),
+        *(f"- Not certified: {plain(label)} at {t_}: {plain(reason)}" for label, t_, reason in t.not_certified),
+    ]
+    return "\n".join(lines)
+
+
+def checks(found: Sequence[CheckLine]) -> str:
+    """Those that apply with what they kill, then those that do not with the reason."""
+    lines = [[plain(c.name), plain(c.title), plain(c.kills)] for c in found if not c.left_out]
+    others = "\n".join(f"- {plain(c.name)}: {plain(c.left_out)}" for c in found if c.left_out)
+    return _table(["check", "what it judges", "what it kills"], lines) + (
+        f"\n\nNot for this case at its defaults:\n\n{others}" if others else ""
+    )
+
+
+def slips(page: ManualPage) -> list[str]:
+    """What the source says, what holds, and the numbers."""
+    return [
+        f"**{plain(slip.where)}** Said: {plain(slip.says)}. Holds: {plain(slip.holds)}.\n\n"
+        + _table(["measured", "value"], [[plain(what), plain(value)] for what, value in slip.measured])
+        for slip in page.slips
+    ]
+
+
+def index_markdown(pages: Sequence[ManualPage]) -> str:
+    """Who proves what and who witnesses it."""
+    lines = [
+        [
+            f"[{page.case}]({page.case}.md)",
+            str(page.truth.sets),
+            str(page.truth.values),
+            plain(page.truth.method),
+            plain(page.truth.witness) + (f" ({page.truth.witnessed} values)" if page.truth.witnessed else ""),
+            NOBODY if page.truth.has_no_witness else plain(page.truth.own_witness),
+        ]
+        for page in pages
+    ]
+    values, witnessed = sum(page.truth.values for page in pages), sum(page.truth.witnessed for page in pages)
+    head = ["case", "sets", "values", "proved by", "witness when proved", "witness in the tests"]
+    told = f"{len(pages)} cases, {values} certified values, {witnessed} of them confirmed when proved by a witness that shares no code."
+    return f"# Verification manual\n\n{told}\n\n{_table(head, lines)}\n"
+
+
+def scale_of(value: float | None) -> str:
+    """A size with two digits."""
+    return two(value)

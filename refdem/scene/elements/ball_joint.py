@@ -1,0 +1,16 @@
+"""A ball joint: two anchors stay together, the bodies turn about them as they like."""
+
+from refdem.scene.element import Link
+
+
+class BallJoint(Link, frozen=True, kw_only=True, tag="ball_joint"):
+    """Keeps `anchor_a` of body `a` where `anchor_b` of body `b`, or of the world, is; free of friction."""
+
+    @property
+    def external(self) -> bool:  # type: ignore[override]
+        """A joint to the world holds from outside."""
+        return self.b < 0
+
+    def features(self) -> frozenset[str]:
+        """A constraint."""
+        return frozenset({"ball_joint", "constraint"})

@@ -1,0 +1,26 @@
+"""A hook that catches what passes: from closest approach on, the body keeps its distance."""
+
+from refdem.scene.dimension import Length
+from refdem.scene.element import Link
+
+
+class Catch(Link, frozen=True, kw_only=True, tag="catch"):
+    """Joins the anchors, when they come closest, by a rod of that length, if they are then within `radius` [m] of each other.
+
+    At closest approach nothing moves along the line between the anchors, so that catching does no work and exerts no impulse.
+    """
+
+    radius: Length
+
+    @property
+    def external(self) -> bool:  # type: ignore[override]
+        """A hook of the world pulls from outside."""
+        return self.b < 0
+
+    def features(self) -> frozenset[str]:
+        """A constraint that begins at an event."""
+        return frozenset({"catch", "constraint"})
+
+    def faults(self) -> list[str]:
+        """A reach that catches nothing."""
+        return [] if self.radius > 0 else [f"radius is {self.radius}, expected > 0"]

@@ -1,0 +1,36 @@
+"""A dashpot between two anchors, or in a fluid at rest: its force opposes their relative velocity."""
+
+from typing import Annotated
+
+from refdem.scene.dimension import Damping, Dimension
+from refdem.scene.element import Link
+
+
+class Dashpot(Link, frozen=True, kw_only=True, tag="dashpot"):
+    """Force `-(damping + van_der_pol d**2) w` on a, d [m] being the distance of the anchors and w [m/s] the velocity of a against b.
+
+    damping [N s/m], van_der_pol [N s/m**3]; either may be negative: then the dashpot brings energy in. It resists in all
+    directions alike, as a fluid does, so that nothing is singular where the anchors meet.
+    """
+
+    damping: Damping = 0.0
+    van_der_pol: Annotated[float, Dimension(1, -2, -1)] = 0.0
+
+    @property
+    def conservative(self) -> bool:  # type: ignore[override]
+        """One that does nothing."""
+        return self.damping == 0 and self.van_der_pol == 0
+
+    @property
+    def drives(self) -> bool:  # type: ignore[override]
+        """A coefficient below zero brings energy in."""
+        return self.damping < 0 or self.van_der_pol < 0
+
+    @property
+    def external(self) -> bool:  # type: ignore[override]
+        """A dashpot to the world acts from outside."""
+        return self.b < 0
+
+    def features(self) -> frozenset[str]:
+        """The kind, and that its damping depends on the place where it does."""
+        return frozenset({"dashpot"} | ({"dashpot:van_der_pol"} if self.van_der_pol else set()))

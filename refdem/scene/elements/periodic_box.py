@@ -1,0 +1,23 @@
+"""Space that repeats itself: what leaves a cubic box on one side is also what comes in on the other."""
+
+from refdem.scene.dimension import Length
+from refdem.scene.element import Array, Element
+
+
+class PeriodicBox(Element, frozen=True, kw_only=True, tag="periodic_box"):
+    """Every body has images `size` [m] apart along x, y and z, and pairs meet by their nearest images.
+
+    Positions of a trajectory go on beyond the box, so that velocities are their rates; which of the images they are does not matter.
+    Momentum is kept; angular momentum is not, for the force between images does not act along one line.
+    """
+
+    size: Length
+
+    def faults(self) -> list[str]:
+        """A box without size."""
+        return [] if self.size > 0 else [f"size is {self.size}, expected > 0"]
+
+    def nearest(self, apart: Array) -> Array:
+        """The vectors (..., 3) [m] between bodies, to the nearest image."""
+        found: Array = apart - self.size * (apart / self.size).round()
+        return found

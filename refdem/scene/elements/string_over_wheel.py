@@ -1,0 +1,45 @@
+"""A string that runs over a wheel: one body swings on one side, another hangs straight down on the other (fig. 1.3b)."""
+
+from typing import Annotated, Any, ClassVar
+
+import numpy as np
+
+from refdem.scene.dimension import Dimension, Length, Position
+from refdem.scene.element import Array, Element
+
+
+class StringOverWheel(Element, frozen=True, kw_only=True, tag="string_over_wheel"):
+    """Body `a` swings in a plane with gravity, body `b` moves along gravity on the other side; the taut string does not slip.
+
+    The string leaves the wheel (`radius` [m] >= 0, `inertia` [kg m^2] about its axle at `centre`) at its tangents; its length is what
+    the start has. Wheel and string hold no potential energy; the wheel turns at u/radius, u being the speed of the string.
+    """
+
+    external: ClassVar[bool] = True
+
+    a: int
+    b: int
+    centre: Position = (0.0, 0.0, 0.0)
+    radius: Length = 0.0
+    inertia: Annotated[float, Dimension(1, 2, 0)] = 0.0
+
+    def features(self) -> frozenset[str]:
+        """A string is a constraint."""
+        return frozenset({"string_over_wheel", "constraint"})
+
+    def faults(self) -> list[str]:
+        """Negative sizes, a wheel of no radius that would have to turn infinitely fast."""
+        found = [f"{name} is {value}, expected >= 0" for name in ("radius", "inertia") if (value := getattr(self, name)) < 0]
+        if self.radius == 0 and self.inertia > 0:
+            found.append(f"inertia is {self.inertia} at radius 0, expected 0: a point does not turn with the string")
+        return found if self.b >= 0 else [*found, f"b is {self.b}, expected a body: the world does not hang on a string"]
+
+    @property
+    def drag(self) -> float:
+        """J/R^2 [kg]: the mass that the wheel adds to the string."""
+        return self.inertia / self.radius**2 if self.inertia else 0.0
+
+    def kinetic(self, scene: Any, velocity: Array) -> Array:
+        """J (u/R)^2/2 (T,) [J], u being the speed of the body that hangs straight down."""
+        energy: Array = 0.5 * self.drag * np.sum(velocity[:, self.b] ** 2, axis=-1)
+        return energy

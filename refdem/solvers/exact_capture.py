@@ -1,0 +1,69 @@
+"""A free point that a hook of the world catches at closest approach: a straight line, then a circle."""
+
+from time import perf_counter
+
+import numpy as np
+
+from refdem.core.engine import Method
+from refdem.core.problem import Motion, Request
+from refdem.core.trajectory import Cost, Event, Trajectory
+from refdem.scene.elements.catch import Catch
+from refdem.scene.elements.uniform_gravity import UniformGravity
+from refdem.solvers import _single_point as single
+from refdem.solvers.solver import Solver
+
+REACH = 1.0 + 1e-9
+"""A mass that just reaches the hook is caught in any turned frame."""
+ACROSS = 1e-12
+"""Part of the speed along the line to the hook that is rounding: closest approach is now."""
+
+
+class ExactCapture(Solver):
+    """What is not caught flies on; the force [N] of the hook is m v^2/d."""
+
+    claims = Method(
+        name="exact-capture",
+        summary="straight flight, closest approach, circle: closed form",
+        control="exact",
+        conserves=frozenset({"energy", "angular-momentum"}),
+        symplectic=True,
+        cost_rank=0,
+    )
+
+    def refusal(self, problem: Motion) -> str | None:
+        """None for one free point and one hook of the world."""
+        scene = problem.scene
+        reason = single.refusal(scene, Catch)
+        if reason:
+            return reason
+        if scene.all(UniformGravity) or scene.all(Catch)[0].b >= 0 or scene.bodies.fixed.any():
+            return "the point does not fly freely past a hook of the world"
+        if problem.interval < 0:
+            return "backwards in time the hook would have to let go, and nothing says where"
+        return None
+
+    def run(self, request: Request) -> tuple[Trajectory, Cost]:
+        """Position, velocity and force at the samples; the catch is an event."""
+        begun = perf_counter()
+        scene, t = request.problem.scene, request.problem.times
+        hook, mass = scene.all(Catch)[0], scene.bodies.mass[0]
+        arm, v = scene.bodies.position[0] - single.anchor(hook), scene.bodies.velocity[0]
+        speed2, along = v @ v, arm @ v
+        late = -along / speed2 if speed2 > 0 and abs(along) > ACROSS * np.linalg.norm(arm) * np.sqrt(speed2) else 0.0
+        nearest = arm + v * late
+        distance = float(np.linalg.norm(nearest))
+        holds = late >= 0 and 0 < distance <= hook.radius * REACH
+        since = (t - t[0]) - late if holds else np.full(len(t), -1.0)
+        caught, flight = since > 0, np.where(since > 0, late, t - t[0])
+        angle = np.where(caught, np.sqrt(speed2) / distance * since, 0.0)[:, None] if distance else np.zeros((len(t), 1))
+        cosine, sine, ahead = np.cos(angle), np.sin(angle), v * (distance / np.sqrt(speed2) if speed2 > 0 else 0.0)
+        place = np.where(caught[:, None], nearest * cosine + ahead * sine, arm + v * flight[:, None])
+        velocity = np.where(caught[:, None], v * cosine - nearest * (np.sqrt(speed2) / (distance or 1.0)) * sine, v)
+        force = np.where(since >= 0, mass * speed2 / (distance or 1.0), 0.0)
+        events = (Event(float(t[0] + late), "catch", 0),) if holds and t[0] + late <= t[-1] else ()
+        cost = Cost(seconds=perf_counter() - begun)
+        position = (place + single.anchor(hook))[:, None]
+        return Trajectory.of_points(t, position, velocity[:, None], channels={"rod_force": force[:, None]}, events=events), cost
+
+
+METHOD = ExactCapture()

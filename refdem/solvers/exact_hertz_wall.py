@@ -1,0 +1,123 @@
+"""One sphere against a wall under Hertz's law, sliding or not: kernels/power_contact.c along the normal, friction by its impulse."""
+
+from time import perf_counter
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from refdem.core.engine import Method
+from refdem.core.problem import Motion, Request
+from refdem.core.trajectory import Cost, Event, Trajectory
+from refdem.kernels import load, pointer
+from refdem.scene import Scene, Sphere
+from refdem.scene.elements.contact import Contact
+from refdem.scene.elements.plane import Plane
+from refdem.solvers.solver import Solver
+
+Array = NDArray[np.float64]
+ROUNDED = 4 * 2.0**-52
+
+
+class ExactHertzWall(Solver):
+    """The slip keeps its direction, falls by 7/2 mu times the normal impulse per mass, and stays zero once it is."""
+
+    claims = Method(
+        name="exact-hertz-wall",
+        summary="Hertz's contact with a wall in closed form; sliding friction by the impulse",
+        control="exact",
+        conserves=frozenset({"energy"}),
+        complete_state=False,
+        cost_rank=5,
+    )
+    kernels = ("power_contact",)
+
+    def refusal(self, problem: Motion) -> str | None:
+        """None for one free solid sphere at or before a plane, forward in time, under nothing but Hertz's contact."""
+        scene, bodies = problem.scene, problem.scene.bodies
+        laws, planes = scene.all(Contact), scene.all(Plane)
+        if len(bodies) != 1 or not isinstance(bodies.shape[0], Sphere) or bodies.fixed.any():
+            return "not one free sphere"
+        if len(laws) != 1 or len(planes) != 1 or len(scene.elements) != 2 or laws[0].law != "hertz":
+            return "something else than one plane and one contact law of Hertz"
+        moment = 0.4 * bodies.mass[0] * bodies.radius[0] ** 2
+        solid = np.all(np.abs(bodies.inertia[0] - moment) <= ROUNDED * moment)
+        if laws[0].friction > 0 and (laws[0].branch != "R" or not solid):
+            return "friction with another lever than R, or on a sphere that is not solid"
+        if np.any(bodies.omega) and not (solid and np.all(bodies.omega[0, :2] == 0)):
+            return "the sphere turns about another axis than z"
+        gap = float((bodies.position[0] - np.array(planes[0].point)) @ np.array(planes[0].normal)) - bodies.radius[0]
+        if problem.interval < 0 or gap < -ROUNDED * bodies.radius[0]:
+            return "time runs backwards, or they overlap at the start"
+        return None
+
+    def run(self, request: Request) -> tuple[Trajectory, Cost]:
+        """States at the samples."""
+        begun = perf_counter()
+        scene, t = request.problem.scene, request.problem.times
+        impact = Impact(scene)
+        started = perf_counter()
+        out, touch = impact.normal(t - t[0])
+        found = impact.moved(t - t[0], out, touch)
+        pairs = zip(touch[[0, 2]], ("contact", "release"), strict=True)
+        events = tuple(Event(time=float(t[0] + when), kind=kind, body=0) for when, kind in pairs if 0 < when <= t[-1] - t[0])
+        return Trajectory(t=t, events=events, **found), Cost(seconds=perf_counter() - started, setup=started - begun)
+
+
+class Impact:
+    """The start, split into its parts along and across the normal n into the wall."""
+
+    def __init__(self, scene: Scene) -> None:
+        bodies, self.law = scene.bodies, scene.all(Contact)[0]
+        plane = scene.all(Plane)[0]
+        self.n, self.mass, self.radius = -np.array(plane.normal), float(bodies.mass[0]), float(bodies.radius[0])
+        self.place, self.velocity, self.omega = bodies.position[0], bodies.velocity[0], bodies.omega[0]
+        self.attitude = bodies.attitude[0]
+        overlap = self.radius + float((self.place - np.array(plane.point)) @ self.n)
+        self.overlap = 0.0 if abs(overlap) <= ROUNDED * self.radius else overlap
+        self.rate = float(self.velocity @ self.n)
+        self.across = self.velocity - self.rate * self.n
+        slip = self.across + self.radius * np.cross(self.omega, self.n)
+        self.slip = float(np.linalg.norm(slip)) if np.linalg.norm(slip) > ROUNDED * np.linalg.norm(self.velocity) else 0.0
+        self.along = slip / self.slip if self.slip else 0.0 * slip
+
+    def normal(self, t: Array) -> tuple[Array, Array]:
+        """Overlap and rate (T, 2), and when it touches, turns and parts."""
+        out, touch, law = np.empty((len(t), 2)), np.empty(3), np.array([self.law.stiffness, self.law.exponent])
+        laws, kernel = pointer("power_contact", law), load("power_contact").lib
+        buffers = [pointer("power_contact", array, output=True) for array in (touch, out)]
+        since = np.ascontiguousarray(t)
+        kernel.refdem_power_contact(self.mass, laws, laws, self.overlap, self.rate, len(t), pointer("power_contact", since), *buffers)
+        return out, touch
+
+    def stop(self, impulse: float, touch: Array) -> float:
+        """When the normal impulse per mass has come to `impulse`, by bisection (the motion is smooth there)."""
+        low, high = touch[0], touch[2]
+        for _ in range(60):
+            middle = (low + high) / 2
+            low, high = (low, middle) if self.rate - self.normal(np.array([middle]))[0][0, 1] > impulse else (middle, high)
+        return float(low + high) / 2
+
+    def moved(self, t: Array, out: Array, touch: Array) -> dict[str, Any]:
+        """Columns and channels of a trajectory."""
+        friction = self.law.friction if self.slip > 0 else 0.0
+        enough = self.slip * 2 / 7 / friction if friction else np.inf
+        end = self.stop(enough, touch) if enough < 2 * self.rate else np.inf
+        until, pressed = np.minimum(t, end), out[:, 0] - self.overlap
+        way = self.rate * until - (self.normal(until)[0][:, 0] - self.overlap)
+        impulse = np.minimum(self.rate - out[:, 1], enough)
+        rolled = enough * (t - until) if np.isfinite(end) else 0.0
+        rubbed = friction * (way + rolled)[:, None] * self.along
+        position = self.place + self.across * t[:, None] + pressed[:, None] * self.n - rubbed
+        velocity = self.across + out[:, 1:] * self.n - friction * impulse[:, None] * self.along
+        omega = self.omega - 2.5 * friction / self.radius * impulse[:, None] * np.cross(self.n, self.along)
+        work = self.mass * friction * impulse * (self.slip - 1.75 * friction * impulse)
+        depth = np.maximum(out[:, 0], 0.0)
+        force = self.law.stiffness * depth**self.law.exponent
+        channels = {"overlap": depth, "contacts": (depth > 0).astype(float), "contact_force": force, "dissipated_work": work}
+        attitude = np.repeat(self.attitude[None, None], len(t), axis=0)
+        columns = {"position": position[:, None], "velocity": velocity[:, None], "omega": omega[:, None]}
+        return columns | {"attitude": attitude, "channels": channels}
+
+
+METHOD = ExactHertzWall()

@@ -1,0 +1,116 @@
+"""Points that rods hold as one rigid body, on which nothing acts: the free body's closed form (kernels/free_body.c)."""
+
+from time import perf_counter
+from typing import Any
+
+import numpy as np
+
+from refdem.core.engine import Method
+from refdem.core.problem import Motion, Request
+from refdem.core.trajectory import Cost, Trajectory
+from refdem.kernels import load, pointer
+from refdem.mechanics.quaternion import matrix
+from refdem.scene import Scene
+from refdem.scene.elements.rod import Rod
+from refdem.solvers import _single_point as single
+from refdem.solvers._single_point import Array
+from refdem.solvers.solver import Solver
+
+FITS = 1e-9
+"""Part of a length, or of a speed, by which the start may miss what rigid rods allow: rounding."""
+START = np.array([1.0, 0.0, 0.0, 0.0])
+
+
+class ExactRigidCluster(Solver):
+    """Centre of mass in a straight line, all else turned about it; rod forces from the accelerations, of least squares if redundant."""
+
+    claims = Method(
+        name="exact-rigid-cluster",
+        summary="points on rods as one free rigid body in closed form: Jacobi and theta functions",
+        control="exact",
+        conserves=frozenset({"energy", "momentum", "angular-momentum", "constraint"}),
+        reversible=True,
+        symplectic=True,
+        backward=True,
+        cost_rank=0,
+    )
+    kernels = ("free_body",)
+
+    def refusal(self, problem: Motion) -> str | None:
+        """None for points that are not in one plane, all held by rods, and nothing else."""
+        scene = problem.scene
+        others = [element.kind for element in scene.elements if not isinstance(element, Rod)]
+        if others or not scene.elements:
+            return f"{others[0] if others else 'nothing'} beside rods"
+        if any(rod.b < 0 for rod in scene.all(Rod)) or scene.bodies.fixed.any():
+            return "a rod to the world, or a point that is fixed"
+        return single.turning(scene) or _loose(scene)
+
+    def run(self, request: Request) -> tuple[Trajectory, Cost]:
+        """Position, velocity and the force [N] of every rod at the samples."""
+        begun = perf_counter()
+        scene, t = request.problem.scene, np.ascontiguousarray(request.problem.times)
+        place, drift, arms, tensor, omega = _body(scene)
+        moments, axes = np.linalg.eigh(tensor)
+        axes[:, 2] *= np.sign(np.linalg.det(axes))
+        attitude, spin = np.empty((len(t), 4)), np.empty((len(t), 3))
+        given = [pointer("free_body", np.ascontiguousarray(column)) for column in (moments, START, axes.T @ omega)]
+        out = [pointer("free_body", column, output=True) for column in (attitude, spin)]
+        started = perf_counter()
+        load("free_body").lib.refdem_free_body(*given, t[0], len(t), pointer("free_body", t), *out)
+        cost = Cost(seconds=perf_counter() - started, setup=started - begun)
+        turn = axes @ matrix(attitude) @ axes.T
+        away = np.einsum("tij,nj->tni", turn, arms)
+        velocity = drift + np.cross((spin @ axes.T)[:, None], away)
+        position = (place + np.outer(t - t[0], drift))[:, None] + away
+        position[0], velocity[0] = scene.bodies.position, scene.bodies.velocity
+        return Trajectory.of_points(t, position, velocity, channels={"rod_force": _tension(scene, away, velocity)}), cost
+
+
+def _body(scene: Scene) -> tuple[Array, Array, Array, Array, Array]:
+    """Centre of mass, its velocity, the points about it (N, 3), tensor of inertia (3, 3) and omega (3,) at the start."""
+    mass, bodies = scene.bodies.mass, scene.bodies
+    place, drift = (mass @ column / mass.sum() for column in (bodies.position, bodies.velocity))
+    arms, rates = bodies.position - place, bodies.velocity - drift
+    tensor = np.einsum("n,nk,nk->", mass, arms, arms) * np.eye(3) - np.einsum("n,ni,nj->ij", mass, arms, arms)
+    omega = np.linalg.solve(tensor, mass @ np.cross(arms, rates))
+    return place, drift, arms, tensor, omega
+
+
+def _rows(scene: Scene, away: Array) -> Array:
+    """Constraint Jacobian (T, rods, N, 3): the direction of each rod at its ends."""
+    rods = scene.all(Rod)
+    rows = np.zeros((len(away), len(rods), len(scene.bodies), 3))
+    for number, rod in enumerate(rods):
+        apart = away[:, rod.a] - away[:, rod.b]
+        apart = apart / np.linalg.norm(apart, axis=1, keepdims=True)
+        rows[:, number, rod.a], rows[:, number, rod.b] = apart, -apart
+    return rows
+
+
+def _loose(scene: Scene) -> str | None:
+    """None if the rods hold every point, have their lengths, and the points move as one body."""
+    bodies, n = scene.bodies, len(scene.bodies)
+    rows = _rows(scene, bodies.position[None])[0].reshape(len(scene.all(Rod)), 3 * n)
+    if n < 4 or np.linalg.matrix_rank(rows, tol=FITS) < 3 * n - 6:
+        return "the rods do not make one rigid body of the points"
+    for rod in scene.all(Rod):
+        found = float(rod.distance(bodies.position[None], bodies.attitude[None])[0])
+        if abs(found - rod.length) > FITS * rod.length:
+            return f"a rod of length {rod.length} starts {found} long"
+    _, drift, arms, _, omega = _body(scene)
+    off = np.abs(bodies.velocity - drift - np.cross(omega, arms)).max()
+    return "a rod starts with a speed along it" if off > FITS * np.linalg.norm(omega) * np.abs(arms).max() else None
+
+
+def _tension(scene: Scene, away: Array, velocity: Array) -> Array:
+    """Tension (T, rods) [N]: what makes the points turn, G M^-1 G^T T = |relative velocity|^2/length, of least squares."""
+    rods, rows = scene.all(Rod), _rows(scene, away)
+    weighted = rows / scene.bodies.mass[:, None]
+    coupling = np.einsum("tink,tjnk->tij", rows, weighted)
+    speed2 = [np.sum((velocity[:, rod.a] - velocity[:, rod.b]) ** 2, axis=1) / rod.length for rod in rods]
+    solved: Any = np.einsum("tij,tj->ti", np.linalg.pinv(coupling, hermitian=True, rcond=1e-12), np.stack(speed2, axis=1))
+    return np.ascontiguousarray(solved)
+
+
+METHOD = ExactRigidCluster()

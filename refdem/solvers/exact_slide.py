@@ -1,0 +1,62 @@
+"""A rigid block that slides from rest on a plane under gravity and Coulomb friction: constant acceleration down the plane."""
+
+from time import perf_counter
+
+import numpy as np
+
+from refdem.core.engine import Method
+from refdem.core.problem import Motion, Request
+from refdem.core.trajectory import Cost, Trajectory
+from refdem.scene import Polyhedron
+from refdem.scene.elements.contact import Contact
+from refdem.scene.elements.plane import Plane
+from refdem.scene.elements.uniform_gravity import UniformGravity
+from refdem.solvers import _balance
+from refdem.solvers.solver import Solver
+
+
+class ExactSlide(Solver):
+    """One polyhedron with a face on one plane; where friction holds it, the method `equilibrium` has it."""
+
+    claims = Method(
+        name="exact-slide",
+        summary="constant acceleration down the plane, friction against it",
+        control="exact",
+        complete_state=False,
+        cost_rank=1,
+    )
+
+    def refusal(self, problem: Motion) -> str | None:
+        """None for a block at rest on a plane that is too steep for friction to hold it, and that does not tip it."""
+        scene = problem.scene
+        bodies, laws = scene.bodies, scene.all(Contact)
+        if len(bodies) != 1 or len(laws) != 1 or not isinstance(bodies.shape[0], Polyhedron):
+            return "no single polyhedron with one contact law"
+        if any(not isinstance(e, Contact | Plane | UniformGravity) for e in scene.elements) or laws[0].law != "rigid":
+            return "other elements than a plane, gravity and rigid contact"
+        if np.any(bodies.velocity) or np.any(bodies.omega) or problem.interval < 0:
+            return "it slides from rest, forward in time"
+        load = _balance.pressed(scene)
+        return load if isinstance(load, str) else _balance.tipping(scene, laws[0], load)
+
+    def run(self, request: Request) -> tuple[Trajectory, Cost]:
+        """s = a t^2/2, a = g (sin - mu cos), down the steepest line of the plane."""
+        begun = perf_counter()
+        scene, times = request.problem.scene, request.problem.times
+        load = _balance.pressed(scene)
+        assert not isinstance(load, str)
+        steepness = load.steepness
+        rise = (1 - scene.all(Contact)[0].friction / steepness) * load.along
+        started = perf_counter()
+        t = (times - times[0])[:, None, None]
+        bodies = scene.bodies
+        position, velocity = bodies.position + rise * (t * t / 2), rise * t
+        seconds = perf_counter() - started
+        friction = scene.all(Contact)[0].friction * load.pressing * bodies.mass[0]
+        work = friction * np.linalg.norm(position - bodies.position, axis=-1)[:, 0]
+        still = {"attitude": np.repeat(bodies.attitude[None], len(times), axis=0), "omega": np.zeros_like(velocity)}
+        found = Trajectory(t=times, position=position, velocity=velocity, channels={"dissipated_work": work}, **still)
+        return found, Cost(seconds=seconds, setup=started - begun)
+
+
+METHOD = ExactSlide()

@@ -1,0 +1,212 @@
+"""Points on rods one below the other, in a plane, from a pivot that rests or moves by a law of time (kernels/rod_chain.c)."""
+
+from time import perf_counter
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from refdem.core.engine import Method
+from refdem.core.problem import Motion, Request
+from refdem.core.trajectory import Cost, Trajectory
+from refdem.errors import EngineError
+from refdem.kernels import load, pointer
+from refdem.scene import Scene
+from refdem.scene.elements.moving_anchor import MovingAnchor
+from refdem.scene.elements.rod import Rod
+from refdem.scene.elements.uniform_gravity import UniformGravity
+from refdem.solvers import _single_point as single
+from refdem.solvers._single_point import Array
+from refdem.solvers.solver import Solver
+
+FITS = 1e-9
+"""Part of a length, or of a speed, by which the start may miss what rigid rods and the moved pivot allow: rounding."""
+MOST = 8
+
+
+class RodChain(Solver):
+    """Angles by Taylor series; places, velocities and rod forces from them."""
+
+    claims = Method(
+        name="rod-chain",
+        summary="planar chain of rods in angles, pivot at rest or moved: Taylor series of order 20, steps to round-off",
+        control="exact",
+        conserves=frozenset({"energy", "constraint"}),
+        reversible=True,
+        symplectic=True,
+        backward=True,
+        cost_rank=2,
+    )
+    kernels = ("rod_chain",)
+
+    def refusal(self, problem: Motion) -> str | None:
+        """None for a planar chain of points that fits its rods."""
+        scene = problem.scene
+        others = [element.kind for element in scene.elements if not isinstance(element, Rod | MovingAnchor | UniformGravity)]
+        if others:
+            return f"{others[0]} beside rods, a moved pivot and gravity"
+        if "dimension:3" in scene.features:
+            return "the motion is not in the plane x-y"
+        reason = single.turning(scene) or _broken(scene)
+        return reason or _astray(problem)
+
+    def run(self, request: Request) -> tuple[Trajectory, Cost]:
+        """Position, velocity and the force [N] of every rod at the samples."""
+        begun = perf_counter()
+        scene, t = request.problem.scene, np.ascontiguousarray(request.problem.times)
+        chain = _chain(scene)
+        pivot = _pivot(scene, t)
+        aim, rate = _aim(scene, chain, pivot)
+        n, states = len(chain.bobs), np.empty((len(t), 2 * len(chain.bobs) + 1))
+        states[0] = np.concatenate([np.zeros(n), rate, [0.0]])
+        length, mass = np.array([rod.length for rod in chain.rods]), scene.bodies.mass[chain.bobs]
+        drive, frequency, phase = _drive(scene)
+        given = [pointer("rod_chain", column) for column in (length, aim, mass, single.gravity(scene)[:2].copy(), drive)]
+        out = pointer("rod_chain", states, output=True)
+        started = perf_counter()
+        failed = load("rod_chain").lib.refdem_rod_chain(n, *given, frequency, phase, len(t), pointer("rod_chain", t), out)
+        cost = Cost(seconds=perf_counter() - started, setup=started - begun)
+        if failed or not np.all(np.isfinite(states)):
+            raise EngineError(f"rod-chain: the series do not reach sample {failed - 1}; expected a regular motion of at most {MOST} rods")
+        position, velocity = _places(scene, chain, pivot, length[:, None] * aim, states[:, :-1])
+        channels = {"rod_force": _tension(scene, pivot, position, velocity)}
+        if chain.pivot >= 0:
+            channels["dissipated_work"] = _lost(scene, chain.pivot, pivot, states[:, -1])
+        return Trajectory.of_points(t, position, velocity, channels=channels), cost
+
+
+class Chain(NamedTuple):
+    """Numbers of the bobs from the pivot on, the rod above each, and the body that is the pivot (-1: a place of the world)."""
+
+    bobs: list[int]
+    rods: list[Rod]
+    pivot: int
+
+
+class Pivot(NamedTuple):
+    """Place, velocity and acceleration of the pivot, each (T, 3)."""
+
+    place: Array
+    velocity: Array
+    acceleration: Array
+
+
+def _chain(scene: Scene) -> Chain:
+    """The chain as far as its rods go; bobs that no rod reaches are left out."""
+    anchors = scene.all(MovingAnchor)
+    end = anchors[0].a if anchors else -1
+    chain, left = Chain([], [], end), list(scene.all(Rod))
+    while following := [rod for rod in left if end in (rod.a, rod.b)]:
+        rod = following[0]
+        left.remove(rod)
+        end = rod.a if rod.b == end else rod.b
+        chain.bobs.append(end)
+        chain.rods.append(rod)
+    return chain
+
+
+def _broken(scene: Scene) -> str | None:
+    """None if the rods are one chain from one pivot that holds every body."""
+    anchors, rods = scene.all(MovingAnchor), scene.all(Rod)
+    if len(anchors) > 1 or not rods or len(rods) > MOST:
+        return f"{len(anchors)} moved pivots and {len(rods)} rods; expected at most one, and 1 to {MOST}"
+    if scene.bodies.fixed.any() or (anchors and any(rod.b < 0 for rod in rods)):
+        return "a body is fixed, or a rod hangs beside the moved pivot"
+    chain = _chain(scene)
+    held = {*chain.bobs, *(anchor.a for anchor in anchors)}
+    if len(chain.bobs) < len(rods) or len(set(chain.bobs)) < len(rods) or held != set(range(len(scene.bodies))):
+        return "the rods do not hang one below the other from one pivot"
+    return None
+
+
+def _astray(problem: Motion) -> str | None:
+    """None if the start fits rods and pivot in place and in velocity."""
+    scene, bodies = problem.scene, problem.scene.bodies
+    chain, pivot = _chain(scene), _pivot(scene, problem.times[:1])
+    for anchor in scene.all(MovingAnchor):
+        size = sum(rod.length for rod in chain.rods)
+        off = np.linalg.norm(bodies.position[anchor.a] - pivot.place[0]) / size
+        rate = np.linalg.norm(bodies.velocity[anchor.a] - pivot.velocity[0])
+        if off > FITS or rate > FITS * abs(anchor.amplitude * anchor.frequency):
+            return "the pivot does not start where its law of time has it"
+    for arm, speed, rod in zip(*_parts(scene, chain, pivot), chain.rods, strict=True):
+        if abs(np.linalg.norm(arm) - rod.length) > FITS * rod.length:
+            return f"a rod of length {rod.length} starts {np.linalg.norm(arm)} long"
+        if abs(arm @ speed) > FITS * rod.length * np.linalg.norm(speed):
+            return "a rod starts with a speed along it"
+    return None
+
+
+def _drive(scene: Scene) -> tuple[Array, float, float]:
+    """Amplitude along both axes (2,) [m], frequency [rad/s] and phase of the pivot."""
+    for anchor in scene.all(MovingAnchor):
+        return anchor.amplitude * np.array(anchor.axis[:2]), anchor.frequency, anchor.phase
+    return np.zeros(2), 0.0, 0.0
+
+
+def _pivot(scene: Scene, t: Array) -> Pivot:
+    """The pivot's motion; at rest where the first rod hangs from the world."""
+    for anchor in scene.all(MovingAnchor):
+        place = anchor.place(t)
+        return Pivot(place, anchor.velocity(t), -(anchor.frequency**2) * (place - np.array(anchor.anchor_b)))
+    hung = next(rod for rod in scene.all(Rod) if rod.b < 0)
+    rest = np.zeros((len(t), 3))
+    return Pivot(rest + single.anchor(hung), rest, rest)
+
+
+def _parts(scene: Scene, chain: Chain, pivot: Pivot) -> tuple[Array, Array]:
+    """From each bob's support to the bob (N, 3) at the start, and the relative velocity."""
+    place = np.concatenate([pivot.place[:1], scene.bodies.position[chain.bobs]])
+    velocity = np.concatenate([pivot.velocity[:1], scene.bodies.velocity[chain.bobs]])
+    return np.diff(place, axis=0), np.diff(velocity, axis=0)
+
+
+def _aim(scene: Scene, chain: Chain, pivot: Pivot) -> tuple[Array, Array]:
+    """Sines and cosines (N, 2) of the angles from (0, -1) at the start, and the rates (N,)."""
+    arm, speed = _parts(scene, chain, pivot)
+    aim = np.stack([arm[:, 0], -arm[:, 1]], axis=1) / np.linalg.norm(arm, axis=1, keepdims=True)
+    return aim, (arm[:, 0] * speed[:, 1] - arm[:, 1] * speed[:, 0]) / np.sum(arm**2, axis=1)
+
+
+def _places(scene: Scene, chain: Chain, pivot: Pivot, aim: Array, states: Array) -> tuple[Array, Array]:
+    """Position and velocity (T, bodies, 3) of all bodies; `aim` (N, 2) times the lengths. Row 0 is the start as it came."""
+    turn, rate = np.split(states, 2, axis=1)
+    sine, cosine, nothing = np.sin(turn), np.cos(turn), np.zeros_like(turn)
+    x, down = aim[:, 0] * cosine + aim[:, 1] * sine, aim[:, 1] * cosine - aim[:, 0] * sine
+    outward, sideways = np.stack([x, -down, nothing], axis=2), rate[..., None] * np.stack([down, x, nothing], axis=2)
+    position, velocity = (np.empty((len(states), len(scene.bodies), 3)) for _ in range(2))
+    for column, support, part in ((position, pivot.place, outward), (velocity, pivot.velocity, sideways)):
+        if chain.pivot >= 0:
+            column[:, chain.pivot] = support
+        column[:, chain.bobs] = support[:, None] + np.cumsum(part, axis=1)
+    position[0], velocity[0] = scene.bodies.position, scene.bodies.velocity
+    return position, velocity
+
+
+def _tension(scene: Scene, pivot: Pivot, position: Array, velocity: Array) -> Array:
+    """Tension (T, rods) [N] in the scene's order: what keeps every rod's length, e.(a1 - a2) = -|v1 - v2|^2/length."""
+    rods, chain, mass = scene.all(Rod), _chain(scene), scene.bodies.mass
+    rows = np.zeros((len(position), len(rods), len(mass), 3))
+    wanted = np.zeros((len(position), len(rods)))
+    for number, rod in enumerate(rods):
+        ends = [(end, side) for end, side in ((rod.a, 1.0), (rod.b, -1.0)) if end >= 0 and end != chain.pivot]
+        place, speed = ([column[:, end] if end >= 0 else other for end in (rod.a, rod.b)] for column, other in
+                        ((position, pivot.place), (velocity, pivot.velocity)))  # fmt: skip
+        direction = (place[0] - place[1]) / rod.length
+        wanted[:, number] = np.sum((speed[0] - speed[1]) ** 2, axis=1) / rod.length
+        for end, side in ends:
+            rows[:, number, end] = side * direction
+            wanted[:, number] += side * direction @ single.gravity(scene)
+        if len(ends) == 1:
+            wanted[:, number] -= ends[0][1] * np.sum(direction * pivot.acceleration, axis=1)
+    coupling = np.einsum("tink,tjnk->tij", rows, rows / mass[:, None])
+    solved: Any = np.linalg.solve(coupling, wanted[..., None])[..., 0]
+    return np.ascontiguousarray(solved)
+
+
+def _lost(scene: Scene, number: int, pivot: Pivot, work: Array) -> Array:
+    """Energy (T,) [J] that the scene has lost to the anchor since the start: less what it did on the chain and on the pivot's mass."""
+    energy: Array = 0.5 * np.sum(pivot.velocity**2, axis=1) - pivot.place @ single.gravity(scene)
+    return work[0] - work - scene.bodies.mass[number] * (energy - energy[0])
+
+
+METHOD = RodChain()

@@ -1,0 +1,136 @@
+"""Rotation algebra and degrees of freedom by the functions of mechanics."""
+
+from collections.abc import Callable
+from time import perf_counter
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from refdem.core.engine import Method
+from refdem.core.problem import Identity, Request
+from refdem.core.statics import results
+from refdem.core.trajectory import Cost, Trajectory
+from refdem.mechanics import freedom, rotation
+from refdem.mechanics.quaternion import conjugate, matrix, product, rotated
+from refdem.solvers.solver import Solver
+
+Array = NDArray[np.float64]
+
+
+def turn(axis: Array, angle: Array) -> Array:
+    """The rotation matrix (3, 3) about a unit vector."""
+    return matrix(rotation.about_axis_quaternion(axis, angle[0]))
+
+
+def plane(angle: Array) -> Array:
+    """The rotation matrix (2, 2)."""
+    return rotation.about_axis(2, angle[0])[:2, :2]
+
+
+def mirror(angle: Array) -> Array:
+    """The reflection matrix (2, 2) at the line with this angle to x."""
+    return plane(2 * angle) * (1, -1)
+
+
+def above(eigenvalues: NDArray[Any]) -> Array:
+    """Real part and imaginary part >= 0 of an eigenvalue that has its conjugate beside it."""
+    return np.array([eigenvalues[0].real, abs(eigenvalues[0].imag)])
+
+
+def parts(z: complex) -> Array:
+    """Real and imaginary part."""
+    return np.array([z.real, z.imag])
+
+
+def turn_angle(m: Array) -> Array:
+    """Angle [rad] of a rotation matrix."""
+    q = rotation.quaternion_of_matrix(m)
+    return np.array([2 * np.arctan2(np.linalg.norm(q[1:]), q[0])])
+
+
+def complex_product(p: Array, q: Array) -> Array:
+    """The product of quaternions by their complex matrices: the first column holds (w - i z, y - i x)."""
+    (first, _), (second, _) = rotation.complex_matrix(p) @ rotation.complex_matrix(q)
+    return np.array([first.real, -second.imag, second.real, -first.imag])
+
+
+def pure(v: Array) -> Array:
+    """The quaternion (0, v)."""
+    return np.concatenate([[0.0], v])
+
+
+def pairs(rods: Array) -> list[tuple[int, int]]:
+    """Ends of the rods."""
+    return [(int(a), int(b)) for a, b in rods.reshape(-1, 2)]
+
+
+def square(m: Array) -> Array:
+    """The matrix (3, 3)."""
+    return m.reshape(3, 3)
+
+
+ANSWERS: dict[str, Callable[..., Any]] = {
+    "sum": np.add,
+    "dot": np.dot,
+    "difference": np.subtract,
+    "quotient": np.divide,
+    "plane-turn": lambda angle, v: plane(angle) @ v,
+    "complex-turn": lambda angle, v: parts(np.exp(1j * angle[0]) * complex(*v)),
+    "plane-eigenvalue": lambda angle: above(np.linalg.eigvals(plane(angle))),
+    "plane-determinant": lambda angle: np.linalg.det(plane(angle)),
+    "mirror": lambda angle, v: mirror(angle) @ v,
+    "mirror-determinant": lambda angle: np.linalg.det(mirror(angle)),
+    "turn-about": turn,
+    "matrix-product": lambda m, n: square(m) @ square(n),
+    "matrix-vector": lambda m, v: square(m) @ v,
+    "determinant": lambda m: np.linalg.det(square(m)),
+    "turn-angle": lambda m: turn_angle(square(m)),
+    "quaternion-about": lambda axis, angle: rotation.about_axis_quaternion(axis, angle[0]),
+    "product": product,
+    "real-product": lambda p, q: rotation.real_matrix(p) @ q,
+    "complex-product": complex_product,
+    "complex-eigenvalue": lambda q: above(np.linalg.eigvals(rotation.complex_matrix(q))),
+    "conjugate": conjugate,
+    "inverse": lambda q: conjugate(q) / (q @ q),
+    "absolute": np.linalg.norm,
+    "unit": lambda q: q / np.linalg.norm(q),
+    "negative": np.negative,
+    "rotated": rotated,
+    "matrix-of-quaternion": matrix,
+    "quaternion-of-matrix": lambda m: rotation.quaternion_of_matrix(square(m)),
+    "matrix-of-euler": lambda euler: rotation.matrix_of_euler(*euler),
+    "quaternion-of-euler": lambda euler: rotation.quaternion_of_euler(*euler),
+    "euler-of-matrix": lambda m: rotation.euler_of_matrix(square(m)),
+    "euler-rates": lambda euler, omega: rotation.euler_rates(euler[0], euler[1], omega),
+    "rate": rotation.quaternion_rate,
+    "second-rate": lambda q, omega, rise: (product(pure(rise), q) + product(pure(omega), rotation.quaternion_rate(q, omega))) / 2,
+    "omega-of-rate": lambda q, rate: 2 * product(rate, conjugate(q))[1:],
+    "body-omega-of-rate": lambda q, rate: 2 * product(conjugate(q), rate)[1:],
+    "rotation-energy": lambda inertia, omega: inertia * omega**2 / 2,
+    "first-order-freedom": lambda size, x, rods: freedom.first_order_freedom(x.reshape(-1, int(size[0])), pairs(rods)),
+    "rigid-freedom": lambda size, x: freedom.rigid_freedom(x.reshape(-1, int(size[0]))),
+}
+
+
+class RotationAlgebra(Solver):
+    """Every operation of core.algebra."""
+
+    claims = Method(
+        name="rotation-algebra", summary="matrices, quaternions and Euler angles, exact up to rounding", control="exact", cost_rank=0
+    )
+    answers = Identity
+
+    def refusal(self, problem: Identity) -> str | None:
+        """None: it knows every operation."""
+        return None
+
+    def run(self, request: Request) -> tuple[Trajectory, Cost]:
+        """The result of every operation."""
+        problem = request.problem
+        assert isinstance(problem, Identity)
+        started = perf_counter()
+        return Trajectory.of_values(problem.times, results(problem, ANSWERS)), Cost(seconds=perf_counter() - started)
+
+
+METHOD = RotationAlgebra()

@@ -1,0 +1,101 @@
+"""A rigid body about a ball joint of the world, in uniform gravity (kernels/spinning_top.c)."""
+
+from time import perf_counter
+from typing import Any
+
+import numpy as np
+
+from refdem.core.engine import Method
+from refdem.core.problem import Motion, Request
+from refdem.core.trajectory import Cost, Trajectory
+from refdem.errors import EngineError
+from refdem.kernels import load, pointer
+from refdem.mechanics.quaternion import conjugate, rotated
+from refdem.scene import Scene
+from refdem.scene.elements.ball_joint import BallJoint
+from refdem.scene.elements.uniform_gravity import UniformGravity
+from refdem.solvers import _single_point as single
+from refdem.solvers._single_point import Array
+from refdem.solvers.solver import Solver
+
+FITS = 1e-9
+"""Part of a length, or of a speed, by which the start may miss the joint: rounding."""
+
+
+class SpinningTop(Solver):
+    """Attitude and omega by Taylor series; place and velocity from them."""
+
+    claims = Method(
+        name="spinning-top",
+        summary="rigid body about a fixed point in gravity: Taylor series of order 20, steps to round-off",
+        control="exact",
+        conserves=frozenset({"energy", "constraint"}),
+        reversible=True,
+        symplectic=True,
+        backward=True,
+        cost_rank=2,
+    )
+    kernels = ("spinning_top",)
+
+    def refusal(self, problem: Motion) -> str | None:
+        """None for one body with inertia on one ball joint of the world that it fits."""
+        scene = problem.scene
+        others = [element.kind for element in scene.elements if not isinstance(element, BallJoint | UniformGravity)]
+        if others or len(scene.all(BallJoint)) != 1 or len(scene.bodies) != 1 or scene.bodies.fixed.any():
+            return f"{others[0]} beside a ball joint" if others else "not one free body on one ball joint"
+        joint = scene.all(BallJoint)[0]
+        if joint.b >= 0 or np.count_nonzero(joint.anchor_a) > 1:
+            return "the joint is not one of the world on a principal axis of the body"
+        if not _about_joint(scene).all():
+            return "no inertia about one of the axes through the joint"
+        return _astray(scene)
+
+    def run(self, request: Request) -> tuple[Trajectory, Cost]:
+        """Position, velocity, attitude and omega at the samples."""
+        begun = perf_counter()
+        scene, t = request.problem.scene, np.ascontiguousarray(request.problem.times)
+        bodies, joint = scene.bodies, scene.all(BallJoint)[0]
+        arm, weight = -np.array(joint.anchor_a), bodies.mass[0] * single.gravity(scene)
+        states = np.empty((len(t), 7))
+        states[0] = np.concatenate([bodies.attitude[0], rotated(conjugate(bodies.attitude[0]), bodies.omega[0])])
+        given = [pointer("spinning_top", np.ascontiguousarray(column)) for column in (_about_joint(scene), arm, weight)]
+        out = pointer("spinning_top", states, output=True)
+        started = perf_counter()
+        failed = load("spinning_top").lib.refdem_spinning_top(*given, len(t), pointer("spinning_top", t), out)
+        cost = Cost(seconds=perf_counter() - started, setup=started - begun)
+        if failed:
+            raise EngineError(f"spinning-top: the series do not reach sample {failed - 1}; expected a motion without singularities")
+        attitude = states[:, :4] / np.linalg.norm(states[:, :4], axis=1, keepdims=True)
+        omega, reach = rotated(attitude, states[:, 4:]), rotated(attitude, arm)
+        columns: dict[str, Any] = {
+            "position": reach + single.anchor(joint),
+            "velocity": np.cross(omega, reach),
+            "attitude": attitude,
+            "omega": omega,
+        }
+        for name, values in columns.items():
+            values[0] = getattr(bodies, name)[0]
+        rows: dict[str, Any] = {name: np.ascontiguousarray(values[:, None]) for name, values in columns.items()}
+        return Trajectory(t=t, **rows), cost
+
+
+def _about_joint(scene: Scene) -> Array:
+    """Principal moments (3,) about the joint: m l^2 more about the two axes across the arm."""
+    arm = np.array(scene.all(BallJoint)[0].anchor_a)
+    inertia: Array = scene.bodies.inertia[0] + scene.bodies.mass[0] * (arm @ arm - arm**2)
+    return inertia
+
+
+def _astray(scene: Scene) -> str | None:
+    """None if the joint is closed at the start, in place and in velocity."""
+    bodies, joint = scene.bodies, scene.all(BallJoint)[0]
+    arm = rotated(bodies.attitude[0], -np.array(joint.anchor_a))
+    size, speed = float(np.linalg.norm(arm)), float(np.linalg.norm(bodies.omega[0]))
+    if np.linalg.norm(bodies.position[0] - arm - single.anchor(joint)) > FITS * (size + np.linalg.norm(joint.anchor_b)):
+        return "the joint is open at the start"
+    if np.linalg.norm(bodies.velocity[0] - np.cross(bodies.omega[0], arm)) > FITS * size * speed:
+        return "the joint moves at the start"
+    return None
+
+
+METHOD = SpinningTop()

@@ -1,0 +1,114 @@
+"""A point on a spring and a slider, at rest or on a moving belt, by Coulomb's or Stribeck's law, driven or not (kernels/stick_slip.c)."""
+
+from time import perf_counter
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from refdem.core.engine import Method
+from refdem.core.problem import Motion, Request
+from refdem.core.trajectory import Cost, Event, Trajectory
+from refdem.kernels import load, pointer
+from refdem.scene import Scene
+from refdem.scene.elements.force import Force
+from refdem.scene.elements.slider import Slider
+from refdem.scene.elements.spring import Spring
+from refdem.scene.elements.uniform_gravity import UniformGravity
+from refdem.solvers import _single_point as single
+from refdem.solvers.solver import Solver
+
+Array = NDArray[np.float64]
+ELEMENTS = (Spring, Slider, Force, UniformGravity)
+FAMILY = "stick_slip"
+MOST_EVENTS = 100_000
+KINDS = {1: "stick", 2: "slip"}
+ASKEW = 1e-15
+"""Part of a vector that may point off the line: round-off of a scene turned into some other direction."""
+
+
+class StickSlip(Solver):
+    """Taylor series of order 20 from event to event; sticks with exactly the velocity of the belt."""
+
+    claims = Method(
+        name="stick-slip",
+        summary="Taylor series of order 20, stops as their zeros and releases between turning points of the pull, all to the last bits",
+        control="exact",
+        conserves=frozenset({"energy"}),
+        cost_rank=6,
+    )
+    kernels = (FAMILY,)
+
+    def refusal(self, problem: Motion) -> str | None:
+        """None for one point on a linear spring of natural length 0 and a slider, with at most one force, all along one line."""
+        scene = problem.scene
+        others = [element.kind for element in scene.elements if not isinstance(element, ELEMENTS)]
+        if others:
+            return f"{others[0]} is more than an oscillator with dry friction has"
+        springs, sliders = scene.all(Spring), scene.all(Slider)
+        if (len(scene.bodies), len(springs), len(sliders)) != (1, 1, 1) or len(scene.all(Force)) > 1:
+            return "expected one body, one spring, one slider and at most one force"
+        if springs[0].b >= 0 or sliders[0].b >= 0 or scene.bodies.fixed.any():
+            return "spring and slider do not tie a body to the world"
+        if springs[0].length or not single.is_linear(springs[0]) or not springs[0].stiffness > 0:
+            return "the spring is not linear from natural length 0"
+        if not sliders[0].coefficient(0.0) * sliders[0].normal_force > 0:
+            return "the slider does not hold"
+        if problem.interval < 0:
+            return "time runs backwards, and a body that sticks may have come from anywhere"
+        return single.turning(scene) or _off_line(scene)
+
+    def run(self, request: Request) -> tuple[Trajectory, Cost]:
+        """Place, velocity, the work done against friction and drive, and the events."""
+        begun = perf_counter()
+        scene, t = request.problem.scene, np.ascontiguousarray(request.problem.times)
+        axis, anchor = np.array(scene.all(Slider)[0].axis), single.anchor(scene.all(Spring)[0])
+        start = [float(axis @ vector) for vector in (scene.bodies.position[0] - anchor, scene.bodies.velocity[0])]
+        out, told = np.empty((len(t), 3)), np.empty((MOST_EVENTS, 2))
+        law = belt_law(scene)
+        buffers = [pointer(FAMILY, array, output=True) for array in (told, out)]
+        lib = load(FAMILY).lib
+        started = perf_counter()
+        count = lib.refdem_stick_slip(law, *start, t[0], len(t), pointer(FAMILY, t), len(told), *buffers)
+        cost = Cost(seconds=perf_counter() - started, setup=started - begun)
+        events = tuple(Event(time=float(time), kind=KINDS[int(kind)], body=0) for time, kind in told[:count] if time <= t[-1])
+        position, velocity = anchor + out[:, :1, None] * axis, out[:, 1:2, None] * axis
+        return Trajectory.of_points(t, position, velocity, channels={"dissipated_work": out[:, 2].copy()}, events=events), cost
+
+
+def belt_law(scene: Scene) -> Any:
+    """The scene in the kernel's words; places count from the spring's anchor."""
+    slider, spring = scene.all(Slider)[0], scene.all(Spring)[0]
+    axis, mass = np.array(slider.axis), float(scene.bodies.mass[0])
+    plain = slider.law == "coulomb"
+    force = next(iter(scene.all(Force)), Force(a=0, amplitude=0.0))
+    names = ("mu0", "mu1", "lambda0", "lambda1")
+    law = {name: getattr(slider, name) for name in names} if not plain else dict.fromkeys(names, 0.0)
+    law |= {"mu0": slider.friction, "mu1": slider.friction} if plain else {}
+    return load(FAMILY).ffi.new(
+        "refdem_belt *",
+        law
+        | {
+            "mass": mass,
+            "stiffness": spring.stiffness,
+            "weight": mass * float(axis @ single.gravity(scene)),
+            "normal_force": slider.normal_force,
+            "belt": slider.belt_velocity,
+            "amplitude": force.amplitude * float(axis @ np.array(force.axis)),
+            "frequency": force.frequency,
+            "phase": force.phase,
+            "linear": slider.law == "stribeck_linear",
+        },
+    )
+
+
+def _off_line(scene: Scene) -> str | None:
+    """None if place, velocity, gravity and force lie along the slider's axis through the spring's anchor."""
+    bodies, axis = scene.bodies, np.array(scene.all(Slider)[0].axis)
+    vectors = [bodies.position[0] - single.anchor(scene.all(Spring)[0]), bodies.velocity[0], single.gravity(scene)]
+    vectors += [np.array(force.axis) for force in scene.all(Force)]
+    across = [np.linalg.norm(vector - (vector @ axis) * axis) > ASKEW * np.linalg.norm(vector) for vector in vectors]
+    return "the motion is not along the slider" if any(across) else None
+
+
+METHOD = StickSlip()

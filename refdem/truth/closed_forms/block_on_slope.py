@@ -1,0 +1,73 @@
+"""A block on a slope: exactly at rest if friction >= tan(angle), else s = g (sin a - mu cos a) t^2/2."""
+
+from collections.abc import Mapping
+from copy import copy
+from fractions import Fraction
+
+from flint import arb
+
+from refdem.core.parameters import Parameters
+from refdem.core.truth import Truth
+from refdem.truth.balls import UndecidedError, arb_of, precision
+from refdem.truth.closed_form import ClosedForm
+from refdem.truth.closed_forms.newtons_first_law import Still
+from refdem.truth.exact import numbers
+
+MOST_BITS = 16384
+
+
+class Slide(ClosedForm):
+    """s [m] and v [m/s] of a block that slides from rest; the tangent of the slope is exact, or the angle is."""
+
+    method = "closed form"
+    witness = "work of gravity and friction: v^2/2 = a s"
+    state = ("s", "v")
+
+    def __init__(
+        self, scale: Mapping[str, float], *, friction: Fraction, gravity: Fraction, slope: Fraction, angle: Fraction | None
+    ) -> None:
+        super().__init__(scale)
+        self.friction, self.gravity, self.slope, self.angle = friction, gravity, slope, angle
+        self.s0, self.v0 = Fraction(0), Fraction(0)
+
+    def displaced(self, axis: int, amount: Fraction) -> "Slide":
+        """The motion from a neighbouring start; friction still points uphill."""
+        other = copy(self)
+        other.kept = {}
+        other.s0, other.v0 = self.s0 + amount * (axis == 0), self.v0 + amount * (axis == 1)
+        return other
+
+    def evaluate(self, t: arb) -> dict[str, arb]:
+        """Way and speed at t."""
+        if self.angle is not None:
+            sine, cosine = arb_of(self.angle).sin_cos()
+        else:
+            cosine = 1 / arb_of(1 + self.slope**2).sqrt()
+            sine = arb_of(self.slope) * cosine
+        rise = arb_of(self.gravity) * (sine - arb_of(self.friction) * cosine)
+        v0 = arb_of(self.v0)
+        return {"s": arb_of(self.s0) + v0 * t + rise * t * t / 2, "v": v0 + rise * t}
+
+
+def slides(friction: Fraction, slope: Fraction, angle: Fraction | None) -> bool:
+    """Whether friction < tan(angle): by fractions, or by balls, which decide since no rational but 0 has a rational tangent."""
+    if angle is None or angle == 0:
+        return friction < (slope if angle is None else 0)
+    bits = 64
+    while bits <= MOST_BITS:
+        with precision(bits):
+            lead = arb_of(angle).tan() - arb_of(friction)
+            if lead > 0 or lead < 0:
+                return bool(lead > 0)
+        bits *= 2
+    raise UndecidedError("friction and the tangent of the angle agree to thousands of digits")
+
+
+def truth(p: Parameters, scale: Mapping[str, float]) -> Truth:
+    """The truth at parameters friction, gravity, slope or angle."""
+    angle = p["angle"]
+    assert angle is None or isinstance(angle, Fraction)
+    given = numbers(p, "friction", "gravity", "slope")
+    if slides(given["friction"], given["slope"], angle):
+        return Slide(scale, **given, angle=angle)
+    return Still(("s", "v"))

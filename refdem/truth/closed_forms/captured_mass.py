@@ -1,0 +1,74 @@
+"""Certified capture: r = r0 + v0 t up to closest approach at t_c = -r0.v0/v0^2, then a circle with omega = (r0 x v0)/d^2.
+
+d^2 = |r0 x v0|^2/v0^2 is the square of the distance there; t_c, d^2 and the direction of r(t_c) are rational.
+"""
+
+from collections.abc import Mapping
+from fractions import Fraction
+
+from flint import arb
+
+from refdem.core.parameters import Parameters
+from refdem.core.truth import Truth
+from refdem.truth.balls import arb_of
+from refdem.truth.closed_form import ClosedForm, Size
+from refdem.truth.exact import numbers
+
+RUN_UP = 2
+Start = tuple[Fraction, Fraction, Fraction, Fraction]
+
+
+class CapturedMass(ClosedForm):
+    """x, y, vx, vy from an exact start (x, y, vx, vy) that comes nearer to the hook at the origin."""
+
+    method = "straight line up to closest approach, circle after it: exact rationals, sine and cosine in Arb balls"
+    witness = "multiprecision integration of a point held by the force -m v^2 r/r^2 (refdem/truth/witnesses/linked.py)"
+    state = ("x", "y", "vx", "vy")
+
+    def __init__(self, mass: Fraction, start: Start, scale: Mapping[str, Size]) -> None:
+        super().__init__(scale)
+        self.mass, self.start = mass, start
+        x, y, vx, vy = start
+        self.speed2 = vx * vx + vy * vy
+        self.caught = -(x * vx + y * vy) / self.speed2
+        self.place = (x + vx * self.caught, y + vy * self.caught)
+        self.spin = x * vy - y * vx
+
+    def omega(self) -> arb:
+        """Rate of turning [rad/s], positive from x to y: L/(m d^2), d^2 = spin^2/v^2."""
+        return arb_of(self.speed2 / self.spin)
+
+    def evaluate(self, t: arb) -> dict[str, arb]:
+        since = t - arb_of(self.caught)
+        if since <= 0:
+            return self.flight(t)
+        if since > 0:
+            return self.circle(since)
+        both = self.flight(t), self.circle(since)
+        return {name: value.union(both[1][name]) for name, value in both[0].items()}
+
+    def flight(self, t: arb) -> dict[str, arb]:
+        """The straight line."""
+        x, y, vx, vy = (arb_of(value) for value in self.start)
+        return dict(zip(self.state, (x + vx * t, y + vy * t, vx, vy), strict=True))
+
+    def circle(self, since: arb) -> dict[str, arb]:
+        """The circle, so long after closest approach."""
+        sine, cosine = (self.omega() * since).sin_cos()
+        pairs = (self.place, self.start[2:])
+        turned = [(arb_of(a) * cosine - arb_of(b) * sine, arb_of(a) * sine + arb_of(b) * cosine) for a, b in pairs]
+        return dict(zip(self.state, (*turned[0], *turned[1]), strict=True))
+
+    def displaced(self, axis: int, amount: Fraction) -> "CapturedMass":
+        x, y, vx, vy = (value + (amount if i == axis else 0) for i, value in enumerate(self.start))
+        return CapturedMass(self.mass, (x, y, vx, vy), self.scale)
+
+    def constants(self) -> dict[str, arb]:
+        return {"omega": self.omega(), "inertia": arb_of(self.mass * self.spin**2 / self.speed2)}
+
+
+def truth(p: Parameters, scale: Mapping[str, float]) -> Truth:
+    """The truth at these parameters (mass, speed, radius)."""
+    exact = numbers(p, "mass", "speed", "radius")
+    start = (-RUN_UP * exact["radius"], -exact["radius"], exact["speed"], Fraction(0))
+    return CapturedMass(exact["mass"], start, scale)

@@ -1,0 +1,121 @@
+"""Duffing's oscillator x'' + alpha x + beta x^3 = 0 from rest at A, by Jacobi's functions for every sign that keeps it bounded.
+
+With c = alpha + beta A^2 (-c A is the acceleration at the start) and h = alpha + beta A^2/2 (DLMF 22.13.4-6; v^2 = (A^2 - x^2)
+(alpha + beta (A^2 + x^2)/2)):  beta > 0, h > 0: A cn(sqrt(c) t), m = beta A^2/(2 c);  h = 0: A sech(sqrt(-alpha) t);  h < 0 < c:
+A dn(sqrt(beta/2) A t), m = 2 c/(beta A^2);  c < 0, the nearer turning point of a well: A nd(sqrt(beta/2) B t), B^2 = -2 alpha/beta -
+A^2, m = -2 c/(beta B^2);  beta < 0 < c: A cd(sqrt(h) t), m = -beta A^2/(2 h);  c = 0: it stays.
+"""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from fractions import Fraction
+
+from flint import arb
+
+from refdem.core.parameters import Parameters
+from refdem.core.truth import Truth
+from refdem.errors import NotCertifiedError
+from refdem.truth.balls import arb_of
+from refdem.truth.closed_form import per_precision
+from refdem.truth.exact import numbers
+from refdem.truth.from_rest import FromRest
+from refdem.truth.jacobi import Jacobi
+
+Shape = Callable[[arb], tuple[arb, arb]]
+"""x/A and its derivative at the phase u."""
+
+
+@dataclass(frozen=True)
+class Motion:
+    """x = A shape(rate t); a period [s], if there is one."""
+
+    shape: Shape
+    rate: arb
+    period: arb | None
+
+
+class Duffing(FromRest):
+    """x [m] and v [m/s] at t; scalar period [s] where there is one."""
+
+    method = "Jacobi elliptic functions by theta functions; sech on the separatrix; cosine for beta = 0"
+    witness = "validated integration of the equation of motion; energy; the period by quadrature"
+
+    def __init__(self, p: Parameters, scale: Mapping[str, float]) -> None:
+        super().__init__(scale)
+        values = numbers(p, "alpha", "beta", "amplitude")
+        self.alpha, self.beta, self.amplitude = values["alpha"], values["beta"], values["amplitude"]
+
+    def acceleration(self, x: arb) -> arb:
+        return -(arb_of(self.alpha) + arb_of(self.beta) * x * x) * x
+
+    @per_precision
+    def motion(self) -> Motion:
+        """The kind of motion, decided in exact rationals; raises NotCertifiedError where it goes to infinity."""
+        square = self.beta * self.amplitude**2
+        c, h = self.alpha + square, self.alpha + square / 2
+        if c == 0:
+            return Motion(lambda u: (arb(1), arb(0)), arb(0), None)
+        if self.beta == 0 and self.alpha > 0:
+            rate = arb_of(self.alpha).sqrt()
+            return Motion(lambda u: (u.cos(), -u.sin()), rate, 2 * arb.pi() / rate)
+        if self.beta > 0 and h > 0:
+            return _elliptic(_cn, arb_of(c).sqrt(), square / (2 * c), h / c, 4)
+        if self.beta > 0 and h == 0:
+            return Motion(lambda u: (1 / u.cosh(), -u.tanh() / u.cosh()), arb_of(-self.alpha).sqrt(), None)
+        if self.beta > 0 and c > 0:
+            return _elliptic(_dn, arb_of(square / 2).sqrt(), 2 * c / square, -2 * h / square, 2)
+        if self.beta > 0:
+            farther = -2 * self.alpha - square
+            return _elliptic(_nd, arb_of(farther / 2).sqrt(), -2 * c / farther, square / farther, 2)
+        if self.beta < 0 and c > 0:
+            return _elliptic(_cd, arb_of(h).sqrt(), -square / (2 * h), c / h, 4)
+        raise NotCertifiedError("the motion goes to infinity: the start is above the escape energy")
+
+    def evaluate(self, t: arb) -> dict[str, arb]:
+        motion = self.motion()
+        x, slope = motion.shape(motion.rate * t)
+        reach = arb_of(self.amplitude)
+        return {"x": reach * x, "v": reach * motion.rate * slope}
+
+    def rates(self, t: Fraction) -> tuple[arb, arb]:
+        """As of any start from rest; of an equilibrium those of its linear equation, d'' = -(alpha + 3 beta A^2) d = 2 alpha d."""
+        if self.alpha + self.beta * self.amplitude**2 != 0:
+            return super().rates(t)
+        w = arb_of(2 * abs(self.alpha)).sqrt()
+        u = w * arb_of(t)
+        return (u.sin() / w, u.cos()) if self.alpha < 0 else (u.sinh() / w, u.cosh())
+
+    def constants(self) -> dict[str, arb]:
+        period = self.motion().period
+        return {} if period is None else {"period": period}
+
+
+def _elliptic(shape: Callable[[Jacobi, arb], tuple[arb, arb]], rate: arb, m: Fraction, m1: Fraction, quarters: int) -> Motion:
+    """x = A shape(rate t | m), m1 = 1 - m, whose period is so many K."""
+    jacobi = Jacobi(arb_of(m), arb_of(m1))
+    return Motion(lambda u: shape(jacobi, u), rate, quarters * jacobi.k / rate)
+
+
+def _cn(j: Jacobi, u: arb) -> tuple[arb, arb]:
+    sn, cn, dn = j.sn_cn_dn(u)
+    return cn, -sn * dn
+
+
+def _dn(j: Jacobi, u: arb) -> tuple[arb, arb]:
+    sn, cn, dn = j.sn_cn_dn(u)
+    return dn, -j.m * sn * cn
+
+
+def _nd(j: Jacobi, u: arb) -> tuple[arb, arb]:
+    sn, cn, dn = j.sn_cn_dn(u)
+    return 1 / dn, j.m * sn * cn / (dn * dn)
+
+
+def _cd(j: Jacobi, u: arb) -> tuple[arb, arb]:
+    sn, cn, dn = j.sn_cn_dn(u)
+    return cn / dn, -j.m1 * sn / (dn * dn)
+
+
+def truth(p: Parameters, scale: Mapping[str, float]) -> Truth:
+    """The truth at parameters alpha, beta, amplitude; `scale` of x and v."""
+    return Duffing(p, scale)

@@ -1,0 +1,66 @@
+"""The time of Haff's law (Haff 1983, J. Fluid Mech. 134): energy lost in a collision times how often two hard spheres meet."""
+
+from collections.abc import Mapping
+from fractions import Fraction
+
+from flint import arb
+
+from refdem.core.parameters import Parameters
+from refdem.core.truth import Ball, Truth
+from refdem.errors import NotCertifiedError
+from refdem.truth.balls import arb_of, refined
+from refdem.truth.exact import numbers
+
+MASS = Fraction(1)
+DIMENSIONS = 3
+
+
+class HaffTime(Truth):
+    """tau of T = T0/(1 + t/tau)^2, a scalar; of an elastic gas it is infinite and not among the scalars."""
+
+    method = "closed form"
+    witness = "mean energy loss and rate of collisions as integrals over two Maxwellian velocities"
+
+    def __init__(self, given: Mapping[str, Fraction], *, digits: int = 40) -> None:
+        self.given, self.digits = dict(given), digits
+
+    def at(self, t: Fraction) -> Mapping[str, Ball]:
+        """Raises NotCertifiedError: what the law says is a mean over many starts."""
+        raise NotCertifiedError("the motion is chaotic; Haff's law is a mean over starts, which the check `cooling` judges by its scatter")
+
+    def sensitivity(self, t: Fraction) -> float:
+        """1: nothing is certified at any time."""
+        return 1.0
+
+    def refined(self, digits: int) -> "HaffTime":
+        """The same with radii of at most 10^-digits."""
+        return HaffTime(self.given, digits=digits)
+
+    def scalars(self) -> Mapping[str, Ball]:
+        """collision_frequency [1/s] of one sphere at the start; haff_time [s] where restitution is below 1."""
+        balls = refined(self._scalars, Fraction(1, 10**self.digits))
+        if balls is None:
+            raise NotCertifiedError("haff_time: no precision sufficed")
+        return balls
+
+    def _scalars(self) -> dict[str, arb]:
+        g = self.given
+        found = {"collision_frequency": collision_frequency(g["diameter"], g["density"], g["t0"])}
+        return found if g["restitution"] == 1 else {**found, "haff_time": haff_time(**g)}
+
+
+def collision_frequency(diameter: Fraction, density: Fraction, t0: Fraction) -> arb:
+    """w_c = 4 sqrt(pi) n sigma^2 sqrt(T/m) chi [1/s] of one sphere; chi = (1 - phi/2)/(1 - phi)^3, phi = pi n sigma^3/6."""
+    packing = arb.pi() * arb_of(density * diameter**3 / 6)
+    chi = (1 - packing / 2) / (1 - packing) ** 3
+    return 4 * arb.pi().sqrt() * arb_of(density * diameter**2) * arb_of(t0 / MASS).sqrt() * chi
+
+
+def haff_time(*, diameter: Fraction, density: Fraction, restitution: Fraction, t0: Fraction) -> arb:
+    """tau = 2 D/((1 - e^2) w_c) [s]."""
+    return arb_of(2 * DIMENSIONS / (1 - restitution**2)) / collision_frequency(diameter, density, t0)
+
+
+def truth(p: Parameters) -> Truth:
+    """The truth at parameters diameter, density, restitution, t0."""
+    return HaffTime(numbers(p, "diameter", "density", "restitution", "t0"))

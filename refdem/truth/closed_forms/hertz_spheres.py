@@ -1,0 +1,67 @@
+"""Two spheres that meet head-on under Hertz's law F = k d^(3/2): overlap and its rate from touch, with free flight afterwards."""
+
+from collections.abc import Mapping
+from copy import copy
+from fractions import Fraction
+from typing import Self
+
+from flint import arb
+
+from refdem.core.parameters import Parameters
+from refdem.core.truth import Truth
+from refdem.errors import NotCertifiedError
+from refdem.truth.balls import arb_of
+from refdem.truth.closed_form import Size, per_precision
+from refdem.truth.exact import numbers
+from refdem.truth.power_contact import PowerContact, touching
+from refdem.truth.smooth_flow import SmoothFlow
+
+HERTZ = Fraction(3, 2)
+
+
+class HertzSpheres(SmoothFlow):
+    """overlap [m] (negative while apart) and v, its rate [m/s], from touch at t = 0."""
+
+    state = ("overlap", "v")
+    method = "closed form: incomplete beta function by 2F1, solved by Newton's rule with a bound from the mean value theorem"
+    witness = "Taylor integration in w = sqrt(overlap), energy, numerical integration of the law"
+
+    def __init__(self, scale: Mapping[str, Size], mass: Fraction, stiffness: Fraction, speed: Fraction) -> None:
+        super().__init__(scale)
+        self.mass, self.stiffness, self.begin = mass, stiffness, (Fraction(0), speed)
+
+    def displaced(self, axis: int, amount: Fraction) -> Self:
+        other = copy(self)
+        other.kept = {}
+        other.begin = (self.begin[0] + amount * (axis == 0), self.begin[1] + amount * (axis == 1))
+        return other
+
+    @per_precision
+    def contact(self) -> tuple[PowerContact, arb]:
+        """The contact, and when it begins."""
+        return touching(self.mass, self.stiffness, HERTZ, *self.begin)
+
+    def evaluate(self, t: arb) -> dict[str, arb]:
+        if t < 0:
+            raise NotCertifiedError("hertz-spheres: t < 0 is before the start")
+        contact, touch = self.contact()
+        since = t - touch
+        if since < 0:
+            return {"overlap": arb_of(self.begin[0]) + arb_of(self.begin[1]) * t, "v": arb_of(self.begin[1])}
+        after = since - 2 * contact.half
+        if after >= 0:
+            return {"overlap": -contact.speed * after, "v": -contact.speed}
+        overlap, rate = contact.state(since)
+        return {"overlap": overlap, "v": rate}
+
+    def constants(self) -> dict[str, arb]:
+        contact, _ = self.contact()
+        deepest = contact.depth
+        force = arb_of(self.stiffness) * deepest * deepest.sqrt()
+        return {"duration": 2 * contact.half, "max_overlap": deepest, "max_force": force}
+
+
+def truth(p: Parameters, scale: Mapping[str, float]) -> Truth:
+    """The truth of case hertz-spheres."""
+    exact = numbers(p, "effective_mass", "stiffness", "closing_speed")
+    return HertzSpheres(scale, exact["effective_mass"], exact["stiffness"], exact["closing_speed"])

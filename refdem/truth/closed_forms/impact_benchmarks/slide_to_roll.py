@@ -1,0 +1,81 @@
+"""A solid sphere that lies on the floor y = 0, its overlap that of its weight, and slides along x until it rolls: closed form.
+
+With d the overlap, d'' = g - N/m, the impulse of the floor per mass is I = g t - (d' - d'(0)). Friction mu N against the slip u + R omega
+(omega about z, lever R) takes mu I from u and 5/2 mu I from R omega, so that it rolls from I = 2 (u0 + R omega0)/(7 mu) on, at 5/7 u0
+if it did not spin; then nothing acts along the floor. The overlap stays, or, for the neighbouring motions of S, swings at sqrt(k/m).
+"""
+
+from collections.abc import Mapping
+from copy import copy
+from fractions import Fraction
+from typing import Self
+
+from flint import arb
+
+from refdem.truth.balls import UndecidedError, arb_of
+from refdem.truth.closed_form import ClosedForm, Size
+
+STATE = ("r.x", "r.y", "v.x", "v.y", "omega.z")
+STILL = ("r.z", "v.z", "omega.x", "omega.y")
+
+
+class SlideToRoll(ClosedForm):
+    """Place [m], velocity [m/s] and angular velocity [rad/s] at t >= 0."""
+
+    state = STATE
+    method = "closed form: uniform deceleration, then uniform rolling"
+    witness = "Taylor series of the motion under its law with all its coordinates"
+
+    def __init__(
+        self, scale: Mapping[str, Size], *, mass: Fraction, radius: Fraction, stiffness: Fraction, gravity: Fraction, friction: Fraction,
+        speed: Fraction,
+    ) -> None:  # fmt: skip
+        super().__init__(scale)
+        self.radius, self.gravity, self.friction, self.rate2, self.speed = radius, gravity, friction, stiffness / mass, speed
+        self.sag = gravity / self.rate2
+        self.begin = (Fraction(0), radius - self.sag, speed, Fraction(0), Fraction(0))
+
+    def displaced(self, axis: int, amount: Fraction) -> Self:
+        other = copy(self)
+        other.kept = {}
+        other.begin = tuple(x + amount * (i == axis) for i, x in enumerate(self.begin))  # type: ignore[assignment]
+        return other
+
+    def overlap(self, t: arb) -> tuple[arb, arb]:
+        """d and d'."""
+        rate = arb_of(self.rate2).sqrt()
+        off, speed = arb_of(self.radius - self.begin[1] - self.sag), arb_of(-self.begin[3])
+        wave, swing = (rate * t).cos(), (rate * t).sin()
+        return arb_of(self.sag) + off * wave + speed / rate * swing, speed * wave - off * rate * swing
+
+    def enough(self) -> Fraction:
+        """The impulse per mass after which it rolls."""
+        return Fraction(2, 7) * (self.begin[2] + self.radius * self.begin[4]) / self.friction
+
+    def roll_time(self) -> arb:
+        """When it rolls; of a neighbouring motion to first order in how far it is off."""
+        first = arb_of(self.enough() / self.gravity)
+        return first + (self.overlap(first)[1] + arb_of(self.begin[3])) / arb_of(self.gravity)
+
+    def evaluate(self, t: arb) -> dict[str, arb]:
+        depth, rate = self.overlap(t)
+        until, rolls = t, self.roll_time()
+        if not (t <= rolls or t > rolls):
+            raise UndecidedError("whether it rolls")
+        if t > rolls:
+            until = rolls
+        swung, turned = self.overlap(until)
+        x, y, u, v, spin = (arb_of(value) for value in self.begin)
+        mu, radius, g = arb_of(self.friction), arb_of(self.radius), arb_of(self.gravity)
+        impulse = g * until - turned - v
+        way = g * until * until / 2 - (swung - (radius - y)) - v * until
+        speed = u - mu * impulse
+        now = (x + u * until - mu * way + speed * (t - until), radius - depth, speed, -rate, spin - mu * impulse * 5 / (2 * radius))
+        return dict(zip((*STATE, *STILL), (*now, *(arb(0),) * 4), strict=True))
+
+    def constants(self) -> dict[str, arb]:
+        """roll_time [s], roll_speed [m/s]; as parts, speed_ratio = u/u0 and time_ratio = mu g t/u0."""
+        time = self.roll_time()
+        speed = self.evaluate(time * 2)["v.x"]
+        ratio = arb_of(self.friction * self.gravity / self.speed)
+        return {"roll_time": time, "roll_speed": speed, "speed_ratio": speed / arb_of(self.speed), "time_ratio": time * ratio}

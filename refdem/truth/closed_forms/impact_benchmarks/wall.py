@@ -1,0 +1,146 @@
+"""A sphere that touches the wall x = 0 from the left at t = 0, under the linear law: press, stick, slip and release.
+
+The modes are those of a pair (contact_phases) whose second body is flat and cannot be moved: no curvature (eps = 0), one lever. The
+third coordinate is the way that the centre has gone against y, in units of X. Law as in two_spheres; the force ends with the overlap.
+"""
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from fractions import Fraction
+from functools import partial
+from typing import Any
+
+import numpy as np
+from flint import arb
+
+from refdem.core.truth import Ball
+from refdem.truth.balls import arb_of
+from refdem.truth.closed_forms.two_spheres import Array, TwoSpheres
+from refdem.truth.contact_motion import ContactMotion
+from refdem.truth.contact_phases import ContactPhases, State, dyadic_root
+from refdem.truth.events.truth import HybridFlow
+
+NAMES = tuple(f"{kind}.{axis}" for kind in ("r", "v", "omega") for axis in "xyz")
+MOVED = ("r.x", "r.y", "v.x", "v.y", "omega.z")
+
+
+@dataclass(frozen=True, kw_only=True)
+class WallPair:
+    """Exact numbers in SI units: velocity (`normal`, `across`, 0), `spin` about z; `lever` is 0, 1/2, 1 for R, R-d/2, R-d."""
+
+    mass: Fraction
+    radius: Fraction
+    stiffness: Fraction
+    damping: Fraction
+    tangential_stiffness: Fraction
+    friction: Fraction
+    normal: Fraction
+    across: Fraction
+    spin: Fraction
+    lever: Fraction
+    ends_with_overlap: bool = True
+    angle: Fraction = Fraction(0)
+
+    @property
+    def effective_mass(self) -> Fraction:
+        """That of the sphere [kg]."""
+        return self.mass
+
+    @property
+    def slip(self) -> Fraction:
+        """Velocity of the surface against the wall along -y at touch [m/s]."""
+        return -self.across - self.radius * self.spin
+
+    @property
+    def surface_spin(self) -> list[Fraction]:
+        """What a pair calls so: minus the slip."""
+        return [Fraction(0), Fraction(0), -self.slip]
+
+    @property
+    def rubs(self) -> bool:
+        """Something slips, or will once the lever has become shorter."""
+        return self.friction > 0 and bool(self.slip or self.lever * self.spin)
+
+
+class WallPhases(ContactPhases):
+    """Phases of a sphere against the wall."""
+
+    def __init__(self, pair: WallPair) -> None:
+        m = pair.mass
+        self.pair, self.ease, self.eps = pair, [Fraction(5, 2), Fraction(0)], Fraction(0)  # type: ignore[assignment]
+        self.friction = pair.friction * pair.rubs
+        spring = pair.tangential_stiffness * (self.friction > 0)
+        fastest = max(pair.stiffness, spring * Fraction(7, 2)) / m
+        self.time = dyadic_root(1 / max(fastest, (pair.damping / m) ** 2))
+        self.speed = dyadic_root(pair.normal**2 + pair.across**2)
+        self.length = self.time * self.speed
+        self.bend = [pair.lever * self.length / pair.radius, Fraction(0)]
+        self.k, self.c, self.kt = pair.stiffness * self.time**2 / m, pair.damping * self.time / m, spring * self.time**2 / m
+
+    def start(self) -> list[Callable[[], arb]]:
+        """The state at touch."""
+        pair, v = self.pair, self.speed
+        exact = (0, pair.normal / v, 0, -pair.across / v, pair.radius * pair.spin / v, 0, 0, 0)  # type: ignore[attr-defined]
+        return [partial(arb_of, Fraction(value)) for value in exact]
+
+    def field(self, friction: Callable[[State], Any] | None, *, stretches: bool = False) -> Callable[[State], list[Any]]:
+        """The rates under a friction; the way along the wall in the place of the angle."""
+        rates = super().field(friction, stretches=stretches)
+
+        def flat(y: State) -> list[Any]:
+            found = rates(y)
+            return [*found[:2], y[3], *found[3:]]
+
+        return flat
+
+    def cartesian(self, y: State) -> list[Any]:
+        """x, y in units of X and vx, vy in units of V, in contact."""
+        return [y[0] - self.pair.radius / self.length, -y[2], y[1], -y[3]]  # type: ignore[attr-defined]
+
+
+class WallImpact(TwoSpheres):
+    """Place [m], velocity [m/s] and angular velocity [rad/s], NAMES, at t >= 0; S counts what moves in the plane."""
+
+    def __init__(self, scale: Mapping[str, float], pair: WallPair, *, digits: int = 40) -> None:
+        super(HybridFlow, self).__init__(scale, digits=digits)
+        self.spheres, self.wall, self.phases = pair, pair, WallPhases(pair)  # type: ignore[assignment]
+        self.witness = "Taylor series in Cartesian coordinates with the switches found anew; sliding formulas"
+
+    def refuse_what_leaves_the_plane(self) -> None:
+        """Nothing does."""
+
+    def at(self, t: Fraction) -> dict[str, Ball]:
+        def found(motion: ContactMotion) -> dict[str, arb]:
+            return self.quantities(self.in_si(motion.place(self.clock(t))))
+
+        return self.climbed(found, f"at t = {float(t):.17g} s")
+
+    def units(self) -> list[Fraction]:
+        turns = self.phases.speed / self.wall.radius
+        return [self.phases.length] * 2 + [self.phases.speed] * 2 + [turns, turns]
+
+    def quantities(self, relative: Sequence[arb]) -> dict[str, arb]:
+        """The nine quantities from x, y, vx, vy and the spin."""
+        x, y, vx, vy, spin = relative[:5]
+        nothing = arb(0)
+        return dict(zip(NAMES, (x, y, nothing, vx, vy, nothing, nothing, nothing, spin), strict=True))
+
+    def scalars(self) -> dict[str, Ball]:
+        return self.climbed(self.extremes, "scalars")
+
+    def extremes(self, motion: ContactMotion) -> dict[str, arb]:
+        """Those of a pair; impulse_ratio (along y over along -x), rebound_across [m/s] and rebound_spin [rad/s]."""
+        found = super().extremes(motion)
+        begin, end = motion.phases[0].entered, motion.phases[-2].crossing()[3]
+        speed = arb_of(self.phases.speed)
+        return found | {
+            "impulse_ratio": (begin[3] - end[3]) / (begin[1] - end[1]),
+            "rebound_across": -end[3] * speed,
+            "rebound_spin": end[4] * arb_of(self.phases.speed / self.wall.radius),
+        }
+
+    def growth(self, whole: Array, elapsed: Fraction) -> float:
+        """Largest sum of the scaled answers to x, y, vx, vy and the spin."""
+        units, sizes = np.array([float(unit) for unit in self.units()[:5]]), np.array([float(self.scale[name]) for name in MOVED])
+        slopes = whole[:5, :5] * units[:, None] / units
+        return max(1.0, float(np.max(np.abs(slopes) @ sizes / sizes))) * (1 + 2.0**-40)

@@ -1,0 +1,109 @@
+"""m x'' + k |x|^n sgn x = 0 from rest: incomplete beta functions and their inverse, as balls.
+
+With p = n + 1, y = x/A, w = -v/u, u = sqrt(2 k/(m p)) A^(p/2): y^p + w^2 = 1. In units of A/u the time from the centre is
+q(y) = y 2F1(1/2, 1/p; 1 + 1/p; |y|^p), that from the turning point s(w) = (2/p) w 2F1(1/2, 1 - 1/p; 3/2; w^2) (DLMF 8.17.7), and a
+quarter of the period B(1/p, 1/2)/p. Inverses: since q' >= 1 and s' >= 2/p, what a trial value misses bounds its distance.
+"""
+
+from collections.abc import Callable, Mapping
+
+from flint import arb, ctx
+
+from refdem.core.parameters import Parameters
+from refdem.core.truth import Truth
+from refdem.truth.balls import arb_of, nearest_integer
+from refdem.truth.closed_form import per_precision
+from refdem.truth.exact import numbers
+from refdem.truth.from_rest import FromRest
+
+
+class PowerOscillator(FromRest):
+    """x [m] and v [m/s] at t; scalar period [s]."""
+
+    method = "inverse incomplete beta functions, by 2F1 at arguments of at most 1/2 and a bound of the slope"
+    witness = "quadrature of the time along the path; cosine (n = 1) and Jacobi's cn (n = 3); the period by gamma functions"
+
+    def __init__(self, p: Parameters, scale: Mapping[str, float]) -> None:
+        super().__init__(scale)
+        values = numbers(p, "mass", "stiffness", "exponent", "amplitude")
+        self.ratio, self.exponent, self.amplitude = values["stiffness"] / values["mass"], values["exponent"], values["amplitude"]
+
+    @property
+    def p(self) -> arb:
+        """n + 1."""
+        return arb_of(self.exponent + 1)
+
+    def acceleration(self, x: arb) -> arb:
+        size = arb_of(self.ratio) * magnitude(x, arb_of(self.exponent))
+        return -size if x > 0 else size if x < 0 else size.union(-size)
+
+    def rate(self) -> arb:
+        """u/A [1/s]."""
+        reach = arb_of(abs(self.amplitude))
+        return (2 * arb_of(self.ratio) / self.p).sqrt() * reach ** ((arb_of(self.exponent) - 1) / 2)
+
+    @per_precision
+    def quarter(self) -> arb:
+        """A quarter of the period in units of A/u: sqrt(pi) gamma(1 + 1/p)/gamma(1/2 + 1/p)."""
+        share = 1 / self.p
+        return arb.pi().sqrt() * (1 + share).gamma() / (arb(0.5) + share).gamma()
+
+    def from_centre(self, y: arb) -> arb:
+        """q(y) for an exact y."""
+        share = 1 / self.p
+        return y * magnitude(y, self.p).hypgeom_2f1(arb(0.5), share, 1 + share)
+
+    def from_turning(self, w: arb) -> arb:
+        """s(w)."""
+        return 2 / self.p * w * (w * w).hypgeom_2f1(arb(0.5), 1 - 1 / self.p, arb(1.5))
+
+    def place(self, s: arb) -> tuple[arb, arb]:
+        """y and w at the time s [A/u] from the turning point y = 1, |s| at most a quarter of the period."""
+        late = self.quarter() - abs(s)
+        if late.mid() > self.middle().mid():
+            w = inverse(self.from_turning, s, 2 / self.p, lambda w: 2 / self.p * (1 - w * w) ** (1 / self.p - 1))
+            return (1 - w * w) ** (1 / self.p), w
+        y = inverse(self.from_centre, late, arb(1), lambda y: (1 - magnitude(y, self.p)).rsqrt())
+        size = (1 - magnitude(y, self.p)).sqrt()
+        return y, size if s > 0 else -size
+
+    @per_precision
+    def middle(self) -> arb:
+        """q where y^p = w^2 = 1/2: either series serves there."""
+        return self.from_centre((arb(0.5) ** (1 / self.p)).mid())
+
+    def evaluate(self, t: arb) -> dict[str, arb]:
+        phase, half = self.rate() * t, 2 * self.quarter()
+        turns = nearest_integer(phase / half)
+        y, w = self.place(phase - half * turns)
+        reach = arb_of(self.amplitude) * (-1 if turns % 2 else 1)
+        return {"x": reach * y, "v": -reach * self.rate() * w}
+
+    def constants(self) -> dict[str, arb]:
+        """The period [s]: 4 sqrt(m/(2 k p)) A^((1 - n)/2) B(1/p, 1/2), which is 4 quarters."""
+        return {"period": 4 * self.quarter() / self.rate()}
+
+
+def magnitude(x: arb, power: arb) -> arb:
+    """|x|^power for power > 0, also where the ball holds 0."""
+    if x > 0 or x < 0:
+        return abs(x) ** power
+    upper = arb(x.abs_upper())
+    return arb(0).union(upper**power) if upper > 0 else arb(0)
+
+
+def inverse(function: Callable[[arb], arb], value: arb, least: arb, slope: Callable[[arb], arb]) -> arb:
+    """The argument at which a function with slope >= `least` has that value: a trial, and what it misses over `least`."""
+    trial = arb(float(value.mid())) / 2 if abs(value.mid()) > 0.25 else arb(value.mid())
+    for _ in range(8 + ctx.prec.bit_length()):
+        step = ((function(trial) - value) / slope(trial)).mid()
+        trial = (trial - step).mid()
+        if abs(step) < arb(2) ** (-ctx.prec // 2):
+            break
+    missed = (function(trial) - value) / least
+    return trial + arb(0, missed.abs_upper())
+
+
+def truth(p: Parameters, scale: Mapping[str, float]) -> Truth:
+    """The truth at parameters mass, stiffness, exponent, amplitude; `scale` of x and v."""
+    return PowerOscillator(p, scale)

@@ -1,0 +1,35 @@
+"""x'' + 2 delta x' + w0^2 x + eps x^2 = f1 cos(w1 t) + f2 cos(w2 t) by validated integration; each drive that acts has two coordinates."""
+
+from collections.abc import Mapping, Sequence
+from fractions import Fraction
+from typing import Any
+
+from refdem.core.parameters import Parameters
+from refdem.core.truth import Truth
+from refdem.truth.exact import numbers, vector
+from refdem.truth.validated_flow import ValidatedFlow
+
+
+class QuadraticResponse(ValidatedFlow):
+    """x [m] and v [m/s] at t >= 0."""
+
+    witness = "Taylor series in rational arithmetic from the power series of x; heyoka in multiprecision at literal values"
+
+
+def truth(p: Parameters, scale: Mapping[str, float]) -> Truth:
+    """The truth at parameters w0, eps, delta, f0 (two), drive (two), x0, v0; `scale` of x and v."""
+    values = numbers(p, "w0", "eps", "delta", "x0", "v0")
+    drives = [(force, w) for force, w in zip(vector(p, "f0"), vector(p, "drive"), strict=True) if force]
+
+    def field(y: Sequence[Any]) -> list[Any]:
+        x, v, *phases = y
+        rate = -2 * values["delta"] * v - (values["w0"] ** 2 + values["eps"] * x) * x
+        turning = []
+        for number, (force, w) in enumerate(drives):
+            c, s = phases[2 * number : 2 * number + 2]
+            rate = rate + force * c
+            turning += [-w * s, w * c]
+        return [v, rate, *turning]
+
+    start = [values["x0"], values["v0"], *([Fraction(1), Fraction(0)] * len(drives))]
+    return QuadraticResponse(field, start, lambda y: {"x": y[0], "v": y[1]}, scale, state=("x", "v"), moved=(0, 1))

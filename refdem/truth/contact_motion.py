@@ -1,0 +1,148 @@
+"""The collision of two spheres from phase to phase, at one precision: places, their derivatives by the start, and extremes."""
+
+from collections.abc import Callable, Iterator, Sequence
+from functools import partial
+from typing import Any
+
+from flint import arb, arb_mat
+
+from refdem.truth.balls import arb_of, precision
+from refdem.truth.contact_phases import ContactPhases
+from refdem.truth.events.crossing import Along, SwitchError, Watched, first_crossing, sign
+from refdem.truth.events.motion import Motion
+from refdem.truth.events.phase import Phase
+from refdem.truth.events.system import Guard, Traced, along
+from refdem.truth.traced_field import Program, traced
+from refdem.truth.validated_ivp.integration import GUARD, Piece
+
+SIZE = 8
+LONGEST = 128
+"""Units of time, each at most the shortest of the law: a contact that has not ended by then is left."""
+PRESSES = ("press", "slip", "slip back", "stick", "hold")
+
+
+class TracedMode(Traced):
+    """A mode whose guards vanish at an entry to the second order at most."""
+
+    def _rates(self, guard: Guard, highest: int = 2) -> list[Program]:
+        return super()._rates(guard, highest)
+
+
+class TracedContact:
+    """A pair's modes as programs, with those of the places and of what has extremes."""
+
+    def __init__(self, phases: ContactPhases) -> None:
+        self.phases = phases
+        modes = phases.modes()
+        self.modes = {name: TracedMode(mode, SIZE) for name, mode in modes.items()}
+        self.places = {flies: traced_map(partial(phases.place, "apart" if flies else "contact")) for flies in (False, True)}
+        self.force = Program(traced(lambda y: [phases.force(y)], SIZE)[0])
+        contact = {name: mode for name, mode in modes.items() if name != "apart"}
+        self.closing = {name: rates(lambda y: y[1], mode.field) for name, mode in contact.items()}
+        self.steepening = {name: rates(phases.steepening, mode.field) for name, mode in contact.items()}
+
+    def place(self, mode: str, y: Sequence[arb]) -> list[arb]:
+        """x, y, vx, vy, o1, o2, s, clock."""
+        return self.places[mode == "apart"][0].run(y)
+
+    def slopes(self, mode: str, y: Sequence[arb]) -> arb_mat:
+        """Their derivatives by the state."""
+        return arb_mat(SIZE, SIZE, self.places[mode == "apart"][1].run(y))
+
+
+def traced_map(function: Callable[[Sequence[Any]], Sequence[Any]]) -> tuple[Program, Program]:
+    """A map of the state, and its Jacobian row by row."""
+    outputs, rows = traced(function, SIZE)
+    return Program(outputs), Program([entry for row in rows for entry in row])
+
+
+def rates(value: Callable[[Sequence[Any]], Any], field: Callable[[Sequence[Any]], Sequence[Any]]) -> list[Program]:
+    """A function of the state and its rate along a field."""
+    nodes, _ = traced(lambda y: [value(y), *field(y)], SIZE)
+    return [Program([nodes[0]]), Program([along(nodes[0], nodes[1:])])]
+
+
+class ContactMotion(Motion):
+    """A motion that knows when the spheres part, how deep they press, and how hard."""
+
+    def __init__(self, traced_contact: TracedContact, bits: int) -> None:
+        self.traced = traced_contact
+        with precision(bits):
+            start = [value() for value in traced_contact.phases.start()]
+            super().__init__(traced_contact.modes, start, traced_contact.phases.first(start), bits)
+
+    def name(self, phase: Phase) -> str:
+        """The mode of a phase."""
+        return next(name for name, mode in self.modes.items() if mode is phase.mode)
+
+    def place(self, t: arb) -> list[arb]:
+        """x, y, vx, vy, o1, o2, s, clock at the time t."""
+        phase = self.phase(t)
+        state = self.at(t)
+        with precision(self.bits + GUARD):
+            return self.traced.place(self.name(phase), state)
+
+    def slopes(self, t: arb) -> arb_mat:
+        """The derivative of these by the state at t."""
+        phase = self.phase(t)
+        state = self.at(t)
+        with precision(self.bits + GUARD):
+            return self.traced.slopes(self.name(phase), state)
+
+    def part(self) -> None:
+        """Follows the motion until the spheres are apart; SwitchError if that takes too long."""
+        while self.name(self.phases[-1]) != "apart":
+            last = self.phases[-1]
+            if last.entered[-1] + arb_of(last.searched) > LONGEST:
+                raise SwitchError("end", "the contact does not end within the time that is integrated", LONGEST).at(last.entered)
+            self.follow()
+
+    def stretches(self) -> Iterator[tuple[str, Piece, arb, arb]]:
+        """Mode, piece, begin and end of each piece of the contact since its own begin; the last one ends with a phase."""
+        for phase in self.phases[:-1]:
+            assert phase.ends is not None
+            for piece in phase.pieces:
+                end = min(piece.end, phase.searched)
+                final = phase.ends[1] - arb_of(piece.begin)
+                high = final if piece is phase.piece(phase.ends[1]) else arb_of(end - piece.begin)
+                yield self.name(phase), piece, arb(0), high
+                if high is final:
+                    break
+
+    def deepest(self) -> arb:
+        """The largest overlap: where its rate is first zero."""
+        with precision(self.bits + GUARD):
+            for name, piece, low, high in self.stretches():
+                turn = first_crossing(watched(piece, self.traced.closing[name]), low, high)
+                if turn is not None:
+                    return piece.at(turn)[0]
+        raise SwitchError("end", "no turn of the overlap is seen", 0.0)
+
+    def hardest(self) -> arb | None:
+        """The largest normal force (K a + C u), at the start or where it first falls; None where it is not proved to fall from there on."""
+        force = self.traced.force.run
+        with precision(self.bits + GUARD):
+            start = self.phases[0].entered
+            rises = sign(self.traced.steepening["press"][0].run(start)[0], "dF/dt at touch") > 0
+            most = None if rises else force(start)[0]
+            for name, piece, low, high in self.stretches():
+                if name not in PRESSES:
+                    break
+                begin, touching = low, 0
+                if most is None:
+                    top = first_crossing(watched(piece, self.traced.steepening[name]), low, high)
+                    if top is None:
+                        continue
+                    most, begin, touching = force(piece.at(top))[0], top, 1
+                if first_crossing(watched(piece, self.traced.steepening[name], touching, sense=-1), begin, high) is not None:
+                    return None
+            return most
+
+
+def watched(piece: Piece, programs: Sequence[Program], touching: int = 0, *, sense: int = 1) -> Watched:
+    """A function of the state (or its negative) along a piece."""
+
+    def seen(program: Program) -> Along:
+        return lambda t: sense * program.run(piece.at(t))[0]
+
+    return Watched("an extreme", [seen(program) for program in programs], touching)

@@ -1,0 +1,155 @@
+"""A motion from mode to mode, at one precision, as far as it is asked for; phases are kept.
+
+A set of motions enters each mode at clock times that need not be equal: the clock is a coordinate, and the state at a given time t is
+that of each member at its own t - clock.
+"""
+
+from bisect import bisect_right
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+
+import numpy as np
+from flint import arb, arb_mat
+from numpy.typing import NDArray
+
+from refdem.truth.balls import arb_of, precision
+from refdem.truth.events.crossing import SwitchError
+from refdem.truth.events.phase import Phase
+from refdem.truth.events.system import Entry, Traced
+from refdem.truth.validated_ivp.integration import GUARD, Piece, Steps
+from refdem.truth.validated_ivp.moved import Spread, at_start, identity
+
+THIN = 2.0**-100
+"""A set this thin that cannot be followed is so close to the boundary that more digits would seldom help."""
+
+
+@dataclass(frozen=True)
+class Event:
+    """What ended a phase: the guard's name, the mode entered, a ball of the time [s], balls of the state after it (and its reset)."""
+
+    name: str
+    mode: str | None
+    time: arb
+    state: list[arb]
+
+
+class Motion:
+    """The motion of the set about `start` (balls at the working precision) that begins with `entry`."""
+
+    def __init__(self, modes: Mapping[str, Traced], start: Sequence[arb], entry: Entry, bits: int, steps: Steps | None = None) -> None:
+        self.modes, self.bits, self.steps = modes, bits, steps or Steps()
+        self.events: list[Event] = []
+        self.phases: list[Phase] = []
+        self.ended = False
+        self.enter(entry, [value.mid() for value in start], at_start([value.rad() for value in start]))
+
+    def enter(self, entry: Entry, centre: Sequence[arb], spread: Spread) -> None:
+        """Begins the phase of an entry (whose reset is done)."""
+        if entry.mode is None:
+            self.ended = True
+        else:
+            self.phases.append(Phase(self.modes[entry.mode], entry, centre, spread, self.bits, self.steps))
+
+    def at(self, t: arb) -> list[arb]:
+        """Balls of the state at the time t [s]."""
+        phase = self.phase(t)
+        with precision(self.bits + GUARD):
+            return phase.at(t - phase.entered[-1])
+
+    def jacobian(self, t: arb) -> arb_mat:
+        """Enclosure of the derivative of the state at time t by that at the start."""
+        phase = self.phase(t)
+        with precision(self.bits + GUARD):
+            since = t - phase.entered[-1]
+            return at_fixed_time(phase, phase.at(since)) * phase.jacobian(since)
+
+    def phase(self, t: arb) -> Phase:
+        """The phase in which all motions of the set are at t; phases up to it are made."""
+        while self.is_open(t):
+            self.follow()
+        clocks = [float(phase.entered[-1].mid()) for phase in self.phases]
+        last = bisect_right(clocks, float(t.mid()))
+        for index in range(max(0, last - 2), min(len(self.phases), last + 2)):
+            phase = self.phases[index]
+            begun = t >= phase.entered[-1] if index == 0 else t > phase.entered[-1]
+            if begun and (phase.ends is None or t < self.events[index].time):
+                return phase
+        if self.ended and self.events and t > self.events[-1].time:
+            raise SwitchError("end", f"the motion ends with {self.events[-1].name}", float(t.mid())).at(self.events[-1].state)
+        raise SwitchError("precision", f"t = {t.str(8)} s lies within the uncertainty of an event", float(t.mid()))
+
+    def is_open(self, t: arb) -> bool:
+        """The last phase has not been followed past t."""
+        phase = self.phases[-1]
+        if self.ended or phase.never:
+            return False
+        return phase.ends is not None or not arb_of(phase.searched) > t - phase.entered[-1]
+
+    def follow(self) -> None:
+        """Follows the last phase by a window, or through the event that ends it; adds the time and the state to what goes wrong."""
+        phase = self.phases[-1]
+        try:
+            if phase.ends is None:
+                phase.search()
+            if phase.ends is not None:
+                self.pass_event(phase)
+        except SwitchError as error:
+            raise self.told(phase, error) from None
+
+    def pass_event(self, phase: Phase) -> None:
+        """Hands the set on to the next mode."""
+        guard, _, _, states = phase.crossing()
+        with precision(self.bits + GUARD):
+            entry = guard.then(states)
+        centre, spread = phase.after(entry)
+        self.enter(entry, centre, spread)
+        radii = spread.radii()
+        with precision(self.bits + GUARD):
+            state = [value + arb(0, radius) for value, radius in zip(centre, radii, strict=True)]
+        self.events.append(Event(guard.name, entry.mode, state[-1], state))
+
+    def told(self, phase: Phase, error: SwitchError) -> SwitchError:
+        """The same error with the time, and the state at the last time that is certified."""
+        with precision(self.bits + GUARD):
+            since = arb_of(min(phase.searched, phase.pieces[-1].end) if phase.pieces else 0)
+            state = phase.at(since) if phase.pieces else phase.entered
+        return error.at(state, thin=all(radius < THIN for radius in phase.spread.radii()))
+
+    def transfer(self, first: arb, second: arb) -> NDArray[np.float64]:
+        """The derivative of the state at time `second` by that at `first`, to rounding: no errors are in it."""
+        a, b = self.phase(first), self.phase(second)
+        since, until = (t - phase.entered[-1] for t, phase in ((first, a), (second, b)))
+        whole = np.linalg.inv(_floats(a.moved_by(*_within(a, since))))
+        for one, other in pairwise(self.phases[self.phases.index(a) : self.phases.index(b) + 1]):
+            whole = _floats(one.exit) @ self.along(one, since, None) @ whole
+            since = other.entered[-1] * 0
+        whole = _floats(b.moved_by(*_within(b, until))) @ self.along(b, since, until) @ whole
+        return _floats(at_fixed_time(b, b.at(until))) @ whole
+
+    def along(self, phase: Phase, since: arb, until: arb | None) -> NDArray[np.float64]:
+        """The derivative from the begin of the piece at `since` to the begin of that at `until` (None: that of the event)."""
+        if until is None:
+            assert phase.ends is not None
+            until = phase.ends[1]
+        begin, end = (phase.piece(t).begin for t in (since, until))
+        whole = np.eye(phase.mode.size)
+        for piece in phase.pieces:
+            if begin <= piece.begin < end:
+                whole = _floats(phase.flows[piece.begin]) @ whole
+        return whole
+
+
+def at_fixed_time(phase: Phase, state: Sequence[arb]) -> arb_mat:
+    """1 - f e_clock: what turns changes at a time since each motion's own entry into changes at a given time."""
+    rates, size = phase.field.run(state), phase.mode.size
+    return identity(size) - arb_mat(size, size, [rate if j == size - 1 else arb(0) for rate in rates for j in range(size)])
+
+
+def _within(phase: Phase, since: arb) -> tuple[Piece, arb]:
+    piece = phase.piece(since)
+    return piece, since - arb_of(piece.begin)
+
+
+def _floats(matrix: arb_mat) -> NDArray[np.float64]:
+    return np.array([[float(x.mid()) for x in row] for row in matrix.table()])

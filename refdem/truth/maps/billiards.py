@@ -1,0 +1,22 @@
+"""The truth of a billiard table, whichever its geometry."""
+
+from collections.abc import Mapping
+from fractions import Fraction
+
+from refdem.core.parameters import Parameters
+from refdem.core.truth import Truth
+from refdem.truth.closed_form import Size
+from refdem.truth.exact import vector
+from refdem.truth.maps.rectangle import Rectangle
+from refdem.truth.maps.stadium import Stadium
+
+
+def truth(p: Parameters, scale: Mapping[str, Size]) -> Truth:
+    """Unfolding or the collision map, as `geometry` says."""
+    kind = Stadium if p["geometry"] == "stadium" else Rectangle
+    return kind(_pair(p, "size"), _pair(p, "start"), _pair(p, "direction"), scale)
+
+
+def _pair(p: Parameters, name: str) -> tuple[Fraction, Fraction]:
+    first, second = vector(p, name)
+    return first, second

@@ -1,0 +1,178 @@
+"""Truth of an iteration: the orbit in balls, precision raised until they are small enough, S from the products of the map's slopes.
+
+Theorem: a step that is evaluated in balls contains the images of all points of the ball before it, if every branch is decided for the
+whole ball. So orbits need no device but precision: a chaotic map loses a few bits a step, and they are put in at the start.
+"""
+
+from abc import abstractmethod
+from collections.abc import Mapping, Sequence
+from copy import copy
+from fractions import Fraction
+from typing import Any, Self
+
+import numpy as np
+from flint import arb, arb_mat, ctx
+from numpy.typing import NDArray
+
+from refdem.core.truth import Ball, Truth
+from refdem.errors import NotCertifiedError, UsageError
+from refdem.truth.balls import UndecidedError, arb_of, ball_of, precision, refined
+from refdem.truth.closed_form import Size
+
+MOST_BITS = 2**13
+"""Some 2500 bounces or 8000 doublings: a hundred times as far as doubles can be judged; the cost grows as the square."""
+MOST_STEPS = 2**14
+"""Of an orbit that does not lose bits: the same limit, in time instead of digits."""
+SHARP = -200
+"""A branch that is undecided for a ball of a radius below 2^SHARP is a boundary that is hit, and no lack of precision."""
+ORIGINS = 32
+"""At how many iterates, evenly chosen, an error may be made."""
+SLACK = 1 + 1e-9
+"""Products of slopes in binary64 lose far less than this part of their largest entries."""
+BOUNDLESS = 1e300
+
+
+class BoundaryError(UndecidedError):
+    """A branch that cannot be decided; `code` says what is hit, `gap` is the ball whose sign is not known."""
+
+    def __init__(self, code: str, gap: arb) -> None:
+        super().__init__(f"{code}: {gap} has no sign")
+        self.code = code if gap.is_finite() and gap.rad() < arb(2) ** SHARP else "precision"
+
+
+class Iterated(Truth):
+    """Iterates n = 0, 1, ... of a map; `at(n)` to within 10^-digits of each scale. A state is whatever `step` takes and gives."""
+
+    word = "step"
+
+    def __init__(self, scale: Mapping[str, Size], *, digits: int = 40) -> None:
+        self.scale = {name: Fraction(size) for name, size in scale.items()}
+        self.digits = digits
+        self.kept: dict[int, dict[int, Any]] = {}
+        self.grown: list[float] = [1.0]
+        self.errors = np.zeros((0, 0, 0))
+
+    @abstractmethod
+    def first(self) -> Any:
+        """Iterate 0 at the current precision."""
+
+    @abstractmethod
+    def step(self, state: Any) -> Any:
+        """The next iterate; BoundaryError where balls cannot choose a branch."""
+
+    @abstractmethod
+    def slope(self, state: Any, after: Any) -> arb_mat:
+        """The derivative of one step, each number in its scale."""
+
+    @abstractmethod
+    def values(self, state: Any) -> dict[str, arb]:
+        """The quantities of a state."""
+
+    def refined(self, digits: int) -> Self:
+        """The same truth with radii of at most 10^-digits."""
+        other = copy(self)
+        other.digits = digits
+        return other
+
+    def state(self, n: int) -> Any:
+        """Iterate n at the current precision, on from the last that is known."""
+        orbit = self.kept.setdefault(ctx.prec, {})
+        if not orbit:
+            orbit[0] = self.first()
+        at = n if n in orbit else len(orbit) - 1
+        while at < n:
+            if at >= MOST_STEPS:
+                raise self.ended("length", at, orbit[at], f"more than {MOST_STEPS} are not tried")
+            after = self.step(orbit[at])
+            for name, value in self.values(after).items():  # a ball as large as its scale grows without bound, its exponents too
+                if not value.rad() < arb_of(self.scale[name]):
+                    raise BoundaryError("precision", value)
+            orbit[at + 1] = after
+            at += 1
+        return orbit[n]
+
+    def at(self, t: Fraction) -> Mapping[str, Ball]:
+        """Every quantity of the iterate t, a whole number; raises NotCertifiedError where it cannot be proved."""
+        n = whole(t)
+        target = min(Fraction(1), *self.scale.values()) / 10**self.digits
+        balls = refined(lambda: self.values(self.state(n)), target, most=MOST_BITS)
+        if balls is None or any(ball.radius > target for ball in balls.values()):
+            raise self.lost(n)
+        return balls
+
+    def lost(self, n: int) -> NotCertifiedError:
+        """Why iterate n is not certified, and the last one that is."""
+        code, last = "precision", 0
+        with precision(MOST_BITS):
+            try:
+                self.state(n)
+            except BoundaryError as error:
+                code = error.code
+            orbit = self.kept.setdefault(MOST_BITS, {0: self.first()})
+            while last + 1 in orbit and all(value.rad() < arb(10) ** -self.digits for value in self.values(orbit[last + 1]).values()):
+                last += 1
+            limit = f"{MOST_BITS} bits are used up" if code == "precision" else f"{self.word} {last + 1} meets a {code}"
+            return self.ended(code, last, orbit[last], limit)
+
+    def ended(self, code: str, last: int, state: Any, limit: str) -> NotCertifiedError:
+        """The honest end: code, number of the last certified iterate, its state."""
+        balls = {name: ball_of(value) for name, value in self.values(state).items()}
+        told = ", ".join(f"{name} = {float(ball.mid):.17g}" for name, ball in balls.items())
+        message = f"{code}: certified up to {self.word} {last}, where {told}; {limit}"
+        return NotCertifiedError(message, code=code, time=float(last), state=balls)
+
+    def sensitivity(self, t: Fraction) -> float:
+        """S: the largest sum of a row of the scaled derivative of iterate t by an earlier one (of up to ORIGINS), or by the start."""
+        n = whole(t)
+        bits = 256
+        while len(self.grown) <= n:
+            with precision(bits):
+                try:
+                    self._grow(len(self.grown))
+                except UndecidedError as error:
+                    if bits >= MOST_BITS:
+                        raise NotCertifiedError(f"no sensitivity: {error}", code="precision") from None
+                    bits *= 2
+        return self.grown[n]
+
+    def _grow(self, n: int) -> None:
+        """Adds S of iterate n to those that are known."""
+        slope = _floats(self.slope(self.state(n - 1), self.state(n)))
+        identity = np.eye(len(slope))[None]
+        self.errors = identity if n == 1 else self.errors
+        self.errors = slope @ self.errors
+        largest = float(np.abs(self.errors).sum(axis=2).max())
+        self.grown.append(min(max(1.0, largest * SLACK), BOUNDLESS) if largest == largest else BOUNDLESS)
+        self.errors = np.clip(self.errors, -BOUNDLESS, BOUNDLESS)
+        if len(self.errors) == ORIGINS:
+            self.errors = self.errors[::2]
+        self.errors = np.concatenate((self.errors, identity))
+
+    def jacobian(self, t: Fraction) -> arb_mat:
+        """The derivative of iterate t by the start at the current precision, each number in its scale."""
+        n = whole(t)
+        size = self.slope(self.state(0), self.state(1)).nrows()
+        total = arb_mat(size, size, [int(i == j) for i in range(size) for j in range(size)])
+        for k in range(n):
+            total = self.slope(self.state(k), self.state(k + 1)) * total
+        return total
+
+
+def whole(t: Fraction) -> int:
+    """The number of an iterate; raises UsageError if it is none."""
+    if t.denominator != 1 or t < 0:
+        raise UsageError(f"iterate {t}; expected a whole number >= 0")
+    return int(t)
+
+
+def _floats(matrix: arb_mat) -> NDArray[np.float64]:
+    """Midpoints as doubles; UndecidedError if they are not known to a part in 1e12 of the largest."""
+    entries = [x for row in matrix.table() for x in row]
+    if not all(x.is_finite() for x in entries) or max(x.rad() for x in entries) > 1e-12 * max(abs(x.mid()) for x in entries):
+        raise UndecidedError("the slope of a step is not known")
+    return np.array([float(x.mid()) for x in entries]).reshape(matrix.nrows(), matrix.ncols())
+
+
+def vector(values: Sequence[arb]) -> arb_mat:
+    """A column."""
+    return arb_mat(len(values), 1, list(values))

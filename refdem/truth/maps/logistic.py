@@ -1,0 +1,83 @@
+"""The logistic map x -> eta x (1 - x), proved iterate by iterate, and the logistic equation x' = eta x (1 - x) in closed form (1.127).
+
+In y = x - 1/2 the map is y -> eta (1/4 - y^2) - 1/2: a ball's radius grows by |f'| and no more. At eta = 4, x = sin^2 theta makes it
+theta -> 2 theta: x_n = sin^2(2^n theta_0), the witness, whose derivative is 2^n sqrt(x_n (1 - x_n)/(x_0 (1 - x_0))).
+"""
+
+from collections.abc import Mapping
+from fractions import Fraction
+
+from flint import arb, arb_mat
+
+from refdem.core.parameters import Parameters
+from refdem.core.truth import Truth
+from refdem.truth.balls import arb_of
+from refdem.truth.closed_form import Size
+from refdem.truth.exact import numbers
+from refdem.truth.maps.iterated import Iterated
+
+HALF = Fraction(1, 2)
+
+
+class LogisticMap(Iterated):
+    """y_n = x_n - 1/2 in balls."""
+
+    method = "the map in balls about 1/2, precision raised by the bits that its slope takes away"
+    witness = "at eta = 4 x_n = sin^2(2^n asin sqrt(x_0)); exact rational iterates; superstable cycles by interval Newton"
+    word = "iterate"
+
+    def __init__(self, eta: Fraction, x0: Fraction, scale: Mapping[str, Size], *, digits: int = 40) -> None:
+        super().__init__(scale, digits=digits)
+        self.eta, self.x0 = eta, x0
+
+    def first(self) -> arb:
+        return arb_of(self.x0 - HALF)
+
+    def step(self, state: arb) -> arb:
+        return arb_of(self.eta) * (arb_of(HALF * HALF) - state * state) - arb_of(HALF)
+
+    def slope(self, state: arb, after: arb) -> arb_mat:
+        return arb_mat(1, 1, [-2 * arb_of(self.eta) * state])
+
+    def values(self, state: arb) -> dict[str, arb]:
+        return {"x_n": state + arb_of(HALF)}
+
+
+class LogisticFlow(Iterated):
+    """x(n) = 1/(1 + (1/x0 - 1) exp(-eta n)): no step is needed."""
+
+    method = "closed form: 1/(1 + (1/x0 - 1) exp(-eta t))"
+    witness = "Taylor series of x' = eta x (1 - x) with a proven remainder (refdem/truth/witness.py)"
+    word = "iterate"
+
+    def __init__(self, eta: Fraction, x0: Fraction, scale: Mapping[str, Size], *, digits: int = 40) -> None:
+        super().__init__(scale, digits=digits)
+        self.eta, self.x0 = eta, x0
+
+    def state(self, n: int) -> arb:
+        if self.x0 == 0:
+            return arb(0)
+        return 1 / (1 + arb_of(1 / self.x0 - 1) * (-arb_of(self.eta) * n).exp())
+
+    def first(self) -> arb:
+        return self.state(0)
+
+    def step(self, state: arb) -> arb:
+        """One unit of time on: x e^eta/(1 + x (e^eta - 1)) = x/(x + (1 - x) e^-eta)."""
+        return state / (state + (1 - state) * (-arb_of(self.eta)).exp())
+
+    def slope(self, state: arb, after: arb) -> arb_mat:
+        """d after/d state = e^-eta/(x + (1 - x) e^-eta)^2."""
+        fall = (-arb_of(self.eta)).exp()
+        width = state + (1 - state) * fall
+        return arb_mat(1, 1, [fall / (width * width)])
+
+    def values(self, state: arb) -> dict[str, arb]:
+        return {"x_n": state}
+
+
+def truth(p: Parameters, scale: Mapping[str, Size]) -> Truth:
+    """Map or equation, as `form` says."""
+    own = numbers(p, "eta", "x0")
+    kind = LogisticFlow if p["form"] == "ode" else LogisticMap
+    return kind(own["eta"], own["x0"], scale)

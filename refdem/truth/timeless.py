@@ -1,0 +1,36 @@
+"""Truth without time: scalars only, as exact numbers or as balls at a rising precision."""
+
+from collections.abc import Callable, Mapping
+from fractions import Fraction
+from typing import Self
+
+from flint import arb
+
+from refdem.errors import NotCertifiedError
+from refdem.truth.closed_form import ClosedForm, Size
+
+
+class Timeless(ClosedForm):
+    """`values` gives every value at the current precision."""
+
+    method = "closed form"
+
+    def __init__(self, scale: Mapping[str, Size], values: Callable[[], Mapping[str, arb]], *, witness: str, digits: int = 40) -> None:
+        super().__init__(scale, digits=digits)
+        self.values, self.witness = values, witness
+
+    def constants(self) -> dict[str, arb]:
+        """The values."""
+        return dict(self.values())
+
+    def evaluate(self, t: arb) -> dict[str, arb]:
+        """The values: nothing depends on time."""
+        return self.constants()
+
+    def displaced(self, axis: int, amount: Fraction) -> Self:
+        """There is no start to displace: raises NotCertifiedError."""
+        raise NotCertifiedError("the case has no start; its values are scalars")
+
+    def sensitivity(self, t: Fraction) -> float:
+        """1: an error does not grow."""
+        return 1.0

@@ -1,0 +1,135 @@
+"""Witnesses of the oscillators: x'' from Newton's law by Taylor integration; a period is the time at which the motion is back."""
+
+from collections.abc import Callable, Mapping, Sequence
+from fractions import Fraction
+from functools import partial
+from typing import Any
+
+from flint import acb, arb
+
+from refdem.core.parameters import Exact
+from refdem.truth.balls import arb_of
+from refdem.truth.exact import number, numbers, vector
+from refdem.truth.witnesses.taylor import Solution
+from refdem.truth.witnesses.testimony import Claimed, Said, Witness
+
+Force = Callable[[Any, Any, Any], Any]
+"""x'' of (t, x, v)."""
+METHOD = "Taylor integration of x'' at 58 digits, unproven (refdem/truth/witnesses/oscillators.py)"
+
+
+def motion(acceleration: Force, x0: Fraction, v0: Fraction, times: Sequence[Fraction], claimed: Claimed) -> Said:
+    """x and v at the times, and the period if one is claimed: twice the time from one turning point, or crossing, to the next."""
+    found = Solution(lambda t, y: [y[1], acceleration(t, y[0], y[1])], [arb_of(x0), arb_of(v0)])
+    for t in times:
+        x, v = found.at(t)
+        yield t, {"x": x, "v": v}
+    if "period" in claimed and (x0 or v0):
+        which, level = (1, v0) if v0 == 0 else (0, x0)
+        near = float(claimed["period"])
+        yield None, {"period": found.crossing(lambda y: y[which] - arb_of(level), near, near / 64)}
+
+
+def of(acceleration: Callable[[dict[str, arb]], Force], *names: str, start: tuple[str, str] = ("x0", "v0")) -> Witness:
+    """A witness of a case whose start is in `start` and whose acceleration needs the parameters `names`."""
+
+    def values(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: Claimed) -> Said:
+        begin = [number(p, name) if name else Fraction(0) for name in start]
+        if "delta" in names and begin[1]:  # only turning points come back after a damped period
+            claimed = {}
+        return motion(acceleration({name: arb_of(number(p, name)) for name in names}), begin[0], begin[1], times, claimed)
+
+    return Witness(METHOD, values)
+
+
+def hanging(p: dict[str, arb]) -> Force:
+    """A spring, and gravity along +x."""
+    return lambda t, x, v: p["gravity"] - p["stiffness"] / p["mass"] * x
+
+
+def viscous(p: dict[str, arb]) -> Force:
+    """The same in a fluid: - 2 delta v."""
+    return lambda t, x, v: p["gravity"] - p["stiffness"] / p["mass"] * x - 2 * p["delta"] * v
+
+
+def driven(p: dict[str, arb]) -> Force:
+    """The same driven with f0 cos(drive t) per mass."""
+    return lambda t, x, v: (t * p["drive"]).cos() * p["f0"] - p["stiffness"] / p["mass"] * x - 2 * p["delta"] * v + p["gravity"]
+
+
+def duffing(p: dict[str, arb]) -> Force:
+    """x'' = -alpha x - beta x^3."""
+    return lambda t, x, v: -p["alpha"] * x - p["beta"] * x * x * x
+
+
+def driven_duffing(p: dict[str, arb]) -> Force:
+    """The same damped and driven."""
+    return lambda t, x, v: (t * p["drive"]).cos() * p["f0"] - p["alpha"] * x - p["beta"] * x * x * x - 2 * p["delta"] * v
+
+
+def van_der_pol(p: dict[str, arb]) -> Force:
+    """x'' = mu (1 - x^2) x' - x + p sin(drive t)."""
+    return lambda t, x, v: (1 - x * x) * v * p["mu"] - x + (t * p["drive"]).sin() * p["p"]
+
+
+def power(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: Claimed) -> Said:
+    """m x'' = -k |x|^n sgn x for whole n, from turning point to centre and on: the power is smooth on either side."""
+    exact = numbers(p, "mass", "stiffness", "exponent", "amplitude")
+    if exact["exponent"].denominator != 1 or not exact["amplitude"]:
+        return
+    n, ratio = int(exact["exponent"]), arb_of(exact["stiffness"] / exact["mass"])
+    quarter, waiting = float(claimed["period"]) / 4, list(times)
+    state, begin, sign = [arb_of(exact["amplitude"]), arb(0)], arb(0), 1 if exact["amplitude"] > 0 else -1
+    turned = 1
+    while waiting or turned <= 3:
+        phase = Solution(partial(pulled, n, ratio * sign ** (n + 1)), state, begin=begin)
+        near = float(begin) + quarter * (1 if turned == 1 else 2)
+        end = phase.crossing(lambda y: y[0], near, quarter / 64)
+        while waiting and arb_of(waiting[0]) < end:
+            t = waiting.pop(0)
+            yield t, dict(zip(("x", "v"), phase.at(t), strict=True))
+        if turned == 2:
+            yield None, {"period": 2 * (end - begin)}
+        begin, state, sign, turned = end, phase.at(end), -sign, turned + 1
+
+
+def pulled(n: int, strength: arb, t: Any, y: Sequence[Any]) -> list[Any]:
+    """v and -strength x^n; the strength has the sign that makes the force point to the centre."""
+    powered = y[0]
+    for _ in range(n - 1):
+        powered = powered * y[0]
+    return [y[1], -strength * powered]
+
+
+def steadily_driven(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: Claimed) -> Said:
+    """The motion, and the steady amplitude |f0/(w0^2 - w^2 + 2 i delta w)|."""
+    yield from MOVING.values(p, times, claimed)
+    e = {name: arb_of(number(p, name)) for name in ("mass", "stiffness", "delta", "f0", "drive")}
+    response = acb(e["stiffness"] / e["mass"] - e["drive"] * e["drive"], 2 * e["delta"] * e["drive"])
+    if number(p, "drive") and not response.contains(0):
+        yield None, {"steady_amplitude": abs(acb(e["f0"]) / response)}
+
+
+def quadratic(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: Claimed) -> Said:
+    """x'' = -2 delta x' - w0^2 x - eps x^2 + sum of f0 cos(drive t)."""
+    w0, eps, delta = (arb_of(number(p, name)) for name in ("w0", "eps", "delta"))
+    drives = [(arb_of(f), arb_of(w)) for f, w in zip(vector(p, "f0"), vector(p, "drive"), strict=True)]
+
+    def acceleration(t: Any, x: Any, v: Any) -> Any:
+        forced = sum(((t * w).cos() * f for f, w in drives), arb(0))
+        return forced - 2 * delta * v - w0 * w0 * x - eps * x * x
+
+    return motion(acceleration, number(p, "x0"), number(p, "v0"), times, claimed)
+
+
+MOVING = of(driven, "mass", "stiffness", "gravity", "delta", "f0", "drive")
+WITNESSES = {
+    "harmonic-oscillator": of(hanging, "mass", "stiffness", "gravity"),
+    "viscous-oscillator": of(viscous, "mass", "stiffness", "gravity", "delta"),
+    "driven-oscillator": Witness(METHOD, steadily_driven),
+    "power-oscillator": Witness(METHOD, power),
+    "duffing": of(duffing, "alpha", "beta", start=("amplitude", "")),
+    "driven-duffing": of(driven_duffing, "alpha", "beta", "delta", "f0", "drive"),
+    "van-der-pol": of(van_der_pol, "mu", "p", "drive"),
+    "quadratic-response": Witness(METHOD, quadratic),
+}

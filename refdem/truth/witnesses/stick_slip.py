@@ -1,0 +1,104 @@
+"""Witness of the stick-slip oscillator: slips by Taylor integration from Stribeck's law as it is written, sticking by the belt's motion."""
+
+from collections.abc import Mapping, Sequence
+from fractions import Fraction
+from functools import partial
+from typing import Any
+
+from flint import arb
+
+from refdem.core.parameters import Exact
+from refdem.truth.balls import arb_of, precision
+from refdem.truth.exact import number
+from refdem.truth.witnesses.taylor import BITS, Solution
+from refdem.truth.witnesses.testimony import Claimed, Said, Witness
+
+METHOD = (
+    "Taylor integration of slips, the belt's motion while it sticks, events by a scan and the secant (refdem/truth/witnesses/stick_slip.py)"
+)
+SCAN = 1 / 64
+"""Seconds between the looks for an event."""
+NAMES = ("a", "mu0", "mu1", "lambda0", "lambda1", "belt", "gamma", "eta")
+
+
+def moving(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: Claimed) -> Said:
+    """Phase after phase to the last time."""
+    law = Law({name: arb_of(number(p, name)) for name in NAMES}, linear=p["friction_law"] == "linear")
+    begin, x, v, waiting = arb(0), arb_of(number(p, "x0")), arb_of(number(p, "v0")), list(times)
+    counts = {"stick": 0, "slip": 0}
+    held = False
+    while waiting:
+        side = law.side(begin, x, v)
+        if float(begin) and held != (side == 0):
+            kind = "stick" if side == 0 else "slip"
+            counts[kind] += 1
+            yield None, {f"{kind}_{counts[kind]}": begin}
+        held = side == 0
+        phase = Solution(partial(law.rates, side), [x, v], begin=begin)
+        end = law.end(phase, side, begin, waiting[-1])
+        while waiting and (end is None or arb_of(waiting[0]) < end):
+            t = waiting.pop(0)
+            yield t, dict(zip(("x", "v"), phase.at(t), strict=True))
+        if end is None:
+            return
+        begin, (x, v) = end, (phase.at(end)[0], law.e["belt"])
+
+
+class Law:
+    """The equation with its friction; u = v - belt."""
+
+    def __init__(self, e: Mapping[str, arb], *, linear: bool) -> None:
+        self.e, self.linear = e, linear
+
+    def coefficient(self, u: Any) -> Any:
+        """mu at a speed u >= 0."""
+        e = self.e
+        return (e["mu0"] - e["mu1"]) / (u * e["lambda0"] + 1) + e["mu1"] + (u if self.linear else u * u) * e["lambda1"]
+
+    def pull(self, t: Any, x: Any) -> Any:
+        """P = gamma cos(eta t) - x - a mu(belt)."""
+        e = self.e
+        return (t * e["eta"]).cos() * e["gamma"] - x - e["a"] * self.coefficient(abs(e["belt"]))
+
+    def side(self, t: arb, x: arb, v: arb) -> int:
+        """1 or -1 where it slips forward or backward against the belt, 0 where it sticks."""
+        u, pull = v - self.e["belt"], self.pull(t, x)
+        if abs(float(u)) > 1e-30:
+            return 1 if u > 0 else -1
+        rest = abs(pull) - self.e["a"] * self.e["mu0"]
+        released = rest > 0 or abs(float(rest)) < 1e-30
+        return (1 if pull > 0 else -1) if released else 0
+
+    def rates(self, side: int, t: Any, y: Sequence[Any]) -> list[Any]:
+        """x' and v'."""
+        if side == 0:
+            return [self.e["belt"], arb(0)]
+        return [y[1], self.pull(t, y[0]) - side * self.e["a"] * self.coefficient(side * (y[1] - self.e["belt"]))]
+
+    def end(self, phase: Solution, side: int, begin: arb, last: Fraction) -> arb | None:
+        """When the slip ends (u = 0), or the sticking (|P| = a mu0); None if not before the last time."""
+        t = float(begin)
+        while t <= float(last):
+            t += SCAN
+            if side and side * (phase.at(Fraction(t))[1] - self.e["belt"]) < 0:
+                return phase.crossing(lambda y: y[1] - self.e["belt"], t - SCAN / 2, SCAN / 2)
+            if not side and self.strain(phase, arb(t)) > 0:
+                return self.released(phase, t - SCAN, t)
+        return None
+
+    def strain(self, phase: Solution, t: arb) -> arb:
+        """|P| - a mu0."""
+        size: arb = abs(self.pull(t, phase.at(t)[0])) - self.e["a"] * self.e["mu0"]
+        return size
+
+    def released(self, phase: Solution, low: float, high: float) -> arb:
+        """The zero of the strain between two times, by bisection."""
+        a, b = arb(low), arb(high)
+        with precision(BITS + 16):
+            for _ in range(BITS):
+                middle = ((a + b) / 2).mid()
+                a, b = (a, middle) if self.strain(phase, middle) > 0 else (middle, b)
+        return b
+
+
+WITNESSES = {"stick-slip": Witness(METHOD, moving)}

@@ -1,0 +1,72 @@
+"""Two records compared: noise is not a change, a factor is, and how often noise is taken for one is counted."""
+
+import random
+from pathlib import Path
+
+import msgspec
+import pytest
+
+from refdem.bench.comparison import compared, false_alarm_rate, verdict
+from refdem.bench.record import Curve, Point, Record, read
+from refdem.errors import UsageError
+
+
+def record(seed: int, *, factor: float = 1.0, machine: float = 1.0, rounds: int = 5, noise: float = 0.05) -> Record:
+    """A record of one method with three levels on a machine that is slower by `machine`, in code that is slower by `factor`."""
+    chance = random.Random(seed)
+    weather = [machine * chance.lognormvariate(0, 0.3) for _ in range(rounds)]
+    points = [
+        Point(level=h, error=h**2, rounds=[factor / h * day * chance.lognormvariate(0, noise) for day in weather])
+        for h in (0.1, 0.05, 0.025)
+    ]
+    curve = Curve(label="spring", engine="played", method="good", control="step", points=points)
+    return Record(
+        refdem="0", rounds=rounds, load=1.0, longest=1.0, most_steps=1e6, yardstick=weather, compared={"spring": ["x"]}, curves=[curve]
+    )
+
+
+@pytest.mark.parametrize(("factor", "expected"), [(1.0, "same"), (1.5, "slower"), (1 / 1.5, "faster"), (1.05, "same")])
+def test_a_change_of_the_code_is_told_from_one_of_the_machine(factor: float, expected: str) -> None:
+    found = [compared(record(2 * seed, factor=factor, machine=2.0), record(2 * seed + 1))[0] for seed in range(20)]
+    assert sum(change.verdict == expected for change in found) >= 19
+
+
+def test_a_code_compared_with_itself_raises_few_false_alarms() -> None:
+    alarms = [compared(record(2 * seed), record(2 * seed + 1))[0].verdict != "same" for seed in range(500)]
+    assert sum(alarms) <= 15  # two sides of 1 in 252 are 4 in 500
+
+
+def test_the_false_alarm_rate_of_a_record_is_counted_over_all_splits() -> None:
+    rate = false_alarm_rate(record(1, rounds=10, noise=0.2))
+    assert rate is not None
+    assert rate in (0.0, 1 / 252, 2 / 252)
+    assert false_alarm_rate(record(1, rounds=5)) is None
+
+
+def test_rounds_in_which_codes_differ_by_chance_alone_are_flagged_at_most_once_a_side() -> None:
+    assert verdict([2.0, 2.1, 2.2, 2.3], [1.0, 1.1, 1.2, 1.3]) == "slower"
+    assert verdict([2.0, 2.1, 2.2, 1.2], [1.0, 1.1, 1.2, 1.3]) == "same"
+    assert verdict([2.0, 2.1, 2.2], [1.0, 1.1, 1.2]) == "same"
+
+
+def test_only_levels_that_both_records_have_are_compared() -> None:
+    now, then = record(1), record(1)
+    curve = now.curves[0]
+    slow = msgspec.structs.replace(curve.points[0], level=9.0, rounds=[100.0] * 5)
+    now = msgspec.structs.replace(now, curves=[msgspec.structs.replace(curve, points=[slow, *curve.points[1:]])])
+    assert compared(now, then)[0].factor == pytest.approx(1.0)
+
+
+def test_a_file_that_is_no_record_is_refused(tmp_path: Path) -> None:
+    path = tmp_path / "bench.json"
+    with pytest.raises(UsageError, match="cannot be read"):
+        read(path)
+    path.write_text("{}")
+    with pytest.raises(UsageError, match="not a record of a bench"):
+        read(path)
+
+
+def test_a_record_is_read_back_as_it_was_written(tmp_path: Path) -> None:
+    path, written = tmp_path / "bench.json", record(3)
+    path.write_bytes(msgspec.json.encode(written))
+    assert read(path) == written

@@ -1,0 +1,36 @@
+"""The gallery as a reader sees it: opened from disk in Chromium, in light and in dark, every figure drawn, nothing run that a name says."""
+
+import runpy
+from pathlib import Path
+
+import pytest
+
+from refdem.gallery.gallery import figure
+from refdem.report import write_gallery
+
+HOSTILE = Path(__file__).parents[1] / "report" / "test_gallery.py"
+
+
+@pytest.fixture(scope="module")
+def page(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("gallery") / "100% #1"
+    figures = [figure("1.15"), figure("1.20"), runpy.run_path(str(HOSTILE))["FIGURE"]]
+    write_gallery(folder, figures, version="9.9")
+    return folder / "gallery.html"
+
+
+@pytest.mark.parametrize("width", [420, 1280])
+@pytest.mark.parametrize("scheme", ["light", "dark"])
+def test_every_figure_is_drawn_and_nothing_is_wider_than_the_screen(browser, page, scheme, width):
+    context = browser.new_context(color_scheme=scheme, viewport={"width": width, "height": 900})
+    shown, wrong = context.new_page(), []
+    shown.on("console", lambda message: wrong.append(message.text))
+    shown.on("pageerror", lambda error: wrong.append(str(error)))
+    shown.on("dialog", lambda dialog: (wrong.append(dialog.message), dialog.dismiss()))
+    shown.on("requestfailed", lambda request: wrong.append(request.url))
+    shown.goto(page.as_uri())
+    shown.wait_for_function("[...document.querySelectorAll('.plot')].every(place => place.dataset.drawn)")
+    assert shown.locator(".plot svg").count() >= 3
+    assert shown.evaluate("document.documentElement.scrollWidth") <= width
+    assert wrong == []
+    context.close()

@@ -1,0 +1,117 @@
+"""The store is rebuilt where something changed, goes on after a kill, and is proved again by overlap."""
+
+import json
+from pathlib import Path
+
+import pytest
+
+from refdem.campaign import certification, reproof
+from refdem.campaign.certification import Certification, stale, wanted_sets
+from refdem.core.store import Store
+from refdem.errors import UsageError
+from refdem.truth import load
+from refdem.truth.certified import reader, writing
+
+SETS = """
+[[harmonic-oscillator]]
+times = "1/3, 2"
+sets = [{}, { mass = "2" }]
+
+[[pendulum]]
+times = "1/2"
+sets = [{ theta0 = "0", thetadot0 = "1" }]
+"""
+
+
+@pytest.fixture
+def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    monkeypatch.setattr(certification, "judged_instances", lambda cases=(): [])
+    (tmp_path / "sets.toml").write_text(SETS)
+    return tmp_path
+
+
+def certified(folder: Path, *cases: str, jobs: int = 1) -> Certification:
+    work = Certification(folder, Store(folder / "store.sqlite"), jobs)
+    work.run(cases)
+    assert work.problems == []
+    return work
+
+
+def test_what_is_proved_is_kept_and_what_changed_is_proved_again(folder: Path) -> None:
+    assert certified(folder).made == 3
+    before = (folder / "certified" / "pendulum.jsonl").read_bytes()
+    assert {one.label for one in load(folder=folder / "certified")} == {one.instance.label for one in wanted_sets(folder)}
+    assert stale(folder) == []
+    assert reproof.damaged(folder) == []
+    assert certified(folder).made == 0
+    (folder / "sets.toml").write_text(SETS.replace('mass = "2"', 'mass = "3"'))
+    assert stale(folder) == ["harmonic-oscillator[mass=2]", "harmonic-oscillator[mass=3]"]
+    assert certified(folder).made == 1
+    assert stale(folder) == []
+    assert (folder / "certified" / "pendulum.jsonl").read_bytes() == before
+
+
+def test_only_the_cases_asked_for_are_written(folder: Path) -> None:
+    certified(folder)
+    (folder / "certified" / "harmonic-oscillator.jsonl").write_text("mine\n")
+    assert certified(folder, "pendulum").made == 0
+    assert (folder / "certified" / "harmonic-oscillator.jsonl").read_text() == "mine\n"
+    with pytest.raises(UsageError, match="no sets of case 'duffing'"):
+        certified(folder, "duffing")
+
+
+def test_a_killed_run_goes_on_where_it_was(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    work = Certification(folder, Store(folder / "store.sqlite"), 1)
+
+    def killed(stage: str, done: int, total: int) -> None:
+        if done == 3:
+            raise KeyboardInterrupt
+
+    work.progress = killed
+    with pytest.raises(KeyboardInterrupt):
+        work.run()
+    assert not (folder / "certified").exists()
+    assert certified(folder).made == 1
+
+
+def test_a_set_is_not_there_twice(folder: Path) -> None:
+    (folder / "sets.toml").write_text(SETS + SETS.replace("pendulum", "duffing").replace("theta0", "x").split("[[duffing]]")[0])
+    with pytest.raises(UsageError, match="harmonic-oscillator is there twice"):
+        wanted_sets(folder)
+
+
+def test_what_a_new_proof_does_not_confirm_is_named(folder: Path) -> None:
+    certified(folder)
+    sets = load(folder=folder / "certified")
+    assert list(reproof.contradictions(sets, jobs=1, progress=lambda *told: None)) == []
+    path = folder / "certified" / "harmonic-oscillator.jsonl"
+    text = path.read_text()
+    line = next(line for line in text.splitlines() if line.startswith('["1/3","x"'))
+    t, name, mid, radius, _ = json.loads(line)
+    wrong = mid[:30] + str((int(mid[30]) + 1) % 10) + mid[31:]
+    blocks = writing.blocks_in(text.replace(line, json.dumps([t, name, wrong, radius, None], separators=(",", ":")), 1))
+    for block in blocks:
+        before, mark, _ = block[0].rpartition('"sha256":"')
+        block[0] = f'{before}{mark}{reader.sha256_of(block)}"}}\n'
+    path.write_text(writing.file_text("harmonic-oscillator", blocks))
+    (found,) = reproof.contradictions(load("harmonic-oscillator", folder=folder / "certified"), jobs=1, progress=lambda *told: None)
+    assert "harmonic-oscillator: x at 1/3" in found
+    assert reproof.damaged(folder) == ["harmonic-oscillator.jsonl: not as sha256sums.txt has it"]
+
+
+def test_the_sample_has_every_case_and_method() -> None:
+    sets = load()
+    chosen = reproof.sample(sets, each=1, seed="1")
+    assert {(one.case, one.method) for one in chosen} == {(one.case, one.method) for one in sets}
+    assert len(chosen) == len({(one.case, one.method) for one in sets})
+    assert [one.label for one in chosen] != [one.label for one in reproof.sample(sets, each=1, seed="2")]
+
+
+def test_a_witness_that_denies_stops_the_set(monkeypatch: pytest.MonkeyPatch) -> None:
+    from refdem.truth.witnesses import oscillators, testimony
+
+    other = oscillators.of(lambda p: lambda t, x, v: -p["stiffness"] / p["mass"] * x * (1 + t * 10**-20), "mass", "stiffness")
+    monkeypatch.setattr(testimony, "witnesses", lambda: {"harmonic-oscillator": other})
+    found = json.loads(certification.proved_set("harmonic-oscillator", {}, ("2",)))
+    assert found["lines"] == []
+    assert "does not confirm" in found["reason"]

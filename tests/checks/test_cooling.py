@@ -1,0 +1,98 @@
+"""The check of a cooling gas holds for right gases and kills wrong ones."""
+
+from dataclasses import replace
+from functools import cache
+
+import numpy as np
+import pytest
+
+from refdem.core import discovery
+from refdem.core.check import Outcome, Trial
+from refdem.core.problem import Request
+from refdem.core.trajectory import Cost
+from refdem.engines.reference import ENGINE
+from refdem.faults.change import of_elements, scaled
+from refdem.faults.fault import Carrier, Fault
+from refdem.mechanics import gas
+from refdem.scene import Scene, Sphere
+from refdem.scene.elements.contact import Contact
+from refdem.scene.elements.periodic_box import PeriodicBox
+from refdem.truth.sampled import sampled
+
+CHECK = discovery.check("cooling")
+LARGE = {"n": "4000", "duration": "16", "restitution": "4/5", "samples": "8"}
+
+
+def slimmer(request: Request) -> Request:
+    """Spheres of 95 % of their diameter: some contacts are missed."""
+    scene = request.problem.scene
+    shape = tuple(Sphere(radius=0.95 * s.radius) for s in scene.bodies.shape)
+    return request.with_scene(Scene(replace(scene.bodies, shape=shape), scene.elements))
+
+
+def fault(name: str, before) -> Fault:
+    return Fault(name=name, kind="gas", sentence="A wrong gas.", on=(), sees=("cooling", "temperature"), before=before)
+
+
+FAULTS = {
+    "restitution": (fault("restitution", of_elements(Contact, damping=scaled(1.2))), {"temperature", "loss"}),
+    "missed contacts": (fault("missed", slimmer), {"collisions"}),
+    "box": (fault("box", of_elements(PeriodicBox, size=scaled(1.05))), {"collisions"}),
+}
+
+
+@cache
+def findings(engine_fault: str = "", **given: str):
+    """What the check finds of the reference, or of the reference with a fault."""
+    instance = discovery.case("granular-gas").at(**given)
+    step = instance.motion.interval / np.ceil(instance.motion.interval / (instance.scales.tau / 5))
+    method = ENGINE.method("gas")
+    trial = Trial(instance, method, (step,), sampled(instance.truth(), instance.times.tolist()))
+    if (reason := CHECK.applies(trial)) is not None:
+        return reason
+    engine = Carrier(ENGINE, FAULTS[engine_fault][0]) if engine_fault else ENGINE
+    run, _ = engine.run(Request(problem=instance.motion, method="gas", step=step))
+    return {f.quantity: f for f in CHECK.judge(trial, {trial.finest: Outcome(run, Cost(seconds=0.0))})}
+
+
+@pytest.mark.parametrize("seed", ["1", "2", "3"])
+def test_a_right_gas_passes(seed):
+    found = findings(**LARGE, seed=seed)
+    assert set(found) == {"temperature", "collisions", "loss"}
+    assert {f.outcome for f in found.values()} == {"pass"}
+    assert max(f.bound for f in found.values()) < 0.1
+
+
+@pytest.mark.parametrize("name", list(FAULTS))
+def test_a_wrong_gas_fails_where_it_should(name):
+    found = findings(name, **LARGE)
+    assert FAULTS[name][1] <= {quantity for quantity, f in found.items() if f.outcome == "fail"}
+
+
+def test_an_elastic_gas_keeps_its_temperature_and_maxwells_velocities():
+    found = findings(n="1000", restitution="1", duration="8")
+    assert {name: f.outcome for name, f in found.items()} == {"temperature": "pass", "kurtosis": "pass", "collisions": "pass"}
+
+
+def test_velocities_that_are_not_maxwells_are_seen():
+    velocity = np.random.default_rng(5).uniform(-1, 1, (1000, 3))
+    assert abs(gas.velocity_kurtosis(velocity)) > 4 * gas.kurtosis_error(1000) + 0.05
+
+
+@pytest.mark.parametrize(("given", "why"), [({"density": "1/4"}, "dilute"), ({"restitution": "1/4"}, "restitution")])
+def test_nothing_is_judged_where_the_theory_does_not_hold(given, why):
+    found = findings(n="30", duration="2", **given)
+    assert found["temperature"].outcome == "undecided"
+    assert why in found["temperature"].sentence
+
+
+def test_it_leaves_out_walls():
+    assert "periodic" in findings(n="30", boundary="walls")
+
+
+def test_collisions_of_a_gas_that_follows_haffs_law_are_the_logarithm_of_time():
+    """Integral of w/(1 + t/tau) = w tau ln(1 + t/tau), however few samples there are."""
+    t = np.array([0.0, 1.0, 7.0])
+    law = gas.haff_temperature(t, 2.0, 3.0)
+    expected = 0.5 * 9 * 0.25 * np.sqrt(2.0) * 3.0 * np.log(1 + t / 3.0)
+    assert gas.collisions(t, law, 0.25, 10) == pytest.approx(expected, rel=1e-13)

@@ -1,0 +1,61 @@
+"""The check of a top on its tip passes the true motion and is failed, in the quantity that is wrong, by small faults."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from refdem.core import discovery
+from refdem.core.check import Outcome, Trial
+from refdem.core.problem import Request
+from refdem.core.trajectory import Cost
+from refdem.core.variant import Variant
+from refdem.engines.reference import ENGINE
+
+CHECK = discovery.check("top")
+TRIAL = Trial(discovery.case("heavy-top").at(phidot0="2", thetadot0="-1"), ENGINE.method("spinning-top"), (0.0,), None)
+
+
+def outcomes(spoil=lambda run: run):
+    """Findings of the reference's run, spoiled, by quantity."""
+    run, _ = ENGINE.run(Request(problem=TRIAL.instance.problem, method="spinning-top"))
+    assert CHECK.applies(TRIAL) is None
+    return {f.quantity: f.outcome for f in CHECK.judge(TRIAL, {Variant(0.0): Outcome(spoil(run), Cost(seconds=0.0))})}
+
+
+def scaled(column, factor):
+    def spoil(run):
+        values = np.array(getattr(run, column))
+        values[16:] *= factor
+        return replace(run, **{column: values})
+
+    return spoil
+
+
+def tilted(run):
+    """A torque about a horizontal axis alone: L_z stays, the axis of the top does not carry L_3 as it should."""
+    omega = np.array(run.omega)
+    omega[16:, :, 0] += 1e-9
+    return replace(run, omega=omega)
+
+
+def test_the_true_motion_passes():
+    assert outcomes() == {"joint": "pass", "joint velocity": "pass", "L_z": "pass", "L_3": "pass"}
+
+
+@pytest.mark.parametrize(
+    ("spoil", "quantity"),
+    [
+        (scaled("position", 1 + 1e-9), "joint"),
+        (scaled("velocity", 1 + 1e-9), "joint velocity"),
+        (scaled("omega", 1 + 1e-9), "L_z"),
+        (tilted, "L_3"),
+    ],
+)
+def test_it_is_failed_in_the_quantity_that_is_wrong(spoil, quantity):
+    assert outcomes(spoil)[quantity] == "fail"
+
+
+def test_without_a_ball_joint_it_does_not_apply():
+    instance = discovery.case("pendulum").at()
+    assert CHECK.applies(Trial(instance, ENGINE.method("rattle"), (0.1,), None)) == "there is no top"

@@ -1,0 +1,57 @@
+"""Released DEM codes under the gate: as they are, and with a fault planted in the driver, which is run from a copy."""
+
+import json
+import os
+import shutil
+import subprocess
+import sys
+import tempfile
+from dataclasses import dataclass
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).resolve().parents[2]
+CODES = ROOT / "validation/codes"
+
+
+@dataclass(frozen=True)
+class Gates:
+    """Gates with one store of truths; `make codes` and ci/system-packages install the codes, and tests fail where one is not there."""
+
+    home: Path
+
+    def gated(self, toml: Path) -> "subprocess.CompletedProcess[str]":
+        """The gate's exit status and what it says."""
+        command = [sys.executable, "-c", "from refdem.cli import main; main()", "gate", str(toml)]
+        environment = os.environ | {"REFDEM_STORE": str(self.home / "store.sqlite")}
+        return subprocess.run(command, capture_output=True, text=True, timeout=300, env=environment, cwd=self.home)
+
+    def assert_open(self, code: str) -> None:
+        """As it is, against the baseline that is kept."""
+        done = self.gated(CODES / code / "refdem.toml")
+        assert done.returncode == 0, done.stdout + done.stderr
+
+    def assert_closed(self, code: str, case: str, seen: str, file: str, text: str, other: str) -> None:
+        """With `text` replaced by `other` in a file below validation/codes: the gate of one case names the check `seen`.
+
+        Its baseline is emptied: truth has to see the fault, and nothing is run again to tell what is worse from noise.
+        """
+        copy = Path(tempfile.mkdtemp(dir=self.home)) / "codes"
+        shutil.copytree(CODES, copy)
+        source, toml = copy / file, copy / code / "refdem.toml"
+        assert source.read_text().count(text) == 1
+        source.write_text(source.read_text().replace(text, other))
+        head = toml.read_text().replace("../../../", f"{ROOT}/").partition("[gate]")[0]
+        toml.write_text(f"{head}[gate]\nlevels = 3\ncases = {json.dumps([case])}\n")
+        accepted = toml.with_name("refdem-baseline.jsonl")
+        accepted.write_text(accepted.read_text().partition("\n")[0] + "\n")
+        done = self.gated(toml)
+        assert done.returncode == 1, done.stdout + done.stderr
+        assert any(line.startswith("FAIL ") and line.endswith(seen) for line in done.stdout.splitlines()), done.stdout
+
+
+@pytest.fixture(scope="session")
+def gates(tmp_path_factory: pytest.TempPathFactory) -> Gates:
+    """One for the session."""
+    return Gates(tmp_path_factory.mktemp("codes"))

@@ -1,0 +1,10 @@
+"""The older LAMMPS of Debian under the gate, by the same driver."""
+
+
+def test_the_gate_is_open(gates):
+    gates.assert_open("lammps-debian")
+
+
+def test_a_step_one_per_cent_too_short_closes_it(gates):
+    case, shorter = "harmonic-oscillator[gravity=0.5]", "timestep {0.99 * step!r}"
+    gates.assert_closed("lammps-debian", case, "error/x", "lammps/driver.py", "timestep {step!r}", shorter)

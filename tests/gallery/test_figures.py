@@ -1,0 +1,130 @@
+"""The figures' data against numbers that are known otherwise."""
+
+from functools import cache
+
+import numpy as np
+import pytest
+
+from refdem.errors import UsageError
+from refdem.gallery import gallery
+from refdem.gallery.outline import finer
+
+CHAPTER = "1.12 1.15 1.16 1.17 1.18 1.19 1.20 1.21 1.22 1.23 1.24 1.25 1.26 1.28 1.29 1.30 1.31 1.32 1.33 1.35 1.36 1.37 1.38"
+
+
+@cache
+def figure(name):
+    return gallery.figure(name)
+
+
+def series(name, label):
+    return next(s for panel in figure(name).panels for s in panel.series if s.label == label)
+
+
+def test_every_computed_figure_of_the_chapter_has_a_file():
+    assert gallery.names() == CHAPTER.split()
+
+
+def test_an_unknown_figure_is_refused_with_the_nearest():
+    with pytest.raises(UsageError, match=r"1\.15"):
+        gallery.figure("1.155")
+
+
+def test_each_says_the_commands_that_make_it_and_its_runs():
+    assert figure("1.15").commands[0] == "refdem gallery 1.15"
+    assert any(line.startswith("refdem run coulomb-oscillator --set duration=16") for line in figure("1.15").commands)
+
+
+def test_dry_friction_stops_at_three_pi_where_the_chapter_says():
+    assert list(figure("1.15").numbers.values()) == pytest.approx([3 * np.pi, -0.1, -0.7, 0.4, -0.1], abs=1e-6)
+
+
+def test_speeds_under_dry_friction_touch_their_straight_line():
+    panel = figure("1.16").panels[0]
+    dry, line = series("1.16", "Coulomb, f = 0.15"), panel.series[3]
+    size = np.abs(dry.y)
+    tops = np.flatnonzero((size[1:-1] > size[:-2]) & (size[1:-1] >= size[2:])) + 1
+    assert size[tops] == pytest.approx([0.85, 0.55, 0.25], abs=1e-4)
+    assert np.interp(dry.x[tops], line.x, line.y) == pytest.approx(size[tops], abs=1e-3)
+
+
+def test_resonance_peaks_are_those_of_the_formula():
+    for delta in (0.1, 0.2, 0.5):
+        curve = series("1.17", f"delta = {delta:g}")
+        assert curve.y == pytest.approx(1 / np.hypot(1 - curve.x**2, 2 * delta * curve.x), rel=1e-8)
+        assert curve.y.max() == pytest.approx(1 / (2 * delta * np.sqrt(1 - delta**2)), rel=4e-3)
+
+
+@pytest.mark.parametrize("name", ["1.18", "1.19", "1.20", "1.22"])
+def test_outlines_have_a_hundred_thousand_points(name):
+    assert next(value for what, value in figure(name).numbers.items() if what.startswith("points")) >= 1e5
+
+
+def test_areas_are_kept_shrink_or_go_to_zero():
+    head = 0.14038085937500  # 575/4096: the shoelace formula by hand, size 1/4
+    assert head == 575 / 4096
+    assert figure("1.18").numbers["area at the start"] == pytest.approx(head, rel=1e-12)
+    assert figure("1.18").numbers["largest change of the area"] < 1e-13
+    assert figure("1.19").numbers["area at the end"] == pytest.approx(head * np.exp(-0.6 * np.pi), rel=1e-6)
+    assert figure("1.19").numbers["largest distance from exp(-2 delta t)"] < 1e-13
+    dry = figure("1.20").numbers
+    assert dry["area at the end"] == 0
+    assert dry["farthest point from the origin at the end [m]"] <= 0.15
+    assert 0.05 < dry["part from below"] < 0.95
+    assert dry["part from below"] + dry["part of the points from above"] == 1
+    assert figure("1.22").numbers["largest change of the area inside"] < 1e-9
+
+
+def test_periods_are_those_of_elliptic_integrals_and_beta_functions():
+    numbers = figure("1.21").numbers
+    assert numbers["period of n = 2 at 1.195254 m [s]"] == pytest.approx(2 * np.pi, rel=1e-6)
+    assert numbers["period of the pendulum at 2 rad [s]"] == pytest.approx(8.3497528, rel=1e-6)  # 4 K(sin 1), mpmath
+
+
+def test_the_leaning_resonance_folds_where_harmonic_balance_says_and_runs_lie_near_it():
+    assert list(figure("1.23").numbers.values()) == pytest.approx([1.6266, 1.6153, 1.5664], abs=5e-5)
+    low, high = figure("1.24").numbers.values()
+    assert low == pytest.approx(1.6153, abs=0.05)
+    assert 2.0 < high < 2.3
+
+
+def test_van_der_pol_has_its_amplitude_and_its_lines():
+    panels = figure("1.25").panels
+    assert figure("1.25").numbers["amplitude of the free cycle [m]"] == pytest.approx(2.00041, abs=2e-5)
+    spectrum = panels[5].series[0]
+    for line in (1.15, 0.85, 0.70):
+        near = np.abs(spectrum.x - line) < 0.02
+        assert spectrum.y[near].max() > 20 * spectrum.y[(np.abs(spectrum.x - line) > 0.04) & (np.abs(spectrum.x - line) < 0.06)].min()
+
+
+def test_the_period_doubles_where_it_must():
+    numbers = list(figure("1.26").numbers.values())
+    assert numbers[:3] == pytest.approx([3, 1 + np.sqrt(6), 3.5440903], abs=1e-3)
+
+
+def test_friction_is_static_at_rest_and_stick_slip_never_outruns_the_belt():
+    assert figure("1.28").numbers["at rest"] == 0.4
+    assert figure("1.29").numbers["largest velocity of all [m/s]"] == 1.0
+
+
+def test_a_beam_stays_together_in_the_rectangle_and_not_in_the_stadium():
+    numbers = figure("1.33").numbers
+    assert numbers["rectangle: spread at t = 14 [m]"] < 1.2 * numbers["rectangle: spread at t = 0 [m]"]
+    assert numbers["stadium: spread at t = 14 [m]"] > 2 * numbers["stadium: spread at t = 0 [m]"]
+
+
+def test_energy_appears_going_forward_disappears_coming_back_and_is_lost_by_the_wedge():
+    assert list(figure("1.37").numbers.values()) == pytest.approx([0.75] * 3, rel=1e-12)
+    assert list(figure("1.38").numbers.values()) == pytest.approx([0.5, 0.25, 0.5], rel=1e-6)
+
+
+def test_poinsot_curves_keep_their_length_and_the_fault_shows():
+    assert figure("1.36").numbers["largest change of |L| of all"] < 1e-13
+    assert figure("1.12").numbers["largest difference in omega [rad/s]"] > 50
+    assert figure("1.35").numbers["double pendulum: exponent [1/s]"] > 0.5
+
+
+def test_a_finer_outline_keeps_its_corners_and_cuts_where_told():
+    square = np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]])
+    found = finer(square, np.array([1, 2, 4, 1]))
+    assert found.tolist() == [[0, 0], [1, 0], [1, 0.5], [1, 1], [0.75, 1], [0.5, 1], [0.25, 1], [0, 1]]

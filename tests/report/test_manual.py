@@ -1,0 +1,81 @@
+"""The manual's files: one page a case of both kinds, nothing in them that a name could smuggle in, pages of lost cases removed."""
+
+import re
+from pathlib import Path
+
+import msgspec
+import pytest
+
+from refdem.core.manual import CheckLine, ManualPage, ParameterLine, QuantityLine, Slip, TruthLine
+from refdem.report import write_manual
+
+NASTY = '<script>alert("x")</script> | *a* [b](c)'
+TRUTH = TruthLine(
+    method="closed form", own_witness="none", witness="none", witnessed=0, agreed=None, sets=0, values=0, digits=None, has_no_witness=True
+)
+PAGE = ManualPage(
+    case="top",
+    title=NASTY,
+    statement=NASTY,
+    latex=r"\ddot x=-x",
+    source=NASTY,
+    convention=NASTY,
+    kind="a motion",
+    features=("spring",),
+    parameters=(ParameterLine(name="mass", default="", unit="kg", bounds="> 0", doc=NASTY),),
+    quantities=(QuantityLine(name="x", unit="m", scale=1.5),),
+    scalars=(QuantityLine(name="period", mid="6.28", radius="3.2e-3"),),
+    truth=TRUTH,
+    checks=(CheckLine(name="error", title="Error", kills=NASTY), CheckLine(name="stop", title="Stop", kills="k", left_out=NASTY)),
+    slips=(Slip(where="(1.1)", says=NASTY, holds="h", measured=((NASTY, "1"),)),),
+    reproduce=("refdem truth top",),
+)
+
+
+@pytest.fixture
+def home(tmp_path: Path) -> Path:
+    proved = msgspec.structs.replace(TRUTH, witness="Taylor", witnessed=3, agreed=34, sets=1, values=3, digits=34, has_no_witness=False)
+    other = msgspec.structs.replace(PAGE, case="bottom", title="Bottom", truth=proved)
+    write_manual(tmp_path, [other, PAGE], version="9.9")
+    return tmp_path / "manual"
+
+
+def test_there_is_a_page_of_both_kinds_for_each_case_and_an_index(home: Path) -> None:
+    assert sorted(p.name for p in home.iterdir()) == ["bottom.html", "bottom.md", "index.html", "index.md", "top.html", "top.md"]
+    assert (home.parent / "assets" / "report.css").is_file()
+
+
+def test_a_case_without_a_witness_is_red_and_the_other_is_not(home: Path) -> None:
+    assert "no witness" in (home / "top.html").read_text()
+    assert "no witness" not in (home / "bottom.html").read_text()
+    lines = {line.split("|")[1].strip(): line for line in (home / "index.md").read_text().splitlines() if line.startswith("| [")}
+    assert "**nobody**" in lines["[top](top.md)"]
+    assert "**nobody**" not in lines["[bottom](bottom.md)"]
+    assert (home / "index.html").read_text().count('class="outcome fail"') == 1
+
+
+def test_no_text_becomes_markup(home: Path) -> None:
+    for path in home.iterdir():
+        text = path.read_text()
+        assert "<script" not in text
+        if path.suffix == ".md":
+            assert re.search(r"(?<!\\)\*a(?<!\\)\*", text) is None
+            rows = [re.split(r"(?<!\\)\|", line) for line in text.splitlines() if line.startswith("|")]
+            assert all(len(row) in (4, 5, 7, 8) for row in rows)
+
+
+def test_pages_load_nothing_from_elsewhere(home: Path) -> None:
+    for path in home.glob("*.html"):
+        assert not re.search(r"""(src|href)=["']?(https?:)?//""", path.read_text())
+
+
+def test_pages_of_cases_that_are_gone_are_removed(home: Path) -> None:
+    write_manual(home.parent, [PAGE], version="9.9")
+    assert not (home / "bottom.md").exists()
+    assert not (home / "bottom.html").exists()
+
+
+def test_the_text_is_the_same_each_time(home: Path) -> None:
+    before = {path.name: path.read_bytes() for path in home.iterdir()}
+    write_manual(home.parent, [msgspec.structs.replace(PAGE, case="bottom", title="Bottom"), PAGE], version="9.9")
+    assert (home / "top.md").read_bytes() == before["top.md"]

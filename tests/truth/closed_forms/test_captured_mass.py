@@ -1,0 +1,59 @@
+"""Captured mass: against a numerical orbit, in elementary numbers, and with planted errors."""
+
+from fractions import Fraction
+from math import cos, sin
+
+import pytest
+
+from refdem.core.discovery import truth_of
+from refdem.truth.closed_forms.captured_mass import CapturedMass
+
+GIVEN = {"mass": "3", "speed": "5/2", "radius": "2"}
+TIMES = (Fraction(0), Fraction(1), Fraction(8, 5), Fraction(2), Fraction(7))
+
+
+@pytest.mark.parametrize("given", [{}, GIVEN])
+def test_line_and_circle_meet_the_witness(apart, given):
+    assert apart("captured-mass", TIMES, **given) == {}
+
+
+def test_rate_and_moment_of_inertia_are_those_of_a_circle():
+    found = truth_of("captured-mass", **GIVEN).scalars()
+    assert {name: ball.mid for name, ball in found.items()} == {"omega": Fraction(5, 4), "inertia": Fraction(12)}
+
+
+def test_a_radian_after_the_catch_it_has_turned_by_a_radian():
+    at = truth_of("captured-mass").at(Fraction(3))
+    assert float(at["x"].mid) == pytest.approx(sin(1), rel=1e-15)
+    assert float(at["vy"].mid) == pytest.approx(sin(1), rel=1e-15)
+    assert float(at["y"].mid) == pytest.approx(-cos(1), rel=1e-15)
+
+
+def test_energy_and_angular_momentum_about_the_hook_stay():
+    truth = truth_of("captured-mass", **GIVEN)
+    for t in TIMES:
+        x, y, vx, vy = (truth.at(t)[name].mid for name in ("x", "y", "vx", "vy"))
+        assert abs(vx * vx + vy * vy - Fraction(25, 4)) < Fraction(1, 10**38)
+        assert abs(x * vy - y * vx - 5) < Fraction(1, 10**38)
+
+
+PLANTED = {
+    "turns the other way": lambda t: setattr(t, "spin", -t.spin),
+    "caught too late": lambda t: setattr(t, "caught", t.caught + Fraction(1, 10**20)),
+    "caught at the start": lambda t: setattr(t, "place", t.start[:2]),
+    "omega = v r": lambda t: setattr(t, "speed2", t.speed2 * 16),
+}
+
+
+@pytest.mark.parametrize("fault", PLANTED)
+def test_the_witness_sees(apart, fault):
+    truth = truth_of("captured-mass", **GIVEN)
+    PLANTED[fault](truth)
+    assert apart("captured-mass", TIMES[-1:], truth, **GIVEN)
+
+
+def test_an_error_of_the_start_grows_as_the_turns_that_follow():
+    truth = truth_of("captured-mass")
+    assert isinstance(truth, CapturedMass)
+    assert truth.sensitivity(Fraction(1)) == pytest.approx(2.0, rel=1e-9)  # x and vx, each by its scale
+    assert 10 < truth.sensitivity(Fraction(12)) < 100

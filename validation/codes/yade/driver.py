@@ -1,0 +1,104 @@
+"""A scene in YADE: yade -x -n driver.py request.json trajectory.csv; what its words cannot say exactly ends with status 77."""
+
+import math
+import sys
+from pathlib import Path
+
+sys.path.insert(0, str(Path(sys.argv[0]).resolve().parents[1]))
+import border
+from border import cannot
+from yade import minieigenHP, utils
+from yade import wrapper as y
+
+LAWS = {
+    False: [[y.Ip2_FrictMat_FrictMat_FrictPhys()], [y.Law2_ScGeom_FrictPhys_CundallStrack()]],
+    True: [[y.Ip2_ViscElMat_ViscElMat_ViscElPhys()], [y.Law2_ScGeom_ViscElPhys_Basic()]],
+}
+"""Of contacts, by whether they are damped."""
+RUN = y.Omega()
+ROWS = []
+"""Sample, body, and its state."""
+
+
+def refuse(law, bodies):
+    """Ends with status 77 for what neither law is."""
+    rubs, pulls = law["friction"] > 0, law["damping"] > 0 and law["cutoff"] == "zero_overlap"
+    cannot(rubs and law["tangential_stiffness"] == 0, "friction of full size at any slip: it goes through a tangential spring")
+    cannot(rubs and law["branch"] != "R-d/2", "a branch other than R - d/2")
+    cannot(rubs and pulls, "no friction while the normal force pulls: the limit is friction times its size")
+    cannot(law["damping"] > 0 and not pulls, "a force that must not pull")
+    cannot(any(body["shape"]["kind"] != "sphere" for body in bodies), "contacts of points")
+
+
+def material(law, radius):
+    """The material of a sphere; damped ones are in series, whatever its documentation says (reports/findings.md)."""
+    if law is None:
+        return y.FrictMat()
+    numbers = [law[name] for name in ("stiffness", "tangential_stiffness", "damping")]
+    angle, (kn, ks, cn) = math.atan(law["friction"]), numbers
+    if cn == 0:
+        return y.FrictMat(young=kn / radius, poisson=ks / kn or 1.0, frictionAngle=angle)  # of 0 NaN comes (reports/findings.md)
+    return y.ViscElMat(kn=2 * kn, ks=2 * ks, cn=2 * cn, cs=0.0, frictionAngle=angle)
+
+
+def place(request, law):
+    """Puts the bodies into YADE."""
+    for body in request["scene"]["bodies"]:
+        radius = body["shape"].get("radius", 1.0)
+        sphere = utils.sphere(body["position"], radius, material=material(law, radius))
+        sphere.state.mass, sphere.state.inertia = body["mass"], body["inertia"]
+        sphere.state.vel, sphere.state.angVel, sphere.state.ori = body["velocity"], body["omega"], minieigenHP.Quaternion(*body["attitude"])
+        sphere.state.angMom = [sum(j * w for j, w in zip(row, body["omega"], strict=True)) for row in border.tensor(body)]
+        sphere.aspherical = len(set(body["inertia"])) > 1
+        RUN.bodies.append(sphere)
+
+
+def place_planes(request, law):
+    """Puts the planes into YADE."""
+    planes, radii = border.of_kind(request, "plane"), {body["shape"].get("radius") for body in request["scene"]["bodies"]}
+    cannot(planes and (law is None or law["friction"] > 0 or len(radii) > 1), "planes but with spheres of one radius that do not rub")
+    for plane in planes:
+        axes = [k for k in range(3) if plane["normal"][k] == 1]
+        cannot(not axes, "planes whose normal is not +x, +y or +z")
+        RUN.bodies.append(utils.wall(plane["point"], axes[0], sense=1, material=material(law, *radii)))
+
+
+def record(stride):
+    """Keeps the states of all spheres; YADE calls it by name."""
+    for n, state in enumerate(body.state for body in RUN.bodies if isinstance(body.shape, y.Sphere)):
+        x, q = state.pos, state.ori
+        ROWS.append((RUN.iter // stride, n, [*x], [*state.vel], (q[3], q[0], q[1], q[2]), [*state.angVel]))
+
+
+def main(request_json, trajectory):
+    """From request to trajectory."""
+    request, step, stride = border.read(request_json)
+    border.refuse_kinds(request, "contact", "plane", "uniform_gravity")
+    bodies, times, law = request["scene"]["bodies"], request["times"], border.contact_law(request)
+    if law:
+        refuse(law, bodies)
+    place(request, law)
+    place_planes(request, law)
+    g = minieigenHP.Vector3(*(sum(field["g"][k] for field in border.of_kind(request, "uniform_gravity")) for k in range(3)))
+    meet = [y.Ig2_Sphere_Sphere_ScGeom(avoidGranularRatcheting=False), y.Ig2_Wall_Sphere_ScGeom()]
+    contact = [
+        y.InsertionSortCollider([y.Bo1_Sphere_Aabb(), y.Bo1_Wall_Aabb()], verletDist=0),
+        y.InteractionLoop(meet, *LAWS[bool(law and law["damping"])]),
+    ]
+    begin = [y.ForceResetter(), *(contact if law else [])]
+    RUN.engines, RUN.dt = [*begin, y.NewtonIntegrator(damping=0)], 0.0  # alone, forces add up (reports/findings.md)
+    RUN.run(1, True)
+    for n, body in enumerate(bodies):
+        RUN.bodies[n].state.vel -= step / 2 * (RUN.forces.f(n) / body["mass"] + g)
+    RUN.resetTime()
+    RUN.engines = [
+        y.PyRunner(command=f"record({stride})", iterPeriod=stride, initRun=True),
+        *begin,
+        y.NewtonIntegrator(damping=0, gravity=g),
+    ]
+    RUN.dt = step
+    RUN.run(stride * (len(times) - 1) + 1, True)
+    border.write(trajectory, ((times[sample], *row) for sample, *row in ROWS))
+
+
+main(*sys.argv[1:])
