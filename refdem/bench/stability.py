@@ -4,12 +4,9 @@ import numpy as np
 
 from refdem.bench.entrant import Entrant
 from refdem.core.problem import Motion
+from refdem.core.stability import BEYOND, excess, probe
 from refdem.errors import RefdemError
 
-STEPS = 1000
-"""A step that is too long by a part in a thousand has grown e^40-fold by then in Verlet's method."""
-BEYOND = 100.0
-"""A run is unstable if a place, velocity or spin passes this many times its scale."""
 FIRST, LAST = 1 / 8, 16.0
 """Multiples of 2/omega between which the limit is looked for."""
 BISECTIONS = 12
@@ -37,18 +34,11 @@ def stability_limit(entrant: Entrant) -> tuple[float | None, str]:
 
 
 def _is_stable(entrant: Entrant, multiple: float) -> bool:
-    """Whether STEPS steps of multiple * 2 tau stay within BEYOND times the scales; an engine that gives up is not stable."""
-    scales, scene = entrant.instance.scales, entrant.instance.scene
-    step = 2 * scales.tau * multiple
-    problem = Motion(scene, np.arange(STEPS + 1, dtype=np.float64) * step)
+    """Whether many steps of multiple * 2 tau stay within BEYOND times the scales; an engine that gives up is not stable."""
+    problem = probe(entrant.instance, multiple)
     try:
         with np.errstate(all="ignore"):
             run, _ = entrant.engine.run(entrant.request(problem.interval, problem))
     except (RefdemError, ArithmeticError):
         return False
-    reach = scales.length + float(np.max(np.abs(scene.bodies.position)))
-    speed = scales.speed + float(np.max(np.abs(scene.bodies.velocity)))
-    spin = 1 / scales.tau + float(np.max(np.abs(scene.bodies.omega)))
-    flight = 0.0 if scene.elements else speed * problem.times[-1]
-    sizes = ((run.position, reach + flight), (run.velocity, speed), (run.omega, spin))
-    return all(bool(np.max(np.abs(values)) <= BEYOND * size) for values, size in sizes)
+    return excess(entrant.instance, run) <= BEYOND

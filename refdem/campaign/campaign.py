@@ -1,23 +1,19 @@
 """A campaign from specification to sheets: truths, then runs, then what goes on from them, then judging."""
 
-import hashlib
 import math
-import sys
 import time
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field
-from importlib.metadata import version as installed
 
 import msgspec
 
 import refdem
 from refdem.campaign import judging, plan, sheets, worker
 from refdem.campaign.deviations import of_engine
-from refdem.campaign.kept_truth import kept_truth
 from refdem.campaign.plan import Task
 from refdem.campaign.schedule import InProcess, Job, Schedule
 from refdem.campaign.specification import Specification
-from refdem.core import fingerprint
+from refdem.campaign.truths import sampled_truths
 from refdem.core.case import Instance
 from refdem.core.engine import Engine
 from refdem.core.finding import CampaignSheet, Sheet
@@ -89,22 +85,8 @@ class Campaign:
         return tuple(sorted({delay for trial in trials for level in trial.levels if (delay := trial.method.delay(level))}))
 
     def _truths(self, schedule: Schedule | InProcess, instances: list[tuple[Instance, tuple[float, ...]]]) -> list[SampledTruth]:
-        """The sampled truth of every instance: from the store of finished work, from what comes with refdem, or made anew."""
-        keys = [_truth_key(instance, delays) for instance, delays in instances]
-        found = {key: truth for key in keys if (truth := self.store.truth(key)) is not None}
-        for key, (instance, delays) in zip(keys, instances, strict=True):
-            if key not in found and not delays and (kept := kept_truth(instance)) is not None:
-                found[key] = kept
-        missing = {key: instance for key, instance in zip(keys, instances, strict=True) if key not in found}
-        jobs = [Job(key, worker.sampled_truth, (i.case.id, i.p.given, delays)) for key, (i, delays) in missing.items()]
-        for done, (job, result) in enumerate(schedule.results(jobs), 1):
-            if isinstance(result, Failure):
-                found[job.key] = _no_truth(result)
-            else:
-                found[job.key] = msgspec.msgpack.decode(result, type=SampledTruth)
-                self.store.put_truth(job.key, found[job.key])
-            self.progress("truths", done, len(jobs))
-        return [found[key] for key in keys]
+        """The sampled truth of every instance."""
+        return sampled_truths(schedule, self.store, instances, self.progress)
 
     def _run(self, schedule: Schedule | InProcess, tasks: list[Task], wanted: list[tuple[int, Variant]], stage: str) -> None:
         """Runs what is wanted: equal runs once, unchanged ones read from the store."""
@@ -198,29 +180,3 @@ def _refuse_namesakes(engines: list[Engine]) -> None:
     for engine in engines:
         if names.count(engine.name) > 1:
             raise UsageError(f"two engines are named {engine.name!r}; give each a name of its own in its refdem.toml")
-
-
-def _truth_key(instance: Instance, delays: tuple[float, ...] = ()) -> str:
-    """sha256 of all that can change a sampled truth: case, parameters, samples, its code, python-flint."""
-    asked = [instance.case.id, instance.p.texts(), instance.times.tolist(), *delays]
-    digest = hashlib.sha256(msgspec.json.encode(asked))
-    module = type(instance.case).__module__
-    case = f"cases/{module.split('.')[-1]}" + ("" if hasattr(sys.modules[module], "__path__") else ".py")
-    source = fingerprint.of_source("truth", case, "core/truth.py", "core/case.py")
-    digest.update(f"{source}\0{installed('python-flint')}".encode())
-    return digest.hexdigest()
-
-
-def _no_truth(failure: Failure) -> SampledTruth:
-    """What stands in for a truth that could not be made."""
-    return SampledTruth(
-        t=[],
-        values={},
-        radii={},
-        sensitivity=[],
-        scalars={},
-        method="not certified",
-        witness="",
-        until=0,
-        reason=f"{failure.kind}: {failure.sentence}",
-    )

@@ -4,8 +4,7 @@ from pathlib import Path
 
 import pytest
 
-from refdem.campaign import campaign as campaigns
-from refdem.campaign import worker
+from refdem.campaign import truths, worker
 from refdem.campaign.campaign import Campaign
 from refdem.campaign.schedule import InProcess
 from refdem.campaign.specification import Specification
@@ -22,7 +21,7 @@ def campaign(tmp_path: Path) -> Campaign:
 def test_what_is_kept_is_not_proved_again_and_what_is_not_is(campaign: Campaign, monkeypatch: pytest.MonkeyPatch) -> None:
     kept, other = discovery.case("harmonic-oscillator").at(), discovery.case("harmonic-oscillator").at(mass="2")
     truth = sampled(kept.truth(), kept.times.tolist())
-    monkeypatch.setattr(campaigns, "kept_truth", lambda instance: truth if instance.label == kept.label else None)
+    monkeypatch.setattr(truths, "kept_truth", lambda instance: truth if instance.label == kept.label else None)
     asked, prove = [], worker.sampled_truth
 
     def proved(case: str, given: dict[str, str], delays: tuple[float, ...]) -> bytes:
@@ -39,6 +38,6 @@ def test_what_is_kept_is_not_proved_again_and_what_is_not_is(campaign: Campaign,
 def test_velocities_that_lag_need_a_truth_of_their_own(campaign: Campaign, monkeypatch: pytest.MonkeyPatch) -> None:
     instance = discovery.case("harmonic-oscillator").at()
     truth = sampled(instance.truth(), instance.times.tolist())
-    monkeypatch.setattr(campaigns, "kept_truth", lambda instance: truth)
+    monkeypatch.setattr(truths, "kept_truth", lambda instance: truth)
     (found,) = campaign._truths(InProcess(), [(instance, (0.125,))])
     assert list(found.earlier) == [0.125]

@@ -1,0 +1,57 @@
+"""Sampled truths of instances: from the store of finished work, from what comes with refdem, or made anew in workers."""
+
+import hashlib
+import sys
+from collections.abc import Callable, Sequence
+from importlib.metadata import version as installed
+
+import msgspec
+
+from refdem.campaign import worker
+from refdem.campaign.kept_truth import kept_truth
+from refdem.campaign.schedule import InProcess, Job, Schedule
+from refdem.core import fingerprint
+from refdem.core.case import Instance
+from refdem.core.run import Failure
+from refdem.core.store import Store
+from refdem.core.truth import SampledTruth
+
+Asked = tuple[Instance, tuple[float, ...]]
+"""An instance, and delays [s] before its samples at which truth is asked for as well."""
+
+
+def sampled_truths(
+    schedule: Schedule | InProcess, store: Store, instances: Sequence[Asked], progress: Callable[[str, int, int], None]
+) -> list[SampledTruth]:
+    """The sampled truth of every instance, in order."""
+    keys = [truth_key(instance, delays) for instance, delays in instances]
+    found = {key: truth for key in keys if (truth := store.truth(key)) is not None}
+    for key, (instance, delays) in zip(keys, instances, strict=True):
+        if key not in found and not delays and (kept := kept_truth(instance)) is not None:
+            found[key] = kept
+    missing = {key: instance for key, instance in zip(keys, instances, strict=True) if key not in found}
+    jobs = [Job(key, worker.sampled_truth, (i.case.id, i.p.given, delays)) for key, (i, delays) in missing.items()]
+    for done, (job, result) in enumerate(schedule.results(jobs), 1):
+        if isinstance(result, Failure):
+            found[job.key] = no_truth(f"{result.kind}: {result.sentence}")
+        else:
+            found[job.key] = msgspec.msgpack.decode(result, type=SampledTruth)
+            store.put_truth(job.key, found[job.key])
+        progress("truths", done, len(jobs))
+    return [found[key] for key in keys]
+
+
+def truth_key(instance: Instance, delays: tuple[float, ...] = ()) -> str:
+    """sha256 of all that can change a sampled truth: case, parameters, samples, its code, python-flint."""
+    asked = [instance.case.id, instance.p.texts(), instance.times.tolist(), *delays]
+    digest = hashlib.sha256(msgspec.json.encode(asked))
+    module = type(instance.case).__module__
+    case = f"cases/{module.split('.')[-1]}" + ("" if hasattr(sys.modules[module], "__path__") else ".py")
+    source = fingerprint.of_source("truth", case, "core/truth.py", "core/case.py")
+    digest.update(f"{source}\0{installed('python-flint')}".encode())
+    return digest.hexdigest()
+
+
+def no_truth(reason: str) -> SampledTruth:
+    """What stands in for a truth that could not be made."""
+    return SampledTruth(t=[], values={}, radii={}, sensitivity=[], scalars={}, method="not certified", witness="", until=0, reason=reason)
