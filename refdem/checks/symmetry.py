@@ -2,13 +2,11 @@
 
 from collections.abc import Mapping
 
-import numpy as np
-
 from refdem.core import symmetry
 from refdem.core.check import Array, Check, Outcome, Trial
 from refdem.core.finding import Finding
 from refdem.core.judgement import certified, distances, growth_shown, perturbation, undecided, worst
-from refdem.core.refinement import HORIZON
+from refdem.core.refinement import HORIZON, scored
 from refdem.core.trajectory import Trajectory
 from refdem.core.variant import Variant
 
@@ -32,32 +30,22 @@ class Symmetry(Check):
 
     def needs(self, trial: Trial) -> tuple[Variant, ...]:
         """One level, as it is, in every symmetry, and with the start moved a little."""
-        level = self._level(trial)
+        level = level_for(trial)
         shown = tuple(Variant(level, name) for name in self._shown(trial))  # type: ignore[arg-type]
         return (Variant(level), Variant(level, "perturbed", perturbation(trial.method)), *shown)
-
-    def _level(self, trial: Trial) -> float:
-        """The coarsest, where nothing is hidden by a small step; finer where truncation has to be allowed for."""
-        if not _decides(trial):
-            return trial.levels[0]
-        if (truth := certified(trial)) is None:
-            return trial.levels[-1]
-        growth = float(truth.growth()[-1])
-        telling = [level for level in trial.levels if float(trial.truncation(level)[-1]) * growth < HORIZON / 2]
-        return (telling or trial.levels[-1:])[0]
 
     def judge(self, trial: Trial, runs: Mapping[Variant, Outcome]) -> list[Finding]:
         """One finding a symmetry: the largest scaled difference of any state."""
         plain, perturbed, *shown = self.needs(trial)
         base = runs[plain].trajectory
-        growth = self._growth(trial, runs[perturbed].trajectory if perturbed in runs else base, base)
+        growth = growth_of(trial, runs[perturbed].trajectory if perturbed in runs else base, base)
         found = []
         for variant in shown:
             if variant not in runs:  # the code said when it ran that it cannot show this one
                 continue
             view = symmetry.of(trial.instance, variant.change)
-            allowed = self._allowed(trial, view, growth)
-            count = int(np.argmax(allowed > HORIZON)) if np.any(allowed > HORIZON) else len(allowed)
+            bounds = allowed(trial, view, growth)
+            count = scored(bounds)
             if count < 2:
                 found.append(undecided(self.name, variant.change, "round-off may grow past a tenth of the scale before the second sample"))
                 continue
@@ -67,7 +55,7 @@ class Symmetry(Check):
                     quantity=variant.change,
                     t=trial.instance.times[:count],
                     values=distances(trial.instance, view.undone(runs[variant].trajectory), base)[:count],
-                    allowed=allowed[:count],
+                    allowed=bounds[:count],
                     unit="1",
                     basis="the laws of mechanics are the same there, so only "
                     + _differs(trial)
@@ -77,21 +65,34 @@ class Symmetry(Check):
             )
         return found or [undecided(self.name, "any", "the code refused every symmetry of the scene when it ran")]
 
-    def _growth(self, trial: Trial, perturbed: Trajectory, base: Trajectory) -> Array:
-        """How much an early error has grown (T,): S of the truth, or what the moved start shows."""
-        if (truth := certified(trial)) is not None and truth.until == len(base.t):
-            return truth.growth()
-        return growth_shown(trial.instance, trial.method, perturbed, base)
 
-    def _allowed(self, trial: Trial, view: symmetry.Symmetry, growth: Array) -> Array:
-        """Round-off of both runs with the numbers as large as the symmetry makes them; truncation where a branch may flip.
+def level_for(trial: Trial) -> float:
+    """The coarsest, where nothing is hidden by a small step; finer where truncation has to be allowed for."""
+    if not _decides(trial):
+        return trial.levels[0]
+    if (truth := certified(trial)) is None:
+        return trial.levels[-1]
+    growth = float(truth.growth()[-1])
+    telling = [level for level in trial.levels if float(trial.truncation(level)[-1]) * growth < HORIZON / 2]
+    return (telling or trial.levels[-1:])[0]
 
-        A contact that begins, or a step size that is chosen, hangs on the last bit: there the two runs may take other steps.
-        """
-        level = self._level(trial)
-        rounding = 2 * (trial.round_off(level) + trial.clock()) * symmetry.size(trial.instance, view)
-        allowed: Array = (rounding + (trial.truncation(level) if _decides(trial) else 0.0)) * growth
-        return allowed
+
+def growth_of(trial: Trial, perturbed: Trajectory, base: Trajectory) -> Array:
+    """How much an early error has grown (T,): S of the truth, or what the moved start shows."""
+    if (truth := certified(trial)) is not None and truth.until == len(base.t):
+        return truth.growth()
+    return growth_shown(trial.instance, trial.method, perturbed, base)
+
+
+def allowed(trial: Trial, view: symmetry.Symmetry, growth: Array) -> Array:
+    """Round-off of both runs with the numbers as large as the symmetry makes them; truncation where a branch may flip.
+
+    A contact that begins, or a step size that is chosen, hangs on the last bit: there the two runs may take other steps.
+    """
+    level = level_for(trial)
+    rounding = 2 * (trial.round_off(level) + trial.clock()) * symmetry.size(trial.instance, view)
+    found: Array = (rounding + (trial.truncation(level) if _decides(trial) else 0.0)) * growth
+    return found
 
 
 def _differs(trial: Trial) -> str:
