@@ -1,26 +1,21 @@
 """A page of run time against error, from rows and tables that a bench hands over."""
 
 import csv
-import html
 import io
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
 from refdem.report.chart_data import ChartData
-from refdem.report.figures import picture, script, specification
-from refdem.report.html import script_json
+from refdem.report.figures import equip, picture, specification
+from refdem.report.files import written
+from refdem.report.html import environment
+from refdem.report.markdown import plain, table
 from refdem.report.numbers import rounded
 from refdem.report.palette import ENGINES, REFERENCE, SHAPES
 
 Cells = tuple[str, Sequence[str], Sequence[Sequence[str]]]
 """A title, a header, and rows."""
-
-STYLE = (
-    "body{font-family:system-ui,sans-serif;margin:2rem auto;max-width:75rem;padding:0 1rem;color-scheme:light dark}"
-    "table{border-collapse:collapse;font-size:.85rem}td,th{border:1px solid #8888;padding:.25rem .5rem;text-align:left}div{overflow-x:auto}"
-)
-LOADER = "for (const e of document.querySelectorAll('script[data-chart]')) vegaEmbed('#' + e.dataset.chart, JSON.parse(e.textContent));"
 
 
 @dataclass(frozen=True)
@@ -71,37 +66,23 @@ def markdown(title: str, words: str, tables: Sequence[Cells], sections: Sequence
     return "\n\n".join(parts) + "\n"
 
 
-def _markdown(table: Cells) -> str:
-    title, header, rows = table
-    lines = [list(header), ["---"] * len(header), *rows]
-    return f"{title}:\n\n" + "\n".join("| " + " | ".join(cell.replace("|", "\\|") for cell in row) + " |" for row in lines)
+def _markdown(cells: Cells) -> str:
+    title, header, rows = cells
+    return f"{title}:\n\n{table(list(header), [[plain(cell) for cell in row] for row in rows])}"
 
 
-def page(title: str, words: str, tables: Sequence[Cells], sections: Sequence[Section], *, source: str) -> str:
-    """The report as HTML with interactive charts; `source` is the address of the script that draws them."""
-    parts = [f"<h1>{html.escape(title)}</h1><p>{html.escape(words)}</p>", *map(_html, tables)]
-    for number, section in enumerate(sections, 1):
-        parts.append(f"<h2>{html.escape(section.label)}</h2>")
-        if (data := chart(section)) is not None:
-            spec = script_json(specification(data, None))
-            parts.append(f'<div id="chart-{number}"></div><script type="application/json" data-chart="chart-{number}">{spec}</script>')
-        parts += map(_html, section.tables)
-    head = f'<!doctype html><html lang="en"><meta charset="utf-8"><title>{html.escape(title)}</title><style>{STYLE}</style>'
-    return f'{head}\n{"".join(parts)}\n<script src="{html.escape(source)}"></script><script>{LOADER}</script></html>\n'
-
-
-def _html(table: Cells) -> str:
-    title, header, rows = table
-    head = "".join(f"<th>{html.escape(cell)}</th>" for cell in header)
-    body = "".join("<tr>" + "".join(f"<td>{html.escape(cell)}</td>" for cell in row) + "</tr>" for row in rows)
-    return f"<h3>{html.escape(title)}</h3><div><table><tr>{head}</tr>{body}</table></div>"
+def page(title: str, words: str, tables: Sequence[Cells], sections: Sequence[Section]) -> str:
+    """The report as HTML with interactive charts, in the frame of every page."""
+    drawn = [None if data is None else specification(data, None) for data in map(chart, sections)]
+    sheet = environment().get_template("bench.html")
+    return sheet.render(root="", name="bench", title=title, words=words, tables=tables, sections=sections, specs=drawn)
 
 
 def write(folder: Path, title: str, words: str, tables: Sequence[Cells], sections: Sequence[Section]) -> None:
-    """Writes bench.md, bench.html, bench-N.svg and the script of the charts into a folder."""
-    (folder / "bench.md").write_text(markdown(title, words, tables, sections, "."))
-    (folder / "bench.html").write_text(page(title, words, tables, sections, source="vega.js"))
-    (folder / "vega.js").write_bytes(script(None))
+    """Writes bench.md, bench.html, bench-N.svg and what the page needs into a folder."""
+    written(folder / "bench.md", markdown(title, words, tables, sections, "."))
+    written(folder / "bench.html", page(title, words, tables, sections))
+    equip(folder, None)
     for number, section in enumerate(sections, 1):
         if (data := chart(section)) is not None:
-            (folder / f"bench-{number}.svg").write_bytes(picture(specification(data, None), None))
+            written(folder / f"bench-{number}.svg", picture(specification(data, None), None))

@@ -11,9 +11,12 @@ from typing import Any
 
 from refdem.core.store import Store
 from refdem.report.chart_data import ChartData
+from refdem.report.files import written
 
 SNIPPET = "window.vegaEmbed = vegaEmbed;"
 """What the shared script leaves for report.js."""
+
+ASSETS = Path(__file__).with_name("assets")
 
 ROWS = "the rows of this chart"
 """Stands for the rows in a specification that is kept."""
@@ -26,6 +29,13 @@ PAPER = {
     "legend": {"labelColor": "#30363d", "titleColor": "#30363d", "labelLimit": 260},
 }
 """How a chart looks on paper; pages have a light and a dark configuration of their own in report.js."""
+
+
+def equip(folder: Path, store: Store | None) -> None:
+    """Writes what pages with charts need into folder/assets: the style and both scripts."""
+    for name in ("report.css", "report.js"):
+        written(folder / "assets" / name, (ASSETS / name).read_bytes())
+    written(folder / "assets" / "vega.js", script(store))
 
 
 def specification(data: ChartData, store: Store | None) -> str:

@@ -8,12 +8,10 @@ from refdem.core.figure import Figure
 from refdem.core.store import Store
 from refdem.report import figures
 from refdem.report.files import removed, written
-from refdem.report.html import _templates
-from refdem.report.markdown import _table, plain
+from refdem.report.html import environment
+from refdem.report.markdown import plain, table
 from refdem.report.numbers import two
 from refdem.report.panels import specification
-
-ASSETS = Path(__file__).with_name("assets")
 
 
 def write_figures(folder: Path, drawn: Sequence[Figure], *, version: str, store: Store | None) -> None:
@@ -25,12 +23,10 @@ def write_figures(folder: Path, drawn: Sequence[Figure], *, version: str, store:
             removed(path)
     for figure in drawn:
         written(folder / f"{figure.name}.svg", figures.picture(specs[figure.id], store))
-    for name in ("report.css", "report.js"):
-        written(folder / "assets" / name, (ASSETS / name).read_bytes())
-    written(folder / "assets" / "vega.js", figures.script(store))
+    figures.equip(folder, store)
     written(folder / "gallery.md", markdown(drawn))
-    page = _templates().get_template("gallery.html")
-    written(folder / "gallery.html", page.render(figures=drawn, specs=specs, version=version))
+    page = environment().get_template("gallery.html")
+    written(folder / "gallery.html", page.render(root="", figures=drawn, specs=specs, version=version))
 
 
 def markdown(drawn: Sequence[Figure]) -> str:
@@ -41,7 +37,7 @@ def markdown(drawn: Sequence[Figure]) -> str:
             f"## Figure {figure.id}: {plain(figure.title)}",
             f"![Figure {figure.id}: {plain(figure.title)}]({figure.name}.svg)",
             plain(figure.caption),
-            *([_table(["measured in it", "value"], [[plain(k), two(v)] for k, v in figure.numbers.items()])] if figure.numbers else []),
+            *([table(["measured in it", "value"], [[plain(k), two(v)] for k, v in figure.numbers.items()])] if figure.numbers else []),
             "```\n" + "\n".join(figure.commands) + "\n```",
         ]
     return "\n\n".join(parts) + "\n"

@@ -44,7 +44,7 @@ def pages(
     contents: Contents, rows: dict[str, list[Row]], specs: dict[str, dict[str, str]], *, has_gallery: bool = False
 ) -> Iterator[tuple[str, str]]:
     """(file name, text) of every page: cases, engines, and at last the index, which has a link to a gallery if there is one."""
-    templates = _templates()
+    templates = environment()
     everywhere = {"contents": contents, "counts": contents.counts(), "marks": MARKS, "meanings": MEANINGS, "targets": TARGETS}
     labels = [sheet.label for sheet in contents.cases]
     for index, sheet in enumerate(contents.cases):
@@ -110,7 +110,7 @@ def distances(rows: list[Row]) -> list[tuple[str, str, float, float]]:
     return [(a, b, abs(best[a] - best[b]), best[a] + best[b]) for a, b in pairs]
 
 
-def _templates() -> Environment:
+def environment() -> Environment:
     """The environment: undefined names are errors, everything is escaped."""
     templates = Environment(
         loader=FileSystemLoader(Path(__file__).with_name("templates")),

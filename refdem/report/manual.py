@@ -5,8 +5,8 @@ from pathlib import Path
 
 from refdem.core.manual import CheckLine, ManualPage, QuantityLine
 from refdem.report.files import removed, written
-from refdem.report.html import _templates
-from refdem.report.markdown import _table, plain
+from refdem.report.html import environment
+from refdem.report.markdown import plain, table
 from refdem.report.mathml import equations
 from refdem.report.numbers import two
 
@@ -23,16 +23,17 @@ def write_pages(folder: Path, pages: Sequence[ManualPage], *, version: str) -> N
     for path in sorted(home.glob("*")):
         if path.name not in known and path.suffix in (".md", ".html"):
             removed(path)
-    templates = _templates()
+    templates = environment()
     templates.filters["prose"] = scale_of
     written(Path(folder) / "assets" / CSS.name, CSS.read_bytes())
     for index, page in enumerate(pages):
         written(home / f"{page.case}.md", markdown(page))
         beside = {"before": pages[index - 1] if index else None, "after": pages[index + 1] if index + 1 < len(pages) else None}
-        text = templates.get_template("manual.html").render(sheet=page, version=version, equations=equations(page.latex), few=FEW, **beside)
+        sheet = {"root": "../", "sheet": page, "version": version, "equations": equations(page.latex), "few": FEW}
+        text = templates.get_template("manual.html").render(sheet | beside)
         written(home / f"{page.case}.html", text)
     written(home / "index.md", index_markdown(pages))
-    written(home / "index.html", templates.get_template("manual_index.html").render(pages=pages, version=version))
+    written(home / "index.html", templates.get_template("manual_index.html").render(root="../", pages=pages, version=version))
 
 
 def markdown(page: ManualPage) -> str:
@@ -43,7 +44,7 @@ def markdown(page: ManualPage) -> str:
         f"$$\n{page.latex}\n$$",
         f"Source: {plain(page.source)}. Convention: {plain(page.convention)}",
         f"It asks for {plain(page.kind)}: {plain(', '.join(page.features))}.",
-        "## Parameters\n\nExact in truth; engines run them rounded to binary64.\n\n" + _table(*parameters(page)),
+        "## Parameters\n\nExact in truth; engines run them rounded to binary64.\n\n" + table(*parameters(page)),
         "## Quantities\n\n" + quantities(page.quantities),
         *(["## Scalars at the defaults\n\n" + scalars(page.scalars)] if page.scalars else []),
         "## Truth\n\n" + truth(page),
@@ -66,13 +67,13 @@ def quantities(found: Sequence[QuantityLine]) -> str:
     """A table, or a list of names where they are many."""
     if len(found) > FEW:
         return f"{len(found)} values: {', '.join(f'`{q.name}`' for q in found)}."
-    return _table(["quantity", "unit", "size against which an error counts"], [[f"`{q.name}`", plain(q.unit), two(q.scale)] for q in found])
+    return table(["quantity", "unit", "size against which an error counts"], [[f"`{q.name}`", plain(q.unit), two(q.scale)] for q in found])
 
 
 def scalars(found: Sequence[QuantityLine]) -> str:
     """A table, or the first of many."""
     more = f"\n\nand {len(found) - FEW} more" if len(found) > FEW else ""
-    return _table(["scalar", "value", "radius"], [[f"`{q.name}`", q.mid, q.radius] for q in found[:FEW]]) + more
+    return table(["scalar", "value", "radius"], [[f"`{q.name}`", q.mid, q.radius] for q in found[:FEW]]) + more
 
 
 def truth(page: ManualPage) -> str:
@@ -96,7 +97,7 @@ def checks(found: Sequence[CheckLine]) -> str:
     """Those that apply with what they kill, then those that do not with the reason."""
     lines = [[plain(c.name), plain(c.title), plain(c.kills)] for c in found if not c.left_out]
     others = "\n".join(f"- {plain(c.name)}: {plain(c.left_out)}" for c in found if c.left_out)
-    return _table(["check", "what it judges", "what it kills"], lines) + (
+    return table(["check", "what it judges", "what it kills"], lines) + (
         f"\n\nNot for this case at its defaults:\n\n{others}" if others else ""
     )
 
@@ -105,7 +106,7 @@ def slips(page: ManualPage) -> list[str]:
     """What the source says, what holds, and the numbers."""
     return [
         f"**{plain(slip.where)}** Said: {plain(slip.says)}. Holds: {plain(slip.holds)}.\n\n"
-        + _table(["measured", "value"], [[plain(what), plain(value)] for what, value in slip.measured])
+        + table(["measured", "value"], [[plain(what), plain(value)] for what, value in slip.measured])
         for slip in page.slips
     ]
 
@@ -126,7 +127,7 @@ def index_markdown(pages: Sequence[ManualPage]) -> str:
     values, witnessed = sum(page.truth.values for page in pages), sum(page.truth.witnessed for page in pages)
     head = ["case", "sets", "values", "proved by", "witness when proved", "witness in the tests"]
     told = f"{len(pages)} cases, {values} certified values, {witnessed} of them confirmed when proved by a witness that shares no code."
-    return f"# Verification manual\n\n{told}\n\n{_table(head, lines)}\n"
+    return f"# Verification manual\n\n{told}\n\n{table(head, lines)}\n"
 
 
 def scale_of(value: float | None) -> str:

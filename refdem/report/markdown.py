@@ -37,7 +37,7 @@ def _tolerance(contents: Contents, rows: dict[str, list[Row]]) -> str:
         "Errors are in units of each quantity's scale, the largest over the run and over all quantities. "
         "A step with ≥ is the coarsest one that ran. The reference is shown as the reference."
     )
-    return f"## Tolerance table\n\n{note}\n\n{_table(head, lines)}" if lines else ""
+    return f"## Tolerance table\n\n{note}\n\n{table(head, lines)}" if lines else ""
 
 
 def _tolerance_line(row: Row) -> list[str]:
@@ -70,7 +70,7 @@ def _matrix(contents: Contents, rows: dict[str, list[Row]]) -> str:
         lines.append([plain(sheet.label), *texts])
     head = ["case", *(_tagged(engine.engine, engine.is_reference) for engine in contents.engines)]
     note = "The decimal logarithm of 1 / error at the finest level: the worst quantity, the best method of each engine."
-    return f"## Correct digits\n\n{note}\n\n{_table(head, lines)}" if lines else ""
+    return f"## Correct digits\n\n{note}\n\n{table(head, lines)}" if lines else ""
 
 
 def _findings(contents: Contents) -> str:
@@ -96,7 +96,7 @@ def _case(label: str, title: str, method: str, reproduce: str, pictures: set[str
     return f"## {plain(label)}\n\n{plain(title)}. {truth}{again}{picture}"
 
 
-def _table(head: list[str], lines: list[list[str]]) -> str:
+def table(head: list[str], lines: list[list[str]]) -> str:
     """A Markdown table of cells that are escaped already."""
     return "\n".join("| " + " | ".join(line) + " |" for line in (head, ["---"] * len(head), *lines))
 

@@ -13,8 +13,6 @@ from refdem.report.jsonl import RECORDS, lines, sheets_in
 from refdem.report.junit import junit
 from refdem.report.tolerance import Row, rows_of
 
-ASSETS = Path(__file__).with_name("assets")
-
 
 def write_everything(folder: Path, sheets: Sequence[Sheet], store: Store | None) -> None:
     """Records first, so that the report can be made again if a later file cannot be written; index.html last."""
@@ -26,10 +24,7 @@ def write_everything(folder: Path, sheets: Sequence[Sheet], store: Store | None)
     written(folder / "findings.csv", tables.csv_text(tables.FINDING, tables.finding_rows(contents)))
     written(folder / "tolerance.csv", tables.csv_text(tables.TOLERANCE, tables.tolerance_rows(everything)))
     written(folder / "junit.xml", junit(contents))
-    for path in sorted(ASSETS.iterdir()):
-        if path.suffix in (".css", ".js"):
-            written(folder / "assets" / path.name, path.read_bytes())
-    written(folder / "assets" / "vega.js", figures.script(store))
+    figures.equip(folder, store)
     pictures, specs = _charts(folder, contents, rows, store)
     written(folder / "validation.md", markdown.validation(contents, rows, pictures))
     for name, text in html.pages(contents, rows, specs, has_gallery=(folder / "gallery" / "gallery.html").exists()):

@@ -13,7 +13,7 @@ SECTION = Section(
 
 
 def test_what_engines_are_called_is_escaped_in_a_page() -> None:
-    text = page("Title", "words", [], [SECTION], source="vega.js")
+    text = page("Title", "words", [], [SECTION])
     assert "<b>" not in text
     assert "mujoco &lt;b&gt;" in text
 
@@ -25,13 +25,13 @@ def test_the_chart_has_every_point_and_draws_an_error_of_zero_at_its_floor() -> 
     assert len(rows) == 3
     assert float(rows[0][4]) == data.extents["error"][0] > 0
     assert data.extents["seconds"][0] < 1e-5 < 2e-3 < data.extents["seconds"][1]
-    specs = re.findall(r'data-chart="chart-1">(.*?)</script>', page("Title", "", [], [SECTION], source="vega.js"))
+    specs = re.findall(r'id="spec-scene-chart-1">(.*?)</script>', page("Title", "", [], [SECTION]))
     assert "mujoco rk4" in json.dumps(json.loads(specs[0]))
 
 
 def test_markdown_has_a_table_whose_cells_stay_apart() -> None:
     text = markdown("Title", "words", [], [SECTION], "figures")
-    assert "| mujoco <b> | 1 ms \\| 2 ms |" in text
+    assert "| mujoco &lt;b&gt; | 1 ms \\| 2 ms |" in text
     assert "![error against seconds](figures/bench-1.svg)" in text
 
 
