@@ -37,6 +37,12 @@ def pointer(family: str, array: NDArray[np.float64], *, output: bool = False) ->
     return load(family).ffi.from_buffer("double[]", array, require_writable=output)
 
 
+def prepared(family: str) -> Any:
+    """Room for what a kernel makes of a start before it is asked for samples: the family's `refdem_<family>_size` doubles."""
+    module = load(family)
+    return module.ffi.new("double[]", getattr(module.lib, f"refdem_{family}_size")())
+
+
 def folder() -> Path:
     """Where the compiled families are."""
     return Path(__file__).parent

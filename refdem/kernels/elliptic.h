@@ -7,7 +7,7 @@
 #ifndef REFDEM_ELLIPTIC_H
 #define REFDEM_ELLIPTIC_H
 
-#include "double_double.h"
+#include "simd.h"
 
 /* K(m) = (pi/2) / agm(1, sqrt(1 - m)) for the complementary parameter m1 = 1 - m > 0. */
 static inline dd quarter_period(dd m1)
@@ -81,7 +81,7 @@ static inline dd angle_of(dd s, dd c)
 
 /* What the Jacobi functions of one parameter need. Circular series for m <= 1/2, hyperbolic for m > 1/2, tanh and sech at 1. */
 enum { CIRCULAR, HYPERBOLIC, SEPARATRIX };
-enum { TERMS = 5 };
+enum { TERMS = 4 };
 
 typedef struct {
     int kind;
@@ -90,14 +90,30 @@ typedef struct {
     double square[TERMS];  /* nome^(n^2) */
     double oblong[TERMS];  /* nome^(n (n + 1)) */
     double sn, cn, dn;     /* factors */
+    double theta[4][4];    /* circular: theta1 / sin x, theta2 / cos x, theta3, theta4 as polynomials in sin^2 x, with the factors */
 } jacobi;
 
-/* A point u: reduced to -K..K, with what the series there have in common. */
+/* Points u = 2K (f + n), by columns; `first` and `second`: cos and sin of 2 pi f if circular; if hyperbolic exp(-|xi|) and
+ * sqrt(nome) exp(|xi|), xi = pi K f / K', both at most 1. */
 typedef struct {
-    double u, sn, cn, dn;
-    double c, s;           /* circular: cos and sin of pi u / K */
-    double decay, growth;  /* hyperbolic: exp(-|xi|) and nome exp(2 |xi|), xi = pi u / (2 K') */
-} jacobi_point;
+    double f[BLOCK], sn[BLOCK], cn[BLOCK], dn[BLOCK], first[BLOCK], second[BLOCK];
+} jacobi_points;
+
+/* Multiple angles (DLMF 20.2.1-4 with 4.21.28): rows n, columns powers of sin^2 x. */
+static inline void theta_polynomials(jacobi *j)
+{
+    static const double sines[4][4] = {{1}, {3, -4}, {5, -20, 16}, {7, -56, 112, -64}};
+    static const double cosines[4][4] = {{1}, {1, -4}, {1, -12, 16}, {1, -24, 80, -64}};
+    static const double doubles[4][4] = {{0.5}, {1, -2}, {1, -8, 8}, {1, -18, 48, -32}};
+    for (int n = 0; n < TERMS; n++)
+        for (int k = 0; k <= n; k++) {
+            double sign = n % 2 ? -1.0 : 1.0;
+            j->theta[0][k] += j->sn * sign * j->oblong[n] * sines[n][k];
+            j->theta[1][k] += j->cn * j->oblong[n] * cosines[n][k];
+            j->theta[2][k] += j->dn * 2.0 * j->square[n] * doubles[n][k];
+            j->theta[3][k] += sign * 2.0 * j->square[n] * doubles[n][k];
+        }
+}
 
 static inline jacobi jacobi_prepared(dd m, dd m1)
 {
@@ -109,78 +125,90 @@ static inline jacobi jacobi_prepared(dd m, dd m1)
     j.kind = m.hi <= 0.5 ? CIRCULAR : HYPERBOLIC;
     double ratio = j.kind == CIRCULAR ? j.other.hi / j.quarter.hi : j.quarter.hi / j.other.hi;
     j.log_nome = -DD_PI.hi * ratio;
-    double plus = 1.0, minus = 1.0, twos = 0.0;
-    for (int n = 0; n < TERMS; n++) {
-        j.square[n] = n ? exp(j.log_nome * n * n) : 1.0;
-        j.oblong[n] = n ? exp(j.log_nome * n * (n + 1)) : 1.0;
-        plus += n ? 2.0 * j.square[n] : 0.0;
-        minus += n ? (n % 2 ? -2.0 : 2.0) * j.square[n] : 0.0;
+    double nome = exp(j.log_nome), power = 1.0, odd = nome, plus = 1.0, minus = 1.0, twos = 1.0;
+    j.square[0] = j.oblong[0] = 1.0;
+    for (int n = 1; n < TERMS; n++) {
+        power *= nome;
+        j.square[n] = j.square[n - 1] * odd, odd *= nome * nome;
+        j.oblong[n] = j.square[n] * power;
+        plus += 2.0 * j.square[n];
+        minus += (n % 2 ? -2.0 : 2.0) * j.square[n];
         twos += j.oblong[n];
     }
     j.sn = j.kind == CIRCULAR ? plus / twos : plus / minus;
     j.cn = j.kind == CIRCULAR ? minus / twos : twos / minus;
     j.dn = j.kind == CIRCULAR ? minus / plus : twos / plus;
+    if (j.kind == CIRCULAR)
+        theta_polynomials(&j);
     return j;
 }
 
+static inline double cubic(const double *restrict a, double x)
+{
+    return fma(x, fma(x, fma(x, a[3], a[2]), a[1]), a[0]);
+}
+
 /* DLMF 22.2.4-6 with 20.2.1-4. */
-static inline void circular_series(const jacobi *j, jacobi_point *p)
+static inline void circular_series(const jacobi *restrict j, int count, jacobi_points *restrict p)
 {
-    double x = 0.5 * DD_PI.hi * (p->u / j->quarter.hi), c1 = cos(x), s1 = sin(x);
-    p->c = 1.0 - 2.0 * s1 * s1, p->s = 2.0 * s1 * c1;
-    double one = 0.0, two = 0.0, three = 1.0, four = 1.0, c = c1, s = s1, ce = 1.0, se = 0.0;
-    for (int n = 0; n < TERMS; n++) {
-        double sign = n % 2 ? -1.0 : 1.0, next;
-        one += sign * j->oblong[n] * s;
-        two += j->oblong[n] * c;
-        three += n ? 2.0 * j->square[n] * ce : 0.0;
-        four += n ? sign * 2.0 * j->square[n] * ce : 0.0;
-        next = c * p->c - s * p->s, s = s * p->c + c * p->s, c = next;
-        next = ce * p->c - se * p->s, se = se * p->c + ce * p->s, ce = next;
+    for (int k = 0; k < count; k++) {
+        double s, c;
+        sine_cosine_pi(p->f[k], &s, &c);
+        double square = s * s, per = 1.0 / cubic(j->theta[3], square), sign = p->sn[k];
+        p->sn[k] = sign * s * cubic(j->theta[0], square) * per;
+        p->cn[k] = sign * c * cubic(j->theta[1], square) * per;
+        p->dn[k] = cubic(j->theta[2], square) * per;
+        p->first[k] = fma(-2.0, square, 1.0), p->second[k] = 2.0 * s * c;
     }
-    p->sn = j->sn * one / four, p->cn = j->cn * two / four, p->dn = j->dn * three / four;
 }
 
-/* The same of m1 at i u (DLMF 22.6.1): sn = -i sc(iu|m1), cn = nc, dn = dc; every exponential is scaled to be at most 1. */
-static inline void hyperbolic_series(const jacobi *j, jacobi_point *p)
+/* The same of m1 at i u (DLMF 22.6.1): sn = -i sc(iu|m1), cn = nc, dn = dc; every exponential is scaled to be at most 1. Sums over
+ * nome^(n^2) x^n and nome^(n(n+1)) x^(n+1), in their even and odd parts. */
+static inline void hyperbolic_series(const jacobi *restrict j, int count, jacobi_points *restrict p)
 {
-    double size = 0.5 * DD_PI.hi * fabs(p->u) / j->other.hi;
-    p->decay = exp(-size);
-    p->growth = exp(2.0 * size + j->log_nome);
-    double square = p->decay * p->decay, up = 1.0, down = 1.0;
-    double one = 0.0, two = 0.0, three = 1.0, four = 1.0;
-    for (int n = 0; n < TERMS; n++) {
-        double sign = n % 2 ? -1.0 : 1.0, rise = up * j->square[n], fall = j->oblong[n] * down * square;
-        if (n) {
-            double even = up * j->oblong[n - 1] + j->square[n] * down;
-            three += even, four += sign * even;
-        }
-        one += sign * (rise - fall), two += rise + fall;
-        up *= p->growth, down *= square;
+    double root = exp(0.5 * j->log_nome);
+    for (int k = 0; k < count; k++) {
+        double decay = exponential(j->log_nome * fabs(p->f[k])), growth = root / decay, low = decay * decay, high = growth * growth;
+        double low2 = low * low, high2 = high * high, sign = p->sn[k];
+        double even_high = fma(high2, j->square[2], 1.0), odd_high = high * fma(high2, j->square[3], j->square[1]);
+        double even_low = fma(low2, j->square[2], 1.0), odd_low = low * fma(low2, j->square[3], j->square[1]);
+        double more_low = low * fma(low2, j->oblong[2], 1.0), less_low = low2 * fma(low2, j->oblong[3], j->oblong[1]);
+        double more_high = high * fma(high2, j->oblong[2], 1.0), less_high = high2 * fma(high2, j->oblong[3], j->oblong[1]);
+        double one = (even_high - more_low) + (less_low - odd_high), two = (even_high + more_low) + (odd_high + less_low);
+        double three = (even_low + more_high) + (odd_low + less_high), four = (even_low - more_high) + (less_high - odd_low);
+        double per = 1.0 / two, twice = 2.0 * decay * per;
+        p->sn[k] = copysign(j->sn * one * per, p->f[k]) * sign;
+        p->cn[k] = j->cn * four * twice * sign;
+        p->dn[k] = j->dn * three * twice;
+        p->first[k] = decay, p->second[k] = growth;
     }
-    p->sn = copysign(j->sn * one / two, p->u);
-    p->cn = j->cn * four * 2.0 * p->decay / two;
-    p->dn = j->dn * three * 2.0 * p->decay / two;
 }
 
-/* sn, cn, dn at u, absolute errors a few ulp of 1 however large u is. */
-static inline jacobi_point jacobi_at(const jacobi *j, dd u)
+/* sn, cn, dn at start + rate (t - t0), count <= BLOCK, absolute errors a few ulp of 1 however large that is; `phase` counts in 2K,
+ * on the separatrix in 1. */
+static inline void jacobi_at(const jacobi *restrict j, turns phase, double t0, int count, const double *restrict t, jacobi_points *restrict p)
 {
-    jacobi_point p = {.u = u.hi};
     if (j->kind == SEPARATRIX) {
-        p.sn = tanh(u.hi);
-        p.cn = p.dn = 1.0 / cosh(u.hi);
-        return p;
+        for (int k = 0; k < count; k++) {
+            p->f[k] = dd_add(phase.start, dd_mul(phase.rate, two_sum(t[k], -t0))).hi;
+            p->sn[k] = tanh(p->f[k]);
+            p->cn[k] = p->dn[k] = 1.0 / cosh(p->f[k]);
+        }
+        return;
     }
-    int odd;
-    p.u = dd_round(dd_reduced(u, dd_scale(j->quarter, 2.0), &odd));
+    for (int k = 0; k < count; k++)
+        p->f[k] = fraction(phase, two_sum(t[k], -t0), &p->sn[k]);
     if (j->kind == CIRCULAR)
-        circular_series(j, &p);
+        circular_series(j, count, p);
     else
-        hyperbolic_series(j, &p);
-    if (odd)
-        p.sn = -p.sn, p.cn = -p.cn;
-    return p;
+        hyperbolic_series(j, count, p);
+}
+
+/* Of a phase in u. */
+static inline turns jacobi_turns(const jacobi *j, dd rate, dd start)
+{
+    dd period = j->kind == SEPARATRIX ? dd_of(1.0) : dd_scale(j->quarter, 2.0);
+    return (turns){dd_div(rate, period), dd_div(start, period)};
 }
 
 /* The u in (-2K, 2K] with these sn, cn, dn (dn > 0): sn R_F(cn^2, dn^2, 1), measured from K where that is nearer. */

@@ -15,18 +15,21 @@
 #include "quaternion.h"
 
 enum { STEADY, SYMMETRIC, TUMBLING };
-enum { THETA_TERMS = 6 };
+enum { THETA_TERMS = 5 };
 
 typedef struct {
     int kind, axis[3];                 /* axes of the labels 1, 2, 3 */
     dd w[3], rate, start;              /* omega_body at the start; u = rate t + start, or the spin about axis 3 of a symmetric body */
     dd turn;                           /* mean of Psi' / 2 */
+    turns phase, mean;                 /* u in periods of sn, the mean turn in half turns */
+    double t0, attitude[4], omega[3];  /* the start, as given */
+    double frame[4][4];                /* left product by `base`, vector parts by label */
     double base[4], along[3];          /* attitude before the turn, and its unit axis */
     double size[3], direction[3];      /* amplitudes of omega_body and of n, by label */
     double order;                      /* +1 if J3 is the largest moment, -1 if the smallest */
-    double phase, slope;               /* of theta: tan(a/2), or how a enters; linear part of its argument */
+    double phase_shift, slope;             /* of theta: tan(a/2), or how a enters; linear part of its argument */
     double rise[2][THETA_TERMS], fall[2][THETA_TERMS]; /* its coefficients, real and imaginary */
-    double cos0, sin0, slope0;         /* its argument at the start */
+    double cos0, sin0, f0;             /* its argument at the start */
     jacobi j;
 } free_body;
 
@@ -65,15 +68,15 @@ static void prepare_theta(free_body *b, double a, double c)
 {
     const jacobi *j = &b->j;
     if (j->kind == SEPARATRIX) {
-        b->phase = sqrt((1.0 - c) / (1.0 + c));
+        b->phase_shift = sqrt((1.0 - c) / (1.0 + c));
         return;
     }
-    b->phase = DD_PI.hi * a / (j->kind == CIRCULAR ? 2.0 * j->quarter.hi : 4.0 * j->other.hi);
+    b->phase_shift = DD_PI.hi * a / (j->kind == CIRCULAR ? 2.0 * j->quarter.hi : 4.0 * j->other.hi);
     b->slope = j->kind == CIRCULAR ? 0.0 : -DD_PI.hi * a / (4.0 * j->quarter.hi * j->other.hi);
     for (int n = 0; n < THETA_TERMS; n++) {
-        double log_nome = j->log_nome, sign = n % 2 ? -1.0 : 1.0, angle = (2 * n + 1) * b->phase;
+        double log_nome = j->log_nome, sign = n % 2 ? -1.0 : 1.0, angle = (2 * n + 1) * b->phase_shift;
         if (j->kind == CIRCULAR) {
-            double grown = exp(2.0 * n * (log_nome * n + b->phase)), shrunk = exp(2.0 * n * (log_nome * n - b->phase));
+            double grown = exp(2.0 * n * (log_nome * n + b->phase_shift)), shrunk = exp(2.0 * n * (log_nome * n - b->phase_shift));
             b->rise[0][n] = n ? sign * (grown + shrunk) : 1.0;
             b->rise[1][n] = n ? sign * (shrunk - grown) : 0.0;
         } else {
@@ -84,37 +87,31 @@ static void prepare_theta(free_body *b, double a, double c)
     }
 }
 
-/* Its direction in the complex plane (DLMF 20.2.4; 20.2.2 with 20.7.33); on the separatrix that of 1 + i tan(a/2) tanh(u/2). */
-static void theta_direction(const free_body *b, const jacobi_point *p, double *restrict c, double *restrict s)
+static inline double quartic(const double *restrict a, double x)
 {
-    double x = 0.0, y = 0.0;
-    if (b->j.kind == SEPARATRIX) {
-        x = 1.0, y = b->phase * tanh(0.5 * p->u);
-    } else if (b->j.kind == CIRCULAR) {
-        double ce = 1.0, se = 0.0, next;
-        for (int n = 0; n < THETA_TERMS; n++) {
-            x += b->rise[0][n] * ce, y += b->rise[1][n] * se;
-            next = ce * p->c - se * p->s, se = se * p->c + ce * p->s, ce = next;
-        }
-    } else {
-        double growth = sqrt(p->growth), up = 1.0, down = p->decay;
-        for (int n = 0; n < THETA_TERMS; n++) {
-            x += b->rise[0][n] * up + b->fall[0][n] * down;
-            y += b->rise[1][n] * up + b->fall[1][n] * down;
-            up *= growth, down *= p->decay;
-        }
-        y = copysign(1.0, p->u) * y;
-    }
-    double size = sqrt(x * x + y * y);
-    *c = x / size, *s = y / size;
+    return fma(x, fma(x, fma(x, fma(x, a[4], a[3]), a[2]), a[1]), a[0]);
 }
 
-/* n in body axes at a point. */
-static void direction_at(const free_body *b, const jacobi_point *p, double *restrict n)
+/* Its direction in the complex plane, of any length (DLMF 20.2.4; 20.2.2 with 20.7.33); on the separatrix that of
+ * 1 + i tan(a/2) tanh(u/2). The first three terms of the circular series are all that binary64 can hold. */
+static inline void theta_direction(const free_body *restrict b, int count, const jacobi_points *restrict p, double *restrict x,
+                                   double *restrict y)
 {
-    n[b->axis[0]] = b->direction[0] * p->cn;
-    n[b->axis[1]] = b->direction[1] * p->sn;
-    n[b->axis[2]] = b->direction[2] * p->dn;
+    if (b->j.kind == SEPARATRIX)
+        for (int k = 0; k < count; k++)
+            x[k] = 1.0, y[k] = b->phase_shift * tanh(0.5 * p->f[k]);
+    else if (b->j.kind == CIRCULAR)
+        for (int k = 0; k < count; k++) {
+            double c = p->first[k], s = p->second[k];
+            x[k] = fma(b->rise[0][2], fma(2.0 * c, c, -1.0), fma(b->rise[0][1], c, b->rise[0][0]));
+            y[k] = s * fma(2.0 * c, b->rise[1][2], b->rise[1][1]);
+        }
+    else
+        for (int k = 0; k < count; k++) {
+            double down = p->first[k], up = p->second[k];
+            x[k] = fma(down, quartic(b->fall[0], down), quartic(b->rise[0], up));
+            y[k] = copysign(1.0, p->f[k]) * fma(down, quartic(b->fall[1], down), quartic(b->rise[1], up));
+        }
 }
 
 /* Mean of Psi'/2 = L/(2 J3) + X/(2 L J3) <1/(1 + c dn)>, X = 2 E J3 - L^2; 1 - c^2 = n1^2, 1 - c^2 m1 = n2^2 (amplitudes). */
@@ -172,6 +169,32 @@ static void prepare_signs(free_body *b, dd *restrict w, const dd *restrict a, co
     b->along[b->axis[2]] = sign[2];
 }
 
+/* What the motion is counted from: with turn and tilt at the start taken away, `base` is the given attitude. */
+static void prepare_frame(free_body *b)
+{
+    jacobi_points p;
+    double direction[3], tilt[4], q[4], column[4];
+    jacobi_at(&b->j, b->phase, 0.0, 1, &(double){0.0}, &p);
+    theta_direction(b, 1, &p, &b->cos0, &b->sin0);
+    double size = sqrt(b->cos0 * b->cos0 + b->sin0 * b->sin0);
+    b->cos0 /= size, b->sin0 /= size, b->f0 = p.f[0];
+    direction[b->axis[0]] = b->direction[0] * p.cn[0];
+    direction[b->axis[1]] = b->direction[1] * p.sn[0];
+    direction[b->axis[2]] = b->direction[2] * p.dn[0];
+    quaternion_swing(direction, b->along, tilt);
+    double back[4] = {tilt[0], -tilt[1], -tilt[2], -tilt[3]};
+    memcpy(q, b->base, sizeof q);
+    quaternion_product(q, back, b->base);
+    quaternion_normalised(b->base);
+    for (int k = 0; k < 4; k++) {
+        double unit[4] = {0};
+        unit[k ? 1 + b->axis[k - 1] : 0] = 1.0;
+        quaternion_product(b->base, unit, column);
+        for (int i = 0; i < 4; i++)
+            b->frame[i][k] = column[i];
+    }
+}
+
 static void prepare_tumbling(free_body *b, const double *restrict inertia)
 {
     moments k;
@@ -187,17 +210,9 @@ static void prepare_tumbling(free_body *b, const double *restrict inertia)
     double arc = dd_round(dd_div(carlson_rf(dd_div(above, p), dn, one), dd_sqrt(p)));
     prepare_theta(b, arc, n[2].hi);
     prepare_signs(b, w, a, n);
-    jacobi_point point = jacobi_at(&b->j, b->start);
-    double direction[3], q[4], back[4];
-    direction_at(b, &point, direction);
-    theta_direction(b, &point, &b->cos0, &b->sin0);
-    b->slope0 = b->slope * point.u;
-    quaternion_swing(direction, b->along, q);
-    back[0] = q[0], back[1] = -q[1], back[2] = -q[2], back[3] = -q[3];
-    for (int i = 0; i < 4; i++)
-        q[i] = b->base[i];
-    quaternion_product(q, back, b->base);
-    quaternion_normalised(b->base);
+    b->phase = jacobi_turns(&b->j, b->rate, b->start);
+    b->mean = (turns){dd_div(b->turn, DD_PI), dd_of(0.0)};
+    prepare_frame(b);
 }
 
 static void exchange(int *a, int *b)
@@ -240,60 +255,121 @@ static void prepare(free_body *b, const double *restrict inertia, const double *
         prepare_tumbling(b, inertia);
 }
 
-/* The turn about b->along, then omega_body. */
-static void tumbling_at(const free_body *b, dd time, double *restrict q, double *restrict w)
+/* Attitude, its vector part by component, and omega in body axes by label; none of them unit. */
+typedef struct {
+    double q[4][BLOCK], w[3][BLOCK];
+} states;
+
+/* base, the turn about b->along, the tilt back: count <= BLOCK times. */
+static inline void tumbling_at(const free_body *restrict b, int count, const double *restrict t, states *restrict out)
 {
-    double direction[3], c, s, ct, st, re, im, way[4], tilt[4];
-    jacobi_point p = jacobi_at(&b->j, dd_add(b->start, dd_mul(b->rate, time)));
-    for (int i = 0; i < 3; i++)
-        w[b->axis[i]] = b->size[i] * (i == 0 ? p.cn : i == 1 ? p.sn : p.dn);
-    turned(dd_add(dd_mul(b->turn, time), dd_of(-b->order * (b->slope * p.u - b->slope0))), &c, &s);
-    theta_direction(b, &p, &ct, &st);
-    re = ct * b->cos0 + st * b->sin0, im = -b->order * (st * b->cos0 - ct * b->sin0);
-    double cosine = c * re - s * im, sine = s * re + c * im;
-    double turn[4] = {cosine, sine * b->along[0], sine * b->along[1], sine * b->along[2]};
-    direction_at(b, &p, direction);
-    quaternion_swing(direction, b->along, tilt);
-    quaternion_product(b->base, turn, way);
-    quaternion_product(way, tilt, q);
+    jacobi_points p;
+    double x[BLOCK], y[BLOCK];
+    jacobi_at(&b->j, b->phase, b->t0, count, t, &p);
+    theta_direction(b, count, &p, x, y);
+    double e = b->along[b->axis[2]], hand = (b->axis[1] + 3 - b->axis[0]) % 3 == 1 ? e : -e, order = b->order;
+    double slope = -order * b->slope * (b->j.kind == SEPARATRIX ? 1.0 : 2.0 * b->j.quarter.hi) / DD_PI.hi;
+    for (int k = 0; k < count; k++) {
+        double sign, c, s, part = fraction(b->mean, two_sum(t[k], -b->t0), &sign);
+        part = fma(slope, p.f[k] - b->f0, part);
+        double whole = nearest(part), odd = whole - 2.0 * nearest(0.5 * whole);
+        sine_cosine_pi(part - whole, &s, &c);
+        sign = fma(-2.0 * fabs(odd), sign, sign);
+        double re = fma(x[k], b->cos0, y[k] * b->sin0), im = -order * fma(y[k], b->cos0, -(x[k] * b->sin0));
+        double turn = sign * fma(c, re, -(s * im)), twist = sign * fma(s, re, c * im);
+        double n1 = b->direction[0] * p.cn[k], n2 = b->direction[1] * p.sn[k], a = fma(e, b->direction[2] * p.dn[k], 1.0);
+        double tall = hand * turn, q0 = turn * a, q1 = fma(tall, n2, twist * n1), q2 = fma(twist, n2, -(tall * n1)), q3 = twist * e * a;
+        out->w[0][k] = b->size[0] * p.cn[k], out->w[1][k] = b->size[1] * p.sn[k], out->w[2][k] = b->size[2] * p.dn[k];
+        out->q[0][k] = q0, out->q[1][k] = q1, out->q[2][k] = q2, out->q[3][k] = q3;
+    }
 }
 
-static void turning_at(const free_body *b, dd time, double *restrict q, double *restrict w)
+/* Steady or symmetric bodies. */
+static void turning_at(const free_body *b, dd time, double *restrict q, double *restrict omega)
 {
-    double c, s, way[4];
-    rounded(b->w, 3, w);
+    double c, s, way[4], w[3];
     turned(dd_mul(b->turn, time), &c, &s);
     double turn[4] = {c, s * b->along[0], s * b->along[1], s * b->along[2]};
     quaternion_product(b->base, turn, b->kind == STEADY ? q : way);
-    if (b->kind == STEADY)
+    if (b->kind == STEADY) {
+        quaternion_normalised(q);
         return;
-    dd half = dd_scale(dd_mul(b->rate, time), 0.5);
-    turned(half, &c, &s);
-    double spin[4] = {c, 0.0, 0.0, 0.0}, back[4] = {c, 0.0, 0.0, 0.0}, still[3] = {w[0], w[1], w[2]};
+    }
+    double still[3];
+    rounded(b->w, 3, still);
+    turned(dd_scale(dd_mul(b->rate, time), 0.5), &c, &s);
+    double spin[4] = {c, 0.0, 0.0, 0.0}, back[4] = {c, 0.0, 0.0, 0.0};
     spin[1 + b->axis[2]] = s, back[1 + b->axis[2]] = -s;
     quaternion_product(way, spin, q);
+    quaternion_normalised(q);
     quaternion_rotated(back, still, w);
+    quaternion_rotated(q, w, omega);
+}
+
+/* Unit attitudes and omega in space axes. */
+static inline void turned_out(const free_body *restrict b, int count, const states *restrict from, double *restrict attitude,
+                              double *restrict omega)
+{
+    const double *w[3];
+    for (int i = 0; i < 3; i++)
+        w[b->axis[i]] = from->w[i];
+    const double *p = w[0], *q = w[1], *r = w[2];
+    for (int k = 0; k < count; k++) {
+        double u[4];
+        for (int i = 0; i < 4; i++)
+            u[i] = fma(b->frame[i][0], from->q[0][k], fma(b->frame[i][1], from->q[1][k],
+                   fma(b->frame[i][2], from->q[2][k], b->frame[i][3] * from->q[3][k])));
+        double scale = 1.0 / sqrt(fma(u[0], u[0], fma(u[1], u[1], fma(u[2], u[2], u[3] * u[3]))));
+        double a = scale * u[0], x = scale * u[1], y = scale * u[2], z = scale * u[3];
+        double cx = 2.0 * fma(y, r[k], -(z * q[k])), cy = 2.0 * fma(z, p[k], -(x * r[k])), cz = 2.0 * fma(x, q[k], -(y * p[k]));
+        attitude[4 * k] = a, attitude[4 * k + 1] = x, attitude[4 * k + 2] = y, attitude[4 * k + 3] = z;
+        omega[3 * k] = p[k] + fma(a, cx, fma(y, cz, -(z * cy)));
+        omega[3 * k + 1] = q[k] + fma(a, cy, fma(z, cx, -(x * cz)));
+        omega[3 * k + 2] = r[k] + fma(a, cz, fma(x, cy, -(y * cx)));
+    }
+}
+
+int64_t refdem_free_body_size(void)
+{
+    return (sizeof(free_body) + sizeof(double) - 1) / sizeof(double);
+}
+
+REFDEM_EVERY_CPU
+int refdem_free_body_prepare(const double *inertia, const double *attitude, const double *omega, double t0, double *motion)
+{
+    free_body *b = (free_body *)motion;
+    *b = (free_body){.kind = STEADY, .t0 = t0};
+    memcpy(b->attitude, attitude, sizeof b->attitude);
+    memcpy(b->omega, omega, sizeof b->omega);
+    prepare(b, inertia, attitude, omega);
+    return 0;
+}
+
+REFDEM_EVERY_CPU
+int refdem_free_body_at(const double *motion, int64_t samples, const double *t, double *out_attitude, double *out_omega)
+{
+    const free_body *b = (const free_body *)motion;
+    for (int64_t first = 0; first < samples && b->kind == TUMBLING; first += BLOCK) {
+        int count = samples - first < BLOCK ? (int)(samples - first) : BLOCK;
+        states found;
+        tumbling_at(b, count, t + first, &found);
+        turned_out(b, count, &found, out_attitude + 4 * first, out_omega + 3 * first);
+    }
+    for (int64_t k = 0; k < samples; k++)
+        if (t[k] == b->t0 || b->kind == STEADY)
+            memcpy(out_omega + 3 * k, b->omega, sizeof b->omega);
+    for (int64_t k = 0; k < samples; k++)
+        if (t[k] == b->t0)
+            memcpy(out_attitude + 4 * k, b->attitude, sizeof b->attitude);
+        else if (b->kind != TUMBLING)
+            turning_at(b, two_sum(t[k], -b->t0), out_attitude + 4 * k, out_omega + 3 * k);
+    return 0;
 }
 
 int refdem_free_body(const double *inertia, const double *attitude, const double *omega, double t0, int64_t samples, const double *t,
                      double *out_attitude, double *out_omega)
 {
-    free_body b = {.kind = STEADY};
-    prepare(&b, inertia, attitude, omega);
-    for (int64_t k = 0; k < samples; k++, out_attitude += 4, out_omega += 3) {
-        double w[3];
-        memcpy(out_attitude, attitude, 4 * sizeof(double));
-        memcpy(out_omega, omega, 3 * sizeof(double));
-        if (t[k] == t0)
-            continue;
-        dd time = two_sum(t[k], -t0);
-        if (b.kind == TUMBLING)
-            tumbling_at(&b, time, out_attitude, w);
-        else
-            turning_at(&b, time, out_attitude, w);
-        quaternion_normalised(out_attitude);
-        if (b.kind != STEADY)
-            quaternion_rotated(out_attitude, w, out_omega);
-    }
-    return 0;
+    free_body b;
+    refdem_free_body_prepare(inertia, attitude, omega, t0, (double *)&b);
+    return refdem_free_body_at((const double *)&b, samples, t, out_attitude, out_omega);
 }

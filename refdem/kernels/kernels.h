@@ -101,7 +101,10 @@ int refdem_rebound_record(const refdem_rebound_engine *engine, const refdem_rebo
 
 /* Attitude (samples, 4) and omega (samples, 3) of one free rigid body at times t [s], in closed form (error: a few ulp, plus
  * half an ulp of the inputs times the motion's own sensitivity); the state holds at t0. inertia (3) >= 0 [kg m^2], principal.
- * Returns 0. */
+ * In two parts, what the start decides (motion: as many doubles as _size says) and the samples; or in one. All return 0. */
+int64_t refdem_free_body_size(void);
+int refdem_free_body_prepare(const double *inertia, const double *attitude, const double *omega, double t0, double *motion);
+int refdem_free_body_at(const double *motion, int64_t samples, const double *t, double *out_attitude, double *out_omega);
 int refdem_free_body(const double *inertia, const double *attitude, const double *omega, double t0, int64_t samples,
                      const double *t, double *out_attitude, double *out_omega);
 
@@ -118,7 +121,13 @@ int refdem_rigid_body_rk4(const double *inertia, const double *attitude, const d
 
 /* A point on a rod of `length` [m] from `anchor` (3), in the plane of rod and gravity (3) [m/s^2] (of rod and velocity without
  * gravity), at times t [s]; the state holds at t0. Position, velocity (samples, 3), force (samples) [N], positive in tension.
- * Closed form; errors are a few ulp of the motion's size for any number of periods. Returns 0. */
+ * Closed form; errors are a few ulp of the motion's size for any number of periods. In two parts, as for a free body, or in one.
+ * All return 0. */
+int64_t refdem_pendulum_size(void);
+int refdem_pendulum_prepare(double mass, double length, const double *gravity, const double *anchor, const double *position,
+                            const double *velocity, double t0, double *motion);
+int refdem_pendulum_at(const double *motion, int64_t samples, const double *t, double *out_position, double *out_velocity,
+                       double *out_force);
 int refdem_pendulum(double mass, double length, const double *gravity, const double *anchor, const double *position,
                     const double *velocity, double t0, int64_t samples, const double *t, double *out_position, double *out_velocity,
                     double *out_force);
@@ -151,7 +160,8 @@ int refdem_rattle(int64_t n, const double *mass, const double *gravity, int64_t 
 /* Points and spheres. ease (bodies): 1/mass [1/kg], 0 for a fixed body; turn_ease (bodies): 1/inertia, 0 where nothing turns.
  * spring (springs, 8): stiffness [N/m^exponent], length [m], exponent, anchor in the world (3) [m], quadratic [N/m^2], cubic
  * [N/m^3]; its ends are pairs of bodies, -1 the world. plane (planes, 6): point [m], unit normal. pair: bodies i and j that can meet, j = -1 - k for plane k.
- * branch: lever arm R - branch * overlap. no_pull: the contact ends when its force would pull. hertz: F = k d^(3/2) [N/m^(3/2)]. */
+ * branch: lever arm R - branch * overlap. no_pull: the contact ends when its force would pull. hertz: F = k d^(3/2), and the
+ * tangential spring has the stiffness tangential_stiffness sqrt(d) (both [N/m^(3/2)]). */
 typedef struct {
     int64_t bodies;
     const double *mass, *ease, *turn_ease, *radius;
@@ -335,27 +345,29 @@ int64_t refdem_tumbling_body_run(const refdem_tumbling_body *given, int64_t samp
 
 /* == gas == */
 
-/* Equal smooth spheres: mass [kg], diameter [m], stiffness [N/m], damping [kg/s]; no_pull: the contact ends where it would pull. In a
- * cubic periodic box of edge `size` [m], at least 2.5 diameters (0: none), or between `planes` (planes, 6): point [m] and unit normal.
- * most_pairs: room for pairs closer than a diameter and a skin. */
+/* Equal spheres: mass [kg], inertia [kg m^2], diameter [m]; stiffness [N/m], damping [kg/s], tangential_stiffness [N/m], friction [1];
+ * branch: overlaps by which the lever of friction is shorter than the radius; no_pull: the contact ends where it would pull; turning:
+ * spins and attitudes are part of the state, as friction > 0 needs. In a cubic periodic box of edge `size` [m], at least 2.5 diameters
+ * (0: none), or between `planes` (planes, 6): point [m] and unit normal. most_pairs: room for pairs closer than a diameter and a skin,
+ * most_contacts: for those that touch. */
 typedef struct {
-    int64_t bodies, planes, most_pairs, no_pull;
-    double mass, diameter, stiffness, damping, size;
+    int64_t bodies, planes, most_pairs, most_contacts, no_pull, turning;
+    double mass, inertia, diameter, stiffness, damping, tangential_stiffness, friction, branch, size;
     const double *plane;
 } refdem_gas;
 
-/* Room that a run needs: doubles, integers, bytes; and contacts, at most. */
-int64_t refdem_gas_doubles(const refdem_gas *p);
-int64_t refdem_gas_integers(const refdem_gas *p);
-int64_t refdem_gas_bytes(const refdem_gas *p);
-int64_t refdem_gas_contacts(const refdem_gas *p);
+/* Bytes of room that a run by so many threads needs; those for pairs and contacts are touched only as far as there are any. */
+int64_t refdem_gas_room(const refdem_gas *p, int64_t threads);
 
-/* Velocity Verlet with signed `step` [s], `stride` steps a sample. out (samples, 2, bodies, 3): positions [m], which go on beyond the box,
- * and velocities [m/s]; row 0 is the start, given. channel (samples, 2): number of contacts, dissipated work [J]. event (most, 2): time
- * since the start [s] and body of each contact that begins. Momentum is kept exactly while velocities lie on the grid (gas.c), else to
- * round-off. Returns the number of contacts that began, also beyond `most`; -1 if there was no room for the pairs or contacts. */
-int64_t refdem_gas_run(const refdem_gas *p, double step, int64_t samples, int64_t stride, int64_t most, double *work, int32_t *integers,
-                       uint8_t *bytes, double *event, double *channel, double *out);
+/* Velocity Verlet with signed `step` [s], `stride` steps a sample, by 1 to 64 threads: the bits are the same for any number of them.
+ * position [m], which goes on beyond the box, velocity [m/s], omega [1/s] (samples, bodies, 3) and attitude (samples, bodies, 4), the
+ * last two only if turning; row 0 is the start, given. channel (samples, 2): number of contacts; dissipated work [J], less what
+ * tangential springs hold. event (threads, most, 2): time since the start [s] and body of each contact that begins, events (threads):
+ * how many, also beyond `most`. Momentum is kept exactly while velocities lie on the grid (gas.c), else to round-off. Returns 0; 1 if
+ * there was no room for the pairs or contacts, 2 if a thread could not be had. */
+int64_t refdem_gas_run(const refdem_gas *p, int64_t threads, double step, int64_t samples, int64_t stride, int64_t most, uint8_t *room,
+                       int64_t *events, double *event, double *channel, double *position, double *velocity, double *omega,
+                       double *attitude);
 
 /* == end == */
 #endif

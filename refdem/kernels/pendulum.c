@@ -12,8 +12,10 @@ enum { RESTING, TURNING, SWINGING, ROTATING };
 typedef struct {
     int kind;
     dd rate, start;   /* u = rate t + start; without gravity theta itself */
+    turns phase;      /* the same in periods of sn */
     double k, sense;  /* modulus as above; -1 mirrors the motion */
-    double w0, omega; /* sqrt(g/l); theta' at the start */
+    double w0;        /* sqrt(g/l) */
+    double s, c, omega; /* sin and cos of theta, and theta', at the start */
     jacobi j;
 } pendulum;
 
@@ -21,6 +23,12 @@ typedef struct {
 typedef struct {
     dd down[3], across[3];
 } plane;
+
+/* A motion, ready to be asked; the state holds at t0. */
+typedef struct {
+    pendulum b;
+    double mass, length, gravity, t0, anchor[3], down[3], across[3], position[3], velocity[3];
+} hung;
 
 static dd length_of(const dd *v)
 {
@@ -72,7 +80,7 @@ static void prepare(pendulum *b, dd s, dd c, dd omega, dd w0)
 {
     dd sine, cosine, one = dd_of(1.0);
     halved(s, c, &sine, &cosine);
-    b->w0 = w0.hi, b->omega = omega.hi, b->sense = 1.0;
+    b->w0 = w0.hi, b->omega = omega.hi, b->s = s.hi, b->c = c.hi, b->sense = 1.0;
     if (w0.hi == 0.0 || (omega.hi == 0.0 && (sine.hi == 0.0 || cosine.hi == 0.0))) {
         b->kind = omega.hi == 0.0 ? RESTING : TURNING;
         b->rate = omega, b->start = angle_of(s, c);
@@ -93,30 +101,69 @@ static void prepare(pendulum *b, dd s, dd c, dd omega, dd w0)
         b->rate = dd_mul(k, w0);
         b->start = jacobi_inverse(&b->j, sine, cosine, dd_div(p, k));
     }
+    b->phase = jacobi_turns(&b->j, b->rate, b->start);
 }
 
-/* sin and cos of theta, and theta', after a time. */
-static void at(const pendulum *b, dd time, double *restrict s, double *restrict c, double *restrict omega)
+/* sin and cos of theta, and theta', by columns. */
+typedef struct {
+    double s[BLOCK], c[BLOCK], omega[BLOCK];
+} angles;
+
+/* At the times t, count <= BLOCK, in any order. */
+static inline void at(const pendulum *restrict b, double t0, int count, const double *restrict t, angles *restrict out)
 {
-    dd u = dd_add(b->start, dd_mul(b->rate, time));
     if (b->kind == RESTING || b->kind == TURNING) {
-        turned(u, c, s);
-        *omega = b->omega;
+        for (int k = 0; k < count; k++) {
+            turned(dd_add(b->start, dd_mul(b->rate, two_sum(t[k], -t0))), &out->c[k], &out->s[k]);
+            out->omega[k] = b->omega;
+        }
         return;
     }
-    jacobi_point p = jacobi_at(&b->j, u);
-    double sine = b->kind == SWINGING ? b->k * p.sn : p.sn, cosine = b->kind == SWINGING ? p.dn : p.cn;
-    *s = 2.0 * b->sense * sine * cosine;
-    *c = cosine * cosine - sine * sine;
-    *omega = 2.0 * b->sense * b->w0 * b->k * (b->kind == SWINGING ? p.cn : p.dn);
+    jacobi_points p;
+    jacobi_at(&b->j, b->phase, t0, count, t, &p);
+    int is_swinging = b->kind == SWINGING;
+    const double *half = is_swinging ? p.dn : p.cn, *speed = is_swinging ? p.cn : p.dn;
+    double size = is_swinging ? b->k : 1.0, twice = 2.0 * b->sense, rate = twice * b->w0 * b->k;
+    for (int k = 0; k < count; k++) {
+        double sine = size * p.sn[k], cosine = half[k];
+        out->s[k] = twice * sine * cosine;
+        out->c[k] = fma(cosine, cosine, -(sine * sine));
+        out->omega[k] = rate * speed[k];
+    }
 }
 
-int refdem_pendulum(double mass, double length, const double *gravity, const double *anchor, const double *position,
-                    const double *velocity, double t0, int64_t samples, const double *t, double *out_position, double *out_velocity,
-                    double *out_force)
+/* Place, velocity and force of columns of angles. */
+static inline void placed(const hung *restrict m, int count, const angles *restrict a, double *restrict position,
+                          double *restrict velocity, double *restrict force)
+{
+    double down[3], across[3];
+    for (int i = 0; i < 3; i++)
+        down[i] = m->length * m->down[i], across[i] = m->length * m->across[i];
+    for (int k = 0; k < count; k++) {
+        double s = a->s[k], c = a->c[k], omega = a->omega[k], speed_c = omega * c, speed_s = -omega * s;
+        position[3 * k] = fma(s, across[0], fma(c, down[0], m->anchor[0]));
+        position[3 * k + 1] = fma(s, across[1], fma(c, down[1], m->anchor[1]));
+        position[3 * k + 2] = fma(s, across[2], fma(c, down[2], m->anchor[2]));
+        velocity[3 * k] = fma(speed_s, down[0], speed_c * across[0]);
+        velocity[3 * k + 1] = fma(speed_s, down[1], speed_c * across[1]);
+        velocity[3 * k + 2] = fma(speed_s, down[2], speed_c * across[2]);
+    }
+    for (int k = 0; k < count; k++)
+        force[k] = m->mass * fma(m->length * a->omega[k], a->omega[k], m->gravity * a->c[k]);
+}
+
+int64_t refdem_pendulum_size(void)
+{
+    return (sizeof(hung) + sizeof(double) - 1) / sizeof(double);
+}
+
+REFDEM_EVERY_CPU
+int refdem_pendulum_prepare(double mass, double length, const double *gravity, const double *anchor, const double *position,
+                            const double *velocity, double t0, double *motion)
 {
     dd rod[3], v[3], across, along, size;
-    pendulum b;
+    hung *m = (hung *)motion;
+    *m = (hung){.mass = mass, .length = length, .t0 = t0};
     for (int i = 0; i < 3; i++)
         rod[i] = two_sum(position[i], -anchor[i]), v[i] = dd_of(velocity[i]);
     plane way = plane_of(gravity, rod, v);
@@ -125,18 +172,41 @@ int refdem_pendulum(double mass, double length, const double *gravity, const dou
     dd s = dd_div(across, size), c = dd_div(along, size);
     dd omega = dd_div(dd_sub(dd_mul(dd_dot(v, way.across), c), dd_mul(dd_dot(v, way.down), s)), dd_of(length));
     dd fall[3] = {dd_of(gravity[0]), dd_of(gravity[1]), dd_of(gravity[2])}, g = length_of(fall);
-    prepare(&b, s, c, omega, dd_sqrt(dd_div(g, dd_of(length))));
-    for (int64_t k = 0; k < samples; k++) {
-        double sine = s.hi, cosine = c.hi, rate = omega.hi;
-        int is_start = t[k] == t0 || b.kind == RESTING;
-        if (!is_start)
-            at(&b, two_sum(t[k], -t0), &sine, &cosine, &rate);
-        for (int i = 0; i < 3; i++) {
-            double down = way.down[i].hi, side = way.across[i].hi;
-            out_position[3 * k + i] = is_start ? position[i] : anchor[i] + length * (cosine * down + sine * side);
-            out_velocity[3 * k + i] = is_start ? velocity[i] : length * rate * (cosine * side - sine * down);
-        }
-        out_force[k] = mass * (length * rate * rate + g.hi * cosine);
+    prepare(&m->b, s, c, omega, dd_sqrt(dd_div(g, dd_of(length))));
+    m->gravity = g.hi;
+    for (int i = 0; i < 3; i++) {
+        m->anchor[i] = anchor[i], m->down[i] = way.down[i].hi, m->across[i] = way.across[i].hi;
+        m->position[i] = position[i], m->velocity[i] = velocity[i];
     }
     return 0;
+}
+
+REFDEM_EVERY_CPU
+int refdem_pendulum_at(const double *motion, int64_t samples, const double *t, double *out_position, double *out_velocity,
+                       double *out_force)
+{
+    const hung *m = (const hung *)motion;
+    int is_resting = m->b.kind == RESTING;
+    for (int64_t first = 0; first < samples; first += BLOCK) {
+        int count = samples - first < BLOCK ? (int)(samples - first) : BLOCK;
+        angles a;
+        at(&m->b, m->t0, count, t + first, &a);
+        placed(m, count, &a, out_position + 3 * first, out_velocity + 3 * first, out_force + first);
+    }
+    for (int64_t k = 0; k < samples; k++)
+        if (is_resting || t[k] == m->t0) {
+            memcpy(out_position + 3 * k, m->position, sizeof m->position);
+            memcpy(out_velocity + 3 * k, m->velocity, sizeof m->velocity);
+            out_force[k] = m->mass * (m->length * m->b.omega * m->b.omega + m->gravity * m->b.c);
+        }
+    return 0;
+}
+
+int refdem_pendulum(double mass, double length, const double *gravity, const double *anchor, const double *position,
+                    const double *velocity, double t0, int64_t samples, const double *t, double *out_position, double *out_velocity,
+                    double *out_force)
+{
+    hung m;
+    refdem_pendulum_prepare(mass, length, gravity, anchor, position, velocity, t0, (double *)&m);
+    return refdem_pendulum_at((const double *)&m, samples, t, out_position, out_velocity, out_force);
 }

@@ -4,7 +4,7 @@ from time import perf_counter
 
 from refdem.core.engine import Method
 from refdem.core.problem import Request
-from refdem.kernels import load, pointer
+from refdem.kernels import load, pointer, prepared
 from refdem.solvers._free_bodies import Array, FreeBodies, first_state
 
 
@@ -28,9 +28,10 @@ class ExactFreeBody(FreeBodies):
         t = request.problem.times
         state = [pointer("free_body", column) for column in first_state(request.problem.scene.bodies, number)]
         out = [pointer("free_body", column, output=True) for column in (attitude, omega)]
-        lib = load("free_body").lib
+        lib, motion, samples = load("free_body").lib, prepared("free_body"), pointer("free_body", t)
+        lib.refdem_free_body_prepare(*state, t[0], motion)
         started = perf_counter()
-        lib.refdem_free_body(*state, t[0], len(t), pointer("free_body", t), *out)
+        lib.refdem_free_body_at(motion, len(t), samples, *out)
         return perf_counter() - started
 
 

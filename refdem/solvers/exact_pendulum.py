@@ -7,7 +7,7 @@ import numpy as np
 from refdem.core.engine import Method
 from refdem.core.problem import Motion, Request
 from refdem.core.trajectory import Cost, Trajectory
-from refdem.kernels import load, pointer
+from refdem.kernels import load, pointer, prepared
 from refdem.scene import Scene
 from refdem.scene.elements.rod import Rod
 from refdem.solvers import _single_point as single
@@ -51,9 +51,10 @@ class ExactPendulum(Solver):
         position, velocity, force = np.empty((len(t), 1, 3)), np.empty((len(t), 1, 3)), np.empty((len(t), 1))
         columns = [pointer("pendulum", column) for column in given]
         out = [pointer("pendulum", column, output=True) for column in (position, velocity, force)]
-        lib = load("pendulum").lib
+        lib, motion, samples = load("pendulum").lib, prepared("pendulum"), pointer("pendulum", t)
+        lib.refdem_pendulum_prepare(scene.bodies.mass[0], rod.length, *columns, t[0], motion)
         started = perf_counter()
-        lib.refdem_pendulum(scene.bodies.mass[0], rod.length, *columns, t[0], len(t), pointer("pendulum", t), *out)
+        lib.refdem_pendulum_at(motion, len(t), samples, *out)
         cost = Cost(seconds=perf_counter() - started, setup=started - begun)
         return Trajectory.of_points(t, position, velocity, channels={"rod_force": force}), cost
 
