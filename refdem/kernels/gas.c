@@ -1,194 +1,265 @@
-/* A gas of equal smooth spheres under a linear spring-dashpot contact law, in a periodic box or between planes.
+/* A gas of equal spheres under a linear contact law with friction, in a periodic box, between planes or in the open.
  *
- * Velocity Verlet (Swope et al. 1982), synchronous; the dashpot sees the velocity of the end of the step, predicted with the last
+ * Velocity Verlet (Swope et al. 1982), synchronous; what depends on velocities sees those of the end of the step, predicted with the last
  * acceleration. Verlet's list (1967) of pairs closer than a diameter and a skin is rebuilt, from a counting sort of the bodies into cells,
- * before the two fastest bodies could have crossed the skin. Bodies lie in memory in the order of their cells. Work is done on a
- * velocity only while a contact lasts. Impulses are rounded to a grid on which velocities lie, and given to both bodies of a pair with
- * opposite signs: sums are then exact, in any order, and so is total momentum. Positions are kept in the box, with whole boxes
- * counted apart, so that a body's velocity knows nothing of the walls of the box.
+ * before the two fastest bodies could have crossed the skin. Bodies lie in memory in the order of their cells. Work is done on a velocity
+ * only while a contact lasts, and on an attitude only when its spin changes. Impulses are rounded to a grid on which velocities lie, and
+ * given to both bodies of a pair with opposite signs: sums are then exact, and so is total momentum. Positions are kept in the box, with
+ * whole boxes counted apart, so that a body's velocity knows nothing of the walls of the box.
+ *
+ * Threads own bodies that are neighbours in memory. Each finds the contacts of its own, and gathers for its own, from all contacts in the
+ * order of the list: the result has the same bits for any number of threads.
  */
+#include "gas_contact.h"
 #include "gas_list.h"
 
 #define GRID 8.0      /* times the fastest body at the start: faster ones are still right, but no longer on the grid */
 
-int64_t refdem_gas_doubles(const refdem_gas *p) { return 12 * p->bodies + 5 * refdem_gas_contacts(p); }
-
-int64_t refdem_gas_contacts(const refdem_gas *p) { return 9 * p->bodies + 16; }
-
-int64_t refdem_gas_integers(const refdem_gas *p)
-{
-    return 13 * p->bodies + 2 + most_cells(p) + 2 * p->most_pairs + 2 * refdem_gas_contacts(p);
-}
-
-int64_t refdem_gas_bytes(const refdem_gas *p) { return p->most_pairs + p->bodies; }
-
-/* Overlap of a listed pair, positive if it touches, and the normal from a to b in n (3). */
-static inline double overlap(const gas *g, int64_t a, int64_t b, double *n)
-{
-    const double *x = g->x + 3 * a, size = g->p->size, d = g->p->diameter;
-    if (b < 0) {
-        const double *q = g->p->plane + 6 * (-1 - b);
-        double away = 0.0;
-        for (int c = 0; c < 3; c++)
-            away += (x[c] - q[c]) * q[3 + c], n[c] = -q[3 + c];
-        return 0.5 * d - away;
-    }
-    double d2 = 0.0;
-    for (int c = 0; c < 3; c++) {
-        n[c] = g->x[3 * b + c] - x[c];
-        n[c] = size > 0.0 ? nearest(n[c], size) : n[c];
-        d2 += n[c] * n[c];
-    }
-    if (!(d2 < d * d))
-        return 0.0;
-    double r = sqrt(d2);
-    for (int c = 0; c < 3; c++)
-        n[c] /= r;
-    return d - r;
-}
-
-/* Contacts of the listed pairs: bodies, normal, overlap. Returns the events so far, or -1 if there is no room for a contact. */
-static int64_t touch(gas *g, double time, int64_t most, int64_t events, double *event)
-{
-    g->contacts = 0;
-    for (int64_t m = 0; m < g->pairs; m++) {
-        double n[3], deep = overlap(g, g->a[m], g->b[m], n);
-        if (!(deep > 0.0)) {
-            g->touching[m] = 0;
-            continue;
-        }
-        if (g->contacts == refdem_gas_contacts(g->p))
-            return -1;
-        if (!g->touching[m] && events < most)
-            event[2 * events] = time, event[2 * events + 1] = (double)g->label[g->a[m]];
-        events += !g->touching[m], g->touching[m] = 1;
-        double *k = g->contact + 5 * g->contacts;
-        k[0] = n[0], k[1] = n[1], k[2] = n[2], k[3] = deep;
-        g->ca[g->contacts] = g->a[m], g->cb[g->contacts++] = g->b[m];
-    }
-    return events;
-}
-
-/* The rate of the overlap at the end of the step, as the last accelerations predict it, into the contact's fifth number. */
-static void predict(gas *g)
-{
-    for (int64_t m = 0; m < g->contacts; m++) {
-        double *k = g->contact + 5 * m;
-        int64_t a = 3 * g->ca[m], b = 3 * (int64_t)g->cb[m];
-        k[4] = 0.0;
-        for (int c = 0; c < 3; c++) {
-            double other = b < 0 ? 0.0 : g->v[b + c] + g->kick[b + c];
-            k[4] += (g->v[a + c] + g->kick[a + c] - other) * k[c];
-        }
-    }
-}
-
-static void marked(gas *g, int64_t i)
-{
-    if (!g->mark[i])
-        g->mark[i] = 1, g->marked[g->touched++] = (int32_t)i;
-}
-
-/* Half a step's change of velocity by every contact, on the grid, to both bodies. */
-static void press(gas *g)
-{
-    double ease = 0.5 * g->h / g->p->mass, grid = g->round, power = 0.0;
-    for (int64_t m = 0; m < g->touched; m++) {
-        g->mark[g->marked[m]] = 0;
-        memset(g->kick + 3 * g->marked[m], 0, 3 * sizeof(double));
-    }
-    g->touched = 0;
-    for (int64_t m = 0; m < g->contacts; m++) {
-        double *k = g->contact + 5 * m, pull = g->p->damping * k[4], force = g->p->stiffness * k[3] + pull;
-        if (g->p->no_pull && force < 0.0)
-            pull -= force, force = 0.0;
-        power += pull * k[4];
-        int64_t a = g->ca[m], b = g->cb[m];
-        marked(g, a);
-        if (b >= 0)
-            marked(g, b);
-        for (int c = 0; c < 3; c++) {
-            double change = (ease * force * k[c] + grid) - grid;
-            g->kick[3 * a + c] -= change;
-            if (b >= 0)
-                g->kick[3 * b + c] += change;
-        }
-    }
-    g->work += 0.5 * g->h * (g->power + power), g->power = power;
-}
-
-static void kick(gas *g)
-{
-    double most = g->fastest * g->fastest;
-    for (int64_t m = 0; m < g->touched; m++) {
-        double *v = g->v + 3 * g->marked[m], *k = g->kick + 3 * g->marked[m];
-        v[0] += k[0], v[1] += k[1], v[2] += k[2];
-        most = fmax(most, v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
-    }
-    g->fastest = sqrt(most);
-}
-
-static void drift(gas *g)
-{
-    double h = g->h, *restrict x = g->x;
-    const double *restrict v = g->v;
-    for (int64_t i = 0; i < 3 * g->n; i++)
-        x[i] += h * v[i];
-    g->way += fabs(h) * g->fastest;
-}
-
-static void recorded(const gas *g, double *channel, double *out)
-{
-    double size = g->p->size;
-    for (int64_t i = 0; i < g->n; i++)
-        for (int c = 0; c < 3; c++) {
-            out[3 * g->label[i] + c] = g->x[3 * i + c] + size * g->image[3 * i + c];
-            out[3 * (g->n + g->label[i]) + c] = g->v[3 * i + c];
-        }
-    channel[0] = (double)g->contacts, channel[1] = g->work;
-}
-
-static void begun(gas *g, double step, const double *start)
-{
-    int64_t n = g->n;
-    double room = g->p->size > 0.0 ? 0.5 * g->p->size - g->p->diameter : SKIN * g->p->diameter;
-    memcpy(g->x, start, (size_t)(3 * n) * sizeof(double));
-    memcpy(g->v, start + 3 * n, (size_t)(3 * n) * sizeof(double));
-    memset(g->kick, 0, (size_t)(3 * n) * sizeof(double));
-    memset(g->image, 0, (size_t)(3 * n) * sizeof(int32_t));
-    memset(g->mark, 0, (size_t)n);
-    for (int64_t i = 0; i < n; i++)
-        g->label[i] = (int32_t)i;
-    g->skin = fmin(SKIN * g->p->diameter, 0.9 * room), g->reach = g->p->diameter + g->skin;
-    g->h = step, g->work = g->power = 0.0, g->contacts = g->touched = 0;
-    double most = fastest(g);
-    g->round = most > 0.0 ? ldexp(0.75, ilogb(GRID * most) + 1) : 0.0; /* 1.5 2^52 times a grid of 2^-53 of the next power of two */
-}
-
-int64_t refdem_gas_run(const refdem_gas *p, double step, int64_t samples, int64_t stride, int64_t most, double *work, int32_t *integers,
-                       uint8_t *bytes, double *event, double *channel, double *out)
+int64_t refdem_gas_room(const refdem_gas *p, int64_t threads)
 {
     gas g;
-    int64_t size = 6 * p->bodies, events = 0, taken = 0;
-    laid_out(&g, p, work, integers, bytes);
-    begun(&g, step, out);
-    if (rebuilt(&g) || (events = touch(&g, 0.0, most, 0, event)) < 0)
-        return -1;
-    events = 0; /* what touches at the start does not begin to */
-    predict(&g), press(&g);
-    g.work = 0.0;
-    channel[0] = (double)g.contacts, channel[1] = 0.0;
-    for (int64_t s = 1; s < samples; s++) {
-        for (int64_t k = 0; k < stride; k++) {
-            kick(&g);
-            if (2.0 * (g.way + fabs(step) * g.fastest) > g.skin && rebuilt(&g))
-                return -1;
-            drift(&g);
-            if ((events = touch(&g, (double)++taken * step, most, events, event)) < 0)
-                return -1;
-            predict(&g), press(&g), kick(&g);
+    return laid_out(&g, p, threads, NULL);
+}
+
+/* Contacts of the share's listed pairs, with what they do to velocities. */
+static void touch(gas *g, share *t, int rank, double time)
+{
+    int64_t base = rank * g->p->most_contacts;
+    const contact *before = g->contact[t->side];
+    contact *now = g->contact[t->side ^= 1] + base;
+    t->contacts = t->crossing = 0;
+    for (int64_t m = 0; m < t->pairs; m++) {
+        double n[3], deep = overlap(g, t->a[m], t->b[m], t->image[m], n);
+        int32_t was = t->was[m];
+        if (!(deep > 0.0)) {
+            if (was)
+                t->was[m] = 0;
+            continue;
         }
-        recorded(&g, channel + 2 * s, out + size * s);
+        if (t->contacts == g->p->most_contacts) {
+            t->failed = 1;
+            return;
+        }
+        contact *c = now + t->contacts;
+        c->a = t->a[m], c->b = t->b[m], c->deep = deep;
+        moved(c->n, n);
+        if (!was && t->events < g->most)
+            t->event[2 * t->events] = time, t->event[2 * t->events + 1] = (double)g->now.label[c->a];
+        t->events += !was;
+        if (g->p->friction > 0.0)
+            stretch(g, c, was ? before + (was > 0 ? was : -was) - 1 : NULL, was < 0 ? -1.0 : 1.0);
+        press(g, c);
+        if (c->b >= 0 && (c->b < t->from || c->b >= t->to))
+            t->out[t->crossing++] = (int32_t)t->contacts;
+        t->was[m] = (int32_t)(base + ++t->contacts);
     }
-    return events;
+}
+
+static inline void given(gas *g, share *t, int64_t i, double sign, const contact *c)
+{
+    double *kick = g->now.kick + 3 * i, *turn = g->now.turn + 3 * i;
+    int rubs = g->p->friction > 0.0;
+    if (!g->now.mark[i]) {
+        g->now.mark[i] = 1, t->marked[t->touched++] = (int32_t)i;
+        memset(kick, 0, 3 * sizeof *kick);
+        if (g->p->turning)
+            memset(turn, 0, 3 * sizeof *turn);
+    }
+    for (int k = 0; k < 3; k++)
+        kick[k] += sign * c->push[k];
+    for (int k = 0; k < 3 && rubs; k++)
+        turn[k] += c->twist[k];
+}
+
+/* The kicks of the share's own bodies, from all contacts in the order of the list, and the work of its own contacts. */
+static void gathered(gas *g, share *t, int rank)
+{
+    for (int64_t k = 0; k < t->touched; k++) {
+        int64_t i = t->marked[k];
+        g->now.mark[i] = 0;
+        memset(g->now.kick + 3 * i, 0, 3 * sizeof(double));
+        if (g->p->turning)
+            memset(g->now.turn + 3 * i, 0, 3 * sizeof(double));
+    }
+    t->touched = 0;
+    for (int s = 0; s < g->threads; s++) {
+        const share *other = g->share + s;
+        const contact *found = g->contact[t->side] + s * g->p->most_contacts;
+        for (int64_t k = 0; s == rank && k < t->contacts; k++) {
+            const contact *c = found + k;
+            given(g, t, c->a, 1.0, c);
+            if (c->b >= t->from && c->b < t->to)
+                given(g, t, c->b, -1.0, c);
+            g->lost[g->now.label[c->a]] += g->h * c->power;
+        }
+        for (int64_t k = 0; s != rank && k < other->crossing; k++) {
+            const contact *c = found + other->out[k];
+            if (c->b >= t->from && c->b < t->to)
+                given(g, t, c->b, -1.0, c);
+        }
+    }
+}
+
+/* q (4) turned by the rotation vector w time, exactly, and put back to unit length by one step of Newton's. */
+static void turned(const double *w, double time, const double *q, double *out)
+{
+    double angle = 0.5 * time * sqrt(dot(w, w)), part = angle != 0.0 ? 0.5 * time * sin(angle) / angle : 0.5 * time, c = cos(angle);
+    double v[3] = {part * w[0], part * w[1], part * w[2]}, across[3], found[4];
+    cross(v, q + 1, across);
+    found[0] = c * q[0] - dot(v, q + 1);
+    for (int k = 0; k < 3; k++)
+        found[1 + k] = c * q[1 + k] + q[0] * v[k] + across[k];
+    double unit = angle != 0.0 ? 1.5 - 0.5 * (found[0] * found[0] + dot(found + 1, found + 1)) : 1.0;
+    for (int k = 0; k < 4; k++)
+        out[k] = found[k] * unit;
+}
+
+static void kick(gas *g, share *t, int64_t taken)
+{
+    double most = t->fastest * t->fastest;
+    for (int64_t m = 0; m < t->touched; m++) {
+        int64_t i = t->marked[m], label = g->now.label[i];
+        double *v = g->now.v + 3 * i;
+        add(v, 1.0, g->now.kick + 3 * i);
+        most = fmax(most, dot(v, v));
+        if (!(g->p->friction > 0.0))
+            continue;
+        double *w = g->now.w + 3 * i;
+        if (g->since[label] != taken)
+            turned(w, (double)(taken - g->since[label]) * g->h, g->attitude + 4 * label, g->attitude + 4 * label);
+        g->since[label] = (int32_t)taken;
+        add(w, 1.0, g->now.turn + 3 * i);
+    }
+    t->fastest = sqrt(most);
+}
+
+static void drift(const gas *g, const share *t)
+{
+    double h = g->h, *restrict x = g->now.x;
+    const double *restrict v = g->now.v;
+    for (int64_t i = 3 * t->from; i < 3 * t->to; i++)
+        x[i] += h * v[i];
+}
+
+/* The share's bodies at sample s; once for all, contacts and work: lost, less half a step of power and what tangential springs hold. */
+static void recorded(gas *g, share *t, int rank, int64_t s, int64_t taken)
+{
+    for (int64_t i = t->from; i < t->to; i++) {
+        int64_t label = g->now.label[i], row = s * g->n + label;
+        for (int c = 0; c < 3; c++)
+            g->out_x[3 * row + c] = g->now.x[3 * i + c] + g->p->size * g->now.boxes[3 * i + c];
+        moved(g->out_v + 3 * row, g->now.v + 3 * i);
+        if (!g->p->turning)
+            continue;
+        moved(g->out_w + 3 * row, g->now.w + 3 * i);
+        turned(g->now.w + 3 * i, (double)(taken - g->since[label]) * g->h, g->attitude + 4 * label, g->out_q + 4 * row);
+    }
+    together(&g->team);
+    if (rank > 0)
+        return;
+    double *channel = g->channel + 2 * s, work = 0.0;
+    channel[0] = 0.0;
+    for (int64_t i = 0; i < g->n; i++)
+        work += g->lost[i];
+    for (int64_t k = 0; k < g->threads; k++) {
+        const contact *c = g->contact[t->side] + k * g->p->most_contacts, *end = c + g->share[k].contacts;
+        for (channel[0] += (double)g->share[k].contacts; c < end; c++)
+            work -= 0.5 * g->h * c->power + stored(g, c);
+    }
+    g->first_work = s ? g->first_work : work;
+    channel[1] = work - g->first_work;
+}
+
+static int has_failed(const gas *g)
+{
+    int failed = 0;
+    for (int64_t k = 0; k < g->threads; k++)
+        failed |= g->share[k].failed;
+    return failed;
+}
+
+static double fastest(const gas *g)
+{
+    double most = 0.0;
+    for (int64_t k = 0; k < g->threads; k++)
+        most = fmax(most, g->share[k].fastest);
+    return most;
+}
+
+/* Contacts at time `taken` steps, and the kicks that they give. Returns 1 if some share had no room. */
+static int met(gas *g, share *t, int rank, int64_t taken)
+{
+    touch(g, t, rank, (double)taken * g->h);
+    together(&g->team);
+    if (has_failed(g))
+        return 1;
+    gathered(g, t, rank);
+    return 0;
+}
+
+/* One thread's part of the whole run. */
+static void gone_through(void *shared, int rank)
+{
+    gas *g = shared;
+    share *t = g->share + rank;
+    rebuilt(g, t, rank);
+    if (met(g, t, rank, 0))
+        return;
+    t->events = 0; /* what touches at the start does not begin to */
+    recorded(g, t, rank, 0, 0);
+    for (int64_t taken = 1, s = 1; s < g->samples; s++) {
+        for (int64_t last = s * g->stride; taken <= last; taken++) {
+            kick(g, t, taken - 1);
+            drift(g, t);
+            together(&g->team);
+            t->way += fabs(g->h) * fastest(g);
+            if (2.0 * t->way > g->skin)
+                rebuilt(g, t, rank);
+            if (met(g, t, rank, taken))
+                return;
+            kick(g, t, taken);
+        }
+        recorded(g, t, rank, s, taken - 1);
+    }
+}
+
+/* Columns in the order given; the start is row 0 of what comes out. */
+static void begun(gas *g, double step)
+{
+    const refdem_gas *p = g->p;
+    int64_t n = g->n;
+    double room = p->size > 0.0 ? 0.5 * p->size - p->diameter : SKIN * p->diameter, most = 0.0;
+    size_t three = (size_t)(3 * n) * sizeof(double);
+    memcpy(g->now.x, g->out_x, three), memcpy(g->now.v, g->out_v, three), memset(g->now.kick, 0, three);
+    if (p->turning) {
+        memcpy(g->now.w, g->out_w, three), memset(g->now.turn, 0, three);
+        memcpy(g->attitude, g->out_q, (size_t)(4 * n) * sizeof(double));
+    }
+    memset(g->now.boxes, 0, (size_t)(3 * n) * sizeof(int32_t)), memset(g->now.mark, 0, (size_t)n);
+    memset(g->since, 0, (size_t)n * sizeof(int32_t)), memset(g->lost, 0, (size_t)n * sizeof(double));
+    for (int64_t i = 0; i < n; i++) {
+        g->now.label[i] = (int32_t)i;
+        most = fmax(most, dot(g->now.v + 3 * i, g->now.v + 3 * i));
+    }
+    most = sqrt(most);
+    g->skin = fmin(SKIN * p->diameter, 0.9 * room), g->reach = p->diameter + g->skin, g->h = step;
+    g->round = most > 0.0 ? ldexp(0.75, ilogb(GRID * most) + 1) : 0.0; /* 1.5 2^52 times a grid of 2^-53 of the next power of two */
+    images_placed(g);
+}
+
+int64_t refdem_gas_run(const refdem_gas *p, int64_t threads, double step, int64_t samples, int64_t stride, int64_t most, uint8_t *room,
+                       int64_t *events, double *event, double *channel, double *position, double *velocity, double *omega,
+                       double *attitude)
+{
+    gas g = {.samples = samples, .stride = stride, .most = most, .channel = channel};
+    g.out_x = position, g.out_v = velocity, g.out_w = omega, g.out_q = attitude;
+    laid_out(&g, p, threads, room);
+    begun(&g, step);
+    for (int64_t k = 0; k < threads; k++)
+        g.share[k].event = event + 2 * most * k;
+    if (at_work(&g.team, (int)threads, gone_through, &g))
+        return 2;
+    for (int64_t k = 0; k < threads; k++)
+        events[k] = g.share[k].events;
+    return has_failed(&g);
 }

@@ -1,39 +1,16 @@
 /* The bodies of a gas in the order of their cells, and Verlet's list of the pairs that may meet before it is rebuilt (gas.c).
  *
- * Positions are kept in the box, with whole boxes counted apart. The list has each pair once, with the body that comes first in memory
- * first, and planes as -1 - k. Contacts that last are found again in a new list.
+ * Positions are kept in the box, with whole boxes counted apart. The list has each pair once, from half of the cells around each body,
+ * with the image by which the two are near; planes are -1 - k. Contacts that last are found again in a new list. Every thread does its
+ * share, and the list is the same for any number of them.
  */
 #ifndef REFDEM_GAS_LIST_H
 #define REFDEM_GAS_LIST_H
 
-#include "kernels.h"
-#include <math.h>
-#include <string.h>
+#include "gas_state.h"
 
 #define SKIN 0.5      /* diameters; measured: the flat minimum of cost at packing fractions of 1 to 5 % */
 #define LONGEST 1024  /* cells along an edge, at most */
-
-typedef struct {
-    const refdem_gas *p;
-    int64_t n, pairs, near_planes, contacts, touched, cells[3];
-    double h, reach, skin, way, fastest, round, side[3], low[3], work, power;
-    double *x, *v, *kick, *spare, *contact;
-    int32_t *image, *label, *order, *cell, *start, *first, *a, *b, *ca, *cb, *marked, *spare_int;
-    uint8_t *touching, *mark;
-} gas;
-
-static int64_t most_cells(const refdem_gas *p) { return 2 * p->bodies + 64; }
-
-static void laid_out(gas *g, const refdem_gas *p, double *w, int32_t *k, uint8_t *byte)
-{
-    int64_t n = p->bodies, most = refdem_gas_contacts(p);
-    g->p = p, g->n = n;
-    g->x = w, g->v = w + 3 * n, g->kick = w + 6 * n, g->spare = w + 9 * n, g->contact = w + 12 * n;
-    g->image = k, g->label = k + 3 * n, g->order = k + 4 * n, g->cell = k + 5 * n, g->marked = k + 6 * n, g->spare_int = k + 7 * n;
-    g->first = k + 12 * n, g->start = g->first + n + 1, g->a = g->start + most_cells(p) + 1;
-    g->b = g->a + p->most_pairs, g->ca = g->b + p->most_pairs, g->cb = g->ca + most;
-    g->touching = byte, g->mark = byte + p->most_pairs;
-}
 
 /* d of the nearest image of a body, for bodies less than one box and a half apart. */
 static inline double nearest(double d, double size)
@@ -42,50 +19,54 @@ static inline double nearest(double d, double size)
     return d > half ? d - size : d < -half ? d + size : d;
 }
 
-static double fastest(const gas *g)
+/* Image of the box that is x, y, z = -1, 0 or 1 boxes away. */
+static inline int image_of(int x, int y, int z) { return ((x + 3) % 3) + 3 * ((y + 3) % 3) + 9 * ((z + 3) % 3); }
+
+static void images_placed(gas *g)
 {
-    double most = 0.0;
-    for (int64_t i = 0; i < g->n; i++) {
-        const double *v = g->v + 3 * i;
-        most = fmax(most, v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
-    }
-    return sqrt(most);
+    for (int k = 0; k < IMAGES; k++)
+        for (int c = 0, rest = k; c < 3; c++, rest /= 3)
+            g->shift[k][c] = g->p->size * (rest % 3 == 2 ? -1 : rest % 3);
 }
 
-/* Moves whole boxes from positions to their count. */
-static void wrapped(gas *g)
+/* Moves whole boxes from the share's positions to their count, and finds its extent. */
+static void wrapped(gas *g, share *t)
 {
-    double size = g->p->size;
-    for (int64_t i = 0; size > 0.0 && i < 3 * g->n; i++) {
-        double boxes = floor(g->x[i] / size);
-        g->x[i] -= boxes * size, g->image[i] += (int32_t)boxes;
+    double size = g->p->size, *x = g->now.x;
+    for (int64_t i = 3 * t->from; size > 0.0 && i < 3 * t->to; i++) {
+        if (x[i] >= 0.0 && x[i] < size)
+            continue;
+        double boxes = floor(x[i] / size);
+        x[i] -= boxes * size, g->now.boxes[i] += (int32_t)boxes;
+    }
+    for (int c = 0; c < 3; c++) {
+        t->low[c] = INFINITY, t->high[c] = -INFINITY;
+        for (int64_t i = t->from; !(size > 0.0) && i < t->to; i++)
+            t->low[c] = fmin(t->low[c], x[3 * i + c]), t->high[c] = fmax(t->high[c], x[3 * i + c]);
     }
 }
 
 /* Cells at least `reach` wide, not many more of them than bodies; 1 where the nearest images would meet a cell twice. */
 static void measured(gas *g)
 {
-    double high[3];
     int64_t most = 1;
     while ((most + 1) * (most + 1) * (most + 1) <= most_cells(g->p) && most < LONGEST)
         most++;
     for (int c = 0; c < 3; c++) {
-        g->low[c] = 0.0, high[c] = g->p->size;
-        if (!(g->p->size > 0.0)) {
-            g->low[c] = high[c] = g->x[c];
-            for (int64_t i = 0; i < g->n; i++)
-                g->low[c] = fmin(g->low[c], g->x[3 * i + c]), high[c] = fmax(high[c], g->x[3 * i + c]);
-        }
-        double fit = floor((high[c] - g->low[c]) / g->reach);
+        double low = g->share[0].low[c], high = g->share[0].high[c];
+        for (int64_t k = 1; k < g->threads; k++)
+            low = fmin(low, g->share[k].low[c]), high = fmax(high, g->share[k].high[c]);
+        g->low[c] = g->p->size > 0.0 ? 0.0 : low;
+        double wide = g->p->size > 0.0 ? g->p->size : high - low, fit = floor(wide / g->reach);
         g->cells[c] = fit > (double)most ? most : fit < 1.0 ? 1 : (int64_t)fit;
-        g->side[c] = (double)g->cells[c] / fmax(high[c] - g->low[c], g->reach);
+        g->side[c] = (double)g->cells[c] / fmax(wide, g->reach);
     }
     for (int c = 0; c < 3 && g->p->size > 0.0; c++)
         if (g->cells[c] < 3)
             g->cells[0] = g->cells[1] = g->cells[2] = 1;
 }
 
-static int64_t cell_of(const gas *g, const double *x)
+static inline int64_t cell_of(const gas *g, const double *x)
 {
     int64_t at[3];
     for (int c = 0; c < 3; c++) {
@@ -95,141 +76,203 @@ static int64_t cell_of(const gas *g, const double *x)
     return (at[2] * g->cells[1] + at[1]) * g->cells[0] + at[0];
 }
 
-static void permuted(const gas *g, double *column)
+/* Where the bodies of every cell and thread begin: a sum over cells, then over threads, each thread for its share of the cells. */
+static void counted(gas *g, share *t, int rank)
 {
-    memcpy(g->spare, column, (size_t)(3 * g->n) * sizeof(double));
-    for (int64_t i = 0; i < g->n; i++)
-        memcpy(column + 3 * i, g->spare + 3 * g->order[i], 3 * sizeof(double));
+    int64_t all = g->cells[0] * g->cells[1] * g->cells[2], from = share_of(g, all, rank), to = share_of(g, all, rank + 1), sum = 0;
+    for (int64_t k = 0; k < g->threads; k++)
+        for (int64_t c = from; c < to; c++)
+            sum += g->share[k].count[c];
+    t->cells = sum;
+    together(&g->team);
+    sum = 0;
+    for (int k = 0; k < rank; k++)
+        sum += g->share[k].cells;
+    for (int64_t c = from; c < to; c++) {
+        g->start[c] = (int32_t)sum;
+        for (int64_t k = 0; k < g->threads; k++) {
+            int32_t held = g->share[k].count[c];
+            g->share[k].count[c] = (int32_t)sum, sum += held;
+        }
+    }
+    if (rank == 0)
+        g->start[all] = (int32_t)g->n;
+    together(&g->team);
 }
 
-/* Counting sort: the bodies in the order of their cells, and of their labels before within a cell. */
-static void sorted(gas *g)
+static inline void moved(double *to, const double *from) { memcpy(to, from, 3 * sizeof(double)); }
+
+/* The share's part of the sorted columns; its fastest body and those that are to be kicked. */
+static void permuted(gas *g, share *t)
 {
-    int64_t n = g->n, count = g->cells[0] * g->cells[1] * g->cells[2];
-    int32_t *where = g->spare_int, *held = g->spare_int + n;
-    memset(g->start, 0, (size_t)(count + 1) * sizeof(int32_t));
-    for (int64_t i = 0; i < n; i++)
-        g->start[1 + (where[i] = (int32_t)cell_of(g, g->x + 3 * i))]++;
-    for (int64_t c = 0; c < count; c++)
-        g->start[c + 1] += g->start[c];
-    for (int64_t i = 0; i < n; i++)
-        g->order[g->start[where[i]]++] = (int32_t)i;
-    for (int64_t c = count; c > 0; c--)
-        g->start[c] = g->start[c - 1];
-    g->start[0] = 0;
-    for (int64_t i = 0; i < n; i++)
-        g->cell[i] = where[g->order[i]];
-    permuted(g, g->x), permuted(g, g->v), permuted(g, g->kick);
-    memcpy(held, g->image, (size_t)(3 * n) * sizeof(int32_t));
-    memcpy(where, g->label, (size_t)n * sizeof(int32_t));
-    for (int64_t i = 0; i < n; i++) {
-        memcpy(g->image + 3 * i, held + 3 * g->order[i], 3 * sizeof(int32_t));
-        g->label[i] = where[g->order[i]];
+    const columns *old = &g->now;
+    columns *new = &g->next;
+    double most = 0.0;
+    t->touched = 0;
+    for (int64_t i = t->from; i < t->to; i++) {
+        int64_t j = g->order[i];
+        moved(new->x + 3 * i, old->x + 3 * j), moved(new->v + 3 * i, old->v + 3 * j), moved(new->kick + 3 * i, old->kick + 3 * j);
+        if (g->p->turning)
+            moved(new->w + 3 * i, old->w + 3 * j), moved(new->turn + 3 * i, old->turn + 3 * j);
+        memcpy(new->boxes + 3 * i, old->boxes + 3 * j, 3 * sizeof(int32_t));
+        new->label[i] = old->label[j], new->mark[i] = old->mark[j], g->gone[j] = (int32_t)i;
+        if (new->mark[i])
+            t->marked[t->touched++] = (int32_t)i;
+        const double *v = new->v + 3 * i;
+        most = fmax(most, v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
     }
-    for (int64_t i = 0; i < n; i++)
-        where[g->order[i]] = (int32_t)i; /* where each has gone */
-    for (int64_t k = 0; k < g->contacts; k++) {
-        g->ca[k] = where[g->ca[k]];
-        if (g->cb[k] >= 0)
-            g->cb[k] = where[g->cb[k]];
-    }
-    for (int64_t k = 0; k < g->touched; k++)
-        g->mark[g->marked[k]] = 0;
-    for (int64_t k = 0; k < g->touched; k++)
-        g->mark[g->marked[k] = where[g->marked[k]]] = 1;
+    t->fastest = sqrt(most);
 }
 
-/* Pairs of body i with those from `from` up to `to`, as far as they are within reach. */
-static int listed(gas *g, int64_t i, int64_t from, int64_t to)
+/* Counting sort: the bodies in the order of their cells, and of their places before within a cell. */
+static void sorted(gas *g, share *t, int rank)
 {
-    const double *x = g->x + 3 * i, size = g->p->size, reach2 = g->reach * g->reach;
+    int64_t all = g->cells[0] * g->cells[1] * g->cells[2];
+    memset(t->count, 0, (size_t)all * sizeof(int32_t));
+    for (int64_t i = t->from; i < t->to; i++)
+        t->count[g->cell[i] = (int32_t)cell_of(g, g->now.x + 3 * i)]++;
+    together(&g->team);
+    counted(g, t, rank);
+    for (int64_t i = t->from; i < t->to; i++)
+        g->order[t->count[g->cell[i]]++] = (int32_t)i;
+    together(&g->team);
+    permuted(g, t);
+    together(&g->team);
+    if (rank == 0) {
+        columns swap = g->now;
+        g->now = g->next, g->next = swap;
+    }
+    contact *own = g->contact[t->side] + rank * g->p->most_contacts;
+    for (int64_t k = 0; k < t->contacts; k++) {
+        own[k].a = g->gone[own[k].a];
+        own[k].b = own[k].b < 0 ? own[k].b : g->gone[own[k].b];
+    }
+    together(&g->team);
+}
+
+/* Pairs of body i with those from `from` up to `to` in an image, as far as they are within reach. */
+static inline void listed(gas *g, share *t, int64_t i, int64_t from, int64_t to, int image)
+{
+    const double *x = g->now.x + 3 * i, *s = g->shift[image], reach2 = g->reach * g->reach;
+    double at[3] = {x[0] - s[0], x[1] - s[1], x[2] - s[2]};
     for (int64_t j = from; j < to; j++) {
-        double d2 = 0.0;
-        for (int c = 0; c < 3; c++) {
-            double d = g->x[3 * j + c] - x[c];
-            d = size > 0.0 ? nearest(d, size) : d;
-            d2 += d * d;
+        const double *y = g->now.x + 3 * j;
+        double d[3] = {y[0] - at[0], y[1] - at[1], y[2] - at[2]};
+        if (!(d[0] * d[0] + d[1] * d[1] + d[2] * d[2] < reach2))
+            continue;
+        if (t->pairs == g->p->most_pairs) {
+            t->failed = 1;
+            return;
         }
-        if (d2 < reach2) {
-            if (g->pairs == g->p->most_pairs)
-                return 1;
-            g->a[g->pairs] = (int32_t)i, g->b[g->pairs] = (int32_t)j, g->touching[g->pairs++] = 0;
-        }
+        t->a[t->pairs] = (int32_t)i, t->b[t->pairs] = (int32_t)j, t->image[t->pairs] = (uint8_t)image, t->was[t->pairs++] = 0;
     }
-    return 0;
 }
 
-/* One row of three cells along x, those after i in the order of cells only. */
-static int row_listed(gas *g, int64_t i, int64_t x, int64_t y, int64_t z)
+/* Pairs of body i with every later one, by their nearest images: for boxes of few cells. */
+static void all_listed(gas *g, share *t, int64_t i)
 {
-    int64_t *n = g->cells, base = (z * n[1] + y) * n[0];
-    int periodic = g->p->size > 0.0;
-    for (int64_t dx = -1; dx <= 1; dx++) {
-        int64_t at = x + dx;
-        if (at < 0 || at >= n[0]) {
-            if (!periodic)
-                continue;
-            at += at < 0 ? n[0] : -n[0];
+    double size = g->p->size;
+    for (int64_t j = i + 1; j < g->n; j++) {
+        int away[3] = {0, 0, 0};
+        for (int c = 0; c < 3 && size > 0.0; c++) {
+            double d = g->now.x[3 * j + c] - g->now.x[3 * i + c];
+            away[c] = nearest(d, size) < d ? -1 : nearest(d, size) > d ? 1 : 0;
         }
-        int64_t from = g->start[base + at], to = g->start[base + at + 1];
-        if (listed(g, i, from > i ? from : i + 1, to))
-            return 1;
+        listed(g, t, i, j, j + 1, image_of(away[0], away[1], away[2]));
     }
-    return 0;
 }
 
-static int planes_listed(gas *g, int64_t i)
+/* The cells x - 1, x, x + 1 of a row; of the own row, those bodies that come after i. */
+static void row_listed(gas *g, share *t, int64_t i, int64_t x, int64_t base, int own, int y, int z)
 {
-    for (int64_t k = 0; k < g->p->planes; k++) {
-        const double *q = g->p->plane + 6 * k, *x = g->x + 3 * i;
-        double away = (x[0] - q[0]) * q[3] + (x[1] - q[1]) * q[4] + (x[2] - q[2]) * q[5];
-        if (away < g->reach - 0.5 * g->p->diameter) {
-            if (g->pairs == g->p->most_pairs)
-                return 1;
-            g->a[g->pairs] = (int32_t)i, g->b[g->pairs] = (int32_t)(-1 - k), g->touching[g->pairs++] = 0;
-        }
-    }
-    return 0;
+    int64_t n = g->cells[0], low = own ? x : x > 0 ? x - 1 : 0, high = x + 1 < n ? x + 1 : n - 1;
+    listed(g, t, i, own ? i + 1 : g->start[base + low], g->start[base + high + 1], image_of(0, y, z));
+    if (!(g->p->size > 0.0))
+        return;
+    if (x == 0 && !own)
+        listed(g, t, i, g->start[base + n - 1], g->start[base + n], image_of(-1, y, z));
+    if (x == n - 1)
+        listed(g, t, i, g->start[base], g->start[base + 1], image_of(1, y, z));
 }
 
-static int neighbours_listed(gas *g, int64_t i)
+/* The own row and the four of eight around it that are on the upper side. */
+static void neighbours_listed(gas *g, share *t, int64_t i)
 {
-    int64_t *n = g->cells, at = g->cell[i], x = at % n[0], y = at / n[0] % n[1], z = at / n[0] / n[1];
-    int periodic = g->p->size > 0.0;
-    if (n[0] * n[1] * n[2] == 1)
-        return listed(g, i, i + 1, g->n);
-    for (int64_t k = 0; k < 9; k++) {
-        int64_t to[2] = {y + k % 3 - 1, z + k / 3 - 1};
-        int outside = 0;
+    static const int rows[5][2] = {{0, 0}, {1, 0}, {-1, 1}, {0, 1}, {1, 1}};
+    int64_t *n = g->cells, at = cell_of(g, g->now.x + 3 * i), x = at % n[0], y = at / n[0] % n[1], z = at / n[0] / n[1];
+    for (int k = 0; k < 5; k++) {
+        int64_t to[2] = {y + rows[k][0], z + rows[k][1]};
+        int over[2] = {0, 0};
         for (int c = 0; c < 2; c++)
-            if (to[c] < 0 || to[c] >= n[c + 1])
-                outside = 1, to[c] += to[c] < 0 ? n[c + 1] : -n[c + 1];
-        if (!(outside && !periodic) && row_listed(g, i, x, to[0], to[1]))
-            return 1;
+            over[c] = to[c] < 0 ? -1 : to[c] >= n[c + 1] ? 1 : 0, to[c] -= over[c] * n[c + 1];
+        if (g->p->size > 0.0 || (!over[0] && !over[1]))
+            row_listed(g, t, i, x, (to[1] * n[1] + to[0]) * n[0], k == 0, over[0], over[1]);
     }
-    return 0;
 }
 
-/* The list anew; contacts that last are found in it again. Returns 0, or 1 if there are more pairs than room for them. */
-static int rebuilt(gas *g)
+static void planes_listed(gas *g, share *t, int64_t i)
 {
-    wrapped(g), measured(g), sorted(g);
-    g->pairs = 0, g->way = 0.0, g->fastest = fastest(g);
-    for (int64_t i = 0; i < g->n; i++) {
-        g->first[i] = (int32_t)g->pairs;
-        if (neighbours_listed(g, i) || planes_listed(g, i))
-            return 1;
+    const double *x = g->now.x + 3 * i;
+    for (int64_t k = 0; k < g->p->planes; k++) {
+        const double *q = g->p->plane + 6 * k;
+        double away = (x[0] - q[0]) * q[3] + (x[1] - q[1]) * q[4] + (x[2] - q[2]) * q[5];
+        if (!(away < g->reach - 0.5 * g->p->diameter))
+            continue;
+        if (t->pairs == g->p->most_pairs) {
+            t->failed = 1;
+            return;
+        }
+        t->a[t->pairs] = (int32_t)i, t->b[t->pairs] = (int32_t)(-1 - k), t->image[t->pairs] = 0, t->was[t->pairs++] = 0;
     }
-    g->first[g->n] = (int32_t)g->pairs;
-    for (int64_t k = 0; k < g->contacts; k++) {
-        int32_t i = g->ca[k], j = g->cb[k];
-        if (j >= 0 && j < i)
-            i = g->cb[k], j = g->ca[k];
-        for (int64_t m = g->first[i]; m < g->first[i + 1]; m++)
-            if (g->b[m] == j)
-                g->touching[m] = 1;
+}
+
+/* The number of the listed pair (a, b) of this share, -1 if it has none. */
+static int64_t place_of(const share *t, int64_t a, int64_t b)
+{
+    if (a < t->from || a >= t->to)
+        return -1;
+    for (int64_t m = t->first[a - t->from]; m < t->first[a - t->from + 1]; m++)
+        if (t->b[m] == b)
+            return m;
+    return -1;
+}
+
+/* The list knows its contacts of the step before by number: k + 1, or -(k + 1) where a pair has changed its order. */
+static void found_again(gas *g, share *t)
+{
+    for (int64_t s = 0; s < g->threads; s++)
+        for (int64_t k = s * g->p->most_contacts; k < s * g->p->most_contacts + g->share[s].contacts; k++) {
+            const contact *c = g->contact[t->side] + k;
+            int64_t same = place_of(t, c->a, c->b), turned = same < 0 && c->b >= 0 ? place_of(t, c->b, c->a) : -1;
+            if (same >= 0)
+                t->was[same] = (int32_t)(k + 1);
+            if (turned >= 0)
+                t->was[turned] = -(int32_t)(k + 1);
+        }
+}
+
+/* The list anew. A share without room for its pairs says that it has failed. */
+static void rebuilt(gas *g, share *t, int rank)
+{
+    wrapped(g, t);
+    together(&g->team);
+    if (rank == 0)
+        measured(g);
+    together(&g->team);
+    sorted(g, t, rank);
+    t->pairs = 0, t->way = 0.0;
+    for (int64_t i = t->from; i < t->to && !t->failed; i++) {
+        t->first[i - t->from] = (int32_t)t->pairs;
+        if (g->cells[0] * g->cells[1] * g->cells[2] == 1)
+            all_listed(g, t, i);
+        else
+            neighbours_listed(g, t, i);
+        planes_listed(g, t, i);
     }
-    return 0;
+    t->first[t->to - t->from] = (int32_t)t->pairs;
+    if (!t->failed)
+        found_again(g, t);
+    together(&g->team);
 }
 
 #endif

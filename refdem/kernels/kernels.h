@@ -140,7 +140,11 @@ int refdem_harmonic(double mass, double stiffness, const double *gravity, const 
 
 /* == kepler == */
 
-/* A point about the origin with gravity parameter gm [m^3/s^2]; as above. Returns 0, or 1 if the orbit is not bound or straight. */
+/* A point about the origin with gravity parameter gm [m^3/s^2]; as above, in two parts or in one. All return 0, or 1 if the orbit is
+ * not bound or straight. */
+int64_t refdem_kepler_size(void);
+int refdem_kepler_prepare(double gm, const double *position, const double *velocity, double t0, double *motion);
+int refdem_kepler_at(const double *motion, int64_t samples, const double *t, double *out_position, double *out_velocity);
 int refdem_kepler(double gm, const double *position, const double *velocity, double t0, int64_t samples, const double *t,
                   double *out_position, double *out_velocity);
 
@@ -193,7 +197,11 @@ int64_t refdem_particles_run(const refdem_particles *p, int method, double h, in
 
 /* m x'' + f Sgn(x') + k x = m g with f = friction normal_force > 0, k > 0: x, v at the samples t (samples) [s], t[i] >= t0,
  * from x0 [m], v0 [m/s] at t0. out (samples, 3): x [m], v [m/s], work done against friction [J]. stop: when it stops for
- * ever [s]. Errors: a few ulp of the amplitude, however long it lasts. Returns 0. */
+ * ever [s]. Errors: a few ulp of the amplitude, however long it lasts. In two parts, as for a free body, or in one. All return 0. */
+int64_t refdem_coulomb_size(void);
+int refdem_coulomb_prepare(double mass, double stiffness, double friction, double normal_force, double gravity, double x0, double v0,
+                           double t0, double *stop, double *motion);
+int refdem_coulomb_at(const double *motion, int64_t samples, const double *t, double *out);
 int refdem_coulomb(double mass, double stiffness, double friction, double normal_force, double gravity, double x0, double v0,
                    double t0, int64_t samples, const double *t, double *stop, double *out);
 

@@ -1,5 +1,10 @@
-"""Many equal smooth spheres in a periodic box or between planes: velocity Verlet with a neighbour list (kernels/gas.c)."""
+"""Many equal spheres, smooth or rough, in a periodic box, between planes or in the open: velocity Verlet with a neighbour list (kernels/gas.c).
 
+The environment variable REFDEM_THREADS is the number of threads of a run, 1 if it is not set: worker processes share the cores already.
+No bit of the result depends on it.
+"""
+
+import os
 from dataclasses import dataclass
 from time import perf_counter
 from typing import Any
@@ -10,51 +15,72 @@ from numpy.typing import NDArray
 from refdem.core.engine import Method
 from refdem.core.problem import Motion, Request
 from refdem.core.trajectory import Cost, Event, Trajectory
-from refdem.errors import EngineError
+from refdem.errors import EngineError, UsageError
 from refdem.kernels import load, pointer
 from refdem.scene import Scene, Sphere
 from refdem.scene.elements.contact import Contact
 from refdem.scene.elements.periodic_box import PeriodicBox
 from refdem.scene.elements.plane import Plane
+from refdem.solvers._particles import BRANCH, MANY
 from refdem.solvers.solver import Solver
 
 Array = NDArray[np.float64]
 
+STATE = {"position": 3, "velocity": 3, "omega": 3, "attitude": 4}
+MOVING = ("position", "velocity")
 FEWEST = 2.5
 """Diameters in the edge of a box, at least: a body meets one image of another at a time, and the list has a skin."""
 PACKED = 0.74048
 """The closest packing of spheres: pairs within a diameter and a skin of half of one are limited by it."""
+TOUCHING = 4
+"""Contacts of a body with later ones: 3 in the closest random packing."""
 MOST_EVENTS = 100_000
 """Contacts whose begin is told; of a motion with more none is, so that those told are all."""
 
 
+THREADS, MOST_THREADS = "REFDEM_THREADS", 64
+
+
 @dataclass(frozen=True, eq=False)
 class Buffers:
-    """Arrays of one run, and the addresses of those that the kernel works in."""
+    """Arrays of one run; `turning`: omega and attitude are told, else no sphere turns."""
 
     channel: Array
     event: Array
-    out: Array
-    addresses: tuple[Any, ...]
+    events: NDArray[np.int64]
+    states: dict[str, Array]
+    room: NDArray[np.uint8]
+
+    def addresses(self) -> tuple[Any, ...]:
+        """As the kernel takes them."""
+        ffi = load("gas").ffi
+        of = [pointer("gas", self.states[name], output=True) if name in self.states else ffi.NULL for name in STATE]
+        events = ffi.from_buffer("int64_t[]", self.events)
+        event, channel = (pointer("gas", array, output=True) for array in (self.event, self.channel))
+        return (ffi.from_buffer("uint8_t[]", self.room), events, event, channel, *of)
 
 
 class Gas(Solver):
-    """Second order in energy: a contact that begins within a step is hit or missed by a part of it, as often early as late."""
+    """Second order in energy: a contact that begins within a step is hit or missed by a part of it, as often early as late.
+
+    With friction first order: what a tangential spring forgets at its limit, it forgets at the end of a step.
+    """
 
     claims = Method(
         name="gas",
-        summary="velocity Verlet for many equal smooth spheres; cells and a neighbour list; impulses on a grid",
+        summary="velocity Verlet for many equal spheres; cells and a neighbour list, tangential springs kept; impulses on a grid",
         control="step",
         order=2,
+        order_with={"friction": 1},
         constant=1 / 128,
         constant_reason="of all bodies few are in contact at a time: energy errs by 3e-5 (e = 0.9) to 5e-4 (e = 0.2) of T/tau (h/tau)^2",
-        conserves=frozenset({"momentum"}),
+        conserves=frozenset({"momentum", "angular-momentum"}),
         cost_rank=20,
     )
     kernels = ("gas",)
 
     def refusal(self, problem: Motion) -> str | None:
-        """None for two or more equal spheres that do not spin, with a linear contact law without friction, and no other force."""
+        """None for many equal spheres under a linear contact law, with a tangential spring if there is friction, and no other force."""
         scene = problem.scene
         for element in scene.elements:
             if not isinstance(element, Contact | Plane | PeriodicBox):
@@ -70,31 +96,34 @@ class Gas(Solver):
         struct = ffi.new("refdem_gas *", {**_numbers(scene), "plane": pointer("gas", planes) if planes.size else ffi.NULL})
         used = _buffers(scene, struct, len(t))
         started = perf_counter()
-        begins = lib.refdem_gas_run(struct, request.signed_step, len(t), request.stride, len(used.event), *used.addresses)
+        counts = len(used.events), request.signed_step, len(t), request.stride, used.event.shape[1]
+        fault = lib.refdem_gas_run(struct, *counts, *used.addresses())
         cost = Cost(seconds=perf_counter() - started, setup=started - begun, steps=request.stride * (len(t) - 1))
-        if begins < 0:
-            raise EngineError("gas: more bodies in one place than spheres can be; a smaller step would keep them apart")
-        told: Any = used.event[:begins] if begins <= len(used.event) else []
-        events = tuple(Event(time=float(t[0] + when), kind="contact", body=int(body)) for when, body in told)
+        if fault:
+            raise EngineError(
+                f"gas: {len(used.events)} threads asked for by {THREADS} could not be had"
+                if fault == 2
+                else "gas: more bodies in one place than spheres can be; a smaller step would keep them apart"
+            )
         contacts, work = used.channel.T.copy()
-        return _trajectory(scene, t, used.out, {"contacts": contacts, "dissipated_work": work}, events), cost
+        return _trajectory(scene, t, used.states, {"contacts": contacts, "dissipated_work": work}, _begins(used, float(t[0]))), cost
 
 
 def _of_bodies(scene: Scene) -> str | None:
     bodies = scene.bodies
-    if len(bodies) < 2 or not all(isinstance(shape, Sphere) for shape in bodies.shape):
+    if len(bodies) < 2 or not bodies.radius.all():
         return "what is not two or more spheres"
-    if np.ptp(bodies.radius) or np.ptp(bodies.mass):
+    if np.ptp(bodies.radius) or np.ptp(bodies.mass) or np.ptp(bodies.inertia):
         return "spheres that differ"
-    return "spheres that spin, or are fixed" if bodies.omega.any() or bodies.fixed.any() else None
+    return "spheres that are fixed" if bodies.fixed.any() else None
 
 
 def _of_bounds(scene: Scene) -> str | None:
-    boxes, walls = scene.all(PeriodicBox), scene.all(Plane)
+    boxes, walls, n = scene.all(PeriodicBox), scene.all(Plane), len(scene.bodies)
     if len(boxes) > 1 or (boxes and walls):
         return "more than one kind of bounds"
-    if not boxes and not walls:
-        return "no bounds: the methods for few bodies find contacts to the last bit"
+    if not boxes and n * (n - 1) // 2 + n * len(walls) <= MANY:
+        return "few bodies: the methods for them find contacts to the last bit"
     if boxes and boxes[0].size < FEWEST * 2 * scene.bodies.radius[0]:
         return f"a box smaller than {FEWEST:g} diameters"
     return None
@@ -104,38 +133,57 @@ def _of_contact(scene: Scene) -> str | None:
     laws = scene.all(Contact)
     if len(laws) != 1:
         return "not one contact law"
-    return f"contact law {laws[0].law}" if laws[0].law != "linear" else "friction" if laws[0].friction > 0 else None
+    if laws[0].law != "linear":
+        return f"contact law {laws[0].law}"
+    return "friction without a tangential spring" if laws[0].friction > 0 and laws[0].tangential_stiffness == 0 else None
 
 
 def _numbers(scene: Scene) -> dict[str, Any]:
     """The fields of the kernel's struct that are numbers; room for pairs as at three times the density, at most closest packing."""
     bodies, law, boxes = scene.bodies, scene.all(Contact)[0], scene.all(PeriodicBox)
-    diameter, n = 2 * float(bodies.radius[0]), len(bodies)
+    diameter, n, planes = 2 * float(bodies.radius[0]), len(bodies), len(scene.all(Plane))
     extent = [boxes[0].size] * 3 if boxes else np.maximum(np.ptp(bodies.position, axis=0), diameter)
     filled = min(PACKED, 0.05 + 3 * n * np.pi / 6 * diameter**3 / float(np.prod(extent)))
-    most = int(min(n * (n - 1) / 2, n * (20 + 0.5 * 8 * 1.5**3 * filled))) + 6 * n
-    numbers: dict[str, Any] = {"bodies": n, "planes": len(scene.all(Plane)), "most_pairs": most, "no_pull": law.cutoff == "zero_force"}
-    numbers |= {"mass": bodies.mass[0], "diameter": diameter, "stiffness": law.stiffness, "damping": law.damping}
+    most = int(min(n * (n - 1) / 2, n * (20 + 0.5 * 8 * 1.5**3 * filled))) + n * planes
+    numbers: dict[str, Any] = {"bodies": n, "planes": planes, "most_pairs": most, "no_pull": law.cutoff == "zero_force"}
+    numbers |= {"most_contacts": min(most, TOUCHING * n + n * min(planes, 3)), "turning": law.friction > 0 or bool(bodies.omega.any())}
+    numbers |= {"mass": bodies.mass[0], "inertia": bodies.inertia[0, 0], "diameter": diameter, "branch": BRANCH[law.branch]}
+    numbers |= {name: getattr(law, name) for name in ("stiffness", "damping", "tangential_stiffness", "friction")}
     return numbers | {"size": boxes[0].size if boxes else 0.0}
 
 
 def _buffers(scene: Scene, struct: Any, samples: int) -> Buffers:
     """Everything that a run writes; the start is in its place."""
-    ffi, lib = load("gas").ffi, load("gas").lib
-    work, integers = np.empty(lib.refdem_gas_doubles(struct)), np.empty(lib.refdem_gas_integers(struct), np.int32)
-    marks, event = np.empty(lib.refdem_gas_bytes(struct), np.uint8), np.empty((MOST_EVENTS, 2))
-    channel, out = np.empty((samples, 2)), np.empty((samples, 2, len(scene.bodies), 3))
-    out[0] = scene.bodies.position, scene.bodies.velocity
-    pointers = (pointer("gas", work, output=True), ffi.from_buffer("int32_t[]", integers), ffi.from_buffer("uint8_t[]", marks))
-    return Buffers(channel, event, out, (*pointers, *(pointer("gas", a, output=True) for a in (event, channel, out))))
+    n, members = len(scene.bodies), min(threads(), len(scene.bodies))
+    states = {name: np.empty((samples, n, width)) for name, width in STATE.items() if struct.turning or name in MOVING}
+    for name, rows in states.items():
+        rows[0] = getattr(scene.bodies, name)
+    room = np.empty(load("gas").lib.refdem_gas_room(struct, members), np.uint8)
+    return Buffers(np.empty((samples, 2)), np.empty((members, MOST_EVENTS, 2)), np.zeros(members, np.int64), states, room)
 
 
-def _trajectory(scene: Scene, t: Array, out: Array, channels: dict[str, Array], events: tuple[Event, ...]) -> Trajectory:
-    """The kernel's rows as states; no sphere turns."""
+def threads() -> int:
+    """The number of threads that REFDEM_THREADS asks for; raises UsageError for what is no number of threads."""
+    said = os.environ.get(THREADS, "1")
+    if not said.isdecimal() or not 1 <= int(said) <= MOST_THREADS:
+        raise UsageError(f"{THREADS} is {said!r}; expected a whole number from 1 to {MOST_THREADS}")
+    return int(said)
+
+
+def _begins(used: Buffers, start: float) -> tuple[Event, ...]:
+    """Contacts that begin, in time and then in the order of the threads, which is that of the list; none if there were too many."""
+    if used.events.sum() > MOST_EVENTS:
+        return ()
+    told = np.concatenate([rows[:count] for rows, count in zip(used.event, used.events, strict=True)])
+    told = told[np.argsort(told[:, 0], kind="stable")]
+    return tuple(Event(time=start + when, kind="contact", body=int(body)) for when, body in told.tolist())
+
+
+def _trajectory(scene: Scene, t: Array, states: dict[str, Array], channels: dict[str, Array], events: tuple[Event, ...]) -> Trajectory:
+    """The kernel's rows as states; where spins and friction are not there, no sphere turns."""
     shape = (len(t), len(scene.bodies))
     still: dict[str, Any] = {"attitude": np.broadcast_to(scene.bodies.attitude, (*shape, 4)), "omega": np.zeros((*shape, 3))}
-    position, velocity = np.ascontiguousarray(out[:, 0]), np.ascontiguousarray(out[:, 1])
-    return Trajectory(t=t, position=position, velocity=velocity, channels=channels, events=events, **still)
+    return Trajectory(t=t, channels=channels, events=events, **{**still, **states})
 
 
 METHOD = Gas()

@@ -1,0 +1,81 @@
+/* Threads that go through one piece of work side by side and wait for each other at barriers.
+ *
+ * A thread that waits spins for a while, for barriers are microseconds apart, and then lets others have its core.
+ */
+#ifndef REFDEM_GAS_TEAM_H
+#define REFDEM_GAS_TEAM_H
+
+#include <pthread.h>
+#include <sched.h>
+#include <stdatomic.h>
+
+#define PATIENCE 4096 /* looks at a barrier before the core is given to others: about 10 us */
+#define MOST_THREADS 64
+
+typedef struct {
+    int members;
+    atomic_int arrived, round, go;
+} team;
+
+static inline void pause_a_moment(void)
+{
+#if defined(__x86_64__) || defined(__i386__)
+    __builtin_ia32_pause();
+#endif
+}
+
+/* All members are here before any goes on. */
+static void together(team *t)
+{
+    if (t->members == 1)
+        return;
+    int round = atomic_load_explicit(&t->round, memory_order_relaxed);
+    if (atomic_fetch_add_explicit(&t->arrived, 1, memory_order_acq_rel) + 1 == t->members) {
+        atomic_store_explicit(&t->arrived, 0, memory_order_relaxed);
+        atomic_store_explicit(&t->round, round + 1, memory_order_release);
+        return;
+    }
+    for (int looks = 0; atomic_load_explicit(&t->round, memory_order_acquire) == round; looks++)
+        looks < PATIENCE ? pause_a_moment() : (void)sched_yield();
+}
+
+typedef struct {
+    team *team;
+    void (*work)(void *shared, int rank);
+    void *shared;
+    int rank;
+} duty;
+
+static void *on_duty(void *given)
+{
+    duty *d = given;
+    int go;
+    while ((go = atomic_load_explicit(&d->team->go, memory_order_acquire)) == 0)
+        sched_yield();
+    if (go > 0)
+        d->work(d->shared, d->rank);
+    return NULL;
+}
+
+/* work(shared, rank) on every member, rank 0 on the caller's own thread. Returns 0, or 1 if a thread could not be had: nothing is done. */
+static int at_work(team *t, int members, void (*work)(void *shared, int rank), void *shared)
+{
+    pthread_t thread[MOST_THREADS];
+    duty given[MOST_THREADS];
+    int had = 1;
+    t->members = members;
+    atomic_init(&t->arrived, 0), atomic_init(&t->round, 0), atomic_init(&t->go, 0);
+    for (; had < members; had++) {
+        given[had] = (duty){t, work, shared, had};
+        if (pthread_create(&thread[had], NULL, on_duty, &given[had]))
+            break;
+    }
+    atomic_store_explicit(&t->go, had == members ? 1 : -1, memory_order_release);
+    if (had == members)
+        work(shared, 0);
+    for (int k = 1; k < had; k++)
+        pthread_join(thread[k], NULL);
+    return had != members;
+}
+
+#endif
