@@ -1,9 +1,11 @@
 """C kernels: one extension a family, loaded when first used; its digest is its fingerprint."""
 
 import hashlib
+from collections.abc import Callable
 from functools import cache
 from importlib import import_module
 from pathlib import Path
+from time import perf_counter
 from typing import Any
 
 import numpy as np
@@ -35,6 +37,13 @@ def pointer(family: str, array: NDArray[np.float64], *, output: bool = False) ->
     if array.dtype != np.float64 or not array.flags.c_contiguous or (output and not array.flags.writeable):
         raise TypeError(f"kernel {family}: got {array.dtype}, contiguous={array.flags.c_contiguous}; expected contiguous float64")
     return load(family).ffi.from_buffer("double[]", array, require_writable=output)
+
+
+def timed(call: Callable[..., Any], *arguments: Any) -> float:
+    """Seconds of one call: what a kernel takes to answer, once all that it is told is at hand."""
+    started = perf_counter()
+    call(*arguments)
+    return perf_counter() - started
 
 
 def prepared(family: str) -> Any:

@@ -13,6 +13,7 @@ typedef struct {
     double side, heading;  /* its sign; direction before it, 0 if it is the start */
     dd centre, reach, lag; /* before it: centre, amplitude, phase left */
     int64_t halves;        /* half cycles after it */
+    dd half;               /* how long one takes */
 } rubbing;
 
 /* Least n >= 0 with |Y| - 2 n s <= s: closed, also where |Y| and s are known only to the rounding of what they came from. */
@@ -41,6 +42,7 @@ static rubbing prepared(dd mass, dd stiffness, dd friction, dd x, double v)
         b.first = dd_abs(turning), b.side = copysign(1.0, turning.hi);
     }
     b.halves = half_cycles(b.first, b.shift);
+    b.half = dd_div(DD_PI, b.rate);
     return b;
 }
 
@@ -63,7 +65,7 @@ static void at(const rubbing *b, dd since, dd x, double *restrict place, double 
         *way = fabs(*place - dd_round(x));
         return;
     }
-    dd half = dd_div(DD_PI, b->rate);
+    dd half = b->half;
     double n = fmax(0.0, floor(late.hi / half.hi));
     if (dd_sub(late, dd_scale(half, n + 1.0)).hi >= 0.0)
         n += 1.0;
@@ -84,20 +86,51 @@ static void at(const rubbing *b, dd since, dd x, double *restrict place, double 
     *way = opening + 2.0 * n * (first - shift * n) + reach * (1.0 - c);
 }
 
+/* A motion, ready to be asked; the state holds at t0. */
+typedef struct {
+    rubbing b;
+    dd middle, x, friction;
+    double x0, v0, t0;
+} rubbed;
+
+int64_t refdem_coulomb_size(void)
+{
+    return (sizeof(rubbed) + sizeof(double) - 1) / sizeof(double);
+}
+
+REFDEM_EVERY_CPU
+int refdem_coulomb_prepare(double mass, double stiffness, double friction, double normal_force, double gravity, double x0, double v0,
+                           double t0, double *stop, double *motion)
+{
+    rubbed *r = (rubbed *)motion;
+    dd m = dd_of(mass), k = dd_of(stiffness);
+    r->friction = two_product(friction, normal_force);
+    r->middle = dd_div(dd_scale(m, gravity), k), r->x = dd_sub(dd_of(x0), r->middle);
+    r->b = prepared(m, k, r->friction, r->x, v0);
+    r->x0 = x0, r->v0 = v0, r->t0 = t0;
+    dd last = dd_add(r->b.opening, dd_scale(r->b.half, (double)r->b.halves));
+    *stop = dd_round(dd_add(dd_of(t0), last));
+    return 0;
+}
+
+REFDEM_EVERY_CPU
+int refdem_coulomb_at(const double *motion, int64_t samples, const double *t, double *out)
+{
+    const rubbed *r = (const rubbed *)motion;
+    for (int64_t row = 0; row < samples; row++) {
+        double place, *to = out + 3 * row;
+        at(&r->b, two_sum(t[row], -r->t0), r->x, &place, to + 1, to + 2);
+        to[0] = t[row] == r->t0 ? r->x0 : dd_round(dd_add(r->middle, dd_of(place)));
+        to[1] = t[row] == r->t0 ? r->v0 : to[1];
+        to[2] *= dd_round(r->friction);
+    }
+    return 0;
+}
+
 int refdem_coulomb(double mass, double stiffness, double friction, double normal_force, double gravity, double x0, double v0,
                    double t0, int64_t samples, const double *t, double *stop, double *out)
 {
-    dd m = dd_of(mass), k = dd_of(stiffness), f = two_product(friction, normal_force);
-    dd middle = dd_div(dd_scale(m, gravity), k), x = dd_sub(dd_of(x0), middle);
-    rubbing b = prepared(m, k, f, x, v0);
-    for (int64_t row = 0; row < samples; row++) {
-        double place, *to = out + 3 * row;
-        at(&b, two_sum(t[row], -t0), x, &place, to + 1, to + 2);
-        to[0] = t[row] == t0 ? x0 : dd_round(dd_add(middle, dd_of(place)));
-        to[1] = t[row] == t0 ? v0 : to[1];
-        to[2] *= dd_round(f);
-    }
-    dd last = dd_add(b.opening, dd_scale(dd_div(DD_PI, b.rate), (double)b.halves));
-    *stop = dd_round(dd_add(dd_of(t0), last));
-    return 0;
+    rubbed r;
+    refdem_coulomb_prepare(mass, stiffness, friction, normal_force, gravity, x0, v0, t0, stop, (double *)&r);
+    return refdem_coulomb_at((const double *)&r, samples, t, out);
 }

@@ -12,6 +12,7 @@ typedef struct {
     double e, less, flat;    /* e, 1 - e, sqrt(1 - e^2) */
     double a, speed;         /* a, n a */
     double p[3], q[3];       /* towards periapsis; a quarter turn on */
+    double t0, position[3], velocity[3];
 } orbit;
 
 /* E - sin E, without cancellation for small E. */
@@ -65,8 +66,47 @@ static int prepare(orbit *o, double gm, const double *restrict position, const d
     o->e = e.hi, o->less = dd_div(square, dd_add(one, e)).hi, o->flat = flat.hi, o->a = a.hi, o->speed = dd_mul(o->rate, a).hi;
     for (int i = 0; i < 3; i++) {
         dd out = dd_div(r[i], distance), on = dd_div(v[i], dd_sqrt(dd_mul(mu, alpha)));
+        o->position[i] = position[i], o->velocity[i] = velocity[i];
         o->p[i] = dd_sub(dd_mul(c, out), dd_mul(s, on)).hi;
         o->q[i] = dd_div(dd_add(dd_mul(s, out), dd_mul(dd_sub(c, e), on)), flat).hi;
+    }
+    return 0;
+}
+
+int64_t refdem_kepler_size(void)
+{
+    return (sizeof(orbit) + sizeof(double) - 1) / sizeof(double);
+}
+
+REFDEM_EVERY_CPU
+int refdem_kepler_prepare(double gm, const double *position, const double *velocity, double t0, double *motion)
+{
+    orbit *o = (orbit *)motion;
+    o->t0 = t0;
+    return prepare(o, gm, position, velocity);
+}
+
+REFDEM_EVERY_CPU
+int refdem_kepler_at(const double *motion, int64_t samples, const double *t, double *out_position, double *out_velocity)
+{
+    const orbit *o = (const orbit *)motion;
+    const dd turn = dd_scale(DD_PI, 2.0);
+    for (int64_t n = 0; n < samples; n++) {
+        if (t[n] == o->t0) {
+            memcpy(out_position + 3 * n, o->position, sizeof o->position);
+            memcpy(out_velocity + 3 * n, o->velocity, sizeof o->velocity);
+            continue;
+        }
+        double c, s;
+        int odd;
+        dd mean = dd_add(o->start, dd_mul(o->rate, two_sum(t[n], -o->t0)));
+        eccentric(o, dd_reduced(mean, turn, &odd), &c, &s);
+        double small = s * s / (1.0 + fabs(c)), above = c > 0.0 ? small : 1.0 - c; /* 1 - cos E */
+        double x = o->a * (o->less - above), y = o->a * o->flat * s, per = o->speed / (o->less + o->e * above);
+        for (int i = 0; i < 3; i++) {
+            out_position[3 * n + i] = x * o->p[i] + y * o->q[i];
+            out_velocity[3 * n + i] = per * (o->flat * c * o->q[i] - s * o->p[i]);
+        }
     }
     return 0;
 }
@@ -75,20 +115,7 @@ int refdem_kepler(double gm, const double *position, const double *velocity, dou
                   double *out_position, double *out_velocity)
 {
     orbit o;
-    if (prepare(&o, gm, position, velocity))
+    if (refdem_kepler_prepare(gm, position, velocity, t0, (double *)&o))
         return 1;
-    for (int64_t n = 0; n < samples; n++) {
-        double c, s;
-        int odd;
-        dd mean = dd_add(o.start, dd_mul(o.rate, two_sum(t[n], -t0)));
-        eccentric(&o, dd_reduced(mean, dd_scale(DD_PI, 2.0), &odd), &c, &s);
-        double small = s * s / (1.0 + fabs(c)), above = c > 0.0 ? small : 1.0 - c; /* 1 - cos E */
-        double x = o.a * (o.less - above), y = o.a * o.flat * s, per = o.speed / (o.less + o.e * above);
-        for (int i = 0; i < 3; i++) {
-            int is_start = t[n] == t0;
-            out_position[3 * n + i] = is_start ? position[i] : x * o.p[i] + y * o.q[i];
-            out_velocity[3 * n + i] = is_start ? velocity[i] : per * (o.flat * c * o.q[i] - s * o.p[i]);
-        }
-    }
-    return 0;
+    return refdem_kepler_at((const double *)&o, samples, t, out_position, out_velocity);
 }

@@ -21,7 +21,7 @@
 #define REFDEM_EVERY_CPU
 #endif
 
-enum { BLOCK = 64 }; /* samples that are in work at one time: their columns stay in the first cache */
+enum { BLOCK = 128 }; /* samples that are in work at one time: their columns stay in the first cache */
 
 /* The whole number nearest to x, |x| < 2^51, ties to even: sums beyond 1.5 * 2^52 have no fractions. */
 static inline double nearest(double x)

@@ -37,9 +37,12 @@ class FreeBodies(Solver):
         velocity, attitude, omega = (np.repeat(column[None], len(t), axis=0) for column in (bodies.velocity, bodies.attitude, bodies.omega))
         seconds = 0.0
         for number in spinning(bodies):
-            turned, rate = np.empty((len(t), 4)), np.empty((len(t), 3))
+            alone = len(bodies) == 1
+            turned = attitude.reshape(-1, 4) if alone else np.empty((len(t), 4))
+            rate = omega.reshape(-1, 3) if alone else np.empty((len(t), 3))
             seconds += self.turn(request, number, turned, rate)
-            attitude[:, number], omega[:, number] = turned, rate
+            if not alone:
+                attitude[:, number], omega[:, number] = turned, rate
         steps = 0 if request.step is None else request.stride * (len(t) - 1)
         cost = Cost(seconds=seconds, setup=perf_counter() - begun - seconds, steps=steps)
         return Trajectory(t=t, position=position, velocity=velocity, attitude=attitude, omega=omega), cost

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from refdem.core.engine import Method
 from refdem.core.problem import Motion, Request
 from refdem.core.trajectory import Cost, Event, Trajectory
-from refdem.kernels import load, pointer
+from refdem.kernels import load, pointer, prepared, timed
 from refdem.scene import Scene
 from refdem.scene.elements.slider import Slider
 from refdem.scene.elements.spring import Spring
@@ -58,11 +58,11 @@ class ExactCoulomb(Solver):
         start = [float(axis @ vector) for vector in (single.gravity(scene), bodies.position[0] - anchor, bodies.velocity[0])]
         numbers = (float(bodies.mass[0]), spring.stiffness, slider.friction, slider.normal_force, *start, float(t[0]))
         out, stop = np.empty((len(t), 3)), np.empty(1)
-        buffers = [pointer("coulomb", array, output=True) for array in (stop, out)]
-        lib = load("coulomb").lib
-        started = perf_counter()
-        lib.refdem_coulomb(*numbers, len(t), pointer("coulomb", t), *buffers)
-        cost = Cost(seconds=perf_counter() - started, setup=started - begun)
+        stopped, rows, samples = pointer("coulomb", stop, output=True), pointer("coulomb", out, output=True), pointer("coulomb", t)
+        lib, motion = load("coulomb").lib, prepared("coulomb")
+        lib.refdem_coulomb_prepare(*numbers, stopped, motion)
+        seconds = timed(lib.refdem_coulomb_at, motion, len(t), samples, rows)
+        cost = Cost(seconds=seconds, setup=perf_counter() - begun - seconds)
         position, velocity = anchor + out[:, :1, None] * axis, out[:, 1:2, None] * axis
         events = (Event(time=float(stop[0]), kind="stop", body=0),) if stop[0] <= t[-1] else ()
         return Trajectory.of_points(t, position, velocity, channels={"dissipated_work": out[:, 2].copy()}, events=events), cost

@@ -1,10 +1,8 @@
 """Free bodies in closed form: Euler's equations by Jacobi functions, attitude by one theta function (kernels/free_body.c)."""
 
-from time import perf_counter
-
 from refdem.core.engine import Method
 from refdem.core.problem import Request
-from refdem.kernels import load, pointer, prepared
+from refdem.kernels import load, pointer, prepared, timed
 from refdem.solvers._free_bodies import Array, FreeBodies, first_state
 
 
@@ -30,9 +28,7 @@ class ExactFreeBody(FreeBodies):
         out = [pointer("free_body", column, output=True) for column in (attitude, omega)]
         lib, motion, samples = load("free_body").lib, prepared("free_body"), pointer("free_body", t)
         lib.refdem_free_body_prepare(*state, t[0], motion)
-        started = perf_counter()
-        lib.refdem_free_body_at(motion, len(t), samples, *out)
-        return perf_counter() - started
+        return timed(lib.refdem_free_body_at, motion, len(t), samples, *out)
 
 
 METHOD = ExactFreeBody()

@@ -7,7 +7,7 @@ import numpy as np
 from refdem.core.engine import Method
 from refdem.core.problem import Motion, Request
 from refdem.core.trajectory import Cost, Trajectory
-from refdem.kernels import load, pointer
+from refdem.kernels import load, pointer, prepared, timed
 from refdem.scene import Scene
 from refdem.scene.elements.central_field import CentralField
 from refdem.scene.elements.uniform_gravity import UniformGravity
@@ -48,10 +48,10 @@ class ExactKepler(Solver):
         start = [pointer("kepler", column[0].copy()) for column in (scene.bodies.position, scene.bodies.velocity)]
         position, velocity = np.empty((len(t), 1, 3)), np.empty((len(t), 1, 3))
         out = [pointer("kepler", column, output=True) for column in (position, velocity)]
-        lib = load("kepler").lib
-        started = perf_counter()
-        lib.refdem_kepler(gm, *start, t[0], len(t), pointer("kepler", t), *out)
-        cost = Cost(seconds=perf_counter() - started, setup=started - begun)
+        lib, motion, samples = load("kepler").lib, prepared("kepler"), pointer("kepler", t)
+        lib.refdem_kepler_prepare(gm, *start, t[0], motion)
+        seconds = timed(lib.refdem_kepler_at, motion, len(t), samples, *out)
+        cost = Cost(seconds=seconds, setup=perf_counter() - begun - seconds)
         return Trajectory.of_points(t, position, velocity), cost
 
 

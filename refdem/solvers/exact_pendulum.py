@@ -7,7 +7,7 @@ import numpy as np
 from refdem.core.engine import Method
 from refdem.core.problem import Motion, Request
 from refdem.core.trajectory import Cost, Trajectory
-from refdem.kernels import load, pointer, prepared
+from refdem.kernels import load, pointer, prepared, timed
 from refdem.scene import Scene
 from refdem.scene.elements.rod import Rod
 from refdem.solvers import _single_point as single
@@ -53,9 +53,8 @@ class ExactPendulum(Solver):
         out = [pointer("pendulum", column, output=True) for column in (position, velocity, force)]
         lib, motion, samples = load("pendulum").lib, prepared("pendulum"), pointer("pendulum", t)
         lib.refdem_pendulum_prepare(scene.bodies.mass[0], rod.length, *columns, t[0], motion)
-        started = perf_counter()
-        lib.refdem_pendulum_at(motion, len(t), samples, *out)
-        cost = Cost(seconds=perf_counter() - started, setup=started - begun)
+        seconds = timed(lib.refdem_pendulum_at, motion, len(t), samples, *out)
+        cost = Cost(seconds=seconds, setup=perf_counter() - begun - seconds)
         return Trajectory.of_points(t, position, velocity, channels={"rod_force": force}), cost
 
 
