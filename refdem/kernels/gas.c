@@ -47,7 +47,7 @@ static void touch(gas *g, share *t, int rank, double time)
             t->event[2 * t->events] = time, t->event[2 * t->events + 1] = (double)g->now.label[c->a];
         t->events += !was;
         if (g->p->friction > 0.0)
-            stretch(g, c, was ? before + (was > 0 ? was : -was) - 1 : NULL, was < 0 ? -1.0 : 1.0);
+            stretch(g, c, was ? before + (was > 0 ? was : -was) - 1 : NULL, was < 0 ? -1.0 : 1.0, time != 0.0);
         press(g, c);
         if (c->b >= 0 && (c->b < t->from || c->b >= t->to))
             t->out[t->crossing++] = (int32_t)t->contacts;

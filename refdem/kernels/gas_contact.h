@@ -70,14 +70,16 @@ static inline double slips(const gas *g, const contact *c, const double *n, doub
     return rate;
 }
 
-/* The tangential spring over the step: from that of the contact before, or from the moment at which a new one has begun. */
-static inline void stretch(const gas *g, contact *c, const contact *before, double sense)
+/* The tangential spring over the step: from that of the contact before, or from the moment at which a new one has begun; at the start
+ * of a run it is slack. */
+static inline void stretch(const gas *g, contact *c, const contact *before, double sense, int has_moved)
 {
     double slip[3], half = 0.5 * g->h;
     if (before == NULL) {
         double rate = slips(g, c, c->n, c->deep, 0, slip), since = rate * g->h > 0.0 ? c->deep / rate : g->h;
         memset(c->bend, 0, sizeof c->bend);
-        add(c->bend, fabs(since) < fabs(g->h) ? since : g->h, slip);
+        if (has_moved)
+            add(c->bend, fabs(since) < fabs(g->h) ? since : g->h, slip);
         return;
     }
     double old[3], both[3];

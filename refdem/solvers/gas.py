@@ -1,6 +1,7 @@
-"""Many equal spheres, smooth or rough, in a periodic box, between planes or in the open: velocity Verlet with a neighbour list (kernels/gas.c).
+"""Many equal spheres, smooth or rough, in a periodic box, between planes or in the open: velocity Verlet with a neighbour list.
 
-The environment variable REFDEM_THREADS is the number of threads of a run, 1 if it is not set: worker processes share the cores already.
+The kernel is gas.c. The environment variable REFDEM_THREADS is the number of threads of a run, 1 if it is not set: worker
+processes share the cores already.
 No bit of the result depends on it.
 """
 
@@ -17,7 +18,7 @@ from refdem.core.problem import Motion, Request
 from refdem.core.trajectory import Cost, Event, Trajectory
 from refdem.errors import EngineError, UsageError
 from refdem.kernels import load, pointer
-from refdem.scene import Scene, Sphere
+from refdem.scene import Scene
 from refdem.scene.elements.contact import Contact
 from refdem.scene.elements.periodic_box import PeriodicBox
 from refdem.scene.elements.plane import Plane
