@@ -9,6 +9,7 @@ from refdem.core.check import Check, Outcome, Trial
 from refdem.core.finding import Finding
 from refdem.core.judgement import judged, undecided, worst
 from refdem.core.variant import Variant
+from refdem.scene import Scene
 from refdem.scene.elements.contact import Contact
 
 TERMS = 2.0
@@ -42,7 +43,8 @@ class Energy(Check):
             self._balance(trial, variant, runs[variant], name)
             for variant, name in zip(self.needs(trial), ("balance", "finest"), strict=False)
         ]
-        if "dissipated_work" in runs[trial.finest].trajectory.channels and not trial.instance.scene.is_driven():
+        shown, scene = "dissipated_work" in runs[trial.finest].trajectory.channels, trial.instance.scene
+        if shown and not scene.is_driven() and not _stiffens(scene):
             found.append(self._dissipation(trial, trial.finest, runs[trial.finest]))
         if trial.method.symplectic and trial.method.control == "step" and trial.instance.scene.is_conservative():
             found.append(self._drift(trial, runs[trial.finest]))
@@ -54,10 +56,13 @@ class Energy(Check):
         what = "The change of kinetic and potential energy"
         with np.errstate(invalid="ignore"):  # a body in the centre of attraction has no finite energy: not a number fails
             change = np.abs(energy - energy[0]) / scale
-        if any(law.tangential_stiffness > 0 and law.friction > 0 for law in scene.all(Contact)):
+        work = run.trajectory.channels.get("dissipated_work")
+        if work is None and _stiffens(scene):
+            why = "a tangential spring that stiffens with its load gives and takes energy, and the run does not show how much"
+            return undecided(self.name, quantity, why)
+        if _rubs_by_springs(scene) and not _stiffens(scene):
             what, change = SPRINGS, np.maximum(0.0, energy - energy[0]) / scale
         elif not scene.is_conservative():
-            work = run.trajectory.channels.get("dissipated_work")
             if work is None and scene.is_driven():
                 return undecided(self.name, quantity, "energy comes in from outside, and the run does not show how much")
             if work is None:
@@ -111,6 +116,16 @@ class Energy(Check):
             basis=f"a symplectic method of order {order} keeps its energy error at (h/tau)^{order}, whatever the time",
             what="The mean energy of the last quarter of the run against that of the first, in units of the energy at the start,",
         )
+
+
+def _rubs_by_springs(scene: Scene) -> bool:
+    """Friction acts through tangential springs."""
+    return any(law.tangential_stiffness > 0 and law.friction > 0 for law in scene.all(Contact))
+
+
+def _stiffens(scene: Scene) -> bool:
+    """These grow stiffer with the load (Hertz's law): what they take is not what they give, and no potential keeps account of it."""
+    return _rubs_by_springs(scene) and "contact:hertz" in scene.features
 
 
 def _of_positions(trial: Trial) -> float:

@@ -126,6 +126,8 @@ def _refused(element: Element) -> str | None:
         return f"no {element.kind}"
     if isinstance(element, Dashpot | Force | Spring | Rod | Slider) and (any(element.anchor_a) or element.b >= 0):
         return f"a {element.kind} that does not join a centre to the world"
+    if isinstance(element, Contact) and element.law == "hertz" and element.tangential_stiffness > 0:
+        return "no tangential spring under Hertz's law"
     return "no rigid contact" if isinstance(element, Contact) and element.law == "rigid" else None
 
 

@@ -28,7 +28,7 @@ static inline double guard(const runner *r, int64_t k, int kind, const double *r
     const double *s = y + history_at(p) + 3 * k, *a = dy + 3 * p->bodies;
     double stiffness = p->tangential_stiffness, growth = 0.0, along = dot(m.slip, s);
     if (mode == STICK) {
-        double held = stiffness > 0.0 ? stiffness * size(s) : size(dy + history_at(p) + 3 * k);
+        double held = stiffness > 0.0 ? grip(p, &m) * size(s) : size(dy + history_at(p) + 3 * k);
         return (m.limit - held) / (p->friction * p->stiffness * radius);
     }
     if (stiffness > 0.0) {
@@ -73,7 +73,7 @@ static inline int64_t next_mode(const runner *r, int64_t k, int kind, double *re
     meeting m = meet(p, k, y);
     if (mode == SLIP) {
         for (int c = 0; c < 3; c++)
-            s[c] = stiffness > 0.0 ? s[c] * (m.limit / stiffness) : 0.0;
+            s[c] = stiffness > 0.0 ? s[c] * longest(p, &m) : 0.0;
         return STICK;
     }
     const double *pull = stiffness > 0.0 ? s : dy + history_at(p) + 3 * k;

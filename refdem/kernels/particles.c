@@ -141,7 +141,7 @@ static void observe(const runner *r, const double *restrict y, double *restrict 
             continue;
         channel[0] += 1.0;
         channel[2] = fabs(m.normal) > fabs(channel[2]) ? m.normal : channel[2];
-        if (p->tangential_stiffness == 0.0 || r->mode[k] < STICK)
+        if (p->tangential_stiffness == 0.0 || p->hertz || r->mode[k] < STICK) /* Hertz's spring keeps no account: see Contact */
             continue;
         const double *s = y + history_at(p) + 3 * k;
         double bent = r->mode[k] == STICK ? size(s) : m.limit / p->tangential_stiffness;

@@ -113,6 +113,18 @@ static inline double size(const double *restrict a)
     return sqrt(dot(a, a));
 }
 
+/* Stiffness of the tangential spring: that of Hertz's contact grows with its circle, as the root of the overlap. */
+static inline double grip(const refdem_particles *p, const meeting *m)
+{
+    return p->tangential_stiffness * (p->hertz ? sqrt(fmax(m->overlap, 0.0)) : 1.0);
+}
+
+/* The stretch at which the spring begins to slip. */
+static inline double longest(const refdem_particles *p, const meeting *m)
+{
+    return p->hertz ? p->friction * p->stiffness / p->tangential_stiffness * m->overlap : m->limit / p->tangential_stiffness;
+}
+
 /* A speed [m/s] below which slip has no direction of its own: 1e-11 of the radius times the pair's own frequency. */
 static inline double least_slip(const refdem_particles *p, const meeting *m)
 {
@@ -152,11 +164,12 @@ static inline void holding(const refdem_particles *p, const meeting *m, const do
 static inline void rub(const refdem_particles *p, int64_t mode, const meeting *m, const double *restrict y,
                        const double *restrict dy, const double *restrict s, double *restrict force, double *restrict rate)
 {
-    double k = p->tangential_stiffness, along = dot(s, m->slip), carried = dot(s, m->turn);
+    double k = grip(p, m), along = dot(s, m->slip), carried = dot(s, m->turn);
     double least = 1e-8 * p->friction * p->stiffness * p->radius[m->i], limit = fmax(m->limit, 0.0);
     double lean = k * limit / (limit * limit + least * least); /* k/limit, but finite where the force vanishes */
     double across[3], towards[3] = {s[0], s[1], s[2]}, fast = size(m->slip), flat = 1.0;
-    if (k == 0.0 && mode == SLIP) { /* along the slip; where that has no direction, as it was; in the plane of contact, for a slip
+    int bends = p->tangential_stiffness > 0.0;
+    if (!bends && mode == SLIP) { /* along the slip; where that has no direction, as it was; in the plane of contact, for a slip
                                      * that ends is all rounding, and friction may be many times the normal force */
         for (int c = 0; along > least_slip(p, m) && c < 3; c++)
             towards[c] = m->slip[c] / fast;
@@ -172,12 +185,12 @@ static inline void rub(const refdem_particles *p, int64_t mode, const meeting *m
     for (int c = 0; c < 3; c++) {
         force[c] = mode == STICK ? -k * s[c] : mode == SLIP ? -m->limit * towards[c] : 0.0;
         rate[c] = 0.0;
-        if (k > 0.0 && mode == STICK)
+        if (bends && mode == STICK)
             rate[c] = m->slip[c] - carried * m->n[c];
-        if (k > 0.0 && mode == SLIP)
+        if (bends && mode == SLIP)
             rate[c] = across[c] * lean - carried * m->n[c];
     }
-    if (k == 0.0 && mode == STICK) {
+    if (!bends && mode == STICK) {
         holding(p, m, y, dy, force);
         memcpy(rate, force, 3 * sizeof *force);
     }

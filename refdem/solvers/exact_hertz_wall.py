@@ -1,4 +1,8 @@
-"""One sphere against a wall under Hertz's law, sliding or not: kernels/power_contact.c along the normal, friction by its impulse."""
+"""One sphere against a wall under Hertz's law: kernels/power_contact.c along the normal, sliding friction by its impulse.
+
+Across, whatever the friction, the slip p and its way q say all: of what the slip loses the velocity takes 2/7 and the spin, times R,
+5/7, and the work done against friction is m (p0^2 - p^2)/7.
+"""
 
 from time import perf_counter
 from typing import Any
@@ -13,6 +17,7 @@ from refdem.kernels import load, pointer
 from refdem.scene import Scene, Sphere
 from refdem.scene.elements.contact import Contact
 from refdem.scene.elements.plane import Plane
+from refdem.solvers._mindlin_spring import Spring, course
 from refdem.solvers.solver import Solver
 
 Array = NDArray[np.float64]
@@ -20,11 +25,11 @@ ROUNDED = 4 * 2.0**-52
 
 
 class ExactHertzWall(Solver):
-    """The slip keeps its direction, falls by 7/2 mu times the normal impulse per mass, and stays zero once it is."""
+    """The slip keeps its line. Sliding it falls by 7/2 mu times the normal impulse per mass, and stays zero then; or a spring takes it."""
 
     claims = Method(
         name="exact-hertz-wall",
-        summary="Hertz's contact with a wall in closed form; sliding friction by the impulse",
+        summary="Hertz's contact with a wall in closed form; sliding friction by the impulse, or a tangential spring by Taylor series",
         control="exact",
         conserves=frozenset({"energy"}),
         complete_state=False,
@@ -58,7 +63,8 @@ class ExactHertzWall(Solver):
         impact = Impact(scene)
         started = perf_counter()
         out, touch = impact.normal(t - t[0])
-        found = impact.moved(t - t[0], out, touch)
+        across = impact.bent if impact.springs else impact.rubbed
+        found = impact.moved(t - t[0], out, *across(t - t[0], out, touch))
         pairs = zip(touch[[0, 2]], ("contact", "release"), strict=True)
         events = tuple(Event(time=float(t[0] + when), kind=kind, body=0) for when, kind in pairs if 0 < when <= t[-1] - t[0])
         return Trajectory(t=t, events=events, **found), Cost(seconds=perf_counter() - started, setup=started - begun)
@@ -80,6 +86,7 @@ class Impact:
         slip = self.across + self.radius * np.cross(self.omega, self.n)
         self.slip = float(np.linalg.norm(slip)) if np.linalg.norm(slip) > ROUNDED * np.linalg.norm(self.velocity) else 0.0
         self.along = slip / self.slip if self.slip else 0.0 * slip
+        self.springs = self.slip > 0 and self.law.friction > 0 and self.law.tangential_stiffness > 0
 
     def normal(self, t: Array) -> tuple[Array, Array]:
         """Overlap and rate (T, 2), and when it touches, turns and parts."""
@@ -98,20 +105,37 @@ class Impact:
             low, high = (low, middle) if self.rate - self.normal(np.array([middle]))[0][0, 1] > impulse else (middle, high)
         return float(low + high) / 2
 
-    def moved(self, t: Array, out: Array, touch: Array) -> dict[str, Any]:
-        """Columns and channels of a trajectory."""
+    def rubbed(self, t: Array, out: Array, touch: Array) -> tuple[Array, Array]:
+        """What the slip has lost (T,) [m/s] by sliding friction, and its way that is missing (T,) [m]."""
         friction = self.law.friction if self.slip > 0 else 0.0
         enough = self.slip * 2 / 7 / friction if friction else np.inf
         end = self.stop(enough, touch) if enough < 2 * self.rate else np.inf
-        until, pressed = np.minimum(t, end), out[:, 0] - self.overlap
+        until = np.minimum(t, end)
         way = self.rate * until - (self.normal(until)[0][:, 0] - self.overlap)
-        impulse = np.minimum(self.rate - out[:, 1], enough)
         rolled = enough * (t - until) if np.isfinite(end) else 0.0
-        rubbed = friction * (way + rolled)[:, None] * self.along
-        position = self.place + self.across * t[:, None] + pressed[:, None] * self.n - rubbed
-        velocity = self.across + out[:, 1:] * self.n - friction * impulse[:, None] * self.along
-        omega = self.omega - 2.5 * friction / self.radius * impulse[:, None] * np.cross(self.n, self.along)
-        work = self.mass * friction * impulse * (self.slip - 1.75 * friction * impulse)
+        return 3.5 * friction * np.minimum(self.rate - out[:, 1], enough), 3.5 * friction * (way + rolled)
+
+    def bent(self, t: Array, out: Array, touch: Array) -> tuple[Array, Array]:
+        """The same by a tangential spring, which begins unstretched at touch."""
+        speed, deep = self.rate, float(self.normal(touch[1:2])[0][0, 0])
+        found = course(Spring(self.law.tangential_stiffness / self.law.stiffness, self.law.friction), self.slip / speed)
+        slip, way = np.full(len(t), self.slip), self.slip * t
+        last, gone = found.end()
+        after = t - touch[2]
+        for n in np.flatnonzero((t > touch[0]) & (after < 0)):
+            p, q = found.at(max(out[n, 0], 0.0) / deep, out[n, 1] / speed)
+            slip[n], way[n] = p * speed, self.slip * touch[0] + q * deep
+        parted = after >= 0
+        slip[parted], way[parted] = last * speed, self.slip * touch[0] + gone * deep + last * speed * after[parted]
+        return self.slip - slip, self.slip * t - way
+
+    def moved(self, t: Array, out: Array, lost: Array, missed: Array) -> dict[str, Any]:
+        """Columns and channels of a trajectory, from what the slip has lost and its way misses."""
+        pressed = out[:, 0] - self.overlap
+        position = self.place + self.across * t[:, None] + pressed[:, None] * self.n - missed[:, None] * self.along * (2 / 7)
+        velocity = self.across + out[:, 1:] * self.n - lost[:, None] * self.along * (2 / 7)
+        omega = self.omega - lost[:, None] * np.cross(self.n, self.along) * (5 / 7 / self.radius)
+        work = self.mass / 7 * lost * (2 * self.slip - lost)
         depth = np.maximum(out[:, 0], 0.0)
         force = self.law.stiffness * depth**self.law.exponent
         channels = {"overlap": depth, "contacts": (depth > 0).astype(float), "contact_force": force, "dissipated_work": work}

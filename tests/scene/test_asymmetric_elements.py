@@ -51,7 +51,7 @@ def test_hertz_holds_two_fifths_of_the_force_times_the_overlap():
 
 
 @pytest.mark.parametrize(("element", "reason"), [
-    (Contact(law="hertz", stiffness=1.0, damping=1.0), "normal force alone"),
+    (Contact(law="hertz", stiffness=1.0, damping=1.0), "damping is 1.0, expected 0"),
     (Contact(law="hertz"), "stiffness"),
     (PiecewiseField(k1=1.0, k2=-1.0, x1=-1.0, x2=0.5), "continuous"),
     (PiecewiseField(k1=-1.0, k2=-1.0, x1=-1.0, x2=1.0), "expected x1 < 0 < x2"),

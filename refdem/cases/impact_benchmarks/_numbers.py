@@ -69,3 +69,8 @@ def hertz_stiffness(modulus: Fraction, poisson: Fraction, radius: Fraction, *, w
     """4/3 E* sqrt(R*) [N/m^(3/2)] of a sphere on a rigid wall, or of two equal spheres: E* = E/(1 - nu^2) and R, or half of each."""
     stiff, size = modulus / (1 - poisson**2), radius
     return Fraction(4, 3) * (stiff * root(size) if wall else stiff / 2 * root(size / 2))
+
+
+def mindlin_stiffness(modulus: Fraction, poisson: Fraction, radius: Fraction) -> Fraction:
+    """8 G* sqrt(R) [N/m^(3/2)] of a sphere on a rigid wall without slip (Mindlin 1949): G* = G/(2 - nu), G = E/(2 (1 + nu))."""
+    return 4 * modulus / ((1 + poisson) * (2 - poisson)) * root(radius)

@@ -69,7 +69,7 @@ def drawn(points: Array, ink: int, *, is_front: bool, dashed: bool = False) -> S
 def border() -> Series:
     """The outline of the ellipsoid: where its normal is at right angles to the view."""
     eye = np.array([seen_from_above(unit[None])[2][0] for unit in np.eye(3)])
-    normal = HALF_AXES * eye / np.linalg.norm(HALF_AXES * eye)
+    normal = eye / HALF_AXES / np.linalg.norm(eye / HALF_AXES)
     one = np.cross(normal, [1.0, 0.0, 0.0])
     one /= np.linalg.norm(one)
     other = np.cross(normal, one)

@@ -19,8 +19,10 @@ class Contact(Element, frozen=True, kw_only=True, tag="contact"):
     with no dashpot, clipped (spring included) at `friction` times the normal force; `tangential_stiffness = 0` with
     friction > 0 is sliding friction of full size whenever there is slip. `branch` is the lever arm of the tangential
     force: the radius R, R - overlap, or R - overlap/2. `cutoff`: the force ends with the overlap, or already when it
-    would pull (zero_force). hertz: normal force `stiffness * overlap**(3/2)`, stiffness [N/m^(3/2)], without damping, and with
-    no friction but the sliding one of full size (Hertz 1882). rigid: no overlap, `restitution` for the normal velocity, Coulomb friction.
+    would pull (zero_force). hertz: normal force `stiffness * overlap**(3/2)` (Hertz 1882) and tangential spring
+    `tangential_stiffness * sqrt(overlap) * slip` (after Mindlin 1949), both [N/m^(3/2)], clipped alike, without damping; that spring
+    grows stiffer with its load, so that it stores no energy of its own. rigid: no overlap, `restitution` for the normal velocity,
+    Coulomb friction.
     """
 
     law: Literal["linear", "hertz", "rigid"]
@@ -43,16 +45,19 @@ class Contact(Element, frozen=True, kw_only=True, tag="contact"):
         return 1.5 if self.law == "hertz" else 1.0
 
     def dimension(self, field: str) -> Dimension | None:
-        """That of Hertz's stiffness [N/m^(3/2)] follows from the exponent."""
-        return Dimension(1, 1 - self.exponent, -2) if field == "stiffness" else super().dimension(field)
+        """Those of Hertz's stiffnesses [N/m^(3/2)] follow from the exponent."""
+        stiff = field in ("stiffness", "tangential_stiffness")
+        return Dimension(1, 1 - self.exponent, -2) if stiff else super().dimension(field)
 
     def features(self) -> frozenset[str]:
-        """The law, and friction where there is some."""
+        """The law, friction where there is some, and mindlin where its spring stiffens with the load."""
         names = {"contact", f"contact:{self.law}"}
         if self.friction > 0:
             names |= {"friction", "contact:friction"}
         if self.damping > 0:
             names.add("contact:damping")
+        if self.law == "hertz" and self.friction > 0 and self.tangential_stiffness > 0:
+            names.add("contact:mindlin")
         return frozenset(names)
 
     def faults(self) -> list[str]:
@@ -61,8 +66,8 @@ class Contact(Element, frozen=True, kw_only=True, tag="contact"):
         found = [f"{name} is {value}, expected >= 0" for name in numbers if (value := getattr(self, name)) < 0]
         if self.law != "rigid" and not self.stiffness > 0:
             found.append(f"stiffness is {self.stiffness}, expected > 0 for the {self.law} law")
-        if self.law == "hertz" and (self.damping or self.tangential_stiffness):
-            found.append("damping or tangential_stiffness is not 0, expected a normal force alone, or sliding, for the hertz law")
+        if self.law == "hertz" and self.damping:
+            found.append(f"damping is {self.damping}, expected 0 for the hertz law")
         if self.restitution > 1:
             found.append(f"restitution is {self.restitution}, expected <= 1")
         return found

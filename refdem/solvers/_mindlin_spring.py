@@ -1,0 +1,123 @@
+"""Slip against a wall under a tangential spring that stiffens as the root of the overlap: Taylor series in a time that makes it smooth.
+
+In units of the greatest overlap and the speed at touch, with w = sqrt(d) and dt = w ds, Hertz's contact is w' = v/2, v' = -5/4 w^4 in s,
+analytic from touch to release. The slip p has the way q, q' = w p; while the spring sticks p' = -35/8 (k_t/k) w^2 stretch, while it
+slides p' = -+35/8 mu w^4 and its stretch is +-g d, g = mu k/k_t. Pieces end where the spring comes to its limit, is caught, or is let go.
+"""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from functools import partial
+from math import sqrt
+
+import numpy as np
+from numpy.polynomial import polynomial
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+Value = Callable[[float], float]
+ORDER, STEP, LOOKS = 20, 0.125, 8
+STICKS = 0
+"""The mode; +1 and -1 slide."""
+W, V, P, Q = range(4)
+
+
+@dataclass(frozen=True)
+class Spring:
+    """`ratio` is k_t/k."""
+
+    ratio: float
+    friction: float
+
+    @property
+    def slack(self) -> float:
+        """g."""
+        return self.friction / self.ratio
+
+    def series(self, start: Sequence[float], side: int, hangs: float) -> Array:
+        """Taylor coefficients (4, ORDER + 1) of w, v, p, q in s; the stretch is q - hangs while it sticks (side 0)."""
+        c = np.zeros((4, ORDER + 1))
+        c[:, 0] = start
+        square, fourth, pull = np.zeros((3, ORDER + 1))
+        for n in range(ORDER):
+            back = slice(n, None, -1) if n else slice(0, 1)
+            square[n] = c[W, : n + 1] @ c[W, back]
+            fourth[n] = square[: n + 1] @ square[back]
+            stretch = c[Q, : n + 1] - np.eye(1, n + 1)[0] * hangs
+            pull[n] = self.ratio * (square[: n + 1] @ stretch[::-1]) if side == STICKS else side * self.friction * fourth[n]
+            rates = c[V, n] / 2, -1.25 * fourth[n], -4.375 * pull[n], c[W, : n + 1] @ c[P, back]
+            c[:, n + 1] = np.array(rates) / (n + 1)
+        return c
+
+    def ends(self, c: Array, side: int, hangs: float) -> list[tuple[Value, int | None]]:
+        """What is positive in a mode, and the mode that follows it, None after release."""
+
+        def limit(to: int, s: float) -> float:
+            return self.slack * _at(c[W], s) ** 2 - to * (_at(c[Q], s) - hangs)
+
+        apart: tuple[Value, int | None] = (partial(_at, c[W]), None)
+        if side == STICKS:
+            return [(partial(limit, 1), 1), (partial(limit, -1), -1), apart]
+        return [(lambda s: side * _at(c[P], s) - self.slack * _at(c[V], s), STICKS), apart]
+
+
+@dataclass(frozen=True)
+class Course:
+    """Series and lengths, one after another."""
+
+    pieces: list[tuple[Array, float]]
+
+    def at(self, depth: float, rate: float) -> tuple[float, float]:
+        """Slip and its way at an overlap and its rate: by the one of w and v that changes faster there."""
+        row, goal = (W, sqrt(depth)) if abs(rate) > 0.7 else (V, rate)
+        c, length = next((piece for piece in self.pieces if _at(piece[0][V], piece[1]) <= rate), self.pieces[-1])
+        s, slope = length / 2, polynomial.polyder(c[row])
+        for _ in range(50):
+            change = (goal - _at(c[row], s)) / _at(slope, s)
+            s = min(max(s + change, 0.0), length)
+            if abs(change) <= 1e-16:
+                break
+        return _at(c[P], s), _at(c[Q], s)
+
+    def end(self) -> tuple[float, float]:
+        """Slip and its way where the contact ends."""
+        c, length = self.pieces[-1]
+        return _at(c[P], length), _at(c[Q], length)
+
+
+def course(spring: Spring, slip: float) -> Course:
+    """From touch, at a slip > 0 in units of the speed, to release."""
+    state, hangs = [0.0, 1.0, slip, 0.0], 0.0
+    mode: int | None = 1 if slip > spring.slack else STICKS
+    pieces: list[tuple[Array, float]] = []
+    while mode is not None:
+        c = spring.series(state, mode, hangs)
+        length, after = _first(spring.ends(c, mode, hangs), mode)
+        pieces.append((c, length))
+        state = [_at(row, length) for row in c]
+        if mode != STICKS and after == STICKS:
+            hangs = state[Q] - mode * spring.slack * state[W] ** 2
+        mode = after
+    return Course(pieces)
+
+
+def _at(row: Array, s: float) -> float:
+    return float(polynomial.polyval(s, row))
+
+
+def _first(ends: Sequence[tuple[Value, int | None]], mode: int) -> tuple[float, int | None]:
+    """Length of a piece and the next mode: where the first function falls through 0, found by bisection; STEP and the same if none does."""
+    for look in range(LOOKS):
+        low, high = STEP * look / LOOKS, STEP * (look + 1) / LOOKS
+        fallen = [(_zero(value, low, high), n) for n, (value, _) in enumerate(ends) if value(high) < 0]
+        if fallen:
+            length, n = min(fallen)
+            return length, ends[n][1]
+    return STEP, mode
+
+
+def _zero(value: Value, low: float, high: float) -> float:
+    for _ in range(60):
+        middle = (low + high) / 2
+        low, high = (middle, high) if value(middle) > 0 else (low, middle)
+    return high
