@@ -91,6 +91,9 @@ typedef struct {
     rubbing b;
     dd middle, x, friction;
     double x0, v0, t0;
+    int64_t samples;
+    const double *t;
+    double *out;
 } rubbed;
 
 int64_t refdem_coulomb_size(void)
@@ -100,25 +103,26 @@ int64_t refdem_coulomb_size(void)
 
 REFDEM_EVERY_CPU
 int refdem_coulomb_prepare(double mass, double stiffness, double friction, double normal_force, double gravity, double x0, double v0,
-                           double t0, double *stop, double *motion)
+                           double t0, int64_t samples, const double *t, double *stop, double *out, double *motion)
 {
     rubbed *r = (rubbed *)motion;
     dd m = dd_of(mass), k = dd_of(stiffness);
     r->friction = two_product(friction, normal_force);
     r->middle = dd_div(dd_scale(m, gravity), k), r->x = dd_sub(dd_of(x0), r->middle);
     r->b = prepared(m, k, r->friction, r->x, v0);
-    r->x0 = x0, r->v0 = v0, r->t0 = t0;
+    r->x0 = x0, r->v0 = v0, r->t0 = t0, r->samples = samples, r->t = t, r->out = out;
     dd last = dd_add(r->b.opening, dd_scale(r->b.half, (double)r->b.halves));
     *stop = dd_round(dd_add(dd_of(t0), last));
     return 0;
 }
 
 REFDEM_EVERY_CPU
-int refdem_coulomb_at(const double *motion, int64_t samples, const double *t, double *out)
+int refdem_coulomb_run(const double *motion)
 {
     const rubbed *r = (const rubbed *)motion;
-    for (int64_t row = 0; row < samples; row++) {
-        double place, *to = out + 3 * row;
+    const double *t = r->t;
+    for (int64_t row = 0; row < r->samples; row++) {
+        double place, *to = r->out + 3 * row;
         at(&r->b, two_sum(t[row], -r->t0), r->x, &place, to + 1, to + 2);
         to[0] = t[row] == r->t0 ? r->x0 : dd_round(dd_add(r->middle, dd_of(place)));
         to[1] = t[row] == r->t0 ? r->v0 : to[1];
@@ -131,6 +135,6 @@ int refdem_coulomb(double mass, double stiffness, double friction, double normal
                    double t0, int64_t samples, const double *t, double *stop, double *out)
 {
     rubbed r;
-    refdem_coulomb_prepare(mass, stiffness, friction, normal_force, gravity, x0, v0, t0, stop, (double *)&r);
-    return refdem_coulomb_at((const double *)&r, samples, t, out);
+    refdem_coulomb_prepare(mass, stiffness, friction, normal_force, gravity, x0, v0, t0, samples, t, stop, out, (double *)&r);
+    return refdem_coulomb_run((const double *)&r);
 }

@@ -24,6 +24,9 @@ typedef struct {
     turns phase, mean;                 /* u in periods of sn, the mean turn in half turns */
     double t0, attitude[4], omega[3];  /* the start, as given */
     double frame[4][4];                /* left product by `base`, vector parts by label */
+    int64_t samples;
+    const double *t;
+    double *out_attitude, *out_omega;
     double base[4], along[3];          /* attitude before the turn, and its unit axis */
     double size[3], direction[3];      /* amplitudes of omega_body and of n, by label */
     double order;                      /* +1 if J3 is the largest moment, -1 if the smallest */
@@ -335,10 +338,11 @@ int64_t refdem_free_body_size(void)
 }
 
 REFDEM_EVERY_CPU
-int refdem_free_body_prepare(const double *inertia, const double *attitude, const double *omega, double t0, double *motion)
+int refdem_free_body_prepare(const double *inertia, const double *attitude, const double *omega, double t0, int64_t samples,
+                             const double *t, double *out_attitude, double *out_omega, double *motion)
 {
     free_body *b = (free_body *)motion;
-    *b = (free_body){.kind = STEADY, .t0 = t0};
+    *b = (free_body){.kind = STEADY, .t0 = t0, .samples = samples, .t = t, .out_attitude = out_attitude, .out_omega = out_omega};
     memcpy(b->attitude, attitude, sizeof b->attitude);
     memcpy(b->omega, omega, sizeof b->omega);
     prepare(b, inertia, attitude, omega);
@@ -346,23 +350,24 @@ int refdem_free_body_prepare(const double *inertia, const double *attitude, cons
 }
 
 REFDEM_EVERY_CPU
-int refdem_free_body_at(const double *motion, int64_t samples, const double *t, double *out_attitude, double *out_omega)
+int refdem_free_body_run(const double *motion)
 {
     const free_body *b = (const free_body *)motion;
-    for (int64_t first = 0; first < samples && b->kind == TUMBLING; first += BLOCK) {
-        int count = samples - first < BLOCK ? (int)(samples - first) : BLOCK;
+    for (int64_t first = 0; first < b->samples && b->kind == TUMBLING; first += BLOCK) {
+        int count = b->samples - first < BLOCK ? (int)(b->samples - first) : BLOCK;
         states found;
-        tumbling_at(b, count, t + first, &found);
-        turned_out(b, count, &found, out_attitude + 4 * first, out_omega + 3 * first);
+        tumbling_at(b, count, b->t + first, &found);
+        turned_out(b, count, &found, b->out_attitude + 4 * first, b->out_omega + 3 * first);
     }
-    for (int64_t k = 0; k < samples; k++)
-        if (t[k] == b->t0 || b->kind == STEADY)
-            memcpy(out_omega + 3 * k, b->omega, sizeof b->omega);
-    for (int64_t k = 0; k < samples; k++)
-        if (t[k] == b->t0)
-            memcpy(out_attitude + 4 * k, b->attitude, sizeof b->attitude);
-        else if (b->kind != TUMBLING)
-            turning_at(b, two_sum(t[k], -b->t0), out_attitude + 4 * k, out_omega + 3 * k);
+    for (int64_t k = 0; k < b->samples; k++) {
+        int is_start = b->t[k] == b->t0;
+        if (b->kind != TUMBLING && !is_start)
+            turning_at(b, two_sum(b->t[k], -b->t0), b->out_attitude + 4 * k, b->out_omega + 3 * k);
+        if (is_start)
+            memcpy(b->out_attitude + 4 * k, b->attitude, sizeof b->attitude);
+        if (is_start || b->kind == STEADY)
+            memcpy(b->out_omega + 3 * k, b->omega, sizeof b->omega);
+    }
     return 0;
 }
 
@@ -370,6 +375,6 @@ int refdem_free_body(const double *inertia, const double *attitude, const double
                      double *out_attitude, double *out_omega)
 {
     free_body b;
-    refdem_free_body_prepare(inertia, attitude, omega, t0, (double *)&b);
-    return refdem_free_body_at((const double *)&b, samples, t, out_attitude, out_omega);
+    refdem_free_body_prepare(inertia, attitude, omega, t0, samples, t, out_attitude, out_omega, (double *)&b);
+    return refdem_free_body_run((const double *)&b);
 }

@@ -13,6 +13,9 @@ typedef struct {
     double a, speed;         /* a, n a */
     double p[3], q[3];       /* towards periapsis; a quarter turn on */
     double t0, position[3], velocity[3];
+    int64_t samples;
+    const double *t;
+    double *out_position, *out_velocity;
 } orbit;
 
 /* E - sin E, without cancellation for small E. */
@@ -79,19 +82,22 @@ int64_t refdem_kepler_size(void)
 }
 
 REFDEM_EVERY_CPU
-int refdem_kepler_prepare(double gm, const double *position, const double *velocity, double t0, double *motion)
+int refdem_kepler_prepare(double gm, const double *position, const double *velocity, double t0, int64_t samples, const double *t,
+                          double *out_position, double *out_velocity, double *motion)
 {
     orbit *o = (orbit *)motion;
-    o->t0 = t0;
+    o->t0 = t0, o->samples = samples, o->t = t, o->out_position = out_position, o->out_velocity = out_velocity;
     return prepare(o, gm, position, velocity);
 }
 
 REFDEM_EVERY_CPU
-int refdem_kepler_at(const double *motion, int64_t samples, const double *t, double *out_position, double *out_velocity)
+int refdem_kepler_run(const double *motion)
 {
     const orbit *o = (const orbit *)motion;
+    const double *t = o->t;
+    double *out_position = o->out_position, *out_velocity = o->out_velocity;
     const dd turn = dd_scale(DD_PI, 2.0);
-    for (int64_t n = 0; n < samples; n++) {
+    for (int64_t n = 0; n < o->samples; n++) {
         if (t[n] == o->t0) {
             memcpy(out_position + 3 * n, o->position, sizeof o->position);
             memcpy(out_velocity + 3 * n, o->velocity, sizeof o->velocity);
@@ -115,7 +121,7 @@ int refdem_kepler(double gm, const double *position, const double *velocity, dou
                   double *out_position, double *out_velocity)
 {
     orbit o;
-    if (refdem_kepler_prepare(gm, position, velocity, t0, (double *)&o))
+    if (refdem_kepler_prepare(gm, position, velocity, t0, samples, t, out_position, out_velocity, (double *)&o))
         return 1;
-    return refdem_kepler_at((const double *)&o, samples, t, out_position, out_velocity);
+    return refdem_kepler_run((const double *)&o);
 }

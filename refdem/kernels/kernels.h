@@ -101,10 +101,11 @@ int refdem_rebound_record(const refdem_rebound_engine *engine, const refdem_rebo
 
 /* Attitude (samples, 4) and omega (samples, 3) of one free rigid body at times t [s], in closed form (error: a few ulp, plus
  * half an ulp of the inputs times the motion's own sensitivity); the state holds at t0. inertia (3) >= 0 [kg m^2], principal.
- * In two parts, what the start decides (motion: as many doubles as _size says) and the samples; or in one. All return 0. */
+ * In two parts, what the start decides (into motion: as many doubles as _size says) and the samples; or in one. All return 0. */
 int64_t refdem_free_body_size(void);
-int refdem_free_body_prepare(const double *inertia, const double *attitude, const double *omega, double t0, double *motion);
-int refdem_free_body_at(const double *motion, int64_t samples, const double *t, double *out_attitude, double *out_omega);
+int refdem_free_body_prepare(const double *inertia, const double *attitude, const double *omega, double t0, int64_t samples,
+                             const double *t, double *out_attitude, double *out_omega, double *motion);
+int refdem_free_body_run(const double *motion);
 int refdem_free_body(const double *inertia, const double *attitude, const double *omega, double t0, int64_t samples,
                      const double *t, double *out_attitude, double *out_omega);
 
@@ -125,9 +126,9 @@ int refdem_rigid_body_rk4(const double *inertia, const double *attitude, const d
  * All return 0. */
 int64_t refdem_pendulum_size(void);
 int refdem_pendulum_prepare(double mass, double length, const double *gravity, const double *anchor, const double *position,
-                            const double *velocity, double t0, double *motion);
-int refdem_pendulum_at(const double *motion, int64_t samples, const double *t, double *out_position, double *out_velocity,
-                       double *out_force);
+                            const double *velocity, double t0, int64_t samples, const double *t, double *out_position, double
+                            *out_velocity, double *out_force, double *motion);
+int refdem_pendulum_run(const double *motion);
 int refdem_pendulum(double mass, double length, const double *gravity, const double *anchor, const double *position,
                     const double *velocity, double t0, int64_t samples, const double *t, double *out_position, double *out_velocity,
                     double *out_force);
@@ -143,8 +144,9 @@ int refdem_harmonic(double mass, double stiffness, const double *gravity, const 
 /* A point about the origin with gravity parameter gm [m^3/s^2]; as above, in two parts or in one. All return 0, or 1 if the orbit is
  * not bound or straight. */
 int64_t refdem_kepler_size(void);
-int refdem_kepler_prepare(double gm, const double *position, const double *velocity, double t0, double *motion);
-int refdem_kepler_at(const double *motion, int64_t samples, const double *t, double *out_position, double *out_velocity);
+int refdem_kepler_prepare(double gm, const double *position, const double *velocity, double t0, int64_t samples, const double
+                          *t, double *out_position, double *out_velocity, double *motion);
+int refdem_kepler_run(const double *motion);
 int refdem_kepler(double gm, const double *position, const double *velocity, double t0, int64_t samples, const double *t,
                   double *out_position, double *out_velocity);
 
@@ -199,9 +201,9 @@ int64_t refdem_particles_run(const refdem_particles *p, int method, double h, in
  * from x0 [m], v0 [m/s] at t0. out (samples, 3): x [m], v [m/s], work done against friction [J]. stop: when it stops for
  * ever [s]. Errors: a few ulp of the amplitude, however long it lasts. In two parts, as for a free body, or in one. All return 0. */
 int64_t refdem_coulomb_size(void);
-int refdem_coulomb_prepare(double mass, double stiffness, double friction, double normal_force, double gravity, double x0, double v0,
-                           double t0, double *stop, double *motion);
-int refdem_coulomb_at(const double *motion, int64_t samples, const double *t, double *out);
+int refdem_coulomb_prepare(double mass, double stiffness, double friction, double normal_force, double gravity, double x0,
+                           double v0, double t0, int64_t samples, const double *t, double *stop, double *out, double *motion);
+int refdem_coulomb_run(const double *motion);
 int refdem_coulomb(double mass, double stiffness, double friction, double normal_force, double gravity, double x0, double v0,
                    double t0, int64_t samples, const double *t, double *stop, double *out);
 

@@ -28,6 +28,9 @@ typedef struct {
 typedef struct {
     pendulum b;
     double mass, length, gravity, t0, anchor[3], down[3], across[3], position[3], velocity[3];
+    int64_t samples;
+    const double *t;
+    double *out_position, *out_velocity, *out_force;
 } hung;
 
 static dd length_of(const dd *v)
@@ -159,11 +162,13 @@ int64_t refdem_pendulum_size(void)
 
 REFDEM_EVERY_CPU
 int refdem_pendulum_prepare(double mass, double length, const double *gravity, const double *anchor, const double *position,
-                            const double *velocity, double t0, double *motion)
+                            const double *velocity, double t0, int64_t samples, const double *t, double *out_position,
+                            double *out_velocity, double *out_force, double *motion)
 {
     dd rod[3], v[3], across, along, size;
     hung *m = (hung *)motion;
-    *m = (hung){.mass = mass, .length = length, .t0 = t0};
+    *m = (hung){.mass = mass, .length = length, .t0 = t0, .samples = samples, .t = t, .out_position = out_position,
+                .out_velocity = out_velocity, .out_force = out_force};
     for (int i = 0; i < 3; i++)
         rod[i] = two_sum(position[i], -anchor[i]), v[i] = dd_of(velocity[i]);
     plane way = plane_of(gravity, rod, v);
@@ -182,22 +187,21 @@ int refdem_pendulum_prepare(double mass, double length, const double *gravity, c
 }
 
 REFDEM_EVERY_CPU
-int refdem_pendulum_at(const double *motion, int64_t samples, const double *t, double *out_position, double *out_velocity,
-                       double *out_force)
+int refdem_pendulum_run(const double *motion)
 {
     const hung *m = (const hung *)motion;
     int is_resting = m->b.kind == RESTING;
-    for (int64_t first = 0; first < samples; first += BLOCK) {
-        int count = samples - first < BLOCK ? (int)(samples - first) : BLOCK;
+    for (int64_t first = 0; first < m->samples; first += BLOCK) {
+        int count = m->samples - first < BLOCK ? (int)(m->samples - first) : BLOCK;
         angles a;
-        at(&m->b, m->t0, count, t + first, &a);
-        placed(m, count, &a, out_position + 3 * first, out_velocity + 3 * first, out_force + first);
+        at(&m->b, m->t0, count, m->t + first, &a);
+        placed(m, count, &a, m->out_position + 3 * first, m->out_velocity + 3 * first, m->out_force + first);
     }
-    for (int64_t k = 0; k < samples; k++)
-        if (is_resting || t[k] == m->t0) {
-            memcpy(out_position + 3 * k, m->position, sizeof m->position);
-            memcpy(out_velocity + 3 * k, m->velocity, sizeof m->velocity);
-            out_force[k] = m->mass * (m->length * m->b.omega * m->b.omega + m->gravity * m->b.c);
+    for (int64_t k = 0; k < m->samples; k++)
+        if (is_resting || m->t[k] == m->t0) {
+            memcpy(m->out_position + 3 * k, m->position, sizeof m->position);
+            memcpy(m->out_velocity + 3 * k, m->velocity, sizeof m->velocity);
+            m->out_force[k] = m->mass * (m->length * m->b.omega * m->b.omega + m->gravity * m->b.c);
         }
     return 0;
 }
@@ -207,6 +211,7 @@ int refdem_pendulum(double mass, double length, const double *gravity, const dou
                     double *out_force)
 {
     hung m;
-    refdem_pendulum_prepare(mass, length, gravity, anchor, position, velocity, t0, (double *)&m);
-    return refdem_pendulum_at((const double *)&m, samples, t, out_position, out_velocity, out_force);
+    refdem_pendulum_prepare(mass, length, gravity, anchor, position, velocity, t0, samples, t, out_position, out_velocity, out_force,
+                            (double *)&m);
+    return refdem_pendulum_run((const double *)&m);
 }

@@ -60,8 +60,8 @@ class ExactCoulomb(Solver):
         out, stop = np.empty((len(t), 3)), np.empty(1)
         stopped, rows, samples = pointer("coulomb", stop, output=True), pointer("coulomb", out, output=True), pointer("coulomb", t)
         lib, motion = load("coulomb").lib, prepared("coulomb")
-        lib.refdem_coulomb_prepare(*numbers, stopped, motion)
-        seconds = timed(lib.refdem_coulomb_at, motion, len(t), samples, rows)
+        lib.refdem_coulomb_prepare(*numbers, len(t), samples, stopped, rows, motion)
+        seconds = timed(lib.refdem_coulomb_run, motion)
         cost = Cost(seconds=seconds, setup=perf_counter() - begun - seconds)
         position, velocity = anchor + out[:, :1, None] * axis, out[:, 1:2, None] * axis
         events = (Event(time=float(stop[0]), kind="stop", body=0),) if stop[0] <= t[-1] else ()

@@ -26,9 +26,9 @@ class ExactFreeBody(FreeBodies):
         t = request.problem.times
         state = [pointer("free_body", column) for column in first_state(request.problem.scene.bodies, number)]
         out = [pointer("free_body", column, output=True) for column in (attitude, omega)]
-        lib, motion, samples = load("free_body").lib, prepared("free_body"), pointer("free_body", t)
-        lib.refdem_free_body_prepare(*state, t[0], motion)
-        return timed(lib.refdem_free_body_at, motion, len(t), samples, *out)
+        lib, motion = load("free_body").lib, prepared("free_body")
+        lib.refdem_free_body_prepare(*state, t[0], len(t), pointer("free_body", t), *out, motion)
+        return timed(lib.refdem_free_body_run, motion)
 
 
 METHOD = ExactFreeBody()

@@ -48,9 +48,9 @@ class ExactKepler(Solver):
         start = [pointer("kepler", column[0].copy()) for column in (scene.bodies.position, scene.bodies.velocity)]
         position, velocity = np.empty((len(t), 1, 3)), np.empty((len(t), 1, 3))
         out = [pointer("kepler", column, output=True) for column in (position, velocity)]
-        lib, motion, samples = load("kepler").lib, prepared("kepler"), pointer("kepler", t)
-        lib.refdem_kepler_prepare(gm, *start, t[0], motion)
-        seconds = timed(lib.refdem_kepler_at, motion, len(t), samples, *out)
+        lib, motion = load("kepler").lib, prepared("kepler")
+        lib.refdem_kepler_prepare(gm, *start, t[0], len(t), pointer("kepler", t), *out, motion)
+        seconds = timed(lib.refdem_kepler_run, motion)
         cost = Cost(seconds=seconds, setup=perf_counter() - begun - seconds)
         return Trajectory.of_points(t, position, velocity), cost
 

@@ -51,9 +51,9 @@ class ExactPendulum(Solver):
         position, velocity, force = np.empty((len(t), 1, 3)), np.empty((len(t), 1, 3)), np.empty((len(t), 1))
         columns = [pointer("pendulum", column) for column in given]
         out = [pointer("pendulum", column, output=True) for column in (position, velocity, force)]
-        lib, motion, samples = load("pendulum").lib, prepared("pendulum"), pointer("pendulum", t)
-        lib.refdem_pendulum_prepare(scene.bodies.mass[0], rod.length, *columns, t[0], motion)
-        seconds = timed(lib.refdem_pendulum_at, motion, len(t), samples, *out)
+        lib, motion = load("pendulum").lib, prepared("pendulum")
+        lib.refdem_pendulum_prepare(scene.bodies.mass[0], rod.length, *columns, t[0], len(t), pointer("pendulum", t), *out, motion)
+        seconds = timed(lib.refdem_pendulum_run, motion)
         cost = Cost(seconds=seconds, setup=perf_counter() - begun - seconds)
         return Trajectory.of_points(t, position, velocity, channels={"rod_force": force}), cost
 
