@@ -42,6 +42,19 @@ _CONSTRAINTS = (
     ),
     Default("solref of friction and rigid contact", "0.02 s", "2 steps", "the shortest that refsafe allows: the law hardens with the step"),
     Default(
+        "solref, solimp, solreffriction where shapes may slide",
+        "0.02 s, 0.9 to 0.95, as solref",
+        "-1/(4 h^2), -1/h; d = 2^-10; -d/h",
+        "with the harder ones above what slides is thrown up at mu v and hops, by a part that no shorter step makes smaller",
+    ),
+    Default("margin of contacts", "0", "2^-50 of the scene's size", "shapes exactly in touch would not feel each other in the first step"),
+    Default(
+        "slider on a belt",
+        "-",
+        "a sphere on a plane with surfacevel, pressed by xfrc_applied, on three slide joints",
+        "frictionloss is against the world at rest; without the third joint the tangents are singular and noslip does nothing",
+    ),
+    Default(
         "solref, solimp of the linear law",
         "soft-constraint values",
         "-stiffness/m_eff, -damping/m_eff; impedance 0.5",

@@ -43,14 +43,14 @@ def of_sliders(scene: Scene) -> str | None:
             return "this adapter says dry friction against the world only"
         if slider.law != "coulomb":
             return "no dry friction that depends on the speed: frictionloss and contacts (surfacevel) have one coefficient"
-        if slider.belt_velocity:
-            return "this adapter says dry friction against a ground at rest only: surfacevel belongs to contacts, which are soft"
         if sorted(np.abs(slider.axis)) != [0, 0, 1]:
             return "this adapter says dry friction along x, y or z only"
         if "rotation" in scene.features and scene.bodies.inertia[slider.a].any():
             return "no dry friction along an axis on a free joint"
         if any(rod.a == slider.a for rod in scene.all(Rod)):
             return "this adapter says no dry friction on a body that hangs on a rod"
+        if slider.belt_velocity and (abs(slider.axis[0]) < 1 or "dimension:1" not in scene.features):
+            return "this adapter says a belt for motion along x only"
     return None
 
 

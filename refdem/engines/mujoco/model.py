@@ -5,16 +5,14 @@ from typing import Any
 import numpy as np
 
 from refdem.core.problem import Request
-from refdem.engines.mujoco import options, shapes, solver
+from refdem.engines.mujoco import belts, contacts, options, solver
 from refdem.engines.mujoco.ball import Ball
 from refdem.engines.mujoco.joints import Fixed, Freedom, Slides
 from refdem.engines.mujoco.turning import Free, Hinge
 from refdem.mechanics.quaternion import rotated
 from refdem.scene import Scene
 from refdem.scene.elements.ball_joint import BallJoint
-from refdem.scene.elements.contact import Contact
 from refdem.scene.elements.dashpot import Dashpot
-from refdem.scene.elements.plane import Plane
 from refdem.scene.elements.rod import Rod
 from refdem.scene.elements.slider import Slider
 from refdem.scene.elements.spring import Spring
@@ -32,12 +30,8 @@ def compiled(request: Request) -> tuple[Any, list[Freedom]]:
     options.set_options(mujoco, spec, scene, request.method, step)
     freedoms = [_freedom(scene, number, step) for number in range(len(scene.bodies))]
     said = _said(mujoco, spec, freedoms)
-    for law in scene.all(Contact):
-        parameters = solver.contact(scene, law, step)
-        for body, shape in zip(said, scene.bodies.shape, strict=True):
-            shapes.add_shape(mujoco, body, shape, parameters)
-        for plane in scene.all(Plane):
-            shapes.add_plane(mujoco, spec.worldbody, plane, parameters)
+    contacts.add(mujoco, spec, scene, said, step)
+    belts.add(mujoco, spec, scene, said, step)
     for number, spring in enumerate(scene.all(Spring)):
         if not _is_of_joints(scene, spring):
             _add_tendon(spec, scene, freedoms, said, spring, f"spring {number}")
@@ -80,11 +74,12 @@ def _freedom(scene: Scene, number: int, step: float) -> Freedom:
             return Ball(body, joint)
     if _turns(scene, number):
         return Free(body)
-    dimension = next(n for n in (1, 2, 3) if f"dimension:{n}" in scene.features)
+    rubbed = any(belt.a == number for belt in belts.belts(scene))
+    dimension = 3 if rubbed else next(n for n in (1, 2, 3) if f"dimension:{n}" in scene.features)
     springs = [spring for spring in scene.all(Spring) if spring.a == number and _is_of_joints(scene, spring)]
     stiffness = (springs[0].stiffness, 0.0, 0.0) if springs else STILL
     reference = springs[0].anchor_b if springs else STILL
-    sliders = [slider for slider in scene.all(Slider) if slider.a == number]
+    sliders = [slider for slider in scene.all(Slider) if slider.a == number and not slider.belt_velocity]
     friction = np.sum([np.abs(s.axis) * s.friction * s.normal_force for s in sliders], axis=0) if sliders else STILL
     damping = sum(dashpot.damping for dashpot in scene.all(Dashpot) if dashpot.a == number)
     return Slides(body, dimension, stiffness, reference, tuple(friction), solver.friction(step) if sliders else {}, damping)

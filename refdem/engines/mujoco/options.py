@@ -6,6 +6,7 @@ import numpy as np
 
 from refdem.engines.mujoco.claims import INTEGRATORS
 from refdem.scene import Scene
+from refdem.scene.elements.slider import Slider
 from refdem.scene.elements.uniform_gravity import UniformGravity
 
 NEVER = ("LIMIT", "EQUALITY", "ACTUATION", "SENSOR", "WARMSTART", "AUTORESET")
@@ -50,11 +51,12 @@ def set_options(mujoco: Any, spec: Any, scene: Scene, method: str, step: float) 
 def unneeded(scene: Scene) -> tuple[str, ...]:
     """Disable flags that follow from what is not in the scene."""
     features = scene.features
-    meets = "contact" in features and scene.has_shapes()
+    belt = "slider:belt" in features
+    meets = belt or ("contact" in features and scene.has_shapes())
     off = {
         "CONTACT": not meets,
         "CONSTRAINT": not meets and "slider" not in features,
-        "FRICTIONLOSS": "slider" not in features,
+        "FRICTIONLOSS": all(slider.belt_velocity for slider in scene.all(Slider)),
         "SPRING": "spring" not in features,
         "DAMPER": "dashpot" not in features,
         "GRAVITY": "uniform_gravity" not in features,

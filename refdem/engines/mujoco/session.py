@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 
 from refdem.core.problem import Request
 from refdem.core.trajectory import Cost, Trajectory
+from refdem.engines.mujoco.belts import press
 from refdem.engines.mujoco.joints import Freedom
 from refdem.engines.mujoco.loop import recorded
 from refdem.engines.mujoco.model import compiled
@@ -48,6 +49,7 @@ def _started(mujoco: Any, model: Any, freedoms: list[Freedom], request: Request)
         q, v = _columns(model, freedoms, number)
         data.qpos[q[-freedom.nq :] if freedom.nq else []], data.qvel[v[-freedom.nv :] if freedom.nv else []] = freedom.start()
     data.time = float(request.problem.times[0])
+    press(request.problem.scene, data)
     return data
 
 

@@ -33,19 +33,18 @@ def pairs(scene: Scene) -> Iterator[float]:
             yield 1 / total
 
 
-def add_shape(mujoco: Any, said: Any, shape: Any, contact: dict[str, Any]) -> None:
-    """Gives a body of MuJoCo its geom, with the contact parameters."""
+def add_shape(mujoco: Any, said: Any, shape: Any, words: dict[str, Any]) -> Any:
+    """The geom of a body of MuJoCo, with its name and contact parameters."""
     if isinstance(shape, Sphere):
-        said.add_geom(type=mujoco.mjtGeom.mjGEOM_SPHERE, size=(shape.radius, 0, 0), **contact)
-    elif isinstance(shape, Polyhedron):
-        sides = box_sides(shape)
-        assert sides is not None, "refused before"
-        said.add_geom(type=mujoco.mjtGeom.mjGEOM_BOX, size=sides / 2, **contact)
+        return said.add_geom(type=mujoco.mjtGeom.mjGEOM_SPHERE, size=(shape.radius, 0, 0), **words)
+    sides = box_sides(shape)
+    assert sides is not None, "refused before"
+    return said.add_geom(type=mujoco.mjtGeom.mjGEOM_BOX, size=sides / 2, **words)
 
 
-def add_plane(mujoco: Any, world: Any, plane: Plane, contact: dict[str, Any]) -> None:
-    """Adds a plane to the world; its z axis is the normal."""
-    world.add_geom(type=mujoco.mjtGeom.mjGEOM_PLANE, size=(0, 0, 1), pos=plane.point, quat=_turned_up(plane.normal), **contact)
+def add_plane(mujoco: Any, world: Any, plane: Plane, words: dict[str, Any]) -> Any:
+    """The geom of a plane, added to the world; its z axis is the normal."""
+    return world.add_geom(type=mujoco.mjtGeom.mjGEOM_PLANE, size=(0, 0, 1), pos=plane.point, quat=_turned_up(plane.normal), **words)
 
 
 def _turned_up(normal: tuple[float, float, float]) -> Array:

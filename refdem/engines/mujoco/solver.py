@@ -10,6 +10,10 @@ from refdem.scene.elements.contact import Contact
 
 HARDEST = 0.9999
 """mjMAXIMP: the largest impedance; MuJoCo clamps to it."""
+ROUNDING = 2.0**-50
+"""Part of a scene's size by which shapes may be apart and still touch: a contact of depth 0 would not act."""
+SLIDING = 2.0**-10
+"""Impedance of contacts that slide: a convex contact law lifts what slides (see `rubbing`), the less, the smaller this is."""
 ANY = 0.5
 """Impedance of the linear law; it cancels (see `linear_law`) and halves exactly."""
 
@@ -35,12 +39,27 @@ def linear_law(scene: Scene, law: Contact) -> list[float]:
     return [-law.stiffness / effective_mass, -law.damping / effective_mass]
 
 
-def contact(scene: Scene, law: Contact, step: float) -> dict[str, Any]:
+def rubbing(friction: float, step: float, size: float) -> dict[str, Any]:
+    """Parameters of a pair that slides or sticks, in direct form: its depth is a critically damped oscillator of rate 1/(2 step).
+
+    The force minimises one cost of both residuals, so that slip at v_t also pushes along the normal, until
+    `a_n + b v_n + k r = mu |a_t + b_t v_t|` less a part that grows as the impedance d falls: with d near 1 what slides leaves the
+    ground at mu v_t and hops, however short the step. In direct form b and k are 1/d of what is given, and the depth obeys
+    d b and d k, so that a small d lets b_t alone be 1/step: what slides stays down, friction is mu times the normal force, and
+    what sticks comes to rest in a step, for the post-solver takes the softness out of friction.
+    """
+    normal, tangential = [-1 / (4 * step**2), -1 / step], [-np.finfo(float).tiny, -SLIDING / step]
+    own = {"condim": 3, "friction": (friction, friction, 0.0, 0.0, 0.0), "solimp": impedance(SLIDING), "margin": ROUNDING * size}
+    return own | {"solref": normal, "solreffriction": tangential}
+
+
+def contact(scene: Scene, law: Contact, step: float, size: float) -> dict[str, Any]:
     """Parameters of every geom: all alike, so that MuJoCo's rules of combination change nothing."""
     if law.law == "linear":
         return {"condim": 1, "solref": linear_law(scene, law), "solimp": impedance(ANY)}
     sliding = (law.friction, 0.0, 0.0)
-    return {"condim": 3 if law.friction > 0 else 1, "friction": sliding, "solref": stiffest(step), "solimp": impedance(HARDEST)}
+    rigid = {"solref": stiffest(step), "solimp": impedance(HARDEST), "margin": ROUNDING * size}
+    return rigid | {"condim": 3 if law.friction > 0 else 1, "friction": sliding}
 
 
 def friction(step: float) -> dict[str, Any]:

@@ -1,0 +1,51 @@
+"""Contact between the scene's shapes: geoms, planes, and what each pair of them is told of the law."""
+
+from itertools import chain, combinations, product
+from typing import Any
+
+import numpy as np
+
+from refdem.engines.mujoco import shapes, solver
+from refdem.scene import Point, Polyhedron, Scene, Sphere
+from refdem.scene.elements.contact import Contact
+from refdem.scene.elements.plane import Plane
+from refdem.scene.elements.uniform_gravity import UniformGravity
+
+
+def add(mujoco: Any, spec: Any, scene: Scene, said: list[Any], step: float) -> None:
+    """Gives the bodies of MuJoCo their geoms, the world its planes, and both the scene's contact law, if it has one."""
+    for law in scene.all(Contact):
+        friction = rubs(scene, law)
+        words = {} if friction else solver.contact(scene, law, step, _size(scene))
+        geoms = [
+            shapes.add_shape(mujoco, body, shape, words | {"name": f"shape {number}"})
+            for number, (body, shape) in enumerate(zip(said, scene.bodies.shape, strict=True))
+            if not isinstance(shape, Point)
+        ]
+        planes = [
+            shapes.add_plane(mujoco, spec.worldbody, plane, words | {"name": f"plane {number}"})
+            for number, plane in enumerate(scene.all(Plane))
+        ]
+        for one, other in chain(combinations(geoms, 2), product(geoms, planes)) if friction else ():
+            spec.add_pair(geomname1=one.name, geomname2=other.name, **solver.rubbing(law.friction, step, _size(scene)))
+
+
+def rubs(scene: Scene, law: Contact) -> bool:
+    """Rigid shapes may slide on one another: something moves, or gravity acts along a plane."""
+    if law.law != "rigid" or not law.friction > 0 or not scene.has_shapes():
+        return False
+    pulls = [np.array(gravity.g) for gravity in scene.all(UniformGravity)]
+    along = [np.linalg.norm(np.cross(plane.normal, g)) > solver.ROUNDING * np.linalg.norm(g) for plane in scene.all(Plane) for g in pulls]
+    return any(along) or bool(scene.bodies.velocity.any() or scene.bodies.omega.any())
+
+
+def _size(scene: Scene) -> float:
+    """How far from the origin [m] anything of a body is."""
+    return float(np.linalg.norm(scene.bodies.position, axis=1).max()) + max(_extent(shape) for shape in scene.bodies.shape)
+
+
+def _extent(shape: Any) -> float:
+    """Largest distance [m] of a shape from its centre."""
+    if isinstance(shape, Polyhedron):
+        return float(np.linalg.norm(shape.vertices, axis=1).max())
+    return shape.radius if isinstance(shape, Sphere) else 0.0
