@@ -18,6 +18,7 @@ from refdem.core.case import Instance
 from refdem.core.engine import Engine
 from refdem.core.finding import CampaignSheet, Sheet
 from refdem.core.problem import Request
+from refdem.core.refinement import order_levels
 from refdem.core.run import Failure, Run
 from refdem.core.store import Store
 from refdem.core.trajectory import Trajectory
@@ -82,7 +83,8 @@ class Campaign:
         """By how much [s] the velocities of some method lag at one of its levels."""
         staggered = [engine for engine in engines if any(m.velocity_time != "synchronous" for m in engine.methods)]
         trials = [trial for engine in staggered for trial, _ in plan.trials(self.specification, instance, engine)]
-        return tuple(sorted({delay for trial in trials for level in trial.levels if (delay := trial.method.delay(level))}))
+        levels = ((trial.method, level) for trial in trials for level in order_levels(instance, trial.levels))
+        return tuple(sorted({delay for method, level in levels if (delay := method.delay(level))}))
 
     def _truths(self, schedule: Schedule | InProcess, instances: list[tuple[Instance, tuple[float, ...]]]) -> list[SampledTruth]:
         """The sampled truth of every instance."""
@@ -114,7 +116,7 @@ class Campaign:
         """A run in a worker; a time limit that an engine keeps itself comes before the worker's."""
         limit = None if engine.time_limit is None else max(self.specification.timeout, engine.time_limit + GRACE)
         deadline = self.deadlines.get(engine.name, math.inf)
-        return Job(key, worker.run, (engine.address, request.to_json(), deadline), limit)
+        return Job(key, worker.run, (engine.address, request.packed(), deadline), limit)
 
     def _version(self, engine: Engine) -> str:
         """The engine's version, asked for once."""

@@ -8,7 +8,7 @@ import numpy as np
 from refdem.core.check import Check, Outcome, Trial
 from refdem.core.finding import Finding
 from refdem.core.judgement import growth_shown, judged, perturbation, undecided
-from refdem.core.refinement import COUNTING_FLOOR, HORIZON
+from refdem.core.refinement import COUNTING_FLOOR, HORIZON, kinked
 from refdem.core.variant import Variant
 
 FURTHER = 2.0
@@ -48,6 +48,8 @@ class Convergence(Check):
             return [undecided(self.name, "state", why)]
         order = trial.method.order_for(trial.instance.scene.features)
         seen = float(np.log2(coarse / fine)) if fine > floor else float(order)
+        if kinked(trial.instance) and order - seen > FURTHER * max(0.15, 0.05 * order):
+            return [self._within(trial, fine, growth, seen)]
         return [
             judged(
                 check=self.name,
@@ -61,6 +63,23 @@ class Convergence(Check):
                 order_claimed=float(order),
             )
         ]
+
+    def _within(self, trial: Trial, fine: float, growth: float, seen: float) -> Finding:
+        """Where kinks scatter the changes a pair shows no order; the finest change is still no larger than the errors allowed."""
+        allowed = growth * sum(float(trial.truncation(h)[-1]) + trial.round_off(h) for h in trial.levels[-2:])
+        if fine <= allowed:
+            return undecided(
+                self.name, "state", f"kinks scatter the changes from level to level, so the order {seen:.2f} of one pair shows nothing"
+            )
+        return judged(
+            check=self.name,
+            quantity="state",
+            value=fine,
+            bound=allowed,
+            unit="1",
+            basis="the errors that both levels may have",
+            what="The change between the finest two levels, in units of each scale,",
+        )
 
 
 def _change(trial: Trial, coarse: Outcome, fine: Outcome) -> float:

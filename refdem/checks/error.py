@@ -7,7 +7,7 @@ import numpy as np
 
 from refdem.core.check import Check, Outcome, Trial
 from refdem.core.finding import Finding, Level
-from refdem.core.judgement import Array, certified, curve, errors, judged, no_truth, undecided
+from refdem.core.judgement import MIXED, Array, certified, curve, errors, judged, no_truth, undecided
 from refdem.core.problem import Problem
 from refdem.core.refinement import COUNTING_FLOOR, scored
 from refdem.core.statics import Static
@@ -36,7 +36,8 @@ class Error(Check):
         if truth is None:
             return [undecided(self.name, "state", no_truth(trial))]
         seen = {level: errors(trial.instance, runs[Variant(level)].trajectory, truth, trial.method.delay(level)) for level in trial.levels}
-        names = seen[trial.levels[0]]
+        if not (names := seen[trial.levels[0]]):
+            return [undecided(self.name, "state", MIXED)]
         return [self._finding(trial, runs, name, {h: e[name] for h, e in seen.items()}) for name in names] + self._unsaid(trial, names)
 
     def _unsaid(self, trial: Trial, names: Iterable[str]) -> list[Finding]:

@@ -8,7 +8,7 @@ import numpy as np
 from refdem.core.check import Check, Outcome, Trial
 from refdem.core.finding import Finding
 from refdem.core.judgement import certified, judged, no_truth, undecided
-from refdem.core.refinement import COUNTING_FLOOR, HORIZON
+from refdem.core.refinement import COUNTING_FLOOR, HORIZON, kinked
 from refdem.core.trajectory import Trajectory
 from refdem.core.variant import Change, Variant
 from refdem.mechanics.quaternion import angle_between
@@ -99,8 +99,8 @@ def _is_exact(trial: Trial) -> bool:
 
 
 def _has_order(trial: Trial) -> bool:
-    """The defect is a truncation error."""
-    return trial.method.control == "step" and not _is_exact(trial)
+    """The defect is a truncation error, and no kink within a step scatters it."""
+    return trial.method.control == "step" and not _is_exact(trial) and not kinked(trial.instance)
 
 
 def _defect(trial: Trial, back: Trajectory, change: Change) -> float:

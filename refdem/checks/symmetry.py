@@ -2,6 +2,8 @@
 
 from collections.abc import Mapping
 
+import numpy as np
+
 from refdem.core import symmetry
 from refdem.core.check import Array, Check, Outcome, Trial
 from refdem.core.finding import Finding
@@ -32,11 +34,13 @@ class Symmetry(Check):
         """One level, as it is, in every symmetry, and with the start moved a little."""
         level = level_for(trial)
         shown = tuple(Variant(level, name) for name in self._shown(trial))  # type: ignore[arg-type]
-        return (Variant(level), Variant(level, "perturbed", perturbation(trial.method)), *shown)
+        finer = (trial.finest, Variant(trial.levels[-1], "rotated")) if _has_axes(trial) and Variant(level, "rotated") in shown else ()
+        return (Variant(level), Variant(level, "perturbed", perturbation(trial.method)), *shown, *finer)
 
     def judge(self, trial: Trial, runs: Mapping[Variant, Outcome]) -> list[Finding]:
         """One finding a symmetry: the largest scaled difference of any state."""
-        plain, perturbed, *shown = self.needs(trial)
+        plain, perturbed, *others = self.needs(trial)
+        shown = [variant for variant in others if variant.level == plain.level and variant.change != "none"]
         base = runs[plain].trajectory
         growth = growth_of(trial, runs[perturbed].trajectory if perturbed in runs else base, base)
         found = []
@@ -49,12 +53,16 @@ class Symmetry(Check):
             if count < 2:
                 found.append(undecided(self.name, variant.change, "round-off may grow past a tenth of the scale before the second sample"))
                 continue
+            apart = distances(trial.instance, view.undone(runs[variant].trajectory), base)
+            if variant.change == "rotated" and _has_axes(trial) and np.any(apart[:count] > bounds[:count]):
+                found.append(self._rotated(trial, runs, apart, growth))
+                continue
             found.append(
                 worst(
                     check=self.name,
                     quantity=variant.change,
                     t=trial.instance.times[:count],
-                    values=distances(trial.instance, view.undone(runs[variant].trajectory), base)[:count],
+                    values=apart[:count],
                     allowed=bounds[:count],
                     unit="1",
                     basis="the laws of mechanics are the same there, so only "
@@ -64,6 +72,34 @@ class Symmetry(Check):
                 )
             )
         return found or [undecided(self.name, "any", "the code refused every symmetry of the scene when it ran")]
+
+    def _rotated(self, trial: Trial, runs: Mapping[Variant, Outcome], coarse: Array, growth: Array) -> Finding:
+        """A method may put attitudes in coordinates with axes of their own: then what differs is truncation, and falls with the step."""
+        level, finest = level_for(trial), trial.levels[-1]
+        view = symmetry.of(trial.instance, "rotated")
+        fine = distances(trial.instance, view.undone(runs[Variant(finest, "rotated")].trajectory), runs[trial.finest].trajectory)
+        order, octaves = trial.method.order_for(trial.instance.scene.features), np.log2(level / finest)
+        allowed = (2 * trial.truncation(finest)) * growth
+        count = scored(allowed)
+        largest, falls = float(np.max(fine)), float(np.max(coarse)) / 2.0 ** (octaves * (order - 0.5))
+        falling = np.maximum(falls, 2 * (trial.round_off(finest) + trial.clock()) * symmetry.size(trial.instance, view) * growth)
+        what = "The difference between the motion and the same rotated, in units of each scale, at the finest step"
+        return worst(
+            check=self.name,
+            quantity="rotated",
+            t=trial.instance.times[:count],
+            values=fine[:count],
+            allowed=np.minimum(allowed, falling)[:count],
+            unit="1",
+            basis=f"it is more than round-off, so it must be a truncation error of order {order} at both steps and fall with it",
+            what=f"{what} ({largest:.2g} there, {float(np.max(coarse)):.2g} at {level / finest:.0f} times the step)",
+        )
+
+
+def _has_axes(trial: Trial) -> bool:
+    """Attitudes, which a method with steps may put in coordinates whose truncation error knows the axes of space."""
+    turns = "rotation" in trial.instance.scene.features
+    return turns and trial.method.control == "step" and len(trial.levels) > 1 and not _decides(trial)
 
 
 def level_for(trial: Trial) -> float:

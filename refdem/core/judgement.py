@@ -59,6 +59,9 @@ def undecided(check: str, quantity: str, why: str) -> Finding:
     return Finding(check=check, quantity=quantity, outcome="undecided", sentence=f"Not decided: {why}.")
 
 
+MIXED = "every quantity mixes places with velocities, which are half a step early"
+
+
 def certified(trial: Trial) -> SampledTruth | None:
     """The truth if at least two samples of it (or the only one) are certified."""
     least = min(2, len(trial.instance.times))
@@ -74,14 +77,15 @@ def errors(instance: Instance, trajectory: Trajectory, truth: SampledTruth, dela
     """Error (until,) of every quantity against truth, in units of its scale, less the radius that truth itself has.
 
     Angles modulo 2 pi; the components of an attitude together as the angle of one rotation. Where velocities lag by
-    `delay` [s], quantities made of them are compared with truth at their own time, and those that mix both are left out.
-    Raises EngineError if nothing can be compared.
+    `delay` [s], quantities made of them are compared with truth at their own time, and those that mix both are left out: none
+    may be left. Raises EngineError if the trajectory shows nothing that can be compared.
     """
     observed = instance.observe(trajectory)
     if not delay:
         return _errors(instance, observed, truth)
     by_velocity, by_position = _made_of(instance, trajectory)
-    found = _errors(instance, {name: values for name, values in observed.items() if name not in by_velocity}, truth)
+    placed = {name: values for name, values in observed.items() if name not in by_velocity}
+    found = _errors(instance, placed, truth) if placed else {}
     late = {name: values for name, values in observed.items() if name in by_velocity - by_position}
     return found | (_errors(instance, late, truth.delayed(delay)) if late else {})
 

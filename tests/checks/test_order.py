@@ -1,8 +1,11 @@
 """The order is a limit: what the finest pair of levels shows decides, and a lack that vanishes with the step is none."""
 
+from dataclasses import replace
+
+import numpy as np
 import pytest
 
-from refdem.checks.order import lack
+from refdem.checks.order import lack, mean_order
 
 
 @pytest.mark.parametrize(
@@ -37,3 +40,91 @@ def test_a_lack_that_goes_as_the_step_falls_is_none(orders):
 )
 def test_an_order_that_is_missing_at_the_finest_pair_is_seen(orders, claimed):
     assert lack(orders, claimed) > max(0.15, 0.05 * claimed)
+
+
+def crossing(steps):
+    """Errors of velocity Verlet across a field whose force has two kinks, F = x + 1, -2 (x - 1/2): place after 5 s."""
+
+    def force(x):
+        return x + 1.0 if -1.0 <= x <= 0.0 else -2.0 * (x - 0.5) if 0.0 < x <= 0.5 else 0.0
+
+    def place(count):
+        x, v, h = -1.25, 1.0, 5.0 / count
+        for _ in range(count):
+            v += h / 2 * force(x)
+            x += h * v
+            v += h / 2 * force(x)
+        return x
+
+    true = place(2**17)
+    return [abs(place(count) - true) for count in steps]
+
+
+COUNTS = [2**k for k in range(7, 13)]
+
+
+def test_kinks_scatter_the_order_of_pairs_and_not_of_five_octaves():
+    errors = crossing(COUNTS)
+    pairs = np.log2(np.array(errors[:-1]) / errors[1:])
+    assert min(pairs) < 1.5 < 2.5 < max(pairs)
+    slope, deviation = mean_order([1 / count for count in COUNTS], errors)
+    assert abs(slope - 2) < 2 * deviation < 0.5
+
+
+SLOPED = {"case": "coulomb-oscillator", "method": "second"}
+
+
+def spoiled(size, order, scatter=()):
+    """A run whose error is `size` (h/h0)^order, times 2^scatter at each level in turn."""
+    seen = {}
+
+    def fault(run, level):
+        k = seen.setdefault(level, len(seen))
+        coarsest = max(seen)
+        error = size * (level / coarsest) ** order * 2.0 ** (scatter[k] if scatter else 0.0)
+        position = run.position.copy()
+        position[1:, 0, 0] += error
+        return replace(run, position=position)
+
+    return fault
+
+
+@pytest.mark.parametrize(
+    ("order", "scatter", "outcome"),
+    [
+        (2, (), "pass"),
+        (2, (0, 1, -1, 1, 1, 0), "pass"),
+        (0, (), "fail"),
+        (1, (), "fail"),
+        (1.3, (), "undecided"),
+    ],
+)
+def test_with_kinks_the_mean_over_all_levels_decides(judge, order, scatter, outcome):
+    finding = judge("order", **SLOPED, fault=spoiled(1e-2, order, scatter))["state"]
+    assert finding.outcome == outcome, finding.sentence
+
+
+@pytest.mark.parametrize(("error", "outcome"), [((1.0, 2**-1.98), "pass"), ((1.0, 2**-1.6), "undecided"), ((1.0, 2**-1.2), "fail")])
+def test_one_pair_above_round_off_decides_only_what_is_near_to_an_order(judge, error, outcome):
+    sizes = [1e-3 * e for e in error] + [0.0, 0.0]
+    seen = {}
+
+    def fault(run, level):
+        position = run.position.copy()
+        position[1:, 0, 0] += sizes[seen.setdefault(level, len(seen))]
+        return replace(run, position=position)
+
+    finding = judge("order", "harmonic-oscillator", "second", fault=fault)["state"]
+    assert finding.outcome == outcome, finding.sentence
+
+
+def test_errors_that_are_round_off_below_the_coarsest_level_have_no_order_to_show(judge):
+    seen = {}
+
+    def fault(run, level):
+        position = run.position.copy()
+        position[1:, 0, 0] += 0.0 if seen.setdefault(level, len(seen)) else 1e-3
+        return replace(run, position=position)
+
+    finding = judge("order", "harmonic-oscillator", "second", fault=fault)["state"]
+    assert (finding.outcome, finding.order_seen) == ("pass", None)

@@ -9,6 +9,7 @@ from refdem.campaign import plan
 from refdem.campaign.specification import Specification
 from refdem.core import discovery, symmetry
 from refdem.core.check import Outcome
+from refdem.mechanics.quaternion import product
 
 SPECIFICATION = Specification(name="test", case=[], levels=3)
 CASES = {
@@ -124,3 +125,22 @@ def test_a_scene_comes_back_from_every_symmetry():
         for column in ("position", "velocity", "omega"):
             assert np.allclose(getattr(start, column)[0], getattr(instance.scene.bodies, column), rtol=0, atol=1e-14)
     assert engine.is_reference
+
+
+def knows_the_axes(size, order):
+    """An error of the attitude that is `size` (h/h0)^order and depends on how space is turned."""
+
+    coarsest = task_of("free-rigid-body", "rk4-free-body").trial.levels[0]
+
+    def fault(run, request):
+        angle = size * (request.step / coarsest) ** order * np.array([0.0, 1.0, 0.0, 0.0])
+        turn = angle * (request.problem.scene.bodies.attitude[0, 0] ** 2) + np.array([1.0, 0.0, 0.0, 0.0])
+        return replace(run, attitude=product(turn / np.linalg.norm(turn), run.attitude))
+
+    return fault
+
+
+@pytest.mark.parametrize(("size", "order", "outcome"), [(1e-4, 4, "pass"), (1e-4, 3, "fail"), (1e-6, 0, "fail"), (3e-2, 4, "fail")])
+def test_a_truncation_error_may_know_the_axes_of_space(size, order, outcome):
+    finding = found("free-rigid-body", "rk4-free-body", knows_the_axes(size, order))["rotated"]
+    assert finding.outcome == outcome, finding.sentence
