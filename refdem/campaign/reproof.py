@@ -50,12 +50,19 @@ def contradictions(sets: list[CertifiedSet], *, jobs: int, progress: Progress) -
     work = {}
     for one in sets:
         times = sorted({value.t for value in one.values if value.t is not None})[:EARLIEST]
-        given = {name: text for name, text in one.parameters.items() if text != ""}
+        given = given_of(one)
         work[one.label] = one, Job(one.label, proved_set, (one.case, given, tuple(map(str, times))))
     with Schedule(jobs, LONGEST) as schedule:
         for done, (job, result) in enumerate(schedule.results([job for _, job in work.values()]), 1):
             progress("prove again", done, len(work))
             yield from _differences(work[job.key][0], result)
+
+
+def given_of(one: CertifiedSet) -> dict[str, str]:
+    """The parameters that differ from the defaults: a member of a family refuses those that are not its own, even at their defaults."""
+    declared = discovery.case(one.case).at().p.declared
+    known = {name: text for name, text in one.parameters.items() if name in declared}
+    return {name: text for name, text in known.items() if declared[name].parsed(text) != declared[name].parsed(declared[name].default)}
 
 
 def _differences(one: CertifiedSet, result: bytes | Failure) -> Iterator[str]:

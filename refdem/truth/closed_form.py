@@ -97,21 +97,28 @@ class ClosedForm(Truth):
 
     def at(self, t: Fraction) -> dict[str, Ball]:
         """Every quantity at the exact time t [s]; raises NotCertifiedError where it cannot be proved."""
-        return self._certified(lambda: self.evaluate(arb_of(t)), f"at t = {float(t):.17g} s")
+        return self._certified(lambda: self.evaluate(arb_of(t)), f"at t = {float(t):.17g} s", t)
 
     def scalars(self) -> dict[str, Ball]:
         """Values that do not depend on time."""
         return self._certified(self.constants, "scalars")
 
-    def _certified(self, evaluate: Callable[[], dict[str, arb]], what: str) -> dict[str, Ball]:
+    def _certified(self, evaluate: Callable[[], dict[str, arb]], what: str, t: Fraction | None = None) -> dict[str, Ball]:
+        """Balls within the target; NotCertifiedError: separatrix where no precision tells a branch, precision where a radius stays."""
         target = self.target()
         balls = refined(evaluate, target, self.bits())
         if balls is None:
-            raise NotCertifiedError(f"{what}: balls cannot decide a branch at the highest precision; move the start off the boundary")
+            told = f"{what}: separatrix: balls cannot decide a branch at the highest precision; move the start off the boundary"
+            raise NotCertifiedError(told, code="separatrix", time=0.0 if t else None, state=self.at_start(t))
         if any(ball.radius > target for ball in balls.values()):
             worst = max(balls, key=lambda name: balls[name].radius)
-            raise NotCertifiedError(f"{what}: radius of {worst} stays at {float(balls[worst].radius):.3g}; ask for fewer digits")
+            told = f"{what}: precision: radius of {worst} stays at {float(balls[worst].radius):.3g}; ask for fewer digits"
+            raise NotCertifiedError(told, code="precision", time=None if t is None else float(t), state={} if t is None else balls)
         return balls
+
+    def at_start(self, t: Fraction | None) -> dict[str, Ball]:
+        """The last state that is certified where a branch is not: that at 0; none for scalars, and where it has a branch itself."""
+        return (refined(lambda: self.evaluate(arb(0)), self.target(), self.bits()) or {}) if t else {}
 
     def sensitivity(self, t: Fraction) -> float:
         """S(t) >= 1: the largest change of a quantity at t (in its scale) when every coordinate of the start moves by its scale.

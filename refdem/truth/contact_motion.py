@@ -15,7 +15,6 @@ from refdem.truth.events.system import Guard, Traced, along
 from refdem.truth.traced_field import Program, traced
 from refdem.truth.validated_ivp.integration import GUARD, Piece
 
-SIZE = 8
 LONGEST = 128
 """Units of time, each at most the shortest of the law: a contact that has not ended by then is left."""
 PRESSES = ("press", "slip", "slip back", "stick", "hold")
@@ -34,31 +33,36 @@ class TracedContact:
     def __init__(self, phases: ContactPhases) -> None:
         self.phases = phases
         modes = phases.modes()
-        self.modes = {name: TracedMode(mode, SIZE) for name, mode in modes.items()}
-        self.places = {flies: traced_map(partial(phases.place, "apart" if flies else "contact")) for flies in (False, True)}
-        self.force = Program(traced(lambda y: [phases.force(y)], SIZE)[0])
+        self.modes = {name: TracedMode(mode, phases.size) for name, mode in modes.items()}
+        self.places = {flies: traced_map(partial(phases.place, "apart" if flies else "contact"), phases.size) for flies in (False, True)}
+        self.force, self.overlap = (Program(traced(single(value), phases.size)[0]) for value in (phases.force, phases.overlap))
         contact = {name: mode for name, mode in modes.items() if name != "apart"}
-        self.closing = {name: rates(lambda y: y[1], mode.field) for name, mode in contact.items()}
-        self.steepening = {name: rates(phases.steepening, mode.field) for name, mode in contact.items()}
+        self.closing = {name: rates(phases.closing, mode.field, phases.size) for name, mode in contact.items()}
+        self.steepening = {name: rates(phases.steepening, mode.field, phases.size) for name, mode in contact.items()}
 
     def place(self, mode: str, y: Sequence[arb]) -> list[arb]:
-        """x, y, vx, vy, o1, o2, s, clock."""
+        """x, y, vx, vy, o1, o2, s, clock; in space as SpatialPhases says."""
         return self.places[mode == "apart"][0].run(y)
 
     def slopes(self, mode: str, y: Sequence[arb]) -> arb_mat:
         """Their derivatives by the state."""
-        return arb_mat(SIZE, SIZE, self.places[mode == "apart"][1].run(y))
+        return arb_mat(self.phases.size, self.phases.size, self.places[mode == "apart"][1].run(y))
 
 
-def traced_map(function: Callable[[Sequence[Any]], Sequence[Any]]) -> tuple[Program, Program]:
-    """A map of the state, and its Jacobian row by row."""
-    outputs, rows = traced(function, SIZE)
+def single(value: Callable[[Sequence[Any]], Any]) -> Callable[[Sequence[Any]], list[Any]]:
+    """A function of the state as a map to one number."""
+    return lambda y: [value(y)]
+
+
+def traced_map(function: Callable[[Sequence[Any]], Sequence[Any]], size: int) -> tuple[Program, Program]:
+    """A map of a state of that size, and its Jacobian row by row."""
+    outputs, rows = traced(function, size)
     return Program(outputs), Program([entry for row in rows for entry in row])
 
 
-def rates(value: Callable[[Sequence[Any]], Any], field: Callable[[Sequence[Any]], Sequence[Any]]) -> list[Program]:
+def rates(value: Callable[[Sequence[Any]], Any], field: Callable[[Sequence[Any]], Sequence[Any]], size: int) -> list[Program]:
     """A function of the state and its rate along a field."""
-    nodes, _ = traced(lambda y: [value(y), *field(y)], SIZE)
+    nodes, _ = traced(lambda y: [value(y), *field(y)], size)
     return [Program([nodes[0]]), Program([along(nodes[0], nodes[1:])])]
 
 
@@ -89,6 +93,13 @@ class ContactMotion(Motion):
         with precision(self.bits + GUARD):
             return self.traced.slopes(self.name(phase), state)
 
+    def restitution(self) -> arb:
+        """Speed along the normal where the force ends over that at touch."""
+        closing = {name: programs[0].run for name, programs in self.traced.closing.items()}
+        first, last = self.phases[0], self.phases[-2]
+        with precision(self.bits + GUARD):
+            return -closing[self.name(last)](last.crossing()[3])[0] / closing[self.name(first)](first.entered)[0]
+
     def part(self) -> None:
         """Follows the motion until the spheres are apart; SwitchError if that takes too long."""
         while self.name(self.phases[-1]) != "apart":
@@ -115,7 +126,7 @@ class ContactMotion(Motion):
             for name, piece, low, high in self.stretches():
                 turn = first_crossing(watched(piece, self.traced.closing[name]), low, high)
                 if turn is not None:
-                    return piece.at(turn)[0]
+                    return self.traced.overlap.run(piece.at(turn))[0]
         raise SwitchError("end", "no turn of the overlap is seen", 0.0)
 
     def hardest(self) -> arb | None:

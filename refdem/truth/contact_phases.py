@@ -60,6 +60,19 @@ class ContactPhases:
         turning = [partial(arb_of, spin) for spin in spins]
         return [nothing, part(arb.cos, 1), nothing, part(arb.sin, -1), *turning, nothing, nothing]
 
+    @property
+    def size(self) -> int:
+        """Of the state."""
+        return 8
+
+    def overlap(self, y: State) -> Any:
+        """a."""
+        return y[0]
+
+    def closing(self, y: State) -> Any:
+        """u."""
+        return y[1]
+
     def force(self, y: State) -> Any:
         """Normal force."""
         return y[0] * self.k + y[1] * self.c

@@ -58,6 +58,11 @@ class SpherePair:
         across = [self.lever * (self.spins[axis] + self.spins[3 + axis]) for axis in (1, 2)]
         return self.angle == 0 and (self.friction == 0 or not any([*self.surface_spin[1:], *across]))
 
+    @property
+    def leaves_plane(self) -> bool:
+        """Friction and spins that are not about z turn the motion out of its plane."""
+        return self.friction > 0 and not self.is_head_on and any(self.spins[axis] for axis in (0, 1, 3, 4))
+
     def dyadic_step(self) -> Fraction:
         """A step [s] of proven integration: a power of two, at most half of the law's time and 1/32 of that to cross `reach`.
 

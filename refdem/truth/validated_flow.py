@@ -10,7 +10,8 @@ from typing import Any, Self
 import numpy as np
 from flint import arb, arb_mat, ctx
 
-from refdem.truth.balls import arb_of, largest, precision
+from refdem.errors import NotCertifiedError
+from refdem.truth.balls import arb_of, ball_of, largest, precision
 from refdem.truth.closed_form import Size
 from refdem.truth.smooth_flow import ORIGINS, SmoothFlow
 from refdem.truth.traced_field import Field, Program, traced
@@ -80,7 +81,14 @@ class ValidatedFlow(SmoothFlow):
 
     def evaluate(self, t: arb) -> dict[str, arb]:
         self.kept["bits", self.digits] = ctx.prec
-        return dict(zip(self.names, self.values.run(self.integration().at(t)), strict=True))
+        try:
+            return dict(zip(self.names, self.values.run(self.integration().at(t)), strict=True))
+        except NotCertifiedError as error:
+            flow = self.integration()
+            with precision(flow.bits):
+                last = [value + arb(0, radius) for value, radius in zip(flow.centre, flow.spread.radii(), strict=True)]
+                state = {name: ball_of(value) for name, value in zip(self.names, self.values.run(last), strict=True)}
+            raise NotCertifiedError(str(error), code=error.code, time=error.time, state=state) from None
 
     def displaced(self, axis: int, amount: Fraction) -> Self:
         """The motion whose start has the coordinate `moved[axis]` larger by exactly `amount`: a witness of S, which needs none."""

@@ -69,7 +69,7 @@ class Duffing(FromRest):
             return _elliptic(_nd, arb_of(farther / 2).sqrt(), -2 * c / farther, square / farther, 2)
         if self.beta < 0 and c > 0:
             return _elliptic(_cd, arb_of(h).sqrt(), -square / (2 * h), c / h, 4)
-        raise NotCertifiedError("the motion goes to infinity: the start is above the escape energy")
+        raise NotCertifiedError("singular: the motion goes to infinity: the start is above the escape energy", code="singular", time=0.0)
 
     def evaluate(self, t: arb) -> dict[str, arb]:
         motion = self.motion()

@@ -53,7 +53,8 @@ class HeavyTop(ValidatedFlow):
             low, high, _ = self.roots()
             self.kept["touches"] = not (high < TOUCHING and low > -TOUCHING)
         if self.kept["touches"]:
-            raise NotCertifiedError("the axis of the top comes within 0.01 rad of a vertical, where its angles say nothing")
+            told = "singular: the axis of the top comes within 0.01 rad of a vertical, where its angles say nothing"
+            raise NotCertifiedError(told, code="singular", time=0.0)
         found = super().at(t)
         return {name: found[name] for name in SEEN}
 

@@ -69,7 +69,8 @@ class PhaseFlow(Truth):
             found |= {f"x_{k}": balls[self.place], f"v_{k}": balls[self.rate]}
         area = refined(lambda: {"area": self.area(arb_of(t))}, abs(self.first_area()) / Fraction(10) ** self.digits, most=4096)
         if area is None:
-            raise NotCertifiedError(f"at t = {float(t):.17g} s: a corner or a side lies where a part of the head turns or stops")
+            told = f"at t = {float(t):.17g} s: corner: a corner or a side lies where a part of the head turns or stops"
+            raise NotCertifiedError(told, code="corner", time=float(t))
         return found | area
 
     def sensitivity(self, t: Fraction) -> float:
@@ -110,7 +111,7 @@ class PhaseFlow(Truth):
             return [((a[0] - self.shift, a[1]), (b[0] - self.shift, b[1])) for a, b in self.sides()]
         if all(v > 0 for _, v in self.corners):
             return [((-a[0] - self.shift, -a[1]), (-b[0] - self.shift, -b[1])) for a, b in self.sides()]
-        raise NotCertifiedError("the head starts on both sides of v = 0")
+        raise NotCertifiedError("corner: the head starts on both sides of v = 0", code="corner", time=0.0)
 
 
 def _swept(side: tuple[Corner, Corner], ray: tuple[arb, arb], turns: int, loss: Fraction, square: Fraction) -> arb:

@@ -77,7 +77,8 @@ class RigidCluster(FreeRigidBody):
                     return type(self.body())
                 except UndecidedError:
                     continue
-        raise NotCertifiedError("balls cannot decide about which principal axis the cluster turns; move its spin off the boundary")
+        told = "separatrix: balls cannot decide about which principal axis the cluster turns; move its spin off the boundary"
+        raise NotCertifiedError(told, code="separatrix", time=0.0)
 
     @per_precision
     def moments(self) -> list[tuple[arb, int]]:

@@ -11,8 +11,8 @@ the time at which the force ends. Friction of body i acts at the lever l_i = R_i
 the normal, for torque and for slip alike, and only while the normal force presses: the limit is friction x max(0, k d + c d').
 
 Proved: head-on (nothing slips, ever) in closed form; all else, with stick, slip and release, by validated integration from event to
-event, if nothing turns out of the plane of the motion: with friction, spins about z alone. Not certified: a slip, or a friction, that
-is too near a limit to tell on which side it is.
+event; in Cartesian vectors where spins and friction turn the motion out of its plane (spatial_phases.py). Not certified: a slip, or a
+friction, that is too near a limit to tell on which side it is; out of the plane a slip that ends, and a clipped spring whose force fades.
 Scalars: duration and restitution (of the normal velocity; neither if an overlap never ends), max_overlap, max_force.
 """
 
@@ -61,18 +61,11 @@ class TwoSpheres(HybridFlow):
     def motion(self, bits: int) -> ContactMotion:
         """The motion at a precision, as far as it has been followed."""
         if "traced" not in self.kept:
-            self.refuse_what_leaves_the_plane()
             self.kept["traced"] = TracedContact(self.phases)
         if ("motion", bits) not in self.kept:
             self.kept["motion", bits] = ContactMotion(self.kept["traced"], bits)
         found: ContactMotion = self.kept["motion", bits]
         return found
-
-    def refuse_what_leaves_the_plane(self) -> None:
-        """Raises NotCertifiedError."""
-        pair = self.spheres
-        if pair.friction and not pair.is_head_on and any(pair.spins[axis] for axis in (0, 1, 3, 4)):
-            raise NotCertifiedError("two-spheres: with friction, only spins about z keep the motion in its plane; set the others to 0")
 
     def clock(self, t: Fraction) -> arb:
         """A time in units of the phases'."""
@@ -85,6 +78,9 @@ class TwoSpheres(HybridFlow):
         if self.spheres.is_head_on or t == 0:
             return self._certified(lambda: self.evaluate(arb_of(t)), what)
         return self.climbed(lambda motion: self.quantities(self.in_si(motion.place(self.clock(t)))), what)
+
+    def forecast(self, t: Fraction, digits: int) -> float:
+        return super().forecast(t / self.phases.time, digits) if self.method == HybridFlow.method else 0.0
 
     def evaluate(self, t: arb) -> dict[str, arb]:
         """The 18 quantities at touch, or of a head-on contact."""
@@ -115,7 +111,7 @@ class TwoSpheres(HybridFlow):
         if not error.state:
             return NotCertifiedError(f"two-spheres {what}: {error.code}: {error}", code=error.code)
         place = self.kept["traced"].place("contact", error.state)
-        state = {name: ball_of(value) for name, value in self.quantities(self.in_si(place[:6])).items()}
+        state = {name: ball_of(value) for name, value in self.quantities(self.in_si(place)).items()}
         time = float(place[-1].mid()) * float(self.phases.time)
         told = f"two-spheres {what}: {error.code}: {error}; certified up to t = {time:.17g} s"
         return NotCertifiedError(told, code=error.code, time=time, state=state)
@@ -132,7 +128,7 @@ class TwoSpheres(HybridFlow):
         hardest = motion.hardest()
         found = {
             "duration": end.time * arb_of(phases.time),
-            "restitution": -motion.phases[-2].crossing()[3][1] / motion.phases[0].entered[1],
+            "restitution": motion.restitution(),
             "max_overlap": motion.deepest() * arb_of(phases.length),
         }
         force = arb_of(self.spheres.effective_mass * phases.speed / phases.time)
@@ -186,5 +182,8 @@ def _floats(matrix: arb_mat) -> Array:
 
 
 def truth(p: Parameters, scale: Mapping[str, float]) -> Truth:
-    """The truth of case two-spheres; `scale` of the 18 quantities NAMES."""
-    return TwoSpheres(scale, sphere_pair(p))
+    """The truth of case two-spheres, in its plane or in space; `scale` of the 18 quantities NAMES."""
+    from refdem.truth.closed_forms.spinning_spheres import SpinningSpheres
+
+    pair = sphere_pair(p)
+    return SpinningSpheres(scale, pair) if pair.leaves_plane else TwoSpheres(scale, pair)

@@ -21,7 +21,7 @@ LEAST = 2.0**-100
 
 
 class SwitchError(UndecidedError):
-    """Balls cannot follow a switch; `code` is grazing, corner, separatrix, precision or end, `since` about when [s] in the piece.
+    """Balls cannot follow a switch; `code` is grazing, corner, separatrix, singular, precision or end, `since` about when [s] in the piece.
 
     `state` has balls of the last certified state (its clock last); `final`: more digits would seldom help.
     """
@@ -30,7 +30,7 @@ class SwitchError(UndecidedError):
         super().__init__(message)
         self.code, self.since = code, since
         self.state: list[arb] = []
-        self.final = code == "end"
+        self.final = code in ("end", "singular")
 
     def at(self, state: Sequence[arb], *, thin: bool = False) -> Self:
         """The same error with the last certified state, and whether the set is thin there."""

@@ -7,13 +7,14 @@ that of each member at its own t - clock.
 from bisect import bisect_right
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from fractions import Fraction
 from itertools import pairwise
 
 import numpy as np
 from flint import arb, arb_mat
 from numpy.typing import NDArray
 
-from refdem.truth.balls import arb_of, precision
+from refdem.truth.balls import arb_of, ball_of, precision
 from refdem.truth.events.crossing import SwitchError
 from refdem.truth.events.phase import Phase
 from refdem.truth.events.system import Entry, Traced
@@ -73,18 +74,37 @@ class Motion:
         for index in range(max(0, last - 2), min(len(self.phases), last + 2)):
             phase = self.phases[index]
             begun = t >= phase.entered[-1] if index == 0 else t > phase.entered[-1]
-            if begun and (phase.ends is None or t < self.events[index].time):
+            if begun and (phase.ends is None or t < self.left(index)):
                 return phase
         if self.ended and self.events and t > self.events[-1].time:
             raise SwitchError("end", f"the motion ends with {self.events[-1].name}", float(t.mid())).at(self.events[-1].state)
         raise SwitchError("precision", f"t = {t.str(8)} s lies within the uncertainty of an event", float(t.mid()))
 
+    def reached(self) -> Fraction:
+        """Up to about which time [s] the motion has been followed."""
+        last = self.phases[-1]
+        return ball_of(last.entered[-1]).mid + last.searched
+
+    def over(self) -> bool:
+        """Nothing is left to be followed."""
+        return self.ended or self.phases[-1].never
+
     def is_open(self, t: arb) -> bool:
         """The last phase has not been followed past t."""
         phase = self.phases[-1]
-        if self.ended or phase.never:
+        if self.over():
             return False
-        return phase.ends is not None or not arb_of(phase.searched) > t - phase.entered[-1]
+        if phase.ends is not None:
+            return not t < self.left(len(self.phases) - 1)
+        return not arb_of(phase.searched) > t - phase.entered[-1]
+
+    def left(self, index: int) -> arb:
+        """When a phase that ends is left; also one whose event could not be passed, so that what is before it stays certified."""
+        if index < len(self.events):
+            return self.events[index].time
+        phase = self.phases[index]
+        assert phase.ends is not None
+        return phase.entered[-1] + phase.ends[1]
 
     def follow(self) -> None:
         """Follows the last phase by a window, or through the event that ends it; adds the time and the state to what goes wrong."""

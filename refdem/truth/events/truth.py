@@ -3,6 +3,8 @@
 from collections.abc import Callable, Mapping, Sequence
 from fractions import Fraction
 from itertools import pairwise
+from math import log2
+from time import process_time
 from typing import Any, Self
 
 import numpy as np
@@ -22,6 +24,8 @@ from refdem.truth.validated_flow import Quantities
 
 LADDER = (192, 256, 384, 512, 768, 1024, 1536)
 """Bits, one after another until the radius is met; a motion that asks for more is not certified."""
+PROBE = 1.0
+"""CPU seconds of following that a forecast takes."""
 LOSS = 24
 """Bits below those of the target that no motion is certified with."""
 
@@ -62,8 +66,10 @@ class HybridFlow(ClosedForm):
         return list(found.values())
 
     def displaced(self, axis: int, amount: Fraction) -> Self:
-        """Not needed: S comes from the variational equation."""
-        raise NotImplementedError
+        """Raises NotCertifiedError: S comes from the variational equation, with the jump matrices, not from neighbouring starts."""
+        raise NotCertifiedError(
+            "a motion through events is not displaced: its S comes from the variational equation; ask for `sensitivity`"
+        )
 
     def motion(self, bits: int) -> Motion:
         """The motion at a precision, as far as it has been followed."""
@@ -97,11 +103,9 @@ class HybridFlow(ClosedForm):
 
     def climbed(self, evaluate: Callable[[Any], dict[str, arb]], what: str) -> dict[str, Ball]:
         """Balls at the lowest precision at which all radii are small enough; NotCertifiedError with code, time and last state."""
-        smallest = min([size for size in self.scale.values() if size > 0], default=Fraction(1))
-        target = min(Fraction(1), smallest) / 10**self.digits
-        needed = -float(np.log2(float(smallest))) + self.digits * 3.33 + LOSS
+        target = self.target()
         error: SwitchError = SwitchError("precision", "no precision suffices", 0.0)
-        for bits in (step for step in LADDER if step >= needed):
+        for bits in self.needed():
             with precision(bits):
                 try:
                     balls = {name: ball_of(value) for name, value in evaluate(self.motion(bits)).items()}
@@ -115,6 +119,28 @@ class HybridFlow(ClosedForm):
                 except UndecidedError as one:
                     error = SwitchError("precision", str(one), 0.0)
         raise self.uncertified(error, what)
+
+    def needed(self) -> list[int]:
+        """The bits of the ladder that can meet the digits; NotCertifiedError if none can."""
+        least = -log2(self.target()) + LOSS
+        found = [bits for bits in LADDER if bits >= least]
+        if not found:
+            raise NotCertifiedError(f"{self.digits} digits ask for more than {LADDER[-1]} bits; ask for fewer", code="precision")
+        return found
+
+    def forecast(self, t: Fraction, digits: int) -> float:
+        """CPU seconds that `at(t)` to so many digits is about to cost, from about a second of following the motion."""
+        asked = self.refined(digits)
+        bits, begun = asked.needed()[0], process_time()
+        try:
+            motion = asked.motion(bits)
+            since = motion.reached()
+            while motion.reached() < t and not motion.over() and process_time() < begun + PROBE:
+                motion.follow()
+        except (UndecidedError, NotCertifiedError):
+            return 0.0
+        left = t - motion.reached()
+        return 0.0 if motion.over() or left <= 0 else (process_time() - begun) * float(left / (motion.reached() - since))
 
     def uncertified(self, error: SwitchError, what: str) -> NotCertifiedError:
         """The honest end."""

@@ -162,4 +162,5 @@ class Integration:
                 return found
         if largest(radii) > arb(2) ** (-HALVINGS):
             raise UndecidedError(f"the set of solutions is too large to be enclosed after t = {float(begin):.17g} s")
-        raise NotCertifiedError(f"the motion is enclosed up to t = {float(begin):.17g} s and no further: no disc is proved there")
+        told = f"singular: the motion is enclosed up to t = {float(begin):.17g} s and no further: no disc is proved there"
+        raise NotCertifiedError(told, code="singular", time=float(begin))

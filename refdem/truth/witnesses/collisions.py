@@ -10,6 +10,7 @@ from flint import arb
 from refdem.core.parameters import Exact
 from refdem.truth.balls import arb_of
 from refdem.truth.exact import number, vector
+from refdem.truth.witnesses.spinning_pair import spinning
 from refdem.truth.witnesses.taylor import Solution
 from refdem.truth.witnesses.testimony import Claimed, Said, Witness
 
@@ -151,10 +152,12 @@ def first_switch(solution: Solution, values: Mapping[str, Value], begin: float, 
 
 
 def two_spheres(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: Claimed) -> Said:
-    """Nothing is said of what turns out of the plane, nor of a contact that never ends."""
+    """What turns out of the plane is said by spinning_pair.py; nothing is said of a contact in the plane that never ends."""
     spins, masses = vector(p, "spins"), vector(p, "masses")
-    turns = number(p, "friction") > 0 and any(spins[axis] for axis in (0, 1, 3, 4))
-    if turns or "duration" not in claimed:
+    if number(p, "friction") > 0 and any(spins[axis] for axis in (0, 1, 3, 4)):
+        yield from spinning(p, times, claimed)
+        return
+    if "duration" not in claimed:
         return
     pair, speed = Spheres(p), arb_of(number(p, "closing_speed"))
     sine, cosine = arb_of(number(p, "angle")).sin_cos()

@@ -243,13 +243,6 @@ def test_oblique_scalars_are_those_of_the_motion():
 GRID = [Fraction(n, 200) for n in range(60)]
 
 
-def test_spins_that_leave_the_plane_are_not_certified_but_their_start_is():
-    pair = replace(OBLIQUE, friction=Fraction(1, 20), spins=(ZERO, ONE, ZERO) * 2)
-    assert state(pair, 0)["r1.x"] < 0
-    with pytest.raises(NotCertifiedError, match="plane"):
-        state(pair, Fraction(1, 4))
-
-
 def test_a_spring_exactly_at_its_limit_is_a_corner():
     # angle 0: slip R1 omega1 = 1/2, k_t slip = mu k v = 10: stick and slip meet
     spins = (ZERO, ZERO, Fraction(1), ZERO, ZERO, ZERO)

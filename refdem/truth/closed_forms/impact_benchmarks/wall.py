@@ -106,9 +106,6 @@ class WallImpact(TwoSpheres):
         self.spheres, self.wall, self.phases = pair, pair, WallPhases(pair)  # type: ignore[assignment]
         self.witness = "Taylor series in Cartesian coordinates with the switches found anew; sliding formulas"
 
-    def refuse_what_leaves_the_plane(self) -> None:
-        """Nothing does."""
-
     def at(self, t: Fraction) -> dict[str, Ball]:
         def found(motion: ContactMotion) -> dict[str, arb]:
             return self.quantities(self.in_si(motion.place(self.clock(t))))
