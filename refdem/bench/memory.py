@@ -17,7 +17,7 @@ def peaks(asked: Sequence[tuple[str, bool, Request, Request]]) -> list[int | Non
 
     For (address of the engine, is it a peer, coarsest, finest request); None where the system does not say, or the run fails there.
     """
-    jobs = [(engine, peer, coarse.to_json(), fine.to_json()) for engine, peer, coarse, fine in asked]
+    jobs = [(engine, peer, coarse.packed(), fine.packed()) for engine, peer, coarse, fine in asked]
     if not jobs or not RESET.exists():
         return [None] * len(jobs)
     with multiprocessing.get_context("spawn").Pool(1) as pool:
@@ -28,8 +28,8 @@ def peaks(asked: Sequence[tuple[str, bool, Request, Request]]) -> list[int | Non
 def _peak(name: str, is_peer: bool, coarse: bytes, fine: bytes) -> int | None:
     engine: Engine = next(peer for peer in peers() if peer.name == name) if is_peer else discovery.engine(name)
     try:
-        engine.run(Request.from_json(coarse))
-        request = Request.from_json(fine)
+        engine.run(Request.unpacked(coarse))
+        request = Request.unpacked(fine)
         RESET.write_text("5")  # the peak starts again from what is held now
         before = _resident("VmRSS")
         engine.run(request)

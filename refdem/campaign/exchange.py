@@ -25,6 +25,7 @@ from refdem.core.request_text import request_text
 from refdem.core.store import Store
 from refdem.core.trajectory import Cost, Trajectory
 from refdem.errors import EngineError, StoreError, UnsupportedError, UsageError
+from refdem.scene import bodies_file
 
 MANIFEST = "manifest.json"
 RUNS = "runs.txt"
@@ -95,6 +96,8 @@ def written(request: Request, folder: Path) -> None:
         folder.mkdir(parents=True, exist_ok=True)
         (folder / "request.txt").write_text(request_text(request))
         (folder / "request.json").write_bytes(request.to_json())
+        if (file := request.bodies_file) is not None:
+            (folder / bodies_file.NAME).write_bytes(file)
     except OSError as error:
         raise StoreError(f"{folder} cannot be written: {error.strerror}; choose another folder") from None
 

@@ -43,7 +43,7 @@ def run(engine: str, request: bytes, deadline: float = math.inf) -> bytes:
     if time.time() > deadline:
         failure = Failure(kind="budget", sentence="the time budget of the campaign was spent; raise engine.budget or run fewer cases")
         return msgspec.msgpack.encode(Reply(failure=failure))
-    return msgspec.msgpack.encode(_reply(engine, Request.from_json(request)))
+    return msgspec.msgpack.encode(_reply(engine, Request.unpacked(request)))
 
 
 def _reply(engine: str, request: Request) -> Reply:

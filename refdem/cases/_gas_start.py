@@ -23,8 +23,9 @@ def places(rng: np.random.Generator, n: int, diameter: float, size: float, *, pe
     """
     low, high = (0.0, size) if periodic else (diameter / 2, size - diameter / 2)
     found = rng.uniform(low, high, (n, 3))
+    again = None
     for _ in range(TRIES):
-        i, j = near_pairs(found, diameter * (1 + 1e-9), size if periodic else 0.0)
+        i, j = near_pairs(found, diameter * (1 + 1e-9), size if periodic else 0.0, again)
         if not len(i):
             return found
         again = np.unique(np.maximum(i, j))

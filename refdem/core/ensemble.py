@@ -50,7 +50,7 @@ class Ensemble(Problem):
     @classmethod
     def read(cls, document: EnsembleDocument) -> "Ensemble":
         """The ensemble of a document; raises UsageError if its starts have the wrong length."""
-        scene = Scene.of(document.scene.bodies, document.scene.elements)
+        scene = Scene.of_document(document.scene)
         count = 3 * len(scene.bodies)
         raw = [
             np.frombuffer(column[: len(column) // 8 * 8], dtype="<f8").astype(float) for column in (document.position, document.velocity)
@@ -68,7 +68,7 @@ class Ensemble(Problem):
     def document(self) -> EnsembleDocument:
         """Scene, times and starts."""
         starts = {name: np.ascontiguousarray(getattr(self, name), dtype="<f8").tobytes() for name in ("position", "velocity")}
-        return EnsembleDocument(scene=self.scene.document(), times=self.times.tolist(), **starts)
+        return EnsembleDocument(scene=self.scene.document(listed=True), times=self.times.tolist(), **starts)
 
     def perturbed(self, ulps: int) -> "Ensemble":
         """Every start moved as that of a motion is."""

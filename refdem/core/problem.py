@@ -13,7 +13,7 @@ from refdem.core.ensemble import Ensemble, EnsembleDocument
 from refdem.core.question import DENSE, PER_OCTAVE, Iteration, IterationDocument, Motion, Problem
 from refdem.core.statics import Identity, IdentityDocument, Solid, SolidDocument
 from refdem.errors import EngineError, UsageError
-from refdem.scene import Scene, SceneDocument
+from refdem.scene import Scene, SceneDocument, bodies_file
 from refdem.scene.scene import encoded
 
 __all__ = ["DENSE", "PER_OCTAVE", "Ensemble", "Identity", "Iteration", "Motion", "Problem", "Request", "RequestDocument", "Solid"]
@@ -77,8 +77,8 @@ class Request:
             raise UsageError(f"tolerance is {self.tolerance}; expected a number between 0 and 1")
 
     @classmethod
-    def from_json(cls, text: bytes) -> "Request":
-        """Reads what `document` wrote as JSON; raises UsageError with the path of the first fault."""
+    def from_json(cls, text: bytes, file: bytes | None = None) -> "Request":
+        """Reads what `document` wrote as JSON, and the bodies' file if it names one; raises UsageError with the path of the first fault."""
         try:
             if bytes(msgspec.json.decode(text, type=_Kind).problem):
                 other = msgspec.json.decode(text, type=OtherRequestDocument)
@@ -86,12 +86,28 @@ class Request:
             read = msgspec.json.decode(text, type=RequestDocument)
         except msgspec.MsgspecError as error:
             raise UsageError(f"request: {error}") from None
-        problem = Motion(Scene.of(read.scene.bodies, read.scene.elements), np.array(read.times))
+        problem = Motion(Scene.of_document(read.scene, file), np.array(read.times))
         return cls(problem=problem, method=read.method, step=read.step, tolerance=read.tolerance)
 
     def to_json(self) -> bytes:
         """The request as `request.json` has it; the same bytes for the same request."""
         return encoded(self.document())
+
+    @property
+    def bodies_file(self) -> bytes | None:
+        """The file `bodies.npz` that goes with the JSON of a motion of too many bodies to be listed there."""
+        has_one = isinstance(self.problem, Motion) and self.problem.scene.has_bodies_file
+        return bodies_file.packed(self.problem.scene.bodies) if has_one else None
+
+    def packed(self) -> bytes:
+        """The request for another process: its JSON; where there are too many bodies for that, JSON and their file."""
+        file = self.bodies_file
+        return self.to_json() if file is None else msgspec.msgpack.encode((self.to_json(), file))
+
+    @classmethod
+    def unpacked(cls, data: bytes) -> "Request":
+        """The request that `packed` wrote."""
+        return cls.from_json(*((data,) if data.startswith(b"{") else msgspec.msgpack.decode(data, type=tuple[bytes, bytes])))
 
     @property
     def signed_step(self) -> float:

@@ -1,5 +1,8 @@
 """Pairs of points that are near each other, from cells: cost proportional to the number of points (Hockney and Eastwood 1981)."""
 
+from collections.abc import Iterator
+from dataclasses import dataclass
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -9,25 +12,34 @@ Pairs = tuple[Whole, Whole]
 
 FEW = 32
 """Points up to which all pairs are looked at."""
-HALF = [(0, 0, 0), *((x, y, z) for x in (-1, 0, 1) for y in (-1, 0, 1) for z in (-1, 0, 1) if (z, y, x) > (0, 0, 0))]
-"""A cell itself, and one of every two opposite neighbours."""
+CHUNK = 20_000
+"""Points whose neighbours are looked at in one go: what that takes stays in a cache."""
+ROWS = [(y, z) for z in (-1, 0, 1) for y in (-1, 0, 1)]
+UPPER = [(y, z) for y, z in ROWS if (z, y) >= (0, 0)]
+"""Rows of cells along x around a point's own, by steps in y and z: all, and one of every two opposite ones with the own."""
 
 
-def near_pairs(position: Array, reach: float, size: float = 0.0) -> Pairs:
+def near_pairs(position: Array, reach: float, size: float = 0.0, among: Whole | None = None) -> Pairs:
     """Numbers i and j (P,), i != j, of the pairs of points (N, 3) [m] that are less than `reach` [m] apart, each pair once.
 
     With `size` > 0 space repeats itself after `size` [m] along x, y and z, and the nearest images count; reach is at most size/2.
+    With `among` (M,) only those pairs whose first is one of these numbers; a pair of two of them comes in both orders.
     """
-    i, j = _candidates(position, reach, size)
+    found = [_near(position, i, j, reach, size) for i, j in _candidates(position, reach, size, among)]
+    return np.concatenate([i for i, _ in found]), np.concatenate([j for _, j in found])
+
+
+def _near(position: Array, i: Whole, j: Whole, reach: float, size: float) -> Pairs:
+    """Those pairs that are within reach."""
     apart = position[j] - position[i]
     if size:
-        apart -= size * np.round(apart / size)
+        apart -= size * np.rint(apart / size)
     near = np.einsum("pk,pk->p", apart, apart) < reach * reach
     return i[near], j[near]
 
 
-def _candidates(position: Array, reach: float, size: float) -> Pairs:
-    """Pairs in the same or in neighbouring cells."""
+def _candidates(position: Array, reach: float, size: float, among: Whole | None) -> Iterator[Pairs]:
+    """Pairs in the same or in neighbouring cells, some at a time."""
     count = len(position)
     low = np.zeros(3) if size else position.min(axis=0)
     extent = np.full(3, size) if size else np.maximum(position.max(axis=0) - low, reach)
@@ -35,28 +47,62 @@ def _candidates(position: Array, reach: float, size: float) -> Pairs:
     cells = np.clip((extent / reach).astype(int), 1, most)
     if count <= FEW or (size and cells.min() < 3):
         i, j = np.triu_indices(count, 1)
-        return i, j
+        yield (i, j) if among is None else _led_by(among, np.concatenate([i, j]), np.concatenate([j, i]))
+        return
     place = (np.mod(position, size) if size else position - low) / extent
-    at = np.clip((place * cells).astype(int), 0, cells - 1)
+    at = np.clip((place * cells).astype(np.intp), 0, cells - 1)
     number = (at[:, 2] * cells[1] + at[:, 1]) * cells[0] + at[:, 0]
     order = np.argsort(number, kind="stable")
     starts = np.searchsorted(number[order], np.arange(int(np.prod(cells)) + 1))
-    found = [_beside(np.array(step), at, cells, order, starts, bool(size)) for step in HALF]
-    return np.concatenate([i for i, _ in found]), np.concatenate([j for _, j in found])
+    rank = np.empty(count, np.intp)
+    rank[order] = np.arange(count)
+    grid = Grid(at[order], cells, starts, periodic=bool(size))
+    ranks = np.arange(count) if among is None else np.sort(rank[among])
+    for chunk in np.array_split(ranks, len(ranks) // CHUNK + 1):
+        for first, second in grid.beside(chunk, only_later=among is None):
+            yield order[first], order[second]
 
 
-def _beside(step: Whole, at: Whole, cells: Whole, order: Whole, starts: Whole, periodic: bool) -> Pairs:
-    """Every point with those of the cell that is `step` away from its own; within the own cell with the later ones."""
-    there = at + step
-    inside = np.all((there >= 0) & (there < cells), axis=1)
-    points = np.arange(len(at)) if periodic else np.flatnonzero(inside)
-    there = np.mod(there[points], cells)
-    number = (there[:, 2] * cells[1] + there[:, 1]) * cells[0] + there[:, 0]
-    held = starts[number + 1] - starts[number]
+def _led_by(among: Whole, i: Whole, j: Whole) -> Pairs:
+    """Those pairs whose first is among the numbers."""
+    led = np.isin(i, among)
+    return i[led], j[led]
+
+
+@dataclass(frozen=True, eq=False)
+class Grid:
+    """Points sorted by cells: cell (N, 3) of each, number of cells (3,), and where each cell's points start (cells + 1,)."""
+
+    at: Whole
+    cells: Whole
+    starts: Whole
+    periodic: bool
+
+    def beside(self, points: Whole, *, only_later: bool) -> Iterator[Pairs]:
+        """Points and those in their own and the neighbouring cells; each pair once if only those count that come later."""
+        for y, z in UPPER if only_later else ROWS:
+            there = self.at[points, 1:] + (y, z)
+            inside = np.all((there >= 0) & (there < self.cells[1:]), axis=1)
+            led = points if self.periodic else points[inside]
+            there = np.mod(there if self.periodic else there[inside], self.cells[1:])
+            base = (there[:, 1] * self.cells[1] + there[:, 0]) * self.cells[0]
+            yield from self._row(led, base, own=only_later and (y, z) == (0, 0))
+
+    def _row(self, points: Whole, base: Whole, *, own: bool) -> Iterator[Pairs]:
+        """The three cells around each point's x in the row that begins at `base`; of the own row, those that come later."""
+        x, last = self.at[points, 0], self.cells[0] - 1
+        low = points + 1 if own else self.starts[base + np.maximum(x - 1, 0)]
+        yield _within(points, low, self.starts[base + np.minimum(x + 1, last) + 1])
+        for edge, cell in ((last, 0), (0, last)) if self.periodic else ():
+            on = np.flatnonzero(x == edge)
+            if not (own and edge == 0):
+                yield _within(points[on], self.starts[base[on] + cell], self.starts[base[on] + cell + 1])
+
+
+def _within(points: Whole, low: Whole, high: Whole) -> Pairs:
+    """Every point with all others from `low` up to `high`."""
+    held = high - low
     first = np.repeat(points, held)
-    within = np.arange(held.sum()) - np.repeat(np.cumsum(held) - held, held)
-    second = order[np.repeat(starts[number], held) + within]
-    if not step.any():
-        later = second > first
-        return first[later], second[later]
-    return first, second
+    second = np.arange(len(first)) + np.repeat(low - (np.cumsum(held) - held), held)
+    other = first != second
+    return first[other], second[other]

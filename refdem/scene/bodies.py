@@ -1,6 +1,7 @@
 """The bodies of a scene: one by one in JSON, columns (N, ...) in memory."""
 
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import Any
 
 import msgspec
@@ -69,10 +70,18 @@ class Bodies:
     def __len__(self) -> int:
         return len(self.mass)
 
-    @property
+    @cached_property
     def radius(self) -> Array:
-        """Radius (N,) [m]; zero for a body that is no sphere."""
-        return np.array([s.radius if isinstance(s, Sphere) else 0.0 for s in self.shape])
+        """Radius (N,) [m], not to be written to; zero for a body that is no sphere."""
+        known = {id(s): s.radius if isinstance(s, Sphere) else 0.0 for s in self.shape}
+        found = np.fromiter(map(known.__getitem__, map(id, self.shape)), float, len(self.shape))
+        found.setflags(write=False)
+        return found
+
+    @cached_property
+    def shapes(self) -> tuple[Shape, ...]:
+        """The different objects among the shapes, in the order in which they come."""
+        return tuple({id(s): s for s in self.shape}.values())
 
 
 COLUMNS = ("mass", "inertia", "position", "velocity", "attitude", "omega")
@@ -91,8 +100,8 @@ def _suspect(bodies: Bodies) -> NDArray[np.bool_]:
         wrong |= ~(np.abs(np.linalg.norm(bodies.attitude, axis=1) - 1) < 5e-10)
         for name in COLUMNS:
             wrong |= ~np.isfinite(getattr(bodies, name)).reshape(len(wrong), -1).all(axis=1)
-    checked = {shape: isinstance(shape, Polyhedron) or not _is_sound(shape) for shape in set(bodies.shape)}
-    return np.asarray(wrong | np.array([checked[shape] for shape in bodies.shape]))
+    checked = {id(shape): isinstance(shape, Polyhedron) or not _is_sound(shape) for shape in bodies.shapes}
+    return np.asarray(wrong | np.fromiter(map(checked.__getitem__, map(id, bodies.shape)), bool, len(wrong)))
 
 
 def _is_sound(shape: Shape) -> bool:

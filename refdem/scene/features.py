@@ -21,7 +21,7 @@ def features(scene: "Scene") -> frozenset[str]:
     for element in scene.elements:
         names |= element.features()
     if scene.has_shapes() and "contact" in names:
-        for shape in scene.bodies.shape:
+        for shape in scene.bodies.shapes:
             names |= {"shape:sphere"} if isinstance(shape, Sphere) else {"shape:polyhedron"} if isinstance(shape, Polyhedron) else set()
     if _turns(scene):
         names.add("rotation")
@@ -46,7 +46,7 @@ def _turns(scene: "Scene") -> bool:
                 return True
         if "contact:friction" in element.features() and scene.has_shapes():
             return True
-    return "contact" in {e.kind for e in scene.elements} and any(isinstance(s, Polyhedron) for s in bodies.shape)
+    return "contact" in {e.kind for e in scene.elements} and any(isinstance(s, Polyhedron) for s in bodies.shapes)
 
 
 def _tumbles(scene: "Scene") -> bool:
@@ -71,6 +71,6 @@ def _dimension(scene: "Scene") -> int:
     stacked = np.concatenate(vectors)
     if np.any(stacked[:, 2]) or np.any(bodies.omega[:, :2]) or np.any(bodies.attitude[:, 1:3]):
         return 3
-    if np.any(stacked[:, 1]) or np.any(bodies.omega) or not all(isinstance(s, Point | Sphere) for s in bodies.shape):
+    if np.any(stacked[:, 1]) or np.any(bodies.omega) or not all(isinstance(s, Point | Sphere) for s in bodies.shapes):
         return 2
     return 1

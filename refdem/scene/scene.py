@@ -3,6 +3,7 @@
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
+from pathlib import Path
 from typing import Any, TypeVar
 
 import msgspec
@@ -10,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from refdem.errors import SceneError
+from refdem.scene import bodies_file
 from refdem.scene.bodies import Bodies, Body
 from refdem.scene.element import Element
 from refdem.scene.elements import AnyElement
@@ -20,9 +22,9 @@ E = TypeVar("E", bound=Element)
 
 
 class SceneDocument(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """A scene as JSON has it."""
+    """A scene as JSON has it; of more than MOST_LISTED bodies it names the file that has them."""
 
-    bodies: list[Body]
+    bodies: list[Body] | bodies_file.BodiesFile
     elements: list[AnyElement] = []
 
 
@@ -51,17 +53,32 @@ class Scene:
         return cls(Bodies.of(list(bodies)), tuple(elements))
 
     @classmethod
-    def from_json(cls, text: bytes | str) -> "Scene":
-        """Reads a scene; raises SceneError with the path of the first fault."""
+    def from_json(cls, text: bytes | str, file: bytes | Path | None = None) -> "Scene":
+        """Reads a scene, and its bodies' file if it names one; raises SceneError with the path of the first fault."""
         try:
             document = msgspec.json.decode(text, type=SceneDocument)
         except msgspec.MsgspecError as error:
             raise SceneError(f"scene: {error}") from None
-        return cls.of(document.bodies, document.elements)
+        return cls.of_document(document, file)
 
-    def document(self) -> SceneDocument:
-        """The scene as JSON has it."""
-        return SceneDocument(bodies=self.bodies.single(), elements=list(self.elements))
+    @classmethod
+    def of_document(cls, document: SceneDocument, file: bytes | Path | None = None) -> "Scene":
+        """The scene of a document, and of its bodies' file; raises SceneError if that is not there or not what it should be."""
+        if not isinstance(document.bodies, bodies_file.BodiesFile):
+            return cls.of(document.bodies, document.elements)
+        if file is None:
+            raise SceneError(f"scene.bodies names the file {document.bodies.file}, which did not come with it")
+        return cls(bodies_file.unpacked(file, document.bodies), tuple(document.elements))
+
+    @property
+    def has_bodies_file(self) -> bool:
+        """There are more bodies than JSON lists."""
+        return len(self.bodies) > bodies_file.MOST_LISTED
+
+    def document(self, *, listed: bool = False) -> SceneDocument:
+        """The scene as JSON has it; `listed`: with every body, however many there are."""
+        refers = self.has_bodies_file and not listed
+        return SceneDocument(bodies=bodies_file.reference(self.bodies) if refers else self.bodies.single(), elements=list(self.elements))
 
     def to_json(self) -> bytes:
         """The scene as JSON; the same bytes for the same scene."""

@@ -63,8 +63,9 @@ class External(Engine):
         if problem.interval < 0 and not method.backward:
             return "negative steps"
         supports = set(self.description.engine.supports)
+        needs = problem.scene.features | ({"bodies_file"} if problem.scene.has_bodies_file else set())
         anywhere = set() if supports & DIMENSIONS else DIMENSIONS
-        lacking = sorted(problem.scene.features - IMPLIED - anywhere - supports)
+        lacking = sorted(needs - IMPLIED - anywhere - supports)
         return f"{', '.join(lacking)} (not in `supports` of {self.path.name})" if lacking else None
 
     def run(self, request: Request) -> tuple[Trajectory, Cost]:

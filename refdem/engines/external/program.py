@@ -15,6 +15,7 @@ from refdem.engines.external.description import EngineTable
 from refdem.engines.external.kept import kept
 from refdem.engines.external.process import ended, printable
 from refdem.errors import EngineError, UsageError
+from refdem.scene import bodies_file
 
 FILES = {"request": "request.json", "request_txt": "request.txt", "trajectory": "trajectory.csv", "events": "events.csv"}
 ROW = 1024
@@ -79,6 +80,8 @@ class Program:
         paths = {name: folder / file for name, file in FILES.items()}
         paths["request"].write_bytes(request.to_json())
         paths["request_txt"].write_text(request_text(request))
+        if (file := request.bodies_file) is not None:
+            (folder / bodies_file.NAME).write_bytes(file)
         began, began_at = perf_counter(), time()
         command, most = [self._filled(word, paths) for word in self.table.command], SPARE + ROW * most_rows(request.problem)
         ended(command, folder, name=self.table.name, timeout=self.table.timeout, most_bytes=most)
