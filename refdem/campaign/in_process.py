@@ -45,7 +45,7 @@ def run_of(engine: Engine, request: Request) -> Run:
     """One run; whatever an engine raises becomes a Failure."""
     plain = Run(key="", request=request, engine=engine.name, version="")
     try:
-        trajectory, cost = engine.run(Request.from_json(request.to_json()))  # as a worker gets it
+        trajectory, cost = engine.run(Request.unpacked(request.packed()))  # as a worker gets it
         request.refuse_misaligned(trajectory.t, engine.method(request.method).round_off)
         return replace(plain, trajectory=Trajectory.from_bytes(trajectory.to_bytes()), cost=cost)
     except UnsupportedError as error:
