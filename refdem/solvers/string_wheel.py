@@ -7,7 +7,7 @@ import numpy as np
 from refdem.core.engine import Method
 from refdem.core.problem import Motion, Request
 from refdem.core.trajectory import Cost, Trajectory
-from refdem.errors import EngineError
+from refdem.errors import UnsupportedError
 from refdem.kernels import load, pointer
 from refdem.scene import Scene
 from refdem.scene.elements.string_over_wheel import StringOverWheel
@@ -48,7 +48,8 @@ class StringWheel(Solver):
         return single.turning(scene) or _astray(scene)
 
     def run(self, request: Request) -> tuple[Trajectory, Cost]:
-        """Position and velocity at the samples; raises EngineError where the pendulum is drawn onto the wheel."""
+        """Position and velocity at the samples; raises UnsupportedError where the pendulum is drawn onto the wheel: no law of the
+        scene says what becomes of it there."""
         begun = perf_counter()
         scene, t = request.problem.scene, np.ascontiguousarray(request.problem.times)
         string, down, out = _frame(scene)
@@ -60,7 +61,7 @@ class StringWheel(Solver):
         failed = load("string_wheel").lib.refdem_string_wheel(pendulum, counter, string.drag, string.radius, g, len(t), given, row)
         cost = Cost(seconds=perf_counter() - started, setup=started - begun)
         if failed:
-            raise EngineError(f"string-wheel: the pendulum is drawn onto the wheel before t = {t[failed - 1]:.6g} s; expected r > 0")
+            raise UnsupportedError(f"contact with the wheel: the pendulum is drawn onto it before t = {t[failed - 1]:.6g} s")
         position, velocity = _places(scene, string, down, out, states)
         return Trajectory.of_points(t, position, velocity), cost
 
