@@ -18,11 +18,11 @@ typedef struct {
     double *out_position, *out_velocity;
 } orbit;
 
-/* E - sin E, without cancellation for small E. */
-static double excess(double x)
+/* E - sin E, without cancellation for small E; s = sin E. */
+static double excess(double x, double s)
 {
     if (fabs(x) > 1.0)
-        return x - sin(x);
+        return x - s;
     double square = x * x, term = x * square / 6.0, sum = term;
     for (int n = 2; n < 10; n++) {
         term *= -square / (2.0 * n * (2.0 * n + 1.0));
@@ -36,14 +36,15 @@ static void eccentric(const orbit *o, dd mean, double *restrict c, double *restr
 {
     double m = mean.hi, x = fabs(m) < 0.1 * o->less ? m / o->less : m + copysign(0.85 * o->e, m), change = 1.0;
     for (int i = 0; i < 30 && fabs(change) > 1e-9 * fabs(x); i++) {
-        double f = o->less * x + o->e * excess(x) - m, sine = o->e * sin(x), cosine = o->e * cos(x), slope = 1.0 - cosine;
+        double s0 = sin(x), f = o->less * x + o->e * excess(x, s0) - m, sine = o->e * s0, cosine = o->e * cos(x), slope = 1.0 - cosine;
         double first = -f / slope, second = -f / (slope + 0.5 * first * sine);
         change = -f / (slope + 0.5 * second * sine + second * second * cosine / 6.0);
         x += change;
     }
-    double low = (m - (o->less * x + o->e * excess(x)) + mean.lo) / (1.0 - o->e * cos(x));
-    *c = fma(-low, sin(x), cos(x));
-    *s = fma(low, cos(x), sin(x));
+    double s0 = sin(x), c0 = cos(x);
+    double low = (m - (o->less * x + o->e * excess(x, s0)) + mean.lo) / (1.0 - o->e * c0);
+    *c = fma(-low, s0, c0);
+    *s = fma(low, c0, s0);
 }
 
 /* 0, or 1 if the orbit is not bound or goes through the centre. */

@@ -161,6 +161,15 @@ int refdem_rattle(int64_t n, const double *mass, const double *gravity, int64_t 
                   const double *spring_law, double h, int64_t samples, int64_t stride, double *work, double *position, double *velocity,
                   double *force);
 
+/* == rod_taylor == */
+
+/* A point on a rod of `length` [m] from `anchor` (3) in uniform gravity (3) [m/s^2], in space, at times t [s] that all lie on one
+ * side of t0 and each farther than the one before; outputs as for the pendulum. |r| = length and r.v = 0 to round-off; errors:
+ * round-off times the motion's own sensitivity. Returns 0, or the sample (from 1) before which the speed is no longer finite. */
+int refdem_rod_taylor(double mass, double length, const double *gravity, const double *anchor, const double *position,
+                      const double *velocity, double t0, int64_t samples, const double *t, double *out_position,
+                      double *out_velocity, double *out_force);
+
 /* == particles == */
 
 /* Points and spheres. ease (bodies): 1/mass [1/kg], 0 for a fixed body; turn_ease (bodies): 1/inertia, 0 where nothing turns.

@@ -30,7 +30,7 @@ static inline double nearest(double x)
 }
 
 /* sin and cos of x in -pi/4..pi/4 [rad], under an ulp; coefficients of least largest error (as in fdlibm's kernels). */
-static inline void sine_cosine(double x, double *restrict s, double *restrict c)
+static inline void sine_cosine_octant(double x, double *restrict s, double *restrict c)
 {
     double z = x * x, p, q;
     p = fma(z, 1.58969099521155010221e-10, -2.50507602534068634195e-08);
@@ -52,7 +52,7 @@ static inline void sine_cosine(double x, double *restrict s, double *restrict c)
 static inline void sine_cosine_pi(double f, double *restrict s, double *restrict c)
 {
     double half_sine, half_cosine;
-    sine_cosine(0.5 * DD_PI.hi * f, &half_sine, &half_cosine);
+    sine_cosine_octant(0.5 * DD_PI.hi * f, &half_sine, &half_cosine);
     *s = 2.0 * half_sine * half_cosine;
     *c = fma(-2.0 * half_sine, half_sine, 1.0);
 }

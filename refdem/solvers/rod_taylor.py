@@ -1,0 +1,67 @@
+"""A point on a rod to the world, in space, in Cartesian coordinates with its constraint force (kernels/rod_taylor.c)."""
+
+from time import perf_counter
+
+import numpy as np
+
+from refdem.core.engine import Method
+from refdem.core.problem import Motion, Request
+from refdem.core.trajectory import Cost, Trajectory
+from refdem.errors import EngineError
+from refdem.kernels import load, pointer, timed
+from refdem.scene.elements.rod import Rod
+from refdem.solvers import _single_point as single
+from refdem.solvers.solver import Solver
+
+FITS = 1e-9
+"""Part of a length, or of a speed, by which the start may miss what a rigid rod allows: rounding."""
+
+
+class RodTaylor(Solver):
+    """The plane and the spherical pendulum: no angles, so that no direction is special."""
+
+    claims = Method(
+        name="rod-taylor",
+        summary="a point on a rod in Cartesian coordinates: Taylor series of order 24, held to the rod after each step",
+        control="exact",
+        conserves=frozenset({"energy", "constraint"}),
+        reversible=True,
+        symplectic=True,
+        backward=True,
+        cost_rank=3,
+    )
+    kernels = ("rod_taylor",)
+
+    def refusal(self, problem: Motion) -> str | None:
+        """None for one point on one rod to the world, in gravity or none."""
+        scene = problem.scene
+        reason = single.refusal(scene, Rod)
+        if reason:
+            return reason
+        rod = scene.all(Rod)[0]
+        if rod.b >= 0 or scene.bodies.fixed.any():
+            return "the rod does not hang from the world"
+        arm, velocity = scene.bodies.position[0] - single.anchor(rod), scene.bodies.velocity[0]
+        if abs(float(np.linalg.norm(arm)) - rod.length) > FITS * rod.length:
+            return f"the rod of length {rod.length} starts {float(np.linalg.norm(arm))} long"
+        along = abs(float(arm @ velocity)) > FITS * rod.length * float(np.linalg.norm(velocity))
+        return "the point starts with a speed along the rod" if along else None
+
+    def run(self, request: Request) -> tuple[Trajectory, Cost]:
+        """Position, velocity and rod force [N] at the samples."""
+        begun = perf_counter()
+        scene, t = request.problem.scene, request.problem.times
+        rod, mass = scene.all(Rod)[0], float(scene.bodies.mass[0])
+        given = (single.gravity(scene), single.anchor(rod), scene.bodies.position[0].copy(), scene.bodies.velocity[0].copy())
+        position, velocity, force = np.empty((len(t), 1, 3)), np.empty((len(t), 1, 3)), np.empty((len(t), 1))
+        columns = [pointer("rod_taylor", column) for column in given]
+        out = [pointer("rod_taylor", column, output=True) for column in (position, velocity, force)]
+        arguments = (mass, rod.length, *columns, float(t[0]), len(t), pointer("rod_taylor", t), *out)
+        seconds = timed(load("rod_taylor").lib.refdem_rod_taylor, *arguments)
+        cost = Cost(seconds=seconds, setup=perf_counter() - begun - seconds)
+        if not np.isfinite(force).all():
+            raise EngineError("rod-taylor: the series do not reach the last sample; expected a motion of finite speed")
+        return Trajectory.of_points(t, position, velocity, channels={"rod_force": force}), cost
+
+
+METHOD = RodTaylor()
