@@ -4,7 +4,7 @@ from abc import ABC, abstractmethod
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
-from typing import ClassVar
+from typing import Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -76,6 +76,10 @@ class Canonical(ABC):
 
     def refuse(self, p: Parameters) -> None:  # noqa: B027 (most cases have nothing to refuse)
         """Raises UsageError for values that are each in bounds but do not go together."""
+
+    def meant(self, p: Parameters) -> Mapping[str, Any]:
+        """The exact numbers that the parameters stand for: what a witness of the truth begins with."""
+        return p
 
     def is_chaotic(self, p: Parameters) -> bool | None:
         """True at the parameters `chaotic_at`, False where that is NEVER; None where nobody has said."""
