@@ -11,6 +11,8 @@ from refdem.core.truth import SampledTruth
 from refdem.errors import StoreError
 
 FORMAT = 1
+MOST = 250_000_000
+"""Bytes of an entry, at most; SQLite takes 1e9."""
 _TABLES = "CREATE TABLE IF NOT EXISTS entries (kind TEXT, key TEXT, data BLOB NOT NULL, PRIMARY KEY (kind, key)) WITHOUT ROWID"
 
 
@@ -53,7 +55,9 @@ class Store:
         return row[0] if row else None
 
     def put(self, kind: str, key: str, data: bytes) -> None:
-        """Keeps bytes under (kind, key)."""
+        """Keeps bytes under (kind, key), unless there are too many of them: those are made again when they are asked for."""
+        if len(data) > MOST:
+            return
         try:
             self._connection.execute("INSERT OR REPLACE INTO entries VALUES (?, ?, ?)", (kind, key, data))
         except sqlite3.Error as error:

@@ -115,11 +115,14 @@ class _Packed(msgspec.Struct):
 
 
 def _packed(values: Array) -> tuple[list[int], bytes]:
-    return list(values.shape), np.ascontiguousarray(values, dtype="<f8").tobytes()
+    """Shape and numbers; of one row that stands for all, as of bodies that do not turn, that row."""
+    rows = values[:1] if values.ndim and values.strides[0] == 0 else values
+    return list(values.shape), np.ascontiguousarray(rows, dtype="<f8").tobytes()
 
 
 def _unpacked(shape: list[int], data: bytes) -> Array:
-    return np.frombuffer(data, dtype="<f8").reshape(shape)
+    found = np.frombuffer(data, dtype="<f8")
+    return found.reshape(shape) if found.size == np.prod(shape) else np.broadcast_to(found.reshape(1, *shape[1:]), shape)
 
 
 def _refuse(name: str, values: Array, shape: tuple[int, ...]) -> None:

@@ -183,7 +183,10 @@ def _begins(used: Buffers, start: float) -> tuple[Event, ...]:
 def _trajectory(scene: Scene, t: Array, states: dict[str, Array], channels: dict[str, Array], events: tuple[Event, ...]) -> Trajectory:
     """The kernel's rows as states; where spins and friction are not there, no sphere turns."""
     shape = (len(t), len(scene.bodies))
-    still: dict[str, Any] = {"attitude": np.broadcast_to(scene.bodies.attitude, (*shape, 4)), "omega": np.zeros((*shape, 3))}
+    still: dict[str, Any] = {
+        "attitude": np.broadcast_to(scene.bodies.attitude, (*shape, 4)),
+        "omega": np.broadcast_to(np.zeros(3), (*shape, 3)),
+    }
     return Trajectory(t=t, channels=channels, events=events, **{**still, **states})
 
 

@@ -35,3 +35,12 @@ def test_a_folder_that_cannot_be_made_is_said_so(tmp_path):
     (tmp_path / "file").write_text("")
     with pytest.raises(StoreError, match="cannot be used"):
         Store(tmp_path / "file" / "s.sqlite")
+
+
+def test_what_is_too_large_is_not_kept_and_breaks_nothing(tmp_path, monkeypatch):
+    monkeypatch.setattr("refdem.core.store.MOST", 10)
+    store = Store(tmp_path / "s.sqlite")
+    store.put("run", "a", b"0123456789")
+    store.put("run", "b", b"0123456789a")
+    assert store.get("run", "a") == b"0123456789"
+    assert store.get("run", "b") is None

@@ -37,3 +37,14 @@ def test_wrong_shapes_and_unknown_channels_are_refused():
         Trajectory(t=good.t, position=good.position, velocity=good.velocity[:4], attitude=good.attitude, omega=good.omega)
     with pytest.raises(EngineError, match="closeness"):
         trajectory(channels={"closeness": np.zeros(5)})
+
+
+def test_one_row_that_stands_for_all_is_packed_once_and_read_back():
+    still = np.array([[0.6, 0.0, 0.8, 0.0]] * 50)
+    rows = {"position": np.random.default_rng(1).normal(size=(9, 50, 3)), "velocity": np.zeros((9, 50, 3))}
+    made = Trajectory(
+        t=np.arange(9.0), attitude=np.broadcast_to(still, (9, 50, 4)), omega=np.broadcast_to(np.zeros((50, 3)), (9, 50, 3)), **rows
+    )
+    again = Trajectory.from_bytes(made.to_bytes())
+    assert all(np.array_equal(value, again.columns()[name]) for name, value in made.columns().items())
+    assert len(made.to_bytes()) < 0.6 * sum(value.nbytes for value in made.columns().values())
