@@ -91,7 +91,7 @@ def proved_set(case: str, given: dict[str, str], times: tuple[str, ...]) -> byte
         return _result([], str(error))
     if not found:
         return _result([], f"nothing is certified: {missing}")
-    said = testimony(case, instance.p, found)
+    said = testimony(case, instance.case.meant(instance.p), found)
     if said is not None and said["denied"]:
         return _result([], f"the witness ({said['by']}) does not confirm {', '.join(said['denied'][:5])}")
     witnessed = {name: said[name] for name in ("by", "values", "digits")} if said else None

@@ -1,6 +1,8 @@
 """The scenes of Newton's first law. All numbers are dyadic, so that every balance of forces is exact in binary64."""
 
 from collections.abc import Callable
+from fractions import Fraction
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -56,6 +58,16 @@ def spheres() -> Scene:
     inertia = 0.4 * BALL_MASS * RADIUS**2
     bodies = [Body(mass=BALL_MASS, inertia=(inertia,) * 3, position=(0.0, 0.0, z), shape=Sphere(radius=RADIUS)) for z in (low, high)]
     return Scene.of(bodies, _ground(Contact(law="linear", stiffness=STIFFNESS)))
+
+
+def balance(scene: Scene) -> dict[str, Any]:
+    """Exact numbers of bodies on each other: weight of each, stiffness (0: rigid), heights of their centres, and how far these may come."""
+    bodies, contact = scene.bodies, scene.all(Contact)[0]
+    half = Fraction(RADIUS if contact.law == "linear" else SIDES[2] / 2)
+    sizes = [half, *[2 * half] * (len(bodies) - 1)]
+    heights = [Fraction(float(z)) for z in bodies.position[:, 2]]
+    weight = Fraction(float(bodies.mass[0])) * Fraction(GRAVITY)
+    return {"weight": weight, "stiffness": Fraction(contact.stiffness), "heights": heights, "sizes": sizes}
 
 
 SCENES: dict[str, Callable[[], Scene]] = {"block": block, "stack": stack, "spheres": spheres}

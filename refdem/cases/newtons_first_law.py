@@ -1,5 +1,7 @@
 """Newton's first law (1.7.4): free motion is uniform, and what rests in balance stays at rest; the scenes are in _rest."""
 
+from typing import Any
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -61,6 +63,10 @@ class NewtonsFirstLaw(Case):
             moved = trajectory.position - self.scene(p).bodies.position
             columns = [column[:, i] for i in range(moved.shape[1]) for column in (moved, trajectory.velocity)]
         return dict(zip((q.name for q in self.quantities(p)), np.concatenate(columns, axis=1).T, strict=True))
+
+    def meant(self, p: Parameters) -> dict[str, Any]:
+        """With what makes the balance of those that rest."""
+        return dict(p) | ({} if p.member == "free" else _rest.balance(self.scene(p)))
 
     def truth(self, p: Parameters) -> Truth:
         """A straight line and a steady turn; zeros."""

@@ -20,13 +20,20 @@ SCAN = 1 / 64
 
 
 def coulomb(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: Claimed) -> Said:
-    """m x'' = -k x - f sgn(v), from turning point to turning point, until k|x| <= f holds the mass; from rest only."""
+    """m x'' = -k x - f sgn(v), from turning point to turning point, until k|x| <= f holds the mass."""
     exact = numbers(p, "mass", "stiffness", "friction_force", "x0", "v0")
-    if exact["v0"]:
-        return
     m, k, f = (arb_of(exact[name]) for name in ("mass", "stiffness", "friction_force"))
     half = math.pi * math.sqrt(exact["mass"] / exact["stiffness"])
     begin, x, waiting = arb(0), arb_of(exact["x0"]), list(times)
+    if exact["v0"]:
+        phase = Solution(partial(rubbing, -f if exact["v0"] > 0 else f, k, m), [x, arb_of(exact["v0"])])
+        steps = (half * n / 16 for n in range(1, 64))
+        near = next(t for t in steps if (phase.at(arb(t))[1] > 0) != (exact["v0"] > 0))
+        begin = phase.crossing(lambda y: y[1], near - half / 32, half / 32)
+        while waiting and arb_of(waiting[0]) < begin:
+            t = waiting.pop(0)
+            yield t, dict(zip(("x", "v"), phase.at(t), strict=True))
+        x = phase.at(begin)[0]
     while f < k * abs(x) and waiting:
         push = f if x > 0 else -f
         phase = Solution(partial(rubbing, push, k, m), [x, arb(0)], begin=begin)

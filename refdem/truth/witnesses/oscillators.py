@@ -3,6 +3,7 @@
 from collections.abc import Callable, Mapping, Sequence
 from fractions import Fraction
 from functools import partial
+from math import floor
 from typing import Any
 
 from flint import acb, arb
@@ -75,6 +76,8 @@ def van_der_pol(p: dict[str, arb]) -> Force:
 def power(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: Claimed) -> Said:
     """m x'' = -k |x|^n sgn x for whole n, from turning point to centre and on: the power is smooth on either side."""
     exact = numbers(p, "mass", "stiffness", "exponent", "amplitude")
+    if exact["exponent"].denominator != 1 and exact["amplitude"]:
+        yield from rooted(exact, times)
     if exact["exponent"].denominator != 1 or not exact["amplitude"]:
         return
     n, ratio = int(exact["exponent"]), arb_of(exact["stiffness"] / exact["mass"])
@@ -91,6 +94,34 @@ def power(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: Claimed) -
         if turned == 2:
             yield None, {"period": 2 * (end - begin)}
         begin, state, sign, turned = end, phase.at(end), -sign, turned + 1
+
+
+def rooted(exact: Mapping[str, Fraction], times: Sequence[Fraction]) -> Said:
+    """A power a/b: in s = x^(1/b) and a clock with dt = b s^(b-1) dz it is smooth; a quarter of a period, mirrored for the rest."""
+    a, b = exact["exponent"].as_integer_ratio()
+    ratio, size = arb_of(exact["stiffness"] / exact["mass"]), arb_of(abs(exact["amplitude"]))
+
+    def field(z: Any, y: Sequence[Any]) -> list[Any]:
+        slow = y[0] ** (b - 1) * b
+        return [y[1], -ratio * y[0] ** a * slow, slow]
+
+    found = Solution(field, [size.root(b), arb(0), arb(0)])
+    step = float(1 / (ratio * size ** arb_of(Fraction(a + 2 * b - 2, b))).sqrt() * size.root(b)) / b / 8
+    high = step
+    while found.at(arb(high))[0] > 0:
+        high += step
+    end = found.crossing(lambda y: y[0], high - step / 2, step / 2)
+    quarter = found.at(end)[2]
+    yield None, {"period": 4 * quarter}
+    sign = 1 if exact["amplitude"] > 0 else -1
+    for t in times:
+        turns = floor(float(arb_of(t) / quarter))
+        rest = arb_of(t) - turns * quarter
+        since = rest if turns % 2 == 0 else quarter - rest
+        z = found.bisected(lambda y, since=since: y[2] - since, 0.0, float(end))
+        s, v, _ = found.at(z)
+        along, back = (1, -1, -1, 1)[turns % 4], (1, 1, -1, -1)[turns % 4]
+        yield t, {"x": sign * along * s**b, "v": sign * back * v}
 
 
 def pulled(n: int, strength: arb, t: Any, y: Sequence[Any]) -> list[Any]:

@@ -67,8 +67,9 @@ def _mass(p: Mapping[str, Exact]) -> Fraction:
 
 
 def free(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: Claimed) -> Said:
-    """A body that nothing acts on: r' = v, v' = 0, qdot = omega q/2. Of bodies that stay nothing is said but that they do."""
+    """A body that nothing acts on: r' = v, v' = 0, qdot = omega q/2; bodies in balance."""
     if p["member"] != "free":
+        yield from balanced(p, times)
         return
     velocity, spin = [arb_of(x) for x in vector(p, "velocity")], arb_of(number(p, "spin"))
 
@@ -82,6 +83,22 @@ def free(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: Claimed) ->
         seen = {axis: s[i] for i, axis in enumerate("xyz")} | {f"v{axis}": velocity[i] for i, axis in enumerate("xyz")}
         seen |= {f"attitude.{axis}": s[3 + i] for i, axis in enumerate("wxyz")}
         yield t, seen | {"omega.x": arb(0), "omega.y": arb(0), "omega.z": spin}
+
+
+def balanced(p: Mapping[str, Any], times: Sequence[Fraction]) -> Said:
+    """Bodies of one weight on each other over the ground: nothing moves if the forces between them, which may only push, add up to zero.
+
+    With a stiffness the overlaps make them; without, touching exactly (no gap, no overlap) is what lets them be the weight above.
+    """
+    weight, stiffness, sizes = p["weight"], p["stiffness"], p["sizes"]
+    gaps = [high - low - size for low, high, size in zip((0, *p["heights"]), p["heights"], sizes, strict=False)]
+    above = [weight * (len(gaps) - i) for i in range(len(gaps))]
+    pushes = (
+        [-gap * stiffness for gap in gaps] if stiffness else [load if gap == 0 else None for gap, load in zip(gaps, above, strict=True)]
+    )
+    if pushes == above:
+        for t in times:
+            yield t, {f"{kind}{i + 1}.{axis}": arb(0) for i in range(len(gaps)) for kind in "rv" for axis in "xyz"}
 
 
 WITNESSES = {"pendulum": Witness(METHOD, pendulum), "two-body-orbit": Witness(METHOD, orbit), "newtons-first-law": Witness(METHOD, free)}
