@@ -1,4 +1,8 @@
-"""Two records compared through their noise: rounds in units of the yardstick of the same round, slower or faster only beyond doubt."""
+"""Two codes compared through their noise, slower or faster only beyond doubt: in turns on one machine, or by two records.
+
+In turns each round gives a pair, and what the machine does falls on both. Rounds of two records are in units of the yardstick of
+their round.
+"""
 
 import math
 import statistics
@@ -19,7 +23,7 @@ class Change(msgspec.Struct, frozen=True, kw_only=True):
     key: tuple[str, str, str]
     factor: float
     verdict: str
-    error_factor: float
+    error_factor: float | None
 
 
 def compared(now: Record, then: Record) -> list[Change]:
@@ -41,6 +45,38 @@ def compared(now: Record, then: Record) -> list[Change]:
         factor = math.exp(statistics.median(a) - statistics.median(b))
         found.append(Change(key=curve.key, factor=factor, verdict=verdict(a, b), error_factor=worst))
     return found
+
+
+def compared_in_turns(record: Record) -> list[Change]:
+    """The curves that another installation ran in turns with this one.
+
+    Slower: slower in every pair, and by more than CHANGE in the median. For equal codes a side happens at most once in 2^n for n
+    pairs: 1/32 for 5, 1/128 for 7, and less by what CHANGE asks.
+    """
+    found = []
+    for curve in record.curves:
+        pairs = ratios_of(curve)
+        if pairs:
+            factor = math.exp(statistics.median(pairs))
+            found.append(Change(key=curve.key, factor=factor, verdict=verdict_of_pairs(pairs), error_factor=None))
+    return found
+
+
+def ratios_of(curve: Curve) -> list[float]:
+    """The mean over levels of log(seconds here / seconds there), pair by pair."""
+    chosen = [point for point in curve.points if point.beside and min(*point.beside, *point.rounds) > 0]
+    count = min((min(len(point.rounds), len(point.beside)) for point in chosen), default=0)
+    return [statistics.fmean(math.log(point.rounds[k] / point.beside[k]) for point in chosen) for k in range(count)]
+
+
+def verdict_of_pairs(pairs: Sequence[float]) -> str:
+    """`slower`, `faster` or `same` from logarithms of ratios; `same` if there are less than 4."""
+    if len(pairs) < 4:
+        return "same"
+    change = statistics.median(pairs)
+    if min(pairs) > 0 and change > math.log1p(CHANGE):
+        return "slower"
+    return "faster" if max(pairs) < 0 and -change > math.log1p(CHANGE) else "same"
 
 
 def _common(curve: Curve, other: Curve) -> set[float]:

@@ -19,6 +19,7 @@ ENOUGH = 1e-14
 SHORT, MOST_INNER = 2e-3, 15
 """Runs shorter than this [s] are repeated within a round, as a clock and a cache that is cold would be seen; the median counts."""
 WORK = b"\0" * (1 << 20)
+Other = Callable[[int], float | None]
 
 
 @dataclass
@@ -29,6 +30,7 @@ class Measured:
     errors: dict[float, dict[str, float]] = field(default_factory=dict)
     first: dict[float, Cost] = field(default_factory=dict)
     rounds: dict[float, list[Cost]] = field(default_factory=dict)
+    beside: dict[float, list[float]] = field(default_factory=dict)
     refusal: str = ""
 
     @property
@@ -46,6 +48,7 @@ class Measured:
                 rounds=[cost.seconds for cost in self.rounds[level]],
                 setup=statistics.median(cost.setup for cost in self.rounds[level]),
                 steps=self.first[level].steps,
+                beside=self.beside.get(level, []),
             )
             for level, errors in self.errors.items()
             if names & errors.keys() and self.rounds.get(level)
@@ -77,8 +80,13 @@ def refined(entrant: Entrant, truth: SampledTruth, *, longest: float) -> Measure
     return found
 
 
-def interleaved(entrants: Iterable[Measured], rounds: int, told: Callable[[int], None] = lambda done: None) -> list[float]:
-    """Times every level of every entrant once a round, from another one on in each; returns the yardstick [s] round by round."""
+def interleaved(
+    entrants: Iterable[Measured], rounds: int, told: Callable[[int], None] = lambda done: None, other: Other | None = None
+) -> list[float]:
+    """Times every level of every entrant once a round, from another one on in each; returns the yardstick [s] round by round.
+
+    `other` times the same place of another installation, by its number, right before or right after: in turns. None where it cannot.
+    """
     places = [(measured, level) for measured in entrants for level in measured.errors]
     yardstick = []
     with _no_collection():
@@ -86,16 +94,32 @@ def interleaved(entrants: Iterable[Measured], rounds: int, told: Callable[[int],
             gc.collect()
             yardstick.append(_yardstick())
             turn = number * len(places) // max(1, rounds)
-            for measured, level in places[turn:] + places[:turn]:
-                measured.rounds[level].append(_timed(measured.entrant, level, measured.first[level].seconds))
+            for place in [*range(turn, len(places)), *range(turn)]:
+                measured, level = places[place]
+                late = other is not None and (number + place) % 2 == 1
+                if late:
+                    _beside(measured, level, other, place)
+                measured.rounds[level].append(_timed(measured, level))
+                if not late:
+                    _beside(measured, level, other, place)
             told(number + 1)
     return yardstick
 
 
-def _timed(entrant: Entrant, level: float, first: float) -> Cost:
-    """The cost of one run; of short ones the run with the median time."""
+def _timed(measured: Measured, level: float) -> Cost:
+    return median_cost(lambda: measured.entrant.run(level)[1], measured.first[level].seconds)
+
+
+def _beside(measured: Measured, level: float, other: Other | None, place: int) -> None:
+    seconds = other(place) if other else None
+    if seconds is not None:
+        measured.beside.setdefault(level, []).append(seconds)
+
+
+def median_cost(run: Callable[[], Cost], first: float) -> Cost:
+    """The cost of one run; of short ones, which took `first` seconds once, the run with the median time."""
     inner = 1 if first > SHORT else min(MOST_INNER, int(SHORT / max(first, 1e-7)) + 1)
-    costs = sorted((entrant.run(level)[1] for _ in range(inner)), key=lambda cost: cost.seconds)
+    costs = sorted((run() for _ in range(inner)), key=lambda cost: cost.seconds)
     return costs[inner // 2]
 
 

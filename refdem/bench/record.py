@@ -11,13 +11,17 @@ TARGETS = (1e-3, 1e-6, 1e-9, 1e-12)
 
 
 class Point(msgspec.Struct, frozen=True, kw_only=True):
-    """One level: largest error over the run, seconds in the engine's own loop round by round, set-up [s], steps (0: unknown)."""
+    """One level: largest error over the run, seconds in the engine's own loop round by round, set-up [s], steps (0: unknown).
+
+    `beside`: seconds of another installation, each taken in turn with that of the same round here.
+    """
 
     level: float
     error: float
     rounds: list[float]
     setup: float = 0.0
     steps: int = 0
+    beside: list[float] = []
 
 
 class Reach(msgspec.Struct, frozen=True, kw_only=True):

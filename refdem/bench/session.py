@@ -3,11 +3,13 @@
 import os
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
+from pathlib import Path
 
 import msgspec
 
 import refdem
 from refdem.bench import precision
+from refdem.bench.beside import Beside
 from refdem.bench.entrant import Entrant
 from refdem.bench.levels import levels
 from refdem.bench.measurement import Measured, interleaved, refined
@@ -15,6 +17,7 @@ from refdem.bench.memory import peaks
 from refdem.bench.peers import peers
 from refdem.bench.record import TARGETS, Curve, Growth, Record
 from refdem.bench.stability import stability_limit
+from refdem.bench.turns import Place
 from refdem.campaign import plan, worker
 from refdem.campaign.kept_truth import kept_truth
 from refdem.campaign.specification import Entry, Specification
@@ -28,7 +31,8 @@ from refdem.errors import RefdemError, UsageError
 class Bench:
     """What to run: `rounds` of everything, no run longer than `longest` [s] or of more than `most_steps` steps.
 
-    `grow` names a parameter of the cases and its values: the time at the finest level is measured at each.
+    `grow` names a parameter of the cases and its values: the time at the finest level is measured at each. `beside` is the Python of
+    another installation, which runs everything in turns with this one.
     """
 
     cases: list[Entry]
@@ -42,6 +46,7 @@ class Bench:
     with_stability: bool = True
     grow: Mapping[str, list[str]] = field(default_factory=dict)
     progress: Callable[[str], None] = lambda told: None
+    beside: Path | None = None
 
     def record(self) -> Record:
         """Everything measured; raises UsageError if no method can run any of the cases."""
@@ -52,7 +57,7 @@ class Bench:
             reasons = dict.fromkeys(entrant.refusal for found in measured for entrant in found)
             raise UsageError("nothing could be run: " + "; ".join(reasons))
         everything = [entrant for found in measured for entrant in found]
-        yardstick = interleaved(everything, self.rounds, lambda done: self.progress(f"round {done} of {self.rounds}"))
+        yardstick = self._timed(everything)
         compared = {found[0].entrant.instance.label: sorted(_common(found)) for found in measured if found}
         curves = [self._curve(entrant, set(compared[entrant.entrant.instance.label])) for entrant in everything]
         return Record(
@@ -85,6 +90,18 @@ class Bench:
         truth = sampled_truth(instance, [measured.entrant for measured in able])
         refused = [measured for measured in found if measured.refusal]
         return [*(refined(measured.entrant, truth, longest=self.longest) for measured in able), *refused]
+
+    def _timed(self, everything: list[Measured]) -> list[float]:
+        """All rounds, alone or in turns; the yardstick of each."""
+
+        def told(done: int) -> None:
+            self.progress(f"round {done} of {self.rounds}")
+
+        if self.beside is None:
+            return interleaved(everything, self.rounds, told)
+        with Beside(self.beside) as other:
+            other.begin([place(measured, level) for measured in everything for level in measured.errors])
+            return interleaved(everything, self.rounds, told, lambda k: None if other.reasons[k] else other.seconds(k))
 
     def _peers(self) -> list[Engine]:
         return peers() if self.with_peers else []
@@ -151,6 +168,13 @@ class Bench:
         for k, peak in zip(places, peaks(asked), strict=True):
             curves[k] = msgspec.structs.replace(curves[k], memory=peak)
         return curves
+
+
+def place(measured: Measured, level: float) -> Place:
+    """One level as another installation is told of it."""
+    entrant = measured.entrant
+    request = msgspec.Raw(entrant.request(level).to_json())
+    return Place(entrant.engine.address, entrant.is_peer, request, measured.first[level].seconds)
 
 
 def sampled_truth(instance: Instance, entrants: list[Entrant]) -> SampledTruth:

@@ -29,7 +29,11 @@ def tables(record: Record, label: str) -> list[Table]:
     goals = tuple(f"to {target:.0e}".replace("e-0", "e-") for target in TARGETS)
     seen = ("method", "order", "C", "a step", "grows as", "memory", "largest stable step / (2/omega)")
     found = [
-        Table("Time to an error", ("method", *goals, "least error", "compile or first set-up"), [_times(curve) for curve in able]),
+        Table(
+            "Time to an error",
+            ("method", *goals, "least error", "set-up of a run", "compile or first set-up"),
+            [_times(curve) for curve in able],
+        ),
         Table("Faster than the best peer by", ("method", *goals), _ratios(able)),
         Table("What else was seen", seen, [_more(curve) for curve in able]),
         Table("Not run", ("method", "reason"), [(_name(curve), curve.refusal) for curve in curves if curve.refusal]),
@@ -39,10 +43,8 @@ def tables(record: Record, label: str) -> list[Table]:
 
 def changes(found: Sequence[Change]) -> Table:
     """A comparison of two records."""
-    rows = [
-        (change.key[0], " ".join(change.key[1:]), f"{change.factor:.2f}", change.verdict, f"{change.error_factor:.2g}") for change in found
-    ]
-    return Table("Against the other record", ("case", "method", "time now / then", "verdict", "error now / then, at most"), rows)
+    rows = [(change.key[0], " ".join(change.key[1:]), f"{change.factor:.2f}", change.verdict, two(change.error_factor)) for change in found]
+    return Table("Against the other code", ("case", "method", "time now / then", "verdict", "error now / then, at most"), rows)
 
 
 def _name(curve: Curve) -> str:
@@ -50,8 +52,8 @@ def _name(curve: Curve) -> str:
 
 
 def _times(curve: Curve) -> tuple[str, ...]:
-    least = min(point.error for point in curve.points)
-    return (_name(curve), *(_reached(reach) for reach in curve.reached), two(least), duration(curve.compiled))
+    least, setup = min(point.error for point in curve.points), statistics.median(point.setup for point in curve.points)
+    return (_name(curve), *(_reached(reach) for reach in curve.reached), two(least), duration(setup), duration(curve.compiled))
 
 
 def _reached(reach: Reach | None) -> str:

@@ -1,5 +1,6 @@
 """refdem bench: run time against error, with peers beside the engines."""
 
+import os
 import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -26,7 +27,10 @@ def command(
     peers: Annotated[bool, typer.Option(help="With heyoka and SciPy, where installed.")] = True,
     memory: Annotated[bool, typer.Option(help="With the peak memory, in a process of its own.")] = True,
     stability: Annotated[bool, typer.Option(help="With the largest stable step.")] = True,
-    against: Annotated[Path | None, typer.Option(help="A bench.json to compare with.")] = None,
+    against: Annotated[
+        Path | None,
+        typer.Option(help="What to compare with: the Python of another installation, run in turns with this one, or a bench.json."),
+    ] = None,
     out: Annotated[Path, typer.Option(help="Folder for bench.md, bench.html, bench.json.")] = Path("refdem-bench"),
 ) -> None:
     """Measures run time against error; exit 1 if a method is slower than in the record that it is compared with.
@@ -43,11 +47,13 @@ def command(
 
     given = settings(set or [])
     entries = [Entry(name, own | given) for name, own in map(labelled, case or ["pendulum"])]
-    then = read(against) if against else None
+    beside = against if against and os.access(against, os.X_OK) else None
+    then = read(against) if against and not beside else None
     refuse_unwritable(out)
     bench = Bench(
         cases=entries, engines=engine or [], method=method, rounds=rounds, most_steps=most_steps, longest=longest, with_peers=peers,
-        with_memory=memory, with_stability=stability, grow=grown(grow or []), progress=lambda told: print(told, file=sys.stderr),
+        with_memory=memory, with_stability=stability, grow=grown(grow or []), beside=beside,
+        progress=lambda told: print(told, file=sys.stderr),
     )  # fmt: skip
     record = bench.record()
     (out / "bench.json").write_bytes(msgspec.json.encode(record))
@@ -65,11 +71,11 @@ def grown(pairs: list[str]) -> dict[str, list[str]]:
 
 def written(out: Path, record: "Record", then: "Record | None") -> bool:
     """Writes the pages and prints the tables; whether a method is slower than `then`."""
-    from refdem.bench.comparison import compared, false_alarm_rate
+    from refdem.bench.comparison import compared, compared_in_turns, false_alarm_rate
     from refdem.bench.tables import changes, chart_rows, introduction, tables
     from refdem.report.bench import Section, write
 
-    found = compared(record, then) if then else []
+    found = compared(record, then) if then else compared_in_turns(record)
     extra: list[Cells] = [_cells(changes(found))] if found else []
     words = introduction(record)
     if (rate := false_alarm_rate(record)) is not None:

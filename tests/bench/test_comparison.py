@@ -6,7 +6,7 @@ from pathlib import Path
 import msgspec
 import pytest
 
-from refdem.bench.comparison import compared, false_alarm_rate, verdict
+from refdem.bench.comparison import compared, compared_in_turns, false_alarm_rate, verdict
 from refdem.bench.record import Curve, Point, Record, read
 from refdem.errors import UsageError
 
@@ -34,6 +34,32 @@ def test_a_change_of_the_code_is_told_from_one_of_the_machine(factor: float, exp
 def test_a_code_compared_with_itself_raises_few_false_alarms() -> None:
     alarms = [compared(record(2 * seed), record(2 * seed + 1))[0].verdict != "same" for seed in range(500)]
     assert sum(alarms) <= 15  # two sides of 1 in 252 are 4 in 500
+
+
+def in_turns(seed: int, *, factor: float = 1.0, rounds: int = 7, noise: float = 0.05) -> Record:
+    """The same record with another code, which is faster by `factor`, in every round under the same weather."""
+    chance, alone = random.Random(seed + 10**6), record(seed, rounds=rounds, noise=noise)
+    curve = alone.curves[0]
+    points = [
+        msgspec.structs.replace(p, beside=[day / p.level / factor * chance.lognormvariate(0, noise) for day in alone.yardstick])
+        for p in curve.points
+    ]
+    return msgspec.structs.replace(alone, curves=[msgspec.structs.replace(curve, points=points)])
+
+
+@pytest.mark.parametrize(("factor", "expected"), [(1.0, "same"), (1.3, "slower"), (1 / 1.3, "faster"), (1.05, "same")])
+def test_pairs_tell_a_change_whatever_the_weather(factor: float, expected: str) -> None:
+    found = [compared_in_turns(in_turns(seed, factor=factor))[0].verdict for seed in range(20)]
+    assert sum(verdict == expected for verdict in found) >= 19
+
+
+def test_pairs_of_equal_codes_raise_few_false_alarms_even_where_noise_is_large() -> None:
+    alarms = [compared_in_turns(in_turns(seed, noise=0.3))[0].verdict != "same" for seed in range(1000)]
+    assert 1 <= sum(alarms) <= 30  # two sides of 1 in 128 are 16 in 1000; the noise is large enough for CHANGE to forbid none
+
+
+def test_without_another_code_there_is_nothing_to_compare_in_turns() -> None:
+    assert compared_in_turns(record(1)) == []
 
 
 def test_the_false_alarm_rate_of_a_record_is_counted_over_all_splits() -> None:

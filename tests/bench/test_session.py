@@ -1,8 +1,13 @@
 """The bench on real cases: its numbers against what theory says of the methods."""
 
+import sys
+from pathlib import Path
+
 import numpy as np
 import pytest
 
+from refdem.bench.beside import Beside
+from refdem.bench.comparison import compared_in_turns
 from refdem.bench.entrant import Entrant
 from refdem.bench.levels import levels
 from refdem.bench.memory import peaks
@@ -104,3 +109,20 @@ def test_more_output_needs_more_memory() -> None:
     least = 13 * 8 * 100_000 / 2  # position, velocity, attitude, omega of a body; the allocator may have held a part already
     (peak,) = peaks([("reference", False, few, many)])
     assert peak is None or peak > least
+
+
+def test_another_installation_runs_every_place_in_turns_with_this_one() -> None:
+    entry = Entry("harmonic-oscillator", {"duration": "4", "samples": "2"})
+    options = {"with_peers": False, "with_memory": False, "with_stability": False, "beside": Path(sys.executable)}
+    record = Bench([entry], ["reference"], method="rk4", rounds=4, most_steps=2e3, **options).record()
+    (found,) = record.curves
+    assert all(len(point.beside) == 4 and min(point.beside) > 0 for point in found.points)
+    assert 0.1 < compared_in_turns(record)[0].factor < 10  # the same code in another process
+
+
+def test_a_python_without_refdem_is_refused(tmp_path: Path) -> None:
+    python = tmp_path / "python"
+    python.write_text("#!/bin/sh\nexit 1\n")
+    python.chmod(0o755)
+    with Beside(python) as other, pytest.raises(UsageError, match=r"does not run refdem.bench.turns"):
+        other.begin([])

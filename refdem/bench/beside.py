@@ -1,0 +1,55 @@
+"""Another installation that runs the same levels in turns with this one: the weather of the machine then falls on both alike."""
+
+import subprocess
+from collections.abc import Sequence
+from contextlib import suppress
+from pathlib import Path
+from typing import Any
+
+import msgspec
+
+from refdem.bench.turns import Place
+from refdem.errors import UsageError
+
+
+class Beside:
+    """A process of another Python that serves `refdem.bench.turns`; a context manager."""
+
+    def __init__(self, python: Path) -> None:
+        self._python = python
+        self.reasons: list[str | None] = []
+
+    def __enter__(self) -> "Beside":
+        command = [str(self._python), "-m", "refdem.bench.turns"]
+        self._process = subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True)
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        for end in (self._process.stdin, self._process.stdout):
+            if end:
+                with suppress(BrokenPipeError):
+                    end.close()
+        self._process.wait()
+
+    def begin(self, places: Sequence[Place]) -> None:
+        """Loads every place there and runs it once; `reasons` says why some cannot run."""
+        self.reasons = self._asked(msgspec.json.encode(places).decode())
+
+    def seconds(self, number: int) -> float:
+        """The time of one place now."""
+        return float(self._asked(str(number)))
+
+    def _asked(self, line: str) -> Any:
+        assert self._process.stdin
+        assert self._process.stdout
+        try:
+            self._process.stdin.write(line + "\n")
+            self._process.stdin.flush()
+            answer = self._process.stdout.readline()
+        except BrokenPipeError:
+            answer = ""
+        if not answer:
+            raise UsageError(
+                f"{self._python} does not run refdem.bench.turns; expected the Python of an installation of refdem that has it"
+            )
+        return msgspec.json.decode(answer)
