@@ -8,7 +8,7 @@ from refdem.core import symmetry
 from refdem.core.check import Array, Check, Outcome, Trial
 from refdem.core.finding import Finding
 from refdem.core.judgement import certified, distances, growth_shown, perturbation, undecided, worst
-from refdem.core.refinement import HORIZON, scored
+from refdem.core.refinement import scored
 from refdem.core.trajectory import Trajectory
 from refdem.core.variant import Variant
 
@@ -103,14 +103,8 @@ def _has_axes(trial: Trial) -> bool:
 
 
 def level_for(trial: Trial) -> float:
-    """The coarsest, where nothing is hidden by a small step; finer where truncation has to be allowed for."""
-    if not _decides(trial):
-        return trial.levels[0]
-    if (truth := certified(trial)) is None:
-        return trial.levels[-1]
-    growth = float(truth.growth()[-1])
-    telling = [level for level in trial.levels if float(trial.truncation(level)[-1]) * growth < HORIZON / 2]
-    return (telling or trial.levels[-1:])[0]
+    """The coarsest, where nothing is hidden by a small step; the finest where truncation has to be allowed for."""
+    return trial.levels[-1] if _decides(trial) else trial.levels[0]
 
 
 def growth_of(trial: Trial, perturbed: Trajectory, base: Trajectory) -> Array:
