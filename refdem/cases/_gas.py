@@ -13,6 +13,7 @@ PARAMETERS = (
     Parameter(name="n", default="100", unit="1", doc="number of spheres", at_least=2, at_most=1_000_000, whole=True),
     Parameter(name="diameter", default="1", unit="m", doc="of every sphere", above=0),
     Parameter(name="restitution", default="9/10", unit="1", doc="normal velocity after over before", at_least=0.1, at_most=1),
+    Parameter(name="friction", default="0", unit="1", doc="Coulomb's, of every contact", at_least=0),
     Parameter(name="density", default="1/20", unit="1/m^3", doc="number of spheres in the volume of the box", above=0),
     Parameter(name="boundary", default="periodic", unit="1", doc="of the cube", choices=("periodic", "walls")),
     Parameter(name="seed", default="1", unit="1", doc="of the start", at_least=0, at_most=2**32, whole=True),
@@ -44,10 +45,17 @@ def bounds(size: float, *, periodic: bool) -> list[Element]:
     return walls
 
 
-def law(mass: float, lasts: float, restitution: float) -> Contact:
+IN_TUNE = 2 / 7
+"""Tangential over normal stiffness: a homogeneous sphere that sticks then swings back sideways in the time in which it swings back."""
+
+
+def law(mass: float, lasts: float, restitution: float, friction: float = 0.0) -> Contact:
     """Linear contact of two bodies of `mass` [kg] that lasts t_c = `lasts` [s] and gives back e = `restitution`.
 
-    k = m_eff (pi^2 + ln^2 e)/t_c^2 and c = -2 m_eff ln e/t_c with m_eff = m/2. At a wall, where m_eff is m, e is higher.
+    k = m_eff (pi^2 + ln^2 e)/t_c^2 and c = -2 m_eff ln e/t_c with m_eff = m/2. At a wall, where m_eff is m, e is higher. With friction a
+    tangential spring has 2/7 of m_eff pi^2/t_c^2: spheres that never slide give back all of their slip, turned round.
     """
     loss = -float(np.log(restitution))
-    return Contact(law="linear", stiffness=mass / 2 * (np.pi**2 + loss**2) / lasts**2, damping=mass * loss / lasts)
+    k, c = mass / 2 * (np.pi**2 + loss**2) / lasts**2, mass * loss / lasts
+    rough = {"friction": friction, "tangential_stiffness": IN_TUNE * mass / 2 * (np.pi / lasts) ** 2} if friction else {}
+    return Contact(law="linear", stiffness=k, damping=c, **rough)

@@ -26,14 +26,14 @@ CHAOTIC = "the motion is chaotic: a run with another step meets otherwise, and o
 
 
 class GranularGas(Case):
-    """Smooth spheres of 1 kg in a cube of edge (n/density)^(1/3): a periodic one, or one with walls."""
+    """Spheres of 1 kg, smooth unless there is friction, in a cube of edge (n/density)^(1/3): a periodic one, or one with walls."""
 
     id = "granular-gas"
     title = "Granular gas"
     statement = (
         "Smooth spheres fly about and meet two at a time. In every contact a linear spring and dashpot give back the same part e of "
         "the normal velocity. An elastic gas keeps its temperature and Maxwell's velocities; with e < 1, dilute and before clusters "
-        "form, it cools as Haff's law says. Momentum is kept in a periodic box. The temperature counts 3 (n - 1) degrees of freedom, "
+        "form, it cools as Haff's law says. Friction, by a tangential spring, makes them spin. Momentum is kept in a periodic box. The temperature counts 3 (n - 1) degrees of freedom, "
         "for the centre of mass is at rest; Boltzmann's constant is 1. The start follows from the seed by numpy's PCG64."
     )
     latex = r"T=\frac{T_0}{(1+t/\tau)^2},\quad\tau=\frac{2D}{(1-e^2)\,\omega_c},\quad\omega_c=4\sqrt{\pi}\,n\sigma^2\chi\sqrt{T_0/m}"
@@ -51,7 +51,8 @@ class GranularGas(Case):
         rng, size, periodic = np.random.Generator(np.random.PCG64(int(p.seed))), _gas.edge(p), p.boundary == "periodic"
         position = _gas_start.places(rng, int(p.n), p.diameter, size, periodic=periodic)
         bodies = _gas_start.bodies(position, _gas_start.velocities(rng, int(p.n), p.t0 / MASS), MASS, p.diameter)
-        return Scene(bodies, (*_gas.bounds(size, periodic=periodic), _gas.law(MASS, np.pi * self.scales(p).tau, p.restitution)))
+        law = _gas.law(MASS, np.pi * self.scales(p).tau, p.restitution, p.friction)
+        return Scene(bodies, (*_gas.bounds(size, periodic=periodic), law))
 
     def scales(self, p: Parameters) -> Scales:
         """tau = contact duration/pi; the length is a body's thermal way in it."""

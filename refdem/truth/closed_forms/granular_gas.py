@@ -16,7 +16,7 @@ DIMENSIONS = 3
 
 
 class HaffTime(Truth):
-    """tau of T = T0/(1 + t/tau)^2, a scalar; of an elastic gas it is infinite and not among the scalars."""
+    """tau of T = T0/(1 + t/tau)^2, a scalar; not among the scalars of an elastic gas, where it is infinite, or of a rough one."""
 
     method = "closed form"
     witness = "mean energy loss and rate of collisions as integrals over two Maxwellian velocities"
@@ -37,7 +37,7 @@ class HaffTime(Truth):
         return HaffTime(self.given, digits=digits)
 
     def scalars(self) -> Mapping[str, Ball]:
-        """collision_frequency [1/s] of one sphere at the start; haff_time [s] where restitution is below 1."""
+        """collision_frequency [1/s] of one sphere at the start; haff_time [s] where restitution is below 1 and spheres are smooth."""
         balls = refined(self._scalars, Fraction(1, 10**self.digits))
         if balls is None:
             raise NotCertifiedError("haff_time: no precision sufficed")
@@ -46,7 +46,9 @@ class HaffTime(Truth):
     def _scalars(self) -> dict[str, arb]:
         g = self.given
         found = {"collision_frequency": collision_frequency(g["diameter"], g["density"], g["t0"])}
-        return found if g["restitution"] == 1 else {**found, "haff_time": haff_time(**g)}
+        if g["restitution"] == 1 or g.get("friction"):
+            return found
+        return {**found, "haff_time": haff_time(**{name: value for name, value in g.items() if name != "friction"})}
 
 
 def collision_frequency(diameter: Fraction, density: Fraction, t0: Fraction) -> arb:
@@ -62,5 +64,5 @@ def haff_time(*, diameter: Fraction, density: Fraction, restitution: Fraction, t
 
 
 def truth(p: Parameters) -> Truth:
-    """The truth at parameters diameter, density, restitution, t0."""
-    return HaffTime(numbers(p, "diameter", "density", "restitution", "t0"))
+    """The truth at parameters diameter, density, restitution, t0, friction."""
+    return HaffTime(numbers(p, "diameter", "density", "restitution", "t0", "friction"))
