@@ -1,7 +1,5 @@
 """Newton's first law (1.7.4): free motion is uniform, and what rests in balance stays at rest; the scenes are in _rest."""
 
-from typing import Any
-
 import numpy as np
 from numpy.typing import NDArray
 
@@ -64,7 +62,7 @@ class NewtonsFirstLaw(Case):
             columns = [column[:, i] for i in range(moved.shape[1]) for column in (moved, trajectory.velocity)]
         return dict(zip((q.name for q in self.quantities(p)), np.concatenate(columns, axis=1).T, strict=True))
 
-    def meant(self, p: Parameters) -> dict[str, Any]:
+    def meant(self, p: Parameters) -> dict[str, object]:
         """With what makes the balance of those that rest."""
         return dict(p) | ({} if p.member == "free" else _rest.balance(self.scene(p)))
 

@@ -60,13 +60,16 @@ class PhaseFlow(EnsembleCase):
 
     def observe(self, p: Parameters, trajectory: Trajectory) -> dict[str, Array]:
         """Every corner."""
-        each = trajectory.values["position"].shape[1] // len(_cat.HEAD)
-        pair = dict(zip("xv", self.outline(p, trajectory), strict=True))
+        each, pair = trajectory.values["position"].shape[1] // len(_cat.HEAD), dict(zip("xv", self.outline(p, trajectory), strict=True))
         return {f"{name}_{k}": pair[name][:, k * each] for k in range(len(_cat.HEAD)) for name in "xv"}
 
     def outline(self, p: Parameters, trajectory: Trajectory) -> tuple[Array, Array]:
         """Place and rate (T, M) of all points."""
         return _flows.seen(p, trajectory)
+
+    def meant(self, p: Parameters) -> dict[str, object]:
+        """With the corners."""
+        return {**p, "corners": _cat.corners(p)}
 
     def truth(self, p: Parameters) -> Truth:
         """The corners one by one, and the area between them."""

@@ -3,6 +3,7 @@
 from functools import cache
 from importlib import import_module
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -61,6 +62,10 @@ class ImpactBenchmarks(Case):
     def observe(self, p: Parameters, trajectory: Trajectory) -> dict[str, Array]:
         """The member's."""
         return member(p.member).observe(member(p.member).values(p), trajectory)
+
+    def meant(self, p: Parameters) -> dict[str, Any]:
+        """The member's own numbers, with what follows from them."""
+        return {"member": p["member"], **vars(member(p.member).values(p))}
 
     def truth(self, p: Parameters) -> Truth:
         """The member's: closed form, or proven from switch to switch."""
