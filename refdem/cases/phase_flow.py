@@ -27,9 +27,7 @@ class PhaseFlow(EnsembleCase):
         Parameter(name="centre", default="3/4,-3/4", unit="m, m/s", doc="place and rate of the head's middle", shape=(2,)),
         Parameter(name="size", default="1/4", unit="m, m/s", doc="half of the head's width, about", above=0),
         Parameter(name="points", default="1024", unit="1", doc="of the outline", at_least=32, at_most=1_000_000, whole=True),
-        _line.MASS,
-        _line.STIFFNESS,
-        _line.DELTA,
+        *(_line.MASS, _line.STIFFNESS, _line.DELTA),
         Parameter(name="friction_force", default="0.15", unit="N", doc="size of the dry friction", above=0),
         Parameter(name="length", default="1", unit="m", doc="the pendulum's rod", above=0),
         Parameter(name="gravity", default="1", unit="m/s^2", doc="on the pendulum, along -y", above=0),
@@ -60,8 +58,8 @@ class PhaseFlow(EnsembleCase):
 
     def observe(self, p: Parameters, trajectory: Trajectory) -> dict[str, Array]:
         """Every corner."""
-        each, pair = trajectory.values["position"].shape[1] // len(_cat.HEAD), dict(zip("xv", self.outline(p, trajectory), strict=True))
-        return {f"{name}_{k}": pair[name][:, k * each] for k in range(len(_cat.HEAD)) for name in "xv"}
+        each = trajectory.values["position"].shape[1] // len(_cat.HEAD)
+        return {f"{a}_{k}": x[:, k * each] for k in range(len(_cat.HEAD)) for a, x in zip("xv", self.outline(p, trajectory), strict=True)}
 
     def outline(self, p: Parameters, trajectory: Trajectory) -> tuple[Array, Array]:
         """Place and rate (T, M) of all points."""
