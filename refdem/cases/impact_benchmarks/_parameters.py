@@ -1,7 +1,12 @@
 """The parameters that members of the family may have; each member says which of them it takes, and its own values."""
 
+from fractions import Fraction
+
 from refdem.cases.impact_benchmarks._numbers import MATERIALS
 from refdem.core.parameters import Parameter
+
+LEVERS = {"R": Fraction(0), "R-d/2": Fraction(1, 2), "R-d": Fraction(1)}
+"""The part of the overlap that the lever arm of friction is short of the radius."""
 
 
 def optional(name: str, unit: str, doc: str, *, above: float | None = None, at_least: float | None = None, at_most: float | None = None,

@@ -9,6 +9,7 @@ import numpy as np
 from refdem.cases.impact_benchmarks._member import POSITIONS_ARE_ROUNDED, Member
 from refdem.cases.impact_benchmarks._numbers import ball_mass, damping
 from refdem.cases.impact_benchmarks._pair import touching
+from refdem.cases.impact_benchmarks._parameters import LEVERS
 from refdem.cases.impact_benchmarks._wall import linear
 from refdem.core.parameters import Parameters
 from refdem.core.quantity import Scales
@@ -52,6 +53,6 @@ class SpinningPair(Member):
         return TwoSpheres(scale, SpherePair(
             **{name: getattr(v, name) for name in names}, closing_speed=v.speed, angle=nothing,
             spins=(nothing, nothing, v.spins[0], nothing, nothing, v.spins[1]),
-            lever={"R": nothing, "R-d/2": Fraction(1, 2), "R-d": Fraction(1)}[v.branch],
+            lever=LEVERS[v.branch],
             ends_with_overlap=v.cutoff == "zero_overlap",
         ))  # fmt: skip

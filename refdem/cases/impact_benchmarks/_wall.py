@@ -8,6 +8,7 @@ import numpy as np
 
 from refdem.cases.impact_benchmarks._member import POSITIONS_ARE_ROUNDED, Member
 from refdem.cases.impact_benchmarks._numbers import PI, damping, root, sine
+from refdem.cases.impact_benchmarks._parameters import LEVERS
 from refdem.core.quantity import Scales
 from refdem.core.truth import Truth
 from refdem.scene import Body, Scene, Sphere
@@ -50,11 +51,8 @@ class Wall(Member):
         from refdem.truth.closed_forms.impact_benchmarks.wall import WallImpact, WallPair
 
         names = ("mass", "radius", "stiffness", "damping", "tangential_stiffness", "friction", "normal", "across", "spin")
-        lever = {"R": Fraction(0), "R-d/2": Fraction(1, 2), "R-d": Fraction(1)}[v.branch]
-        return WallImpact(
-            scale,
-            WallPair(lever=lever, ends_with_overlap=v.cutoff == "zero_overlap", **{name: Fraction(getattr(v, name)) for name in names}),
-        )
+        numbers = {name: Fraction(getattr(v, name)) for name in names}
+        return WallImpact(scale, WallPair(lever=LEVERS[v.branch], ends_with_overlap=v.cutoff == "zero_overlap", **numbers))
 
 
 def struck(v: Any) -> Body:
