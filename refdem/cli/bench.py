@@ -37,8 +37,6 @@ def command(
 
     Example: refdem bench pendulum two-body-orbit --engine reference --engine rebound --rounds 7
     """
-    import msgspec
-
     from refdem.bench.record import read
     from refdem.bench.session import Bench
     from refdem.campaign.specification import Entry
@@ -47,7 +45,7 @@ def command(
 
     given = settings(set or [])
     entries = [Entry(name, own | given) for name, own in map(labelled, case or ["pendulum"])]
-    beside = against if against and os.access(against, os.X_OK) else None
+    beside = runnable(against)
     then = read(against) if against and not beside else None
     refuse_unwritable(out)
     bench = Bench(
@@ -55,11 +53,22 @@ def command(
         with_memory=memory, with_stability=stability, grow=grown(grow or []), beside=beside,
         progress=lambda told: print(told, file=sys.stderr),
     )  # fmt: skip
-    record = bench.record()
+    tell(bench.record(), out, then)
+
+
+def tell(record: "Record", out: Path, then: "Record | None") -> None:
+    """Writes the record and its pages, and ends the program: 1 if a method is slower."""
+    import msgspec
+
     (out / "bench.json").write_bytes(msgspec.json.encode(record))
     slower = written(out, record, then)
     print(f"bench: {out / 'bench.html'}")
     raise typer.Exit(1 if slower else 0)
+
+
+def runnable(against: Path | None) -> Path | None:
+    """The Python to run in turns with this one, if it is that."""
+    return against if against and os.access(against, os.X_OK) else None
 
 
 def grown(pairs: list[str]) -> dict[str, list[str]]:
