@@ -33,8 +33,9 @@ class GranularGas(Case):
     statement = (
         "Smooth spheres fly about and meet two at a time. In every contact a linear spring and dashpot give back the same part e of "
         "the normal velocity. An elastic gas keeps its temperature and Maxwell's velocities; with e < 1, dilute and before clusters "
-        "form, it cools as Haff's law says. Friction, by a tangential spring, makes them spin. Momentum is kept in a periodic box. The temperature counts 3 (n - 1) degrees of freedom, "
-        "for the centre of mass is at rest; Boltzmann's constant is 1. The start follows from the seed by numpy's PCG64."
+        "form, it cools as Haff's law says. Friction, by a tangential spring, makes them spin. Momentum is kept in a periodic box. "
+        "The temperature is that of flight and counts 3 (n - 1) degrees of freedom, for the centre of mass is at rest; Boltzmann's "
+        "constant is 1. The start follows from the seed by numpy's PCG64."
     )
     latex = r"T=\frac{T_0}{(1+t/\tau)^2},\quad\tau=\frac{2D}{(1-e^2)\,\omega_c},\quad\omega_c=4\sqrt{\pi}\,n\sigma^2\chi\sqrt{T_0/m}"
     source = "Haff 1983; Brilliantov and Poeschel 2004, chapter 5; chi of Carnahan and Starling 1969; Matuttis and Chen 2014, 1.7"

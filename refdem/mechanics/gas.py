@@ -41,3 +41,17 @@ def velocity_kurtosis(velocity: Array) -> float:
 def kurtosis_error(n: int) -> float:
     """Standard error sqrt(24/M) of the excess kurtosis of M = 3 (n - 1) Gaussian numbers, and its mean -6/M."""
     return float(np.sqrt(24 / (3 * (n - 1))) + 6 / (3 * (n - 1)))
+
+
+def rough_temperatures(t: Array, t0: float, frequency: float, inertia: float) -> tuple[Array, Array]:
+    """Temperatures (T,) [J] of flight and of spin at t (T,) [s] of elastic, perfectly rough spheres that do not spin at first.
+
+    `frequency` is that of collisions at the start, `inertia` = 4 J/(m d^2). Both are Maxwellian; their difference falls by
+    8/3 w_c inertia/(1 + inertia)^2, where w_c goes with the square root of the first; their sum is kept (Huthmann and Zippelius 1997,
+    with e = beta = 1). u = sqrt(T_flight/t0) obeys u' = -rate/2 (2 u^2 - 1), which tanh solves.
+    """
+    rate = 4 / 3 * frequency * inertia / (1 + inertia) ** 2
+    root = np.sqrt(2)
+    u = 1 / (root * np.tanh(rate * t / root + np.arctanh(1 / root)))
+    flight: Array = t0 * u * u
+    return flight, t0 - flight
