@@ -13,6 +13,8 @@ from refdem.core.variant import Variant
 
 SURE = 3.5
 """Standard deviations by which a mean order must miss the claimed one: 1 in 4000 by chance."""
+STUDENT = (float("inf"), 318.3, 22.3, 10.2, 7.2)
+"""The same where the scatter is that of the errors themselves: 1 in 1000 by Student's t, by degrees of freedom (Student 1908)."""
 
 
 class Order(Check):
@@ -89,9 +91,9 @@ class Order(Check):
         claimed = trial.method.order_for(trial.instance.scene.features)
         if len(steps) < 2:
             return undecided(self.name, "state", "one level alone is above round-off")
-        slope, deviation = mean_order(steps, seen)
-        lacking = claimed - slope
-        if 0.5 < lacking <= SURE * deviation:
+        slope, deviation, shown = mean_order(steps, seen)
+        lacking, sure = claimed - slope, min(SURE * deviation, STUDENT[min(len(steps) - 2, len(STUDENT) - 1)] * shown)
+        if 0.5 < lacking <= sure:
             why = f"kinks scatter the errors; {len(steps)} levels above round-off cannot tell the mean order {slope:.2f} from {claimed}"
             return undecided(self.name, "state", why)
         return judged(
@@ -107,11 +109,16 @@ class Order(Check):
         )
 
 
-def mean_order(steps: list[float], errors: list[float]) -> tuple[float, float]:
-    """Slope of log error over log step by least squares, and its standard deviation for errors that scatter by SCATTER octaves."""
-    x, y = np.log2(steps) - np.mean(np.log2(steps)), np.log2(errors)
+def mean_order(steps: list[float], errors: list[float]) -> tuple[float, float, float]:
+    """Slope of log error over log step by least squares; its standard deviation if errors scatter by SCATTER octaves, and as shown.
+
+    Errors that lie on a line of another slope show no scatter that could excuse it. Two points show none: infinite.
+    """
+    x, y = np.log2(steps) - np.mean(np.log2(steps)), np.log2(errors) - np.mean(np.log2(errors))
     spread = float(x @ x)
-    return float(x @ y) / spread, SCATTER / float(np.sqrt(spread))
+    slope, left = float(x @ y) / spread, len(x) - 2
+    rest = float(np.sum((y - slope * x) ** 2))
+    return slope, SCATTER / float(np.sqrt(spread)), float(np.sqrt(rest / (left * spread))) if left else float("inf")
 
 
 def lack(orders: list[float], claimed: int) -> float:
@@ -130,13 +137,15 @@ def lack(orders: list[float], claimed: int) -> float:
 def _counting(trial: Trial) -> tuple[list[float], int]:
     """Levels whose bound lies between 20 x round-off and a tenth of the scale, and the samples that all of them score.
 
-    Where the sensitivity carries every bound past a tenth, the levels are compared on the samples that the third finest scores.
+    Where the sensitivity carries every bound past a tenth, the levels are compared on the samples that the third finest scores,
+    or the fourth where kinks scatter the errors.
     """
     truth = trial.truth
     assert truth is not None
     levels = order_levels(trial.instance, trial.levels)
     ranges = {h: scored(trial.bound(h)) for h in levels}
-    common = min(len(truth.growth()), max(sorted(ranges.values(), reverse=True)[min(2, len(ranges) - 1)], 0))
+    third = 3 if kinked(trial.instance) else 2
+    common = min(len(truth.growth()), max(sorted(ranges.values(), reverse=True)[min(third, len(ranges) - 1)], 0))
     if common < 2:
         return [], 0
     allowed: dict[float, Array] = {h: trial.bound(h)[:common] for h in levels}

@@ -16,6 +16,7 @@ from refdem.core.store import Store, default_path
 from refdem.engines.external import load
 from refdem.errors import EngineMissingError, UsageError
 from refdem.gate import baseline, compare
+from refdem.gate.telling import settings
 
 ULPS = (2, -2, 6)
 """Starts moved by so many units in the last place show how much of a value is noise."""
@@ -93,13 +94,14 @@ def of_program(toml: Path, baseline_file: Path | None, jobs: int, progress: Prog
 
 
 def supported(engine: Engine) -> list[Entry]:
-    """Every case that some method of the engine does not refuse, at its defaults."""
+    """Every case that some method of the engine does not refuse, at its defaults and at settings that tell more."""
     found = []
     for name in discovery.names("cases"):
         case = discovery.case(name)
         if isinstance(case, Selection):
             continue
-        problem = case.at().problem
-        if any(engine.refuses(problem, method) is None for method in engine.methods):
-            found.append(Entry(name))
+        for given in settings(name):
+            problem = case.at(**given).problem
+            if any(engine.refuses(problem, method) is None for method in engine.methods):
+                found.append(Entry(name, dict(given)))
     return found

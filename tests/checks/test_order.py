@@ -67,8 +67,14 @@ def test_kinks_scatter_the_order_of_pairs_and_not_of_five_octaves():
     errors = crossing(COUNTS)
     pairs = np.log2(np.array(errors[:-1]) / errors[1:])
     assert min(pairs) < 1.5 < 2.5 < max(pairs)
-    slope, deviation = mean_order([1 / count for count in COUNTS], errors)
+    slope, deviation, _ = mean_order([1 / count for count in COUNTS], errors)
     assert abs(slope - 2) < 2 * deviation < 0.5
+
+
+def test_errors_on_a_line_have_no_scatter_to_excuse_its_slope():
+    slope, by_kinks, shown = mean_order([4.0, 2.0, 1.0], [1.003, 1.0, 0.999])
+    assert abs(slope) < 0.01
+    assert shown < 1e-3 < 0.7 < by_kinks
 
 
 SLOPED = {"case": "coulomb-oscillator", "method": "second"}
@@ -96,7 +102,8 @@ def spoiled(size, order, scatter=()):
         (2, (0, 1, -1, 1, 1, 0), "pass"),
         (0, (), "fail"),
         (1, (), "fail"),
-        (1.3, (), "undecided"),
+        (1.3, (0, 1, -1, 1, -1, 0), "undecided"),
+        (0, (0, 0.02, -0.02, 0.03, 0, 0), "fail"),
     ],
 )
 def test_with_kinks_the_mean_over_all_levels_decides(judge, order, scatter, outcome):

@@ -16,13 +16,14 @@ class Contact(Element, frozen=True, kw_only=True, tag="contact"):
     """One law for every pair of shapes in the scene, planes included.
 
     linear: normal force `stiffness * overlap + damping * d(overlap)/dt`; tangential spring `tangential_stiffness * slip`
-    with no dashpot, clipped (spring included) at `friction` times the normal force; `tangential_stiffness = 0` with
-    friction > 0 is sliding friction of full size whenever there is slip. `branch` is the lever arm of the tangential
-    force: the radius R, R - overlap, or R - overlap/2. `cutoff`: the force ends with the overlap, or already when it
-    would pull (zero_force). hertz: normal force `stiffness * overlap**(3/2)` (Hertz 1882) and tangential spring
-    `tangential_stiffness * sqrt(overlap) * slip` (after Mindlin 1949), both [N/m^(3/2)], clipped alike, without damping; that spring
-    grows stiffer with its load, so that it stores no energy of its own. rigid: no overlap, `restitution` for the normal velocity,
-    Coulomb friction.
+    with no dashpot, clipped (spring included) at `friction` times the normal force, nothing while that pulls;
+    `tangential_stiffness = 0` with friction > 0 is sliding friction of full size whenever there is slip. The spring is 0 at
+    the touch and turns with the plane of contact. `branch` is the lever arm of the tangential force, and that at which slip
+    is measured: the radius R, R - overlap, or R - overlap/2, with each sphere's own R.
+    `cutoff`: the force ends with the overlap, or already when it would pull (zero_force). hertz: normal force
+    `stiffness * overlap**(3/2)` (Hertz 1882) and tangential spring `tangential_stiffness * sqrt(overlap) * slip` (after Mindlin
+    1949), both [N/m^(3/2)], clipped alike, without damping; that spring grows stiffer with its load, so that it stores no energy
+    of its own. rigid: no overlap, `restitution` for the normal velocity, Coulomb friction.
     """
 
     law: Literal["linear", "hertz", "rigid"]
