@@ -28,6 +28,18 @@ AUDIT = (
         "Constraint.error_bias of dry friction", "0.9**60 a second", "1", "friction has no memory of a place: nothing pulls the body back"
     ),
     Default("Constraint.max_force of dry friction", "inf", "friction * normal_force", "Coulomb's limit, as impulse max_force * dt a step"),
+    Default(
+        "Constraint.pre_solve of dry friction",
+        "none",
+        "sets max_force where friction depends on the speed",
+        "Stribeck's law at the speed before the step: explicit, of first order",
+    ),
+    Default(
+        "Body.velocity_func",
+        "Euler",
+        "the same after the force of the clock's end of the step",
+        "a force that follows the clock, taken where the positions are",
+    ),
     Default("DampedSpring.damping", "an argument", "0", "springs dissipate nothing"),
     Default("Body.moment", "an argument", "the scene's J3; inf for a point", "a body without inertia does not turn"),
     Default(

@@ -6,6 +6,7 @@ from refdem.core.problem import Motion
 from refdem.scene import Polyhedron, Scene, Sphere
 from refdem.scene.elements.contact import Contact
 from refdem.scene.elements.dashpot import Dashpot
+from refdem.scene.elements.force import Force
 from refdem.scene.elements.plane import Plane
 from refdem.scene.elements.rod import Rod
 from refdem.scene.elements.slider import Slider
@@ -17,7 +18,7 @@ UNKNOWN = {
     "string_over_wheel": "a string over a wheel (no pulley among the joints)",
     "catch": "a hook that begins to hold at closest approach (joints hold from the start, or are added between steps)",
 }
-KNOWN = (Contact, Dashpot, Plane, Rod, Slider, Spring, UniformGravity)
+KNOWN = (Contact, Dashpot, Force, Plane, Rod, Slider, Spring, UniformGravity)
 
 
 def reason(problem: Motion) -> str | None:
@@ -39,8 +40,8 @@ def _element_reason(scene: Scene) -> str | None:
         return "a spring whose force is not linear"
     if scene.all(Dashpot) and fading(scene) is None:
         return "damping that is not one rate of all bodies against the world (Space.damping)"
-    if any(slider.law != "coulomb" for slider in scene.all(Slider)):
-        return "dry friction that depends on the speed (joints and shapes have one limit)"
+    if any(force.b >= 0 or scene.bodies.fixed[force.a] for force in scene.all(Force)):
+        return "a force between bodies, or on one that is fixed (a body's force acts from outside)"
     if scene.all(Slider) and "dimension:1" not in scene.features:
         return "dry friction along one axis of a motion in the plane"
     return None

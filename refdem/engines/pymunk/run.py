@@ -12,6 +12,7 @@ from pymunk._chipmunk_cffi import lib as engine_lib
 from refdem import kernels
 from refdem.core.problem import Request
 from refdem.core.trajectory import Cost, Trajectory
+from refdem.engines.pymunk.callbacks import drive
 from refdem.engines.pymunk.space import angle_of, space_of
 from refdem.errors import EngineError
 
@@ -32,6 +33,7 @@ def recorded(request: Request) -> tuple[Trajectory, Cost]:
         raise EngineError(f"pymunk: cpFloat has {engine_ffi.sizeof('cpFloat')} bytes; expected 8")
     columns = request.problem.scene.bodies
     space, bodies = space_of(request.problem.scene)
+    drive(space, request.problem.scene, bodies, float(request.problem.times[0]), request.signed_step)
     ffi, lib = kernels.load("chipmunk").ffi, kernels.load("chipmunk").lib
     engine = _engine(ffi, space, turns=bool((columns.inertia[:, 2] * ~columns.fixed).any()))
     handles = ffi.new("void *[]", [_address(ffi, body._body) for body in bodies])

@@ -6,6 +6,7 @@ from typing import Any
 import numpy as np
 import pymunk
 
+from refdem.engines.pymunk.callbacks import rubbing
 from refdem.engines.pymunk.refusal import fading, outline
 from refdem.scene import Polyhedron, Scene, Sphere
 from refdem.scene.elements.contact import Contact
@@ -81,9 +82,7 @@ def _joint(space: pymunk.Space, bodies: list[pymunk.Body], link: Spring | Rod | 
         rod = pymunk.PinJoint(a, b, link.anchor_a[:2], link.anchor_b[:2])
         rod.distance, rod.error_bias = link.length, 0.0
         return rod
-    friction = pymunk.PivotJoint(a, b, (0.0, 0.0), (0.0, 0.0))
-    friction.max_force, friction.error_bias = link.friction * link.normal_force, 1.0
-    return friction
+    return rubbing(pymunk.PivotJoint(a, b, (0.0, 0.0), (0.0, 0.0)), link)
 
 
 def _add_shapes(space: pymunk.Space, scene: Scene, bodies: list[pymunk.Body]) -> bool:

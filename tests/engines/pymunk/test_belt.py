@@ -1,4 +1,4 @@
-"""A belt in pymunk: Coulomb's law against a body that moves, compared with certified truth; a law that fades is refused."""
+"""A belt in pymunk: Coulomb's law against a body that moves, compared with certified truth; so is the law that fades, said by callbacks."""
 
 from fractions import Fraction
 
@@ -29,6 +29,14 @@ def test_it_is_carried_at_the_speed_of_the_belt():
     np.testing.assert_allclose(seen.velocity[late, 0, 0], 0.25, atol=1e-12)
 
 
-def test_friction_that_falls_with_the_speed_is_refused():
-    problem = discovery.case("stick-slip").at(gamma="0").problem
-    assert "depends on the speed" in (ENGINE.refusal(problem, ENGINE.methods[0]) or "")
+@pytest.mark.parametrize("given", [{}, {"friction_law": "linear", "gamma": "2", "eta": "5/4"}, {"gamma": "0", "x0": "2"}], ids=str)
+def test_stribecks_law_and_the_drive_are_said_by_callbacks_at_first_order(given):
+    instance = discovery.case("stick-slip").at(**given, duration="8", samples="8")
+    truth = instance.truth()
+    exact = np.array([float(truth.at(Fraction(float(t)))["x"].mid) for t in instance.problem.times])
+    errors = []
+    for step in (2.0**-9, 2.0**-10):
+        seen, _ = ENGINE.run(Request(problem=instance.problem, method=ENGINE.methods[0].name, step=step))
+        errors.append(np.abs(seen.position[:, 0, 0] - exact).max())
+    assert errors[1] < 0.03
+    assert np.log2(errors[0] / errors[1]) == pytest.approx(1, abs=0.25)
