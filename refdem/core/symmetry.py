@@ -111,7 +111,7 @@ class Symmetry:
             elif name in ("a", "b") and self.reverse and value >= 0:
                 changed[name] = count - 1 - value
             elif isinstance(value, float) and (dimension := element.dimension(name)) is not None:
-                changed[name] = value * float(np.prod(np.array(self.units) ** np.array(dimension)))
+                changed[name] = value * float(np.prod(np.array(self.units) ** np.array(dimension))) if value else 0.0
         return msgspec.structs.replace(element, **changed).delayed(self.delay)
 
     def _place(self, value: tuple[float, float, float], *, space: bool) -> tuple[float, ...]:

@@ -14,7 +14,7 @@ WIDTH, HEIGHT, SIDE = 460, 300, 100
 def specification(data: ChartData) -> dict[str, Any]:
     """The Vega-Lite specification of a chart; Altair's validation, half of the time, is left to the tests."""
     with debug_mode(False):
-        chart = {"errors": _errors, "costs": _costs, "drifts": _drifts, "overview": _overview}[data.kind](data)
+        chart = {"errors": _errors, "costs": _costs, "drifts": _drifts, "overview": _overview, "ladders": _ladders}[data.kind](data)
         spec: dict[str, Any] = chart.to_dict(validate=False)
     return spec
 
@@ -127,3 +127,22 @@ def _overview(data: ChartData) -> Any:
     drawn = lines.encode(x=x, y=_log("error", "error / scale", data, 4), color=colour, detail="series:N", tooltip=tips)
     header = alt.Header(title=None, labelFontWeight="bold", labelLimit=200)
     return drawn.properties(width=190, height=110).facet(facet=alt.Facet("case:N", header=header), columns=4, spacing=14)
+
+
+def _ladders(data: ChartData) -> Any:
+    """A small picture a ladder: values over bounds against rungs in their order."""
+    panels = []
+    for ladder in data.choices:
+        base = _chart(data, index="number", shown="number", ratio="number").transform_filter(alt.FieldEqualPredicate("ladder", ladder))
+        rungs = [label.partition("\t")[2] for label in data.labels if label.partition("\t")[0] == ladder]
+        axis = alt.Axis(labelAngle=-40, labelOverlap=True)
+        x = alt.X("rung:N", title=None, scale=alt.Scale(domain=rungs), axis=axis)
+        y = _log("shown", "value / bound", data, 5)
+        ran = base.transform_filter("datum.verdict == 'pass' || datum.verdict == 'fail'")
+        curves = _curves(ran, data, x, y, _tips("series", "rung", "ratio", "verdict"), size=36)
+        colour, _ = _style(data)
+        marks = base.transform_filter("datum.verdict == 'error' || datum.verdict == 'undecided'").mark_text(fontSize=13, fontWeight="bold")
+        signs = marks.encode(x=x, y=y, color=colour, text=alt.condition("datum.verdict == 'error'", alt.value("x"), alt.value("?")))
+        rule = base.mark_rule(strokeDash=[5, 4], opacity=0.6).encode(y=alt.datum(1.0))
+        panels.append(alt.layer(rule, curves, signs, title=alt.Title(ladder, fontSize=11, limit=250)).properties(width=230, height=130))
+    return alt.concat(*panels, columns=3, spacing=16).resolve_scale(x="independent")

@@ -1,0 +1,85 @@
+"""refdem stress: scenes made harder rung by rung, until a code breaks."""
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+if TYPE_CHECKING:
+    from refdem.report.stress import Cells, Section
+    from refdem.stress.record import Record
+    from refdem.stress.tables import Table
+
+TITLE = "Numerical stability"
+
+
+def command(
+    case: Annotated[list[str] | None, typer.Argument(help="Only ladders on these cases, also as `pendulum[theta0=2]`; none: all.")] = None,
+    engine: Annotated[list[str] | None, typer.Option(help="Engines, or paths of refdem.toml; none: all installed.")] = None,
+    method: Annotated[str, typer.Option(help="Only this method of the engines.")] = "",
+    battery: Annotated[list[str] | None, typer.Option(help="Only these batteries.")] = None,
+    require: Annotated[bool, typer.Option("--require", help="Hold every engine to the ranges that the reference promises.")] = False,
+    longest: Annotated[float, typer.Option(help="No run whose time is forecast to be longer [s], for 1e8 steps.")] = 5.0,
+    timeout: Annotated[float, typer.Option(help="A run that takes longer [s] is killed and costs its rung.")] = 20.0,
+    jobs: Annotated[int | None, typer.Option(help="Worker processes; default: one a core.")] = None,
+    out: Annotated[Path, typer.Option(help="Folder for stress.md, stress.html, stress.json.")] = Path("refdem-stress"),
+    json: Annotated[bool, typer.Option("--json", help="Print the record as JSON.")] = False,
+) -> None:
+    """Finds where methods break; exit 1 if a promised range breaks, 3 if only crashes and hangs break it.
+
+    Example: refdem stress two-spheres --engine reference --engine refdem.toml --battery mass-ratio --battery frame
+    """
+    import msgspec
+
+    from refdem.campaign.specification import Entry
+    from refdem.cli.progress import Progress
+    from refdem.cli.run import refuse_unwritable, workers
+    from refdem.core.parameters import labelled
+    from refdem.core.store import Store, default_path
+    from refdem.stress.selection import batteries
+    from refdem.stress.session import Stress
+    from refdem.stress.tables import lines
+
+    chosen = batteries(battery or [], [Entry(name, given) for name, given in map(labelled, case or [])])
+    refuse_unwritable(out)
+    options = {"engines": engine or [], "method": method, "longest": longest, "timeout": timeout, "require": require}
+    record = Stress(chosen, Store(default_path()), jobs=workers(jobs), progress=Progress(), **options).record()
+    (out / "stress.json").write_bytes(msgspec.json.encode(record))
+    written(out, record)
+    print(msgspec.json.encode(record).decode() if json else "\n".join([*lines(record), f"stress: {out / 'stress.html'}"]))
+    raise typer.Exit(status(record))
+
+
+def status(record: "Record") -> int:
+    """1 if a rung that was due failed or could not be decided, 3 if engines only broke down on such rungs, else 0."""
+    ends = {climb.end.verdict for climb in record.climbs if climb.kept is False and climb.end is not None}
+    return 0 if not ends else 3 if ends == {"error"} else 1
+
+
+def written(out: Path, record: "Record") -> None:
+    """Writes the pages."""
+    from refdem.report.stress import write
+    from refdem.stress.tables import introduction, summary
+
+    sections = [_section(record, number) for number in range(len(record.batteries))]
+    write(out, TITLE, introduction(record), [_cells(table) for table in summary(record)], [s for s in sections if s.tables])
+
+
+def _section(record: "Record", number: int) -> "Section":
+    """A battery with its points and tables."""
+    from refdem.report.stress import Point, Section
+    from refdem.stress.tables import details
+    from refdem.stress.verdict import ratio, shown_rung
+
+    asked = record.batteries[number]
+    points = [
+        Point(c.ladder, c.along, index, shown_rung(rung.rung), c.engine, c.method, c.is_reference, ratio(rung), rung.verdict)
+        for c in record.climbs
+        if c.battery == asked.id
+        for index, rung in enumerate(c.rungs)
+    ]
+    return Section(asked.id, asked.title, asked.question, points, [_cells(table) for table in details(record, asked.id)])
+
+
+def _cells(table: "Table") -> "Cells":
+    return table.title, table.header, table.rows

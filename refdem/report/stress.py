@@ -1,0 +1,122 @@
+"""A page of numerical stability, from tables and rungs that a stress test hands over."""
+
+import csv
+import io
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from refdem.report.chart_data import ChartData
+from refdem.report.figures import equip, picture, specification
+from refdem.report.files import written
+from refdem.report.html import environment
+from refdem.report.markdown import plain, table
+from refdem.report.numbers import rounded
+from refdem.report.palette import ENGINES, REFERENCE, SHAPES
+
+Cells = tuple[str, Sequence[str], Sequence[Sequence[str]]]
+"""A title, a header, and rows."""
+LOW, HIGH = 1e-4, 1e4
+"""Values over their bounds are drawn between these; what is beyond lies on the edge."""
+CAPTION = "largest value over its bound, rung by rung; above 1 a rung fails, x: no run, ?: undecided"
+
+
+@dataclass(frozen=True)
+class Point:
+    """One rung of one method: ladder, number and name of the rung, value over bound (None: no run), and its verdict."""
+
+    ladder: str
+    along: str
+    index: int
+    rung: str
+    engine: str
+    method: str
+    is_reference: bool
+    ratio: float | None
+    verdict: str
+
+
+@dataclass(frozen=True)
+class Section:
+    """One battery."""
+
+    id: str
+    title: str
+    question: str
+    points: Sequence[Point]
+    tables: Sequence[Cells]
+
+
+def chart(section: Section) -> ChartData | None:
+    """The points as the chart `ladders` takes them; None without any."""
+    shown = [point for point in section.points if point.verdict in ("pass", "fail", "error", "undecided")]
+    if not shown:
+        return None
+    out = io.StringIO()
+    writer = csv.writer(out, lineterminator="\n")
+    writer.writerow(("ladder", "index", "rung", "series", "ratio", "shown", "verdict"))
+    for point in shown:
+        ratio = HIGH if point.ratio is None or not math.isfinite(point.ratio) else point.ratio
+        told = "" if point.ratio is None else rounded(point.ratio)
+        mark = point.verdict if point.ratio is not None or point.verdict == "undecided" else "error"
+        edge = min(max(ratio, LOW), HIGH)
+        writer.writerow((_name(point), point.index, point.rung, f"{point.engine} {point.method}", told, rounded(edge), mark))
+    ladders = tuple(dict.fromkeys(_name(point) for point in shown))
+    return ChartData("ladders", out.getvalue(), ladders, tuple(_styles(shown)), {"error": (LOW, HIGH)}, labels=_rungs(shown))
+
+
+def _name(point: Point) -> str:
+    return f"{point.ladder}: {point.along}"
+
+
+def _rungs(points: Sequence[Point]) -> tuple[str, ...]:
+    """`ladder<tab>rung` of every rung, in order."""
+    pairs = sorted({(_name(point), point.index, point.rung) for point in points}, key=lambda pair: (pair[0], pair[1]))
+    return tuple(f"{ladder}\t{rung}" for ladder, _, rung in pairs)
+
+
+def _styles(points: Sequence[Point]) -> list[tuple[str, str, str]]:
+    """(series, colour, shape): a colour an engine, a shape a method."""
+    methods: dict[str, list[str]] = {}
+    colours: dict[str, str] = {}
+    for point in points:
+        others = sum(colour != REFERENCE for colour in colours.values())
+        colours.setdefault(point.engine, REFERENCE if point.is_reference else ENGINES[others % len(ENGINES)])
+        mine = methods.setdefault(point.engine, [])
+        if point.method not in mine:
+            mine.append(point.method)
+    return [(f"{e} {m}", colours[e], SHAPES[k % len(SHAPES)]) for e, mine in methods.items() for k, m in enumerate(mine)]
+
+
+def markdown(title: str, words: str, tables: Sequence[Cells], sections: Sequence[Section], pictures: str) -> str:
+    """The report as Markdown; `pictures` is the folder of its figures, none if empty."""
+    parts = [f"# {title}", words, *map(_markdown, tables)]
+    for section in sections:
+        parts += [f"## {section.title}", plain(section.question)]
+        if pictures and section.points:
+            parts.append(f"![{CAPTION}]({pictures}/stress-{section.id}.svg)")
+        parts += map(_markdown, section.tables)
+    return "\n\n".join(parts) + "\n"
+
+
+def _markdown(cells: Cells) -> str:
+    title, header, rows = cells
+    return f"{title}:\n\n{table(list(header), [[plain(cell) for cell in row] for row in rows])}"
+
+
+def page(title: str, words: str, tables: Sequence[Cells], sections: Sequence[Section]) -> str:
+    """The report as HTML with interactive charts, in the frame of every page."""
+    drawn = [None if data is None else specification(data, None) for data in map(chart, sections)]
+    sheet = environment().get_template("stress.html")
+    return sheet.render(root="", title=title, words=words, tables=tables, sections=sections, specs=drawn, caption=CAPTION)
+
+
+def write(folder: Path, title: str, words: str, tables: Sequence[Cells], sections: Sequence[Section]) -> None:
+    """Writes stress.md, stress.html, figures/stress-BATTERY.svg and what the page needs into a folder."""
+    for section in sections:
+        if (data := chart(section)) is not None:
+            written(folder / "figures" / f"stress-{section.id}.svg", picture(specification(data, None), None))
+    written(folder / "stress.md", markdown(title, words, tables, sections, "figures"))
+    written(folder / "stress.html", page(title, words, tables, sections))
+    equip(folder, None)

@@ -1,0 +1,41 @@
+"""Contacts that begin together, and contacts that are there before the motion begins."""
+
+from refdem.stress.ladder import Battery, Ladder
+from refdem.stress.measures.parameters import Parameters
+from refdem.stress.scenes.overlap_at_start import CASE as OVERLAP
+from refdem.stress.scenes.simultaneous import CASE as SIMULTANEOUS
+
+BATTERY = Battery(
+    id="contacts",
+    title="Simultaneous contacts, overlap at the start",
+    question="How many contacts may begin at the same instant, and how small or deep an overlap may a motion start with?",
+    ladders=(
+        Ladder(
+            name="hits at once",
+            case=SIMULTANEOUS,
+            along="spheres",
+            rungs=("2", "3", "4", "5", "6", "8", "12", "24"),
+            measure=Parameters(lambda x: {"hits": f"{x}"}),
+            promised="4",
+            basis="contacts that begin within round-off are one event",
+        ),
+        Ladder(
+            name="shallower overlap",
+            case=OVERLAP,
+            along="overlap [m]",
+            rungs=("1/2", "1e-1", "1e-2", "1e-4", "1e-6", "1e-9", "1e-12", "1e-15"),
+            measure=Parameters(lambda x: {"overlap": f"{x}"}),
+            promised="1e-12",
+            basis="an overlap at the start is a contact from the start",
+        ),
+        Ladder(
+            name="deeper overlap",
+            case=OVERLAP,
+            along="overlap [m]",
+            rungs=("1/64", "1/16", "1/4", "1/2", "3/4", "7/8"),
+            measure=Parameters(lambda x: {"overlap": f"{x}"}),
+            promised="1/2",
+            basis="the force is linear up to the centres",
+        ),
+    ),
+)

@@ -1,0 +1,106 @@
+"""The same scene far away, fast, turned, later, in other units."""
+
+from collections.abc import Callable
+
+import numpy as np
+
+from refdem.core.case import Instance
+from refdem.core.symmetry import Symmetry
+from refdem.core.variant import Change
+from refdem.stress.ladder import Battery, Ladder
+from refdem.stress.measures.frame import Frame
+
+FAR = ("1", "1e2", "1e4", "1e6", "1e8", "1e10", "1e12", "1e14", "1e16")
+ANGLES = ("1e-12", "1e-9", "1e-6", "1e-3", "1/10", "1", "2", "3")
+LATER = ("1", "1e2", "1e4", "1e6", "1e8", "4e9")
+UNITS = ("1e1", "1e2", "1e4", "1e6", "1e9", "1e12", "1e15", "1e20", "1e30")
+WHERE = np.array([1.0, -0.5, 0.25])
+
+
+def along(instance: Instance) -> np.ndarray:
+    """A direction (3,) in which the scene may move without leaving its dimensions."""
+    features = instance.scene.features
+    return WHERE * np.array([1.0, "dimension:1" not in features, "dimension:3" in features])
+
+
+def dyadic(x: float) -> float:
+    """The power of two that is nearest: units that round nothing."""
+    return float(2.0 ** np.round(np.log2(x)))
+
+
+def turned(instance: Instance, x: float) -> Symmetry:
+    """By an angle of x rad, about z in a plane."""
+    axis = np.array([2.0, 1.0, 2.0]) / 3 if "dimension:3" in instance.scene.features else np.array([0.0, 0.0, 1.0])
+    return Symmetry(turn=np.array([np.cos(x / 2), *(np.sin(x / 2) * axis)]))
+
+
+def units(mass: int, length: int, time: int) -> Callable[[Instance, float], Symmetry]:
+    """Units that are so many powers of x."""
+    return lambda instance, x: Symmetry(units=(dyadic(x) ** mass, dyadic(x) ** length, dyadic(x) ** time))
+
+
+FRAMES: tuple[tuple[str, str, Change, tuple[str, ...], str, str, Callable[[Instance, float], Symmetry]], ...] = (
+    (
+        "far away",
+        "distance / L",
+        "shifted",
+        FAR,
+        "1e8",
+        "positions are rounded to u times their size",
+        lambda instance, x: Symmetry(shift=dyadic(x) * instance.scales.length * along(instance)),
+    ),
+    (
+        "boosted",
+        "speed / (L/tau)",
+        "boosted",
+        FAR,
+        "1e8",
+        "positions and velocities are rounded to u times their size",
+        lambda instance, x: Symmetry(boost=dyadic(x) * instance.scales.speed * along(instance)),
+    ),
+    ("turned", "angle [rad]", "rotated", ANGLES, "3", "a turned vector is rounded in every component", turned),
+    (
+        "later",
+        "start / interval of samples",
+        "delayed",
+        LATER,
+        "1e8",
+        "samples are whole numbers of intervals, exact up to 2^32",
+        lambda instance, x: Symmetry(delay=dyadic(x) * instance.motion.interval),
+    ),
+    ("longer", "unit of length", "rescaled", UNITS, "1e12", "units that are powers of two round nothing", units(0, 1, 0)),
+    ("shorter", "1 / unit of length", "rescaled", UNITS, "1e12", "units that are powers of two round nothing", units(0, -1, 0)),
+    ("slower", "unit of time", "rescaled", UNITS, "1e12", "units that are powers of two round nothing", units(0, 0, 1)),
+    ("heavier", "unit of mass", "rescaled", UNITS, "1e12", "units that are powers of two round nothing", units(1, 0, 0)),
+)
+CASES = {
+    "far away": ("harmonic-oscillator", "two-spheres[friction=1/4 angle=1/2]", "pendulum", "free-rigid-body"),
+    "boosted": ("two-spheres[friction=1/4 angle=1/2]", "newtons-first-law"),
+    "turned": ("two-spheres[friction=1/4 angle=1/2]", "pendulum", "free-rigid-body"),
+    "later": ("driven-oscillator", "pendulum"),
+    "longer": ("harmonic-oscillator", "two-spheres[friction=1/4 angle=1/2]", "pendulum"),
+    "shorter": ("harmonic-oscillator", "two-spheres[friction=1/4 angle=1/2]", "pendulum"),
+    "slower": ("harmonic-oscillator", "two-spheres[friction=1/4 angle=1/2]", "two-body-orbit"),
+    "heavier": ("harmonic-oscillator", "two-spheres[friction=1/4 angle=1/2]", "free-rigid-body"),
+}
+"""Where each frame is tried unless a case is named."""
+
+BATTERY = Battery(
+    id="frame",
+    title="Far away, boosted, turned, later, in other units",
+    question="Mechanics is the same there, and may differ by round-off of numbers of that size alone: is it, and how far?",
+    ladders=tuple(
+        Ladder(
+            name=f"{name}: {case.partition('[')[0]}",
+            case=case,
+            along=what,
+            rungs=rungs,
+            measure=Frame(change, show),
+            is_general=True,
+            promised=promised,
+            basis=basis,
+        )
+        for name, what, change, rungs, promised, basis, show in FRAMES
+        for case in CASES[name]
+    ),
+)

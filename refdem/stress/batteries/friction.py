@@ -1,0 +1,82 @@
+"""Dry friction that is nothing, little, huge; contacts without tangential speed."""
+
+from refdem.stress.ladder import Battery, Ladder
+from refdem.stress.measures.parameters import Parameters
+
+LESS = ("1", "1e-1", "1e-3", "1e-6", "1e-12", "0")
+MORE = ("1", "1e1", "1e3", "1e6", "1e12")
+SLOWER = ("1", "1e-1", "1e-3", "1e-6", "1e-9", "1e-12", "0")
+STOPS = "each half cycle is in closed form, and where there is no friction none is taken off"
+HOLDS = "what friction can hold does not move at all, however large it is"
+RUBS = "sliding friction has a direction for every speed but exactly 0, where it is 0"
+
+BATTERY = Battery(
+    id="friction",
+    title="Friction 0 and huge, zero tangential speed",
+    question="How small, and how large, may friction be, and how small the speed that it acts against?",
+    ladders=(
+        Ladder(
+            name="less and less on an oscillator",
+            case="coulomb-oscillator",
+            along="f/(k x0)",
+            rungs=LESS,
+            promised="0",
+            basis=STOPS,
+            measure=Parameters(lambda x: {"friction_force": f"{x / 8}"}),
+        ),
+        Ladder(
+            name="more and more on an oscillator",
+            case="coulomb-oscillator",
+            along="f/(k x0)",
+            rungs=MORE,
+            promised="1e12",
+            basis=HOLDS,
+            measure=Parameters(lambda x: {"friction_force": f"{x}"}),
+        ),
+        Ladder(
+            name="more and more on a slope",
+            case="block-on-slope",
+            along="mu",
+            rungs=MORE,
+            promised="1e12",
+            basis=HOLDS,
+            measure=Parameters(lambda x: {"friction": f"{x}"}),
+        ),
+        Ladder(
+            name="less and less on a slope",
+            case="block-on-slope",
+            along="mu",
+            rungs=LESS,
+            promised="0",
+            basis=STOPS,
+            measure=Parameters(lambda x: {"friction": f"{x / 2}"}),
+        ),
+        Ladder(
+            name="less and less between spheres",
+            case="two-spheres",
+            along="mu",
+            rungs=LESS,
+            promised="0",
+            basis=RUBS,
+            measure=Parameters(lambda x: {"friction": f"{x}", "angle": "1/2"}, samples=8),
+        ),
+        Ladder(
+            name="more and more between spheres",
+            case="two-spheres",
+            along="mu",
+            rungs=MORE,
+            promised="1e6",
+            basis=HOLDS,
+            measure=Parameters(lambda x: {"friction": f"{x}", "angle": "1/2", "tangential_stiffness": "64"}, samples=8),
+        ),
+        Ladder(
+            name="less and less tangential speed",
+            case="two-spheres",
+            along="angle [rad]",
+            rungs=SLOWER,
+            promised="0",
+            basis=RUBS,
+            measure=Parameters(lambda x: {"friction": "1/4", "angle": f"{x}", "tangential_stiffness": "64"}, samples=8),
+        ),
+    ),
+)

@@ -1,0 +1,14 @@
+"""Up to 1e8 steps: nothing may creep."""
+
+from refdem.stress.ladder import Battery, Ladder
+from refdem.stress.measures.many_steps import ManySteps
+
+RUNGS = (*(str(256 * 4**k) for k in range(1, 9)), str(2**27))
+BASIS = "a symplectic step keeps a quadratic form, and round-off of random sign adds as the square root of the number of steps"
+
+BATTERY = Battery(
+    id="many-steps",
+    title="Up to 1e8 steps",
+    question="For how many steps is kept what the method's own map keeps?",
+    ladders=(Ladder(name="harmonic oscillator", case="harmonic-oscillator", along="steps", rungs=RUNGS, measure=ManySteps(), costly=True),),
+)

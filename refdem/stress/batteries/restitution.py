@@ -1,0 +1,52 @@
+"""Collisions that lose nothing, and such that lose all."""
+
+from refdem.stress.ladder import Battery, Ladder
+from refdem.stress.measures.parameters import Parameters
+
+LESS = ("1", "0.9999", "0.9", "0.5", "0.2", "0.14")
+NEARER = ("1e-1", "1e-3", "1e-6", "1e-12", "0")
+CRITICAL = ("1/2", "1e-1", "1e-2", "1e-3", "1e-4", "1e-6")
+HARDER = ("1", "1e1", "30", "1e2", "1e4", "1e6")
+BASIS = "a linear contact ends at a known phase, and the phase is real for every loss below critical damping"
+
+BATTERY = Battery(
+    id="restitution",
+    title="Restitution 1 and 0",
+    question="How little, and how much, may a collision lose?",
+    ladders=(
+        Ladder(
+            name="losing more and more, force that does not pull",
+            case="impact-benchmarks",
+            along="restitution",
+            rungs=LESS,
+            promised="0.2",
+            basis=BASIS,
+            measure=Parameters(lambda x: {"member": "co-4", "restitution": f"{x}"}, samples=8),
+        ),
+        Ladder(
+            name="losing less and less",
+            case="two-spheres",
+            along="damping [kg/s]",
+            rungs=NEARER,
+            promised="0",
+            basis=BASIS,
+            measure=Parameters(lambda x: {"damping": f"{x}"}, samples=8),
+        ),
+        Ladder(
+            name="losing nearly all, to the end of the overlap",
+            case="two-spheres",
+            along="1 - damping / critical",
+            rungs=CRITICAL,
+            promised="1e-4",
+            basis=BASIS,
+            measure=Parameters(lambda x: {"damping": f"{16 * (1 - x)}"}, samples=8),
+        ),
+        Ladder(
+            name="through critical damping and beyond, force that does not pull",
+            case="two-spheres",
+            along="damping [kg/s]",
+            rungs=HARDER,
+            measure=Parameters(lambda x: {"damping": f"{x}", "cutoff": "zero_force"}, samples=8),
+        ),
+    ),
+)

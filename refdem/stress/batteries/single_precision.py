@@ -1,0 +1,27 @@
+"""How many digits a code really carries: two starts that differ by a small part must be told apart to the end."""
+
+from refdem.core.symmetry import Symmetry
+from refdem.stress.ladder import Battery, Ladder
+from refdem.stress.measures.frame import Frame
+
+RUNGS = tuple(f"1e-{k}" for k in range(2, 16))
+BASIS = "a part of x is seen to a tenth while round-off, 2 c u sqrt(n) S, is below a tenth of it"
+
+BATTERY = Battery(
+    id="single-precision",
+    title="Single precision inside",
+    question="To how small a part are two starts told apart? A code that passes through single precision ends at 1e-6.",
+    ladders=tuple(
+        Ladder(
+            name=f"told apart: {case.partition('[')[0]}",
+            case=case,
+            along="difference of the starts",
+            rungs=RUNGS,
+            is_general=True,
+            promised=promised,
+            basis=BASIS,
+            measure=Frame("rescaled", lambda instance, x: Symmetry(units=(1.0, 1.0 + x, 1.0)), told_apart=True),
+        )
+        for case, promised in (("harmonic-oscillator", "1e-10"), ("two-spheres", "1e-10"), ("pendulum", "1e-8"), ("two-body-orbit", "1e-8"))
+    ),
+)

@@ -1,0 +1,62 @@
+"""Stiffness over twelve decades: no scale of force, length or time is built in."""
+
+from refdem.stress.ladder import Battery, Ladder
+from refdem.stress.measures.parameters import Parameters
+
+HARDER = ("1e2", "1e4", "1e6", "1e9", "1e12", "1e14")
+SOFTER = ("1", "1e-2", "1e-4", "1e-6", "1e-8", "1e-10", "1e-12")
+STIFF = ("1", "1e1", "1e2", "1e3", "1e4", "1e6", "1e8")
+BASIS = "a stiffness only sets the unit of time, and steps are taken in that unit"
+
+BATTERY = Battery(
+    id="stiffness",
+    title="Stiffness over twelve decades",
+    question="How hard, and how soft, may a spring or a contact be?",
+    ladders=(
+        Ladder(
+            name="harder spheres",
+            case="two-spheres",
+            along="stiffness [N/m]",
+            rungs=HARDER,
+            promised="1e12",
+            basis=BASIS,
+            measure=Parameters(lambda x: {"stiffness": f"{x}"}, samples=8),
+        ),
+        Ladder(
+            name="harder Hertzian spheres",
+            case="hertz-spheres",
+            along="stiffness [N/m^1.5]",
+            rungs=HARDER,
+            promised="1e12",
+            basis=BASIS,
+            measure=Parameters(lambda x: {"stiffness": f"{x}"}, samples=8),
+        ),
+        Ladder(
+            name="harder springs",
+            case="harmonic-oscillator",
+            along="stiffness [N/m]",
+            rungs=HARDER,
+            promised="1e12",
+            basis=BASIS,
+            measure=Parameters(lambda x: {"stiffness": f"{x}"}, samples=8),
+        ),
+        Ladder(
+            name="softer springs",
+            case="harmonic-oscillator",
+            along="stiffness [N/m]",
+            rungs=SOFTER,
+            promised="1e-12",
+            basis=BASIS,
+            measure=Parameters(lambda x: {"stiffness": f"{x}"}, samples=8),
+        ),
+        Ladder(
+            name="fast and slow together",
+            case="viscous-oscillator",
+            along="damping rate / frequency",
+            rungs=STIFF,
+            promised="1e8",
+            basis="both rates are in closed form, the slow one as omega^2 over the fast one",
+            measure=Parameters(lambda x: {"delta": f"{x}", "duration": "4"}),
+        ),
+    ),
+)

@@ -1,0 +1,93 @@
+"""As many steps as there is time for: what the method's own map keeps must be kept."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from fractions import Fraction
+
+import numpy as np
+
+from refdem.core.case import Canonical, Instance
+from refdem.core.check import Array, Check, Outcome, Trial
+from refdem.core.engine import Method
+from refdem.core.finding import Finding
+from refdem.core.judgement import undecided, worst
+from refdem.core.refinement import HORIZON
+from refdem.core.variant import Variant
+from refdem.stress.measures.measure import Measure
+
+SAMPLES = 256
+PER_TAU = 10
+"""Steps in the shortest time tau, 63 in a period: no power of two, whose sums would hide a clock that adds."""
+ILL = 1e4
+"""A fit whose numbers are worse conditioned than this has seen too little of the ellipse."""
+
+
+@dataclass(frozen=True)
+class ManySteps(Measure):
+    """The rung is the number of steps of a harmonic oscillator, a multiple of SAMPLES; methods without a step go as far."""
+
+    needs_truth: bool = False
+
+    def instance(self, case: Canonical, given: Mapping[str, str], x: Fraction) -> Instance:
+        """The case for so many steps."""
+        tau = case.at(**given).scales.tau
+        return case.at(**{"samples": str(SAMPLES), **given, "duration": str(x * Fraction(tau) / PER_TAU)})
+
+    def levels(self, instance: Instance, method: Method, x: Fraction) -> tuple[float, ...]:
+        """The step; the finest tolerance that a method takes."""
+        if method.control == "step":
+            return (float(instance.times[1]) / float(x / SAMPLES),)
+        return super().levels(instance, method, x)
+
+    def checks(self, trial: Trial, x: Fraction) -> tuple[Check, ...]:
+        """Secular drift."""
+        return (Drift(),)
+
+
+class Drift(Check):
+    """What the run's own linear map keeps in its first quarter it keeps to the end.
+
+    A symplectic step of a linear oscillator keeps a quadratic form a x^2 + b x v + c v^2 exactly, near the energy but not the same: its
+    change is drift alone, without the wobble that truncation makes of the energy (Hairer, Lubich and Wanner 2006, IX).
+    """
+
+    name = "drift"
+    title = "Drift"
+    kills = "energy that creeps, round-off that is biased, time that is summed"
+    synchronous = True
+
+    def applies(self, trial: Trial) -> str | None:
+        """Oscillators without loss."""
+        return None
+
+    def needs(self, trial: Trial) -> tuple[Variant, ...]:
+        """The run."""
+        return (trial.finest,)
+
+    def judge(self, trial: Trial, runs: Mapping[Variant, Outcome]) -> list[Finding]:
+        """The largest change of the form."""
+        run, level = runs[trial.finest].trajectory, trial.levels[-1]
+        scales = trial.instance.scales
+        x, v = run.position[:, 0, 0] / scales.length, run.velocity[:, 0, 0] / scales.speed
+        terms = np.stack([x * x, x * v, v * v], axis=1)
+        first = terms[: len(terms) // 4]
+        if not np.all(np.isfinite(terms)) or np.linalg.cond(first) > ILL:
+            return [undecided(self.name, "form", "the samples show too little of the motion")]
+        form = terms @ np.linalg.lstsq(first, np.ones(len(first)), rcond=None)[0]
+        allowed, basis = bound(trial, level)
+        if allowed[-1] > HORIZON:
+            return [undecided(self.name, "form", "truncation may change it by more than a tenth")]
+        return [
+            worst(
+                check=self.name, quantity="form", t=run.t, values=np.abs(form - 1.0), allowed=allowed, unit="1", basis=basis,
+                what="The change of the quadratic form that the run keeps in its first quarter, in units of itself,",
+            )
+        ]  # fmt: skip
+
+
+def bound(trial: Trial, level: float) -> tuple[Array, str]:
+    """How much (T,) the form may change: by round-off c u sqrt(n) where the method is symplectic or exact, else by truncation."""
+    rounding = np.full(len(trial.instance.times), 2 * trial.round_off(level)) + 2 * trial.clock()
+    if trial.method.symplectic or trial.method.control == "exact":
+        return rounding, "a symplectic step keeps a quadratic form, so that only round-off, c u sqrt(n) in x and in v, may change it"
+    return rounding + 2 * trial.truncation(level), "the truncation error that the method may make, in x and in v"

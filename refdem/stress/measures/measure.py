@@ -1,0 +1,66 @@
+"""What a ladder's rung is: an instance, the levels it is run at, its requests, and the checks that judge it."""
+
+from abc import ABC, abstractmethod
+from collections.abc import Mapping
+from fractions import Fraction
+
+from refdem.campaign import plan
+from refdem.campaign.plan import Task
+from refdem.core import discovery, refinement
+from refdem.core.case import Canonical, Instance
+from refdem.core.check import Check, Trial
+from refdem.core.engine import Engine, Method
+from refdem.core.problem import Request
+from refdem.core.truth import SampledTruth
+from refdem.core.variant import Variant
+
+LEVELS, MOST_STEPS = 3, 1e5
+"""The third level of refinement is run, or the last that takes so many steps: a tighter bound than the first level's, still cheap."""
+
+
+class Measure(ABC):
+    """One way to make a scene harder; `x` is the rung."""
+
+    needs_truth: bool = True
+
+    @abstractmethod
+    def instance(self, case: Canonical, given: Mapping[str, str], x: Fraction) -> Instance:
+        """The instance of a rung; raises UsageError where the case has none."""
+
+    def levels(self, instance: Instance, method: Method, x: Fraction) -> tuple[float, ...]:
+        """Levels of a rung, coarse to fine; none if the method would need too many steps."""
+        return refinement.levels(instance, method, LEVELS, MOST_STEPS)[-1:]
+
+    def refusal(self, engine: Engine, method: Method, instance: Instance, x: Fraction) -> str | None:
+        """None if the method can climb to the rung, else why not."""
+        return engine.refuses(instance.problem, method)
+
+    def request(self, task: Task, variant: Variant, x: Fraction) -> Request:
+        """The request of a variant of the rung."""
+        return plan.request(task, variant)
+
+    @abstractmethod
+    def checks(self, trial: Trial, x: Fraction) -> tuple[Check, ...]:
+        """What judges the rung."""
+
+    def task(self, engine: Engine, method: Method, instance: Instance, x: Fraction, truth: SampledTruth) -> Task:
+        """The task of a method on the rung, for its requests and its judging."""
+        refusal = self.refusal(engine, method, instance, x)
+        levels = () if refusal else self.levels(instance, method, x)
+        if not refusal and not levels:
+            refusal = f"more than {MOST_STEPS:g} steps"
+        trial = Trial(instance, method, levels, truth, truth.reason)
+        return Task(engine, trial, refusal, () if refusal else self.checks(trial, x))
+
+
+def with_samples(given: Mapping[str, str], count: int) -> dict[str, str]:
+    """Parameters with so many sample intervals, unless they came with others."""
+    return {"samples": str(count), **given}
+
+
+def plain_checks(trial: Trial) -> tuple[Check, ...]:
+    """Every check of a run that applies and needs no more than the plain run of the only level."""
+    (level,) = trial.levels
+    excluded = trial.instance.case.exclude_for(trial.instance.p)
+    known = [discovery.check(name) for name in discovery.names("checks") if name not in excluded]
+    return tuple(check for check in known if check.left_out(trial) is None and set(check.needs(trial)) == {Variant(level)})

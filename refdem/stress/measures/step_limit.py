@@ -1,0 +1,74 @@
+"""A step up to and past the limit of stability: many steps must stay bounded."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from fractions import Fraction
+
+from refdem.campaign.plan import Task
+from refdem.core import stability
+from refdem.core.case import Canonical, Instance
+from refdem.core.check import Check, Outcome, Trial
+from refdem.core.engine import Engine, Method
+from refdem.core.finding import Finding
+from refdem.core.judgement import judged
+from refdem.core.problem import Motion, Request
+from refdem.core.variant import Variant
+from refdem.stress.measures.measure import Measure
+
+
+@dataclass(frozen=True)
+class StepLimit(Measure):
+    """The rung is the step in units of 2/omega = 2 tau."""
+
+    needs_truth: bool = False
+
+    def instance(self, case: Canonical, given: Mapping[str, str], x: Fraction) -> Instance:
+        """The case as it is."""
+        return case.at(**given)
+
+    def levels(self, instance: Instance, method: Method, x: Fraction) -> tuple[float, ...]:
+        """The step."""
+        return (stability.probe(instance, float(x)).interval,)
+
+    def refusal(self, engine: Engine, method: Method, instance: Instance, x: Fraction) -> str | None:
+        """What has no step has no limit."""
+        if method.control != "step":
+            return "the method has no fixed step"
+        if not isinstance(instance.problem, Motion):
+            return f"{instance.problem.words} has no step"
+        return engine.refuses(stability.probe(instance, float(x)), method)
+
+    def request(self, task: Task, variant: Variant, x: Fraction) -> Request:
+        """Many steps, each a sample."""
+        return Request(problem=stability.probe(task.trial.instance, float(x)), method=task.method.name, step=variant.level)
+
+    def checks(self, trial: Trial, x: Fraction) -> tuple[Check, ...]:
+        """Bounded."""
+        return (Bounded(),)
+
+
+class Bounded(Check):
+    """No place, velocity or spin passes a hundred times its scale."""
+
+    name = "bounded"
+    title = "Bounded"
+    kills = "a method whose stability limit is below that of the scheme that it claims to be"
+
+    def applies(self, trial: Trial) -> str | None:
+        """Everywhere."""
+        return None
+
+    def needs(self, trial: Trial) -> tuple[Variant, ...]:
+        """The run with this step."""
+        return (trial.finest,)
+
+    def judge(self, trial: Trial, runs: Mapping[Variant, Outcome]) -> list[Finding]:
+        """The largest number of the run in units of its scale."""
+        return [
+            judged(
+                check=self.name, quantity="size", value=stability.excess(trial.instance, runs[trial.finest].trajectory),
+                bound=stability.BEYOND, unit="1", basis=f"a stable step keeps the motion's size for {stability.STEPS} steps, and one that "
+                "is too long by a part in a thousand does not",
+                what="The largest place, velocity or spin, in units of its scale,",
+            )
+        ]  # fmt: skip

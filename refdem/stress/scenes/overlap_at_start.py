@@ -1,0 +1,63 @@
+"""Two spheres that overlap when the motion begins: the spring between them pushes them apart."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from refdem.core.case import Case
+from refdem.core.parameters import Parameter, Parameters
+from refdem.core.quantity import Quantity, Scales
+from refdem.core.trajectory import Trajectory
+from refdem.core.truth import Truth
+from refdem.scene import Body, Scene, Sphere
+from refdem.scene.elements.contact import Contact
+
+Array = NDArray[np.float64]
+RADIUS, MASS, STIFFNESS = 0.5, 1.0, 128.0
+
+
+class OverlapAtStart(Case):
+    """At rest, overlapping by `overlap` on x."""
+
+    id = "overlap-at-start"
+    title = "Overlap at the start"
+    statement = "Two spheres that overlap at rest part with the speed that the energy of the spring between them gives."
+    latex = r"d=d_0\cos\omega t,\quad \omega^2=2k/m"
+    source = "Matuttis and Chen 2014, chapter 1, section 1.7.4"
+    parameters = (Parameter(name="overlap", default="1/64", unit="m", doc="at the start", above=0, at_most=0.9),)
+
+    def scene(self, p: Parameters) -> Scene:
+        """Two equal spheres."""
+        place, inertia = RADIUS - p.overlap / 2, (0.4 * MASS * RADIUS**2,) * 3
+        bodies = [Body(mass=MASS, inertia=inertia, shape=Sphere(radius=RADIUS), position=(s * place, 0.0, 0.0)) for s in (-1.0, 1.0)]
+        return Scene.of(bodies, [Contact(law="linear", stiffness=STIFFNESS)])
+
+    def scales(self, p: Parameters) -> Scales:
+        """The radius, for positions near it are rounded in every step; 1/w; twice the way out."""
+        tau = float(np.sqrt(MASS / (2 * STIFFNESS)))
+        return Scales(RADIUS, tau, float(np.pi) * tau, MASS)
+
+    def quantities(self, p: Parameters) -> tuple[Quantity, ...]:
+        """Overlap, negative once they are apart, and its rate."""
+        s = self.scales(p)
+        return Quantity("overlap", "m", s.length), Quantity("rate", "m/s", s.speed)
+
+    def observe(self, p: Parameters, trajectory: Trajectory) -> dict[str, Array]:
+        """Of the centres' distance."""
+        apart = trajectory.position[:, 1] - trajectory.position[:, 0]
+        distance = np.linalg.norm(apart, axis=1)
+        rate = np.sum(apart * (trajectory.velocity[:, 1] - trajectory.velocity[:, 0]), axis=1) / distance
+        return {"overlap": 2 * RADIUS - distance, "rate": -rate}
+
+    def truth(self, p: Parameters) -> Truth:
+        """A quarter of a cosine, then uniform motion."""
+        from fractions import Fraction
+
+        from refdem.stress.scenes.half_sine import HalfSine
+
+        overlap = p["overlap"]
+        assert isinstance(overlap, Fraction)
+        square = Fraction(2 * STIFFNESS) / Fraction(MASS)
+        return HalfSine(square, (overlap, Fraction(0)), {q.name: q.scale for q in self.quantities(p)})
+
+
+CASE = OverlapAtStart()

@@ -1,0 +1,200 @@
+"""A stress test from batteries and engines to a record. It reads no stored run; truth, which no engine touches, may be kept."""
+
+import hashlib
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
+from fractions import Fraction
+
+import msgspec
+
+import refdem
+from refdem.campaign import judging, plan, truths, worker
+from refdem.campaign.plan import Task
+from refdem.campaign.schedule import InProcess, Job, Schedule
+from refdem.campaign.specification import Specification
+from refdem.core.case import Instance
+from refdem.core.engine import Engine, Method
+from refdem.core.problem import Request
+from refdem.core.run import Failure, Run
+from refdem.core.store import Store
+from refdem.core.trajectory import Trajectory
+from refdem.core.variant import Variant
+from refdem.stress.ladder import Battery, Ladder
+from refdem.stress.record import Ask, Climb, Record, Rung
+from refdem.stress.scenes import truth_here
+from refdem.stress.verdict import climbed, rung_of
+
+GRACE = 10.0
+"""Seconds that a worker has beyond the time limit of a program, to start and to read what came."""
+Progress = Callable[[str, int, int], None]
+
+
+@dataclass(frozen=True, eq=False)
+class Place:
+    """One rung of one method: what is asked and who answers."""
+
+    battery: Battery
+    ladder: Ladder
+    number: int
+    engine: Engine
+    method: Method
+    instance: Instance
+
+    @property
+    def x(self) -> Fraction:
+        """The rung."""
+        return self.ladder.values[self.number]
+
+    @property
+    def climb(self) -> tuple[str, str, str, str]:
+        """What a climb is found by: all rungs of one method on one ladder."""
+        return self.battery.id, self.ladder.name, self.engine.name, self.method.name
+
+
+@dataclass
+class Stress:
+    """Which ladders, engines and limits: `timeout` [s] a run; no costly rung whose forecast is above `longest` [s].
+
+    `require` holds every engine to what the reference promises.
+    """
+
+    batteries: Sequence[Battery]
+    store: Store
+    engines: list[str] = field(default_factory=list)
+    method: str = ""
+    jobs: int = 2
+    timeout: float = 20.0
+    longest: float = 5.0
+    require: bool = False
+    progress: Progress = lambda stage, done, total: None
+    rungs: dict[tuple[str, str, str, str], dict[int, Rung]] = field(default_factory=dict)
+
+    def record(self) -> Record:
+        """Everything found."""
+        engines, _ = plan.engines(Specification(name="stress", case=[], engines=self.engines, method=self.method))
+        places = [place for battery in self.batteries for ladder in battery.ladders for place in self._places(battery, ladder, engines)]
+        with Schedule(self.jobs, self.timeout) if self.jobs else InProcess() as schedule:
+            tasks = self._tasks(schedule, places)
+            waves = sorted({self._wave(place) for place in places})
+            for wave in waves:
+                self._run(schedule, [pair for pair in zip(places, tasks, strict=True) if self._wave(pair[0]) == wave])
+        versions = {engine.name: engine.version() for engine in engines}
+        return self._recorded(places, tasks, versions)
+
+    def _places(self, battery: Battery, ladder: Ladder, engines: Sequence[Engine]) -> list[Place]:
+        """Every rung for every method that answers motions."""
+        case, given = ladder.canonical()
+        instances = [ladder.measure.instance(case, given, x) for x in ladder.values]
+        return [
+            Place(battery, ladder, number, engine, method, instance)
+            for engine in engines
+            for method in engine.methods
+            if method.answers == instances[0].problem.kind and self.method in ("", method.name)
+            for number, instance in enumerate(instances)
+        ]
+
+    def _wave(self, place: Place) -> int:
+        """Costly ladders are climbed rung by rung, the others at once."""
+        return place.number if place.ladder.costly else 0
+
+    def _tasks(self, schedule: Schedule | InProcess, places: Sequence[Place]) -> list[Task]:
+        """The task of every place, with truth where its measure wants it."""
+        delays: dict[str, set[float]] = {}
+        instances = {place.instance.label: place.instance for place in places if place.ladder.measure.needs_truth}
+        for place in places:
+            if place.method.velocity_time != "synchronous":
+                found = place.ladder.measure.levels(place.instance, place.method, place.x)
+                delays.setdefault(place.instance.label, set()).update(place.method.delay(level) for level in found)
+        known = {label: truth_here(instance) for label, instance in instances.items()}
+        asked = {label: (one, tuple(sorted(delays.get(label, ())))) for label, one in instances.items() if known[label] is None}
+        proved = truths.sampled_truths(schedule, self.store, list(asked.values()), self.progress)
+        found = known | dict(zip(asked, proved, strict=True))
+        none = truths.no_truth("this measure needs no truth")
+        return [
+            place.ladder.measure.task(place.engine, place.method, place.instance, place.x, found.get(place.instance.label) or none)
+            for place in places
+        ]
+
+    def _run(self, schedule: Schedule | InProcess, wanted: Sequence[tuple[Place, Task]]) -> None:
+        """Runs and judges rungs; equal requests run once."""
+        asked: dict[str, list[tuple[int, Variant]]] = {}
+        jobs: dict[str, Job] = {}
+        requests: dict[tuple[int, Variant], Request] = {}
+        for n, (place, task) in enumerate(wanted):
+            if task.refusal is not None or self._is_too_long(place):
+                continue
+            for variant in task.variants:
+                request = requests[n, variant] = place.ladder.measure.request(task, variant, place.x)
+                body = request.packed()
+                key = hashlib.sha256(f"{place.engine.address}\0{request.repeat}\0".encode() + body).hexdigest()
+                asked.setdefault(key, []).append((n, variant))
+                jobs.setdefault(key, Job(key, worker.run, (place.engine.address, body, math.inf), self._limit(place.engine)))
+        runs: dict[int, dict[Variant, Run]] = {}
+        for done, (job, result) in enumerate(schedule.results(list(jobs.values())), 1):
+            for n, variant in asked[job.key]:
+                runs.setdefault(n, {})[variant] = _run_of(job.key, requests[n, variant], wanted[n][0].engine, result)
+            self.progress("runs", done, len(jobs))
+        for n, (place, task) in enumerate(wanted):
+            self.rungs.setdefault(place.climb, {})[place.number] = self._rung(place, task, runs.get(n, {}))
+
+    def _limit(self, engine: Engine) -> float | None:
+        """A time limit that a program keeps itself comes before the worker's."""
+        return None if engine.time_limit is None else max(self.timeout, engine.time_limit + GRACE)
+
+    def _is_too_long(self, place: Place) -> bool:
+        forecast = self._forecast(place)
+        return forecast is not None and forecast > self.longest
+
+    def _forecast(self, place: Place) -> float | None:
+        """Seconds that a rung of a costly ladder will take, by the one before it; infinite once one was left out."""
+        below = self.rungs.get(place.climb, {}).get(place.number - 1) if place.ladder.costly else None
+        if below is None:
+            return None
+        if below.forecast is not None:
+            return below.forecast * float(place.x / place.ladder.values[place.number - 1])
+        return below.seconds * float(place.x / place.ladder.values[place.number - 1])
+
+    def _rung(self, place: Place, task: Task, runs: dict[Variant, Run]) -> Rung:
+        """The verdict on one rung."""
+        name = place.ladder.rungs[place.number]
+        if task.refusal is None and self._is_too_long(place):
+            forecast = self._forecast(place)
+            return Rung(
+                rung=name, verdict="not run", forecast=forecast, sentence="The forecast of its time is beyond the budget (--longest)."
+            )
+        return rung_of(name, judging.record(task, "", runs, []))
+
+    def _recorded(self, places: Sequence[Place], tasks: Sequence[Task], versions: dict[str, str]) -> Record:
+        """All climbs but those of methods that can climb nothing; where no method of an engine can, the reason."""
+        first = {place.climb: place for place in reversed(places)}
+        climbs, refused = [], {}
+        for place in reversed(first.values()):
+            rungs = [rung for _, rung in sorted(self.rungs[place.climb].items())]
+            if rungs[0].verdict == "unsupported":
+                refused.setdefault((place.battery.id, place.ladder.name, place.engine.name), rungs[0].sentence)
+                continue
+            bare = Climb(
+                battery=place.battery.id, ladder=place.ladder.name, label=place.instance.case.id, along=place.ladder.along,
+                engine=place.engine.name, version=versions[place.engine.name], method=place.method.name,
+                is_reference=place.engine.is_reference, rungs=[],
+            )  # fmt: skip
+            climbs.append(climbed(bare, place.ladder, rungs, is_required=self.require or place.engine.is_reference))
+        able = {(climb.battery, climb.ladder, climb.engine) for climb in climbs}
+        used = {place.battery.id: place.battery for place in places}
+        return Record(
+            refdem=refdem.__version__,
+            longest=self.longest,
+            batteries=[Ask(id=b.id, title=b.title, question=b.question) for b in used.values()],
+            climbs=climbs,
+            refused=[(engine, ladder, why) for (battery, ladder, engine), why in refused.items() if (battery, ladder, engine) not in able],
+        )
+
+
+def _run_of(key: str, request: Request, engine: Engine, result: bytes | Failure) -> Run:
+    """The run of a job's result."""
+    reply = worker.Reply(failure=result) if isinstance(result, Failure) else msgspec.msgpack.decode(result, type=worker.Reply)
+    trajectory = Trajectory.from_bytes(reply.trajectory) if reply.failure is None else None
+    return Run(
+        key=key, request=request, engine=engine.name, version="", trajectory=trajectory, failure=reply.failure, cost=reply.cost
+    )  # fmt: skip
