@@ -13,7 +13,7 @@ REFERENCE = discovery.engine("reference")
 
 
 def test_the_members_are_those_of_chung_and_ooi_and_of_mfix():
-    others = {"dem-05-hertz", "dem-05-mindlin", "three-spheres"}
+    others = {"dem-05-hertz", "dem-05-mindlin", "three-spheres", "contact-path", "contact-path-turned"}
     assert {f"co-{n}" for n in range(1, 9)} | {f"dem-0{n}" for n in range(1, 6)} | others == set(MEMBERS)
 
 

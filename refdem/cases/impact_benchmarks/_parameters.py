@@ -35,4 +35,5 @@ OF_MEMBERS = (
     optional("friction", "1", "Coulomb's coefficient", at_least=0),
     optional("gravity", "m/s^2", "downwards", above=0),
     optional("height", "m", "of the centre above the floor at the start", above=0),
+    optional("overlap", "m", "the greatest, of a prescribed path", above=0),
 )

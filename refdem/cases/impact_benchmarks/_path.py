@@ -1,0 +1,85 @@
+"""Two spheres that pass each other on a prescribed path: a contact law without an integrator, up to the summing of its force."""
+
+from collections.abc import Mapping
+from fractions import Fraction
+from typing import Any
+
+import numpy as np
+
+from refdem.cases.impact_benchmarks._member import Array, Member
+from refdem.cases.impact_benchmarks._parameters import LEVERS
+from refdem.cases.impact_benchmarks._wall import linear
+from refdem.core.parameters import Parameters
+from refdem.core.quantity import Quantity, Scales
+from refdem.core.trajectory import Trajectory
+from refdem.core.truth import Truth
+from refdem.errors import UsageError
+from refdem.scene import Body, Scene, Sphere
+
+HEAVY = Fraction(10**64)
+"""[kg]: no force of the law moves it by more than rounding."""
+PLAIN = ((1, 0, 0), (0, 1, 0), (0, 0, 1))
+TURNED = ((Fraction(2, 3), Fraction(-1, 3), Fraction(2, 3)), (Fraction(2, 3), Fraction(2, 3), Fraction(-1, 3)),
+          (Fraction(-1, 3), Fraction(2, 3), Fraction(2, 3)))  # fmt: skip
+
+
+class Path(Member):
+    """Body 2 flies by body 1, which rests, with constant spin; what body 1 gets is seen as its mass times its velocity."""
+
+    frame: Any = PLAIN
+
+    def values(self, p: Parameters) -> Any:
+        """The path begins where they are apart; the smallest distance is the radii less `overlap`."""
+        v = super().values(p)
+        v.damping, v.cutoff = Fraction(0), "zero_overlap"
+        v.off = v.radius + v.partner_radius - v.overlap
+        if not 0 < v.overlap < min(v.radius, v.partner_radius):
+            raise UsageError(f"parameter overlap: got {float(v.overlap):g} m; expected it between 0 and the smaller radius")
+        v.half = float(v.overlap * (2 * (v.radius + v.partner_radius) - v.overlap)) ** 0.5
+        v.begin = Fraction(1.25 * v.half).limit_denominator(1 << 20)
+        return v
+
+    def scene(self, v: Any) -> Scene:
+        """Both too heavy to give way."""
+        mass, axes = float(HEAVY), np.array(self.frame, float)
+        place, rate = axes @ [-float(v.begin), float(v.off), 0.0], axes @ [float(v.speed), 0.0, 0.0]
+        spin = axes @ [0.0, 0.0, float(v.partner_spin)]
+        r, s = float(v.radius), float(v.partner_radius)
+        first = Body(mass=mass, inertia=(0.4 * mass * r * r,) * 3, shape=Sphere(radius=r))
+        second = Body(mass=mass, inertia=(0.4 * mass * s * s,) * 3, shape=Sphere(radius=s), position=tuple(place),
+                      velocity=tuple(rate), omega=tuple(spin))  # fmt: skip
+        return Scene.of([first, second], [linear(v)])
+
+    def scales(self, v: Any) -> Scales:
+        """A quarter of the time of contact; the way there and as far beyond."""
+        tau = v.half / 2 / float(v.speed)
+        return Scales(float(v.radius + v.partner_radius), tau, 2 * float(v.begin / v.speed), float(HEAVY))
+
+    def quantities(self, v: Any) -> tuple[Quantity, ...]:
+        """Impulses in units of the largest normal force for the time of contact; place and velocity of body 2."""
+        s, push = self.scales(v), float(v.stiffness * v.overlap) * 4 * self.scales(v).tau
+        kinds = (("impulse", "N s", push), ("turning", "N m s", push * float(v.radius)), ("r", "m", s.length), ("v", "m/s", float(v.speed)))
+        return tuple(Quantity(f"{kind}.{axis}", unit, size) for kind, unit, size in kinds for axis in "xyz")
+
+    def observe(self, v: Any, run: Trajectory) -> dict[str, Array]:
+        """What body 1 has got, and the path."""
+        mass, moment = float(HEAVY), 0.4 * float(HEAVY) * float(v.radius) ** 2
+        columns = [mass * run.velocity[:, 0], moment * run.omega[:, 0], run.position[:, 1], run.velocity[:, 1]]
+        return dict(zip((q.name for q in self.quantities(v)), np.concatenate(columns, axis=1).T, strict=True))
+
+    def truth(self, v: Any, scale: Mapping[str, float]) -> Truth:
+        """In closed form between proven switches."""
+        from refdem.truth.closed_forms.impact_benchmarks.contact_path import ContactPath, Passing
+
+        names = ("stiffness", "tangential_stiffness", "friction")
+        return ContactPath(scale, Passing(
+            mass=HEAVY, radii=(v.radius, v.partner_radius), **{name: getattr(v, name) for name in names}, spin=v.partner_spin,
+            lever=LEVERS[v.branch], start=(-v.begin, v.off, v.speed, Fraction(0)),
+            frame=tuple(tuple(Fraction(x) for x in row) for row in self.frame),
+        ))  # fmt: skip
+
+
+class TurnedPath(Path):
+    """The same, turned out of the plane by a rational rotation: the force turns with it."""
+
+    frame: Any = TURNED
