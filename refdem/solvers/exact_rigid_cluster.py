@@ -68,10 +68,14 @@ class ExactRigidCluster(Solver):
 
 
 def _body(scene: Scene) -> tuple[Array, Array, Array, Array, Array]:
-    """Centre of mass, its velocity, the points about it (N, 3), tensor of inertia (3, 3) and omega (3,) at the start."""
+    """Centre of mass, its velocity, the points about it (N, 3), tensor of inertia (3, 3) and omega (3,) at the start.
+
+    By differences from the first point: far from the origin the mean of the places would be rounded on their scale.
+    """
     mass, bodies = scene.bodies.mass, scene.bodies
-    place, drift = (mass @ column / mass.sum() for column in (bodies.position, bodies.velocity))
-    arms, rates = bodies.position - place, bodies.velocity - drift
+    apart, faster = bodies.position - bodies.position[0], bodies.velocity - bodies.velocity[0]
+    off, late = (mass @ column / mass.sum() for column in (apart, faster))
+    place, drift, arms, rates = bodies.position[0] + off, bodies.velocity[0] + late, apart - off, faster - late
     tensor = np.einsum("n,nk,nk->", mass, arms, arms) * np.eye(3) - np.einsum("n,ni,nj->ij", mass, arms, arms)
     omega = np.linalg.solve(tensor, mass @ np.cross(arms, rates))
     return place, drift, arms, tensor, omega

@@ -1,0 +1,61 @@
+"""Round-off of rods: far from the origin it is that of the places, and where only a force holds a rod it adds up over time."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from refdem.core import discovery
+from refdem.core.balance import linear, momentum_scale
+from refdem.core.check import Outcome, Trial
+from refdem.core.engine import Method
+from refdem.core.problem import Request
+from refdem.core.trajectory import Cost
+from refdem.core.variant import Variant
+
+EXACT = Method(name="exact", summary="", control="exact", conserves=frozenset({"energy", "constraint"}))
+HELD = Method(name="held", summary="", control="tolerance", conserves=frozenset({"energy"}))
+FAR = "1001,0,0,1000,1,0,1000,0,1,999,-1/2,0"
+
+
+def outcome(case, method, of, fault=lambda run: run, **given):
+    """The trial of a case and the run of the reference's `method`, spoiled."""
+    instance, engine = discovery.case(case).at(**given), discovery.engine("reference")
+    level = 0.0 if of.control == "exact" else 1e-10
+    run, _ = engine.run(Request(problem=instance.problem, method=method))
+    return Trial(instance, of, (level,), None), {Variant(level): Outcome(fault(run), Cost(seconds=0.0))}
+
+
+def stretched(size):
+    return lambda run: replace(run, position=run.position * np.where(run.t > 0, 1 + size, 1.0)[:, None, None])
+
+
+@pytest.mark.parametrize(("fault", "expected"), [(stretched(0.0), "pass"), (stretched(3e-11), "fail")])
+def test_rods_far_from_the_origin_are_as_long_as_places_can_say(fault, expected):
+    trial, runs = outcome("rigid-cluster", "exact-rigid-cluster", EXACT, fault, positions=FAR)
+    found = discovery.check("constraint").judge(trial, runs)
+    assert {finding.quantity: finding.outcome for finding in found}["length"] == expected
+
+
+def test_a_cluster_far_from_the_origin_keeps_its_momentum():
+    trial, runs = outcome("rigid-cluster", "exact-rigid-cluster", EXACT, positions=FAR)
+    total = linear(trial.instance.scene, runs[Variant(0.0)].trajectory)
+    assert np.abs(total - total[0]).max() < trial.round_off(0.0) * momentum_scale(trial.instance)
+
+
+def drawn_out(size):
+    """A rod that grows evenly to 1 + size times its length."""
+    return lambda run: replace(run, position=run.position * (1 + size * run.t / run.t[-1])[:, None, None])
+
+
+@pytest.mark.parametrize(("size", "expected"), [(1e-13, "pass"), (1e-11, "fail")])
+def test_the_energy_of_a_rod_that_only_its_force_holds(size, expected):
+    trial, runs = outcome("pendulum", "exact-pendulum", HELD, drawn_out(size), theta0="1/8")
+    (balance, *_) = discovery.check("energy").judge(trial, runs)
+    assert balance.outcome == expected, balance.sentence
+
+
+def test_a_method_that_claims_its_rods_is_held_to_round_off():
+    trial, runs = outcome("pendulum", "exact-pendulum", replace(HELD, conserves=EXACT.conserves), drawn_out(1e-13), theta0="1/8")
+    (balance, *_) = discovery.check("energy").judge(trial, runs)
+    assert balance.outcome == "fail"
