@@ -7,7 +7,7 @@ import typer
 from refdem.errors import UsageError
 
 
-def command(what: Annotated[str, typer.Argument(help="request, trajectory, solids, records, scene, toml or certified")]) -> None:
+def command(what: Annotated[str, typer.Argument(help="request, trajectory, solids, records, scene, toml, stress or certified")]) -> None:
     """Prints a JSON Schema.
 
     Example: refdem schema request
@@ -21,9 +21,10 @@ def command(what: Annotated[str, typer.Argument(help="request, trajectory, solid
     from refdem.core.statics import SolidDocument
     from refdem.engines.external.description import Description
     from refdem.scene import SceneDocument
+    from refdem.stress.record import Record as Stress
 
     solid = msgspec.defstruct("SolidRequestDocument", [("method", str), ("problem", SolidDocument), ("format", int, 1)], kw_only=True)
-    kinds = {"request": RequestDocument, "scene": SceneDocument, "records": Sheet, "toml": Description}
+    kinds = {"request": RequestDocument, "scene": SceneDocument, "records": Sheet, "toml": Description, "stress": Stress}
     if what == "certified":
         from refdem.campaign.kept_truth import truth_folder
 

@@ -42,8 +42,10 @@ def command(
 
     chosen = batteries(battery or [], [Entry(name, given) for name, given in map(labelled, case or [])])
     refuse_unwritable(out)
-    options = {"engines": engine or [], "method": method, "longest": longest, "timeout": timeout, "require": require}
-    record = Stress(chosen, Store(default_path()), jobs=workers(jobs), progress=Progress(), **options).record()
+    record = Stress(
+        chosen, Store(default_path()), engines=engine or [], method=method, jobs=workers(jobs), timeout=timeout, longest=longest,
+        require=require, progress=Progress(),
+    ).record()  # fmt: skip
     (out / "stress.json").write_bytes(msgspec.json.encode(record))
     written(out, record)
     print(msgspec.json.encode(record).decode() if json else "\n".join([*lines(record), f"stress: {out / 'stress.html'}"]))

@@ -132,8 +132,8 @@ def _overview(data: ChartData) -> Any:
 def _ladders(data: ChartData) -> Any:
     """A small picture a ladder: values over bounds against rungs in their order."""
     panels = []
-    for ladder in data.choices:
-        base = _chart(data, index="number", shown="number", ratio="number").transform_filter(alt.FieldEqualPredicate("ladder", ladder))
+    for number, ladder in enumerate(data.choices):
+        base = _chart(data, ladder="number", shown="number", ratio="number").transform_filter(f"datum.ladder == {number}")
         rungs = [label.partition("\t")[2] for label in data.labels if label.partition("\t")[0] == ladder]
         axis = alt.Axis(labelAngle=-40, labelOverlap=True)
         x = alt.X("rung:N", title=None, scale=alt.Scale(domain=rungs), axis=axis)

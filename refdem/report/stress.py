@@ -55,14 +55,14 @@ def chart(section: Section) -> ChartData | None:
         return None
     out = io.StringIO()
     writer = csv.writer(out, lineterminator="\n")
-    writer.writerow(("ladder", "index", "rung", "series", "ratio", "shown", "verdict"))
+    ladders = tuple(dict.fromkeys(_name(point) for point in shown))
+    writer.writerow(("ladder", "rung", "series", "ratio", "shown", "verdict"))
     for point in shown:
         ratio = HIGH if point.ratio is None or not math.isfinite(point.ratio) else point.ratio
         told = "" if point.ratio is None else rounded(point.ratio)
         mark = point.verdict if point.ratio is not None or point.verdict == "undecided" else "error"
         edge = min(max(ratio, LOW), HIGH)
-        writer.writerow((_name(point), point.index, point.rung, f"{point.engine} {point.method}", told, rounded(edge), mark))
-    ladders = tuple(dict.fromkeys(_name(point) for point in shown))
+        writer.writerow((ladders.index(_name(point)), point.rung, f"{point.engine} {point.method}", told, rounded(edge), mark))
     return ChartData("ladders", out.getvalue(), ladders, tuple(_styles(shown)), {"error": (LOW, HIGH)}, labels=_rungs(shown))
 
 

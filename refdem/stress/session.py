@@ -100,14 +100,10 @@ class Stress:
 
     def _tasks(self, schedule: Schedule | InProcess, places: Sequence[Place]) -> list[Task]:
         """The task of every place, with truth where its measure wants it."""
-        delays: dict[str, set[float]] = {}
         instances = {place.instance.label: place.instance for place in places if place.ladder.measure.needs_truth}
-        for place in places:
-            if place.method.velocity_time != "synchronous":
-                found = place.ladder.measure.levels(place.instance, place.method, place.x)
-                delays.setdefault(place.instance.label, set()).update(place.method.delay(level) for level in found)
+        delays = _delays(places)
         known = {label: truth_here(instance) for label, instance in instances.items()}
-        asked = {label: (one, tuple(sorted(delays.get(label, ())))) for label, one in instances.items() if known[label] is None}
+        asked = {label: (one, delays.get(label, ())) for label, one in instances.items() if known[label] is None}
         proved = truths.sampled_truths(schedule, self.store, list(asked.values()), self.progress)
         found = known | dict(zip(asked, proved, strict=True))
         none = truths.no_truth("this measure needs no truth")
@@ -168,7 +164,8 @@ class Stress:
     def _recorded(self, places: Sequence[Place], tasks: Sequence[Task], versions: dict[str, str]) -> Record:
         """All climbs but those of methods that can climb nothing; where no method of an engine can, the reason."""
         first = {place.climb: place for place in reversed(places)}
-        climbs, refused = [], {}
+        climbs: list[Climb] = []
+        refused: dict[tuple[str, str, str], str] = {}
         for place in reversed(first.values()):
             rungs = [rung for _, rung in sorted(self.rungs[place.climb].items())]
             if rungs[0].verdict == "unsupported":
@@ -189,6 +186,16 @@ class Stress:
             climbs=climbs,
             refused=[(engine, ladder, why) for (battery, ladder, engine), why in refused.items() if (battery, ladder, engine) not in able],
         )
+
+
+def _delays(places: Sequence[Place]) -> dict[str, tuple[float, ...]]:
+    """By how much [s] velocities lag, by the label of the instance, where those of some method do."""
+    found: dict[str, set[float]] = {}
+    for place in places:
+        if place.method.velocity_time != "synchronous":
+            levels = place.ladder.measure.levels(place.instance, place.method, place.x)
+            found.setdefault(place.instance.label, set()).update(place.method.delay(level) for level in levels)
+    return {label: tuple(sorted(delays)) for label, delays in found.items()}
 
 
 def _run_of(key: str, request: Request, engine: Engine, result: bytes | Failure) -> Run:
