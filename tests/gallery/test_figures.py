@@ -121,6 +121,17 @@ def test_energy_appears_going_forward_disappears_coming_back_and_is_lost_by_the_
 def test_poinsot_curves_keep_their_length_and_the_fault_shows():
     assert figure("1.36").numbers["largest change of |L| of all"] < 1e-13
     assert figure("1.12").numbers["largest difference in omega [rad/s]"] > 50
+
+
+def test_on_the_slope_the_wrong_box_turns_steadily_between_contacts_and_goes_elsewhere():
+    """Between the first two contacts of its corners its angular velocity keeps; that of the right box never does."""
+    spins = figure("1.12").panels[3].series
+    wrong, right = spins[0], spins[2]
+    between = (wrong.x > 0.16) & (wrong.x < 0.3)
+    assert np.ptp(wrong.y[between]) < 1e-9
+    assert np.ptp(right.y[between]) > 10
+    assert np.ptp(wrong.y) > 100
+    assert figure("1.12").numbers["on the slope: distance of the two centres at the end [m]"] == pytest.approx(0.101, abs=2e-3)
     assert figure("1.35").numbers["double pendulum: exponent [1/s]"] > 0.5
 
 
