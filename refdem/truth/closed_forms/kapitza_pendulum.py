@@ -12,12 +12,16 @@ from flint import arb, ctx
 
 from refdem.core.parameters import Parameters
 from refdem.core.truth import Truth
-from refdem.truth.balls import UndecidedError
+from refdem.errors import NotCertifiedError
+from refdem.truth.balls import UndecidedError, arb_of
 from refdem.truth.closed_form import Size
 from refdem.truth.exact import numbers
 from refdem.truth.traced_field import Field
 from refdem.truth.validated_flow import ValidatedFlow
 from refdem.truth.validated_ivp.integration import Integration
+
+WILDEST = 128
+"""Largest exponent of growth in a period, 2 pi sqrt((g/W^2 + a)/l), at which multipliers are integrated."""
 
 
 class Kapitza(ValidatedFlow):
@@ -38,6 +42,11 @@ class Kapitza(ValidatedFlow):
         return x1 + v2
 
     def constants(self) -> dict[str, arb]:
+        p = self.p
+        exponent = 2 * arb.pi() * (arb_of((p["gravity"] / p["drive"] ** 2 + p["drive_amplitude"]) / p["length"])).sqrt()
+        if exponent > WILDEST:
+            told = f"precision: in a period of so slow a drive the multipliers may grow by exp({float(exponent):.3g}); take a faster drive"
+            raise NotCertifiedError(told, code="precision")
         trace = self.trace()
         rest = trace * trace - 4
         if rest < 0:

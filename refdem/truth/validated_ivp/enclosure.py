@@ -9,16 +9,14 @@ from fractions import Fraction
 from math import frexp
 from operator import mul
 
-import numpy as np
 from flint import acb, arb, arb_poly
 
 from refdem.truth.balls import arb_of, largest, outward, precision
 from refdem.truth.traced_field import Program
+from refdem.truth.weights import REACH, quickest, typical, weighted
 
 BITS, JACOBIAN_BITS = 64, 40
 """Of boxes, which bound and need not be sharp; of the flow Jacobian of a step, far below its own share in the error."""
-REACH = 12
-"""Most of |J| at the start times the outer radius: sums whose terms grow as exp of that lose its bits."""
 FACTORS = 2.0, 1 / 2, 1.25, 1 / 1.25, 1.08, 1 / 1.08
 """By which the outer radius is changed as long as that lengthens the step."""
 RINGS = 8
@@ -108,17 +106,6 @@ def matrix_norm(entries: Sequence[arb | acb], weights: Sequence[arb]) -> arb:
     return norm([sum(map(mul, sizes[i : i + count], weights), arb(0)) for i in range(0, len(sizes), count)], weights)
 
 
-def weighted(speeds: Sequence[arb], slopes: Sequence[arb | acb], slowest: float) -> list[arb]:
-    """Weights w = (1 - |J|/r)^-1 |f|, r a little more than the spectral radius of |J|: then |J| w <= r w and |f| <= w."""
-    rates = np.array([float(outward(speed)) for speed in speeds])
-    matrix = np.array([float(outward(entry)) for entry in slopes]).reshape(len(rates), -1)
-    if not (np.isfinite(rates).all() and np.isfinite(matrix).all()):
-        return [arb(1)] * len(rates)
-    r = 1.25 * max(slowest, *np.abs(np.linalg.eigvals(matrix)))
-    found = np.linalg.solve(np.eye(len(rates)) - matrix / r, rates if rates.any() else rates + 1)
-    return [arb(float(weight)) for weight in np.maximum(found, found[found > 0].min() / 1024)]
-
-
 def disc(
     field: Program, jacobian: Program, polynomials: Sequence[arb_poly], order: int, radii: Sequence[arb], ratio: float, first: float
 ) -> Disc | None:
@@ -128,10 +115,12 @@ def disc(
     """
     with precision(BITS):
         tube = Tube(polynomials)
-        here, near = tube.box(arb(0)), tube.box(arb(first / 3))
-        rates, slopes = field.run(here), jacobian.run(near)
-        weights = weighted(rates, slopes if all(x.is_finite() for x in slopes) else jacobian.run(here), 1 / first)
-        slow, stiff = norm(rates, weights), matrix_norm(jacobian.run(here), weights)
+        here = tube.box(arb(0))
+        rates, start = field.run(here), jacobian.run(here)
+        weights = weighted(
+            rates, typical(lambda radius: jacobian.run(tube.box(arb(radius))), min(first, REACH / quickest(start)) / 3) or start, 1 / first
+        )
+        slow, stiff = norm(rates, weights), matrix_norm(start, weights)
         least = (stiff + 1 / arb(first)) / 2**40
 
         def speed(radius: float) -> arb:

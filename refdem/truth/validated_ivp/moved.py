@@ -109,7 +109,9 @@ def orthogonal(edges: arb_mat, lengths: Sequence[arb]) -> arb_mat:
     """An exact matrix, orthogonal to rounding, whose first axes are along the longest edges."""
     longest = largest(lengths)
     share = np.array([float(length / longest) if longest > 0 else 1.0 for length in lengths])
-    columns = np.array([[float(x.mid()) for x in row] for row in edges.table()])
+    widest = largest([x for row in edges.table() for x in row])
+    scale = 1 / widest if widest > 0 else arb(1)  # an unstable motion's edges may be larger than any double
+    columns = np.array([[float((x * scale).mid()) for x in row] for row in edges.table()])
     order = np.argsort(-np.linalg.norm(columns, axis=0) * share, kind="stable")
     axes, _ = np.linalg.qr(columns[:, order])
     return arb_mat(len(lengths), len(lengths), [float(x) for x in axes.flatten()])
