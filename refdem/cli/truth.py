@@ -49,11 +49,24 @@ def command(
     truth = instance.truth().refined(digits)
     if times:
         warn(truth.forecast(max(times), digits))
-    values = [value(None, *item, truth.method, digits) for item in truth.scalars().items()]
+    values = [value(None, *item, truth.method, digits) for item in scalars(truth, alone=not times).items()]
     for t in times:
         values += [value(t, *item, truth.method, digits) for item in truth.at(t).items()]
     unit = "s" if "duration" in instance.p else ""
     show({"case": name, "parameters": instance.p.texts(), "values": values, "witness": truth.witness}, json, unit)
+
+
+def scalars(truth: Any, *, alone: bool) -> Any:
+    """The scalars; where none are certified that is said on stderr, and is the answer only if nothing else was asked for."""
+    from refdem.errors import NotCertifiedError
+
+    try:
+        return truth.scalars()
+    except NotCertifiedError as error:
+        if alone:
+            raise
+        typer.echo(f"no scalars are certified: {error}", err=True)
+        return {}
 
 
 def listed(case: str, as_json: bool) -> None:
