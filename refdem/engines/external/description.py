@@ -2,35 +2,46 @@
 
 import tomllib
 from pathlib import Path
-from typing import Literal
+from typing import Annotated, Any, Literal
 
 import msgspec
+from msgspec import Meta
 
 from refdem.core.deviation import Deviation
 from refdem.core.engine import Method
-from refdem.engines.external.sense import nonsense
+from refdem.engines.external.sense import FEATURES, nonsense
 from refdem.errors import UsageError
 
 Law = Literal["energy", "momentum", "angular-momentum", "constraint"]
+
+Feature = Annotated[str, Meta(extra_json_schema={"enum": sorted(FEATURES)})]
+
+
+def said(words: str) -> Any:
+    """What `refdem schema toml` says of a field."""
+    return Meta(description=words)
 
 
 class MethodTable(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """One method of the program and its claims."""
 
-    name: str
+    name: Annotated[str, said("comes to the program as `method` of the request")]
     summary: str = ""
     answers: Literal["motion", "solid"] = "motion"
-    control: Literal["step", "tolerance", "exact"] = "step"
-    order: int = 0
-    order_with: dict[str, int] = {}
-    constant: float = 1.0
+    control: Annotated[
+        Literal["step", "tolerance", "exact"],
+        said("what the request sets: the step [s], which divides the time between samples, or a tolerance"),
+    ] = "step"
+    order: Annotated[int, said("claimed: errors fall as step**order")] = 0
+    order_with: Annotated[dict[str, int], said("the lower order with a feature of the scene, such as contact = 1")] = {}
+    constant: Annotated[float, said("C of the bound C (1 + t/tau) (h/tau)**order, in units of the scales")] = 1.0
     constant_reason: str = ""
-    conserves: list[Law] = []
-    reversible: bool = False
-    symplectic: bool = False
-    backward: bool = False
-    complete_state: bool = True
-    deterministic: bool = True
+    conserves: Annotated[list[Law], said("kept to round-off, whatever the step")] = []
+    reversible: Annotated[bool, said("with velocities flipped it comes back to round-off")] = False
+    symplectic: Annotated[bool, said("no secular drift of energy, also where bodies turn")] = False
+    backward: Annotated[bool, said("it can be asked for times that fall; the step stays positive")] = False
+    complete_state: Annotated[bool, said("a run can go on from positions, velocities, attitudes and omegas alone")] = True
+    deterministic: Annotated[bool, said("the same request gives the same bits")] = True
 
     def method(self, engine: "EngineTable") -> Method:
         """The method as the checks know it; a staggered one cannot go on from its end state, and mass properties have no step."""
@@ -46,21 +57,29 @@ class EngineTable(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fiel
     """The program: its command (never a shell), what belongs to it, what it can do."""
 
     name: str
-    command: list[str]
+    command: Annotated[
+        list[str],
+        said("argv, run in an empty folder; {request} {request_txt} {trajectory} {events} stand for files, events as CSV time,kind,body"),
+    ]
     methods: list[MethodTable]
-    inputs: list[str] = []
+    inputs: Annotated[list[str], said("patterns of files below this one whose change makes results stale, sources for instance")] = []
     version_command: list[str] = []
-    supports: list[str] = []
+    supports: Annotated[list[Feature], said("what its scenes may have; a case that needs more is left out")] = []
     precision: Literal["double", "single"] = "double"
-    velocity_time: Literal["synchronous", "minus-half-step"] = "synchronous"
-    timeout: float = 60.0
-    budget: float = 600.0
+    velocity_time: Annotated[
+        Literal["synchronous", "minus-half-step"],
+        said("minus-half-step: velocities and omegas of a row hold half a step before its t, at the first row too"),
+    ] = "synchronous"
+    timeout: Annotated[float, said("[s] a run may take")] = 60.0
+    budget: Annotated[float, said("[s] a gate may take")] = 600.0
 
 
 class GateTable(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """What its gate runs: cases (none: all that the program supports), levels, baseline."""
 
-    cases: list[str] = []
+    cases: Annotated[
+        list[str], said("`pendulum` or `pendulum[theta0=2 mass=3]`; none: all that it supports, some at several settings")
+    ] = []
     levels: int = 4
     baseline: str = "refdem-baseline.jsonl"
 
