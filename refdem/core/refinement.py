@@ -72,7 +72,8 @@ def kinked(instance: Instance) -> bool:
 
 def order_levels(instance: Instance, levels: tuple[float, ...]) -> tuple[float, ...]:
     """The levels from which an order is read: finer ones as well where kinks scatter the errors of each."""
-    return (*levels, *(levels[-1] / 2**k for k in range(1, FURTHER + 1) if kinked(instance)))
+    further = range(1, FURTHER + 1) if levels and kinked(instance) else ()
+    return (*levels, *(levels[-1] / 2**k for k in further))
 
 
 def steps_at(instance: Instance, method: Method, level: float) -> float:

@@ -70,3 +70,12 @@ def test_a_clock_that_is_summed_may_be_off_by_a_rounding_a_step(instance):
     assert clock(instance, exact) == 0.0
     losses = np.cumsum(np.full(64 + 80, 20.0 * 2.0**-53))
     assert 0.9 * losses[-1] < clock(instance, summed) < 1.1 * losses[-1]
+
+
+def test_an_order_is_read_from_finer_levels_where_there_are_kinks_and_from_none_where_there_are_no_levels():
+    from refdem.core.refinement import order_levels
+
+    smooth, rubbing = (discovery.case(name).at() for name in ("harmonic-oscillator", "coulomb-oscillator"))
+    assert order_levels(smooth, (0.5, 0.25)) == (0.5, 0.25)
+    assert order_levels(rubbing, (0.5, 0.25)) == (0.5, 0.25, 0.125, 0.0625)
+    assert order_levels(rubbing, ()) == ()
