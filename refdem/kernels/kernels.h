@@ -170,6 +170,24 @@ int refdem_rod_taylor(double mass, double length, const double *gravity, const d
                       const double *velocity, double t0, int64_t samples, const double *t, double *out_position,
                       double *out_velocity, double *out_force);
 
+/* == pendulum_ensemble == */
+
+/* theta'' = -square sin theta, square [1/s^2], for all members at once, `steps` steps h [s] of either sign, of order 8: angle (members)
+ * [rad], |angle| < 1e9, and rate (members) [rad/s] are moved on in place. Returns 0. */
+int refdem_pendulum_ensemble(double square, double h, int64_t steps, int64_t members, double *angle, double *rate);
+
+/* == lattice == */
+
+/* m x'' = weight - stiffness |x|^exponent sgn x - quadratic x^2 - cubic x^3 in SI units; the units of the lattice, powers of two:
+ * place [m], speed [m/s], such that no place or velocity reaches 2^62 of them. */
+typedef struct {
+    double mass, stiffness, exponent, quadratic, cubic, weight, place, speed;
+} refdem_lattice;
+
+/* x [m] and v [m/s] from x0, v0 by Verlet's method on the lattice, `stride` steps h [s] of either sign a sample; out (samples, 2), row
+ * 0 the start as given. Returns 0. */
+int refdem_lattice_verlet(const refdem_lattice *p, double x0, double v0, double h, int64_t samples, int64_t stride, double *out);
+
 /* == particles == */
 
 /* Points and spheres. ease (bodies): 1/mass [1/kg], 0 for a fixed body; turn_ease (bodies): 1/inertia, 0 where nothing turns.

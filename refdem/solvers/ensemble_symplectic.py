@@ -1,0 +1,88 @@
+"""Many starts of one plane pendulum, stepped together by a symplectic method of order 8 (kernels/pendulum_ensemble.c)."""
+
+from time import perf_counter
+
+import numpy as np
+from numpy.typing import NDArray
+
+from refdem.core.engine import Method
+from refdem.core.problem import Ensemble, Request
+from refdem.core.trajectory import Cost, Trajectory
+from refdem.kernels import load, pointer, timed
+from refdem.scene import Scene
+from refdem.scene.elements.rod import Rod
+from refdem.solvers import _single_point as single
+from refdem.solvers import carried_ensemble
+from refdem.solvers.solver import Solver
+
+Array = NDArray[np.float64]
+FAMILY = "pendulum_ensemble"
+
+
+class EnsembleSymplectic(Solver):
+    """Angles and rates of all starts in blocks that stay in the cache."""
+
+    claims = Method(
+        name="ensemble-symplectic",
+        summary="pendulums stepped together: Verlet composed to order 8, the sine in vectors",
+        control="step",
+        order=8,
+        reversible=True,
+        symplectic=True,
+        backward=True,
+        cost_rank=10,
+    )
+    answers = Ensemble
+    kernels = (FAMILY,)
+
+    def refusal(self, problem: Ensemble) -> str | None:
+        """None for starts of one point on a rod that hangs in gravity and swings in a plane."""
+        if not problem.scene.all(Rod) or not single.gravity(problem.scene).any():
+            return "no rod in gravity"
+        return carried_ensemble.METHOD.refusal(problem)
+
+    def run(self, request: Request) -> tuple[Trajectory, Cost]:
+        """`position` [m] and `velocity` [m/s] (T, M, 1, 3)."""
+        begun, problem = perf_counter(), request.problem
+        assert isinstance(problem, Ensemble)
+        frame, call, seconds = _Frame(problem.scene), load(FAMILY).lib.refdem_pendulum_ensemble, 0.0
+        angle, rate = frame.angles(problem.position[:, 0], problem.velocity[:, 0])
+        shape = (len(problem.times), len(angle), 1, 3)
+        position, velocity = np.empty(shape), np.empty(shape)
+        position[0], velocity[0] = problem.position, problem.velocity
+        state = [pointer(FAMILY, column, output=True) for column in (angle, rate)]
+        for row in range(1, len(problem.times)):
+            seconds += timed(call, frame.square, request.signed_step, request.stride, len(angle), *state)
+            position[row, :, 0], velocity[row, :, 0] = frame.placed(angle, rate)
+        cost = Cost(seconds=seconds, setup=perf_counter() - begun - seconds, steps=request.stride * (len(problem.times) - 1))
+        return Trajectory.of_values(problem.times, {"position": position, "velocity": velocity}), cost
+
+
+class _Frame:
+    """The plane of the swing: unit vectors along gravity and across it, the anchor, the length, and w0^2 = g/l [1/s^2]."""
+
+    def __init__(self, scene: Scene) -> None:
+        rod, gravity, arm = scene.all(Rod)[0], single.gravity(scene), scene.bodies.position[0] - single.anchor(scene.all(Rod)[0])
+        size = float(np.linalg.norm(gravity))
+        self.anchor, self.length, self.square, self.down = single.anchor(rod), rod.length, size / rod.length, gravity / size
+        aside = [vector - (vector @ self.down) * self.down for vector in (arm, scene.bodies.velocity[0])]
+        longest = max(aside, key=lambda vector: float(np.linalg.norm(vector)))
+        self.across = longest / (np.linalg.norm(longest) or 1.0)
+
+    def angles(self, position: Array, velocity: Array) -> tuple[Array, Array]:
+        """Angles [rad] and rates [rad/s] (M,)."""
+        arm = position - self.anchor
+        angle = np.arctan2(arm @ self.across, arm @ self.down)
+        rate = (np.cos(angle) * (velocity @ self.across) - np.sin(angle) * (velocity @ self.down)) / self.length
+        return angle, rate
+
+    def placed(self, angle: Array, rate: Array) -> tuple[Array, Array]:
+        """Positions and velocities (M, 3)."""
+        s, c = np.sin(angle)[:, None], np.cos(angle)[:, None]
+        return (
+            self.anchor + self.length * (c * self.down + s * self.across),
+            (self.length * rate)[:, None] * (c * self.across - s * self.down),
+        )
+
+
+METHOD = EnsembleSymplectic()

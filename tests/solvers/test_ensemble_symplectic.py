@@ -1,0 +1,52 @@
+"""Pendulums stepped together: against the closed form start by start, order, blocks, the way back."""
+
+import numpy as np
+import pytest
+
+from refdem.core.problem import Ensemble, Request
+from refdem.engines.reference import ENGINE
+from refdem.scene import Body, Scene
+from refdem.scene.elements.rod import Rod
+from refdem.scene.elements.uniform_gravity import UniformGravity
+
+G = 9.8125
+
+
+def ensemble(members, times=(0.0, 1.0, 2.0)):
+    """Swinging, rotating and near the top, members of one scene."""
+    angle, rate = np.linspace(-3.0, 3.0, members), np.linspace(9.0, -2.0, members)
+    place = np.stack([np.sin(angle), -np.cos(angle), 0 * angle], axis=-1)[:, None]
+    speed = (rate[:, None] * np.stack([np.cos(angle), np.sin(angle), 0 * angle], axis=-1))[:, None]
+    body = Body(mass=1.0, position=tuple(place[0, 0]), velocity=tuple(speed[0, 0]))
+    scene = Scene.of([body], [Rod(a=0, b=-1, length=1.0), UniformGravity(g=(0.0, -G, 0.0))])
+    return Ensemble(scene=scene, times=np.array(times), position=place, velocity=speed)
+
+
+def run(problem, method, step=None):
+    return ENGINE.run(Request(problem=problem, method=method, step=step))[0].values
+
+
+def test_error_falls_with_order_eight_to_that_of_the_closed_form():
+    problem = ensemble(40)
+    exact = run(problem, "carried-ensemble")
+    errors = [np.abs(run(problem, "ensemble-symplectic", 2.0**-k)["position"] - exact["position"]).max() for k in (3, 4, 5)]
+    assert np.log2(errors[0] / errors[1]) == pytest.approx(8.0, abs=0.6)
+    assert np.log2(errors[1] / errors[2]) == pytest.approx(8.0, abs=0.3)
+    fine = run(problem, "ensemble-symplectic", 2.0**-8)
+    grown = 9.0 * np.exp(2 * np.sqrt(G))  # what two seconds near the top make of an ulp of the speed
+    assert np.abs(fine["velocity"] - exact["velocity"]).max() < 16 * 2.0**-53 * grown
+
+
+def test_members_do_not_depend_on_the_block_that_they_are_in():
+    many = run(ensemble(1500), "ensemble-symplectic", 2.0**-5)["position"]
+    problem = ensemble(1500)
+    some = Ensemble(scene=problem.scene, times=problem.times, position=problem.position[700:713], velocity=problem.velocity[700:713])
+    assert np.array_equal(run(some, "ensemble-symplectic", 2.0**-5)["position"], many[:, 700:713])
+
+
+def test_time_runs_backwards_to_where_it_began():
+    problem = ensemble(20)
+    there = run(problem, "ensemble-symplectic", 2.0**-6)
+    scene, back_times = problem.scene, np.array((2.0, 1.0, 0.0))
+    back = Ensemble(scene=scene, times=back_times, position=there["position"][-1], velocity=there["velocity"][-1])
+    assert np.abs(run(back, "ensemble-symplectic", 2.0**-6)["position"][-1] - problem.position).max() < 1e-12
