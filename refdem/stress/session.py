@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 from fractions import Fraction
 
 import msgspec
+import numpy as np
 
 import refdem
 from refdem.campaign import judging, plan, truths, worker
@@ -19,7 +20,9 @@ from refdem.core.problem import Request
 from refdem.core.run import Failure, Run
 from refdem.core.store import Store
 from refdem.core.trajectory import Trajectory
+from refdem.core.truth import SampledTruth
 from refdem.core.variant import Variant
+from refdem.errors import RefdemError
 from refdem.stress.ladder import Battery, Ladder
 from refdem.stress.record import Ask, Climb, Record, Rung
 from refdem.stress.scenes import truth_here
@@ -80,7 +83,7 @@ class Stress:
             for wave in waves:
                 self._run(schedule, [pair for pair in zip(places, tasks, strict=True) if self._wave(pair[0]) == wave])
         versions = {engine.name: engine.version() for engine in engines}
-        return self._recorded(places, tasks, versions)
+        return self._recorded(places, versions)
 
     def _places(self, battery: Battery, ladder: Ladder, engines: Sequence[Engine]) -> list[Place]:
         """Every rung for every method that answers motions."""
@@ -98,7 +101,7 @@ class Stress:
         """Costly ladders are climbed rung by rung, the others at once."""
         return place.number if place.ladder.costly else 0
 
-    def _tasks(self, schedule: Schedule | InProcess, places: Sequence[Place]) -> list[Task]:
+    def _tasks(self, schedule: Schedule | InProcess, places: Sequence[Place]) -> list[Task | Failure]:
         """The task of every place, with truth where its measure wants it."""
         instances = {place.instance.label: place.instance for place in places if place.ladder.measure.needs_truth}
         delays = _delays(places)
@@ -107,18 +110,15 @@ class Stress:
         proved = truths.sampled_truths(schedule, self.store, list(asked.values()), self.progress)
         found = known | dict(zip(asked, proved, strict=True))
         none = truths.no_truth("this measure needs no truth")
-        return [
-            place.ladder.measure.task(place.engine, place.method, place.instance, place.x, found.get(place.instance.label) or none)
-            for place in places
-        ]
+        return [_task(place, found.get(place.instance.label) or none) for place in places]
 
-    def _run(self, schedule: Schedule | InProcess, wanted: Sequence[tuple[Place, Task]]) -> None:
+    def _run(self, schedule: Schedule | InProcess, wanted: Sequence[tuple[Place, Task | Failure]]) -> None:
         """Runs and judges rungs; equal requests run once."""
         asked: dict[str, list[tuple[int, Variant]]] = {}
         jobs: dict[str, Job] = {}
         requests: dict[tuple[int, Variant], Request] = {}
         for n, (place, task) in enumerate(wanted):
-            if task.refusal is not None or self._is_too_long(place):
+            if isinstance(task, Failure) or task.refusal is not None or self._is_too_long(place):
                 continue
             for variant in task.variants:
                 request = requests[n, variant] = place.ladder.measure.request(task, variant, place.x)
@@ -147,13 +147,17 @@ class Stress:
         below = self.rungs.get(place.climb, {}).get(place.number - 1) if place.ladder.costly else None
         if below is None:
             return None
+        growth = float(place.x / place.ladder.values[place.number - 1])
+        growth = max(growth, 1 / growth)
         if below.forecast is not None:
-            return below.forecast * float(place.x / place.ladder.values[place.number - 1])
-        return below.seconds * float(place.x / place.ladder.values[place.number - 1])
+            return below.forecast * growth
+        return below.seconds * growth
 
-    def _rung(self, place: Place, task: Task, runs: dict[Variant, Run]) -> Rung:
+    def _rung(self, place: Place, task: Task | Failure, runs: dict[Variant, Run]) -> Rung:
         """The verdict on one rung."""
         name = place.ladder.rungs[place.number]
+        if isinstance(task, Failure):
+            return Rung(rung=name, verdict="error", quantity="run: scene", sentence=task.sentence)
         if task.refusal is None and self._is_too_long(place):
             forecast = self._forecast(place)
             return Rung(
@@ -161,7 +165,7 @@ class Stress:
             )
         return rung_of(name, judging.record(task, "", runs, []))
 
-    def _recorded(self, places: Sequence[Place], tasks: Sequence[Task], versions: dict[str, str]) -> Record:
+    def _recorded(self, places: Sequence[Place], versions: dict[str, str]) -> Record:
         """All climbs but those of methods that can climb nothing; where no method of an engine can, the reason."""
         first = {place.climb: place for place in reversed(places)}
         climbs: list[Climb] = []
@@ -186,6 +190,16 @@ class Stress:
             climbs=climbs,
             refused=[(engine, ladder, why) for (battery, ladder, engine), why in refused.items() if (battery, ladder, engine) not in able],
         )
+
+
+def _task(place: Place, truth: SampledTruth) -> Task | Failure:
+    """The task of a place; the Failure of an engine that raises where it should refuse or accept a scene."""
+    try:
+        with np.errstate(all="ignore"):
+            return place.ladder.measure.task(place.engine, place.method, place.instance, place.x, truth)
+    except (RefdemError, ArithmeticError, ValueError) as error:
+        told = f"{type(error).__name__}: {error}"
+        return Failure(kind="refusal", sentence=f"{place.engine.name} could not say whether it supports the scene ({told})")
 
 
 def _delays(places: Sequence[Place]) -> dict[str, tuple[float, ...]]:

