@@ -134,6 +134,8 @@ class Cooling(Check):
             mean = float(np.sum(np.diff(met) * np.sqrt(temperature[1:] * temperature[:-1]))) / expected
             lost = float(np.sum(work[-1])) / (seen * given * mean)
             what = "The energy lost in a collision, in units of (1 - e^2) T, less 1"
+            more |= {"bound": float(allowed) + gas.lasts / float(run.t[-1] - run.t[0])}
+            more |= {"basis": f"{of}, and those collisions that are not over at the end"}
             found.append(judged(quantity="loss", value=abs(lost - 1), what=what, **more))
         return found
 

@@ -2,6 +2,7 @@
 
 import os
 import sys
+from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -13,6 +14,7 @@ if TYPE_CHECKING:
     from refdem.report.bench import Cells
 
 TITLE = "Run time against error"
+FEWEST_SPHERES = 100
 
 
 def command(
@@ -26,6 +28,7 @@ def command(
     grow: Annotated[list[str] | None, typer.Option(help="Time against a parameter, as samples=64,256,1024.")] = None,
     peers: Annotated[bool, typer.Option(help="With heyoka and SciPy, where installed.")] = True,
     memory: Annotated[bool, typer.Option(help="With the peak memory, in a process of its own.")] = True,
+    crowd: Annotated[str, typer.Option(help="What a body and step cost in gases of so many spheres, as 1000,10000.")] = "",
     stability: Annotated[bool, typer.Option(help="With the largest stable step.")] = True,
     against: Annotated[
         Path | None,
@@ -53,15 +56,15 @@ def command(
         with_memory=memory, with_stability=stability, grow=grown(grow or []), beside=beside,
         progress=lambda told: print(told, file=sys.stderr),
     )  # fmt: skip
-    tell(bench.record(), out, then)
+    tell(bench.record(), out, then, [_cells(crowded(crowd, rounds))] if crowd else [])
 
 
-def tell(record: "Record", out: Path, then: "Record | None") -> None:
+def tell(record: "Record", out: Path, then: "Record | None", more: "Sequence[Cells]") -> None:
     """Writes the record and its pages, and ends the program: 1 if a method is slower."""
     import msgspec
 
     (out / "bench.json").write_bytes(msgspec.json.encode(record))
-    slower = written(out, record, then)
+    slower = written(out, record, then, more)
     print(f"bench: {out / 'bench.html'}")
     raise typer.Exit(1 if slower else 0)
 
@@ -78,7 +81,17 @@ def grown(pairs: list[str]) -> dict[str, list[str]]:
     return {name: values.split(",") for name, values in settings(pairs).items()}
 
 
-def written(out: Path, record: "Record", then: "Record | None") -> bool:
+def crowded(sizes: str, rounds: int) -> "Table":
+    """The cost of a body and step in gases of these sizes, beside LAMMPS, MuJoCo and pymunk where they are installed."""
+    from refdem.bench.crowd import costs, table
+    from refdem.errors import UsageError
+
+    if not all(size.isdecimal() and int(size) >= FEWEST_SPHERES for size in sizes.split(",")):
+        raise UsageError(f"--crowd is {sizes!r}; expected numbers of spheres, at least {FEWEST_SPHERES}, as 1000,10000")
+    return table(costs(list(map(int, sizes.split(","))), rounds, lambda told: print(told, file=sys.stderr)))
+
+
+def written(out: Path, record: "Record", then: "Record | None", more: "Sequence[Cells]" = ()) -> bool:
     """Writes the pages and prints the tables; whether a method is slower than `then`."""
     from refdem.bench.comparison import compared, compared_in_turns, false_alarm_rate
     from refdem.bench.tables import changes, chart_rows, introduction, tables
@@ -86,6 +99,7 @@ def written(out: Path, record: "Record", then: "Record | None") -> bool:
 
     found = compared(record, then) if then else compared_in_turns(record)
     extra: list[Cells] = [_cells(changes(found))] if found else []
+    extra += more
     words = introduction(record)
     if (rate := false_alarm_rate(record)) is not None:
         words += f" Comparisons of a half of the rounds with the other half raise a false alarm in {100 * rate:.2g} % of all splits."

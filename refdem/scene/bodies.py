@@ -73,15 +73,28 @@ class Bodies:
     @cached_property
     def radius(self) -> Array:
         """Radius (N,) [m], not to be written to; zero for a body that is no sphere."""
-        known = {id(s): s.radius if isinstance(s, Sphere) else 0.0 for s in self.shape}
-        found = np.fromiter(map(known.__getitem__, map(id, self.shape)), float, len(self.shape))
+        found = np.array([s.radius if isinstance(s, Sphere) else 0.0 for s in self.shapes])[self.shape_number]
         found.setflags(write=False)
         return found
 
-    @cached_property
+    @property
     def shapes(self) -> tuple[Shape, ...]:
         """The different objects among the shapes, in the order in which they come."""
-        return tuple({id(s): s for s in self.shape}.values())
+        return self._numbered[0]
+
+    @property
+    def shape_number(self) -> NDArray[np.int64]:
+        """Which of `shapes` each body (N,) has."""
+        return self._numbered[1]
+
+    @cached_property
+    def _numbered(self) -> tuple[tuple[Shape, ...], NDArray[np.int64]]:
+        """Shapes and numbers; of many bodies most have one shape, which is found without a loop over them."""
+        if self.shape[:1] and self.shape.count(self.shape[0]) == len(self.shape):
+            return self.shape[:1], np.zeros(len(self.shape), np.int64)
+        shapes = {id(s): s for s in self.shape}
+        numbers = {key: number for number, key in enumerate(shapes)}
+        return tuple(shapes.values()), np.fromiter(map(numbers.__getitem__, map(id, self.shape)), np.int64, len(self.shape))
 
 
 COLUMNS = ("mass", "inertia", "position", "velocity", "attitude", "omega")
@@ -100,8 +113,7 @@ def _suspect(bodies: Bodies) -> NDArray[np.bool_]:
         wrong |= ~(np.abs(np.linalg.norm(bodies.attitude, axis=1) - 1) < 5e-10)
         for name in COLUMNS:
             wrong |= ~np.isfinite(getattr(bodies, name)).reshape(len(wrong), -1).all(axis=1)
-    checked = {id(shape): isinstance(shape, Polyhedron) or not _is_sound(shape) for shape in bodies.shapes}
-    return np.asarray(wrong | np.fromiter(map(checked.__getitem__, map(id, bodies.shape)), bool, len(wrong)))
+    return np.asarray(wrong | np.array([isinstance(s, Polyhedron) or not _is_sound(s) for s in bodies.shapes])[bodies.shape_number])
 
 
 def _is_sound(shape: Shape) -> bool:

@@ -77,11 +77,8 @@ def unpacked(data: bytes | Path, told: BodiesFile) -> Bodies:
 
 def _columns(bodies: Bodies) -> dict[str, NDArray[Any]]:
     """Every array of the file by name, in the byte order that the file has."""
-    numbers: dict[int, int] = {}
     shapes: dict[Shape, int] = {}
-    for shape in bodies.shapes:
-        numbers[id(shape)] = shapes.setdefault(shape, len(shapes))
-    number = np.fromiter(map(numbers.__getitem__, map(id, bodies.shape)), "<i8", len(bodies))
+    number = np.array([shapes.setdefault(shape, len(shapes)) for shape in bodies.shapes], "<i8")[bodies.shape_number]
     held: dict[str, NDArray[Any]] = {name: np.ascontiguousarray(getattr(bodies, name), "<f8") for name in COLUMNS}
     listed = np.frombuffer(msgspec.json.encode(list(shapes)), np.uint8)
     return held | {"fixed": np.ascontiguousarray(bodies.fixed, bool), "shape": number, "shapes": listed}

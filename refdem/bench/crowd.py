@@ -1,0 +1,81 @@
+"""What a body and a step cost in a gas of many spheres, beside codes made for such: interleaved rounds, medians, one thread."""
+
+import statistics
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from refdem.bench.crowds import crowds
+from refdem.bench.crowds._crowd import Crowd, Gas
+from refdem.bench.tables import Table, two
+from refdem.core import discovery
+
+LONG = 0.3
+"""Seconds that a round of the slowest runs takes about: a run has as many steps as fit."""
+FEWEST_STEPS = 20
+STEPS_PER_TAU = 5
+LAWS = {"smooth": {"friction": "0"}, "rough": {"friction": "1/2"}}
+
+
+@dataclass(frozen=True)
+class Cost:
+    """Nanoseconds a body and step in each round; `beside` are those of the reference in the same rounds, in the same gas."""
+
+    n: int
+    law: str
+    boundary: str
+    name: str
+    note: str
+    rounds: Sequence[float]
+    beside: Sequence[float]
+
+    @property
+    def ratio(self) -> float:
+        """How many times as dear as the reference: the median of the rounds."""
+        return statistics.median(own / other for own, other in zip(self.rounds, self.beside, strict=True))
+
+
+def costs(sizes: Sequence[int], rounds: int = 5, progress: Callable[[str], None] = lambda told: None) -> list[Cost]:
+    """The cost of every gas of so many spheres in every code that is installed and can move it."""
+    found = []
+    for n in sizes:
+        for law, given in LAWS.items():
+            for boundary in ("periodic", "walls"):
+                progress(f"{n} spheres, {law}, {boundary}")
+                instance = discovery.case("granular-gas").at(n=str(n), boundary=boundary, **given)
+                gas = Gas(instance, float(2.0 ** np.floor(np.log2(instance.scales.tau / STEPS_PER_TAU))))
+                found += _of_gas(gas, law, [crowd for crowd in crowds() if crowd.refusal(gas) is None], rounds)
+    return found
+
+
+def _of_gas(gas: Gas, law: str, able: Sequence[Crowd], rounds: int) -> list[Cost]:
+    """All codes on one gas, in turns."""
+    n, steps = len(gas.position), {}
+    for crowd in able:
+        once = crowd.seconds(gas, FEWEST_STEPS) / FEWEST_STEPS
+        steps[crowd] = max(FEWEST_STEPS, int(LONG / max(once, 1e-9)))
+    taken: dict[Crowd, list[float]] = {crowd: [] for crowd in able}
+    for _ in range(rounds):
+        for crowd in able:
+            taken[crowd].append(1e9 * crowd.seconds(gas, steps[crowd]) / steps[crowd] / n)
+    own = next(taken[crowd] for crowd in able if crowd.is_reference)
+    boundary = "periodic" if gas.periodic else "walls"
+    return [Cost(n, law, boundary, crowd.name, crowd.note, taken[crowd], own) for crowd in able]
+
+
+def table(found: Sequence[Cost]) -> Table:
+    """A line a code and gas."""
+    header = ("gas", "code", "ns a body and step", "least to most", "times the reference", "note")
+    rows = [
+        (
+            f"{cost.n} {cost.law}, {cost.boundary}",
+            cost.name,
+            two(statistics.median(cost.rounds)),
+            f"{two(min(cost.rounds))} to {two(max(cost.rounds))}",
+            two(cost.ratio),
+            cost.note,
+        )
+        for cost in found
+    ]
+    return Table("Cost of a body and step in a gas of spheres", header, rows)

@@ -1,0 +1,78 @@
+"""A gas as the codes that move it are asked, and what each of them is."""
+
+from abc import ABC, abstractmethod
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from refdem.core.case import Instance
+from refdem.scene.elements.contact import Contact
+from refdem.scene.elements.periodic_box import PeriodicBox
+from refdem.scene.elements.plane import Plane
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class Gas:
+    """An instance of granular-gas in numbers, and the step [s]: `size` [m] is the edge of the cube, periodic or with walls."""
+
+    instance: Instance
+    step: float
+
+    @property
+    def position(self) -> Array:
+        """(N, 3) [m]."""
+        return self.instance.scene.bodies.position
+
+    @property
+    def velocity(self) -> Array:
+        """(N, 3) [m/s]."""
+        return self.instance.scene.bodies.velocity
+
+    @property
+    def diameter(self) -> float:
+        """[m]."""
+        return 2 * float(self.instance.scene.bodies.radius[0])
+
+    @property
+    def mass(self) -> float:
+        """[kg]."""
+        return float(self.instance.scene.bodies.mass[0])
+
+    @property
+    def law(self) -> Contact:
+        """The law of contact."""
+        return self.instance.scene.all(Contact)[0]
+
+    @property
+    def periodic(self) -> bool:
+        """Whether there are no walls."""
+        return bool(self.instance.scene.all(PeriodicBox))
+
+    @property
+    def size(self) -> float:
+        """[m]."""
+        boxes = self.instance.scene.all(PeriodicBox)
+        return boxes[0].size if boxes else max(plane.point[0] for plane in self.instance.scene.all(Plane))
+
+
+class Crowd(ABC):
+    """One code. `note` says what it moves if that is not the same gas, or what it leaves out."""
+
+    name: str
+    note: str = ""
+    is_reference = False
+
+    @abstractmethod
+    def missing(self) -> str | None:
+        """None if it can be run here, else what to install."""
+
+    @abstractmethod
+    def refusal(self, gas: Gas) -> str | None:
+        """None if it can move this gas, else why not."""
+
+    @abstractmethod
+    def seconds(self, gas: Gas, steps: int) -> float:
+        """Seconds that so many steps take in the code's own loop, from the start; set-up apart."""

@@ -1,0 +1,77 @@
+"""LAMMPS: pair gran/hooke (smooth) and gran/hooke/history (rough), on one core."""
+
+import os
+import re
+import shutil
+import subprocess
+import tempfile
+from pathlib import Path
+
+from refdem.bench.crowds._crowd import Crowd, Gas
+from refdem.errors import EngineError
+
+SKIN = 0.5
+"""Diameters; measured: 0.3 to 0.7 cost the same within a tenth."""
+INPUT = """
+units si
+atom_style sphere
+boundary p p p
+newton off
+comm_modify vel yes
+read_data data.lammps
+set group all mass {mass!r}
+neighbor {skin!r} bin
+neigh_modify delay 0 every 1 check yes
+pair_style {style} {stiffness!r} {tangential!r} {per_mass!r} 0 {friction!r} 0
+pair_coeff * *
+fix move all nve/sphere
+timestep {step!r}
+thermo 1000000000
+run {steps}
+"""
+
+
+class Lammps(Crowd):
+    """The time is that of its own loop, as it says."""
+
+    name = "LAMMPS gran/hooke"
+    note = "gran/hooke/history with friction; keeps no attitudes"
+
+    def missing(self) -> str | None:
+        """None if there is an `lmp`."""
+        return None if shutil.which("lmp") else "install LAMMPS (Debian: lammps)"
+
+    def refusal(self, gas: Gas) -> str | None:
+        """None in a periodic box."""
+        return None if gas.periodic else "asked for the periodic box alone"
+
+    def seconds(self, gas: Gas, steps: int) -> float:
+        """Raises EngineError with the end of what LAMMPS says if it fails."""
+        law = gas.law
+        style = "gran/hooke/history" if law.friction else "gran/hooke"
+        words = INPUT.format(
+            mass=gas.mass, skin=SKIN * gas.diameter, style=style, stiffness=law.stiffness, tangential=law.tangential_stiffness,
+            per_mass=2 * law.damping / gas.mass, friction=law.friction, step=gas.step, steps=steps,
+        )  # fmt: skip
+        with tempfile.TemporaryDirectory(prefix="refdem-bench-") as name:
+            folder = Path(name)
+            (folder / "data.lammps").write_text(_data(gas))
+            (folder / "in.lammps").write_text(words)
+            told = os.environ | {"OMP_NUM_THREADS": "1", "TMPDIR": name}
+            done = subprocess.run(
+                ["lmp", "-in", "in.lammps", "-log", "none"], cwd=folder, env=told, capture_output=True, text=True, check=False
+            )
+        found = re.search(r"Loop time of (\S+) on 1 procs", done.stdout)
+        if done.returncode or found is None:
+            raise EngineError(f"lammps: {(done.stdout + done.stderr).strip()[-300:]}")
+        return float(found[1])
+
+
+def _data(gas: Gas) -> str:
+    sides = "".join(f"0 {gas.size!r} {a}lo {a}hi\n" for a in "xyz")
+    atoms = "\n".join(f"{k} 1 {gas.diameter!r} 1.0 {x!r} {y!r} {z!r}" for k, (x, y, z) in enumerate(gas.position.tolist(), 1))
+    speeds = "\n".join(f"{k} {x!r} {y!r} {z!r} 0 0 0" for k, (x, y, z) in enumerate(gas.velocity.tolist(), 1))
+    return f"gas\n\n{len(gas.position)} atoms\n1 atom types\n{sides}\nAtoms # sphere\n\n{atoms}\n\nVelocities\n\n{speeds}\n"
+
+
+CROWD = Lammps()
