@@ -15,8 +15,10 @@ def command(
     """
     import refdem
     from refdem.campaign.kept_truth import truth_folder
+    from refdem.manual import inputs
     from refdem.manual.pages import pages
     from refdem.report import write_manual
 
     write_manual(folder, list(pages(truth_folder())), version=refdem.__version__)
+    (folder / "manual" / inputs.NAME).write_text(inputs.text_of(inputs.digests(truth_folder())))
     print(f"manual: {folder / 'manual' / 'index.html'}")
