@@ -1,0 +1,41 @@
+"""Chaotic motions: a start moved by one unit in the last place changes no verdict, and without a horizon it would."""
+
+import numpy as np
+import pytest
+
+from refdem.campaign import judging, plan
+from refdem.campaign.in_process import run_of, task_of, truth_of
+from refdem.core import discovery
+from refdem.core.judgement import errors
+from refdem.core.refinement import bound, scored
+from refdem.engines.reference import ENGINE
+
+SHORT = [("stick-slip", {"duration": "40", "samples": "80"}), ("double-pendulum", {"duration": "5/4", "samples": "32"})]
+
+
+def perturbed(name, more):
+    """The task at what the case says is chaotic, and its runs from starts moved by one ulp."""
+    case = discovery.case(name)
+    instance = case.at(**{**case.chaotic_at, **more})
+    truth = truth_of(instance)
+    task = task_of(ENGINE, ENGINE.best(instance.problem).name, instance, truth, 3, ("error",))
+    return instance, truth, task, {v: run_of(ENGINE, plan.request(task, v, ulps=1)) for v in task.variants}
+
+
+@pytest.mark.parametrize(("name", "more"), SHORT)
+def test_one_ulp_changes_no_verdict(name, more):
+    _, truth, task, runs = perturbed(name, more)
+    findings = judging.record(task, "1", runs, []).findings
+    assert {f.outcome for f in findings} == {"pass"}
+    assert truth.growth().max() > 10
+
+
+def test_up_to_the_horizon_one_ulp_is_within_bounds_and_after_it_nothing_is():
+    instance, truth, task, runs = perturbed("driven-duffing", {"duration": "200", "samples": "200"})
+    assert {f.outcome for f in judging.record(task, "1", runs, []).findings} == {"pass"}
+    allowed = bound(instance, task.method, 0.0, truth)
+    worst = np.maximum.reduce(list(errors(instance, runs[task.variants[-1]].trajectory, truth).values()))
+    count = scored(allowed)
+    assert 50 < count < len(worst)
+    assert np.all(worst[:count] <= allowed[:count])
+    assert np.max(worst[count:]) > 0.01
