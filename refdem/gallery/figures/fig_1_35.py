@@ -23,7 +23,7 @@ def figure() -> Figure:
         panels.append(Panel(series=tuple(curves), x=Axis(title="t [s]"), y=Axis(title="angle [rad]"), title=name, size=(370, 220)))
         gap = np.hypot(angles[1] - angles[0], rates[1] - rates[0])
         gaps.append(Series(x=t, y=gap, ink=n, label=name))
-        numbers[f"{name}: exponent [1/s]"] = growth(t, gap).exponent
+        numbers |= {f"{name}: exponent [1/s]": growth(t, gap).exponent, f"{name}: its standard error [1/s]": growth(t, gap).error}
     gap_axis = Axis(title="distance in phase space", ends=(1e-7, 30.0), is_log=True)
     panels.append(Panel(series=tuple(gaps), x=Axis(title="t [s]"), y=gap_axis, size=(370, 220)))
     caption = (
