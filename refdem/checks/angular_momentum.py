@@ -8,6 +8,7 @@ from refdem.core.balance import angular, angular_scale, torque_reason
 from refdem.core.check import Check, Outcome, Trial
 from refdem.core.finding import Finding
 from refdem.core.judgement import certified, no_truth, undecided, worst
+from refdem.core.refinement import sweeping
 from refdem.core.trajectory import Trajectory
 from refdem.core.truth import SampledTruth
 from refdem.core.variant import Variant
@@ -38,6 +39,7 @@ class AngularMomentum(Check):
             return [self._against_truth(trial, runs[trial.finest].trajectory)]
         scene, level = trial.instance.scene, trial.levels[0]
         allowed, basis = trial.kept("angular-momentum", level)
+        allowed = allowed + trial.round_off(level) * (sweeping(trial.instance, trial.method) - 1.0)
         parts = angular(scene, runs[Variant(level)].trajectory)
         names = ["total"] if scene.elements or "rotation" not in scene.features else ["total", "orbital", "spin"]
         scale = angular_scale(trial.instance)

@@ -147,9 +147,12 @@ def _of_positions(trial: Trial) -> float:
     """Round-off of positions as energy: the largest force sqrt(2 k E0) times u L, over E0; 1 where the motion fills its scale.
 
     With E_s = m (L/tau)^2 = k L^2 it is sqrt(E_s / (2 E0)); large where bodies that are far apart in units of the way they
-    go meet slowly, as in a stiff contact.
+    go meet slowly, as in a stiff contact. Overlaps are differences of places, so that it is u |r| that counts where |r| > L.
     """
-    return float(np.sqrt(trial.instance.scales.energy / (2 * energy_scale(trial.instance))))
+    far = float(np.linalg.norm(trial.instance.scene.bodies.position, axis=1).max()) / trial.instance.scales.length
+    if "contact" not in trial.instance.scene.features:
+        far = 1.0
+    return max(1.0, far) * float(np.sqrt(trial.instance.scales.energy / (2 * energy_scale(trial.instance))))
 
 
 CHECK = Energy()

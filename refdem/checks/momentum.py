@@ -8,6 +8,7 @@ from refdem.core.balance import linear, momentum_scale
 from refdem.core.check import Check, Outcome, Trial
 from refdem.core.finding import Finding
 from refdem.core.judgement import worst
+from refdem.core.refinement import sweeping
 from refdem.core.variant import Variant
 
 
@@ -36,7 +37,7 @@ class Momentum(Check):
                 quantity="total",
                 t=trial.instance.times,
                 values=np.linalg.norm(total - total[0], axis=1) / momentum_scale(trial.instance),
-                allowed=trial.round_off(level),
+                allowed=trial.round_off(level) * sweeping(trial.instance, trial.method),
                 unit="1",
                 basis="action equals reaction at every step, so only round-off c u sqrt(n) may change it",
                 what="The change of total momentum, in units of the sum of m|v| at the start,",

@@ -9,6 +9,7 @@ from refdem.core.case import Instance
 from refdem.core.engine import Method
 from refdem.core.truth import SampledTruth
 from refdem.errors import UsageError
+from refdem.scene.elements.rod import Rod
 
 Array = NDArray[np.float64]
 
@@ -43,6 +44,18 @@ def round_off(instance: Instance, method: Method, steps: float) -> float:
     """
     turns = instance.scales.duration / instance.scales.tau
     return ROUND_OFF_FACTOR * method.round_off * max(1.0, math.sqrt(steps), turns)
+
+
+def sweeping(instance: Instance, method: Method) -> float:
+    """How many times round-off grows where rods share bodies, at least 1: the impulses of every sweep over them are rounded.
+
+    A sweep that halves what is left needs log2(1/u) of them; a body has its rods' impulses in each, in place of ten roundings a step.
+    """
+    scene = instance.scene
+    rods = len(scene.all(Rod))
+    if rods < 2 or method.control != "step":
+        return 1.0
+    return max(1.0, math.sqrt(-math.log2(method.round_off) * 2 * rods / len(scene.bodies) / 10.0))
 
 
 def clock(instance: Instance, method: Method) -> float:

@@ -1,4 +1,4 @@
-"""Round-off of rods: far from the origin it is that of the places, and where only a force holds a rod it adds up over time."""
+"""Round-off of rods and of overlaps: far from the origin it is that of the places, and where only a force holds a rod it adds up."""
 
 from dataclasses import replace
 
@@ -10,6 +10,7 @@ from refdem.core.balance import linear, momentum_scale
 from refdem.core.check import Outcome, Trial
 from refdem.core.engine import Method
 from refdem.core.problem import Request
+from refdem.core.refinement import sweeping
 from refdem.core.trajectory import Cost
 from refdem.core.variant import Variant
 
@@ -59,3 +60,29 @@ def test_a_method_that_claims_its_rods_is_held_to_round_off():
     trial, runs = outcome("pendulum", "exact-pendulum", replace(HELD, conserves=EXACT.conserves), drawn_out(1e-13), theta0="1/8")
     (balance, *_) = discovery.check("energy").judge(trial, runs)
     assert balance.outcome == "fail"
+
+
+def test_sweeps_over_rods_that_share_bodies_round_more():
+    stepped = Method(name="stepped", summary="", control="step", order=2)
+    cluster, pendulum = (discovery.case(name).at() for name in ("rigid-cluster", "pendulum"))
+    assert sweeping(pendulum, stepped) == sweeping(cluster, EXACT) == 1.0
+    assert sweeping(cluster, stepped) == pytest.approx(np.sqrt(53 * 3 / 10))
+
+
+@pytest.mark.parametrize(("digits", "expected"), [(np.float32, "pass"), (np.float16, "fail")])
+def test_overlaps_of_single_precision_are_as_good_as_places_are(digits, expected):
+    single = Method(name="single", summary="", control="exact", precision="single", conserves=frozenset({"energy"}))
+    given = {"stiffness": "1e8", "damping": "0"}
+    trial, runs = outcome("two-spheres", "contact-events", single, rounded(digits), **given)
+    (balance, *_) = discovery.check("energy").judge(trial, runs)
+    assert balance.outcome == expected, balance.sentence
+
+
+def rounded(digits):
+    """Places and velocities in fewer digits, as a code of that precision has them."""
+
+    def fault(run):
+        position, velocity = ((x / np.abs(x).max()).astype(digits).astype(float) * np.abs(x).max() for x in (run.position, run.velocity))
+        return replace(run, position=position, velocity=velocity)
+
+    return fault
