@@ -9,7 +9,7 @@ from refdem.mechanics.oscillation import period
 CLOCK = {"duration": 14, "samples": 700}
 ISOCHRONOUS = "1.195254"
 """The amplitude [m] at which n = 2 has the period 2 pi."""
-AMPLITUDES = np.linspace(0.1, 3.0, 24)
+AMPLITUDES = np.geomspace(0.1, 3.0, 48)
 LONG = np.linspace(0.0, 45.0, 901)
 
 
@@ -26,7 +26,7 @@ def figure() -> Figure:
     periods = {kind: np.array([measured(kind, a) for a in AMPLITUDES]) for kind in pairs}
     over = [Series(x=AMPLITUDES, y=values, ink=inks[kind], label=kind) for kind, values in periods.items()]
     periods_panel = Panel(
-        series=tuple(over), x=Axis(title="amplitude"), y=Axis(title="period [s]", ends=(0.0, 20.0)), size=(330, 300)
+        series=tuple(over), x=Axis(title="amplitude [m], of the pendulum [rad]"), y=Axis(title="period [s]", ends=(0.0, 20.0)), size=(330, 300)
     )  # fmt: skip
     numbers = {
         f"period of n = 2 at {ISOCHRONOUS} m [s]": measured("n = 2", float(ISOCHRONOUS)),
