@@ -52,7 +52,7 @@ class Determinism(Check):
                 what="The largest difference between two runs of one request",
             )
         ]
-        if step and trial.levels[-1] <= trial.instance.problem.interval / DENSER:
+        if denser and step and trial.levels[-1] <= trial.instance.problem.interval / DENSER:
             found.append(
                 judged(
                     check=self.name,

@@ -49,11 +49,13 @@ class RequestDocument(msgspec.Struct, frozen=True, kw_only=True):
 
 
 class OtherRequestDocument(msgspec.Struct, frozen=True, kw_only=True):
-    """A request for anything but a motion."""
+    """A request for anything but a motion; step and tolerance only where the method has one."""
 
     format: int = 1
     method: str
     problem: AnyDocument
+    step: float | msgspec.UnsetType = msgspec.UNSET
+    tolerance: float | msgspec.UnsetType = msgspec.UNSET
 
 
 class _Kind(msgspec.Struct):
@@ -82,7 +84,8 @@ class Request:
         try:
             if bytes(msgspec.json.decode(text, type=_Kind).problem):
                 other = msgspec.json.decode(text, type=OtherRequestDocument)
-                return cls(problem=OTHERS[type(other.problem)](other.problem), method=other.method)
+                control = {name: value for name in ("step", "tolerance") if (value := getattr(other, name)) is not msgspec.UNSET}
+                return cls(problem=OTHERS[type(other.problem)](other.problem), method=other.method, **control)
             read = msgspec.json.decode(text, type=RequestDocument)
         except msgspec.MsgspecError as error:
             raise UsageError(f"request: {error}") from None
@@ -127,7 +130,8 @@ class Request:
     def document(self) -> RequestDocument | OtherRequestDocument:
         """The request as JSON has it."""
         if not isinstance(self.problem, Motion):
-            return OtherRequestDocument(method=self.method, problem=self.problem.document())
+            control = {name: value for name in ("step", "tolerance") if (value := getattr(self, name)) is not None}
+            return OtherRequestDocument(method=self.method, problem=self.problem.document(), **control)
         scene = self.problem.document()
         return RequestDocument(method=self.method, step=self.step, tolerance=self.tolerance, times=self.problem.times.tolist(), scene=scene)
 

@@ -50,3 +50,9 @@ def test_time_runs_backwards_to_where_it_began():
     scene, back_times = problem.scene, np.array((2.0, 1.0, 0.0))
     back = Ensemble(scene=scene, times=back_times, position=there["position"][-1], velocity=there["velocity"][-1])
     assert np.abs(run(back, "ensemble-symplectic", 2.0**-6)["position"][-1] - problem.position).max() < 1e-12
+
+
+def test_a_request_for_an_ensemble_tells_its_step_to_others_and_to_the_store():
+    fine, coarse = (Request(problem=ensemble(3), method="ensemble-symplectic", step=2.0**-k) for k in (5, 4))
+    assert Request.from_json(fine.to_json()).step == 2.0**-5
+    assert fine.key("same") != coarse.key("same")
