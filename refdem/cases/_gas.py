@@ -57,5 +57,5 @@ def law(mass: float, lasts: float, restitution: float, friction: float = 0.0) ->
     """
     loss = -float(np.log(restitution))
     k, c = mass / 2 * (np.pi**2 + loss**2) / lasts**2, mass * loss / lasts
-    rough = {"friction": friction, "tangential_stiffness": IN_TUNE * mass / 2 * (np.pi / lasts) ** 2} if friction else {}
-    return Contact(law="linear", stiffness=k, damping=c, **rough)
+    sideways = IN_TUNE * mass / 2 * float(np.pi / lasts) ** 2 if friction else 0.0
+    return Contact(law="linear", stiffness=k, damping=c, friction=friction, tangential_stiffness=sideways)

@@ -8,7 +8,14 @@ from refdem.scene.elements.plane import Plane
 
 OFF = ("GRAVITY", "LIMIT", "EQUALITY", "FRICTIONLOSS", "ACTUATION", "SENSOR", "PASSIVE")
 SOLREF = (0.02, 1.0)
-TURN = {(1, 0, 0): "0 90 0", (-1, 0, 0): "0 -90 0", (0, 1, 0): "-90 0 0", (0, -1, 0): "90 0 0", (0, 0, 1): "0 0 0", (0, 0, -1): "180 0 0"}
+TURN: dict[tuple[float, ...], str] = {
+    (1, 0, 0): "0 90 0",
+    (-1, 0, 0): "0 -90 0",
+    (0, 1, 0): "-90 0 0",
+    (0, -1, 0): "90 0 0",
+    (0, 0, 1): "0 0 0",
+    (0, 0, -1): "180 0 0",
+}
 
 
 class Mujoco(Crowd):
@@ -44,8 +51,7 @@ def _document(gas: Gas) -> str:
     shape = f'<geom size="{gas.diameter / 2!r}" mass="{gas.mass!r}" condim="{3 if rubs else 1}" friction="{gas.law.friction or 1!r} 0 0"/>'
     spheres = "".join(f'<body pos="{x!r} {y!r} {z!r}"><freejoint/>{shape}</body>' for x, y, z in gas.position.tolist())
     walls = "".join(
-        f'<geom type="plane" size="0 0 1" condim="1" pos="{p.point[0]!r} {p.point[1]!r} {p.point[2]!r}" '
-        f'euler="{TURN[tuple(map(int, p.normal))]}"/>'
+        f'<geom type="plane" size="0 0 1" condim="1" pos="{p.point[0]!r} {p.point[1]!r} {p.point[2]!r}" euler="{TURN[p.normal]}"/>'
         for p in gas.instance.scene.all(Plane)
     )
     option = f'<option timestep="{gas.step!r}" solver="CG" jacobian="sparse"><flag {flags}/></option>'
