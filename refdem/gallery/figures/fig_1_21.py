@@ -26,7 +26,8 @@ def figure() -> Figure:
     periods = {kind: np.array([measured(kind, a) for a in AMPLITUDES]) for kind in pairs}
     over = [Series(x=AMPLITUDES, y=values, ink=inks[kind], label=kind) for kind, values in periods.items()]
     periods_panel = Panel(
-        series=tuple(over), x=Axis(title="amplitude [m], of the pendulum [rad]"), y=Axis(title="period [s]", ends=(0.0, 20.0)), size=(330, 300)
+        series=tuple(over), x=Axis(title="amplitude [m], of the pendulum [rad]"),
+        y=Axis(title="period [s]", ends=(0.0, 20.0)), size=(330, 300),
     )  # fmt: skip
     numbers = {
         f"period of n = 2 at {ISOCHRONOUS} m [s]": measured("n = 2", float(ISOCHRONOUS)),
