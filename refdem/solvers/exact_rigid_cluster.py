@@ -70,12 +70,12 @@ class ExactRigidCluster(Solver):
 def _body(scene: Scene) -> tuple[Array, Array, Array, Array, Array]:
     """Centre of mass, its velocity, the points about it (N, 3), tensor of inertia (3, 3) and omega (3,) at the start.
 
-    By differences from the first point: far from the origin the mean of the places would be rounded on their scale. Arms and rates are
+    By differences from the heaviest point: far from the origin the mean of the places would be rounded on their scale. Arms and rates are
     means of differences: of a point that is nearly the centre of mass they are small, and rounded as such.
     """
     mass, bodies = scene.bodies.mass, scene.bodies
-    part = mass / mass.sum()
-    place, drift = (column[0] + part @ (column - column[0]) for column in (bodies.position, bodies.velocity))
+    part, base = mass / mass.sum(), int(np.argmax(mass))
+    place, drift = (column[base] + part @ (column - column[base]) for column in (bodies.position, bodies.velocity))
     arms, rates = (np.einsum("j,ijk->ik", part, column[:, None] - column) for column in (bodies.position, bodies.velocity))
     tensor = np.einsum("n,nk,nk->", mass, arms, arms) * np.eye(3) - np.einsum("n,ni,nj->ij", mass, arms, arms)
     omega = np.linalg.solve(tensor, mass @ np.cross(arms, rates))

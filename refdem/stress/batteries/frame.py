@@ -97,6 +97,7 @@ BATTERY = Battery(
             rungs=rungs,
             measure=Frame(change, show),
             is_general=True,
+            costly=name == "far away",
             promised=promised,
             basis=basis,
         )
