@@ -1,0 +1,34 @@
+"""No false alarms: the reference holds the last rung that it promises, on every ladder of every battery."""
+
+import runpy
+from pathlib import Path
+from types import SimpleNamespace
+
+import pytest
+
+from refdem.stress.selection import battery, names
+
+carried = SimpleNamespace(**runpy.run_path(str(Path(__file__).with_name("carried.py"))))
+DEAR = ("friction", "mass-ratio", "restitution")
+"""Batteries whose truth takes seconds: one ladder of each stands for all here, and `refdem stress` climbs the others."""
+
+
+def promised() -> list[tuple[str, str, str]]:
+    """Battery, ladder and the last promised rung."""
+    found = []
+    for name in names():
+        ladders = [ladder for ladder in battery(name).ladders if ladder.promised]
+        found += [(name, ladder.name, ladder.promised) for ladder in (ladders[:1] if name in DEAR else ladders)]
+    return found
+
+
+@pytest.mark.parametrize(("name", "ladder", "rung"), promised())
+def test_the_reference_holds_what_it_promises(name: str, ladder: str, rung: str, tmp_path: Path) -> None:
+    record = carried.climbs(tmp_path, name, ladder, (rung,), longest=1.0)
+    assert any(climb.kept for climb in record.climbs), "no method reached the promised rung"
+    broken = [(climb.method, climb.end.sentence) for climb in record.climbs if climb.kept is False and climb.end]
+    assert not broken
+
+
+def test_every_battery_promises_something_of_the_reference_or_says_in_its_ladders_that_it_only_informs() -> None:
+    assert {name for name in names() if not any(ladder.promised for ladder in battery(name).ladders)} <= {"many-steps"}
