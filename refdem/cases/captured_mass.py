@@ -2,9 +2,8 @@
 
 from typing import ClassVar
 
-import numpy as np
-from numpy.typing import NDArray
-
+from refdem.cases import _plane
+from refdem.cases._plane import Array
 from refdem.core.case import Case
 from refdem.core.parameters import Parameter, Parameters
 from refdem.core.quantity import Quantity, Scales
@@ -13,7 +12,6 @@ from refdem.core.truth import Truth
 from refdem.scene import Body, Scene
 from refdem.scene.elements.catch import Catch
 
-Array = NDArray[np.float64]
 RUN_UP = 2
 """How far before the point of closest approach it starts, in units of the radius."""
 
@@ -50,15 +48,11 @@ class CapturedMass(Case):
     def quantities(self, p: Parameters) -> tuple[Quantity, ...]:
         """Place and velocity."""
         s = self.scales(p)
-        return (
-            *(Quantity(name, "m", s.length) for name in ("x", "y")),
-            *(Quantity(name, "m/s", s.speed) for name in ("vx", "vy")),
-        )
+        return _plane.quantities(s.length, s.speed)
 
     def observe(self, p: Parameters, trajectory: Trajectory) -> dict[str, Array]:
         """Place and velocity."""
-        (x, y, _), (vx, vy, _) = trajectory.position[:, 0].T, trajectory.velocity[:, 0].T
-        return {"x": x, "y": y, "vx": vx, "vy": vy}
+        return _plane.observe(trajectory)
 
     def truth(self, p: Parameters) -> Truth:
         """A straight line, then a circle."""

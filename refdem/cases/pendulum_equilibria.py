@@ -1,8 +1,9 @@
 """The two equilibria of a pendulum: stable at the bottom, unstable at the top (fig. 1.34)."""
 
 import numpy as np
-from numpy.typing import NDArray
 
+from refdem.cases import _plane
+from refdem.cases._plane import Array
 from refdem.core.case import Case
 from refdem.core.parameters import Parameter, Parameters
 from refdem.core.quantity import Quantity, Scales
@@ -12,7 +13,6 @@ from refdem.scene import Body, Scene
 from refdem.scene.elements.rod import Rod
 from refdem.scene.elements.uniform_gravity import UniformGravity
 
-Array = NDArray[np.float64]
 MASS = 1.0
 """The motion does not depend on it."""
 
@@ -51,15 +51,11 @@ class PendulumEquilibria(Case):
     def quantities(self, p: Parameters) -> tuple[Quantity, ...]:
         """Place and velocity."""
         s = self.scales(p)
-        return (
-            *(Quantity(name, "m", s.length) for name in ("x", "y")),
-            *(Quantity(name, "m/s", s.speed) for name in ("vx", "vy")),
-        )
+        return _plane.quantities(s.length, s.speed)
 
     def observe(self, p: Parameters, trajectory: Trajectory) -> dict[str, Array]:
         """Place and velocity."""
-        (x, y, _), (vx, vy, _) = trajectory.position[:, 0].T, trajectory.velocity[:, 0].T
-        return {"x": x, "y": y, "vx": vx, "vy": vy}
+        return _plane.observe(trajectory)
 
     def truth(self, p: Parameters) -> Truth:
         """The pendulum's Jacobi functions."""

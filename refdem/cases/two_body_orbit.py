@@ -1,8 +1,9 @@
 """One body about a fixed centre: Newton's attraction (Kepler), or a spring of natural length 0."""
 
 import numpy as np
-from numpy.typing import NDArray
 
+from refdem.cases import _plane
+from refdem.cases._plane import Array
 from refdem.core.case import NEVER, Case
 from refdem.core.parameters import Parameter, Parameters
 from refdem.core.quantity import Quantity, Scales
@@ -12,7 +13,6 @@ from refdem.scene import Body, Scene
 from refdem.scene.elements.central_field import CentralField
 from refdem.scene.elements.spring import Spring
 
-Array = NDArray[np.float64]
 REVOLUTIONS = 3  # the shortest time of an eccentric orbit is far below its period: 20 of them would show too little
 
 
@@ -59,13 +59,11 @@ class TwoBodyOrbit(Case):
 
     def quantities(self, p: Parameters) -> tuple[Quantity, ...]:
         """Place on the scale of the orbit, velocity on that of periapsis."""
-        kinds = (("", "m", p.semi_major), ("v", "m/s", self.scales(p).speed))
-        return tuple(Quantity(f"{kind}{axis}", unit, size) for kind, unit, size in kinds for axis in "xy")
+        return _plane.quantities(p.semi_major, self.scales(p).speed)
 
     def observe(self, p: Parameters, trajectory: Trajectory) -> dict[str, Array]:
         """Place and velocity of body 0."""
-        (x, y, _), (vx, vy, _) = trajectory.position[:, 0].T, trajectory.velocity[:, 0].T
-        return {"x": x, "y": y, "vx": vx, "vy": vy}
+        return _plane.observe(trajectory)
 
     def truth(self, p: Parameters) -> Truth:
         """Kepler's equation by interval Newton; sine and cosine for the spring."""

@@ -38,7 +38,8 @@ def _push(space: pymunk.Space, body: pymunk.Body, forces: list[Force], start: fl
     def updated(body: pymunk.Body, gravity: tuple[float, float], damping: float, dt: float) -> None:
         t = start + step * engine.cpSpaceGetTimestamp(space._space)
         sizes = [force.amplitude * cos(force.frequency * t + force.phase) for force in forces]
-        body.force = tuple(sum(size * force.axis[k] for size, force in zip(sizes, forces, strict=True)) for k in (0, 1))
+        x, y = (sum(size * force.axis[k] for size, force in zip(sizes, forces, strict=True)) for k in (0, 1))
+        body.force = (x, y)
         pymunk.Body.update_velocity(body, gravity, damping, dt)
 
     body.velocity_func = updated
