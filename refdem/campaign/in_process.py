@@ -31,10 +31,12 @@ def task_of(engine: Engine, method: str, instance: Instance, truth: SampledTruth
     return task
 
 
-def record_of(task: Task) -> Record:
-    """Runs and judges a task."""
-    runs: dict[Variant, Run] = {}
+def record_of(task: Task, known: dict[Variant, Run] | None = None) -> Record:
+    """Runs and judges a task; runs of the same engine that are `known` are not made again, and new ones become known."""
+    runs: dict[Variant, Run] = {} if known is None else known
     for variant in task.variants if task.refusal is None else ():
+        if variant in runs:
+            continue
         base = runs[variant.base].trajectory if variant.goes_on else None
         if not variant.goes_on or base is not None:
             runs[variant] = run_of(task.engine, plan.request(task, variant, base))

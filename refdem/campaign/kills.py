@@ -12,14 +12,21 @@ from refdem.core import discovery
 from refdem.core.case import Instance
 from refdem.core.engine import Engine
 from refdem.core.finding import Finding, Record
+from refdem.core.run import Run
 from refdem.core.truth import SampledTruth
+from refdem.core.variant import Variant
 from refdem.faults.catalogue import faults
 from refdem.faults.fault import Fault
 from refdem.faults.settings import SETTINGS
 from refdem.faults.transparent import Transparent
 
-LEVELS = 3
 WRONG = ("fail", "error")
+FEWEST = 3
+"""Levels from which an order is seen."""
+WITHHELD = SampledTruth(
+    t=[], values={}, radii={}, sensitivity=[], scalars={}, method="not certified", witness="", until=0, reason="truth is withheld"
+)
+"""For settings that are judged as if nobody could prove anything about them."""
 
 
 class Kill(msgspec.Struct, frozen=True, kw_only=True):
@@ -68,7 +75,7 @@ class Matrix(msgspec.Struct, frozen=True, kw_only=True):
 
 @dataclass
 class Trial:
-    """Faults against checks on one engine at `seeds` seeds from `first` on; `whole` judges by all checks at seed 0, to fill the matrix."""
+    """Faults against checks on one engine at `seeds` seeds from `first` on; `whole` judges by all checks at seed 0, to fill `also`."""
 
     engine: Engine | None = None
     seeds: int = 20
@@ -108,30 +115,48 @@ class Trial:
     def kill(self, fault: Fault, seed: int) -> Kill:
         """One fault at one seed, on the setting whose turn it is."""
         setting = fault.on[seed % len(fault.on)]
-        instance, truth = self.instance(setting, seed)
-        checks = () if self.whole and seed == 0 else _needed(fault)
-        record = self._record(fault.carrier(self.engine), fault.method, instance, truth, fault.levels, checks)
+        record = self._spoiled(fault, setting, seed)
         check, quantity = fault.sees
-        named = [f for f in record.findings if (f.check, f.quantity) == fault.sees]
+        named = _named(fault, record)
         wrong = [f"{f.check}/{f.quantity}" for f in record.findings if f.outcome in WRONG]
         return Kill(
             fault=fault.name,
             kind=fault.kind,
             setting=setting,
             seed=seed,
-            label=instance.label,
+            label=record.label,
             check=check,
             quantity=quantity,
-            killed=any(f.outcome in WRONG for f in named),
+            killed=_killed(named),
             beyond=_beyond(named),
             sentence=named[0].sentence if named else "the quantity was not judged",
             also=tuple(wrong),
         )
 
-    def _record(self, engine: Engine, method: str, instance: Instance, truth: SampledTruth, levels: int, checks: Iterable[str]) -> Record:
+    def _spoiled(self, fault: Fault, setting: str, seed: int) -> Record:
+        """The record of a fault, refined no further than is needed to kill it."""
+        instance, truth = self.instance(setting, seed)
+        checks = () if self.whole and seed == 0 else _needed(fault)
+        engine, known = fault.carrier(self.engine), dict[Variant, Run]()
+        for levels in range(min(FEWEST, fault.levels), fault.levels + 1):
+            record = self._record(engine, fault.method, instance, truth, levels, checks, known)
+            if _killed(_named(fault, record)):
+                break
+        return record
+
+    def _record(
+        self,
+        engine: Engine,
+        method: str,
+        instance: Instance,
+        truth: SampledTruth,
+        levels: int,
+        checks: Iterable[str],
+        known: dict[Variant, Run] | None = None,
+    ) -> Record:
         if self.engine is not None:
             method = next((m.name for m in engine.methods if engine.refuses(instance.problem, m) is None), engine.methods[0].name)
-        return record_of(task_of(engine, method, instance, truth, levels, checks))
+        return record_of(task_of(engine, method, instance, truth, levels, checks), known)
 
     def _sound(self) -> Iterator[tuple[Record, str, int]]:
         """Records of the engine without any fault, on every setting that a fault uses."""
@@ -141,7 +166,7 @@ class Trial:
             instance, truth = self.instance(name, seed)
             engine = self.engine or Transparent()
             for method in self._methods(name, seed):
-                yield self._record(engine, method, instance, truth, LEVELS, ()), name, seed
+                yield self._record(engine, method, instance, truth, FEWEST, ()), name, seed
             self.progress("sound engine", done, len(work))
 
     def _methods(self, setting: str, seed: int) -> tuple[str, ...]:
@@ -154,9 +179,20 @@ class Trial:
     def instance(self, setting: str, seed: int) -> tuple[Instance, SampledTruth]:
         """The instance and its truth, proved once for all faults of a seed."""
         if (setting, seed) not in self._truths:
-            instance = discovery.case(SETTINGS[setting].case).at(**SETTINGS[setting].parameters(setting, seed))
-            self._truths[setting, seed] = instance, truth_of(instance)
+            drawn = SETTINGS[setting]
+            instance = discovery.case(drawn.case).at(**drawn.parameters(setting, seed))
+            self._truths[setting, seed] = instance, truth_of(instance) if drawn.proved else WITHHELD
         return self._truths[setting, seed]
+
+
+def _named(fault: Fault, record: Record) -> list[Finding]:
+    """The findings on the quantity that must fail."""
+    return [f for f in record.findings if (f.check, f.quantity) == fault.sees]
+
+
+def _killed(named: list[Finding]) -> bool:
+    """One of them is wrong."""
+    return any(f.outcome in WRONG for f in named)
 
 
 def _needed(fault: Fault) -> tuple[str, ...]:

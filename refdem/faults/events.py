@@ -1,22 +1,26 @@
-"""Steps that are cut where a contact begins or ends, where friction ends, and where a slider stops (bisection of the step)."""
+"""Steps that are cut where a contact begins or ends, where friction ends, and where a slider stops."""
+
+from collections.abc import Callable
+from typing import TYPE_CHECKING, Any
 
 from refdem.faults import positional
 from refdem.faults import vectors as vec
 from refdem.faults.loads import Loads, meeting
-from refdem.faults.steps import Moving
 from refdem.faults.vectors import ZERO, Number, Vector
 from refdem.faults.world import State, World
 
-HALVINGS = 52
+if TYPE_CHECKING:
+    from refdem.faults.steps import Moving
+
 MOST_EVENTS = 8
 
 
-def touch(m: Moving) -> float:
+def touch(m: "Moving") -> float:
     """Relative overlap that rounding alone may leave of a touch."""
     return 1e-12 if m.world.number is float else 1e-5
 
 
-def values(m: Moving, state: State, number: int) -> tuple[Number, Number, Number]:
+def values(m: "Moving", state: State, number: int) -> tuple[Number, Number, Number]:
     """What a contact's modes hang on: positive while it acts, while it presses; and the rate of its overlap."""
     normal, depth, rate, _ = meeting(m.world, state, m.parts, number)
     del normal
@@ -27,7 +31,7 @@ def values(m: Moving, state: State, number: int) -> tuple[Number, Number, Number
     return acts, push, rate
 
 
-def first_modes(m: Moving, state: State, h: Number) -> None:
+def first_modes(m: "Moving", state: State, h: Number) -> None:
     """Sets the modes of a start; a pair that only touches acts if it closes, a slider at rest starts towards what pulls it."""
     for number, (i, j) in enumerate(m.world.pairs):
         acts, push, rate = values(m, state, number)
@@ -41,7 +45,7 @@ def first_modes(m: Moving, state: State, h: Number) -> None:
         state.side[number] = m.parts.side_of(m, state, number, m.parts.slides_at(slider, state.v[slider.a]))
 
 
-def side_of(m: Moving, state: State, number: int, speed: Number) -> int:
+def side_of(m: "Moving", state: State, number: int, speed: Number) -> int:
     """Towards where a slider moves: 0 if it is at rest and friction holds it."""
     if speed:
         return 1 if speed > 0 else -1
@@ -49,7 +53,7 @@ def side_of(m: Moving, state: State, number: int, speed: Number) -> int:
     return 0 if m.parts.holds(m.world.sliders[number], along) else 1 if along > 0 else -1
 
 
-def pull_along(m: Moving, state: State, number: int) -> Number:
+def pull_along(m: "Moving", state: State, number: int) -> Number:
     """The force [N] along a slider's axis of all else, where it does not slip."""
     slider, trial = m.world.sliders[number], state.copy()
     trial.side[number] = 1
@@ -57,11 +61,16 @@ def pull_along(m: Moving, state: State, number: int) -> Number:
     return vec.dot(vec.minus(without, m.parts.slider_force(slider, 1, abs(m.parts.slides_at(slider, trial.v[slider.a])))), slider.axis)
 
 
-def slides(m: Moving, state: State, load: Loads, number: int, h: Number) -> bool:
-    """A tangential spring at its limit stays there: it would grow faster than the limit k_t |s'| > mu F'."""
+def slides(m: "Moving", state: State, load: Loads, number: int, h: Number) -> bool:
+    """A tangential spring at its limit stays there."""
+    return bool(slides_by(m, state, load, number, h) > 0)
+
+
+def slides_by(m: "Moving", state: State, load: Loads, number: int, h: Number) -> Number:
+    """By how much a tangential spring at its limit would grow faster than the limit, k_t |s'| - mu F' [N/s]; 0 without one."""
     law = m.world.law
     if law is None or not (law.friction > 0 and law.tangential_stiffness > 0 and state.pressing[number]):
-        return False
+        return 0.0
     i, j = m.world.pairs[number]
     _, _, rate, relative = meeting(m.world, state, m.parts, number)
     stretch, slip = load.stretch[number], load.slip[number]
@@ -72,10 +81,10 @@ def slides(m: Moving, state: State, load: Loads, number: int, h: Number) -> bool
         pull = vec.times(1.0 / m.world.mass[i], load.force[i])
         pull = vec.moved(pull, -1.0 / m.world.mass[j], load.force[j]) if j >= 0 else pull
         growth += law.damping * second_rate(m, state, number, relative, rate, pull)
-    return bool((law.tangential_stiffness * along - law.friction * growth) * (1 if h > 0 else -1) > 0)
+    return (law.tangential_stiffness * along - law.friction * growth) * (1 if h > 0 else -1)
 
 
-def second_rate(m: Moving, state: State, number: int, relative: Vector, rate: Number, pull: Vector) -> Number:
+def second_rate(m: "Moving", state: State, number: int, relative: Vector, rate: Number, pull: Vector) -> Number:
     """d'' [m/s^2]: the relative acceleration along the normal, less the turning of the normal."""
     i, j = m.world.pairs[number]
     normal, depth, _, _ = meeting(m.world, state, m.parts, number)
@@ -85,41 +94,53 @@ def second_rate(m: Moving, state: State, number: int, relative: Vector, rate: Nu
     return vec.dot(pull, normal) - (vec.dot(relative, relative) - rate * rate) / distance
 
 
-def has_spring(m: Moving, state: State, number: int) -> bool:
+def has_spring(m: "Moving", state: State, number: int) -> bool:
     """The pair's tangential spring is at work."""
     law = m.world.law
     return bool(state.acting[number] and state.pressing[number] and law.friction > 0 and law.tangential_stiffness > 0)
 
 
-def slides_now(m: Moving, before: State, after: State, load: Loads, number: int, h: Number) -> bool:
-    """A spring that slid still does; one that stuck is longer than Coulomb's limit allows."""
+def slide_margin(m: "Moving", before: State, after: State, load: Loads, number: int, h: Number, push: Number) -> Number:
+    """What keeps a spring that slid sliding, and one that stuck within Coulomb's limit."""
     if before.sliding[number]:
-        return slides(m, after, load, number, h)
-    law, (_, push, _) = m.world.law, values(m, after, number)
-    return bool(law.tangential_stiffness * vec.size(load.stretch[number]) > law.friction * push)
+        return slides_by(m, after, load, number, h) or -positional.TINY
+    law = m.world.law
+    return law.friction * push - law.tangential_stiffness * vec.size(load.stretch[number])
 
 
-def changes(m: Moving, before: State, after: State, load: Loads, h: Number) -> list[tuple[str, int]]:
-    """The modes that do not fit the state at the end of a step."""
-    found = []
+Change = tuple[str, int]
+
+
+def margins(m: "Moving", before: State, after: State, load: Loads, h: Number) -> list[tuple[Number, Change]]:
+    """How far every mode is from its end at the end of a step; below 0 it does not fit any more."""
+    found: list[tuple[Number, Change]] = []
     for number in range(len(m.world.pairs)):
-        acts, presses, _ = values(m, after, number)
-        if (acts < 0) if before.acting[number] else (acts > 0):
-            found.append(("contact", number))
-        elif before.acting[number] and m.world.law.friction > 0 and before.pressing[number] != (presses >= 0):
-            found.append(("press", number))
-        elif has_spring(m, before, number) and before.sliding[number] != slides_now(m, before, after, load, number, h):
-            found.append(("slide", number))
-    found += positional.stops(m.world, before, after, m.parts, h)
+        acts, push, _ = values(m, after, number)
+        margin = acts if before.acting[number] else -acts
+        found.append((margin, ("contact", number)))
+        if margin < 0 or not before.acting[number] or not m.world.law.friction > 0:
+            continue
+        margin = push if before.pressing[number] else -push or -positional.TINY
+        found.append((margin, ("press", number)))
+        if margin >= 0 and has_spring(m, before, number):
+            found.append((slide_margin(m, before, after, load, number, h, push), ("slide", number)))
+    found += positional.margins(m.world, before, after, m.parts, h)
     for number, slider in enumerate(m.world.sliders):
         side = before.side[number]
-        released = side == 0 and not m.parts.holds(slider, pull_along(m, after, number))
-        if released or m.parts.slides_at(slider, after.v[slider.a]) * side < 0:
-            found.append(("stop", number))
+        if side == 0:
+            margin = 1.0 if m.parts.holds(slider, pull_along(m, after, number)) else -1.0
+        else:
+            margin = m.parts.slides_at(slider, after.v[slider.a]) * side
+        found.append((margin, ("stop", number)))
     return found
 
 
-def changed(m: Moving, state: State, change: tuple[str, int]) -> None:
+def least(found: list[tuple[Number, Change]]) -> Number:
+    """The smallest margin."""
+    return min((margin for margin, _ in found), default=1.0)
+
+
+def changed(m: "Moving", state: State, change: tuple[str, int]) -> None:
     """Makes one change of mode."""
     kind, number = change
     if kind == "contact":
@@ -149,25 +170,66 @@ def held(world: World, depth: Number) -> Number:
     return world.law.stiffness * depth**power / power if depth > 0 else 0.0
 
 
-def advance(m: Moving, step: object, state: State, load: Loads, h: Number) -> tuple[State, Loads]:
+def advance(m: "Moving", step: Any, state: State, load: Loads, h: Number) -> tuple[State, Loads]:
     """One step of h, in pieces between changes of mode."""
+    if m.world.is_smooth:
+        return step(m, state, load, h)  # type: ignore[no-any-return]
     left = h
     for _ in range(MOST_EVENTS):
-        after, load_after = step(m, state, load, left)  # type: ignore[operator]
-        if m.world.is_smooth or not changes(m, state, after, load_after, left):
+        after, load_after = step(m, state, load, left)
+        found = margins(m, state, after, load_after, left)
+        if least(found) >= 0:
             return after, load_after
-        low, high = 0.0, 1.0
-        for _ in range(HALVINGS):
-            middle = (low + high) / 2
-            trial, load_trial = step(m, state, load, middle * left)  # type: ignore[operator]
-            if changes(m, state, trial, load_trial, left):
-                high, after, load_after = middle, trial, load_trial
-            else:
-                low = middle
-        found = changes(m, state, after, load_after, left)
-        for change in found:
-            changed(m, after, change)
-        state, load, left = after, m.parts.loads(m.world, after, m.parts), left - high * left
+        part, after, found = _cut(m, step, state, load, left, (after, found))
+        after = after.copy()
+        for margin, change in found:
+            if margin < 0:
+                changed(m, after, change)
+        state, load, left = after, m.parts.loads(m.world, after, m.parts), left - part * left
         if not left:
             return state, load
-    return step(m, state, load, left)  # type: ignore[operator, no-any-return]
+    return step(m, state, load, left)  # type: ignore[no-any-return]
+
+
+def _cut(m: "Moving", step: Any, state: State, load: Loads, h: Number, end: tuple[State, Any]) -> tuple[float, State, Any]:
+    """The part of a step after which a mode has just ceased to fit, the state there and its margins."""
+    kept = [end]
+
+    def margin(part: float) -> float:
+        trial, load_trial = step(m, state, load, part * h)
+        found = margins(m, state, trial, load_trial, h)
+        if least(found) < 0:
+            kept[0] = trial, found
+        return float(least(found))
+
+    resolution = 2.0**-53 if m.world.number is float else 2.0**-24
+    return sign_change(margin, float(least(margins(m, state, state, load, h))), float(least(end[1])), resolution), *kept[0]
+
+
+def sign_change(margin: Callable[[float], float], first: float, last: float, resolution: float) -> float:
+    """The upper end of an interval of 2 x resolution in [0, 1] in which a margin falls below 0, by the ITP method.
+
+    Oliveira and Takahashi 2021, ACM TOMS 47(1) 5, with k1 = 0.2, k2 = 2, n0 = 1: never more than one evaluation beyond those of
+    bisection, and few where the margin is smooth. `first` and `last` are the margins at 0 and 1.
+    """
+    low, high, above, below = 0.0, 1.0, max(first, positional.TINY), last
+    reach = 1.0  # resolution x 2^(most evaluations left)
+    while high - low > 2 * resolution:
+        middle, wide = (low + high) / 2, high - low
+        chord = (below * low - above * high) / (below - above)
+        aside = 0.2 * wide * wide
+        side = 1.0 if middle > chord else -1.0
+        chord = chord + side * aside if aside <= abs(middle - chord) else middle
+        slack = reach - wide / 2
+        part = chord if abs(chord - middle) <= slack else middle - side * slack
+        if not low < part < high:
+            part = middle
+        if not low < part < high:
+            break
+        reach /= 2
+        value = margin(part)
+        if value < 0:
+            high, below = part, value
+        else:
+            low, above = part, max(value, positional.TINY)
+    return high

@@ -1,70 +1,121 @@
 """What acts on the bodies in a state: forces, torques, and how contacts stretch their springs."""
 
+from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from refdem.faults import positional
 from refdem.faults import vectors as vec
-from refdem.faults.parts import Parts
 from refdem.faults.vectors import ZERO, Number, Vector
 from refdem.faults.world import State, World
+
+if TYPE_CHECKING:
+    from refdem.faults.parts import Parts
 
 
 @dataclass(slots=True)
 class Loads:
-    """Force (space) and torque (body axes) on every body, slip and spring of every pair, and the power that is lost."""
+    """Force (space) and torque (body axes) on every body; normal, slip and spring of every pair; and the power that is lost."""
 
     force: list[Vector]
     torque: list[Vector]
+    normal: list[Vector]
     slip: list[Vector]
     stretch: list[Vector]
     power: Number
 
 
-def loads(world: World, state: State, parts: Parts, before: Loads | None = None, h: Number = 0.0) -> Loads:
+def loads(world: World, state: State, parts: "Parts", before: Loads | None = None, h: Number = 0.0) -> Loads:
     """The loads of a state that was reached from one with the loads `before` in a step of h [s]."""
-    found = Loads([ZERO] * len(world.mass), [ZERO] * len(world.mass), [ZERO] * len(world.pairs), list(state.stretch), 0.0)
+    bodies = len(world.mass)
+    pairs = len(world.pairs)
+    found = Loads([ZERO] * bodies, [ZERO] * bodies, [ZERO] * pairs, [ZERO] * pairs, list(state.stretch), 0.0)
+    for source in world.sources:
+        SOURCES[source](world, state, parts, found, before, h)
+    return found
+
+
+def _springs(world: World, state: State, parts: "Parts", found: Loads, *_: Any) -> None:
     for spring in world.springs:
         other = state.r[spring.b] if spring.b >= 0 else spring.anchor_b
         _add(found, spring.a, spring.b, parts.spring_force(spring, state.r[spring.a], other), parts)
+
+
+def _dashpots(world: World, state: State, parts: "Parts", found: Loads, *_: Any) -> None:
     for pot in world.dashpots:
         apart = vec.minus(state.r[pot.a], pot.anchor_b)
         _lose(found, state, pot, parts.dashpot_force(pot, apart, state.v[pot.a]), parts)
+
+
+def _drives(world: World, state: State, parts: "Parts", found: Loads, *_: Any) -> None:
     for drive in world.drives:
         _lose(found, state, drive, parts.drive_force(drive, state.t, world.number), parts)
+
+
+def _fields(world: World, state: State, parts: "Parts", found: Loads, *_: Any) -> None:
     for i, mass in enumerate(world.mass):
         for gm in world.fields:
             found.force[i] = vec.plus(found.force[i], parts.central_force(mass, gm, state.r[i]))
-    for number in range(len(world.pairs)):
-        if state.acting[number]:
+
+
+def _contacts(world: World, state: State, parts: "Parts", found: Loads, before: Loads | None, h: Number) -> None:
+    for number, acts in enumerate(state.acting):
+        if acts:
             _touch(world, state, parts, found, number, before, h)
+
+
+def _weights(world: World, state: State, parts: "Parts", found: Loads, *_: Any) -> None:
     for i, mass in enumerate(world.mass):
         for g in world.gravity:
             found.force[i] = vec.plus(found.force[i], parts.weight(mass, g))
-    positional.pushed(world, state, parts, found.force)
+
+
+def _tents(world: World, state: State, parts: "Parts", found: Loads, *_: Any) -> None:
+    positional.pushed_by_fields(world, state, parts, found.force)
+
+
+def _walls(world: World, state: State, parts: "Parts", found: Loads, *_: Any) -> None:
+    positional.pushed_by_walls(world, state, parts, found.force)
+
+
+def _sliders(world: World, state: State, parts: "Parts", found: Loads, *_: Any) -> None:
+    """Last: a slider that sticks holds against all else."""
     for slider, side in zip(world.sliders, state.side, strict=True):
         force = parts.slider_force(slider, side, abs(parts.slides_at(slider, state.v[slider.a])))
         if side == 0:
             force = vec.times(-vec.dot(found.force[slider.a], slider.axis), slider.axis)
         found.force[slider.a] = vec.plus(found.force[slider.a], force)
         found.power -= vec.dot(force, state.v[slider.a])
-    return found
 
 
-def _lose(found: Loads, state: State, link: Any, force: Vector, parts: Parts) -> None:
+SOURCES = {
+    "springs": _springs,
+    "dashpots": _dashpots,
+    "drives": _drives,
+    "fields": _fields,
+    "pairs": _contacts,
+    "gravity": _weights,
+    "tents": _tents,
+    "walls": _walls,
+    "sliders": _sliders,
+}
+"""What acts, by the names of what it comes from in a world, in the order in which it is added."""
+
+
+def _lose(found: Loads, state: State, link: Any, force: Vector, parts: "Parts") -> None:
     """A force of damping or of a drive; its power leaves the motion."""
     _add(found, link.a, link.b, force, parts)
     found.power -= vec.dot(force, state.v[link.a])
 
 
-def _add(found: Loads, a: int, b: int, force: Vector, parts: Parts) -> None:
+def _add(found: Loads, a: int, b: int, force: Vector, parts: "Parts") -> None:
     """A force on a and its reaction on b, unless that is the world."""
     found.force[a] = vec.plus(found.force[a], force)
     if b >= 0:
         found.force[b] = vec.plus(found.force[b], parts.reaction(force))
 
 
-def meeting(world: World, state: State, parts: Parts, number: int) -> tuple[Vector, Number, Number, Vector]:
+def meeting(world: World, state: State, parts: "Parts", number: int) -> tuple[Vector, Number, Number, Vector]:
     """Normal from i to j, overlap, its rate, and velocity of i against j, of a pair."""
     i, j = world.pairs[number]
     if world.corners[number] is not None:
@@ -82,12 +133,12 @@ def meeting(world: World, state: State, parts: Parts, number: int) -> tuple[Vect
     return normal, parts.overlap(world.radius[i], world.radius[j], distance), vec.dot(relative, normal), relative
 
 
-def arm_of(world: World, state: State, parts: Parts, number: int) -> Vector:
+def arm_of(world: World, state: State, parts: "Parts", number: int) -> Vector:
     """From the centre of a body to the corner of a pair, in space."""
     return parts.to_space(state.q[world.pairs[number][0]], world.corners[number])  # type: ignore[no-any-return]
 
 
-def _corner(world: World, state: State, parts: Parts, found: Loads, number: int, h: Number) -> None:
+def _corner(world: World, state: State, parts: "Parts", found: Loads, number: int, h: Number) -> None:
     """Adds force and torque on a corner that presses on a plane: sliding friction, no tangential spring."""
     law, (i, j) = world.law, world.pairs[number]
     normal, depth, rate, speed = meeting(world, state, parts, number)
@@ -103,7 +154,7 @@ def _corner(world: World, state: State, parts: Parts, found: Loads, number: int,
     found.torque[i] = vec.plus(found.torque[i], parts.to_body(state.q[i], torque))
 
 
-def _touch(world: World, state: State, parts: Parts, found: Loads, number: int, before: Loads | None, h: Number) -> None:
+def _touch(world: World, state: State, parts: "Parts", found: Loads, number: int, before: Loads | None, h: Number) -> None:
     """Adds the contact forces and torques of one pair."""
     if world.corners[number] is not None:
         return _corner(world, state, parts, found, number, h)
@@ -121,9 +172,16 @@ def _touch(world: World, state: State, parts: Parts, found: Loads, number: int, 
         spin = vec.moved(spin, arm_j, parts.to_space(state.q[j], state.w[j]))
     slip = found.slip[number] = parts.slip(relative, spin, normal)
     if law.tangential_stiffness > 0:
-        stretch = parts.transported(state.stretch[number], normal)
+        stretch, found.normal[number] = state.stretch[number], normal
         if before is not None:
-            stretch = parts.stretched(stretch, parts.transported(before.slip[number], normal), slip, h)
+            old = before.normal[number]
+            stretch, was = parts.transported(stretch, old, normal), parts.transported(before.slip[number], old, normal)
+            if state.sliding[number] and vec.size(stretch) > abs(h) * vec.size(slip):
+                stretch = vec.times(0.5, vec.plus(stretch, parts.clipped(law, stretch, push)))
+                turns = _turning(stretch, vec.plus(was, slip), h)
+                stretch = parts.stretched(stretch, turns(was), turns(slip), h)
+            else:
+                stretch = parts.stretched(stretch, was, slip, h)
         if state.sliding[number]:
             stretch = parts.clipped(law, stretch, push)
         found.stretch[number] = stretch
@@ -136,6 +194,20 @@ def _touch(world: World, state: State, parts: Parts, found: Loads, number: int, 
         if body >= 0:
             torque = parts.to_body(state.q[body], parts.torque_on(length, normal, force))
             found.torque[body] = vec.plus(found.torque[body], torque)
+
+
+def _turning(stretch: Vector, slips: Vector, h: Number) -> Callable[[Vector], Vector]:
+    """What is left of a slip across a spring at its limit, which turns and does not grow; `slips` is the sum of those at both ends of h.
+
+    The spring has the length of the middle of the step, and the slip is taken across its direction there: with those of the
+    start, the direction of friction would be of first order. A spring shorter than the way of a step just points along it.
+    """
+
+    def across(spring: Vector, slip: Vector) -> Vector:
+        return vec.moved(slip, -vec.dot(slip, spring) / vec.dot(spring, spring), spring)
+
+    middle = vec.moved(stretch, h / 4, across(stretch, slips))
+    return lambda slip: across(middle, slip)
 
 
 def _stopping(world: World, i: int, j: int, h: Number) -> Number:

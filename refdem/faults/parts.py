@@ -7,7 +7,9 @@ from typing import Any
 
 from refdem.errors import UnsupportedError
 from refdem.faults import vectors as vec
+from refdem.faults.events import side_of
 from refdem.faults.iterating import SOUND_MAPS, MapParts
+from refdem.faults.loads import loads
 from refdem.faults.outlines import linear_flow
 from refdem.faults.positional import SOUND_POSITIONAL, PositionalParts
 from refdem.faults.vectors import Number, Quaternion, Vector
@@ -135,12 +137,10 @@ def slip(velocity: Vector, spin: Vector, normal: Vector) -> Vector:
     return vec.plus(vec.moved(velocity, -vec.dot(velocity, normal), normal), vec.cross(spin, normal))
 
 
-def transported(stretch: Vector, normal: Vector) -> Vector:
-    """The tangential spring turned into the present tangent plane, its length kept."""
-    before = vec.size(stretch)
-    flat = vec.moved(stretch, -vec.dot(stretch, normal), normal)
-    after = vec.size(flat)
-    return vec.times(before / after, flat) if after > 0 else flat
+def transported(stretch: Vector, old: Vector, normal: Vector) -> Vector:
+    """A vector of one tangent plane turned into another, by the least rotation from normal to normal."""
+    both = vec.plus(old, normal)
+    return vec.moved(stretch, -vec.dot(normal, stretch) / (1.0 + vec.dot(old, normal)), both)
 
 
 def stretched(stretch: Vector, slip_before: Vector, slip_now: Vector, h: Number) -> Vector:
@@ -220,20 +220,6 @@ def fresh(kept: dict[str, Any]) -> None:
 def output(state: Any) -> Any:
     """The state with which the run goes on after a sample was written: it is read, never changed."""
     return state
-
-
-def loads(*arguments: Any) -> Any:
-    """All forces and torques of a state (refdem.faults.loads)."""
-    from refdem.faults.loads import loads as every
-
-    return every(*arguments)
-
-
-def side_of(*arguments: Any) -> Any:
-    """Towards where a slider moves (refdem.faults.events)."""
-    from refdem.faults.events import side_of as side
-
-    return side(*arguments)
 
 
 S4 = 1.0 / (4.0 - 4.0 ** (1.0 / 3.0))

@@ -13,6 +13,8 @@ from refdem.scene.elements.piecewise_field import PiecewiseField
 from refdem.scene.elements.wedge import Wedge
 
 EDGE = (0.0, 1.0, 0.0)
+TINY = 5e-324
+"""What stands for a margin that is used up at 0."""
 HALF_TURN: Quaternion = (0.0, 0.0, 0.0, 1.0)
 
 
@@ -44,16 +46,20 @@ class PositionalParts:
 SOUND_POSITIONAL = PositionalParts()
 
 
-def pushed(world: Any, state: Any, parts: Any, force: list[Any]) -> None:
-    """Adds the forces of fields and walls."""
+def pushed_by_fields(world: Any, state: Any, parts: Any, force: list[Any]) -> None:
+    """Adds the forces of fields."""
     for i, fixed in enumerate(world.fixed):
         for field in () if fixed else world.tents:
             s = vec.dot(vec.minus(state.r[i], field.point), field.axis)
             force[i] = vec.moved(force[i], parts.positional.field_force(field, s), field.axis)
-        for wall in () if fixed else world.walls:
-            depth, rate, edge = approach(wall, state, parts, i)
-            if depth > 0:
-                force[i] = vec.moved(force[i], parts.positional.wedge_force(wall, depth, edge, rate), wall.normal)
+
+
+def pushed_by_walls(world: Any, state: Any, parts: Any, force: list[Any]) -> None:
+    """Adds the forces of walls for wedges."""
+    for wall, i in pairs(world):
+        depth, rate, edge = approach(wall, state, parts, i)
+        if depth > 0:
+            force[i] = vec.moved(force[i], parts.positional.wedge_force(wall, depth, edge, rate), wall.normal)
 
 
 def approach(wall: Wedge, state: Any, parts: Any, i: int) -> tuple[Number, Number, bool]:
@@ -62,22 +68,23 @@ def approach(wall: Wedge, state: Any, parts: Any, i: int) -> tuple[Number, Numbe
     return depth, rate, bool(vec.dot(parts.to_space(state.q[i], EDGE), wall.normal) < 0)
 
 
-def stops(world: Any, before: Any, after: Any, parts: Any, h: Number) -> list[tuple[str, int]]:
-    """Where a step passes an edge of a field or of a wall; bodies that press on a wall for wedges and have come to a stop in it."""
-    found = [("edge", 0)] if edges(world, before, parts) != edges(world, after, parts) else []
+def margins(world: Any, before: Any, after: Any, parts: Any, h: Number) -> list[tuple[Number, tuple[str, int]]]:
+    """How far a step stays from the next edge of a field or of a wall, and bodies that press on a wall from coming to a stop in it."""
+    sides = zip(edges(world, before, parts), edges(world, after, parts), strict=True)
+    found = [((now if was > 0 else -now) or (-TINY if was > 0 else 0.0), ("edge", 0)) for was, now in sides]
     for number, (wall, i) in enumerate(pairs(world)):
         _, rate, _ = approach(wall, before, parts, i)
         depth, now, _ = approach(wall, after, parts, i)
-        if depth > 0 and rate * h > 0 and now * h < 0:
-            found.append(("turn", number))
+        if depth > 0 and rate * h > 0:
+            found.append((now * h, ("turn", number)))
     return found
 
 
-def edges(world: Any, state: Any, parts: Any) -> list[int]:
-    """On which side of every edge every body is: a force has a corner there."""
-    places = [vec.dot(vec.minus(r, field.point), field.axis) for field in world.tents for r in state.r]
-    sides = [(s > field.x1) + (s > 0) + (s > field.x2) for field in world.tents for s in places]
-    return sides + [int(approach(wall, state, parts, i)[0] > 0) for wall, i in pairs(world)]
+def edges(world: Any, state: Any, parts: Any) -> list[Number]:
+    """How far beyond every edge every body is: a force has a corner there."""
+    places = [(vec.dot(vec.minus(r, field.point), field.axis), field) for field in world.tents for r in state.r]
+    beyond = [s - edge for s, field in places for edge in (field.x1, 0.0, field.x2)]
+    return beyond + [approach(wall, state, parts, i)[0] for wall, i in pairs(world)]
 
 
 def turned(world: Any, state: Any, parts: Any, number: int) -> None:

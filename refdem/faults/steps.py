@@ -1,16 +1,20 @@
 """Methods of the transparent engine: one step each, in the verbs kick, drift, hold."""
 
+from typing import TYPE_CHECKING
+
 from refdem.faults import vectors as vec
 from refdem.faults.loads import Loads
-from refdem.faults.parts import Parts
 from refdem.faults.vectors import Number, Vector
 from refdem.faults.world import State, World
+
+if TYPE_CHECKING:
+    from refdem.faults.parts import Parts
 
 
 class Moving:
     """A world, the parts that move it, and the loads of the present state."""
 
-    def __init__(self, world: World, parts: Parts) -> None:
+    def __init__(self, world: World, parts: "Parts") -> None:
         self.world, self.parts = world, parts
         self.turning = [i for i, turns in enumerate(world.turns) if turns and not world.fixed[i]]
         self.free = [i for i, fixed in enumerate(world.fixed) if not fixed]
@@ -19,35 +23,38 @@ class Moving:
             or any(s.law != "coulomb" for s in world.sliders)
             or (world.pairs and (world.law.damping > 0 or world.law.friction > 0))
         )
+        self.reads_velocity = self.depends_on_velocity or bool(world.drives or not world.is_smooth)
 
 
 def kick(m: Moving, state: State, load: Loads, h: Number) -> State:
-    """Velocities after the loads have acted for h."""
-    after = state.copy()
+    """Velocities after the loads have acted for h; the lists of them are new."""
+    kicked, v, w = m.parts.kicked, list(state.v), state.w
     for i in m.free:
-        after.v[i] = m.parts.kicked(state.v[i], load.force[i], m.world.mass[i], h)
+        v[i] = kicked(v[i], load.force[i], m.world.mass[i], h)
     if m.world.pairs:
+        w = list(w)
         for i in m.turning:
-            after.w[i] = m.parts.spun_up(state.w[i], load.torque[i], m.world.inertia[i], h)
-    return after
+            w[i] = m.parts.spun_up(w[i], load.torque[i], m.world.inertia[i], h)
+    return state.moved(state.r, v, state.q, w, state.t)
 
 
 def drift(m: Moving, state: State, h: Number) -> State:
     """Positions and attitudes after h: bodies turn as free ones do."""
-    after = state.copy()
-    after.t = state.t + float(h)
+    r, v, q, w = list(state.r), state.v, state.q, state.w
     for i in m.free:
-        after.r[i] = m.parts.drifted(state.r[i], state.v[i], h)
+        r[i] = m.parts.drifted(r[i], v[i], h)
+    if m.turning:
+        q, w = list(q), list(w)
     for i in m.turning:
         inertia = m.world.inertia[i]
         if inertia[0] == inertia[1] == inertia[2]:
-            after.q[i] = m.parts.unit(m.parts.turned(state.q[i], state.w[i], h))
+            q[i] = m.parts.unit(m.parts.turned(q[i], w[i], h))
             continue
-        w, q = state.w[i], state.q[i]
+        spin, attitude = w[i], q[i]
         for axis, part in ((0, 0.5), (1, 0.5), (2, 1.0), (1, 0.5), (0, 0.5)):
-            w, q = m.parts.axis_turn(axis, inertia, w, q, part * h)
-        after.w[i], after.q[i] = w, m.parts.unit(q)
-    return after
+            spin, attitude = m.parts.axis_turn(axis, inertia, spin, attitude, part * h)
+        w[i], q[i] = spin, m.parts.unit(attitude)
+    return state.moved(r, v, q, w, state.t + float(h))
 
 
 def verlet(m: Moving, state: State, load: Loads, h: Number) -> tuple[State, Loads]:
@@ -55,7 +62,8 @@ def verlet(m: Moving, state: State, load: Loads, h: Number) -> tuple[State, Load
     first, second = m.parts.verlet_kicks
     moved = drift(m, hold_length(m, state, kick(m, state, load, first * h), h), h)
     moved.work = state.work + 0.5 * h * load.power
-    after = m.parts.loads(m.world, kick(m, moved, load, second * h), m.parts, load, h)
+    guess = kick(m, moved, load, second * h) if m.reads_velocity else moved
+    after = m.parts.loads(m.world, guess, m.parts, load, h)
     if m.depends_on_velocity:
         after = m.parts.loads(m.world, kick(m, moved, after, second * h), m.parts, load, h)
     ended = hold_speed(m, kick(m, moved, after, second * h))
@@ -69,6 +77,7 @@ def verlet(m: Moving, state: State, load: Loads, h: Number) -> tuple[State, Load
 def euler(m: Moving, state: State, load: Loads, h: Number) -> tuple[State, Loads]:
     """Kick, drift: first order; gyroscopic term explicit."""
     moved = kick(m, state, load, h)
+    moved.r, moved.q, moved.w, moved.t = list(moved.r), list(moved.q), list(moved.w), state.t + float(h)
     for i in m.turning:
         moved.w[i] = m.parts.spun_up(moved.w[i], m.parts.gyroscopic(m.world.inertia[i], moved.w[i]), m.world.inertia[i], h)
     moved = hold_length(m, state, moved, h)
@@ -77,7 +86,6 @@ def euler(m: Moving, state: State, load: Loads, h: Number) -> tuple[State, Loads
     for i in m.turning:
         moved.q[i] = m.parts.unit(m.parts.turned(moved.q[i], moved.w[i], h))
     moved = hold_speed(m, moved)
-    moved.t = state.t + float(h)
     after = m.parts.loads(m.world, moved, m.parts, load, h)
     moved.stretch = after.stretch
     moved.work = state.work + h * after.power
@@ -86,20 +94,20 @@ def euler(m: Moving, state: State, load: Loads, h: Number) -> tuple[State, Loads
 
 def drift_first(m: Moving, state: State, load: Loads, h: Number) -> tuple[State, Loads]:
     """Drift, kick: the other symplectic Euler method, first order."""
-    moved = state.copy()
-    moved.t = state.t + float(h)
+    r = list(state.r)
     for i in m.free:
-        moved.r[i] = m.parts.drifted(state.r[i], state.v[i], h)
+        r[i] = m.parts.drifted(r[i], state.v[i], h)
+    moved = state.moved(r, state.v, state.q, state.w, state.t + float(h))
     after = m.parts.loads(m.world, moved, m.parts, load, h)
     return kick(m, moved, after, h), after
 
 
 def explicit(m: Moving, state: State, load: Loads, h: Number) -> tuple[State, Loads]:
     """Explicit Euler: drift with the old velocity, kick with the old force; first order, and it gains energy."""
-    moved = kick(m, state, load, h)
-    moved.t = state.t + float(h)
+    moved, r = kick(m, state, load, h), list(state.r)
     for i in m.free:
-        moved.r[i] = m.parts.drifted(state.r[i], state.v[i], h)
+        r[i] = m.parts.drifted(r[i], state.v[i], h)
+    moved.r, moved.t = r, state.t + float(h)
     return moved, m.parts.loads(m.world, moved, m.parts, load, h)
 
 
@@ -132,14 +140,13 @@ def rates(m: Moving, state: State) -> Rates:
 
 def onward(state: State, rate: Rates, h: Number) -> State:
     """The state after h at constant rates."""
-    after = state.copy()
-    after.t = state.t + float(h)
-    for i in range(len(state.r)):
-        after.r[i], after.v[i] = vec.moved(state.r[i], h, rate[0][i]), vec.moved(state.v[i], h, rate[1][i])
-        w, x, y, z = state.q[i]
-        a, b, c, d = rate[2][i]
-        after.q[i], after.w[i] = (w + h * a, x + h * b, y + h * c, z + h * d), vec.moved(state.w[i], h, rate[3][i])
-    return after
+    r = [vec.moved(place, h, by) for place, by in zip(state.r, rate[0], strict=True)]
+    v = [vec.moved(velocity, h, by) for velocity, by in zip(state.v, rate[1], strict=True)]
+    q: list[vec.Quaternion] = [
+        (w + h * a, x + h * b, y + h * c, z + h * d) for (w, x, y, z), (a, b, c, d) in zip(state.q, rate[2], strict=True)
+    ]
+    w = [vec.moved(omega, h, by) for omega, by in zip(state.w, rate[3], strict=True)]
+    return state.moved(r, v, q, w, state.t + float(h))
 
 
 def rk4(m: Moving, state: State, load: Loads, h: Number) -> tuple[State, Loads]:
@@ -175,7 +182,9 @@ def _pull(m: Moving, rod: object, state: State, along: Vector, amount: Number) -
 
 def hold_length(m: Moving, before: State, state: State, h: Number) -> State:
     """Velocities with which a drift of h ends at the rods' lengths: Newton steps along the rods as they were."""
-    for _ in range(SWEEPS if m.world.rods else 0):
+    if not m.world.rods:
+        return state
+    for _ in range(SWEEPS):
         largest = 0.0
         for rod in m.world.rods:
             along, _, ease = _ends(m, rod, before)
@@ -191,7 +200,9 @@ def hold_length(m: Moving, before: State, state: State, h: Number) -> State:
 
 def hold_speed(m: Moving, state: State) -> State:
     """Velocities without a part along the rods."""
-    for _ in range(0 if not m.world.rods else 1 if len(m.world.rods) == 1 else SWEEPS):
+    if not m.world.rods:
+        return state
+    for _ in range(1 if len(m.world.rods) == 1 else SWEEPS):
         for rod in m.world.rods:
             apart, relative, ease = _ends(m, rod, state)
             _pull(m, rod, state, apart, m.parts.rod_velocity(rod, apart, relative, ease))

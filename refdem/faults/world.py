@@ -2,6 +2,7 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
+from functools import cached_property
 from itertools import combinations
 from typing import Any
 
@@ -25,6 +26,9 @@ from refdem.scene.shapes import Polyhedron
 
 SUPPORTED = (CentralField, Contact, Dashpot, Force, PiecewiseField, Plane, Rod, Slider, Spring, UniformGravity, Wedge)
 
+SOURCES = ("springs", "dashpots", "drives", "fields", "pairs", "gravity", "tents", "walls", "sliders")
+"""Fields of a world whose contents act on bodies; sliders last, because one that sticks holds against all else."""
+
 
 @dataclass(slots=True)
 class State:
@@ -45,6 +49,13 @@ class State:
     sliding: list[bool] = field(default_factory=list)
     side: list[int] = field(default_factory=list)
     t: float = 0.0
+
+    def moved(self, r: list[Vector], v: list[Vector], q: list[Quaternion], w: list[Vector], t: float) -> "State":
+        """The state with other places and rates at the time t; it shares all else, and lists that are given as they are.
+
+        So a list of a state that was handed on is replaced, never changed; who changes one in place takes a copy first.
+        """
+        return State(r, v, q, w, self.stretch, self.work, self.acting, self.pressing, self.sliding, self.side, t)
 
     def copy(self) -> "State":
         """A state that can be changed without changing this one."""
@@ -77,12 +88,17 @@ class World:
     tents: list[Any]
     walls: list[Any]
 
-    @property
+    @cached_property
     def turns(self) -> list[bool]:
         """Bodies that have moments of inertia."""
         return [inertia[0] > 0 for inertia in self.inertia]
 
-    @property
+    @cached_property
+    def sources(self) -> tuple[str, ...]:
+        """What there is that acts, in the order in which it is added."""
+        return tuple(name for name in SOURCES if getattr(self, name))
+
+    @cached_property
     def is_smooth(self) -> bool:
         """No forces that depend on velocity and none that jump."""
         return not self.pairs and not self.sliders and not self.walls and not self.tents

@@ -8,9 +8,11 @@ from refdem.core import discovery
 from refdem.core.finding import Finding, Record
 from refdem.errors import UsageError
 from refdem.faults.catalogue import chosen, faults
+from refdem.faults.change import of_elements, scaled
 from refdem.faults.fault import Fault
 from refdem.faults.settings import SETTINGS
 from refdem.faults.transparent import Transparent
+from refdem.scene.elements.spring import Spring
 
 SEED = 1
 
@@ -87,9 +89,22 @@ def test_a_fault_acts_in_exactly_one_way():
         Fault(name="both", kind="none", sentence="", on=("swing",), sees=("error", "x"), before=lambda r: r, after=lambda r, t: t)
 
 
-def test_truth_is_withheld_where_it_cannot_be_proved():
-    instance = discovery.case("two-spheres").at(**SETTINGS["tumbling-spheres"].parameters("tumbling-spheres", 0))
-    assert truth_of(instance).until < len(instance.times)
+def test_truth_is_withheld_where_a_setting_says_so(trial):
+    assert trial.instance("unproved", 0)[1].until == 0
+    assert trial.instance("cycle", 0)[1].until == 25
+
+
+@pytest.mark.parametrize(("size", "levels"), [(1.5, 3), (1.0, 5)])
+def test_a_fault_is_refined_no_further_than_it_takes_to_kill_it(size, levels):
+    asked = []
+
+    def before(request):
+        asked.append(request.step)
+        return of_elements(Spring, stiffness=scaled(size))(request)
+
+    fault = Fault(name="spring", kind="none", sentence="", on=("oscillator",), sees=("error", "x"), before=before, levels=5)
+    assert Trial(seeds=1, whole=False).kill(fault, 1).killed == (size > 1)
+    assert len(asked) == len(set(asked)) == levels
 
 
 def test_records_and_findings_are_those_of_a_campaign():

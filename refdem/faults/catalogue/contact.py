@@ -121,6 +121,7 @@ FAULTS = (
         name="damping-late",
         sentence="The dashpot uses the velocity of the step before.",
         on=("knock",),
+        levels=6,
         sees=("order", "state"),
         inside=_late_damping,
     ),
@@ -189,6 +190,7 @@ FAULTS = (
         name="normal-of-the-step-before",
         sentence="The normal is that of the step before (Vyas).",
         on=("scrape",),
+        levels=6,
         sees=("order", "state"),
         inside=_old_normal,
     ),
@@ -202,8 +204,9 @@ FAULTS = (
     contact(
         name="spring-late",
         sentence="The tangential spring stretches by the slip of the step before (Lethe 300).",
-        on=("tumbling-spheres",),
-        sees=("convergence", "state"),
+        on=("sticker",),
+        levels=6,
+        sees=("order", "state"),
         inside=lambda p: {"stretched": lambda s, before, now, h: vec.moved(s, h, before)},
     ),
     contact(
@@ -220,6 +223,6 @@ FAULTS = (
         on=("soft",),
         levels=6,
         sees=("error", "v1.x"),
-        inside=lambda p: {"transported": lambda stretch, normal: stretch},
+        inside=lambda p: {"transported": lambda stretch, old, normal: stretch},
     ),
 )

@@ -159,6 +159,7 @@ FAULTS = (
         name="contact-limit-late",
         sentence="The limit of friction follows the normal force of the step before.",
         on=("scrape",),
+        levels=6,
         sees=("order", "state"),
         inside=_previous_normal,
     ),

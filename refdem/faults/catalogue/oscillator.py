@@ -74,6 +74,14 @@ FAULTS = (
         inside=lambda p: late(p, "dashpot_force"),
     ),
     oscillator(
+        name="dashpot-late-unproved",
+        sentence="The same where nothing is certified.",
+        on=("unproved",),
+        method="rk4",
+        sees=("convergence", "state"),
+        inside=lambda p: late(p, "dashpot_force"),
+    ),
+    oscillator(
         name="drive-per-mass",
         sentence="The amplitude of the force is taken for an acceleration.",
         on=("driven",),
