@@ -7,7 +7,7 @@ import numpy as np
 from refdem.core.balance import angular, angular_scale, torque_reason
 from refdem.core.check import Check, Outcome, Trial
 from refdem.core.finding import Finding
-from refdem.core.judgement import certified, no_truth, undecided, worst
+from refdem.core.judgement import Array, certified, no_truth, undecided, worst
 from refdem.core.refinement import sweeping
 from refdem.core.trajectory import Trajectory
 from refdem.core.truth import SampledTruth
@@ -47,7 +47,7 @@ class AngularMomentum(Check):
             trial.round_off(level),
             "nothing acts, and every method moves on in a straight line, so only round-off c u sqrt(n) may change it",
         )
-        kept = {"total": (allowed, basis), "orbital": straight, "spin": (allowed, basis)}
+        kept: dict[str, tuple[Array | float, str]] = {"total": (allowed, basis), "orbital": straight, "spin": (allowed, basis)}
         return [
             worst(
                 check=self.name,
