@@ -1,5 +1,7 @@
 """Figure 1.12: a tumbling body with Euler's equations, and without their nonlinear terms (1.35)-(1.38), in flight and on a slope."""
 
+from typing import Any
+
 import numpy as np
 
 from refdem.core.figure import GREY, Axis, Figure, Panel, Series
@@ -75,7 +77,7 @@ def slope(right: Seen, wrong: Seen) -> Panel:
 
 def outlines(run: Seen, sample: int) -> Array:
     """The edges (36, 3) [m] of the box at one sample, each with a break after it."""
-    shape = run.instance.scene.bodies.shape[0]
+    shape: Any = run.instance.scene.bodies.shape[0]
     corners = np.array(shape.vertices) @ matrix(run.trajectory.attitude[sample, 0]).T + centre(run)[sample]
     pairs = {tuple(sorted(pair)) for face in shape.faces for pair in zip(face, (*face[1:], face[0]), strict=True)}
     gap = np.full(3, np.nan)
