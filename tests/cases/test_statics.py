@@ -11,6 +11,7 @@ from refdem.cases import _solids
 from refdem.core import discovery
 from refdem.mechanics import rotation
 from refdem.mechanics.mass_properties import of_polyhedron
+from refdem.scene import box
 
 STATICS = {
     "moments-of-inertia": [{}, {"a": "17/10", "b": "0.3", "c": "12", "density": "7800", "hollow": "0.9", "attitude": "1,2,3,4"}],
@@ -131,6 +132,32 @@ def triangulated(n):
     bands = [(i * m + j, (i + 1) * m + j, (i + 1) * m + (j + 1) % m, i * m + (j + 1) % m) for i in range(n - 2) for j in range(m)]
     caps = [(top, j, (j + 1) % m) for j in range(m)] + [(bottom, (n - 2) * m + (j + 1) % m, (n - 2) * m + j) for j in range(m)]
     return vertices, bands + caps
+
+
+@pytest.mark.parametrize("entry", [(0, 0), (1, 1), (2, 2)])
+def test_a_triangulated_cylinder_comes_to_truth_with_the_square_of_its_edges(entry):
+    instance = discovery.case("moments-of-inertia").at()
+    name = "elliptical-cylinder.inertia." + "xyz"[entry[0]] * 2
+    exact = float(instance.truth().scalars()[name].mid)
+    errors = [abs(of_polyhedron(*prism(n), 0.5).inertia[entry] / exact - 1) for n in (16, 32, 64)]
+    assert [np.log2(a / b) for a, b in pairwise(errors)] == pytest.approx([2, 2], abs=0.05)
+
+
+def prism(n):
+    """Vertices and faces of a prism in a cylinder with half axes 1, 2 and height 3."""
+    angles = 2 * np.pi * np.arange(n) / n
+    ring = [(float(np.cos(f)), 2 * float(np.sin(f))) for f in angles]
+    sides = [(j, (j + 1) % n, n + (j + 1) % n, n + j) for j in range(n)]
+    return [(x, y, z) for z in (-1.5, 1.5) for x, y in ring], [*sides, tuple(range(n - 1, -1, -1)), tuple(range(n, 2 * n))]
+
+
+@pytest.mark.parametrize("sides", [("1", "2", "3"), ("7/4", "1/8", "5")])
+def test_truth_of_a_cuboid_is_that_of_its_triangles(sides):
+    truth = discovery.case("moments-of-inertia").at(**dict(zip("abc", sides, strict=True))).truth().scalars()
+    body = box(*(float(Fraction(side)) for side in sides))
+    found = of_polyhedron(body.vertices, body.faces, 0.5)
+    expected = [float(truth[f"cuboid.{what}"].mid) for what in ("mass", "inertia.xx", "inertia.yy", "inertia.zz")]
+    assert [found.mass, *np.diag(found.inertia)] == pytest.approx(expected, rel=1e-14)
 
 
 def test_limits_of_the_table():
