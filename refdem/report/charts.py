@@ -132,11 +132,12 @@ def _overview(data: ChartData) -> Any:
 def _ladders(data: ChartData) -> Any:
     """A small picture a ladder: values over bounds against rungs in their order."""
     panels = []
-    for number, ladder in enumerate(data.choices):
+    for number, name in enumerate(data.choices):
+        title, _, along = name.partition("\n")
         base = _chart(data, ladder="number", shown="number", ratio="number").transform_filter(f"datum.ladder == {number}")
-        rungs = [label.partition("\t")[2] for label in data.labels if label.partition("\t")[0] == ladder]
+        rungs = [label.partition("\t")[2] for label in data.labels if label.partition("\t")[0] == name]
         axis = alt.Axis(labelAngle=-40, labelOverlap=True)
-        x = alt.X("rung:N", title=None, scale=alt.Scale(domain=rungs), axis=axis)
+        x = alt.X("rung:N", title=along, scale=alt.Scale(domain=rungs), axis=axis)
         y = _log("shown", "value / bound", data, 5)
         ran = base.transform_filter("datum.verdict == 'pass' || datum.verdict == 'fail'")
         curves = _curves(ran, data, x, y, _tips("series", "rung", "ratio", "verdict"), size=36)
@@ -144,5 +145,5 @@ def _ladders(data: ChartData) -> Any:
         marks = base.transform_filter("datum.verdict == 'error' || datum.verdict == 'undecided'").mark_text(fontSize=13, fontWeight="bold")
         signs = marks.encode(x=x, y=y, color=colour, text=alt.condition("datum.verdict == 'error'", alt.value("x"), alt.value("?")))
         rule = base.mark_rule(strokeDash=[5, 4], opacity=0.6).encode(y=alt.datum(1.0))
-        panels.append(alt.layer(rule, curves, signs, title=alt.Title(ladder, fontSize=11, limit=250)).properties(width=230, height=130))
+        panels.append(alt.layer(rule, curves, signs, title=alt.Title(title, fontSize=11, limit=260)).properties(width=230, height=130))
     return alt.concat(*panels, columns=3, spacing=16).resolve_scale(x="independent")

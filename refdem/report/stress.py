@@ -67,7 +67,7 @@ def chart(section: Section) -> ChartData | None:
 
 
 def _name(point: Point) -> str:
-    return f"{point.ladder}: {point.along}"
+    return f"{point.ladder}\n{point.along}"
 
 
 def _rungs(points: Sequence[Point]) -> tuple[str, ...]:

@@ -21,9 +21,9 @@ class Table:
 def introduction(record: Record) -> str:
     """What the numbers are, in words."""
     return (
-        "Scenes are made harder rung by rung. Each rung is judged as `refdem run` judges: against certified truth where there is one, and "
+        "Scenes are made harder rung by rung. Each rung is judged as refdem run judges: against certified truth where there is one, and "
         "by what mechanics keeps, each bound with its reason. A method holds to the last rung before the first that it does not pass. "
-        "`undecided` means that the bound itself is so large there that nothing could be proved, which is never a pass; `not run`, that "
+        "Undecided means that the bound itself is so large there that nothing could be proved, which is never a pass; not run, that "
         f"a rung was forecast to take more than {record.longest:g} s. The reference promises ranges and is held to them; where another "
         "engine breaks is information, not a mark against it."
     )
