@@ -48,7 +48,8 @@ class ExactPendulum(Solver):
         scene, t = request.problem.scene, request.problem.times
         rod = scene.all(Rod)[0]
         given = (single.gravity(scene), single.anchor(rod), scene.bodies.position[0].copy(), scene.bodies.velocity[0].copy())
-        position, velocity, force = np.empty((len(t), 1, 3)), np.empty((len(t), 1, 3)), np.empty((len(t), 1))
+        # Filled, not only allocated: the first touch of memory is set-up.
+        position, velocity, force = (np.full((len(t), *shape), np.nan) for shape in ((1, 3), (1, 3), (1,)))
         columns = [pointer("pendulum", column) for column in given]
         out = [pointer("pendulum", column, output=True) for column in (position, velocity, force)]
         lib, motion = load("pendulum").lib, prepared("pendulum")
