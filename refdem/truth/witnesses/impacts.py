@@ -134,20 +134,31 @@ def pressing(k: arb, c: arb, gravity: arb, radius: arb, t: Any, s: Sequence[Any]
     return [s[1], (radius - s[0]) * k - s[1] * c - gravity]
 
 
+def alike(p: Mapping[str, Any], times: Sequence[Fraction], claimed: Claimed) -> Said:
+    """Two spheres head-on under Hertz's law."""
+    yield from contacts.hertz({"effective_mass": p["effective"], "stiffness": p["hertz"], "closing_speed": p["speed"]}, times, claimed)
+
+
+def spun(p: Mapping[str, Any], times: Sequence[Fraction], claimed: Claimed) -> Said:
+    """Two spheres that spin about z and close head-on under the linear law."""
+    spins = (Fraction(0), Fraction(0), p["spins"][0], Fraction(0), Fraction(0), p["spins"][1])
+    yield from two_spheres({**p, "closing_speed": p["speed"], "angle": Fraction(0), "spins": spins}, times, claimed)
+
+
+MEMBERS = {
+    **dict.fromkeys(("co-3", "co-4", "co-5", "co-6", "dem-05"), on_wall),
+    **dict.fromkeys(("co-7", "co-8"), spun),
+    **dict.fromkeys(("dem-01", "dem-02"), bouncing),
+    "co-1": alike,
+    **dict.fromkeys(("co-2", "dem-05-hertz"), hertz_wall),
+}
+"""Of the others nothing is said."""
+
+
 def impact(p: Mapping[str, Any], times: Sequence[Fraction], claimed: Claimed) -> Said:
-    """By what the member has; of a stack and of a sphere that begins to roll nothing is said."""
-    if "height" in p and "restitution" in p and p.get("height") and "upper_mass" not in p and "masses" not in p:
-        yield from bouncing(p, times, claimed)
-    elif "across" in p and "hertz" in p and not p.get("tangential_stiffness"):
-        yield from hertz_wall(p, times, claimed)
-    elif "across" in p and p.get("stiffness"):
-        yield from on_wall(p, times, claimed)
-    elif "hertz" in p and "effective" in p:
-        own = {"effective_mass": p["effective"], "stiffness": p["hertz"], "closing_speed": p["speed"]}
-        yield from contacts.hertz(own, times, claimed)
-    elif "masses" in p and p.get("stiffness"):
-        spins = (Fraction(0), Fraction(0), p["spins"][0], Fraction(0), Fraction(0), p["spins"][1])
-        yield from two_spheres({**p, "closing_speed": p["speed"], "angle": Fraction(0), "spins": spins}, times, claimed)
+    """As the member's law asks for."""
+    if p["member"] in MEMBERS:
+        yield from MEMBERS[p["member"]](p, times, claimed)
 
 
 WITNESSES = {"impact-benchmarks": Witness(METHOD, impact)}

@@ -10,7 +10,7 @@ from refdem.core.selection import Selection
 from refdem.core.truth import Ball
 from refdem.truth import load
 from refdem.truth.certified.sources import ROOT, case_files, closure
-from refdem.truth.certified.writing import row
+from refdem.truth.certified.writing import row, rows
 from refdem.truth.witnesses import testimony as witnessing
 from refdem.truth.witnesses.testimony import witness_files, witnesses
 
@@ -68,6 +68,18 @@ def test_a_broken_power_is_followed_through_its_centre(exponent: str, amplitude:
     said = witnessing.testimony("power-oscillator", instance.p, found)
     assert said is not None
     assert (said["values"], said["denied"]) == (9, [])
+
+
+@pytest.mark.parametrize(("member", "values"), [("co-2", 18), ("co-7", 29), ("dem-01", 20), ("dem-05", 22)])
+def test_members_of_the_impact_benchmarks_are_confirmed_in_contact_and_after(member: str, values: int) -> None:
+    case = discovery.case("impact-benchmarks")
+    instance = case.at(member=member)
+    truth = instance.truth().refined(36)
+    times = [Fraction(round(float(instance.scales.duration) * part * 2**40), 2**40) for part in (0.2, 0.7)]
+    found, _ = rows(truth, times)
+    said = witnessing.testimony("impact-benchmarks", case.meant(instance.p), found)
+    assert said is not None
+    assert (said["values"], said["denied"]) == (values, [])
 
 
 def test_a_balance_that_is_off_confirms_nothing() -> None:

@@ -1,0 +1,100 @@
+"""Where nothing can be proved the error has code, time and last state; costs are said before; what was given is proved again."""
+
+from fractions import Fraction
+
+import pytest
+from flint import arb
+
+from refdem.campaign.reproof import given_of
+from refdem.core import discovery
+from refdem.errors import NotCertifiedError
+from refdem.truth import load
+from refdem.truth.balls import UndecidedError
+from refdem.truth.closed_form import ClosedForm
+from refdem.truth.closed_forms import duffing
+from refdem.truth.validated_flow import ValidatedFlow
+
+
+class Torn(ClosedForm):
+    """Undecided after t = 1; after t = 2 known to 0.1."""
+
+    state = ("x",)
+
+    def evaluate(self, t):
+        if t > 2:
+            return {"x": arb(1, 0.1)}
+        if t > 1:
+            raise UndecidedError("a boundary")
+        return {"x": arb(1) + t}
+
+    def displaced(self, axis, amount):
+        return self
+
+
+def ended(truth, t):
+    with pytest.raises(NotCertifiedError) as caught:
+        truth.at(Fraction(t))
+    return caught.value
+
+
+def test_an_undecided_branch_is_a_separatrix_with_the_start_as_last_state():
+    error = ended(Torn({"x": 1.0}), "3/2")
+    assert (error.code, error.time) == ("separatrix", 0.0)
+    assert error.state["x"].mid == 1
+
+
+def test_a_radius_that_stays_is_precision_with_its_ball():
+    error = ended(Torn({"x": 1.0}), 3)
+    assert (error.code, error.time) == ("precision", 3.0)
+    assert Fraction(9, 100) < error.state["x"].radius < Fraction(11, 100)
+
+
+def test_a_motion_that_runs_into_a_pole_is_singular_just_before_it():
+    """x' = x^2 from 1 ends at t = 1."""
+    flow = ValidatedFlow(lambda y: [y[0] * y[0]], [Fraction(1)], lambda y: {"x": y[0]}, {"x": 1.0}, state=("x",), moved=(0,), digits=10)
+    error = ended(flow, 2)
+    assert error.code == "singular"
+    assert 0.99 < error.time < 1
+    low, high = (error.state["x"].mid + sign * error.state["x"].radius for sign in (-1, 1))
+    assert low <= 1 / (1 - Fraction(error.time)) <= high
+
+
+def test_a_duffing_oscillator_above_its_escape_energy_is_singular():
+    with pytest.raises(NotCertifiedError) as caught:
+        duffing.truth({"alpha": Fraction(1), "beta": Fraction(-1), "amplitude": Fraction(2)}, {"x": 1.0, "v": 1.0})
+    assert caught.value.code == "singular"
+
+
+def test_multipliers_of_a_slow_drive_end_as_precision_and_the_motion_does_not():
+    truth = discovery.case("kapitza-pendulum").at(drive="1/100").truth()
+    with pytest.raises(NotCertifiedError) as caught:
+        truth.scalars()
+    assert caught.value.code == "precision"
+    assert truth.at(Fraction(1, 8))["theta"].radius < Fraction(1, 10**38)
+
+
+def test_stiff_and_fast_motions_have_discs():
+    for name, t, given in (
+        ("driven-duffing", "1/64", {"delta": "200"}),
+        ("kapitza-pendulum", "1/64", {"length": "3/5", "drive_amplitude": "3/5", "theta0": "-5/64"}),
+    ):
+        balls = discovery.case(name).at(**given).truth().at(Fraction(t))
+        assert all(ball.radius < Fraction(1, 10**38) for ball in balls.values())
+
+
+def test_a_motion_through_events_says_what_it_will_cost_and_is_not_displaced():
+    truth = discovery.case("stick-slip").at().truth()
+    assert truth.forecast(Fraction(1, 64), 40) == 0
+    near, far = (truth.forecast(Fraction(t), 40) for t in (300, 3000))
+    assert 2 < far / near < 50
+    with pytest.raises(NotCertifiedError, match="variational"):
+        truth.displaced(0, Fraction(1))
+    with pytest.raises(NotCertifiedError, match="fewer"):
+        truth.refined(900).at(Fraction(1, 64))
+
+
+def test_members_are_proved_again_with_what_was_given_alone():
+    for one in load("impact-benchmarks"):
+        given = given_of(one)
+        assert set(given) <= {"member"}
+        assert discovery.case(one.case).at(**given).label == one.label
