@@ -3,7 +3,7 @@
 from collections.abc import Callable, Mapping, Sequence
 from fractions import Fraction
 from itertools import pairwise
-from math import log2
+from math import ceil
 from time import process_time
 from typing import Any, Self
 
@@ -122,7 +122,7 @@ class HybridFlow(ClosedForm):
 
     def needed(self) -> list[int]:
         """The bits of the ladder that can meet the digits; NotCertifiedError if none can."""
-        least = -log2(self.target()) + LOSS
+        least = ceil(1 / self.target()).bit_length() + LOSS
         found = [bits for bits in LADDER if bits >= least]
         if not found:
             raise NotCertifiedError(f"{self.digits} digits ask for more than {LADDER[-1]} bits; ask for fewer", code="precision")
