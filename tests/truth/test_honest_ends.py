@@ -61,7 +61,7 @@ def test_a_motion_that_runs_into_a_pole_is_singular_just_before_it():
 
 def test_a_duffing_oscillator_above_its_escape_energy_is_singular():
     with pytest.raises(NotCertifiedError) as caught:
-        duffing.truth({"alpha": Fraction(1), "beta": Fraction(-1), "amplitude": Fraction(2)}, {"x": 1.0, "v": 1.0})
+        duffing.truth({"alpha": Fraction(1), "beta": Fraction(-1), "amplitude": Fraction(2)}, {"x": 1.0, "v": 1.0}).at(Fraction(1))
     assert caught.value.code == "singular"
 
 
