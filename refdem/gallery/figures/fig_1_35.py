@@ -14,7 +14,8 @@ def figure() -> Figure:
     clock = {"duration": 16, "samples": 1600}
     stable = [seen("pendulum", theta0=start, **clock) for start in ("1", "1.000001")]
     unstable = [seen("double-pendulum", theta0=(start, "5/2"), **clock) for start in ("2", "2.000001")]
-    panels, numbers = [], {}
+    panels: list[Panel] = []
+    numbers: dict[str, float] = {}
     pairs = {"pendulum": ([r["theta"] for r in stable], [r["thetadot"] for r in stable])}
     pairs["double pendulum"] = ([np.unwrap(r["theta1"]) for r in unstable], [r["thetadot1"] for r in unstable])
     t, gaps = stable[0].t, []
