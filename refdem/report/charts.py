@@ -144,6 +144,6 @@ def _ladders(data: ChartData) -> Any:
         colour, _ = _style(data)
         marks = base.transform_filter("datum.verdict == 'error' || datum.verdict == 'undecided'").mark_text(fontSize=13, fontWeight="bold")
         signs = marks.encode(x=x, y=y, color=colour, text=alt.condition("datum.verdict == 'error'", alt.value("x"), alt.value("?")))
-        rule = base.mark_rule(strokeDash=[5, 4], opacity=0.6).encode(y=alt.datum(1.0))
+        rule = base.mark_rule(strokeDash=[5, 4], color="#888888").encode(y=alt.datum(1.0))
         panels.append(alt.layer(rule, curves, signs, title=alt.Title(title, fontSize=11, limit=260)).properties(width=230, height=130))
     return alt.concat(*panels, columns=3, spacing=16).resolve_scale(x="independent")

@@ -77,7 +77,7 @@ def words(climb: Climb) -> tuple[str, str]:
     holds = "nothing" if climb.holds is None else number(climb.holds)
     end = climb.end
     if end is None:
-        return holds, "not in these"
+        return holds, "not in these rungs"
     again = sum(rung.verdict == "pass" for rung in climb.rungs[climb.rungs.index(end) :])
     more = f", but holds at {again} beyond" if again else ""
     return holds, f"{end.verdict} at {number(float(Fraction(end.rung)))}{more}"
