@@ -19,8 +19,6 @@ from refdem.scene import Body, Scene, Sphere
 HEAVY = Fraction(10**64)
 """[kg]: no force of the law moves it by more than rounding."""
 PLAIN = ((1, 0, 0), (0, 1, 0), (0, 0, 1))
-TURNED = ((Fraction(2, 3), Fraction(-1, 3), Fraction(2, 3)), (Fraction(2, 3), Fraction(2, 3), Fraction(-1, 3)),
-          (Fraction(-1, 3), Fraction(2, 3), Fraction(2, 3)))  # fmt: skip
 
 
 class Path(Member):
@@ -77,9 +75,3 @@ class Path(Member):
             lever=LEVERS[v.branch], start=(-v.begin, v.off, v.speed, Fraction(0)),
             frame=tuple(tuple(Fraction(x) for x in row) for row in self.frame),
         ))  # fmt: skip
-
-
-class TurnedPath(Path):
-    """The same, turned out of the plane by a rational rotation: the force turns with it."""
-
-    frame: Any = TURNED

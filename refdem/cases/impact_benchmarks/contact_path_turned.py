@@ -1,6 +1,16 @@
-"""The contact path once more, the whole pair turned in space: the force turns with it."""
+"""The contact path once more, the whole pair turned in space by a rational rotation: the force turns with it."""
 
-from refdem.cases.impact_benchmarks._path import TurnedPath
+from fractions import Fraction
+from typing import Any
+
+from refdem.cases.impact_benchmarks._path import Path
 from refdem.cases.impact_benchmarks.contact_path import NUMBERS
+
+
+class TurnedPath(Path):
+    """Its axes are the columns."""
+
+    frame: Any = tuple(tuple(Fraction(x, 3) for x in row) for row in ((2, -1, 2), (2, 2, -1), (-1, 2, 2)))
+
 
 MEMBER = TurnedPath("Prescribed path of a contact, turned", NUMBERS)
