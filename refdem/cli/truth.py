@@ -9,7 +9,10 @@ import typer
 from refdem.errors import UsageError
 
 if TYPE_CHECKING:
+    from collections.abc import Mapping
+
     from refdem.campaign.certified_list import CertifiedCase
+    from refdem.core.truth import Ball, Truth
 
 DEAR = 10.0
 """Seconds that are announced before they are spent."""
@@ -56,7 +59,7 @@ def command(
     show({"case": name, "parameters": instance.p.texts(), "values": values, "witness": truth.witness}, json, unit)
 
 
-def scalars(truth: Any, *, alone: bool) -> Any:
+def scalars(truth: "Truth", *, alone: bool) -> "Mapping[str, Ball]":
     """The scalars; where none are certified that is said on stderr, and is the answer only if nothing else was asked for."""
     from refdem.errors import NotCertifiedError
 

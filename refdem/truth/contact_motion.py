@@ -98,7 +98,8 @@ class ContactMotion(Motion):
         closing = {name: programs[0].run for name, programs in self.traced.closing.items()}
         first, last = self.phases[0], self.phases[-2]
         with precision(self.bits + GUARD):
-            return -closing[self.name(last)](last.crossing()[3])[0] / closing[self.name(first)](first.entered)[0]
+            found: arb = -closing[self.name(last)](last.crossing()[3])[0] / closing[self.name(first)](first.entered)[0]
+            return found
 
     def part(self) -> None:
         """Follows the motion until the spheres are apart; SwitchError if that takes too long."""
@@ -126,7 +127,8 @@ class ContactMotion(Motion):
             for name, piece, low, high in self.stretches():
                 turn = first_crossing(watched(piece, self.traced.closing[name]), low, high)
                 if turn is not None:
-                    return self.traced.overlap.run(piece.at(turn))[0]
+                    found: arb = self.traced.overlap.run(piece.at(turn))[0]
+                    return found
         raise SwitchError("end", "no turn of the overlap is seen", 0.0)
 
     def hardest(self) -> arb | None:

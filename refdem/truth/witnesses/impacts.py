@@ -10,6 +10,7 @@ from flint import arb
 from refdem.truth.balls import arb_of
 from refdem.truth.witnesses import contacts
 from refdem.truth.witnesses.collisions import Spheres, Value, flown, phases, two_spheres
+from refdem.truth.witnesses.contacts import beyond
 from refdem.truth.witnesses.taylor import Solution
 from refdem.truth.witnesses.testimony import Claimed, Said, Witness
 
@@ -86,7 +87,7 @@ def hertz_wall(p: Mapping[str, Any], times: Sequence[Fraction], claimed: Claimed
         if time < last[2]:
             which = len(ends) - 1 if time > course[0].at(ends[-1])[2] else 0
             high = float(end) if which == len(ends) - 1 else float(ends[1])
-            state = course[which].at(course[which].bisected(lambda y, time=time: y[2] - time, float(ends[which]), high))
+            state = course[which].at(course[which].bisected(partial(beyond, 2, time), float(ends[which]), high))
         rest = time - state[2]
         w, v, _, y, vy, turn = state
         depth, nothing = w * w + v * rest, arb(0)

@@ -118,10 +118,15 @@ def rooted(exact: Mapping[str, Fraction], times: Sequence[Fraction]) -> Said:
         turns = floor(float(arb_of(t) / quarter))
         rest = arb_of(t) - turns * quarter
         since = rest if turns % 2 == 0 else quarter - rest
-        z = found.bisected(lambda y, since=since: y[2] - since, 0.0, float(end))
+        z = found.bisected(partial(later, since), 0.0, float(end))
         s, v, _ = found.at(z)
         along, back = (1, -1, -1, 1)[turns % 4], (1, 1, -1, -1)[turns % 4]
         yield t, {"x": sign * along * s**b, "v": sign * back * v}
+
+
+def later(since: arb, y: Sequence[arb]) -> arb:
+    """How much more the clock, third of the state, shows."""
+    return y[2] - since
 
 
 def pulled(n: int, strength: arb, t: Any, y: Sequence[Any]) -> list[Any]:
