@@ -1,7 +1,8 @@
 """Two spheres in contact whose friction turns out of a plane: the phases of the linear law in Cartesian vectors, and where they end.
 
 In the units of contact_phases.py: r = r1 - r2 (of length 1/eps at touch), v, o_i = R_i omega_i; n = -r/|r| points from 1 to 2,
-a = 1/eps - |r|, u = v.n, v' = -F n + f, o_i' = (1 - b_i a) mu_i n x f, slip = v - u n + ((1 - b_1 a) o_1 + (1 - b_2 a) o_2) x n, and the friction f on 1 is
+a = 1/eps - |r|,
+u = v.n, v' = -F n + f, o_i' = (1 - b_i a) mu_i n x f, slip = v - u n + ((1 - b_1 a) o_1 + (1 - b_2 a) o_2) x n, and the friction f on 1 is
 
     slip (no spring) -mu F slip/|slip|;  stick -Kt s with s' = slip - (s.n') n;  slip (spring) -mu F e, e the spring's direction,
     e' = Kt/(mu F) (slip - (slip.e) e) - (e.n') n, from |Kt s| = mu F on, until Kt slip.e = mu F';  pull (F < 0) 0.

@@ -141,7 +141,7 @@ def turned(rule: Rule, q: Sequence[Fraction]) -> Rule:
 def weighed(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: Claimed) -> Said:
     """Mass, centre and tensor of every solid, as sums over its points."""
     corner = [x / 2 for x in numbers(p, "a", "b", "c").values()]
-    found = {}
+    found: dict[str, arb] = {}
     for name, rule in solids(p).items():
         density = arb_of(1 if name == "points" else number(p, "density"))
         points = [(density * arb_of(weight), [arb_of(x) for x in place]) for weight, place in rule]
