@@ -3,7 +3,7 @@
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
-from refdem.faults import positional
+from refdem.faults import holding, positional
 from refdem.faults import vectors as vec
 from refdem.faults.loads import Loads, meeting
 from refdem.faults.vectors import ZERO, Number, Vector
@@ -124,6 +124,7 @@ def margins(m: "Moving", before: State, after: State, load: Loads, h: Number) ->
         found.append((margin, ("press", number)))
         if margin >= 0 and has_spring(m, before, number):
             found.append((slide_margin(m, before, after, load, number, h, push), ("slide", number)))
+    found += holding.margins(m.world, before, after, h)
     found += positional.margins(m.world, before, after, m.parts, h)
     for number, slider in enumerate(m.world.sliders):
         side = before.side[number]
@@ -148,6 +149,8 @@ def changed(m: "Moving", state: State, change: tuple[str, int]) -> None:
         state.work += held(m.world, depth) * (1 if state.acting[number] else -1)
         state.acting[number] = state.pressing[number] = not state.acting[number]
         state.stretch[number], state.sliding[number] = ZERO, False
+    elif kind == "catch":
+        holding.catch(m, state, number)
     elif kind == "turn":
         positional.turned(m.world, state, m.parts, number)
     elif kind == "edge":
@@ -217,7 +220,7 @@ def sign_change(margin: Callable[[float], float], first: float, last: float, res
     while high - low > 2 * resolution:
         middle, wide = (low + high) / 2, high - low
         chord = (below * low - above * high) / (below - above)
-        aside = 0.2 * wide * wide
+        aside = max(0.2 * wide * wide, resolution)  # no less than shows
         side = 1.0 if middle > chord else -1.0
         chord = chord + side * aside if aside <= abs(middle - chord) else middle
         slack = reach - wide / 2

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 from refdem.faults import positional
 from refdem.faults import vectors as vec
+from refdem.faults.holding import turned_at_joints
 from refdem.faults.vectors import ZERO, Number, Vector
 from refdem.faults.world import State, World
 
@@ -97,6 +98,7 @@ SOURCES = {
     "gravity": _weights,
     "tents": _tents,
     "walls": _walls,
+    "joints": turned_at_joints,
     "sliders": _sliders,
 }
 """What acts, by the names of what it comes from in a world, in the order in which it is added."""

@@ -8,6 +8,7 @@ from typing import Any
 from refdem.errors import UnsupportedError
 from refdem.faults import vectors as vec
 from refdem.faults.events import side_of
+from refdem.faults.holding import SOUND_HOLDING, HoldingParts
 from refdem.faults.iterating import SOUND_MAPS, MapParts
 from refdem.faults.loads import loads
 from refdem.faults.outlines import linear_flow
@@ -272,6 +273,7 @@ class Parts:
     maps: MapParts = SOUND_MAPS
     flow: Callable[..., Any] = linear_flow
     positional: PositionalParts = SOUND_POSITIONAL
+    holding: HoldingParts = SOUND_HOLDING
     verlet_kicks: tuple[float, float] = (0.5, 0.5)
     suzuki: tuple[float, ...] = (S4, S4, 1.0 - 4.0 * S4, S4, S4)
     rk4_nodes: tuple[float, ...] = (0.5, 0.5, 1.0)

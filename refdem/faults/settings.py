@@ -9,7 +9,7 @@ from fractions import Fraction
 
 import numpy as np
 
-from refdem.faults import map_draws, positional
+from refdem.faults import held_draws, map_draws, positional
 
 Draw = Callable[[np.random.Generator], dict[str, str]]
 
@@ -245,6 +245,7 @@ def _resting(rng: np.random.Generator) -> dict[str, str]:
 
 SMOOTH = ("euler", "verlet", "suzuki", "rk4", "verlet-single")
 TOUCHING = ("verlet", "verlet-single")
+HELD = ("verlet", "suzuki", "verlet-single")
 DAMPED = ("euler", "verlet", "rk4", "verlet-single")
 ITERATED = ("iterated",)
 SETTINGS: Mapping[str, Setting] = {
@@ -281,6 +282,12 @@ SETTINGS: Mapping[str, Setting] = {
     "wedge": Setting("wedge-collision", positional.wedge, TOUCHING),
     "flyer": Setting("newtons-first-law", _flyer, SMOOTH),
     "resting": Setting("newtons-first-law", _resting, TOUCHING),
+    "top": Setting("heavy-top", held_draws.top, HELD),
+    "above": Setting("pendulum-equilibria", held_draws.above, HELD),
+    "below": Setting("pendulum-equilibria", held_draws.below, HELD),
+    "chain": Setting("double-pendulum", held_draws.chain, HELD),
+    "captured": Setting("captured-mass", held_draws.captured, TOUCHING),
+    "machine": Setting("pendulum-wheel-mass", held_draws.machine, HELD),
     "chaotic-map": Setting("logistic", map_draws.chaotic_map, ITERATED),
     "growth": Setting("logistic", map_draws.growth, ITERATED),
     "stadium": Setting("billiards", map_draws.stadium, ITERATED),

@@ -3,6 +3,7 @@
 from typing import TYPE_CHECKING
 
 from refdem.faults import vectors as vec
+from refdem.faults.holding import follow, hold_length, hold_speed
 from refdem.faults.loads import Loads
 from refdem.faults.vectors import Number, Vector
 from refdem.faults.world import State, World
@@ -17,7 +18,8 @@ class Moving:
     def __init__(self, world: World, parts: "Parts") -> None:
         self.world, self.parts = world, parts
         self.turning = [i for i, turns in enumerate(world.turns) if turns and not world.fixed[i]]
-        self.free = [i for i, fixed in enumerate(world.fixed) if not fixed]
+        jointed = {joint.a for joint in world.joints}
+        self.free = [i for i, fixed in enumerate(world.fixed) if not fixed and i not in jointed]
         self.depends_on_velocity = bool(
             world.dashpots
             or any(s.law != "coulomb" for s in world.sliders)
@@ -31,7 +33,7 @@ def kick(m: Moving, state: State, load: Loads, h: Number) -> State:
     kicked, v, w = m.parts.kicked, list(state.v), state.w
     for i in m.free:
         v[i] = kicked(v[i], load.force[i], m.world.mass[i], h)
-    if m.world.pairs:
+    if m.world.pairs or m.world.joints:
         w = list(w)
         for i in m.turning:
             w[i] = m.parts.spun_up(w[i], load.torque[i], m.world.inertia[i], h)
@@ -54,7 +56,7 @@ def drift(m: Moving, state: State, h: Number) -> State:
         for axis, part in ((0, 0.5), (1, 0.5), (2, 1.0), (1, 0.5), (0, 0.5)):
             spin, attitude = m.parts.axis_turn(axis, inertia, spin, attitude, part * h)
         w[i], q[i] = spin, m.parts.unit(attitude)
-    return state.moved(r, v, q, w, state.t + float(h))
+    return follow(m, state.moved(r, v, q, w, state.t + float(h)))
 
 
 def verlet(m: Moving, state: State, load: Loads, h: Number) -> tuple[State, Loads]:
@@ -158,66 +160,6 @@ def rk4(m: Moving, state: State, load: Loads, h: Number) -> tuple[State, Loads]:
         state = onward(state, rate, weight * h)
     state.q = [m.parts.unit(q) for q in state.q]
     return state, load
-
-
-SWEEPS = 60
-
-
-def _ends(m: Moving, rod: object, state: State) -> tuple[Vector, Vector, Number]:
-    """Vector from end b to end a, its rate, and what a unit impulse changes: 1/m_a + 1/m_b."""
-    a, b = rod.a, rod.b  # type: ignore[attr-defined]
-    if b < 0:
-        return vec.minus(state.r[a], rod.anchor_b), state.v[a], 1.0 / m.world.mass[a]  # type: ignore[attr-defined]
-    ease = 1.0 / m.world.mass[a] + 1.0 / m.world.mass[b]
-    return vec.minus(state.r[a], state.r[b]), vec.minus(state.v[a], state.v[b]), ease
-
-
-def _pull(m: Moving, rod: object, state: State, along: Vector, amount: Number) -> None:
-    """Takes an impulse along a vector from a and gives it to b."""
-    a, b = rod.a, rod.b  # type: ignore[attr-defined]
-    state.v[a] = vec.moved(state.v[a], -amount / m.world.mass[a], along)
-    if b >= 0:
-        state.v[b] = vec.moved(state.v[b], amount / m.world.mass[b], along)
-
-
-def hold_length(m: Moving, before: State, state: State, h: Number) -> State:
-    """Velocities with which a drift of h ends at the rods' lengths: Newton steps along the rods as they were."""
-    if not m.world.rods:
-        return state
-    for _ in range(SWEEPS):
-        largest = 0.0
-        for rod in m.world.rods:
-            along, _, ease = _ends(m, rod, before)
-            apart, relative, _ = _ends(m, rod, state)
-            reached = vec.moved(apart, h, relative)
-            amount = m.parts.rod_position(rod, reached, along, ease) / h
-            _pull(m, rod, state, along, amount)
-            largest = max(largest, abs(amount * h * ease))
-        if largest < m.world.number(1e-16 if m.world.number is float else 1e-8):
-            break
-    return state
-
-
-def hold_speed(m: Moving, state: State) -> State:
-    """Velocities without a part along the rods."""
-    if not m.world.rods:
-        return state
-    for _ in range(1 if len(m.world.rods) == 1 else SWEEPS):
-        for rod in m.world.rods:
-            apart, relative, ease = _ends(m, rod, state)
-            _pull(m, rod, state, apart, m.parts.rod_velocity(rod, apart, relative, ease))
-    return state
-
-
-def rod_forces(m: Moving, state: State) -> list[Number]:
-    """Force [N] in every rod that ends at the world."""
-    load = m.parts.loads(m.world, state, m.parts)
-    found = []
-    for rod in m.world.rods:
-        apart, relative, ease = _ends(m, rod, state)
-        pull = vec.times(1.0 / m.world.mass[rod.a], load.force[rod.a])
-        found.append(m.parts.rod_tension(rod, apart, relative, pull, ease))
-    return found
 
 
 STEPS = {

@@ -11,20 +11,24 @@ from refdem.core.engine import Engine, Method
 from refdem.core.problem import Ensemble, Iteration, Motion, Problem, Request
 from refdem.core.trajectory import Cost, Trajectory
 from refdem.faults.events import advance, first_modes, held
+from refdem.faults.holding import rod_forces
 from refdem.faults.iterating import iterated
 from refdem.faults.loads import meeting
 from refdem.faults.outlines import carried
 from refdem.faults.parts import SOUND, Parts
-from refdem.faults.steps import STEPS, Moving, rod_forces
+from refdem.faults.steps import STEPS, Moving
 from refdem.faults.world import PRECISIONS, SUPPORTED, State, start_of, world_of
 from refdem.scene import Scene
 from refdem.scene.element import Element
+from refdem.scene.elements.ball_joint import BallJoint
+from refdem.scene.elements.catch import Catch
 from refdem.scene.elements.contact import Contact
 from refdem.scene.elements.dashpot import Dashpot
 from refdem.scene.elements.force import Force
 from refdem.scene.elements.rod import Rod
 from refdem.scene.elements.slider import Slider
 from refdem.scene.elements.spring import Spring
+from refdem.scene.elements.string_over_wheel import StringOverWheel
 from refdem.scene.shapes import Polyhedron
 
 KEPT = frozenset({"momentum", "angular-momentum", "constraint"})
@@ -75,17 +79,17 @@ class Transparent(Engine):
         for element in scene.elements:
             if reason := _refused(element):
                 return reason
-        if len(scene.all(Rod)) > 1:
-            return "more than one rod"
         if reason := _corners_refused(scene):
             return reason
-        if method.name in ("drift-first", "explicit-euler") and {"rotation", "rod"} & scene.features:
-            return "points without rods alone"
-        if not method.name.startswith("verlet") and {"slider", "contact", "wedge", "piecewise_field"} & scene.features:
+        if method.name in ("drift-first", "explicit-euler") and {"rotation", "constraint"} & scene.features:
+            return "points without constraints alone"
+        if not method.name.startswith("verlet") and {"slider", "contact", "wedge", "piecewise_field", "catch"} & scene.features:
             return "no events"
         if method.name == "suzuki" and "dashpot" in scene.features:
             return "no forces that depend on velocity"
-        return "no rods" if method.name == "rk4" and scene.all(Rod) else None
+        if method.name == "euler" and "ball_joint" in scene.features:
+            return "no ball joint"
+        return "no constraints" if method.name == "rk4" and "constraint" in scene.features else None
 
     def refuses(self, problem: Problem, method: Method) -> str | None:
         """None for iterations by `iterated`, for linear flows by `carried`; motions as above."""
@@ -124,10 +128,14 @@ def _refused(element: Element) -> str | None:
     """None for an element that the engine has, as it has it."""
     if not isinstance(element, SUPPORTED):
         return f"no {element.kind}"
-    if isinstance(element, Dashpot | Force | Spring | Rod | Slider) and (any(element.anchor_a) or element.b >= 0):
+    if isinstance(element, Rod) and not any(element.anchor_a) and not (element.b >= 0 and any(element.anchor_b)):
+        return None
+    if isinstance(element, BallJoint) and element.b < 0:
+        return None if sum(x != 0 for x in element.anchor_a) <= 1 else "a joint off the principal axes"
+    if isinstance(element, BallJoint | Catch | Dashpot | Force | Spring | Rod | Slider) and (any(element.anchor_a) or element.b >= 0):
         return f"a {element.kind} that does not join a centre to the world"
-    if isinstance(element, Contact) and element.law == "hertz" and element.tangential_stiffness > 0:
-        return "no tangential spring under Hertz's law"
+    if isinstance(element, StringOverWheel) and element.radius > 0:
+        return "a string over a wheel that has a size"
     return "no rigid contact" if isinstance(element, Contact) and element.law == "rigid" else None
 
 
@@ -150,7 +158,7 @@ class Recording:
         self.columns: dict[str, Any] = {name: np.zeros((samples, bodies, width)) for name, width in WIDTHS.items()}
         self.columns["attitude"][..., 0] = 1.0
         self.channels: dict[str, NDArray[np.float64]] = {}
-        if m.world.rods:
+        if m.world.rods and all(rod.b < 0 for rod in m.world.rods):
             self.channels["rod_force"] = np.zeros((samples, len(m.world.rods)))
         if m.world.law is not None:
             self.channels |= {name: np.zeros(samples) for name in ("overlap", "contact_force")}
@@ -169,7 +177,7 @@ class Recording:
             if world.turns[i]:
                 self.columns["attitude"][count, i] = state.q[i]
                 self.columns["omega"][count, i] = parts.to_space(state.q[i], state.w[i])
-        if world.rods:
+        if "rod_force" in self.channels:
             self.channels["rod_force"][count] = rod_forces(self.m, state)
         work = state.work
         for number in range(len(world.pairs)):

@@ -9,8 +9,11 @@ from typing import Any
 import msgspec
 import numpy as np
 
+from refdem.faults.holding import about_tip
 from refdem.faults.vectors import ZERO, Number, Quaternion, Vector
 from refdem.scene import Scene
+from refdem.scene.elements.ball_joint import BallJoint
+from refdem.scene.elements.catch import Catch
 from refdem.scene.elements.central_field import CentralField
 from refdem.scene.elements.contact import Contact
 from refdem.scene.elements.dashpot import Dashpot
@@ -20,22 +23,25 @@ from refdem.scene.elements.plane import Plane
 from refdem.scene.elements.rod import Rod
 from refdem.scene.elements.slider import Slider
 from refdem.scene.elements.spring import Spring
+from refdem.scene.elements.string_over_wheel import StringOverWheel
 from refdem.scene.elements.uniform_gravity import UniformGravity
 from refdem.scene.elements.wedge import Wedge
 from refdem.scene.shapes import Polyhedron
 
-SUPPORTED = (CentralField, Contact, Dashpot, Force, PiecewiseField, Plane, Rod, Slider, Spring, UniformGravity, Wedge)
-
-SOURCES = ("springs", "dashpots", "drives", "fields", "pairs", "gravity", "tents", "walls", "sliders")
-"""Fields of a world whose contents act on bodies; sliders last, because one that sticks holds against all else."""
+SUPPORTED = (
+    *(BallJoint, Catch, CentralField, Contact, Dashpot, Force, PiecewiseField, Plane),
+    *(Rod, Slider, Spring, StringOverWheel, UniformGravity, Wedge),
+)
+SOURCES = ("springs", "dashpots", "drives", "fields", "pairs", "gravity", "tents", "walls", "joints", "sliders")
+"""Fields of a world whose contents act on bodies; joints and sliders last: they answer to all else."""
 
 
 @dataclass(slots=True)
 class State:
     """Position, velocity, attitude and omega_body of every body; the spring of every pair; work against dissipation; the time.
 
-    Modes, constant within a step: which pairs act, which of them press, whose tangential springs slide at their limit, and
-    towards which side every slider moves (0: sticks).
+    Modes, constant within a step: which pairs act, which of them press, whose tangential springs slide at their limit,
+    towards which side every slider moves (0: sticks), and the line (a rod, or None) of every hook.
     """
 
     r: list[Vector]
@@ -49,19 +55,20 @@ class State:
     sliding: list[bool] = field(default_factory=list)
     side: list[int] = field(default_factory=list)
     t: float = 0.0
+    caught: list[Any] = field(default_factory=list)
 
     def moved(self, r: list[Vector], v: list[Vector], q: list[Quaternion], w: list[Vector], t: float) -> "State":
         """The state with other places and rates at the time t; it shares all else, and lists that are given as they are.
 
         So a list of a state that was handed on is replaced, never changed; who changes one in place takes a copy first.
         """
-        return State(r, v, q, w, self.stretch, self.work, self.acting, self.pressing, self.sliding, self.side, t)
+        return State(r, v, q, w, self.stretch, self.work, self.acting, self.pressing, self.sliding, self.side, t, self.caught)
 
     def copy(self) -> "State":
         """A state that can be changed without changing this one."""
         return State(
             list(self.r), list(self.v), list(self.q), list(self.w), list(self.stretch), self.work,
-            list(self.acting), list(self.pressing), list(self.sliding), list(self.side), self.t,
+            list(self.acting), list(self.pressing), list(self.sliding), list(self.side), self.t, list(self.caught),
         )  # fmt: skip
 
 
@@ -87,6 +94,10 @@ class World:
     corners: list[Vector | None]
     tents: list[Any]
     walls: list[Any]
+    hooks: list[Any]
+    strings: list[Any]
+    string_lengths: list[Number]
+    joints: list[Any]
 
     @cached_property
     def turns(self) -> list[bool]:
@@ -101,7 +112,7 @@ class World:
     @cached_property
     def is_smooth(self) -> bool:
         """No forces that depend on velocity and none that jump."""
-        return not self.pairs and not self.sliders and not self.walls and not self.tents
+        return not self.pairs and not self.sliders and not (self.walls or self.tents or self.hooks)
 
 
 def world_of(scene: Scene, number: Callable[[float], Number]) -> World:
@@ -116,10 +127,11 @@ def world_of(scene: Scene, number: Callable[[float], Number]) -> World:
             found = [(-1 - n, corner) for n in range(len(planes)) for corner in shape.vertices]
             pairs += [(i, plane) for plane, _ in found]
             corners += [_tuple(corner, number) for _, corner in found]
+    joints, strings = ([_rounded(e, number) for e in scene.all(kind)] for kind in (BallJoint, StringOverWheel))
     return World(
         number=number,
         mass=[number(m) for m in bodies.mass],
-        inertia=[_tuple(inertia, number) for inertia in bodies.inertia],
+        inertia=[_moments(i, bodies, joints, number) for i in range(len(bodies))],
         radius=[number(radius) for radius in bodies.radius],
         fixed=[bool(fixed) for fixed in bodies.fixed],
         springs=[_rounded(e, number) for e in scene.all(Spring)],
@@ -135,7 +147,20 @@ def world_of(scene: Scene, number: Callable[[float], Number]) -> World:
         corners=corners,
         tents=[_rounded(e, number) for e in scene.all(PiecewiseField)],
         walls=[_rounded(e, number) for e in scene.all(Wedge)],
+        hooks=[_rounded(e, number) for e in scene.all(Catch)],
+        strings=strings,
+        string_lengths=[sum(number(float(np.linalg.norm(bodies.position[i] - np.array(s.centre)))) for i in (s.a, s.b)) for s in strings],
+        joints=joints,
     )
+
+
+def _moments(i: int, bodies: Any, joints: list[Any], number: Callable[[float], Number]) -> Vector:
+    """Principal moments of a body, about its joint if it has one."""
+    moments: Vector = _tuple(bodies.inertia[i], number)
+    for joint in joints:
+        if joint.a == i:
+            moments = about_tip(moments, number(bodies.mass[i]), joint.anchor_a)
+    return moments
 
 
 def start_of(scene: Scene, world: World, to_body: Callable[..., Vector]) -> State:
@@ -153,6 +178,7 @@ def start_of(scene: Scene, world: World, to_body: Callable[..., Vector]) -> Stat
         pressing=[False] * len(world.pairs),
         sliding=[False] * len(world.pairs),
         side=[0] * len(world.sliders),
+        caught=[None] * len(world.hooks),
     )
 
 

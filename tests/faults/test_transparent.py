@@ -10,11 +10,14 @@ from refdem.campaign.in_process import record_of, task_of, truth_of
 from refdem.core import discovery
 from refdem.core.problem import Motion, Request
 from refdem.errors import UnsupportedError
+from refdem.faults.events import sign_change
 from refdem.faults.settings import SETTINGS
 from refdem.faults.transparent import Transparent
 from refdem.scene import Body, Scene
+from refdem.scene.elements.ball_joint import BallJoint
 from refdem.scene.elements.rod import Rod
 from refdem.scene.elements.spring import Spring
+from refdem.scene.elements.string_over_wheel import StringOverWheel
 
 
 def run(case, method, halvings, **given):
@@ -76,6 +79,37 @@ def test_rods_keep_their_length_to_the_last_bits():
     assert np.max(np.abs(np.sum(found.position * found.velocity, axis=-1))) < 1e-14
 
 
+@pytest.mark.parametrize(
+    ("case", "given"),
+    [
+        ("double-pendulum", {"theta0": "1/2,-1/2", "masses": "3,1/2", "duration": "2", "samples": "16"}),
+        ("heavy-top", {"spin": "6", "phidot0": "1", "duration": "2", "samples": "16"}),
+        ("pendulum-wheel-mass", {"counter_mass": "3", "wheel_radius": "0", "wheel_inertia": "0", "duration": "1", "samples": "16"}),
+    ],
+)
+def test_constraints_converge_with_order_two(case, given):
+    runs = [run(case, "verlet", halvings, **given).velocity for halvings in (3, 4, 5)]
+    changes = [np.max(np.abs(b - a)) for a, b in pairwise(runs)]
+    assert np.log2(changes[0] / changes[1]) == pytest.approx(2, abs=0.1)
+
+
+def test_a_spring_that_slides_in_space_converges_with_order_two():
+    """Where the direction of sliding turns: a return straight to the limit, or a spring projected to its plane, would be of order 1."""
+    given = SETTINGS["tumbling-spheres"].parameters("tumbling-spheres", 3)
+    runs = [run("two-spheres", "verlet", halvings, **given).omega for halvings in (6, 7, 8)]
+    changes = [np.max(np.abs(b - a)) for a, b in pairwise(runs)]
+    assert np.log2(changes[0] / changes[1]) == pytest.approx(2, abs=0.1)
+
+
+@pytest.mark.parametrize(("name", "most"), [("line", 15), ("cube", 17), ("jump", 55)])
+def test_a_margin_is_located_with_few_evaluations_and_never_more_than_bisection_takes(name, most):
+    margin = {"line": lambda x: 0.3 - x, "cube": lambda x: 0.7**3 - x**3, "jump": lambda x: 1.0 if x < 0.3 else -1.0}[name]
+    seen = []
+    found = sign_change(lambda x: seen.append(x) or margin(x), margin(0.0), margin(1.0), 2.0**-53)
+    assert margin(found) < 0 <= margin(found - 2.0**-51)
+    assert len(seen) <= most
+
+
 def test_single_precision_is_single():
     found = run("harmonic-oscillator", "verlet-single", 3)
     np.testing.assert_array_equal(found.position, found.position.astype(np.float32))
@@ -86,8 +120,14 @@ def test_it_says_what_it_cannot_do():
     engine, method = Transparent(), Transparent().method("verlet")
     two = [Body(mass=1.0), Body(mass=1.0, position=(1.0, 0.0, 0.0))]
     times = np.array([0.0, 1.0])
-    for elements, word in (([Rod(a=0, b=1, length=1.0)], "rod"), ([Spring(a=0, b=1, stiffness=1.0)], "spring")):
+    for elements, word in (
+        ([Rod(a=0, b=1, length=1.0, anchor_b=(0.5, 0.0, 0.0))], "rod"),
+        ([Spring(a=0, b=1, stiffness=1.0)], "spring"),
+        ([StringOverWheel(a=0, b=1, radius=0.5)], "a string over a wheel that has a size"),
+        ([BallJoint(a=0, anchor_a=(0.0, 1.0, 1.0))], "a joint off the principal axes"),
+    ):
         assert word in engine.refusal(Motion(Scene.of(two, elements), times), method)
+    assert engine.refusal(discovery.case("double-pendulum").at().problem, engine.method("rk4")) == "no constraints"
     blocks = discovery.case("newtons-first-law").at(member="block").problem
     assert "rigid" in engine.refusal(blocks, method)
     sliding = discovery.case("coulomb-oscillator").at().problem

@@ -1,0 +1,180 @@
+"""Constraints beside the pendulum's rod: chains, tops on their tips, hooks that catch, strings over wheels, and equilibria."""
+
+from dataclasses import replace
+from functools import partial
+from typing import Any
+
+import numpy as np
+
+from refdem.core.problem import Request
+from refdem.core.trajectory import Trajectory
+from refdem.faults import vectors as vec
+from refdem.faults.change import of_bodies, of_elements, scaled
+from refdem.faults.fault import Fault
+from refdem.faults.parts import Parts
+from refdem.mechanics.quaternion import conjugate, rotated
+from refdem.scene import Scene
+from refdem.scene.elements.ball_joint import BallJoint
+from refdem.scene.elements.rod import Rod
+from refdem.scene.elements.uniform_gravity import UniformGravity
+
+top = partial(Fault, kind="top", on=("top",))
+chain = partial(Fault, kind="chain", on=("chain",))
+hook = partial(Fault, kind="hook", on=("captured",))
+string = partial(Fault, kind="string", on=("machine",))
+equilibrium = partial(Fault, kind="equilibrium")
+HAIR = 1 + 1e-10
+
+
+def _holding(p: Parts, **changed: Any) -> dict[str, Any]:
+    """Parts of constraints changed."""
+    return {"holding": replace(p.holding, **changed)}
+
+
+def _half_steiner(request: Request) -> Request:
+    """Moments about the joint with half of what the distance of the centre of mass adds."""
+    scene, (joint,) = request.problem.scene, request.problem.scene.all(BallJoint)
+    less = float(scene.bodies.mass[0]) * sum(x * x for x in joint.anchor_a) / 2
+    return of_bodies(inertia=lambda moments: moments - np.array([less, less, 0.0]))(request)
+
+
+def _omega_body(request: Request, run: Trajectory) -> Trajectory:
+    """omega is written in body axes."""
+    return replace(run, omega=rotated(conjugate(run.attitude), run.omega))
+
+
+def _last_rod(request: Request, factor: float) -> Request:
+    """The last rod longer by a factor."""
+    *others, last = request.problem.scene.elements
+    rods = [element for element in (*others, last) if isinstance(element, Rod)]
+    made = [Rod(a=e.a, b=e.b, length=factor * e.length, anchor_b=e.anchor_b) if e is rods[-1] else e for e in (*others, last)]
+    return request.with_scene(Scene(request.problem.scene.bodies, tuple(made)))
+
+
+def _braked(request: Request, run: Trajectory) -> Trajectory:
+    """Once caught, velocities are 1 % smaller than the way shows."""
+    caught = np.abs(np.einsum("tnk,tnk->tn", run.position, run.velocity)) < 1e-6
+    return replace(run, velocity=np.where(caught[..., None], 0.99, 1.0) * run.velocity)
+
+
+FAULTS = (
+    top(
+        name="top-falls-up",
+        sentence="The torque of the weight has the other sign.",
+        sees=("error", "theta"),
+        inside=lambda p: _holding(p, tip_torque=lambda arm, force: vec.cross(force, arm)),
+    ),
+    top(
+        name="top-half-steiner",
+        sentence="The distance of the centre of mass from the tip counts half in the moments of inertia.",
+        sees=("error", "theta"),
+        levels=4,
+        before=_half_steiner,
+    ),
+    top(
+        name="top-swirls",
+        sentence="A torque of 1e-6 N m acts about the vertical.",
+        sees=("top", "L_z"),
+        inside=lambda p: _holding(p, tip_torque=lambda arm, force: vec.plus(p.holding.tip_torque(arm, force), (0.0, 0.0, 1e-6))),
+    ),
+    top(
+        name="top-spun-by-its-weight",
+        method="suzuki",
+        sentence="A twentieth of the weight turns the top about its own axis.",
+        sees=("top", "L_3"),
+        levels=5,
+        inside=lambda p: _holding(
+            p, tip_torque=lambda arm, force: vec.moved(p.holding.tip_torque(arm, force), 0.05 * vec.size(force), arm)
+        ),
+    ),
+    top(
+        name="top-tip-off",
+        sentence="The tip is off by one part in 1e10.",
+        sees=("top", "joint"),
+        before=of_elements(BallJoint, anchor_a=scaled(HAIR)),
+    ),
+    top(
+        name="top-omega-in-body-axes",
+        sentence="omega is written in body axes.",
+        sees=("top", "joint velocity"),
+        after=_omega_body,
+    ),
+    chain(
+        name="chain-end-too-long",
+        sentence="The last rod is too long by one part in 1e10.",
+        sees=("constraint", "length"),
+        before=lambda request: _last_rod(request, HAIR),
+    ),
+    chain(
+        name="chain-without-reaction",
+        sentence="The lower rod does not pull the upper bob.",
+        sees=("error", "theta1"),
+        levels=4,
+        inside=lambda p: {"reaction": lambda force: vec.ZERO},
+    ),
+    chain(
+        name="chain-reaction-twice",
+        sentence="The lower rod pulls the upper bob twice.",
+        sees=("error", "theta1"),
+        levels=4,
+        inside=lambda p: {"reaction": lambda force: vec.times(-2.0, force)},
+    ),
+    chain(
+        name="chain-masses-swapped",
+        sentence="Each bob has the mass of the other.",
+        sees=("error", "theta2"),
+        before=of_bodies(mass=lambda m: m[::-1]),
+    ),
+    hook(
+        name="hook-lets-out",
+        sentence="The line is 1 % longer than it was at closest approach.",
+        sees=("capture", "inertia"),
+        levels=5,
+        inside=lambda p: _holding(p, line_caught=lambda *a: 1.01 * p.holding.line_caught(*a)),
+    ),
+    hook(
+        name="hook-misses",
+        sentence="What passes just within reach is not caught.",
+        sees=("error", "x"),
+        inside=lambda p: _holding(p, line_caught=lambda *a: 0.0),
+    ),
+    hook(name="hook-brakes", sentence="What is caught loses 1 % of its speed.", sees=("capture", "speed"), levels=5, after=_braked),
+    string(
+        name="string-counter-weight",
+        method="suzuki",
+        sentence="The mass on the other side is 2 % too heavy.",
+        sees=("second-integral", "I"),
+        levels=5,
+        before=of_bodies(mass=lambda m: m * np.array([1.0, 1.02])),
+    ),
+    string(
+        name="string-one-sided",
+        sentence="The string's speed is that of the pendulum's side alone.",
+        sees=("error", "rdot"),
+        inside=lambda p: _holding(p, string_speed=lambda string, out_a, out_b: out_a),
+    ),
+    equilibrium(
+        name="equilibrium-attracts",
+        method="suzuki",
+        sentence="The upper equilibrium attracts: gravity has the other sign.",
+        on=("above",),
+        sees=("equilibrium", "departure"),
+        before=of_elements(UniformGravity, g=scaled(-1.0)),
+    ),
+    equilibrium(
+        name="equilibrium-departs-faster",
+        method="suzuki",
+        sentence="Gravity is 5 % too strong.",
+        on=("above",),
+        sees=("equilibrium", "departure"),
+        levels=6,
+        before=of_elements(UniformGravity, g=scaled(1.05)),
+    ),
+    equilibrium(
+        name="equilibrium-repels",
+        sentence="The lower equilibrium repels: gravity has the other sign.",
+        on=("below",),
+        sees=("equilibrium", "bounded"),
+        before=of_elements(UniformGravity, g=scaled(-1.0)),
+    ),
+)

@@ -1,0 +1,201 @@
+"""Constraints of the transparent engine: rods, hooks that catch, strings over wheels of no size, and bodies on ball joints."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+from refdem.faults import vectors as vec
+from refdem.faults.vectors import Number, Vector
+from refdem.scene.elements.catch import Catch
+from refdem.scene.elements.rod import Rod
+from refdem.scene.elements.string_over_wheel import StringOverWheel
+
+if TYPE_CHECKING:
+    from refdem.faults.loads import Loads
+    from refdem.faults.parts import Parts
+    from refdem.faults.steps import Moving
+    from refdem.faults.world import State, World
+
+SWEEPS = 60
+ENOUGH = {True: 2e-16, False: 1e-7}
+"""What a sweep in double (True) or single precision may leave, relative to lengths and speeds."""
+NEAR = {True: 1e-9, False: 1e-5}
+"""Relative distance beyond a hook's reach that rounding in double (True) or single precision may make of the reach."""
+
+
+def line_caught(hook: Catch, distance: Number, near: float) -> Number:
+    """Length [m] of the line between hook and body from closest approach on; 0 if it is out of reach."""
+    return distance if distance <= hook.radius * (1 + near) else 0.0
+
+
+def string_excess(string: StringOverWheel, length: Number, now: Number) -> Number:
+    """By how much a string of that length is too short for the way from body to body over the wheel [m]."""
+    return now - length
+
+
+def string_speed(string: StringOverWheel, out_a: Number, out_b: Number) -> Number:
+    """Rate [m/s] at which the bodies leave the wheel."""
+    return out_a + out_b
+
+
+def tip_torque(arm: Vector, force: Vector) -> Vector:
+    """Torque [N m] about the joint of a force at the centre of mass, `arm` [m] from it."""
+    return vec.cross(arm, force)
+
+
+@dataclass(frozen=True, kw_only=True)
+class HoldingParts:
+    """All of them by name."""
+
+    line_caught: Callable[..., Any] = line_caught
+    string_excess: Callable[..., Any] = string_excess
+    string_speed: Callable[..., Any] = string_speed
+    tip_torque: Callable[..., Any] = tip_torque
+
+
+SOUND_HOLDING = HoldingParts()
+
+
+def about_tip(inertia: Vector, mass: Number, anchor: Vector) -> Vector:
+    """Principal moments about an anchor on a principal axis (parallel axes)."""
+    x, y, z = anchor
+    return inertia[0] + mass * (y * y + z * z), inertia[1] + mass * (x * x + z * z), inertia[2] + mass * (x * x + y * y)
+
+
+def turned_at_joints(world: "World", state: "State", parts: "Parts", found: "Loads", *_: Any) -> None:
+    """Adds what the forces on bodies on joints do about their joints."""
+    for joint in world.joints:
+        i = joint.a
+        arm = vec.times(-1.0, parts.to_space(state.q[i], joint.anchor_a))
+        found.torque[i] = vec.plus(found.torque[i], parts.to_body(state.q[i], parts.holding.tip_torque(arm, found.force[i])))
+
+
+def follow(m: "Moving", state: "State") -> "State":
+    """Centres of mass go where the bodies turn about their joints."""
+    if m.world.joints:
+        state.r, state.v = list(state.r), list(state.v)
+    for joint in m.world.joints:
+        i = joint.a
+        arm = vec.times(-1.0, m.parts.to_space(state.q[i], joint.anchor_a))
+        state.r[i], state.v[i] = vec.plus(joint.anchor_b, arm), vec.cross(m.parts.to_space(state.q[i], state.w[i]), arm)
+    return state
+
+
+def rods_of(world: "World", state: "State") -> list[Rod]:
+    """Rods, and the lines to hooks that have caught."""
+    return [*world.rods, *(line for line in state.caught if line is not None)] if world.hooks else world.rods
+
+
+def _ends(m: "Moving", rod: Rod, state: "State") -> tuple[Vector, Vector, Number]:
+    """Vector from end b to end a, its rate, and what a unit impulse changes: 1/m_a + 1/m_b."""
+    a, b = rod.a, rod.b
+    if b < 0:
+        return vec.minus(state.r[a], rod.anchor_b), state.v[a], 1.0 / m.world.mass[a]
+    ease = 1.0 / m.world.mass[a] + 1.0 / m.world.mass[b]
+    return vec.minus(state.r[a], state.r[b]), vec.minus(state.v[a], state.v[b]), ease
+
+
+def _pull(m: "Moving", rod: Rod, state: "State", along: Vector, amount: Number) -> None:
+    """Takes an impulse along a vector from a and gives it to b."""
+    a, b = rod.a, rod.b
+    state.v[a] = vec.moved(state.v[a], -amount / m.world.mass[a], along)
+    if b >= 0:
+        state.v[b] = vec.moved(state.v[b], 1.0 / m.world.mass[b], m.parts.reaction(vec.times(-amount, along)))
+
+
+def _sides(string: StringOverWheel, r: list[Vector]) -> list[tuple[int, Vector, Number]]:
+    """Both bodies of a string, their directions from the wheel and their distances."""
+    found = []
+    for i in (string.a, string.b):
+        away = vec.minus(r[i], string.centre)
+        distance = vec.size(away)
+        found.append((i, vec.times(1.0 / distance, away), distance))
+    return found
+
+
+def _haul(m: "Moving", state: "State", sides: list[tuple[int, Vector, Number]], amount: Number) -> None:
+    """The string pulls both bodies to the wheel by an impulse [N s]."""
+    for i, away, _ in sides:
+        state.v[i] = vec.moved(state.v[i], -amount / m.world.mass[i], away)
+
+
+def _hold_string(m: "Moving", string: StringOverWheel, length: Number, state: "State", sides: Any, h: Number) -> Number:
+    """One Newton step for a string's length at the end of a drift of h; how far it was off [m]."""
+    reached = _sides(string, [vec.moved(r, h, v) for r, v in zip(state.r, state.v, strict=True)])
+    excess = m.parts.holding.string_excess(string, length, reached[0][2] + reached[1][2])
+    gives = sum(vec.dot(old[1], new[1]) / m.world.mass[old[0]] for old, new in zip(sides, reached, strict=True))
+    _haul(m, state, sides, excess / (h * gives))
+    return excess
+
+
+def hold_length(m: "Moving", before: "State", state: "State", h: Number) -> "State":
+    """Velocities with which a drift of h ends at the lengths of rods and strings: Newton steps along them as they were."""
+    rods = rods_of(m.world, before)
+    if not rods and not m.world.strings:
+        return state
+    enough = ENOUGH[m.world.number is float]
+    strings = [(string, _sides(string, before.r)) for string in m.world.strings]
+    for _ in range(SWEEPS):
+        largest = 0.0
+        for rod in rods:
+            along, _, ease = _ends(m, rod, before)
+            apart, relative, _ = _ends(m, rod, state)
+            reached = vec.moved(apart, h, relative)
+            amount = m.parts.rod_position(rod, reached, along, ease) / h
+            _pull(m, rod, state, along, amount)
+            largest = max(largest, abs(amount * h * ease))
+        for (string, sides), length in zip(strings, m.world.string_lengths, strict=True):
+            largest = max(largest, abs(_hold_string(m, string, length, state, sides, h)) / length)
+        if largest <= enough:
+            break
+    return state
+
+
+def hold_speed(m: "Moving", state: "State") -> "State":
+    """Velocities without a part along rods and strings, and as bodies turn about their joints."""
+    rods = rods_of(m.world, state)
+    for _ in range(len(rods) and (1 if len(rods) == 1 else SWEEPS)):
+        largest = 0.0
+        for rod in rods:
+            apart, relative, ease = _ends(m, rod, state)
+            amount = m.parts.rod_velocity(rod, apart, relative, ease)
+            _pull(m, rod, state, apart, amount)
+            largest = max(largest, abs(amount) * ease * rod.length / (vec.size(relative) or 1.0))
+        if largest <= ENOUGH[m.world.number is float]:
+            break
+    for string in m.world.strings:
+        sides = _sides(string, state.r)
+        speed = m.parts.holding.string_speed(string, *(vec.dot(state.v[i], away) for i, away, _ in sides))
+        _haul(m, state, sides, speed / sum(1.0 / m.world.mass[i] for i, _, _ in sides))
+    return follow(m, state)
+
+
+def rod_forces(m: "Moving", state: "State") -> list[Number]:
+    """Force [N] in every rod that ends at the world."""
+    load = m.parts.loads(m.world, state, m.parts)
+    found = []
+    for rod in m.world.rods:
+        apart, relative, ease = _ends(m, rod, state)
+        pull = vec.times(1.0 / m.world.mass[rod.a], load.force[rod.a])
+        found.append(m.parts.rod_tension(rod, apart, relative, pull, ease))
+    return found
+
+
+def margins(world: "World", before: "State", after: "State", h: Number) -> list[tuple[Number, tuple[str, int]]]:
+    """How far bodies are from closest approach to the hooks that may catch them."""
+    found = []
+    for number, hook in enumerate(world.hooks):
+        was, now = (vec.dot(vec.minus(s.r[hook.a], hook.anchor_b), s.v[hook.a]) * h for s in (before, after))
+        if before.caught[number] is None and was < 0:
+            found.append((-now, ("catch", number)))
+    return found
+
+
+def catch(m: "Moving", state: "State", number: int) -> None:
+    """A hook catches at closest approach what is in its reach."""
+    hook = m.world.hooks[number]
+    distance = vec.size(vec.minus(state.r[hook.a], hook.anchor_b))
+    length = m.parts.holding.line_caught(hook, distance, NEAR[m.world.number is float])
+    if length > 0:
+        state.caught = list(state.caught)
+        state.caught[number] = Rod(a=hook.a, length=length, anchor_b=hook.anchor_b)
