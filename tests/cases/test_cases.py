@@ -43,7 +43,7 @@ CATALOGUE = {
     "billiards": ("geometry start direction n size", [f"{kind}.{a}" for kind in ("position", "direction") for a in "xy"]),
     "rigid-cluster": ("masses positions omega", [f"r{i}.{a}" for i in (1, 2, 3, 4) for a in AXES]),
     "heavy-top": ("mass length gravity inertia theta0 phidot0 thetadot0 spin", ["theta", "phi", "psi", "thetadot"]),
-    "granular-gas": ("n diameter restitution density boundary seed t0 friction", ["temperature"]),
+    "granular-gas": ("n diameter restitution friction density boundary seed t0", ["temperature"]),
     "captured-mass": ("mass speed radius", ["x", "y", "vx", "vy"]),
     "pendulum-wheel-mass": (
         "mass counter_mass wheel_radius wheel_inertia gravity r0 theta0 rdot0 thetadot0",
