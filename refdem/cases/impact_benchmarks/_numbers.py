@@ -2,6 +2,7 @@
 
 from decimal import Context, Decimal
 from fractions import Fraction
+from functools import cache
 
 from refdem.errors import UsageError
 
@@ -24,6 +25,7 @@ def decimal(value: Fraction) -> Decimal:
     return DIGITS.divide(Decimal(value.numerator), Decimal(value.denominator))
 
 
+@cache
 def root(value: Fraction) -> Fraction:
     """Square root."""
     return Fraction(DIGITS.sqrt(decimal(value)))
@@ -45,6 +47,7 @@ def ball_mass(density: Fraction, radius: Fraction) -> Fraction:
     return Fraction(4, 3) * PI * radius**3 * density
 
 
+@cache
 def damping(restitution: Fraction, mass: Fraction, stiffness: Fraction, cutoff: str) -> Fraction:
     """The dashpot [kg/s] that gives a linear contact of this effective mass its restitution e > 0: ln e = -b t_c.
 
