@@ -5,7 +5,7 @@ Read from the import statements (those inside functions too), not by importing: 
 
 import ast
 import hashlib
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from functools import cache
 from pathlib import Path
 
@@ -52,12 +52,20 @@ def closure(start: tuple[Path, ...]) -> set[Path]:
 def imports(path: Path) -> tuple[Path, ...]:
     """The files of the followed packages that a file imports."""
     names: set[str] = set()
-    for node in ast.walk(ast.parse(path.read_bytes())):
+    for node in statements(ast.parse(path.read_bytes())):
         if isinstance(node, ast.Import):
             names |= {alias.name for alias in node.names}
         elif isinstance(node, ast.ImportFrom) and node.module:
             names |= {node.module, *(f"{node.module}.{alias.name}" for alias in node.names)}
     return tuple(sorted({found for name in names if name.startswith(FOLLOWED) and (found := _file(name)) is not None}))
+
+
+def statements(node: ast.AST) -> Iterator[ast.AST]:
+    """Every statement below a node, at any depth; no expression holds an import."""
+    for child in ast.iter_child_nodes(node):
+        if not isinstance(child, ast.expr):
+            yield child
+            yield from statements(child)
 
 
 def _file(module: str) -> Path | None:
