@@ -64,10 +64,13 @@ def balance(scene: Scene) -> dict[str, Any]:
     """Exact numbers of bodies on each other: weight of each, stiffness (0: rigid), heights of their centres, and how far these may come."""
     bodies, contact = scene.bodies, scene.all(Contact)[0]
     half = Fraction(RADIUS if contact.law == "linear" else SIDES[2] / 2)
-    sizes = [half, *[2 * half] * (len(bodies) - 1)]
-    heights = [Fraction(float(z)) for z in bodies.position[:, 2]]
-    weight = Fraction(float(bodies.mass[0])) * Fraction(GRAVITY)
-    return {"weight": weight, "stiffness": Fraction(contact.stiffness), "heights": heights, "sizes": sizes}
+    heights, weight = [Fraction(float(z)) for z in bodies.position[:, 2]], Fraction(float(bodies.mass[0])) * Fraction(GRAVITY)
+    return {
+        "weight": weight,
+        "stiffness": Fraction(contact.stiffness),
+        "heights": heights,
+        "sizes": [half, *[2 * half] * (len(bodies) - 1)],
+    }
 
 
 SCENES: dict[str, Callable[[], Scene]] = {"block": block, "stack": stack, "spheres": spheres}

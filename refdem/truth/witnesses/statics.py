@@ -87,6 +87,12 @@ def without(whole: Rule, part: Rule) -> Rule:
     yield from ((-weight, place) for weight, place in part)
 
 
+def angled(a: Fraction, b: Fraction, thick: Fraction) -> Rule:
+    """A cuboid from the origin without the quarter beyond the middle."""
+    low = [Fraction(0)] * 3
+    return without(brick(low, [a, b, thick]), brick([a / 2, b / 2, Fraction(0)], [a, b, thick]))
+
+
 def solids(p: Mapping[str, Exact]) -> dict[str, Rule]:
     """Every solid of moments-of-inertia, from what it is: half spaces and maps of a cube."""
     a, b, c, f = numbers(p, "a", "b", "c", "hollow").values()
@@ -101,9 +107,6 @@ def solids(p: Mapping[str, Exact]) -> dict[str, Rule]:
 
     def pyramid(x: Any, y: Any, z: Any) -> tuple[Point, Any]:
         return (a * x * (1 - z), b * y * (1 - z), c * z), a * b * c * (1 - z) ** 2
-
-    def angled(thick: Fraction) -> Rule:
-        return without(brick(cube, [a, b, thick]), brick([a / 2, b / 2, nothing], [a, b, thick]))
 
     half = Fraction(1, 2)
     return {
@@ -121,12 +124,12 @@ def solids(p: Mapping[str, Exact]) -> dict[str, Rule]:
         ),
         "tetrahedron": brick(cube, ones, tetrahedron),
         "turned-tetrahedron": turned(brick(cube, ones, tetrahedron), vector(p, "attitude")),
-        "angle": angled(c),
+        "angle": angled(a, b, c),
         "hollow-cuboid": without(box(a, b, c), box(a * f, b * f, c * f)),
         "hollow-cylinder": without(cylinder(a, a, c), cylinder(a * f, a * f, c)),
         "cuboid-at-corner": box(a, b, c),
         "triangle": brick(cube, ones, lambda x, y, z: ((b * x * (1 - y) + a * y, c * y, nothing), b * c * (1 - y))),
-        "angle-plate": ((weight, (x, y, nothing)) for weight, (x, y, _) in angled(one)),
+        "angle-plate": ((weight, (x, y, nothing)) for weight, (x, y, _) in angled(a, b, one)),
         "points": ((Fraction(m), (a * (m > 1), b * (m > 2), c * (m > 3))) for m in (1, 2, 3, 4)),
     }  # fmt: skip
 
