@@ -15,7 +15,6 @@ from refdem.scene.elements.plane import Plane
 from refdem.scene.elements.uniform_gravity import UniformGravity
 
 Array = NDArray[np.float64]
-
 GRAVITY = 9.8125
 """157/16 m/s^2: near the Earth's, and dyadic."""
 MASS = 3.0
@@ -64,13 +63,9 @@ def balance(scene: Scene) -> dict[str, Any]:
     """Exact numbers of bodies on each other: weight of each, stiffness (0: rigid), heights of their centres, and how far these may come."""
     bodies, contact = scene.bodies, scene.all(Contact)[0]
     half = Fraction(RADIUS if contact.law == "linear" else SIDES[2] / 2)
-    heights, weight = [Fraction(float(z)) for z in bodies.position[:, 2]], Fraction(float(bodies.mass[0])) * Fraction(GRAVITY)
-    return {
-        "weight": weight,
-        "stiffness": Fraction(contact.stiffness),
-        "heights": heights,
-        "sizes": [half, *[2 * half] * (len(bodies) - 1)],
-    }
+    heights = [Fraction(float(z)) for z in bodies.position[:, 2]]
+    found = {"stiffness": Fraction(contact.stiffness), "sizes": [half, *[2 * half] * (len(bodies) - 1)]}
+    return {**found, "heights": heights, "weight": Fraction(float(bodies.mass[0])) * Fraction(GRAVITY)}
 
 
 SCENES: dict[str, Callable[[], Scene]] = {"block": block, "stack": stack, "spheres": spheres}
