@@ -79,9 +79,9 @@ CASES = {
     "turned": ("two-spheres[friction=1/4 angle=1/2]", "pendulum", "free-rigid-body"),
     "later": ("driven-oscillator", "pendulum"),
     "longer": ("harmonic-oscillator", "two-spheres[friction=1/4 angle=1/2]", "pendulum"),
-    "shorter": ("harmonic-oscillator", "two-spheres[friction=1/4 angle=1/2]", "pendulum"),
-    "slower": ("harmonic-oscillator", "two-spheres[friction=1/4 angle=1/2]", "two-body-orbit"),
-    "heavier": ("harmonic-oscillator", "two-spheres[friction=1/4 angle=1/2]", "free-rigid-body"),
+    "shorter": ("two-spheres[friction=1/4 angle=1/2]", "pendulum"),
+    "slower": ("harmonic-oscillator", "two-body-orbit"),
+    "heavier": ("two-spheres[friction=1/4 angle=1/2]", "free-rigid-body"),
 }
 """Where each frame is tried unless a case is named."""
 

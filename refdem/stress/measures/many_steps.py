@@ -1,11 +1,13 @@
 """As many steps as there is time for: what the method's own map keeps must be kept."""
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 from fractions import Fraction
 
 import numpy as np
 
+from refdem.core import refinement
 from refdem.core.case import Canonical, Instance
 from refdem.core.check import Array, Check, Outcome, Trial
 from refdem.core.engine import Method
@@ -86,8 +88,13 @@ class Drift(Check):
 
 
 def bound(trial: Trial, level: float) -> tuple[Array, str]:
-    """How much (T,) the form may change: by round-off c u sqrt(n) where the method is symplectic or exact, else by truncation."""
-    rounding = np.full(len(trial.instance.times), 2 * trial.round_off(level)) + 2 * trial.clock()
+    """How much (T,) the form may change: by round-off c u sqrt(n) where the method is symplectic or exact, else by truncation.
+
+    A frequency that is rounded turns the phase, which no quadratic form feels: u T/tau of the ordinary round-off is left out.
+    """
+    turns = trial.instance.scales.duration / trial.instance.scales.tau
+    steps = refinement.steps_at(trial.instance, trial.method, level) + refinement.CLOCK_STEPS * turns
+    rounding = np.full(len(trial.instance.times), 2 * refinement.ROUND_OFF_FACTOR * trial.method.round_off * math.sqrt(steps))
     if trial.method.symplectic or trial.method.control == "exact":
         return rounding, "a symplectic step keeps a quadratic form, so that only round-off, c u sqrt(n) in x and in v, may change it"
     return rounding + 2 * trial.truncation(level), "the truncation error that the method may make, in x and in v"
