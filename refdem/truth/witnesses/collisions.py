@@ -154,7 +154,8 @@ def first_switch(solution: Solution, values: Mapping[str, Value], begin: float, 
 def two_spheres(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: Claimed) -> Said:
     """What turns out of the plane is said by spinning_pair.py; nothing is said of a contact in the plane that never ends."""
     spins, masses = vector(p, "spins"), vector(p, "masses")
-    if number(p, "friction") > 0 and any(spins[axis] for axis in (0, 1, 3, 4)):
+    slips = number(p, "angle") or any(spins[axis] for axis in (1, 2, 4, 5))
+    if number(p, "friction") > 0 and slips and any(spins[axis] for axis in (0, 1, 3, 4)):
         yield from spinning(p, times, claimed)
         return
     if "duration" not in claimed:

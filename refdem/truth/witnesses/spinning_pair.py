@@ -136,6 +136,8 @@ class Bodies:
 def spinning(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: Claimed) -> Said:
     """The 18 quantities, and when the force ends if that is claimed."""
     pair = Bodies(p)
+    if all(part == 0 for part in pair.slip(pair.start(p))):
+        return
     longest = float(claimed["duration"]) if "duration" in claimed else float(max(times))
     course = list(phases(pair, pair.start(p), longest))
     if "duration" in claimed:
