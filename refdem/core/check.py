@@ -102,4 +102,4 @@ class Check(ABC):
 
     @abstractmethod
     def judge(self, trial: Trial, runs: Mapping[Variant, Outcome]) -> list[Finding]:
-        """The findings, at least one."""
+        """The findings; none where the runs do not write what it judges."""

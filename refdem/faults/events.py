@@ -206,7 +206,7 @@ def _cut(m: "Moving", step: Any, state: State, load: Loads, h: Number, end: tupl
         return float(least(found))
 
     resolution = 2.0**-53 if m.world.number is float else 2.0**-24
-    return sign_change(margin, float(least(margins(m, state, state, load, h))), float(least(end[1])), resolution), *kept[0]
+    return m.parts.located(margin, float(least(margins(m, state, state, load, h))), float(least(end[1])), resolution), *kept[0]
 
 
 def sign_change(margin: Callable[[float], float], first: float, last: float, resolution: float) -> float:

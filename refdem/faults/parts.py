@@ -7,7 +7,7 @@ from typing import Any
 
 from refdem.errors import UnsupportedError
 from refdem.faults import vectors as vec
-from refdem.faults.events import side_of
+from refdem.faults.events import side_of, sign_change
 from refdem.faults.holding import SOUND_HOLDING, HoldingParts
 from refdem.faults.iterating import SOUND_MAPS, MapParts
 from refdem.faults.loads import loads
@@ -270,6 +270,7 @@ class Parts:
     output: Callable[..., Any] = output
     loads: Callable[..., Any] = loads
     side_of: Callable[..., Any] = side_of
+    located: Callable[..., float] = sign_change
     maps: MapParts = SOUND_MAPS
     flow: Callable[..., Any] = linear_flow
     positional: PositionalParts = SOUND_POSITIONAL

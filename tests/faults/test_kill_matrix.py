@@ -1,5 +1,8 @@
 """Every known fault is killed by the quantity named for it, and nothing is said against the engine without any."""
 
+from dataclasses import replace
+
+import numpy as np
 import pytest
 
 from refdem.campaign.in_process import record_of, task_of, truth_of
@@ -71,6 +74,18 @@ def test_an_engine_that_is_wrong_by_itself_alarms(monkeypatch):
     engine = broken.carrier()
     matrix = Trial(seeds=1, engine=engine, chosen=(broken,)).matrix()
     assert any("error/x" in alarm.id for alarm in matrix.alarms)
+
+
+def _other_cover(request, run):
+    """Every third attitude by the other quaternion of the same rotation."""
+    return replace(run, attitude=run.attitude * np.where(np.arange(len(run.t)) % 3, 1.0, -1.0)[:, None, None])
+
+
+@pytest.mark.parametrize(("setting", "method"), [("tumbler", "rk4"), ("tumbling-spheres", "verlet"), ("top", "verlet")])
+def test_the_double_cover_of_rotations_is_no_fault(trial, setting, method):
+    flips = Fault(name="flips", kind="none", sentence="", on=(setting,), sees=("error", "attitude"), after=_other_cover)
+    record = record_of(task_of(flips.carrier(), method, *trial.instance(setting, SEED), 3))
+    assert [f"{record.id(f)}: {f.sentence}" for f in record.findings if f.outcome in ("fail", "error")] == []
 
 
 def test_faults_before_and_after_are_seen_in_the_reference_too():

@@ -1,0 +1,230 @@
+"""Faults that act only now and then: after many steps, for one sign, one body, unequal masses, one row, in other frames or units."""
+
+from dataclasses import replace
+from functools import partial
+from typing import Any
+
+import numpy as np
+
+from refdem.core.problem import Request
+from refdem.core.trajectory import Trajectory
+from refdem.faults import vectors as vec
+from refdem.faults.change import of_bodies, of_columns
+from refdem.faults.fault import Fault
+from refdem.faults.parts import Parts
+
+subtle = partial(Fault, kind="subtle")
+
+
+def _after(p: Parts, name: str, calls: int, spoiled: Any) -> dict[str, Any]:
+    """A part that is right for so many calls in a run and spoiled from then on."""
+    seen, sound = [0], getattr(p, name)
+
+    def fresh(kept: dict[str, Any]) -> None:
+        seen[0] = 0
+        p.fresh(kept)
+
+    def part(*arguments: Any) -> Any:
+        seen[0] += 1
+        return sound(*arguments) if seen[0] <= calls else spoiled(*arguments)
+
+    return {"fresh": fresh, name: part}
+
+
+def _row(count: int, value: float) -> Any:
+    """One row of a column replaced."""
+    return lambda values: np.where(np.arange(len(values))[:, None, None] == count, value, values)
+
+
+def _against_ground(p: Parts) -> dict[str, Any]:
+    """The dashpot brakes each body against the ground."""
+
+    def loads(world: Any, state: Any, parts: Parts, before: Any = None, h: Any = 0.0) -> Any:
+        found = p.loads(world, state, parts, before, h)
+        for number, acts in enumerate(state.acting):
+            for i in world.pairs[number] if acts else ():
+                found.force[i] = vec.moved(found.force[i], -1e-3, state.v[i])
+        return found
+
+    return {"loads": loads}
+
+
+def _first_radius(p: Parts) -> dict[str, Any]:
+    """The first radius of a run serves for all levers."""
+    kept: dict[str, Any] = {}
+
+    def fresh(memory: dict[str, Any]) -> None:
+        kept.clear()
+        p.fresh(memory)
+
+    return {"fresh": fresh, "lever": lambda law, radius, depth: p.lever(law, kept.setdefault("radius", radius), depth)}
+
+
+def _whole_steps(p: Parts) -> Any:
+    """A mode changes at the end of the step in which it ends."""
+    return {"located": lambda margin, first, last, resolution: 1.0}
+
+
+def _work_late(request: Request, run: Trajectory) -> Trajectory:
+    """The work of dissipation is that of the row before."""
+    work = run.channels["dissipated_work"]
+    return replace(run, channels={**run.channels, "dissipated_work": np.concatenate([work[:1], work[:-1]])})
+
+
+def _channel(name: str, factor: float) -> Any:
+    """A channel times a factor."""
+    return lambda request, run: replace(run, channels={**run.channels, name: factor * run.channels[name]})
+
+
+def _row_twice(request: Request, run: Trajectory) -> Trajectory:
+    """A row in the middle is written twice, the next one never."""
+    rows = np.arange(len(run.t))
+    rows[6] = 5
+    return replace(run, t=run.t[rows], position=run.position[rows], velocity=run.velocity[rows])
+
+
+FAULTS = (
+    subtle(
+        name="after-many-steps",
+        sentence="From the 101st evaluation on the spring is 1 % stiffer.",
+        on=("oscillator",),
+        method="suzuki",
+        levels=4,
+        sees=("error", "x"),
+        inside=lambda p: _after(p, "spring_force", 100, lambda *a: vec.times(1.01, p.spring_force(*a))),
+    ),
+    subtle(
+        name="torque-of-the-plane",
+        sentence="The torque of friction is that of plane motion: about z alone.",
+        on=("tumbling-spheres",),
+        sees=("angular-momentum", "total"),
+        inside=lambda p: {"torque_on": lambda arm, normal, force: (0.0, 0.0, p.torque_on(arm, normal, force)[2])},
+    ),
+    subtle(
+        name="friction-one-way",
+        sentence="Dry friction acts on slip in one direction only.",
+        on=("rubbing",),
+        sees=("error", "x"),
+        inside=lambda p: {"slider_force": lambda s, side, speed: p.slider_force(s, side, speed) if side >= 0 else vec.ZERO},
+    ),
+    subtle(
+        name="inertia-of-the-first",
+        sentence="The moments of inertia of the first body are used for all.",
+        on=("scrape",),
+        sees=("error", "omega2.z"),
+        before=of_bodies(inertia=lambda moments: moments[[0] * len(moments)]),
+    ),
+    subtle(
+        name="masses-averaged",
+        sentence="Both bodies have the mean mass: right for equal ones.",
+        on=("knock",),
+        sees=("momentum", "total"),
+        before=of_bodies(mass=lambda m: np.full(len(m), m.mean())),
+    ),
+    subtle(
+        name="not-a-number-as-zero",
+        sentence="One velocity is not a number and written as 0.",
+        on=("oscillator",),
+        sees=("error", "v"),
+        after=of_columns(velocity=_row(7, 0.0)),
+    ),
+    subtle(
+        name="row-twice",
+        sentence="A row is written twice, the next one never.",
+        on=("oscillator",),
+        sees=("run", "trajectory"),
+        after=_row_twice,
+    ),
+    subtle(
+        name="stops-at-steps",
+        sentence="A body that friction stops does so at the end of a step.",
+        on=("rubbing",),
+        levels=8,
+        sees=("error", "x"),
+        inside=_whole_steps,
+    ),
+    subtle(
+        name="drift-of-the-clock",
+        sentence="The step is too long by one part in 1e6.",
+        on=("oscillator",),
+        method="suzuki",
+        levels=8,
+        sees=("error", "x"),
+        inside=lambda p: {
+            "drifted": lambda r, v, h: p.drifted(r, v, (1 + 1e-6) * h),
+            "kicked": lambda v, f, m, h: p.kicked(v, f, m, (1 + 1e-6) * h),
+        },
+    ),
+    subtle(
+        name="sleeps",
+        sentence="What is slower than 1 mm/s is put to rest.",
+        on=("oscillator",),
+        method="suzuki",
+        levels=6,
+        sees=("reversal", "reversed"),
+        inside=lambda p: {"kicked": lambda v, f, m, h: v if vec.size(p.kicked(v, f, m, h)) < 1e-3 else p.kicked(v, f, m, h)},
+    ),
+    subtle(
+        name="cells",
+        sentence="Positions are kept on a grid of 1e-9 m.",
+        on=("bounce",),
+        sees=("reversal", "reversed"),
+        inside=lambda p: {"drifted": lambda r, v, h: tuple(round(x, 9) for x in p.drifted(r, v, h))},
+    ),
+    subtle(
+        name="braked-against-the-ground",
+        sentence="What touches is braked against the ground, not against what it touches.",
+        on=("knock",),
+        sees=("symmetry", "boosted"),
+        inside=_against_ground,
+    ),
+    subtle(
+        name="left-handed-below",
+        sentence="The torque has the other sign where it is negative.",
+        on=("scrape",),
+        sees=("symmetry", "mirrored"),
+        inside=lambda p: {"torque_on": lambda arm, n, f: (*p.torque_on(arm, n, f)[:2], abs(p.torque_on(arm, n, f)[2]))},
+    ),
+    subtle(
+        name="radius-of-the-first",
+        sentence="The radius of the first body is used for all in the lever arm.",
+        on=("scrape",),
+        sees=("symmetry", "relabelled"),
+        inside=_first_radius,
+    ),
+    subtle(
+        name="absolute-threshold",
+        sentence="Overlaps below 1 cm are none.",
+        on=("bounce",),
+        sees=("symmetry", "rescaled"),
+        inside=lambda p: {"overlap": lambda a, b, distance: (lambda d: 0.0 if 0 < d < 1e-2 else d)(p.overlap(a, b, distance))},
+    ),
+    subtle(
+        name="work-late",
+        sentence="The work of dissipation is that of the row before.",
+        on=("rubbing",),
+        sees=("energy", "balance"),
+        after=_work_late,
+    ),
+    subtle(
+        name="work-half",
+        sentence="The work of dissipation counts half.",
+        on=("knock",),
+        sees=("energy", "balance"),
+        after=_channel("dissipated_work", 0.5),
+    ),
+    subtle(
+        name="overlap-doubled",
+        sentence="The overlap is written once for each body.",
+        on=("bounce",),
+        sees=("contact-channels", "overlap"),
+        after=_channel("overlap", 2.0),
+    ),
+    subtle(
+        name="contact-force-sign",
+        sentence="The contact force is written as negative.",
+        on=("bounce",),
+        sees=("contact-channels", "contact_force"),
+        after=_channel("contact_force", -1.0),
+    ),
+)

@@ -1,0 +1,61 @@
+"""Overlap and contact force that a run writes are those of its state; the reference's pass, spoiled ones do not."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from refdem.checks.contact_channels import CHECK
+from refdem.core import discovery
+from refdem.core.check import Outcome, Trial
+from refdem.core.problem import Request
+from refdem.core.trajectory import Cost
+
+REFERENCE = discovery.engine("reference")
+
+
+def outcomes(case, spoiled=lambda channels: channels, **given):
+    """Outcome by quantity of the reference's cheapest method."""
+    instance = discovery.case(case).at(**given)
+    method = next(m for m in REFERENCE.methods if REFERENCE.refuses(instance.problem, m) is None)
+    levels = (0.0,) if method.control == "exact" else (float(instance.times[1]) / 64,)
+    step = None if method.control == "exact" else levels[0]
+    run, _ = REFERENCE.run(Request(problem=instance.problem, method=method.name, step=step))
+    trial = Trial(instance, method, levels, None)
+    assert CHECK.applies(trial) is None
+    found = CHECK.judge(trial, {trial.finest: Outcome(replace(run, channels=spoiled(dict(run.channels))), Cost(seconds=0.0))})
+    return {finding.quantity: finding.outcome for finding in found}
+
+
+@pytest.mark.parametrize(
+    ("case", "given"),
+    [
+        ("two-spheres", {}),
+        ("two-spheres", {"cutoff": "zero_force", "damping": "4", "masses": "1,3"}),
+        ("two-spheres", {"angle": "1/2", "friction": "1/16", "spins": "0,0,1,0,0,2"}),
+        ("hertz-spheres", {}),
+    ],
+)
+def test_what_the_reference_writes_belongs_to_its_state(case, given):
+    found = outcomes(case, **given)
+    assert set(found) <= {"overlap", "contact_force"}
+    assert found
+    assert set(found.values()) == {"pass"}
+
+
+@pytest.mark.parametrize(
+    ("channel", "spoil"),
+    [
+        ("overlap", lambda d: 2 * d),
+        ("overlap", lambda d: 1000 * d),
+        ("contact_force", lambda f: -f),
+        ("contact_force", lambda f: np.concatenate([f[:1], f[:-1]])),
+        ("contact_force", lambda f: 0 * f),
+    ],
+)
+def test_channels_of_another_state_are_seen(channel, spoil):
+    assert outcomes("two-spheres", lambda channels: {**channels, channel: spoil(channels[channel])})[channel] == "fail"
+
+
+def test_a_run_without_them_is_not_judged():
+    assert outcomes("two-spheres", lambda channels: {}) == {}
