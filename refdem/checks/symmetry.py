@@ -12,6 +12,9 @@ from refdem.core.refinement import scored
 from refdem.core.trajectory import Trajectory
 from refdem.core.variant import Variant
 
+CHANCE = 2.0
+"""Octaves by which chance may keep a difference from falling with the step: that between two kinked errors scatters by 1.4."""
+
 
 class Symmetry(Check):
     """The motion is the same however the scene is put before the code, to round-off."""
@@ -34,8 +37,12 @@ class Symmetry(Check):
         """One level, as it is, in every symmetry, and with the start moved a little."""
         level = level_for(trial)
         shown = tuple(Variant(level, name) for name in self._shown(trial))  # type: ignore[arg-type]
-        finer = (trial.finest, Variant(trial.levels[-1], "rotated")) if _has_axes(trial) and Variant(level, "rotated") in shown else ()
-        return (Variant(level), Variant(level, "perturbed", perturbation(trial.method)), *shown, *finer)
+        other: tuple[Variant, ...] = ()
+        if _has_axes(trial) and Variant(level, "rotated") in shown:
+            other = (trial.finest, Variant(trial.levels[-1], "rotated"))
+        elif _falls(trial):
+            other = tuple(Variant(trial.levels[0], change) for change in ("none", *(variant.change for variant in shown)))  # type: ignore[arg-type]
+        return (Variant(level), Variant(level, "perturbed", perturbation(trial.method)), *shown, *other)
 
     def judge(self, trial: Trial, runs: Mapping[Variant, Outcome]) -> list[Finding]:
         """One finding a symmetry: the largest scaled difference of any state."""
@@ -57,17 +64,16 @@ class Symmetry(Check):
             if variant.change == "rotated" and _has_axes(trial) and np.any(apart[:count] > bounds[:count]):
                 found.append(self._rotated(trial, runs, apart, growth))
                 continue
+            steady = _steady(trial, runs, variant, view, growth, apart, count)
             found.append(
                 worst(
                     check=self.name,
                     quantity=variant.change,
                     t=trial.instance.times[:count],
                     values=apart[:count],
-                    allowed=bounds[:count],
+                    allowed=(bounds if steady is None else np.minimum(bounds, steady))[:count],
                     unit="1",
-                    basis="the laws of mechanics are the same there, so only "
-                    + _differs(trial)
-                    + ", as it grows in this motion, may differ",
+                    basis=_basis(trial, steady is not None),
                     what=f"The difference between the motion and the same {variant.change}, in units of each scale,",
                 )
             )
@@ -125,8 +131,39 @@ def allowed(trial: Trial, view: symmetry.Symmetry, growth: Array) -> Array:
     return found
 
 
-def _differs(trial: Trial) -> str:
-    return "round-off and the steps that hang on it" if _decides(trial) else "round-off"
+def _falls(trial: Trial) -> bool:
+    """Steps may hang on the last bit, and there are levels enough to see that what this makes falls with the step."""
+    if not _decides(trial) or trial.method.control != "step":
+        return False
+    order = trial.method.order_for(trial.instance.scene.features)
+    return bool(order * np.log2(trial.levels[0] / trial.levels[-1]) > CHANCE)
+
+
+def _steady(
+    trial: Trial, runs: Mapping[Variant, Outcome], variant: Variant, view: symmetry.Symmetry, growth: Array, apart: Array, count: int
+) -> Array | None:
+    """What may differ at the finest step (T,) if the coarsest shows a difference as large; None if it does not, or was not run.
+
+    What hangs on the last bit is rare, and as large as the error of a step. A force that breaks the symmetry is so at every step.
+    """
+    coarsest = trial.levels[0]
+    plain, changed = Variant(coarsest), Variant(coarsest, variant.change)
+    if not _falls(trial) or plain not in runs or changed not in runs:
+        return None
+    coarse = distances(trial.instance, view.undone(runs[changed].trajectory), runs[plain].trajectory)[:count]
+    sizes = symmetry.size(trial.instance, view) * growth
+    rounding = [2 * (trial.round_off(level) + trial.clock()) * sizes for level in (coarsest, variant.level)]
+    largest, octaves = float(np.max(coarse)), np.log2(coarsest / variant.level)
+    alike = bool(np.any(coarse > rounding[0][:count])) and float(np.max(apart[:count])) < 2.0**CHANCE * largest
+    falling = largest * 2.0 ** (CHANCE - octaves * trial.method.order_for(trial.instance.scene.features))
+    return np.maximum(falling, rounding[1]) if alike else None
+
+
+def _basis(trial: Trial, steady: bool) -> str:
+    if steady:
+        return "the coarsest step shows it as well, and what hangs on round-off must fall with the step"
+    differs = "round-off and the steps that hang on it" if _decides(trial) else "round-off"
+    return f"the laws of mechanics are the same there, so only {differs}, as it grows in this motion, may differ"
 
 
 def _decides(trial: Trial) -> bool:

@@ -26,6 +26,8 @@ from refdem.scene.shapes import Polyhedron, Shape, Sphere
 Array = NDArray[np.float64]
 
 NAMES = ("shifted", "rotated", "boosted", "mirrored", "relabelled", "rescaled", "delayed")
+UNITS = (1 / np.sqrt(11.0), np.sqrt(51.0), np.sqrt(3.0))
+"""Units of mass, length and time in which no number stays round: what a code keeps in too few digits is rounded anew."""
 REFLECTION = np.array([1.0, 1.0, -1.0, -1.0])
 """What a reflection of x does to an attitude (w, x, y, z): R' = M R M with M = diag(-1, 1, 1)."""
 
@@ -134,7 +136,7 @@ def of(instance: Instance, name: str) -> Symmetry:
         "boosted": Symmetry(boost=scales.speed * np.array([0.5, -0.25, 0.125]) * flat),
         "mirrored": Symmetry(mirrored=True),
         "relabelled": Symmetry(reverse=True),
-        "rescaled": Symmetry(units=(0.25, 8.0, 2.0)),
+        "rescaled": Symmetry(units=UNITS),
         "delayed": Symmetry(delay=16 * instance.problem.interval),
     }
     return known[name]

@@ -1,13 +1,43 @@
 """What a gate runs of a case that is named without parameters: its defaults, and settings that show what these leave out.
 
 Defaults are simple: they keep still what is easy to get wrong. A head-on collision rubs at no lever, bodies that are alike may be
-taken for each other, and at an attitude of no rotation body axes are those of space.
+taken for each other, what is 1 may be left out or squared, and at an attitude of no rotation body axes are those of space.
 """
 
 from collections.abc import Mapping
 
+SPRUNG = {"mass": "2", "stiffness": "3", "gravity": "5/4", "x0": "-3/4", "v0": "1/2"}
+TURNED = {"attitude": "1,2,-1,1/2"}
 TELLING: Mapping[str, tuple[Mapping[str, str], ...]] = {
-    "free-rigid-body": ({"attitude": "1,2,-1,1/2", "omega_body": "1/2,-1,5/4"},),
+    "asymmetric-field": ({"mass": "2", "k1": "3", "x1": "-3/4", "x2": "5/8", "x0": "-3/2", "v0": "3/2"},),
+    "captured-mass": ({"mass": "2", "speed": "3/2", "radius": "3/4"},),
+    "coulomb-oscillator": ({"mass": "2", "stiffness": "3", "friction_force": "1/4", "x0": "-5/4", "v0": "3/4"},),
+    "dissipating-body": ({**TURNED, "omega_body": "1/2,-1,5/4"},),
+    "double-pendulum": (  # the force in the upper rod hangs on both masses
+        {"masses": "1,3", "lengths": "5/4,3/4", "theta0": "1,-1/2", "thetadot0": "1/2,-1", "duration": "2", "samples": "32"},
+    ),
+    "driven-duffing": ({"alpha": "5/4", "beta": "3/4", "f0": "1", "drive": "5/4", "x0": "-1/2", "v0": "3/4", "duration": "12"},),
+    "driven-oscillator": ({**SPRUNG, "delta": "1/8", "f0": "3/4", "drive": "3/2"},),
+    "duffing": ({"alpha": "3/2", "beta": "3/4", "amplitude": "5/4"},),
+    "free-rigid-body": ({**TURNED, "omega_body": "1/2,-1,5/4"},),
+    "harmonic-oscillator": (SPRUNG,),
+    "heavy-top": (
+        {
+            **{"mass": "3/2", "length": "3/4", "inertia": "5/4,1/2"},
+            **{"phidot0": "1/2", "thetadot0": "-1/4", "spin": "12"},
+        },
+    ),
+    "hertz-spheres": ({"effective_mass": "3/4", "stiffness": "400", "closing_speed": "3/2"},),
+    "intermediate-axis": ({**TURNED, "inertia": "3,2,1", "direction": "3", "duration": "24"},),
+    "kapitza-pendulum": ({"length": "5/4", "gravity": "3/2", "thetadot0": "1/4", "duration": "6"},),
+    "neglected-gyroscopic": (TURNED,),
+    "pendulum": ({"mass": "2", "length": "3/4", "theta0": "3/4", "thetadot0": "-1"},),
+    "pendulum-equilibria": ({"length": "3/4", "position": "bottom"},),
+    "pendulum-wheel-mass": ({"mass": "3/2", "counter_mass": "2", "rdot0": "1/4", "thetadot0": "-1/2", "duration": "4"},),
+    "power-oscillator": ({"mass": "2", "stiffness": "3", "exponent": "5/2", "amplitude": "5/4"},),
+    "quadratic-response": ({"w0": "5/4", "x0": "-1/2", "v0": "1/4"},),
+    "stick-slip": ({"belt": "3/4", "x0": "1/4", "v0": "-1/2"},),
+    "two-body-orbit": ({"gm": "2", "semi_major": "3/4", "eccentricity": "1/4"},),
     "two-spheres": (
         {  # unlike spheres stick, slide and part; the second one's spin and torque count
             **{"masses": "1,2", "radii": "1/2,3/4", "stiffness": "16", "damping": "1/2", "angle": "1/2", "spins": "0,0,2,0,0,-1"},
@@ -22,6 +52,9 @@ TELLING: Mapping[str, tuple[Mapping[str, str], ...]] = {
             **{"tangential_stiffness": "64", "friction": "1/8", "branch": "R-d"},
         },
     ),
+    "van-der-pol": ({"x0": "-1/2", "v0": "3/4"},),
+    "viscous-oscillator": ({**SPRUNG, "delta": "1/4"},),
+    "wedge-collision": ({"mass": "3/2", "closing_speed": "3/2"},),
 }
 """By case id: parameters beside its defaults."""
 
