@@ -109,16 +109,12 @@ static inline double pull_at(const belt *p, const motion *m, double since, doubl
 static inline double passing(const belt *p, const motion *m, double limit, double low, double high)
 {
     double slope, side = pull_at(p, m, high, &slope) > 0.0 ? 1.0 : -1.0;
-    for (int i = 0; i < 1100; i++) {
-        double middle = 0.5 * (low + high);
-        if (middle <= low || middle >= high)
-            break;
-        if (side * pull_at(p, m, middle, &slope) > limit)
-            high = middle;
-        else
-            low = middle;
+    bracket b = bracketed(low, high);
+    for (int i = 0; i < 1200 && open_still(&b); i++) {
+        double f = limit - side * pull_at(p, m, b.at, &slope);
+        narrowed(&b, f, i % 8 == 7 ? 0.0 : -side * slope);
     }
-    return high;
+    return b.high;
 }
 
 /* When it is released, since now; infinity if it sticks for ever. */

@@ -313,6 +313,21 @@ int64_t refdem_stick_slip(const refdem_belt *p, double x0, double v0, double t0,
 int refdem_stick_slip_section(const refdem_belt *p, int64_t n, const double *frequency, double origin, double x0, double v0, int64_t skip,
                               int64_t keep, int64_t blocks, int64_t most, double *counts, double *sums, double *out);
 
+/* == oblique == */
+
+/* Two spheres under the linear contact law with a tangential spring, or without friction. ease: 1/m_i + 1/m_j [1/kg]; turn_ease: 1/J
+ * [1/(kg m^2)]; lever arms are radius - branch d; no_pull: the contact ends where the force does. longest: no stretch is longer [s]. */
+typedef struct {
+    double radius_i, radius_j, ease, turn_ease_i, turn_ease_j, stiffness, damping, tangential_stiffness, friction, branch, longest;
+    int no_pull;
+} refdem_oblique_pair;
+
+/* start (6): overlap, its rate, the transverse velocity of j from i, 0, the spins about the third axis; touching or pressed. t (samples)
+ * >= 0 [s], rising. out (samples, 12): overlap, its rate, transverse velocity, the angle of the line of centres, spins, angles turned,
+ * work done against damping and friction (with what the spring holds), whether it presses, the normal force, the work without.
+ * release: when it parts [s], or infinity. Errors: a few ulp. Returns the number of samples reached. */
+int64_t refdem_oblique(const refdem_oblique_pair *p, const double *start, int64_t samples, const double *t, double *release, double *out);
+
 /* == rod_chain == */
 
 /* A planar chain of up to 8 points (mass, rods) [kg] on rods (length, rods) [m] below a pivot at drive cos(frequency t + phase)

@@ -59,19 +59,52 @@ static inline void moved(const double *restrict a, double at, double *restrict b
             b[n] += at * b[n + 1];
 }
 
+/* A bracket [low, high] of a zero where a function falls through it, at `at` next: Newton's steps, then a few ulps beyond the zero, so
+ * that both ends close in on it, then halves, to the last bit. */
+typedef struct {
+    double low, high, at, beyond;
+} bracket;
+
+static inline bracket bracketed(double low, double high)
+{
+    return (bracket){low, high, 0.5 * (low + high), 0x1p-52 * high};
+}
+
+/* Whether there is a number left between the ends; it is then `at`. */
+static inline int open_still(bracket *b)
+{
+    if (!(b->at > b->low && b->at < b->high) || b->high - b->low <= 0x1p-50 * b->high)
+        b->at = 0.5 * (b->low + b->high);
+    return b->at > b->low && b->at < b->high;
+}
+
+static inline void narrowed(bracket *b, double f, double slope)
+{
+    double step = -f / slope;
+    if (f > 0.0)
+        b->low = b->at;
+    else
+        b->high = b->at;
+    if (fabs(step) < b->beyond) {
+        step = f > 0.0 ? b->beyond : -b->beyond;
+        b->beyond *= 4.0;
+    }
+    b->at += step;
+}
+
 /* The zero of a series in [low, high], where it falls through one, to the last bit. */
 static inline double zero_between(const double *restrict a, double low, double high)
 {
-    for (int i = 0; i < 200; i++) {
-        double middle = 0.5 * (low + high);
-        if (middle <= low || middle >= high)
-            break;
-        if (value(a, middle) > 0.0)
-            low = middle;
-        else
-            high = middle;
+    bracket b = bracketed(low, high);
+    for (int i = 0; i < 200 && open_still(&b); i++) {
+        double f = a[ORDER], slope = 0.0;
+        for (int n = ORDER - 1; n >= 0; n--)
+            slope = fma(slope, b.at, f), f = fma(f, b.at, a[n]);
+        if (i % 8 == 7)
+            slope = 0.0; /* a half now and then, where Newton's steps creep */
+        narrowed(&b, f, slope);
     }
-    return high;
+    return b.high;
 }
 
 /* The first zero in (0, h] of a series that is > 0 just after 0; -1 if there is none. */
@@ -88,13 +121,17 @@ static inline double first_zero(const double *restrict a, double h)
         else
             memcpy(b, a, sizeof b);
         least = fmax(b[0], 0.0), steepest = b[1];
-        for (int n = 1; n <= ORDER; n++, power *= w)
-            least += fmin(0.0, b[n] * power);
+        for (int n = 1; n <= ORDER; n++, power *= w) {
+            double part = b[n] * power;
+            least += part < 0.0 ? part : 0.0;
+        }
         if (least > 0.0)
             continue;
         power = w;
-        for (int n = 2; n <= ORDER; n++, power *= w)
-            steepest += fmax(0.0, n * b[n] * power);
+        for (int n = 2; n <= ORDER; n++, power *= w) {
+            double part = n * b[n] * power;
+            steepest += part > 0.0 ? part : 0.0;
+        }
         if (steepest <= 0.0 || w < 0x1p-45 * h) {
             if (value(a, low + w) <= 0.0)
                 return zero_between(a, low, low + w);

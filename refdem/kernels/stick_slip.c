@@ -1,5 +1,6 @@
 /* The motion on a belt (belt.h) at given times, and its section v = 0, x > 0 for many frequencies of the drive, with growth of tangents. */
 #include "belt.h"
+#include "simd.h"
 
 int64_t refdem_stick_slip(const refdem_belt *p, double x0, double v0, double t0, int64_t samples, const double *t, int64_t most,
                           double *event, double *out)
@@ -55,6 +56,7 @@ static int64_t crossings(const belt *p, const motion *m, const piece *y, double 
     return count;
 }
 
+REFDEM_EVERY_CPU
 int refdem_stick_slip_section(const refdem_belt *p, int64_t n, const double *frequency, double origin, double x0, double v0, int64_t skip,
                               int64_t keep, int64_t blocks, int64_t most, double *counts, double *sums, double *out)
 {

@@ -1,0 +1,207 @@
+/* Two spheres that rub on each other in a plane, by the linear law with a tangential spring: Taylor series of order 20 from event to event.
+ *
+ * Coordinates: overlap d, its rate g, the transverse relative velocity q (of j from i), the angle of the line of centres, spins, spring s.
+ * With D = R - d, o = q/D and the force F = k d + c g along the line, f across it (on i):
+ *   g' = -q o - F/m, q' = g o - f/m, spin_i' = l_i f/J_i (j alike), slip = l_i spin_i + l_j spin_j - q, l = R - branch d.
+ * HOLDS: f = -k_t s, s' = slip. SLIPS: f = -side mu F, the spring as long as that force asks. FREE: f = 0, there is no friction or F
+ * pulls. APART: straight on, for ever: nothing brings two spheres back, nor can a force that has ended press again.
+ * Coefficients by the recurrences of products and of the quotient (Jorba and Zou 2005, proposition 1). Events are zeros of the series to
+ * the last bit; a function that begins at a zero of its own is asked without it.
+ */
+#include "kernels.h"
+#include "series_zeros.h"
+#include "simd.h"
+
+enum { HOLDS, SLIPS, FREE, APART, STATES = 9, MOST_STRETCHES = 100000 };
+enum { D, G, Q, TURN, SPIN_I, SPIN_J, ANGLE_I, ANGLE_J, WORK };
+
+typedef refdem_oblique_pair pair;
+typedef double series[ORDER + 1];
+
+/* A stretch: series of the state, of the force, of the slip and of the spring; where it ends and the mode after it. */
+typedef struct {
+    series y[STATES], force, slip, spring;
+    double end;
+    int next;
+} stretch;
+
+/* Now: time, state, spring; side of the slip; how many zeros of the overlap and of the limit it begins with. */
+typedef struct {
+    double now, y[STATES], spring;
+    int mode, side, touch, fresh;
+} motion;
+
+static void expand(const pair *p, const motion *m, stretch *restrict z)
+{
+    series o, f, fd, spins;
+    double *d = z->y[D], *g = z->y[G], *q = z->y[Q], reach = 1.0 / (p->radius_i + p->radius_j - m->y[D]);
+    for (int i = 0; i < STATES; i++)
+        z->y[i][0] = m->y[i];
+    z->spring[0] = m->spring;
+    for (int n = 0; n < ORDER; n++) {
+        double part = PART[n + 1], *wi = z->y[SPIN_I], *wj = z->y[SPIN_J];
+        z->force[n] = p->stiffness * d[n] + p->damping * g[n];
+        spins[n] = wi[n] + wj[n];
+        z->slip[n] = p->radius_i * wi[n] + p->radius_j * wj[n] - q[n] - p->branch * product(d, spins, n);
+        f[n] = m->mode == HOLDS ? -p->tangential_stiffness * z->spring[n] : m->mode == SLIPS ? -m->side * p->friction * z->force[n] : 0.0;
+        fd[n] = m->mode == FREE ? 0.0 : p->branch * product(d, f, n);
+        o[n] = (n ? q[n] + product(d + 1, o, n - 1) : q[0]) * reach;
+        d[n + 1] = g[n] * part;
+        g[n + 1] = -(product(q, o, n) + p->ease * z->force[n]) * part;
+        q[n + 1] = (product(g, o, n) - p->ease * f[n]) * part;
+        wi[n + 1] = p->turn_ease_i * (p->radius_i * f[n] - fd[n]) * part;
+        wj[n + 1] = p->turn_ease_j * (p->radius_j * f[n] - fd[n]) * part;
+        z->y[TURN][n + 1] = o[n] * part, z->y[ANGLE_I][n + 1] = wi[n] * part, z->y[ANGLE_J][n + 1] = wj[n] * part;
+        z->spring[n + 1] = z->slip[n] * part;
+        z->y[WORK][n + 1] = p->damping * square(g, n) * part - (m->mode == FREE ? 0.0 : product(f, z->slip, n) * part);
+    }
+    z->force[ORDER] = p->stiffness * d[ORDER] + p->damping * g[ORDER], z->slip[ORDER] = 0.0;
+}
+
+/* The longest step for which the last terms stay below round-off of the motion's own sizes. */
+static double step_of(const pair *p, const stretch *z)
+{
+    double speed = fabs(z->y[G][0]) + fabs(z->y[Q][0]) + fabs(p->radius_i * z->y[SPIN_I][0]) + fabs(p->radius_j * z->y[SPIN_J][0]);
+    double rate = sqrt(fmax(p->stiffness, p->tangential_stiffness) * p->ease), h = INFINITY;
+    speed += fabs(z->y[D][0]) * rate;
+    for (int n = ORDER - 1; n <= ORDER; n++) {
+        double last = fmax(fabs(z->y[G][n]), fabs(z->y[Q][n]));
+        last = fmax(last, fmax(fabs(p->radius_i * z->y[SPIN_I][n]), fabs(p->radius_j * z->y[SPIN_J][n])));
+        h = fmin(h, exp2((-56.0 - log2(fmax(last / speed, 1e-300))) / n));
+    }
+    return fmin(h, p->longest);
+}
+
+/* The first zero in (0, h] of a series that begins with `skip` zeros; the event with the mode that follows is kept if it is the first. */
+static void watched(const double *a, int skip, int next, stretch *restrict z)
+{
+    series b;
+    for (int n = 0; n <= ORDER; n++)
+        b[n] = n + skip <= ORDER ? a[n + skip] : 0.0;
+    double at = b[0] < 0.0 ? 0.0 : first_zero(b, z->end);
+    if (at >= 0.0 && (at < z->end || z->next < 0))
+        z->end = at, z->next = next;
+}
+
+/* Watches what ends a slip, the rate at which the spring would have to grow, or a hold, the spring's longest. */
+static void rubbing(const pair *p, const motion *m, stretch *restrict z)
+{
+    series a;
+    double share = p->friction / p->tangential_stiffness;
+    if (m->mode == SLIPS) {
+        for (int n = 0; n < ORDER; n++)
+            a[n] = m->side * z->slip[n] - share * (n + 1) * z->force[n + 1];
+        a[ORDER] = 0.0;
+        watched(a, 0, HOLDS, z);
+    }
+    for (int side = -1; m->mode == HOLDS && side <= 1; side += 2) {
+        for (int n = 0; n <= ORDER; n++)
+            a[n] = share * z->force[n] - side * z->spring[n];
+        watched(a, m->fresh == 1 ? 1 : side == m->side ? m->fresh : 0, SLIPS, z);
+    }
+}
+
+static void next_stretch(const pair *p, const motion *m, stretch *restrict z)
+{
+    expand(p, m, z);
+    z->end = step_of(p, z), z->next = -1;
+    int ends = p->no_pull && p->damping > 0.0;
+    watched(ends ? z->force : z->y[D], ends ? 0 : m->touch, APART, z);
+    if (p->friction > 0.0 && !ends && p->damping > 0.0 && m->mode != FREE)
+        watched(z->force, 0, FREE, z);
+    if (m->mode != FREE)
+        rubbing(p, m, z);
+}
+
+/* Straight on: the line of centres turns, spins stay. */
+static void apart(const pair *p, const motion *m, double since, double *restrict y)
+{
+    double reach = p->radius_i + p->radius_j - m->y[D], along = reach - m->y[G] * since, across = m->y[Q] * since;
+    double distance = hypot(along, across);
+    memcpy(y, m->y, STATES * sizeof *y);
+    y[D] = p->radius_i + p->radius_j - distance;
+    y[G] = -(along * -m->y[G] + across * m->y[Q]) / distance;
+    y[Q] = (along * m->y[Q] + across * m->y[G]) / distance;
+    y[TURN] += atan2(across, along);
+    y[ANGLE_I] += y[SPIN_I] * since, y[ANGLE_J] += y[SPIN_J] * since;
+}
+
+static void at(const pair *p, const motion *m, const stretch *z, double since, double *restrict y)
+{
+    if (m->mode == APART) {
+        apart(p, m, since, y);
+        return;
+    }
+    for (int i = 0; i < STATES; i++)
+        y[i] = m->y[i] + gained(z->y[i], since);
+}
+
+/* What springs hold and do not give back: the tangential one, and the normal one once the force has ended. */
+static double held(const pair *p, const motion *m, const double *restrict y, double spring)
+{
+    double force = p->stiffness * y[D] + p->damping * y[G], left = fmax(y[D], 0.0);
+    if (m->mode == APART)
+        return 0.5 * p->stiffness * left * left;
+    double bent = m->mode == HOLDS ? spring : m->mode == SLIPS ? p->friction * force / p->tangential_stiffness : 0.0;
+    return 0.5 * p->tangential_stiffness * bent * bent;
+}
+
+static void pass(const pair *p, motion *m, const stretch *z)
+{
+    double y[STATES], share = p->tangential_stiffness > 0.0 ? p->friction / p->tangential_stiffness : 0.0;
+    at(p, m, z, z->end, y);
+    double spring = z->spring[0] + gained(z->spring, z->end);
+    memcpy(m->y, y, sizeof y);
+    m->now += z->end, m->spring = spring, m->touch = 0, m->fresh = 0;
+    if (z->next < 0)
+        return;
+    if (z->next == SLIPS)
+        m->side = spring > 0.0 ? 1 : -1;
+    if (z->next == HOLDS)
+        m->spring = m->side * share * (p->stiffness * y[D] + p->damping * y[G]), m->fresh = 2;
+    if (z->next == APART && !(p->no_pull && p->damping > 0.0))
+        m->y[D] = 0.0;
+    m->mode = z->next;
+}
+
+/* Touching, or pressed with the spring at rest. */
+static motion begun(const pair *p, const double *start)
+{
+    motion m = {.touch = start[D] <= 0.0, .fresh = start[D] <= 0.0 && p->damping == 0.0};
+    memcpy(m.y, start, 6 * sizeof *start);
+    m.y[D] = fmax(m.y[D], 0.0);
+    double force = p->stiffness * m.y[D] + p->damping * m.y[G], limit = m.fresh ? p->stiffness * m.y[G] : INFINITY;
+    double slip = (p->radius_i - p->branch * m.y[D]) * m.y[SPIN_I] + (p->radius_j - p->branch * m.y[D]) * m.y[SPIN_J] - m.y[Q];
+    m.side = slip > 0.0 ? 1 : -1;
+    m.mode = p->friction == 0.0 || force < 0.0 ? FREE : fabs(slip) * p->tangential_stiffness > p->friction * limit ? SLIPS : HOLDS;
+    return m;
+}
+
+REFDEM_EVERY_CPU
+int64_t refdem_oblique(const refdem_oblique_pair *p, const double *start, int64_t samples, const double *t, double *release, double *out)
+{
+    stretch z;
+    motion m = begun(p, start);
+    int64_t row = 0;
+    *release = INFINITY;
+    for (int64_t k = 0; k < MOST_STRETCHES && row < samples; k++) {
+        z.end = INFINITY;
+        if (m.mode != APART)
+            next_stretch(p, &m, &z);
+        for (; row < samples && t[row] - m.now <= z.end; row++, out += 12) {
+            double since = t[row] - m.now;
+            at(p, &m, &z, since, out);
+            int presses = m.mode != APART;
+            out[9] = presses, out[10] = presses ? p->stiffness * out[D] + p->damping * out[G] : 0.0;
+            out[11] = out[WORK] - held(p, &m, out, presses ? z.spring[0] + gained(z.spring, since) : 0.0);
+        }
+        if (row == samples)
+            break;
+        pass(p, &m, &z);
+        if (m.mode == APART) {
+            *release = m.now;
+            m.y[WORK] += 0.5 * p->stiffness * m.y[D] * m.y[D];
+        }
+    }
+    return row;
+}
