@@ -14,7 +14,7 @@ TELLING: Mapping[str, tuple[Mapping[str, str], ...]] = {
     "coulomb-oscillator": ({"mass": "2", "stiffness": "3", "friction_force": "1/4", "x0": "-5/4", "v0": "3/4"},),
     "dissipating-body": ({**TURNED, "omega_body": "1/2,-1,5/4"},),
     "double-pendulum": (  # the force in the upper rod hangs on both masses
-        {"masses": "1,3", "lengths": "5/4,3/4", "theta0": "1,-1/2", "thetadot0": "1/2,-1", "duration": "2", "samples": "32"},
+        {"masses": "1,3", "lengths": "5/4,3/4", "thetadot0": "1/2,-1", "duration": "1", "samples": "16"},
     ),
     "driven-duffing": ({"alpha": "5/4", "beta": "3/4", "f0": "1", "drive": "5/4", "x0": "-1/2", "v0": "3/4", "duration": "12"},),
     "driven-oscillator": ({**SPRUNG, "delta": "1/8", "f0": "3/4", "drive": "3/2"},),
@@ -50,6 +50,10 @@ TELLING: Mapping[str, tuple[Mapping[str, str], ...]] = {
         {  # little friction and a stiff spring: it is clipped at once and turns back
             **{"masses": "1,3", "radii": "3/4,1/2", "stiffness": "16", "damping": "1", "angle": "1/4", "spins": "0,0,-1,0,0,1"},
             **{"tangential_stiffness": "64", "friction": "1/8", "branch": "R-d"},
+        },
+        {  # sliding that comes to rest
+            **{"masses": "2,1", "radii": "1/2,1", "stiffness": "16", "damping": "1", "angle": "1/4", "spins": "0,0,1/2,0,0,1/4"},
+            **{"friction": "1/2"},
         },
     ),
     "van-der-pol": ({"x0": "-1/2", "v0": "3/4"},),

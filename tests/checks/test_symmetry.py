@@ -2,14 +2,18 @@
 
 from dataclasses import replace
 
+import msgspec
 import numpy as np
 import pytest
 
 from refdem.campaign import plan
 from refdem.campaign.specification import Specification
+from refdem.checks.symmetry import Symmetry
 from refdem.core import discovery, symmetry
 from refdem.core.check import Outcome
+from refdem.faults.change import of_bodies, of_elements, single
 from refdem.mechanics.quaternion import product
+from refdem.scene.elements.spring import Spring
 
 SPECIFICATION = Specification(name="test", case=[], levels=3)
 CASES = {
@@ -26,8 +30,6 @@ def task_of(case, method):
 
 
 def replaced(method):
-    import msgspec
-
     return msgspec.structs.replace(SPECIFICATION, method=method)
 
 
@@ -144,3 +146,46 @@ def knows_the_axes(size, order):
 def test_a_truncation_error_may_know_the_axes_of_space(size, order, outcome):
     finding = found("free-rigid-body", "rk4-free-body", knows_the_axes(size, order))["rotated"]
     assert finding.outcome == outcome, finding.sentence
+
+
+def found_where_steps_hang_on_bits(size, order):
+    """Findings of a method of first order in contacts whose second body is moved by `size` (h/h0)^order once it has run [m]."""
+    task = msgspec.structs.replace(SPECIFICATION, levels=4, method="velocity-verlet")
+    instance = discovery.case("two-spheres").at(**CASES["two-spheres"])
+    (task,) = plan.tasks(task, instance, ("symmetry",), discovery.engine("reference"), None)
+    method, levels = replace(task.trial.method, order_with={"contact": 1}), tuple(h / 16 for h in task.trial.levels)
+    trial = replace(task.trial, method=method, levels=levels)
+    runs = {}
+    for variant in Symmetry().needs(trial):
+        request = plan.request(task, variant)
+        run, cost = task.engine.run(request)
+        position = np.array(run.position)
+        position[1:, 1, 0] += size * (request.step / trial.levels[0]) ** order
+        runs[variant] = Outcome(replace(run, position=position), cost)
+    return {finding.quantity: finding for finding in Symmetry().judge(trial, runs)}
+
+
+@pytest.mark.parametrize(("order", "outcome"), [(0, "fail"), (1, "pass")])
+def test_what_hangs_on_the_last_bit_must_fall_with_the_step(order, outcome):
+    finding = found_where_steps_hang_on_bits(1e-3, order)["relabelled"]
+    assert finding.outcome == outcome, finding.sentence
+
+
+def rounded(column):
+    """A request with numbers in single precision: masses, or the stiffness of springs."""
+    if column == "mass":
+        return of_bodies(mass=single)
+    if column == "position":
+        return of_bodies(position=single)
+    return of_elements(Spring, stiffness=lambda value: float(np.float32(value)))
+
+
+@pytest.mark.parametrize("column", ["mass", "position", "stiffness"])
+def test_parameters_kept_in_single_precision_are_seen_in_other_units(column):
+    task = task_of("harmonic-oscillator", "velocity-verlet")
+    runs = {}
+    for variant in task.variants:
+        run, cost = task.engine.run(rounded(column)(plan.request(task, variant)))
+        runs[variant] = Outcome(run, cost)
+    outcomes = {finding.quantity: finding.outcome for finding in task.checks[0].judge(task.trial, runs)}
+    assert outcomes["rescaled"] == "fail"
