@@ -2,8 +2,9 @@
 
     python tests/truth/validated_ivp/benchmark.py [t]
 
-Naive: every coefficient of a product from all earlier ones, one by one, and steps of 1/8 of the first outer radius that is proved, which
-is what the method says without the search for a longer step. Both runs alternate; medians of three; t = 100 s unless another is given.
+Naive: every coefficient of a product from all earlier ones, one by one, and steps of R/8, R being what Picard's iteration proves from the
+start alone: the largest b/|f| on the complex box of half-width b. Both runs alternate; medians of three; t = 100 s unless another is given.
+Measured with t = 2: 0.56 against 6.8 CPU seconds, 6 steps against 115, a ratio of 12; with naive steps of R/8 of the longest discs, 2.
 """
 
 import sys
@@ -11,6 +12,8 @@ from contextlib import contextmanager
 from fractions import Fraction
 from statistics import median
 from time import process_time
+
+from flint import acb, arb
 
 from refdem.truth.balls import arb_of
 from refdem.truth.validated_ivp import enclosure, recurrences
@@ -30,13 +33,26 @@ def body(y):
 START = [Fraction(9, 10), Fraction(11, 10), Fraction(13, 10), Fraction(1), Fraction(0), Fraction(0), Fraction(0)]
 
 
+def picard_radius():
+    """max over b of b/|f| where every coordinate is within b of its start, in the complex plane and the maximum norm."""
+    found = []
+    for k in range(1, 40):
+        half = k / 20
+        box = [acb(arb(float(x), half), arb(0, half)) for x in START]
+        found.append(half / max(float(rate.abs_upper()) for rate in body(box)))
+    return max(found)
+
+
 @contextmanager
 def naive():
     """No blocks, no search."""
     before = recurrences.BLOCK, enclosure.FACTORS
     recurrences.BLOCK, enclosure.FACTORS = 10**9, ()
     try:
-        yield Steps(ratio=Fraction(1, 8))
+        begun = Integration(body, lambda: [arb_of(x) for x in START], BITS, Steps(ratio=Fraction(1, 8)))
+        begun.advance()
+        share = picard_radius() / 8 / float(begun.pieces[0].disc.outer)
+        yield Steps(ratio=Fraction(share).limit_denominator(10**6), order=BITS // 3)
     finally:
         recurrences.BLOCK, enclosure.FACTORS = before
 
