@@ -162,7 +162,11 @@ class Stress:
             return Rung(
                 rung=name, verdict="not run", forecast=forecast, sentence="The forecast of its time is beyond the budget (--longest)."
             )
-        return rung_of(name, judging.record(task, "", runs, []))
+        try:
+            return rung_of(name, judging.record(task, "", runs, []))
+        except (ArithmeticError, IndexError, ValueError) as error:  # a check met what no run has shown it: one rung, and no verdict
+            told = f"a check of refdem could not judge it ({type(error).__name__}: {error}); please report this"
+            return Rung(rung=name, verdict="error", quantity="run: judging", sentence=told)
 
     def _recorded(self, places: Sequence[Place], versions: dict[str, str]) -> Record:
         """All climbs but those of methods that can climb nothing; where no method of an engine can, the reason."""
