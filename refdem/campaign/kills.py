@@ -22,7 +22,8 @@ from refdem.faults.transparent import Transparent
 
 WRONG = ("fail", "error")
 FEWEST = 3
-"""Levels from which an order is seen."""
+"""Levels from which an order is seen; a fault that shows without one is refined from the coarsest on."""
+ORDERS = ("order", "convergence")
 WITHHELD = SampledTruth(
     t=[], values={}, radii={}, sensitivity=[], scalars={}, method="not certified", witness="", until=0, reason="truth is withheld"
 )
@@ -138,7 +139,7 @@ class Trial:
         instance, truth = self.instance(setting, seed)
         checks = () if self.whole and seed == 0 else _needed(fault)
         engine, known = fault.carrier(self.engine), dict[Variant, Run]()
-        for levels in range(min(FEWEST, fault.levels), fault.levels + 1):
+        for levels in range(FEWEST if not checks or checks[0] in ORDERS else 1, fault.levels + 1):
             record = self._record(engine, fault.method, instance, truth, levels, checks, known)
             if _killed(_named(fault, record)):
                 break
@@ -170,11 +171,11 @@ class Trial:
             self.progress("sound engine", done, len(work))
 
     def _methods(self, setting: str, seed: int) -> tuple[str, ...]:
-        """All of the transparent engine's at the first seed, then each in turn."""
+        """Each of the transparent engine's in turn."""
         if self.engine is not None:
             return ("",)
         methods = SETTINGS[setting].methods
-        return methods if seed == 0 else (methods[seed % len(methods)],)
+        return (methods[seed % len(methods)],)
 
     def instance(self, setting: str, seed: int) -> tuple[Instance, SampledTruth]:
         """The instance and its truth, proved once for all faults of a seed."""

@@ -124,8 +124,10 @@ def margins(m: "Moving", before: State, after: State, load: Loads, h: Number) ->
         found.append((margin, ("press", number)))
         if margin >= 0 and has_spring(m, before, number):
             found.append((slide_margin(m, before, after, load, number, h, push), ("slide", number)))
-    found += holding.margins(m.world, before, after, h)
-    found += positional.margins(m.world, before, after, m.parts, h)
+    if m.world.hooks:
+        found += holding.margins(m.world, before, after, h)
+    if m.world.tents or m.world.walls:
+        found += positional.margins(m.world, before, after, m.parts, h)
     for number, slider in enumerate(m.world.sliders):
         side = before.side[number]
         if side == 0:

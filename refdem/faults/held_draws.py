@@ -18,7 +18,7 @@ def top(rng: np.random.Generator) -> dict[str, str]:
     """A symmetric top that nutates as it goes round."""
     found = {"mass": _part(rng, 0.75, 1.25), "length": _part(rng, 0.375, 0.5), "theta0": _part(rng, 0.5, 1.25)}
     found |= {"phidot0": _sign(rng) * _part(rng, 1, 2), "thetadot0": _sign(rng) * _part(rng, 0.5, 1), "spin": _sign(rng) * _part(rng, 5, 8)}
-    more = {"inertia": f"{_part(rng, 0.5, 0.625)},{_part(rng, 0.25, 0.375)}", "duration": "2", "samples": "16"}
+    more = {"inertia": f"{_part(rng, 0.5, 0.625)},{_part(rng, 0.25, 0.375)}", "duration": "3/2", "samples": "12"}
     return {name: str(value) for name, value in found.items()} | more
 
 
@@ -37,7 +37,7 @@ def below(rng: np.random.Generator) -> dict[str, str]:
 def chain(rng: np.random.Generator) -> dict[str, str]:
     """Two bobs on two rods, well below chaos."""
     angles = ",".join(str(_sign(rng) * _part(rng, 0.5, 0.75)) for _ in range(2))
-    return {"theta0": angles, "masses": f"{_part(rng, 2, 4)},{_part(rng, 0.25, 0.5)}", "duration": "2", "samples": "16"}
+    return {"theta0": angles, "masses": f"{_part(rng, 2, 4)},{_part(rng, 0.25, 0.5)}", "duration": "3/2", "samples": "12"}
 
 
 def captured(rng: np.random.Generator) -> dict[str, str]:

@@ -130,9 +130,9 @@ def _hold_string(m: "Moving", string: StringOverWheel, length: Number, state: "S
 
 def hold_length(m: "Moving", before: "State", state: "State", h: Number) -> "State":
     """Velocities with which a drift of h ends at the lengths of rods and strings: Newton steps along them as they were."""
-    rods = rods_of(m.world, before)
-    if not rods and not m.world.strings:
+    if not m.tied:
         return state
+    rods = rods_of(m.world, before)
     enough = ENOUGH[m.world.number is float]
     strings = [(string, _sides(string, before.r)) for string in m.world.strings]
     for _ in range(SWEEPS):
@@ -153,6 +153,8 @@ def hold_length(m: "Moving", before: "State", state: "State", h: Number) -> "Sta
 
 def hold_speed(m: "Moving", state: "State") -> "State":
     """Velocities without a part along rods and strings, and as bodies turn about their joints."""
+    if not m.tied:
+        return state
     rods = rods_of(m.world, state)
     for _ in range(len(rods) and (1 if len(rods) == 1 else SWEEPS)):
         largest = 0.0

@@ -111,7 +111,7 @@ def _lopsided(rng: np.random.Generator) -> dict[str, str]:
 def _steep(rng: np.random.Generator) -> dict[str, str]:
     """A spring that pulls with the power 3/2 of its stretch."""
     found = {"mass": _between(rng, 0.5, 2), "stiffness": _between(rng, 0.5, 2), "amplitude": _sign(rng) * _between(rng, 0.5, 2)}
-    return {name: str(value) for name, value in found.items()} | {"samples": "32"}
+    return {name: str(value) for name, value in found.items()} | {"duration": "6", "samples": "32"}
 
 
 def _cycle(rng: np.random.Generator) -> dict[str, str]:

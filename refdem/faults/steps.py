@@ -20,6 +20,7 @@ class Moving:
         self.turning = [i for i, turns in enumerate(world.turns) if turns and not world.fixed[i]]
         jointed = {joint.a for joint in world.joints}
         self.free = [i for i, fixed in enumerate(world.fixed) if not fixed and i not in jointed]
+        self.tied = bool(world.rods or world.hooks or world.strings or world.joints)
         self.depends_on_velocity = bool(
             world.dashpots
             or any(s.law != "coulomb" for s in world.sliders)
@@ -56,7 +57,8 @@ def drift(m: Moving, state: State, h: Number) -> State:
         for axis, part in ((0, 0.5), (1, 0.5), (2, 1.0), (1, 0.5), (0, 0.5)):
             spin, attitude = m.parts.axis_turn(axis, inertia, spin, attitude, part * h)
         w[i], q[i] = spin, m.parts.unit(attitude)
-    return follow(m, state.moved(r, v, q, w, state.t + float(h)))
+    moved = state.moved(r, v, q, w, state.t + float(h))
+    return follow(m, moved) if m.tied else moved
 
 
 def verlet(m: Moving, state: State, load: Loads, h: Number) -> tuple[State, Loads]:

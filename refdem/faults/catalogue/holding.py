@@ -119,12 +119,6 @@ FAULTS = (
         levels=4,
         inside=lambda p: {"reaction": lambda force: vec.times(-2.0, force)},
     ),
-    chain(
-        name="chain-masses-swapped",
-        sentence="Each bob has the mass of the other.",
-        sees=("error", "theta2"),
-        before=of_bodies(mass=lambda m: m[::-1]),
-    ),
     hook(
         name="hook-lets-out",
         sentence="The line is 1 % longer than it was at closest approach.",
