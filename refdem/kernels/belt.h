@@ -79,23 +79,23 @@ static inline void expand(const belt *p, const motion *m, int with_work, piece *
         y->rate[n] = p->normal_force * (p->lambda1 * (p->linear ? (n == 0) : 2.0 * y->w[n]) - (p->mu0 - p->mu1) * p->lambda0 * square(q, n));
 }
 
-/* The longest step for which the last terms stay below round-off of the motion's own sizes. */
+/* The longest step for which the last terms stay at a quarter of an ulp of the motion's own sizes: what is cut off is far below. */
 static inline double step_of(const belt *p, const piece *y)
 {
     double rate = sqrt(p->stiffness / p->mass), reach = p->normal_force * p->mu0 / p->stiffness + fabs(y->x[0]) + y->w[0] / rate;
     double a = fmax(fabs(y->x[ORDER]), fabs(y->w[ORDER]) / rate) / reach;
     double b = fmax(fabs(y->x[ORDER - 1]), fabs(y->w[ORDER - 1]) / rate) / reach;
-    double h = exp2((-57.0 - log2(fmax(a, 1e-300))) / ORDER), k = exp2((-57.0 - log2(fmax(b, 1e-300))) / (ORDER - 1));
+    double h = exp2((-54.0 - log2(fmax(a, 1e-300))) / ORDER), k = exp2((-54.0 - log2(fmax(b, 1e-300))) / (ORDER - 1));
     return fmin(fmin(h, k), 2.0 / rate);
 }
 
-/* The first zero of |u| in a slip: of the series without the zero with which it began. */
-static inline double stop_of(const motion *m, const piece *y, double h)
+/* The first zero of |u| in a slip: of the series without the zero with which it began. The step ends early where that tells sooner. */
+static inline double stop_of(const motion *m, const piece *y, double *restrict h)
 {
     double a[ORDER + 1];
     for (int n = 0; n <= ORDER; n++)
         a[n] = n + m->fresh <= ORDER ? y->w[n + m->fresh] : 0.0;
-    return first_zero(a, h);
+    return first_zero_soon(a, h);
 }
 
 static inline double pull_at(const belt *p, const motion *m, double since, double *restrict slope)
@@ -157,7 +157,7 @@ static inline void next_piece(const belt *p, const motion *m, int with_work, pie
         return;
     }
     expand(p, m, with_work, y);
-    double h = step_of(p, y), stop = stop_of(m, y, h);
+    double h = step_of(p, y), stop = stop_of(m, y, &h);
     y->event = stop > 0.0 ? STOPS : 0;
     y->end = stop > 0.0 ? stop : h;
 }

@@ -58,7 +58,8 @@ static void expand(const pair *p, const motion *m, stretch *restrict z)
     z->force[ORDER] = p->stiffness * d[ORDER] + p->damping * g[ORDER], z->slip[ORDER] = 0.0;
 }
 
-/* The longest step for which the last terms stay below round-off of the motion's own sizes. */
+/* The longest step for which the last terms stay at an ulp of the motion's own sizes: as the terms fall by factorials, what is cut off
+ * is far below. */
 static double step_of(const pair *p, const stretch *z)
 {
     double speed = fabs(z->y[G][0]) + fabs(z->y[Q][0]) + fabs(p->radius_i * z->y[SPIN_I][0]) + fabs(p->radius_j * z->y[SPIN_J][0]);
@@ -67,20 +68,23 @@ static double step_of(const pair *p, const stretch *z)
     for (int n = ORDER - 1; n <= ORDER; n++) {
         double last = fmax(fabs(z->y[G][n]), fabs(z->y[Q][n]));
         last = fmax(last, fmax(fabs(p->radius_i * z->y[SPIN_I][n]), fabs(p->radius_j * z->y[SPIN_J][n])));
-        h = fmin(h, exp2((-56.0 - log2(fmax(last / speed, 1e-300))) / n));
+        h = fmin(h, exp2((-53.0 - log2(fmax(last / speed, 1e-300))) / n));
     }
     return fmin(h, p->longest);
 }
 
-/* The first zero in (0, h] of a series that begins with `skip` zeros; the event with the mode that follows is kept if it is the first. */
+/* The first zero of a series that begins with `skip` zeros; the event with the mode that follows is kept if it is the first. The stretch
+ * ends early where that tells sooner. */
 static void watched(const double *a, int skip, int next, stretch *restrict z)
 {
     series b;
     for (int n = 0; n <= ORDER; n++)
         b[n] = n + skip <= ORDER ? a[n + skip] : 0.0;
-    double at = b[0] < 0.0 ? 0.0 : first_zero(b, z->end);
+    double end = z->end, at = b[0] < 0.0 ? 0.0 : first_zero_soon(b, &end);
     if (at >= 0.0 && (at < z->end || z->next < 0))
         z->end = at, z->next = next;
+    else if (end < z->end)
+        z->end = end, z->next = -1;
 }
 
 /* Watches what ends a slip, the rate at which the spring would have to grow, or a hold, the spring's longest. */

@@ -19,10 +19,14 @@ static const double PART[ORDER + 1] = {
 
 static inline double product(const double *restrict a, const double *restrict b, int n)
 {
-    double even = 0.0, odd = 0.0;
-    for (int i = 0; i < n; i += 2)
-        even += a[i] * b[n - i], odd += a[i + 1] * b[n - i - 1];
-    return n % 2 ? even + odd : even + odd + a[n] * b[0];
+    double sum[4] = {0.0, 0.0, 0.0, 0.0};
+    int i = 0;
+    for (; i + 3 <= n; i += 4)
+        for (int k = 0; k < 4; k++)
+            sum[k] += a[i + k] * b[n - i - k];
+    for (; i <= n; i++)
+        sum[0] += a[i] * b[n - i];
+    return (sum[0] + sum[1]) + (sum[2] + sum[3]);
 }
 
 static inline double square(const double *a, int n)
@@ -107,6 +111,27 @@ static inline double zero_between(const double *restrict a, double low, double h
     return b.high;
 }
 
+/* Below the series on (0, w], and above its slope there. */
+static inline double least_of(const double *restrict b, double w)
+{
+    double least = b[0] > 0.0 ? b[0] : 0.0, power = w;
+    for (int n = 1; n <= ORDER; n++, power *= w) {
+        double part = b[n] * power;
+        least += part < 0.0 ? part : 0.0;
+    }
+    return least;
+}
+
+static inline double steepest_of(const double *restrict b, double w)
+{
+    double steepest = b[1], power = w;
+    for (int n = 2; n <= ORDER; n++, power *= w) {
+        double part = n * b[n] * power;
+        steepest += part > 0.0 ? part : 0.0;
+    }
+    return steepest;
+}
+
 /* The first zero in (0, h] of a series that is > 0 just after 0; -1 if there is none. */
 static inline double first_zero(const double *restrict a, double h)
 {
@@ -115,24 +140,14 @@ static inline double first_zero(const double *restrict a, double h)
     from[0] = 0.0, width[0] = h;
     while (waiting) {
         waiting--;
-        double low = from[waiting], w = width[waiting], least, steepest, power = w;
+        double low = from[waiting], w = width[waiting];
         if (low > 0.0)
             moved(a, low, b);
         else
             memcpy(b, a, sizeof b);
-        least = fmax(b[0], 0.0), steepest = b[1];
-        for (int n = 1; n <= ORDER; n++, power *= w) {
-            double part = b[n] * power;
-            least += part < 0.0 ? part : 0.0;
-        }
-        if (least > 0.0)
+        if (least_of(b, w) > 0.0)
             continue;
-        power = w;
-        for (int n = 2; n <= ORDER; n++, power *= w) {
-            double part = n * b[n] * power;
-            steepest += part > 0.0 ? part : 0.0;
-        }
-        if (steepest <= 0.0 || w < 0x1p-45 * h) {
+        if (steepest_of(b, w) <= 0.0 || w < 0x1p-45 * h) {
             if (value(a, low + w) <= 0.0)
                 return zero_between(a, low, low + w);
             continue;
@@ -141,6 +156,22 @@ static inline double first_zero(const double *restrict a, double h)
         from[waiting] = low, width[waiting++] = 0.5 * w;
     }
     return -1.0;
+}
+
+/* The same where a stretch may end early: `h` becomes shorter, to where there is no zero, rather than that the series is moved. */
+static inline double first_zero_soon(const double *restrict a, double *restrict h)
+{
+    for (double w = *h; w > 0x1p-12 * *h; w *= 0.5) {
+        if (least_of(a, w) > 0.0) {
+            *h = w;
+            return -1.0;
+        }
+        if (steepest_of(a, w) <= 0.0) {
+            *h = w;
+            return value(a, w) <= 0.0 ? zero_between(a, 0.0, w) : -1.0;
+        }
+    }
+    return first_zero(a, *h);
 }
 
 #endif

@@ -40,7 +40,10 @@ static int64_t crossings(const belt *p, const motion *m, const piece *y, double 
     if (2.0 * fabs(v[0]) > sum)
         return count;
     for (int skip = v[0] == 0.0; from < y->end; skip = 1) {
-        moved(v, from, a);
+        if (from > 0.0)
+            moved(v, from, a);
+        else
+            memcpy(a, v, sizeof a);
         for (int n = 0; n <= ORDER; n++)
             a[n] = n + skip <= ORDER ? a[n + skip] : 0.0;
         for (int n = ORDER; n >= 0; n--)
