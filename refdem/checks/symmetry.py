@@ -8,7 +8,7 @@ from refdem.core import symmetry
 from refdem.core.check import Array, Check, Outcome, Trial
 from refdem.core.finding import Finding
 from refdem.core.judgement import certified, distances, growth_shown, perturbation, undecided, worst
-from refdem.core.refinement import scored
+from refdem.core.refinement import COUNTING_FLOOR, scored
 from refdem.core.trajectory import Trajectory
 from refdem.core.variant import Variant
 
@@ -145,6 +145,7 @@ def _steady(
     """What may differ at the finest step (T,) if the coarsest shows a difference as large; None if it does not, or was not run.
 
     What hangs on the last bit is rare, and as large as the error of a step. A force that breaks the symmetry is so at every step.
+    Nothing is said of differences that are mostly round-off.
     """
     coarsest = trial.levels[0]
     plain, changed = Variant(coarsest), Variant(coarsest, variant.change)
@@ -152,7 +153,7 @@ def _steady(
         return None
     coarse = distances(trial.instance, view.undone(runs[changed].trajectory), runs[plain].trajectory)[:count]
     sizes = symmetry.size(trial.instance, view) * growth
-    rounding = [2 * (trial.round_off(level) + trial.clock()) * sizes for level in (coarsest, variant.level)]
+    rounding = [COUNTING_FLOOR * 2 * (trial.round_off(level) + trial.clock()) * sizes for level in (coarsest, variant.level)]
     largest, octaves = float(np.max(coarse)), np.log2(coarsest / variant.level)
     alike = bool(np.any(coarse > rounding[0][:count])) and float(np.max(apart[:count])) < 2.0**CHANCE * largest
     falling = largest * 2.0 ** (CHANCE - octaves * trial.method.order_for(trial.instance.scene.features))

@@ -26,8 +26,11 @@ from refdem.scene.shapes import Polyhedron, Shape, Sphere
 Array = NDArray[np.float64]
 
 NAMES = ("shifted", "rotated", "boosted", "mirrored", "relabelled", "rescaled", "delayed")
-UNITS = (1 / np.sqrt(11.0), np.sqrt(51.0), np.sqrt(3.0))
-"""Units of mass, length and time in which no number stays round: what a code keeps in too few digits is rounded anew."""
+UNITS = (1 / np.sqrt(11.0), np.sqrt(51.0), 3.0 + 2.0**-24)
+"""Units of mass, length and time in which no number stays round: what a code keeps in too few digits is rounded anew.
+
+That of time has 26 bits: too many for single precision, and few enough for a clock that is summed plainly in double precision.
+"""
 REFLECTION = np.array([1.0, 1.0, -1.0, -1.0])
 """What a reflection of x does to an attitude (w, x, y, z): R' = M R M with M = diag(-1, 1, 1)."""
 
