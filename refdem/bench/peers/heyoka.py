@@ -6,6 +6,7 @@ from typing import Any
 import numpy as np
 
 from refdem.bench.peers._coulomb import coulomb
+from refdem.bench.peers._oblique import Oblique, oblique
 from refdem.bench.peers._peer import CARTESIAN, Peer
 from refdem.core.engine import Method
 from refdem.core.problem import Motion, Request
@@ -23,7 +24,7 @@ class Heyoka(Peer):
     methods = (
         Method(name="taylor", summary="Taylor, order by the tolerance; a pendulum in its angle", control="tolerance"),
         Method(name="taylor" + CARTESIAN, summary="a rod's end by its stabilised constraint force", control="tolerance"),
-        Method(name=EVENTS, summary="dry friction with events where the velocity is zero", control="tolerance"),
+        Method(name=EVENTS, summary="dry friction, and oblique contact, with their events", control="tolerance"),
     )
 
     def __init__(self) -> None:
@@ -32,7 +33,8 @@ class Heyoka(Peer):
     def refusal(self, problem: Motion, method: Method) -> str | None:
         """None for scenes with equations; events for a Coulomb oscillator."""
         if method.name == EVENTS:
-            return None if coulomb(problem.scene) else "dry friction on a line is all it has events for"
+            told = coulomb(problem.scene) or oblique(problem.scene)
+            return None if told else "dry friction on a line and contact of two spheres are all it has events for"
         return super().refusal(problem, method)
 
     def run(self, request: Request) -> tuple[Trajectory, Cost]:
@@ -55,7 +57,8 @@ class Heyoka(Peer):
         """From turning point to turning point, until at one of them the spring is no stronger than friction."""
         begun, t = perf_counter(), request.problem.times
         law = coulomb(request.problem.scene)
-        assert law is not None
+        if law is None:
+            return self._oblique(request)
         key = (law, request.tolerance)
         if key not in self._compiled:
             self._compiled[key] = law.integrator(request.tolerance)
@@ -70,6 +73,19 @@ class Heyoka(Peer):
         position, velocity = np.zeros((len(t), 1, 3)), np.zeros((len(t), 1, 3))
         position[:, 0, 0], velocity[:, 0, 0] = states.T
         return Trajectory.of_points(t, position, velocity), cost
+
+    def _oblique(self, request: Request) -> tuple[Trajectory, Cost]:
+        """From event to event, an integrator for each mode of the contact."""
+        begun, t, pair = perf_counter(), request.problem.times, oblique(request.problem.scene)
+        assert isinstance(pair, Oblique)
+        key = (pair.key, request.tolerance)
+        if key not in self._compiled:
+            self._compiled[key] = pair.integrators(request.tolerance)
+        integrators = self._compiled[key]
+        started = perf_counter()
+        found, steps, seconds = pair.followed(integrators, t)
+        cost = Cost(seconds=seconds, setup=started - begun, steps=steps)
+        return pair.trajectory(t, found), cost
 
 
 def _integrator(system: Any, tolerance: float | None) -> Any:

@@ -1,0 +1,135 @@
+"""The section of a point on a belt that is driven, by the peers: Stribeck's law between events, the drive at many frequencies.
+
+A slip, x' = u + belt, m u' = pull - side N mu(side u), ends at side u = 0; the section counts v = 0 on its way. Sticking, the pull alone is
+followed, P' = -F w sin(w t) - k belt, to where it passes the limit.
+"""
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from refdem.scene import Scene
+from refdem.scene.elements.force import Force
+from refdem.scene.elements.slider import Slider
+from refdem.scene.elements.spring import Spring
+
+BEGIN = 1e-14
+"""The slip with which one begins [m/s]: a zero at its very start would be taken for its end."""
+
+
+@dataclass(frozen=True)
+class Belt:
+    """Unit mass and spring; places from the spring's anchor."""
+
+    slider: Slider
+    amplitude: float
+    anchor: float
+
+    @classmethod
+    def of(cls, scene: Scene) -> "Belt":
+        """The belt of a scene of the case stick-slip."""
+        return cls(scene.all(Slider)[0], scene.all(Force)[0].amplitude, scene.all(Spring)[0].anchor_b[0])
+
+    @property
+    def limit(self) -> float:
+        """The largest pull that is held [N]."""
+        return self.slider.normal_force * self.slider.mu0
+
+    def friction(self, w: Any) -> Any:
+        """N mu at the speed w of a slip, for numbers and symbols."""
+        s = self.slider
+        return s.normal_force * ((s.mu0 - s.mu1) / (1.0 + s.lambda0 * w) + s.mu1 + s.lambda1 * w * w)
+
+    def pull(self, t: float, frequency: float, x: float) -> float:
+        """What spring and drive pull with [N]."""
+        return self.amplitude * math.cos(frequency * t) - x
+
+    def walked(self, frequency: float, periods: int, skip: int, slip: Callable[..., Any], stick: Callable[..., Any]) -> list[float]:
+        """Places > 0 [m] at which v = 0 after `skip` of the periods, from x = v = 0.
+
+        slip(t, x, u, side, end, frequency) -> (t, x, places with times), stick(t, pull, end, frequency) -> t.
+        """
+        t, x, u, end = 0.0, -self.anchor, -self.slider.belt_velocity, 2 * math.pi / frequency * periods
+        begin, places, side = 2 * math.pi / frequency * skip, [], math.copysign(1.0, u)
+        while True:
+            t, x, passed = slip(t, x, u, side, end, frequency)
+            places += [place for when, place in passed if when >= begin and place > 0]
+            if t < end and abs(self.pull(t, frequency, x)) <= self.limit:
+                before, t = t, stick(t, self.pull(t, frequency, x), end, frequency)
+                x += self.slider.belt_velocity * (t - before)
+            if t >= end:
+                return places
+            side = math.copysign(1.0, self.pull(t, frequency, x))
+            u = side * BEGIN
+
+
+def by_heyoka(belt: Belt, tolerance: float) -> tuple[Callable[..., Any], Callable[..., Any]]:
+    """heyoka's slip and stick: integrators compiled once for all frequencies."""
+    import heyoka
+
+    x, u = heyoka.make_vars("x", "u")
+    pulled = heyoka.make_vars("p")
+    w, side, speed = heyoka.par[0], heyoka.par[1], belt.slider.belt_velocity
+    passed: list[tuple[float, float]] = []
+
+    def seen(integrator: Any, when: float, direction: int) -> None:
+        passed.append((when, float(integrator.update_d_output(when)[0]) + belt.anchor))
+
+    rates = [(x, u + speed), (u, belt.amplitude * heyoka.cos(w * heyoka.time) - x - side * belt.friction(side * u))]
+    down, up = heyoka.event_direction.negative, heyoka.event_direction.positive
+    stops, turns = [heyoka.t_event(side * u, direction=down)], [heyoka.nt_event(u + speed, callback=seen)]
+    slips = heyoka.taylor_adaptive(rates, [0.0, 0.0], pars=[1.0, 1.0], t_events=stops, nt_events=turns, tol=tolerance)
+    held = [(pulled, -belt.amplitude * w * heyoka.sin(w * heyoka.time) - speed)]
+    limits = [heyoka.t_event(pulled - belt.limit, direction=up), heyoka.t_event(pulled + belt.limit, direction=down)]
+    sticks = heyoka.taylor_adaptive(held, [0.0], pars=[1.0], t_events=limits, tol=tolerance)
+
+    def slip(t: float, x: float, u: float, side: float, end: float, frequency: float) -> tuple[float, float, list[tuple[float, float]]]:
+        passed.clear()
+        slips.time, slips.state[:], slips.pars[:] = t, (x, u), (frequency, side)
+        slips.propagate_until(end)
+        return slips.time, float(slips.state[0]), list(passed)
+
+    def stick(t: float, pull: float, end: float, frequency: float) -> float:
+        sticks.time, sticks.state[0], sticks.pars[0] = t, pull, frequency
+        sticks.propagate_until(end)
+        return float(sticks.time)
+
+    return slip, stick
+
+
+def by_scipy(belt: Belt, tolerance: float) -> tuple[Callable[..., Any], Callable[..., Any]]:
+    """SciPy's DOP853 with its events; the right-hand side in Python."""
+    from scipy.integrate import solve_ivp
+
+    given = {"method": "DOP853", "rtol": max(tolerance, 2.3e-14), "atol": tolerance}
+    speed = belt.slider.belt_velocity
+
+    def slip(t: float, x: float, u: float, side: float, end: float, frequency: float) -> tuple[float, float, list[tuple[float, float]]]:
+        def rates(now: float, y: np.ndarray) -> tuple[float, float]:
+            return y[1] + speed, belt.pull(now, frequency, y[0]) - side * belt.friction(side * y[1])
+
+        def stops(now: float, y: np.ndarray) -> float:
+            return side * y[1]
+
+        def turns(now: float, y: np.ndarray) -> float:
+            return y[1] + speed
+
+        stops.terminal, stops.direction = True, -1  # type: ignore[attr-defined]
+        found = solve_ivp(rates, (t, end), (x, u), events=(stops, turns), **given)
+        passed = [(float(when), float(y[0]) + belt.anchor) for when, y in zip(found.t_events[1], found.y_events[1], strict=True)]
+        return float(found.t[-1]), float(found.y[0, -1]), passed
+
+    def stick(t: float, pull: float, end: float, frequency: float) -> float:
+        def rates(now: float, y: np.ndarray) -> tuple[float]:
+            return (-belt.amplitude * frequency * math.sin(frequency * now) - speed,)
+
+        def passes(now: float, y: np.ndarray) -> float:
+            return belt.limit - abs(y[0])
+
+        passes.terminal, passes.direction = True, -1  # type: ignore[attr-defined]
+        return float(solve_ivp(rates, (t, end), (pull,), events=passes, **given).t[-1])
+
+    return slip, stick
