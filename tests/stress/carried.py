@@ -25,7 +25,7 @@ def climbs(
     whole = battery(name)
     (found,) = (one for one in whole.ladders if one.name == ladder)
     promised = found.promised if found.promised in rungs else ""
-    exempt = {who: due for who, due in found.exempt.items() if due[0] in rungs}
+    exempt = {who: due if due[0] in rungs else ("", "") for who, due in found.exempt.items()}
     short = replace(found, rungs=tuple(rungs), promised=promised, basis=found.basis if promised else "", exempt=exempt)
     with discovery.engine_here(engine):
         asked = replace(whole, ladders=(short,))
