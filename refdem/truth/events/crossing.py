@@ -76,9 +76,9 @@ def first_crossing(watched: Watched, low: arb, high: arb) -> arb | None:
                 continue
             if rate < 0 and watched.value(b) < 0:
                 return only_zero(watched, a, b)
-        if not b - a > least:
-            raise undecided(watched, a, b)
         middle = (a + (b - a) * SPLIT / 128).mid()
+        if not b - a > least or not a < middle < b:
+            raise undecided(watched, a, b)
         waiting += [(middle, b), (a, middle)]
     return None
 

@@ -21,6 +21,8 @@ from refdem.truth.validated_ivp.moved import Spread, identity, moved
 RETRIES = 4
 """Of a window whose end lies too near a zero: each is a little shorter."""
 SHORTER = Fraction(7, 8)
+BEYOND = Fraction(1, 64)
+"""Of a piece: a window reaches at least so far, also beyond its end (but not its disc's), where a zero may lie exactly."""
 
 
 class Phase(Integration):
@@ -63,7 +65,7 @@ class Phase(Integration):
         if self.searched >= self.pieces[-1].end:
             self.advance()
         piece = self.pieces[-1]
-        width = min(self.mode.mode.window, piece.end - self.searched)
+        width = min(self.mode.mode.window, max(piece.end - self.searched, piece.length * BEYOND))
         for attempt in range(RETRIES):
             high = self.searched + width * SHORTER**attempt
             try:
