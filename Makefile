@@ -78,7 +78,7 @@ clean:
 	touch $@
 
 .venv/for-tests: .venv/for-runs
-	$(BIN)/python ci/dependencies.py test >.venv/wanted.txt
+	$(BIN)/python ci/dependencies.py test bench >.venv/wanted.txt
 	$(CONSTRAINED) .venv/wanted.txt
 	touch $@
 
