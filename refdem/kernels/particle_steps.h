@@ -64,7 +64,7 @@ static inline void stretch(const runner *r, double *restrict y, double h, double
         if (r->mode[k] == STICK && p->tangential_stiffness > 0.0)
             add(s, h, m.slip);
         if (r->mode[k] == SLIP && p->tangential_stiffness > 0.0)
-            lean(&m, p->tangential_stiffness, h, s);
+            lean(&m, grip(p, &m), h, s);
         memcpy(old, m.n, sizeof m.n);
     }
 }
