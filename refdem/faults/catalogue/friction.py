@@ -192,14 +192,7 @@ FAULTS = (
         sentence="The tangential spring starts anew in every step.",
         on=("sticker",),
         sees=("error", "omega1.z"),
-        inside=lambda p: {"stretched": lambda s, before, now, h: p.stretched(vec.ZERO, before, now, h)},
-    ),
-    friction(
-        name="spring-slides-at-once",
-        sentence="A spring that sticks slides already at half of Coulomb's limit.",
-        on=("sticker",),
-        sees=("error", "omega1.z"),
         levels=6,
-        before=of_elements(Contact, friction=scaled(0.5)),
+        inside=lambda p: {"stretched": lambda s, before, now, h: p.stretched(vec.ZERO, before, now, h)},
     ),
 )
