@@ -110,7 +110,8 @@ FAULTS = (
     subtle(
         name="inertia-of-the-first",
         sentence="The moments of inertia of the first body are used for all.",
-        on=("scrape",),
+        on=("sticker",),
+        levels=5,
         sees=("error", "omega2.z"),
         before=of_bodies(inertia=lambda moments: moments[[0] * len(moments)]),
     ),
