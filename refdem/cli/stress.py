@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 if TYPE_CHECKING:
+    from refdem.core.store import Store
     from refdem.report.stress import Cells, Section
     from refdem.stress.record import Record
     from refdem.stress.tables import Table
@@ -42,12 +43,13 @@ def command(
 
     chosen = batteries(battery or [], [Entry(name, given) for name, given in map(labelled, case or [])])
     refuse_unwritable(out)
+    store = Store(default_path())
     record = Stress(
-        chosen, Store(default_path()), engines=engine or [], method=method, jobs=workers(jobs), timeout=timeout, longest=longest,
+        chosen, store, engines=engine or [], method=method, jobs=workers(jobs), timeout=timeout, longest=longest,
         require=require, progress=Progress(),
     ).record()  # fmt: skip
     (out / "stress.json").write_bytes(msgspec.json.encode(record))
-    written(out, record)
+    written(out, record, store)
     print(msgspec.json.encode(record).decode() if json else "\n".join([*lines(record), f"stress: {out / 'stress.html'}"]))
     raise typer.Exit(status(record))
 
@@ -58,13 +60,13 @@ def status(record: "Record") -> int:
     return 0 if not ends else 3 if ends == {"error"} else 1
 
 
-def written(out: Path, record: "Record") -> None:
+def written(out: Path, record: "Record", store: "Store | None" = None) -> None:
     """Writes the pages."""
     from refdem.report.stress import write
     from refdem.stress.tables import introduction, summary
 
     sections = [_section(record, number) for number in range(len(record.batteries))]
-    write(out, TITLE, introduction(record), [_cells(table) for table in summary(record)], [s for s in sections if s.tables])
+    write(out, TITLE, introduction(record), [_cells(table) for table in summary(record)], [s for s in sections if s.tables], store)
 
 
 def _section(record: "Record", number: int) -> "Section":

@@ -161,7 +161,7 @@ class Instance:
     case: Canonical
     p: Parameters
 
-    @property
+    @cached_property
     def label(self) -> str:
         """`case[name=value name=value]`, only what differs from the defaults."""
         changed = " ".join(f"{name}={value}" for name, value in self.p.changed().items())

@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
+from refdem.core.store import Store
 from refdem.report.chart_data import ChartData
 from refdem.report.figures import equip, picture, specification
 from refdem.report.files import written
@@ -105,18 +106,18 @@ def _markdown(cells: Cells) -> str:
     return f"{title}:\n\n{table(list(header), [[plain(cell) for cell in row] for row in rows])}"
 
 
-def page(title: str, words: str, tables: Sequence[Cells], sections: Sequence[Section]) -> str:
-    """The report as HTML with interactive charts, in the frame of every page."""
-    drawn = [None if data is None else specification(data, None) for data in map(chart, sections)]
+def page(title: str, words: str, tables: Sequence[Cells], sections: Sequence[Section], drawn: Sequence[str | None]) -> str:
+    """The report as HTML with interactive charts, one specification a section, in the frame of every page."""
     sheet = environment().get_template("stress.html")
     return sheet.render(root="", title=title, words=words, tables=tables, sections=sections, specs=drawn, caption=CAPTION)
 
 
-def write(folder: Path, title: str, words: str, tables: Sequence[Cells], sections: Sequence[Section]) -> None:
+def write(folder: Path, title: str, words: str, tables: Sequence[Cells], sections: Sequence[Section], store: Store | None = None) -> None:
     """Writes stress.md, stress.html, figures/stress-BATTERY.svg and what the page needs into a folder."""
-    for section in sections:
-        if (data := chart(section)) is not None:
-            written(folder / "figures" / f"stress-{section.id}.svg", picture(specification(data, None), None))
+    drawn = [None if data is None else specification(data, store) for data in map(chart, sections)]
+    for section, spec in zip(sections, drawn, strict=True):
+        if spec is not None:
+            written(folder / "figures" / f"stress-{section.id}.svg", picture(spec, store))
     written(folder / "stress.md", markdown(title, words, tables, sections, "figures"))
-    written(folder / "stress.html", page(title, words, tables, sections))
-    equip(folder, None)
+    written(folder / "stress.html", page(title, words, tables, sections, drawn))
+    equip(folder, store)
