@@ -111,8 +111,7 @@ FAULTS = (
         name="inertia-of-the-first",
         sentence="The moments of inertia of the first body are used for all.",
         on=("sticker",),
-        levels=5,
-        sees=("error", "omega2.z"),
+        sees=("angular-momentum", "total"),
         before=of_bodies(inertia=lambda moments: moments[[0] * len(moments)]),
     ),
     subtle(
