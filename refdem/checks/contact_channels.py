@@ -45,8 +45,8 @@ class ContactChannels(Check):
         if "overlap" in run.channels:
             off = np.abs(_largest(run, "overlap") - np.maximum(overlap, 0.0)) / length
             found.append(("overlap", run.t, off, np.full(len(off), exact), "it follows from the places of the same row, to round-off"))
-        if "contact_force" in run.channels and peak > 0:
-            told = np.abs(overlap) > exact * length  # at the touch rounding says whether a dashpot acts
+        told = np.abs(overlap) > exact * length  # at the touch rounding says whether a dashpot acts
+        if "contact_force" in run.channels and peak > 0 and told.any():
             off = np.abs(_largest(run, "contact_force") - force)[told] / peak
             allowed = trial.truncation(level) + exact * (1 + length / float(np.max(overlap)))
             basis = "it follows from the state of the same row, to the truncation error of velocities and to round-off"

@@ -55,13 +55,13 @@ FAULTS = [
     ),
     (
         "friction that pushes",
-        "engines/pymunk/space.py",
+        "engines/pymunk/callbacks.py",
         (
-            "friction.max_force, friction.error_bias = link.friction * link.normal_force, 1.0",
-            "friction.max_force, friction.error_bias = 0.0, 1.0\n"
-            "    push = link.friction * link.normal_force\n"
-            "    a.velocity_func = lambda b, g, d, dt: setattr(\n"
-            "        b, 'velocity', (b.velocity[0] + (push if b.velocity[0] > 0 else -push) / b.mass * dt, 0.0))",
+            "    joint.max_force, joint.error_bias = load * link.coefficient(0.0), 1.0\n",
+            "    joint.max_force, joint.error_bias = 0.0, 1.0\n"
+            "    push = load * link.coefficient(0.0)\n"
+            "    joint.a.velocity_func = lambda b, g, d, dt: setattr(\n"
+            "        b, 'velocity', (b.velocity[0] + (push if b.velocity[0] > 0 else -push) / b.mass * dt, 0.0))\n",
         ),
         ("coulomb-oscillator", "pymunk", "semi-implicit-euler"),
         ["stop/stop_position", "energy/balance"],
