@@ -60,7 +60,8 @@ class Schedule:
         waiting, running = iter(jobs), dict[Any, Job]()
         while True:
             for job in waiting:
-                running[self._pool.schedule(job.function, args=job.arguments, timeout=job.timeout or self._timeout)] = job
+                call = (job.function, *job.arguments)
+                running[self._pool.schedule(guarded, args=call, timeout=job.timeout or self._timeout)] = job
                 if len(running) >= self._window:
                     break
             if not running:
@@ -72,11 +73,23 @@ class Schedule:
 
     def _result(self, future: Any, timeout: float) -> bytes | Failure:
         try:
-            result: bytes = future.result()
+            result: bytes | Failure = future.result()
             return result
         except FutureTimeout:
             return Failure(kind="hang", sentence=f"it was still running after {timeout:g} s and was killed")
         except ProcessExpired as error:
             return Failure(kind="crash", sentence=f"its process died with exit code {error.exitcode}")
         except Exception as error:
-            return Failure(kind="exception", sentence=f"{type(error).__name__}: {error}")
+            return _failure(error)
+
+
+def guarded(function: Callable[..., bytes], *arguments: Any) -> bytes | Failure:
+    """What the function returns, or what it raised as a Failure: not every exception can travel between processes."""
+    try:
+        return function(*arguments)
+    except Exception as error:
+        return _failure(error)
+
+
+def _failure(error: Exception) -> Failure:
+    return Failure(kind="exception", sentence=f"{type(error).__name__}: {error}")

@@ -26,12 +26,13 @@ def sampled_truth(case: str, given: dict[str, str], delays: tuple[float, ...] = 
     until = 0 and a reason if there is none.
     """
     from refdem.core.truth import SampledTruth
+    from refdem.truth.balls import UndecidedError
     from refdem.truth.sampled import sampled
 
     instance = discovery.case(case).at(**given)
     try:
         truth = sampled(instance.truth(), instance.times.tolist(), delays)
-    except NotCertifiedError as error:
+    except (NotCertifiedError, UndecidedError) as error:
         truth = SampledTruth(
             t=[], values={}, radii={}, sensitivity=[], scalars={}, method="not certified", witness="", until=0, reason=str(error)
         )
