@@ -20,7 +20,7 @@ class Beside:
         self.reasons: list[str | None] = []
 
     def __enter__(self) -> "Beside":
-        command = [str(self._python), "-m", "refdem.bench.turns"]
+        command = [str(self._python), "-P", "-m", "refdem.bench.turns"]  # -P: what is installed there, not a checkout that we stand in
         self._process = subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True)
         return self
 

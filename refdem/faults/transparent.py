@@ -136,6 +136,8 @@ def _refused(element: Element) -> str | None:
         return f"a {element.kind} that does not join a centre to the world"
     if isinstance(element, StringOverWheel) and element.radius > 0:
         return "a string over a wheel that has a size"
+    if isinstance(element, Contact) and element.law == "hertz" and element.tangential_stiffness > 0:
+        return "no tangential spring under Hertz's law"
     return "no rigid contact" if isinstance(element, Contact) and element.law == "rigid" else None
 
 

@@ -75,7 +75,7 @@ TIMELESS = {
 SELECTIONS = {"time-reversal", "lyapunov"}
 CATALOGUE["impact-benchmarks"] = (
     "member material branch cutoff radius density speed angle normal_speed psi spin partner_radius partner_density partner_spin "
-    "restitution stiffness tangential_stiffness friction gravity height",
+    "restitution stiffness tangential_stiffness friction gravity height overlap",
     [f"{kind}.{a}" for kind in ("r", "v", "omega") for a in AXES],
 )
 STARTS = [
