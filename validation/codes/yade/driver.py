@@ -22,11 +22,10 @@ ROWS = []
 
 def refuse(law, bodies):
     """Ends with status 77 for what neither law is."""
-    rubs, pulls = law["friction"] > 0, law["damping"] > 0 and law["cutoff"] == "zero_overlap"
+    rubs = law["friction"] > 0
     cannot(rubs and law["tangential_stiffness"] == 0, "friction of full size at any slip: it goes through a tangential spring")
     cannot(rubs and law["branch"] != "R-d/2", "a branch other than R - d/2")
-    cannot(rubs and pulls, "no friction while the normal force pulls: the limit is friction times its size")
-    cannot(law["damping"] > 0 and not pulls, "a force that must not pull")
+    cannot(law["damping"] > 0 and law["cutoff"] == "zero_overlap", "a force that pulls: the damped one ends where it would")
     cannot(any(body["shape"]["kind"] != "sphere" for body in bodies), "contacts of points")
 
 
