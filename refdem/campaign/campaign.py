@@ -8,12 +8,12 @@ from dataclasses import dataclass, field
 import msgspec
 
 import refdem
-from refdem.campaign import judging, plan, sheets, worker
+from refdem.campaign import judging, plan, sheets, unchanged, worker
 from refdem.campaign.deviations import of_engine
 from refdem.campaign.plan import Task
 from refdem.campaign.schedule import InProcess, Job, Schedule
 from refdem.campaign.specification import Specification
-from refdem.campaign.truths import sampled_truths
+from refdem.campaign.truths import FAILED, sampled_truths
 from refdem.core.case import Instance
 from refdem.core.engine import Engine
 from refdem.core.finding import CampaignSheet, Sheet
@@ -49,13 +49,37 @@ class Campaign:
     runs: dict[tuple[int, Variant], Run] = field(default_factory=dict)
     known: dict[tuple[str, ...], str] = field(default_factory=dict)
     deadlines: dict[str, float] = field(default_factory=dict)
+    lasting: bool = True
 
     def sheets(self) -> list[Sheet]:
-        """Everything that a report is made of."""
+        """Everything that a report is made of; kept, unless something ended in a way that it may not end in next time."""
         start = time.perf_counter()
-        instances = plan.instances(self.specification)
         engines, _ = plan.engines(self.specification)
         _refuse_namesakes(engines)
+        key = unchanged.key_of(self.specification, engines) if self.use_store else None
+        found = unchanged.kept(self.store, key) if key else None
+        if found is None:
+            found = self._made(engines)
+            if key and self.lasting:
+                unchanged.keep(self.store, key, [self._whole(start), *found])
+        else:
+            whole, *found = found
+            assert isinstance(whole, CampaignSheet)
+            self.read = whole.runs_made + whole.runs_read
+        return [self._whole(start), *found]
+
+    def _whole(self, start: float) -> CampaignSheet:
+        return CampaignSheet(
+            name=self.specification.name,
+            refdem=refdem.__version__,
+            runs_made=self.made,
+            runs_read=self.read,
+            seconds=time.perf_counter() - start,
+        )
+
+    def _made(self, engines: list[Engine]) -> list[Sheet]:
+        """The sheets of engines, cases and records."""
+        instances = plan.instances(self.specification)
         self.deadlines = {engine.name: time.time() + engine.budget for engine in engines if engine.budget is not None}
         with Schedule(self.jobs, self.specification.timeout) if self.jobs else InProcess() as schedule:
             truths = self._truths(schedule, [(instance, self._delays(instance, engines)) for instance, _ in instances])
@@ -70,14 +94,7 @@ class Campaign:
             self._run(schedule, tasks, [(n, v) for n, v in wanted if v.goes_on], "runs that go on")
         records = self._records(tasks)
         cases = {i.label: sheets.case_sheet(i, truth) for (i, _), truth in zip(instances, truths, strict=True)}
-        whole = CampaignSheet(
-            name=self.specification.name,
-            refdem=refdem.__version__,
-            runs_made=self.made,
-            runs_read=self.read,
-            seconds=time.perf_counter() - start,
-        )
-        return [whole, *(sheets.engine_sheet(engine) for engine in engines), *cases.values(), *records]
+        return [*(sheets.engine_sheet(engine) for engine in engines), *cases.values(), *records]
 
     def _delays(self, instance: Instance, engines: list[Engine]) -> tuple[float, ...]:
         """By how much [s] the velocities of some method lag at one of its levels."""
@@ -88,7 +105,9 @@ class Campaign:
 
     def _truths(self, schedule: Schedule | InProcess, instances: list[tuple[Instance, tuple[float, ...]]]) -> list[SampledTruth]:
         """The sampled truth of every instance."""
-        return sampled_truths(schedule, self.store, instances, self.progress)
+        found = sampled_truths(schedule, self.store, instances, self.progress)
+        self.lasting &= not any(truth.reason.startswith(FAILED) for truth in found)
+        return found
 
     def _run(self, schedule: Schedule | InProcess, tasks: list[Task], wanted: list[tuple[int, Variant]], stage: str) -> None:
         """Runs what is wanted: equal runs once, unchanged ones read from the store."""
@@ -151,6 +170,7 @@ class Campaign:
         """Writes a finished run to the store (a crash or a hang is tried again next time) and hands it to all who need it."""
         reply = worker.Reply(failure=result) if isinstance(result, Failure) else msgspec.msgpack.decode(result, type=worker.Reply)
         lasting = reply.failure is None or reply.failure.kind == "unsupported"
+        self.lasting &= lasting
         if not from_store and lasting and isinstance(result, bytes):
             self.store.put("run", key, result)
         trajectory = Trajectory.from_bytes(reply.trajectory) if reply.failure is None else None

@@ -1,6 +1,9 @@
 """The schedule: jobs to worker processes, results as they come; a crash or a hang costs its own job and no other."""
 
+import math
 import multiprocessing
+import resource
+import signal
 from collections.abc import Callable, Iterator
 from concurrent.futures import FIRST_COMPLETED, wait
 from concurrent.futures import TimeoutError as FutureTimeout
@@ -16,13 +19,15 @@ from refdem.core.run import Failure
 class Job:
     """A function of a module and its arguments, all of them bytes, text or plain containers; `key` comes back with the result.
 
-    `timeout` [s], if any, is its own; else the schedule's holds.
+    `timeout` [s], if any, is its own; else the schedule's holds. Of what only `computes` CPU time counts and not the clock, so that
+    it ends on a busy machine as it does on a quiet one.
     """
 
     key: Any
     function: Callable[..., bytes]
     arguments: tuple[Any, ...]
     timeout: float | None = None
+    computes: bool = False
 
 
 class InProcess:
@@ -60,8 +65,7 @@ class Schedule:
         waiting, running = iter(jobs), dict[Any, Job]()
         while True:
             for job in waiting:
-                call = (job.function, *job.arguments)
-                running[self._pool.schedule(guarded, args=call, timeout=job.timeout or self._timeout)] = job
+                running[self._begun(job)] = job
                 if len(running) >= self._window:
                     break
             if not running:
@@ -69,15 +73,25 @@ class Schedule:
             done, _ = wait(running, return_when=FIRST_COMPLETED)
             for future in done:
                 job = running.pop(future)
-                yield job, self._result(future, job.timeout or self._timeout)
+                yield job, self._result(future, job)
 
-    def _result(self, future: Any, timeout: float) -> bytes | Failure:
+    def _begun(self, job: Job) -> Any:
+        """The future of a job."""
+        limit = job.timeout or self._timeout
+        if job.computes:
+            return self._pool.schedule(limited, args=(limit, job.function, *job.arguments))
+        return self._pool.schedule(guarded, args=(job.function, *job.arguments), timeout=limit)
+
+    def _result(self, future: Any, job: Job) -> bytes | Failure:
+        limit = job.timeout or self._timeout
         try:
             result: bytes | Failure = future.result()
             return result
         except FutureTimeout:
-            return Failure(kind="hang", sentence=f"it was still running after {timeout:g} s and was killed")
+            return Failure(kind="hang", sentence=f"it was still running after {limit:g} s and was killed")
         except ProcessExpired as error:
+            if job.computes and error.exitcode == -signal.SIGXCPU:
+                return Failure(kind="hang", sentence=f"it had computed for {limit:g} s of CPU time and was killed")
             return Failure(kind="crash", sentence=f"its process died with exit code {error.exitcode}")
         except Exception as error:
             return _failure(error)
@@ -89,6 +103,19 @@ def guarded(function: Callable[..., bytes], *arguments: Any) -> bytes | Failure:
         return function(*arguments)
     except Exception as error:
         return _failure(error)
+
+
+def limited(limit: float, function: Callable[..., bytes], *arguments: Any) -> bytes | Failure:
+    """The same within `limit` [s] of CPU time, rounded up; beyond it the system ends the process, whatever it is in the middle of."""
+    used = resource.getrusage(resource.RUSAGE_SELF)
+    before, most = resource.getrlimit(resource.RLIMIT_CPU)
+    resource.setrlimit(resource.RLIMIT_CORE, (0, resource.getrlimit(resource.RLIMIT_CORE)[1]))
+    end = math.ceil(used.ru_utime + used.ru_stime + limit)
+    resource.setrlimit(resource.RLIMIT_CPU, (end if most == resource.RLIM_INFINITY else min(end, most), most))
+    try:
+        return guarded(function, *arguments)
+    finally:
+        resource.setrlimit(resource.RLIMIT_CPU, (before, most))
 
 
 def _failure(error: Exception) -> Failure:

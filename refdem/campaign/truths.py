@@ -18,6 +18,8 @@ from refdem.core.truth import SampledTruth
 
 Asked = tuple[Instance, tuple[float, ...]]
 """An instance, and delays [s] before its samples at which truth is asked for as well."""
+FAILED = "the proof ended in a "
+"""How the reason begins where a proof crashed or hung: it may end otherwise next time."""
 
 
 def sampled_truths(
@@ -30,10 +32,10 @@ def sampled_truths(
         if key not in found and not delays and (kept := kept_truth(instance)) is not None:
             found[key] = kept
     missing = {key: instance for key, instance in zip(keys, instances, strict=True) if key not in found}
-    jobs = [Job(key, worker.sampled_truth, (i.case.id, i.p.given, delays)) for key, (i, delays) in missing.items()]
+    jobs = [Job(key, worker.sampled_truth, (i.case.id, i.p.given, delays), computes=True) for key, (i, delays) in missing.items()]
     for done, (job, result) in enumerate(schedule.results(jobs), 1):
         if isinstance(result, Failure):
-            found[job.key] = no_truth(f"{result.kind}: {result.sentence}")
+            found[job.key] = no_truth(f"{FAILED}{result.kind}: {result.sentence}")
         else:
             found[job.key] = msgspec.msgpack.decode(result, type=SampledTruth)
             store.put_truth(job.key, found[job.key])

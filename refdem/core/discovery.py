@@ -63,6 +63,11 @@ def names(folder: str) -> list[str]:
     return sorted({*(module.replace("_", "-") for module in _names(folder)), *_others(folder)})
 
 
+def has_others(folder: str) -> bool:
+    """True if another package brings cases, checks or engines."""
+    return bool(_others(folder))
+
+
 def case(name: str) -> "Canonical":
     """The case (or selection) of that id."""
     found: Canonical = _load("cases", "CASE", name)

@@ -34,6 +34,21 @@ def of_source(*folders: str) -> str:
     return of_files(files)
 
 
+def of_tree(root: Path) -> str:
+    """sha256 of the places and contents of all files below a folder, but for what Python caches and what is hidden."""
+    digest = hashlib.sha256()
+    for path in sorted(root.rglob("*")):
+        if path.is_file() and not path.name.startswith(".") and path.suffix != ".pyc":
+            digest.update(f"{path.relative_to(root)}\0".encode() + hashlib.sha256(path.read_bytes()).digest())
+    return digest.hexdigest()
+
+
+@cache
+def of_refdem() -> str:
+    """sha256 of refdem as it is installed: code, kernels, templates."""
+    return of_tree(Path(__file__).parents[1])
+
+
 @cache
 def of_machine() -> str:
     """sha256 of what the processor can do: bits are only claimed equal on one kind of machine."""

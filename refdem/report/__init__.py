@@ -30,11 +30,18 @@ def read_records(folder: Path) -> "list[Sheet]":
 def write_report(folder: Path, sheets: "Sequence[Sheet]", store: "Store | None" = None) -> None:
     """Writes the whole report: pages, Markdown with figures, JUnit, CSV and records; `store` keeps charts for next time.
 
+    With a store, a report that stands in the folder as it was made of the same findings is left alone.
     Raises StoreError if the folder cannot be written.
     """
+    from refdem.report import unchanged
+
+    if store and unchanged.stands(Path(folder), sheets, store):
+        return
     from refdem.report.writing import write_everything
 
     write_everything(Path(folder), sheets, store)
+    if store:
+        unchanged.left(Path(folder), sheets, store)
 
 
 def write_manual(folder: Path, pages: "Sequence[ManualPage]", *, version: str) -> None:
