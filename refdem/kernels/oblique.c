@@ -6,21 +6,24 @@
  * HOLDS: f = -k_t s, s' = slip. SLIPS: f = -side mu F, the spring as long as that force asks. FREE: f = 0, there is no friction or F
  * pulls. APART: straight on, for ever: nothing brings two spheres back, nor can a force that has ended press again.
  * Coefficients by the recurrences of products and of the quotient (Jorba and Zou 2005, proposition 1). Events are zeros of the series to
- * the last bit; a function that begins at a zero of its own is asked without it.
+ * the last bit; a function that begins at a zero of its own is asked without it. The work lost is the integral of products of these
+ * series, which turn twice as fast as the motion: its series has all terms of the products, so that it does not ask for shorter steps.
  */
 #include "kernels.h"
 #include "series_zeros.h"
 #include "simd.h"
 
-enum { HOLDS, SLIPS, FREE, APART, STATES = 9, MOST_STRETCHES = 100000 };
-enum { D, G, Q, TURN, SPIN_I, SPIN_J, ANGLE_I, ANGLE_J, WORK };
+enum { HOLDS, SLIPS, FREE, APART, MOST_STRETCHES = 100000 };
+enum { D, G, Q, TURN, SPIN_I, SPIN_J, ANGLE_I, ANGLE_J, WORK, STATES };
 
 typedef refdem_oblique_pair pair;
 typedef double series[ORDER + 1];
 
-/* A stretch: series of the state, of the force, of the slip and of the spring; where it ends and the mode after it. */
+/* A stretch: series of the state but for the work, of the forces along and across, of the slip, of the spring and of the power that is
+ * lost; where it ends and the mode after it. */
 typedef struct {
-    series y[STATES], force, slip, spring;
+    series y[WORK], force, across, slip, spring;
+    double power[2 * ORDER + 1];
     double end;
     int next;
 } stretch;
@@ -31,19 +34,45 @@ typedef struct {
     int mode, side, touch, fresh;
 } motion;
 
+/* Coefficients n of the force, of the slip and of the force across, from those of the state. */
+static inline void pressed(const pair *p, const motion *m, stretch *restrict z, double *restrict spins, int n)
+{
+    const double *d = z->y[D], *g = z->y[G], *q = z->y[Q], *wi = z->y[SPIN_I], *wj = z->y[SPIN_J];
+    z->force[n] = p->stiffness * d[n] + p->damping * g[n];
+    spins[n] = wi[n] + wj[n];
+    z->slip[n] = p->radius_i * wi[n] + p->radius_j * wj[n] - q[n] - p->branch * product(d, spins, n);
+    z->across[n] = m->mode == HOLDS   ? -p->tangential_stiffness * z->spring[n]
+                   : m->mode == SLIPS ? -m->side * p->friction * z->force[n]
+                                      : 0.0;
+}
+
+/* Power c g^2 - f slip to the last product of what is known. */
+static void spent(const pair *p, const motion *m, stretch *restrict z)
+{
+    for (int n = 0; n <= 2 * ORDER; n++) {
+        int from = n > ORDER ? n - ORDER : 0, left = n - 2 * from;
+        z->power[n] = p->damping * square(z->y[G] + from, left) - (m->mode == FREE ? 0.0 : product(z->across + from, z->slip + from, left));
+    }
+}
+
+static double lost(const stretch *z, double since)
+{
+    double sum = 0.0;
+    for (int n = 2 * ORDER; n >= 0; n--)
+        sum = sum * since + z->power[n] / (n + 1);
+    return sum * since;
+}
+
 static void expand(const pair *p, const motion *m, stretch *restrict z)
 {
-    series o, f, fd, spins;
-    double *d = z->y[D], *g = z->y[G], *q = z->y[Q], reach = 1.0 / (p->radius_i + p->radius_j - m->y[D]);
-    for (int i = 0; i < STATES; i++)
+    series o, fd, spins;
+    double *d = z->y[D], *g = z->y[G], *q = z->y[Q], *f = z->across, reach = 1.0 / (p->radius_i + p->radius_j - m->y[D]);
+    for (int i = 0; i < WORK; i++)
         z->y[i][0] = m->y[i];
     z->spring[0] = m->spring;
     for (int n = 0; n < ORDER; n++) {
         double part = PART[n + 1], *wi = z->y[SPIN_I], *wj = z->y[SPIN_J];
-        z->force[n] = p->stiffness * d[n] + p->damping * g[n];
-        spins[n] = wi[n] + wj[n];
-        z->slip[n] = p->radius_i * wi[n] + p->radius_j * wj[n] - q[n] - p->branch * product(d, spins, n);
-        f[n] = m->mode == HOLDS ? -p->tangential_stiffness * z->spring[n] : m->mode == SLIPS ? -m->side * p->friction * z->force[n] : 0.0;
+        pressed(p, m, z, spins, n);
         fd[n] = m->mode == FREE ? 0.0 : p->branch * product(d, f, n);
         o[n] = (n ? q[n] + product(d + 1, o, n - 1) : q[0]) * reach;
         d[n + 1] = g[n] * part;
@@ -53,9 +82,9 @@ static void expand(const pair *p, const motion *m, stretch *restrict z)
         wj[n + 1] = p->turn_ease_j * (p->radius_j * f[n] - fd[n]) * part;
         z->y[TURN][n + 1] = o[n] * part, z->y[ANGLE_I][n + 1] = wi[n] * part, z->y[ANGLE_J][n + 1] = wj[n] * part;
         z->spring[n + 1] = z->slip[n] * part;
-        z->y[WORK][n + 1] = p->damping * square(g, n) * part - (m->mode == FREE ? 0.0 : product(f, z->slip, n) * part);
     }
-    z->force[ORDER] = p->stiffness * d[ORDER] + p->damping * g[ORDER], z->slip[ORDER] = 0.0;
+    pressed(p, m, z, spins, ORDER);
+    spent(p, m, z);
 }
 
 /* The longest step for which the last terms stay at an ulp of the motion's own sizes: as the terms fall by factorials, what is cut off
@@ -136,8 +165,9 @@ static void at(const pair *p, const motion *m, const stretch *z, double since, d
         apart(p, m, since, y);
         return;
     }
-    for (int i = 0; i < STATES; i++)
+    for (int i = 0; i < WORK; i++)
         y[i] = m->y[i] + gained(z->y[i], since);
+    y[WORK] = m->y[WORK] + lost(z, since);
 }
 
 /* What springs hold and do not give back: the tangential one, and the normal one once the force has ended. */

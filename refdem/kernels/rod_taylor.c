@@ -3,6 +3,9 @@
  * r'' = g - lambda r, lambda = (v.v + g.r)/l^2 the multiplier. The rod does no work, (v.v)' = 2 g.v, so that lambda' = 3 g.v/l^2: one
  * product a coefficient, and no division, which would carry what r.r is off by (Hairer, Lubich and Wanner, sec. IV.4). After
  * each step the state goes back to |r| = l, r.v = 0. Step: radius of convergence / e^2 (Jorba and Zou, Exp. Math. 14 (2005) 99).
+ *
+ * At small speeds an error e along the rod obeys e'' = -(lambda + g.r/l^2) e. Near the top it grows as exp(t sqrt(2 g/l)) until the state
+ * is held again, and there the series converge far beyond that time: so a step is no longer than the inverse of such a rate.
  */
 #include "kernels.h"
 #include "simd.h"
@@ -55,10 +58,17 @@ static inline float largest(const wide *restrict a, double scale)
     return (float)(fmax(fmax(fabs((*a)[0]), fabs((*a)[1])), fabs((*a)[2])) / scale) + LEAST;
 }
 
-static inline double step_of(const hanging *restrict m, const wide *restrict r)
+/* Square of the rate at which an error along the rod grows; negative where it swings instead. */
+static inline double unheld(const hanging *restrict m, const wide *restrict r, const wide *restrict v)
+{
+    return -(dot(v, v) + 2.0 * dot(&m->pull, r)) / (m->length * m->length);
+}
+
+static inline double step_of(const hanging *restrict m, const wide *restrict r, const wide *restrict v)
 {
     float worst = fmaxf(powf(largest(r + ORDER - 1, m->length), 1.0f / (ORDER - 1)), powf(largest(r + ORDER, m->length), 1.0f / ORDER));
-    return STEP_PART / worst;
+    double reach = STEP_PART / worst, square = unheld(m, r, v);
+    return square * reach * reach > 1.0 ? 1.0 / sqrt(square) : reach;
 }
 
 /* What a series has gained after a time. */
@@ -97,7 +107,7 @@ int refdem_rod_taylor(double mass, double length, const double *gravity, const d
         m.r[i] = two_sum(position[i], -anchor[i]), m.v[i] = dd_of(velocity[i]);
     held(&m);
     expanded(&m, r, v);
-    reach = step_of(&m, r);
+    reach = step_of(&m, r, v);
     for (int64_t k = 0; k < samples; k++) {
         dd target = two_sum(t[k], -t0), left = dd_sub(target, now);
         while (sense * left.hi > reach) {
@@ -108,7 +118,7 @@ int refdem_rod_taylor(double mass, double length, const double *gravity, const d
             held(&m);
             now = dd_add(now, dd_of(sense * reach)), left = dd_sub(target, now);
             expanded(&m, r, v);
-            reach = step_of(&m, r);
+            reach = step_of(&m, r, v);
             if (!(reach > 0.0))
                 return (int)(k + 1);
         }

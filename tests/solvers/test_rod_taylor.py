@@ -51,6 +51,15 @@ def test_rod_energy_and_moment_are_held_for_a_thousand_swings_in_space(solved):
     assert np.abs(moment - moment[0]).max() < 1e-13
 
 
+@pytest.mark.parametrize("delta", ["1e-3", "1e-7", "1e-8", "1e-10"])
+def test_a_slow_start_next_to_the_top_keeps_the_rod_too(solved, delta):
+    t = np.linspace(0.0, 4.0, 401)
+    run = solved(discovery.case("pendulum-equilibria").at(delta=delta).scene, t, "rod-taylor")
+    r, v = run.position[:, 0], run.velocity[:, 0]
+    assert np.abs(np.linalg.norm(r, axis=1) - 1.0).max() < 1e-15  # 2.5e-14 with steps as long as the series alone allow
+    assert np.abs(np.sum(r * v, axis=1)).max() < 1e-14
+
+
 def test_time_runs_backwards_to_where_it_began(solved):
     scene = hanging((0.6, -0.8, 0.0), (0.4, 0.3, 1.5))
     there = solved(scene, (0.0, 30.0), "rod-taylor")
