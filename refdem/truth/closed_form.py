@@ -25,6 +25,8 @@ FIRST_BITS = 256
 """Working precision to begin with."""
 SENSITIVITY_BITS = 384
 """Working precision for S to start with: 120 bits are lost by the difference, 200 remain."""
+MOST_BITS = 16384
+"""Where it ends."""
 
 Size = float | Fraction
 Owner = TypeVar("Owner", bound="ClosedForm")
@@ -132,18 +134,19 @@ class ClosedForm(Truth):
         return found
 
     def _sensitivity(self, t: Fraction) -> float:
-        bits = self.sensitivity_bits()
-        while True:
+        bits, code, why = self.sensitivity_bits(), "", ""
+        while bits <= MOST_BITS:
             with precision(bits):
                 try:
                     rows = self.response(t)
                     if all(row.is_finite() and row.rad() <= (row.abs_lower() + 1) * arb(1e-3) for row in rows):
                         return max(1.0, *(float(row.upper()) * (1 + 2.0**-50) for row in rows))
-                except UndecidedError:
-                    pass
+                    code, why = "precision", "the motion is hardly differentiable in its start"
+                except UndecidedError as error:
+                    code, why = getattr(error, "code", "separatrix"), str(error)
             bits *= 2
-            if bits > 16384:
-                raise NotCertifiedError(f"at t = {float(t):.17g} s: no sensitivity, the motion is not differentiable in its start")
+        told = f"no sensitivity at t = {float(t):.17g} s: {code}: {why}"
+        raise NotCertifiedError(told, code=code, time=0.0, state=self.at_start(t))
 
     def response(self, t: Fraction) -> list[arb]:
         """For every quantity, the sum over the coordinates of the start of its scaled response at t."""

@@ -9,7 +9,7 @@ from flint import arb, arb_mat
 from refdem.truth.balls import arb_of, precision
 from refdem.truth.contact_phases import ContactPhases
 from refdem.truth.events.crossing import Along, SwitchError, Watched, first_crossing, sign
-from refdem.truth.events.motion import Motion
+from refdem.truth.events.motion import Motion, first_entry
 from refdem.truth.events.phase import Phase
 from refdem.truth.events.system import Guard, Traced, along
 from refdem.truth.traced_field import Program, traced
@@ -73,7 +73,7 @@ class ContactMotion(Motion):
         self.traced = traced_contact
         with precision(bits):
             start = [value() for value in traced_contact.phases.start()]
-            super().__init__(traced_contact.modes, start, traced_contact.phases.first(start), bits)
+            super().__init__(traced_contact.modes, start, first_entry(traced_contact.phases.first, start), bits)
 
     def name(self, phase: Phase) -> str:
         """The mode of a phase."""

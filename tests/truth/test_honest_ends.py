@@ -9,9 +9,11 @@ from refdem.campaign.reproof import given_of
 from refdem.core import discovery
 from refdem.errors import NotCertifiedError
 from refdem.truth import load
-from refdem.truth.balls import UndecidedError
+from refdem.truth.balls import UndecidedError, precision
 from refdem.truth.closed_form import ClosedForm
 from refdem.truth.closed_forms import duffing
+from refdem.truth.events.crossing import SwitchError
+from refdem.truth.events.truth import LADDER
 from refdem.truth.validated_flow import ValidatedFlow
 
 
@@ -93,8 +95,33 @@ def test_a_motion_through_events_says_what_it_will_cost_and_is_not_displaced():
         truth.refined(900).at(Fraction(1, 64))
 
 
+def test_where_s_is_not_known_it_says_why_and_from_where_on():
+    with pytest.raises(NotCertifiedError, match="no sensitivity") as caught:
+        Torn({"x": 1.0}).sensitivity(Fraction(3, 2))
+    assert (caught.value.code, caught.value.time, caught.value.state["x"].mid) == ("separatrix", 0.0, 1)
+
+
+def test_s_of_a_motion_through_events_ends_where_the_motion_does():
+    """S is asked for first: nothing of the motion is known yet."""
+    given = {"spins": "1,3,1,2,-1,3", "angle": "1/3", "tangential_stiffness": "512", "friction": "1/64", "damping": "0"}
+    for ask in (lambda truth, t: truth.sensitivity(t), lambda truth, t: truth.sensitivities([Fraction(0), t])):
+        with pytest.raises(NotCertifiedError, match="S from t = 0 s") as caught:
+            ask(discovery.case("two-spheres").at(**given).truth(), Fraction(1))
+        assert (caught.value.code, caught.value.time, caught.value.state["omega1.y"].mid) == ("singular", 0.0, 3)
+
+
+def test_a_time_within_an_event_has_the_entry_before_it_as_last_state():
+    truth = discovery.case("stick-slip").at(x0="3", v0="-2").truth()
+    truth.events_until(Fraction(5))
+    motion = truth.motion(LADDER[0])
+    with precision(LADDER[0]), pytest.raises(SwitchError, match="uncertainty") as caught:
+        motion.phase(motion.events[0].time)
+    error = truth.uncertified(caught.value, "S")
+    assert (error.code, error.time, error.state["x"].mid) == ("precision", 0.0, 3)
+
+
 def test_members_are_proved_again_with_what_was_given_alone():
     for one in load("impact-benchmarks"):
         given = given_of(one)
-        assert set(given) <= {"member"}
+        assert set(given) <= {"member", "angle", "partner_spin", "branch", "restitution", "friction", "radius", "speed", "cutoff", "spin"}
         assert discovery.case(one.case).at(**given).label == one.label

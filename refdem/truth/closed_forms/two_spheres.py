@@ -27,11 +27,11 @@ from numpy.typing import NDArray
 from refdem.core.parameters import Parameters
 from refdem.core.truth import Ball, Truth
 from refdem.errors import NotCertifiedError
-from refdem.truth.balls import arb_of, ball_of, precision
+from refdem.truth.balls import arb_of, ball_of
 from refdem.truth.contact_motion import ContactMotion, TracedContact
 from refdem.truth.contact_phases import ContactPhases
 from refdem.truth.events.crossing import SwitchError
-from refdem.truth.events.truth import LADDER, HybridFlow
+from refdem.truth.events.truth import HybridFlow
 from refdem.truth.head_on_contact import HeadOnContact
 from refdem.truth.smooth_flow import ORIGINS
 from refdem.truth.sphere_pair import SpherePair, sphere_pair
@@ -145,7 +145,7 @@ class TwoSpheres(HybridFlow):
         found, every = [1.0] * len(times), max(1, -(-len(times) // ORIGINS))
         steps = [self.transfer(first, second) for first, second in pairwise(times)]
         for first in range(0, len(times), every):
-            whole = np.eye(8)
+            whole = np.eye(self.phases.size)
             for i in range(first + 1, len(times)):
                 whole = steps[i - 1] @ whole
                 found[i] = max(found[i], self.growth(whole, times[i] - times[first]))
@@ -155,10 +155,12 @@ class TwoSpheres(HybridFlow):
         """d (x, y, vx, vy, spins, spring, clock) at one time by that at an earlier one, to rounding."""
         if (first, second) not in self.kept:
             a, b = self.clock(first), self.clock(second)
-            with precision(LADDER[0]):
-                motion = self.motion(LADDER[0])
+
+            def moved(motion: ContactMotion) -> Array:
                 before, after = (_floats(motion.slopes(t)) for t in (a, b))
-                self.kept[first, second] = after @ motion.transfer(a, b) @ np.linalg.inv(before)
+                return after @ motion.transfer(a, b) @ np.linalg.inv(before)
+
+            self.kept[first, second] = self.followed(moved, f"S from t = {float(first):.17g} s to {float(second):.17g} s")
         found: Array = self.kept[first, second]
         return found
 

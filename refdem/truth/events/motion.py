@@ -5,7 +5,7 @@ that of each member at its own t - clock.
 """
 
 from bisect import bisect_right
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from itertools import pairwise
@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from refdem.truth.balls import arb_of, ball_of, precision
 from refdem.truth.events.crossing import SwitchError
 from refdem.truth.events.phase import Phase
-from refdem.truth.events.system import Entry, Traced
+from refdem.truth.events.system import Entry, State, Traced
 from refdem.truth.validated_ivp.integration import GUARD, Piece, Steps
 from refdem.truth.validated_ivp.moved import Spread, at_start, identity
 
@@ -78,7 +78,8 @@ class Motion:
                 return phase
         if self.ended and self.events and t > self.events[-1].time:
             raise SwitchError("end", f"the motion ends with {self.events[-1].name}", float(t.mid())).at(self.events[-1].state)
-        raise SwitchError("precision", f"t = {t.str(8)} s lies within the uncertainty of an event", float(t.mid()))
+        before = [phase.entered for phase in self.phases if phase.entered[-1] < t] or [self.phases[0].entered]
+        raise SwitchError("precision", f"t = {t.str(8)} s lies within the uncertainty of an event", float(t.mid())).at(before[-1])
 
     def reached(self) -> Fraction:
         """Up to about which time [s] the motion has been followed."""
@@ -158,6 +159,14 @@ class Motion:
             if begin <= piece.begin < end:
                 whole = _floats(phase.flows[piece.begin]) @ whole
         return whole
+
+
+def first_entry(first: Callable[[State], Entry], start: State) -> Entry:
+    """The entry from a start, which is the last certified state where balls cannot tell it."""
+    try:
+        return first(start)
+    except SwitchError as error:
+        raise error.at(start) from None
 
 
 def at_fixed_time(phase: Phase, state: Sequence[arb]) -> arb_mat:

@@ -5,7 +5,7 @@ from fractions import Fraction
 from itertools import pairwise
 from math import ceil
 from time import process_time
-from typing import Any, Self
+from typing import Any, Self, TypeVar
 
 import numpy as np
 from flint import arb, arb_mat
@@ -16,7 +16,7 @@ from refdem.errors import NotCertifiedError
 from refdem.truth.balls import UndecidedError, arb_of, ball_of, precision
 from refdem.truth.closed_form import ClosedForm, Size
 from refdem.truth.events.crossing import SwitchError
-from refdem.truth.events.motion import Motion
+from refdem.truth.events.motion import Motion, first_entry
 from refdem.truth.events.system import Entry, Mode, State, Traced
 from refdem.truth.smooth_flow import BEYOND_DOUBLES, ORIGINS
 from refdem.truth.traced_field import Program, traced
@@ -24,6 +24,7 @@ from refdem.truth.validated_flow import Quantities
 
 LADDER = (192, 256, 384, 512, 768, 1024, 1536)
 """Bits, one after another until the radius is met; a motion that asks for more is not certified."""
+Found = TypeVar("Found")
 PROBE = 1.0
 """CPU seconds of following that a forecast takes."""
 LOSS = 24
@@ -76,7 +77,7 @@ class HybridFlow(ClosedForm):
         if ("motion", bits) not in self.kept:
             with precision(bits):
                 balls = [value() if callable(value) else arb_of(value) for value in self.begin]
-                self.kept["motion", bits] = Motion(self.modes, balls, self.first(balls), bits)
+                self.kept["motion", bits] = Motion(self.modes, balls, first_entry(self.first, balls), bits)
         found: Motion = self.kept["motion", bits]
         return found
 
@@ -104,14 +105,22 @@ class HybridFlow(ClosedForm):
     def climbed(self, evaluate: Callable[[Any], dict[str, arb]], what: str) -> dict[str, Ball]:
         """Balls at the lowest precision at which all radii are small enough; NotCertifiedError with code, time and last state."""
         target = self.target()
-        error: SwitchError = SwitchError("precision", "no precision suffices", 0.0)
-        for bits in self.needed():
+
+        def within(motion: Any) -> dict[str, Ball]:
+            balls = {name: ball_of(value) for name, value in evaluate(motion).items()}
+            if any(ball.radius > target for ball in balls.values()):
+                raise SwitchError("precision", f"radius stays at {float(max(b.radius for b in balls.values())):.3g}", 0.0)
+            return balls
+
+        return self.followed(within, what, self.needed())
+
+    def followed(self, evaluate: Callable[[Any], Found], what: str, ladder: Sequence[int] = LADDER) -> Found:
+        """What is found from the motion at the lowest precision of the ladder; NotCertifiedError with code, time and last state."""
+        error = SwitchError("precision", "no precision suffices", 0.0)
+        for bits in ladder:
             with precision(bits):
                 try:
-                    balls = {name: ball_of(value) for name, value in evaluate(self.motion(bits)).items()}
-                    if all(ball.radius <= target for ball in balls.values()):
-                        return balls
-                    error = SwitchError("precision", f"radius stays at {float(max(b.radius for b in balls.values())):.3g}", 0.0)
+                    return evaluate(self.motion(bits))
                 except SwitchError as one:
                     error = one
                     if error.final:
@@ -151,17 +160,15 @@ class HybridFlow(ClosedForm):
 
     def response(self, t: Fraction) -> list[arb]:
         """For every quantity, the sum over the coordinates of the start of its scaled response at t."""
-        for bits in LADDER:
-            try:
-                with precision(bits):
-                    motion, time = self.motion(bits), arb_of(t)
-                    rows = self.scaled(motion.at(time), motion.jacobian(time))
-                if all(row.is_finite() and row.rad() <= (row.abs_lower() + 1) * arb(1e-3) for row in rows):
-                    return rows
-            except UndecidedError as error:
-                if getattr(error, "final", False):
-                    break
-        raise NotCertifiedError(f"at t = {float(t):.17g} s: no sensitivity, the motion is not differentiable in its start")
+        time = arb_of(t)
+
+        def told(motion: Motion) -> list[arb]:
+            rows = self.scaled(motion.at(time), motion.jacobian(time))
+            if not all(row.is_finite() and row.rad() <= (row.abs_lower() + 1) * arb(1e-3) for row in rows):
+                raise SwitchError("precision", "the motion is hardly differentiable in its start", 0.0)
+            return rows
+
+        return self.followed(told, f"S at t = {float(t):.17g} s")
 
     def scaled(self, y: Sequence[arb], flow: arb_mat) -> list[arb]:
         """Row sums of |d quantity_i/scale_i over d start_j/scale_j|."""
@@ -189,13 +196,8 @@ class HybridFlow(ClosedForm):
 
     def transfer(self, first: Fraction, second: Fraction) -> NDArray[np.float64]:
         """The derivative of the state at one time by that at an earlier one."""
-        for bits in LADDER:
-            try:
-                with precision(bits):
-                    return self.motion(bits).transfer(arb_of(first), arb_of(second))
-            except UndecidedError:
-                continue
-        raise NotCertifiedError(f"from t = {float(first):.17g} s to {float(second):.17g} s: no sensitivity")
+        ends = arb_of(first), arb_of(second)
+        return self.followed(lambda motion: motion.transfer(*ends), f"S from t = {float(first):.17g} s to {float(second):.17g} s")
 
     def size(self, t: Fraction, change: NDArray[np.float64]) -> float:
         """Largest scaled row sum of the quantities' answers to changes (n, moved) of the state, each in its quantity's scale."""
@@ -205,10 +207,4 @@ class HybridFlow(ClosedForm):
 
     def state_at(self, t: Fraction) -> list[arb]:
         """The state at the lowest precision that knows it."""
-        for bits in LADDER:
-            try:
-                with precision(bits):
-                    return self.motion(bits).at(arb_of(t))
-            except UndecidedError:
-                continue
-        raise NotCertifiedError(f"at t = {float(t):.17g} s: no state")
+        return self.followed(lambda motion: motion.at(arb_of(t)), f"at t = {float(t):.17g} s")

@@ -1,6 +1,6 @@
 """Witnesses of the impact benchmarks: Newton's law for the numbers of each member, phase by phase."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from fractions import Fraction
 from functools import partial
 from typing import Any
@@ -8,7 +8,7 @@ from typing import Any
 from flint import arb
 
 from refdem.truth.balls import arb_of
-from refdem.truth.witnesses import contacts
+from refdem.truth.witnesses import contacts, members
 from refdem.truth.witnesses.collisions import Spheres, Value, flown, phases, two_spheres
 from refdem.truth.witnesses.contacts import beyond
 from refdem.truth.witnesses.taylor import Solution
@@ -146,20 +146,25 @@ def spun(p: Mapping[str, Any], times: Sequence[Fraction], claimed: Claimed) -> S
     yield from two_spheres({**p, "closing_speed": p["speed"], "angle": Fraction(0), "spins": spins}, times, claimed)
 
 
-MEMBERS = {
+MEMBERS: dict[str, Callable[[Mapping[str, Any], Sequence[Fraction], Claimed], Said]] = {
     **dict.fromkeys(("co-3", "co-4", "co-5", "co-6", "dem-05"), on_wall),
     **dict.fromkeys(("co-7", "co-8"), spun),
     **dict.fromkeys(("dem-01", "dem-02"), bouncing),
     "co-1": alike,
     **dict.fromkeys(("co-2", "dem-05-hertz"), hertz_wall),
+    "dem-03": members.stacked,
+    "dem-04": members.sliding_to_roll,
+    "dem-05-mindlin": members.mindlin_wall,
+    "three-spheres": members.squeezed,
+    "contact-path": partial(members.passing, members.frame(1, (1, 0, 0), (0, 1, 0), (0, 0, 1))),
+    "contact-path-turned": partial(members.passing, members.frame(3, (2, -1, 2), (2, 2, -1), (-1, 2, 2))),
 }
-"""Of the others nothing is said."""
+"""Every member of the case."""
 
 
 def impact(p: Mapping[str, Any], times: Sequence[Fraction], claimed: Claimed) -> Said:
     """As the member's law asks for."""
-    if p["member"] in MEMBERS:
-        yield from MEMBERS[p["member"]](p, times, claimed)
+    yield from MEMBERS[p["member"]](p, times, claimed)
 
 
 WITNESSES = {"impact-benchmarks": Witness(METHOD, impact)}

@@ -1,7 +1,7 @@
 """Hertz's contact with a tangential spring: against Taylor integration of the law itself, limits, and mirror images."""
 
 from fractions import Fraction
-from functools import cache, partial
+from functools import cache
 from itertools import pairwise
 from math import atan
 
@@ -14,7 +14,7 @@ from refdem.truth.balls import arb_of, precision
 from refdem.truth.closed_forms.impact_benchmarks.mindlin_wall import Sliding
 from refdem.truth.mindlin_spring import INWARD, MindlinSpring
 from refdem.truth.power_contact import PowerContact
-from refdem.truth.witnesses.taylor import Solution
+from refdem.truth.witnesses.members import Mindlin
 
 TINY = Fraction(1, 10**30)
 MU = Fraction("0.092")
@@ -29,64 +29,13 @@ def numbers(instance):
     return member("dem-05-mindlin").values(instance.p)
 
 
-class Law:
-    """m d'' = -k d^(3/2), friction k_t sqrt(d) stretch or mu k d^(3/2), with d = w^2 and dt = w ds; state w, v, t, v_y, R w_z, y, s."""
-
-    def __init__(self, v):
-        self.k, self.kt, self.mu = arb_of(v.hertz / v.mass), arb_of(v.mindlin / v.mass), arb_of(v.friction)
-        self.start = [arb(0), arb_of(v.normal), arb(0), arb_of(v.across), arb(0), arb(0), arb(0)]
-
-    def rates(self, side, s, y):
-        w, v, _, vy, spin, _, stretch = y
-        pull = w * self.kt * stretch if side == 0 else side * self.mu * self.k * w * w * w
-        f = -pull * w
-        return [v / 2, -self.k * w * w * w * w, w, f, f * 5 / 2, vy * w, (vy + spin) * w]
-
-    def spare(self, side, y):
-        """What a stick has left towards a side, and by what a slide on it exceeds its limit's rate."""
-        return self.mu * self.k * y[0] * y[0] - side * self.kt * y[6]
-
-    def surplus(self, side, y):
-        return side * self.kt * (y[3] + y[4]) - self.mu * self.k * y[1]
-
-    def phases(self):
-        """(solution, end in s) until the spheres part."""
-        side, s, state = 1 if self.surplus(1, self.start) > 0 else 0, arb(0), self.start
-        while True:
-            solution = Solution(partial(self.rates, side), state, begin=s)
-            ends = {"apart": lambda y: y[0]}
-            if side:
-                ends["caught"] = partial(self.surplus, side)
-            else:
-                ends |= {1: partial(self.spare, 1), -1: partial(self.spare, -1)}
-            then, end = self.first(solution, ends, float(s))
-            yield solution, end
-            if then == "apart":
-                return
-            state = solution.at(end)
-            if then == "caught":
-                state[6] = side * self.mu * self.k / self.kt * state[0] * state[0]
-            side, s = (0 if then == "caught" else then), end
-
-    def first(self, solution, ends, low):
-        step = float(self.start[1]) ** -0.6 * (1.25 / float(self.k)) ** 0.2 / 16
-        while True:
-            high = low + step
-            fallen = [name for name, value in ends.items() if value(solution.at(arb(high))) < 0]
-            if fallen:
-                found = [(solution.bisected(ends[name], low + step / 1024, high), name) for name in fallen]
-                end, name = min(found, key=lambda pair: float(pair[0]))
-                return name, end
-            low = high
-
-
 @pytest.mark.parametrize(("angle", "kinds"), [("1/4", 4), ("-0.05", 4), ("1/2", 3)])
 def test_every_phase_is_that_of_the_law_by_taylor_series(angle, kinds):
     instance = case(angle)
     truth, side = instance.truth(), -1 if Fraction(angle) < 0 else 1
     with precision(256):
-        law, radius = Law(numbers(instance)), arb_of(numbers(instance).radius)
-        law.start[3] = abs(law.start[3])
+        law = Mindlin(vars(numbers(instance)))
+        radius = law.radius
         assert len(truth.phases()) == kinds
         seen = 0
         for solution, end in law.phases():

@@ -1,5 +1,6 @@
 """Spheres that spin about any axes: rates against cross products of both bodies, whole contacts, planted faults, honest ends."""
 
+from dataclasses import replace
 from fractions import Fraction
 from functools import partial
 
@@ -157,6 +158,26 @@ def test_a_sample_within_the_contact_is_certified_to_40_digits_and_s_is_that_of_
                 ends.append(Solution(partial(its.rates, "slip"), start).at(t)[:18])
             sums += [abs(float((a - b) / arb("2e-20") / arb_of(found.scale[n]))) for n, a, b in zip(NAMES, *ends, strict=True)]
     assert found.sensitivity(t) == pytest.approx(max(sums), rel=1e-6)
+
+
+@pytest.mark.parametrize("given", [SLIDING[0], SPRUNG])
+def test_s_of_errors_made_on_the_way_out_of_the_plane_is_that_of_displaced_truths(given):
+    """13 unknowns, and 16 with a spring: columns for spins about x and y are central differences of the truth itself."""
+    found, times, tiny = truth_of(given), [Fraction(n, 1024) for n in range(4)], Fraction(1, 10**18)
+    whole = found.transfer(times[0], times[-1])
+    units = np.array([float(unit) for unit in found.units()])
+    for axis in (1, 3)[: 1 if found.phases.kt else 2]:
+        ends = []
+        for sense in (1, -1):
+            spins = tuple(spin + sense * tiny * (i == axis) for i, spin in enumerate(found.spheres.spins))
+            ends.append(SpinningSpheres(found.scale, replace(found.spheres, spins=spins)).at(times[-1]))
+        for body in (1, 2):
+            slopes = [float((ends[0][f"omega{body}.{x}"].mid - ends[1][f"omega{body}.{x}"].mid) / (2 * tiny)) for x in "xyz"]
+            rows = slice(3 + 3 * body, 6 + 3 * body)
+            assert (whole[rows, 6 + axis] * units[rows] / units[6 + axis]).tolist() == pytest.approx(slopes, rel=1e-9, abs=1e-9)
+    grown = found.sensitivities(times)
+    assert grown[-1] == pytest.approx(max(found.growth(found.transfer(a, times[-1]), times[-1] - a) for a in times[:-1]), rel=1e-9)
+    assert all(s >= found.sensitivity(t) * (1 - 1e-9) for s, t in zip(grown, times, strict=True))
 
 
 @pytest.mark.parametrize("given", [SLIDING[0], SPRUNG])

@@ -70,7 +70,13 @@ def test_a_broken_power_is_followed_through_its_centre(exponent: str, amplitude:
     assert (said["values"], said["denied"]) == (9, [])
 
 
-@pytest.mark.parametrize(("member", "values"), [("co-2", 18), ("co-7", 29), ("dem-01", 20), ("dem-05", 22)])
+@pytest.mark.parametrize(
+    ("member", "values"),
+    [
+        ("co-2", 18), ("co-7", 29), ("dem-01", 20), ("dem-03", 36), ("dem-04", 22), ("dem-05", 22), ("dem-05-mindlin", 21),
+        ("contact-path", 24), ("contact-path-turned", 24),
+    ],
+)  # fmt: skip
 def test_members_of_the_impact_benchmarks_are_confirmed_in_contact_and_after(member: str, values: int) -> None:
     case = discovery.case("impact-benchmarks")
     instance = case.at(member=member)
