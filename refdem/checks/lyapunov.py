@@ -6,7 +6,7 @@ import numpy as np
 
 from refdem.core.check import Array, Check, Outcome, Trial
 from refdem.core.finding import Finding
-from refdem.core.judgement import certified, distances, judged, undecided
+from refdem.core.judgement import certified, distances, judged, no_truth, undecided
 from refdem.core.problem import Iteration, Motion
 from refdem.core.variant import Variant
 from refdem.mechanics.stability import LARGEST_POWER, Growth, growth
@@ -68,7 +68,8 @@ class Lyapunov(Check):
             return [self._regular(seen)]
         truth = certified(trial)
         if truth is None or truth.until < count:
-            return [self._positive(seen)]
+            why = f"truth is certified for {truth.until} of {count} samples" if truth else no_truth(trial)
+            return [self._positive(seen), undecided(self.name, "exponent", why)]
         true = growth(t, truth.growth()[:count])
         if not (true.power > CLEAR * LARGEST_POWER and true.exponent > CLEAR * ERRORS * true.error):
             until, size = trial.instance.problem.when(t[-1]), f"{true.exponent:.2g} +- {true.error:.1g}"

@@ -1,10 +1,13 @@
-"""Jobs in worker processes: what a job raises costs that job alone."""
+"""Jobs in worker processes: what a job raises costs that job alone, and a busy machine ends none that only computes."""
 
+import time
 from pathlib import Path
 
 import pytest
 
 from refdem.campaign.schedule import Job, Schedule
+from refdem.campaign.truths import sampled_truths
+from refdem.core import discovery
 from refdem.core.run import Failure
 
 
@@ -31,3 +34,46 @@ def test_an_exception_that_cannot_travel_costs_its_own_job(monkeypatch: pytest.M
         found = {job.key: result for job, result in schedule.results(jobs)}
     assert found[1] == b"done"
     assert found[0] == found[2] == Failure(kind="exception", sentence="LocalError: no analytic point")
+
+
+def waits(seconds: float) -> bytes:
+    time.sleep(seconds)
+    return b"done"
+
+
+def computes_for_ever() -> bytes:
+    while True:
+        pass
+
+
+def test_of_what_only_computes_the_clock_does_not_count(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A process that a busy machine does not run looks from outside like one that waits."""
+    monkeypatch.syspath_prepend(Path(__file__).parents[2])
+    jobs = [Job(0, waits, (1.5,), 1, computes=True), Job(1, waits, (30.0,), 1), Job(2, computes_for_ever, (), 1, computes=True)]
+    with Schedule(3, 60) as schedule:
+        found = {job.key: result for job, result in schedule.results([*jobs, Job(3, works, ())])}
+    assert found[0] == found[3] == b"done"
+    assert found[1] == Failure(kind="hang", sentence="it was still running after 1 s and was killed")
+    assert found[2] == Failure(kind="hang", sentence="it had computed for 1 s of CPU time and was killed")
+
+
+def test_truths_only_compute() -> None:
+    """So that no load of the machine takes the truth, and with it the exponent, from a chaotic motion."""
+    asked: list[Job] = []
+
+    class Asked:
+        def results(self, jobs: list[Job]) -> list[tuple[Job, Failure]]:
+            asked.extend(jobs)
+            return [(job, Failure(kind="hang", sentence="it was killed")) for job in jobs]
+
+    instance = discovery.case("double-pendulum").at(theta0="3,3", duration="5", samples="96")
+    (truth,) = sampled_truths(Asked(), Nothing(), [(instance, ())], lambda stage, done, total: None)  # type: ignore[arg-type]
+    assert [job.computes for job in asked] == [True]
+    assert (truth.until, "it was killed" in truth.reason) == (0, True)
+
+
+class Nothing:
+    """A store without anything."""
+
+    def truth(self, key: str) -> None:
+        return None

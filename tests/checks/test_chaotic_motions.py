@@ -5,6 +5,7 @@ import pytest
 
 from refdem.campaign import judging, plan
 from refdem.campaign.in_process import run_of, task_of, truth_of
+from refdem.campaign.truths import no_truth
 from refdem.core import discovery
 from refdem.core.judgement import errors
 from refdem.core.refinement import bound, scored
@@ -39,3 +40,15 @@ def test_up_to_the_horizon_one_ulp_is_within_bounds_and_after_it_nothing_is():
     assert 50 < count < len(worst)
     assert np.all(worst[:count] <= allowed[:count])
     assert np.max(worst[count:]) > 0.01
+
+
+def test_without_truth_the_exponent_is_undecided_and_not_left_out():
+    case = discovery.case("driven-duffing")
+    instance = case.at(**case.chaotic_at)
+    truth = no_truth("the proof ended")
+    task = task_of(ENGINE, ENGINE.best(instance.problem).name, instance, truth, 3, ("lyapunov",))
+    runs = {v: run_of(ENGINE, plan.request(task, v)) for v in task.variants}
+    found = {f.quantity: (f.outcome, f.sentence) for f in judging.record(task, "1", runs, []).findings}
+    assert found["class"][0] == "pass"
+    assert found["exponent"][0] == "undecided"
+    assert "the proof ended" in found["exponent"][1]

@@ -1,0 +1,110 @@
+"""The shape of an orbit that does not turn: Laplace's vector of Kepler's problem, Fradkin's tensor of a spring in space.
+
+A = v x (r x v)/gm - r/|r| points to periapsis and is as long as the eccentricity; T = (m v v^T + k r r^T)/(2 E0) has the axes of the
+ellipse (Fradkin 1967). Both stay in these two fields and in no other (Bertrand), so that what gives an orbit its right period and keeps
+its energy and its angular momentum may still turn it. Errors along the orbit do not count: long after the horizon these do.
+"""
+
+from collections.abc import Mapping
+
+import numpy as np
+
+from refdem.core.check import Check, Outcome, Trial
+from refdem.core.finding import Finding
+from refdem.core.judgement import Array, undecided, worst
+from refdem.core.refinement import scored
+from refdem.core.variant import Variant
+from refdem.scene import Scene
+from refdem.scene.elements.central_field import CentralField
+from refdem.scene.elements.spring import Spring
+
+
+class Apsides(Check):
+    """The change of the vector or of the tensor at the finest level, and by what angle the apsides have turned."""
+
+    name = "apsides"
+    title = "Apsides"
+    kills = "an attraction that is not quite Newton's, a method whose ellipse turns, a velocity of another time than its place"
+    synchronous = True
+
+    def applies(self, trial: Trial) -> str | None:
+        """One point under one Newtonian attraction, or one linear spring of no length to a fixed point, off a straight line."""
+        scene = trial.instance.scene
+        if len(scene.bodies) != 1 or scene.bodies.fixed.any() or not (_attraction(scene) or _spring(scene)):
+            return "nothing goes round in a field that keeps its apsides"
+        return "it moves on a straight line" if "dimension:1" in scene.features else None
+
+    def needs(self, trial: Trial) -> tuple[Variant, ...]:
+        """The finest level."""
+        return (trial.finest,)
+
+    def judge(self, trial: Trial, runs: Mapping[Variant, Outcome]) -> list[Finding]:
+        """Against what errors of place and velocity, each within its bound, change it by."""
+        run, scene, scales = runs[trial.finest].trajectory, trial.instance.scene, trial.instance.scales
+        r, v = run.position[:, 0], run.velocity[:, 0]
+        distance, speed = np.linalg.norm(r, axis=1), np.linalg.norm(v, axis=1)
+        field = _attraction(scene)
+        if field:
+            kept, name = laplace(r, v, field.gm), "Laplace vector"
+            share = (2 * speed * distance * scales.speed + speed**2 * scales.length) / field.gm + scales.length / distance
+        else:
+            spring = scene.all(Spring)[0]
+            place, mass = r - np.asarray(spring.anchor_b), float(scene.bodies.mass[0])
+            kept, name = fradkin(place, v, mass, spring.stiffness), "Fradkin tensor"
+            arms = spring.stiffness * np.linalg.norm(place, axis=1) * scales.length + mass * speed * scales.speed
+            share = 2 * arms / (mass * speed[0] ** 2 + spring.stiffness * (place[0] @ place[0]))
+        allowed, basis = trial.kept("apsides", trial.levels[-1])
+        quantity, count = name.split()[0].lower(), scored(share * allowed)
+        if count < min(2, len(share)):
+            return [undecided(self.name, quantity, "its bound passes a tenth of the orbit before the second sample")]
+        change = np.linalg.norm((kept - kept[0]).reshape(len(kept), -1), axis=1)
+        return [
+            worst(
+                check=self.name,
+                quantity=quantity,
+                t=trial.instance.times[:count],
+                values=change[:count],
+                allowed=(share * allowed)[:count],
+                unit="1",
+                basis=f"{basis}, for place and velocity as they come into it",
+                what=f"The change of the {name} (over the run the apsides turn by {turned(kept):.2g} rad)",
+            )
+        ]
+
+
+def laplace(r: Array, v: Array, gm: float) -> Array:
+    """Laplace's vector (T, 3), of the length of the eccentricity, of places and velocities (T, 3)."""
+    vector: Array = np.cross(v, np.cross(r, v)) / gm - r / np.linalg.norm(r, axis=1)[:, None]
+    return vector
+
+
+def fradkin(r: Array, v: Array, mass: float, stiffness: float) -> Array:
+    """Fradkin's tensor (T, 3, 3) over the energy at the start, so that its trace is 1."""
+    tensor: Array = mass * v[:, :, None] * v[:, None] + stiffness * r[:, :, None] * r[:, None]
+    return tensor / np.trace(tensor[0])
+
+
+def turned(kept: Array) -> float:
+    """Angle [rad] between the first and the last long axis; 0 where a circle has none."""
+    axes = [at if at.ndim == 1 else np.linalg.eigh(at)[1][:, -1] for at in (kept[0], kept[-1])]
+    across, along = np.linalg.norm(np.cross(*axes)), float(np.dot(*axes))
+    return float(np.arctan2(across, along if kept.ndim == 2 else abs(along)))
+
+
+def _attraction(scene: Scene) -> CentralField | None:
+    """The attraction, if nothing else acts."""
+    found = scene.all(CentralField)
+    return found[0] if len(scene.elements) == len(found) == 1 else None
+
+
+def _spring(scene: Scene) -> bool:
+    """One linear spring of no length between the point and the world, and nothing else."""
+    found = scene.all(Spring)
+    if not len(scene.elements) == len(found) == 1:
+        return False
+    law = found[0]
+    linear = law.length == 0 and law.exponent == 1 and not (law.quadratic or law.cubic)
+    return linear and law.stiffness > 0 and law.b < 0 and not any(law.anchor_a)
+
+
+CHECK = Apsides()
