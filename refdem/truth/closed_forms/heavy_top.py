@@ -16,15 +16,17 @@ from refdem.core.parameters import Parameters
 from refdem.core.truth import Ball, Truth
 from refdem.errors import NotCertifiedError
 from refdem.truth.balls import UndecidedError, arb_of, precision
-from refdem.truth.closed_form import Size
+from refdem.truth.closed_form import FIRST_BITS, Size
 from refdem.truth.exact import numbers, vector
 from refdem.truth.traced_field import Field
 from refdem.truth.validated_flow import ValidatedFlow
 
 UPRIGHT = 0.995
 """cos of the least tilt at which Euler's angles are integrated."""
-TOUCHING = 0.99995
-"""cos of the least tilt at which there are angles to tell."""
+LEAST_TILT = Fraction(1, 100)
+"""[rad]: nearer to a vertical a motion that comes near both of them is not followed."""
+LEAST_TOLD = Fraction(1, 10**12)
+"""[rad]: the same where axis and L are integrated; on the vertical itself there are no angles."""
 SEEN = ("theta", "phi", "psi", "thetadot")
 STATE = (*SEEN, "lz", "w3")
 CARTESIAN = ("n.x", "n.y", "n.z", "L.x", "L.y", "L.z", "psi+phi")
@@ -32,6 +34,8 @@ CARTESIAN = ("n.x", "n.y", "n.z", "L.x", "L.y", "L.z", "psi+phi")
 
 class HeavyTop(ValidatedFlow):
     """theta, phi, psi (continuous) and thetadot; L_z and w3 are states that stay, so that S knows of their errors."""
+
+    closest = LEAST_TILT
 
     witness = (
         "multiprecision integration of q' = q omega/2 and Euler's equations with the torque of the weight; Jacobi's functions for the tilt"
@@ -49,14 +53,26 @@ class HeavyTop(ValidatedFlow):
         return arb_of(p["j1"] * p["phidot0"]) * sine * sine + arb_of(p["j3"] * p["spin"]) * cosine
 
     def at(self, t: Fraction) -> dict[str, Ball]:
-        if "touches" not in self.kept:
-            low, high, _ = self.roots()
-            self.kept["touches"] = not (high < TOUCHING and low > -TOUCHING)
-        if self.kept["touches"]:
-            told = "singular: the axis of the top comes within 0.01 rad of a vertical, where its angles say nothing"
-            raise NotCertifiedError(told, code="singular", time=0.0)
+        self.refuse_touching()
         found = super().at(t)
         return {name: found[name] for name in SEEN}
+
+    def sensitivity(self, t: Fraction) -> float:
+        self.refuse_touching()
+        return super().sensitivity(t)
+
+    def refuse_touching(self) -> None:
+        """Raises NotCertifiedError where it is not proved that the axis stays off the verticals."""
+        if "touches" not in self.kept:
+            with precision(FIRST_BITS):
+                low, high, _ = self.roots()
+                self.kept["touches"] = not (high < arb_of(self.closest).cos() and low > -arb_of(self.closest).cos())
+        if self.kept["touches"]:
+            start = self.at_start(Fraction(1))
+            told = (
+                f"singular: the axis comes within {float(self.closest):g} rad of a vertical, where its angles say nothing; move the start"
+            )
+            raise NotCertifiedError(told, code="singular", time=0.0, state={name: start[name] for name in SEEN})
 
     def poles(self) -> list[int]:
         """Which of the verticals the axis comes near to: 1 up, -1 down."""
@@ -95,6 +111,8 @@ class NearVertical(HeavyTop):
 
     n' = L x n/J1, L' = m g l n x (-z), (psi + side phi)' = L.n/J3 + side (L_z - L.n n_z)/(J1 (1 + side n_z)).
     """
+
+    closest = LEAST_TOLD
 
     def __init__(self, p: Mapping[str, Fraction], scale: Mapping[str, Size], side: int) -> None:
         self.p, self.side = p, side

@@ -149,10 +149,23 @@ def test_next_to_a_vertical_the_way_of_errors_is_that_of_displaced_starts():
                 assert found == pytest.approx(float(slopes[row][axis].mid()), rel=1e-6, abs=1e-6), (axis, name)
 
 
-@pytest.mark.parametrize("given", [{"theta0": "1e-3"}, {"spin": "0"}])
-def test_through_a_vertical_no_angles_are_certified(given):
-    with pytest.raises(NotCertifiedError, match="vertical"):
-        truth_of("heavy-top", **given).at(Fraction(1))
+@pytest.mark.parametrize("given", [{"theta0": "1e-3"}, {"theta0": "1e-9", "phidot0": "4"}, {"theta0": "3.1", "spin": "1/100"}])
+def test_within_a_hundredth_of_a_vertical_angles_are_certified(given):
+    """The second sleeps within 1e-9, the third passes the lower vertical at 3.3e-5."""
+    truth = truth_of("heavy-top", **given)
+    ends = truth.scalars()
+    assert min(ends["nutation_min"].mid, Fraction(3.141592653589793) - ends["nutation_max"].mid) < Fraction(11, 10000)
+    assert misses(given) == []
+    assert all(ball.radius < Fraction(1, 10**38) for ball in truth.at(Fraction(1, 2)).values())
+
+
+@pytest.mark.parametrize(("given", "theta"), [({"spin": "0"}, 0.5), ({"theta0": "3", "spin": "0"}, 3.0), ({"theta0": "1e-13"}, 1e-13)])
+def test_through_a_vertical_no_angles_are_certified(given, theta):
+    truth = truth_of("heavy-top", **given)
+    for ask in (truth.at, truth.sensitivity):
+        with pytest.raises(NotCertifiedError, match="vertical") as caught:
+            ask(Fraction(1))
+        assert (caught.value.code, caught.value.time, float(caught.value.state["theta"].mid)) == ("singular", 0.0, theta)
 
 
 def test_lz_and_energy_are_those_of_the_scene():
