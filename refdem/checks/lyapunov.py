@@ -64,9 +64,9 @@ class Lyapunov(Check):
             return [undecided(self.name, "exponent", f"neighbours are far apart after {count} samples; ask for more of them")]
         t = trial.instance.times[:count]
         seen = growth(t, np.maximum(apart[:count], apart[0] * 2.0**-20))
-        if not trial.instance.case.is_chaotic(trial.instance.p):
-            return [self._regular(seen)]
         truth = certified(trial)
+        if not trial.instance.case.is_chaotic(trial.instance.p):
+            return [self._regular(seen, growth(t, truth.growth()[:count]) if truth and truth.until >= count else None)]
         if truth is None or truth.until < count:
             why = f"truth is certified for {truth.until} of {count} samples" if truth else no_truth(trial)
             return [self._positive(seen), undecided(self.name, "exponent", why)]
@@ -77,15 +77,20 @@ class Lyapunov(Check):
             return [undecided(self.name, "class", f"{why}: too little to be called chaos")]
         return [self._positive(seen), self._against_truth(trial, seen, true, t)]
 
-    def _regular(self, seen: Growth) -> Finding:
-        """No faster than a power of the time."""
+    def _regular(self, seen: Growth, true: Growth | None) -> Finding:
+        """No faster than a power of the time, or than neighbours of the true motion part at the same samples.
+
+        A body that passes close by a centre parts from its neighbour for a moment; samples may show that only near the end.
+        """
+        bound = max(LARGEST_POWER, true.power if true else 0.0)
+        basis = "a regular motion lets neighbours part as the time, or its square (1.132): its exponent is zero"
         return judged(
             check=self.name,
             quantity="power",
             value=max(0.0, seen.power),
-            bound=LARGEST_POWER,
+            bound=bound,
             unit="1",
-            basis="a regular motion lets neighbours part as the time, or its square (1.132): its exponent is zero",
+            basis=basis + ("; so fast do those of the true motion part between these samples" if bound > LARGEST_POWER else ""),
             what=f"The exponent is {seen.exponent:.2g} +- {seen.error:.1g}; the power of the time with which neighbours part at last",
         )
 

@@ -147,11 +147,15 @@ class Request:
         return replace(self, problem=Motion(scene, self.problem.times if times is None else times))
 
     def refuse_misaligned(self, t: Array, round_off: float = 2.0**-53) -> None:
-        """Raises EngineError unless the engine's own times `t` are the samples asked for, to the round-off of its precision."""
+        """Raises EngineError unless the engine's own times `t` are the samples asked for, to the round-off of its precision.
+
+        A clock may be the sum of its steps, which rounds as often.
+        """
         times = self.problem.times
         if t.shape != times.shape:
             raise EngineError(f"trajectory.t has {len(t)} samples; expected {len(times)}")
-        allowed = max(1e-12, CLOCK_ROUNDINGS * round_off) * max(abs(times[0]), abs(times[-1]), abs(self.problem.interval))
+        steps = 0 if self.step is None else self.stride * (len(times) - 1)
+        allowed = max(1e-12, CLOCK_ROUNDINGS * round_off, steps * 2.0**-53) * max(abs(times[0]), abs(times[-1]), abs(self.problem.interval))
         worst: Any = np.argmax(np.abs(t - times))
         if abs(t[worst] - times[worst]) > allowed:
             raise EngineError(f"trajectory.t[{worst}] is {t[worst]:.17g} s; expected {times[worst]:.17g} s, the sample that was asked for")

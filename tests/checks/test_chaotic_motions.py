@@ -52,3 +52,12 @@ def test_without_truth_the_exponent_is_undecided_and_not_left_out():
     assert found["class"][0] == "pass"
     assert found["exponent"][0] == "undecided"
     assert "the proof ended" in found["exponent"][1]
+
+
+@pytest.mark.parametrize("eccentricity", ["0.8", "0.9", "0.95"])
+def test_a_comet_that_passes_close_by_is_regular_all_the_same(eccentricity):
+    instance = discovery.case("two-body-orbit").at(eccentricity=eccentricity)
+    task = task_of(ENGINE, "exact-kepler", instance, truth_of(instance), 3, ("lyapunov",))
+    (found,) = judging.record(task, "1", {v: run_of(ENGINE, plan.request(task, v)) for v in task.variants}, []).findings
+    assert (found.quantity, found.outcome) == ("power", "pass")
+    assert found.value > 2  # what samples near the last passage show

@@ -69,3 +69,12 @@ def test_a_clock_in_single_precision_is_off_by_its_round_off_and_no_more():
 def test_times_that_go_nowhere_are_refused():
     with pytest.raises(UsageError, match="rising or all falling"):
         Motion(request_of().problem.scene, np.array([0.0, 1.0, 1.0]))
+
+
+def test_a_clock_that_adds_up_its_steps_is_read_and_one_that_loses_a_step_is_not():
+    fine = request_of(step=0.5 / 65536)
+    times = fine.problem.times
+    steps = fine.stride * (len(times) - 1)
+    fine.refuse_misaligned(times * (1 + 0.9 * steps * 2.0**-53))
+    with pytest.raises(EngineError, match="the sample that was asked for"):
+        fine.refuse_misaligned(times * (1 + 1 / steps))
