@@ -1,0 +1,56 @@
+"""The way back: orders of the defect, and chaos, which enlarges round-off, told apart from a motion that has no way back."""
+
+import numpy as np
+import pytest
+
+from refdem.campaign import plan
+from refdem.campaign.in_process import record_of, run_of, task_of, truth_of
+from refdem.checks.reversal import _defect
+from refdem.core import discovery
+from refdem.core.variant import Variant
+from refdem.engines.reference import ENGINE
+from refdem.faults.change import of_columns, scaled
+from refdem.faults.fault import Fault
+from refdem.faults.transparent import Transparent
+
+WAYS_BACK = [
+    (ENGINE, "rk4", "harmonic-oscillator", {}, 4, 5),
+    (ENGINE, "rk4", "duffing", {"beta": "2"}, 4, 5),
+    (ENGINE, "rk4-free-body", "free-rigid-body", {}, 4, 5),
+    (Transparent(), "explicit-euler", "harmonic-oscillator", {}, 1, 1),
+    (Transparent(), "euler", "harmonic-oscillator", {}, 1, 1),
+]
+
+
+@pytest.mark.parametrize(("engine", "method", "case", "given", "order", "expected"), WAYS_BACK)
+def test_the_defect_falls_with_the_order_if_it_is_odd_and_one_more_if_it_is_even(engine, method, case, given, order, expected):
+    instance = discovery.case(case).at(**given)
+    task = task_of(engine, method, instance, truth_of(instance), 3, ("reversal",))
+    assert task.method.order == order
+    found, first = [], instance.problem.interval / (4 if order > 1 else 64)
+    for h in (first, first / 2):
+        there = run_of(engine, plan.request(task, Variant(h)))
+        back = run_of(engine, plan.request(task, Variant(h, "reversed"), there.trajectory))
+        found.append(_defect(task.trial, back.trajectory, "reversed"))
+    assert np.log2(found[0] / found[1]) == pytest.approx(expected, abs=0.1)
+
+
+CHAOS = {"theta0": "3,3", "duration": "7/2", "samples": "14"}
+
+
+def test_chaos_enlarges_round_off_and_is_no_irreversibility():
+    instance = discovery.case("double-pendulum").at(**CHAOS)
+    truth = truth_of(instance)
+    assert truth.growth()[-1] > 1000
+    dragged = Fault(name="drag", kind="", sentence="", on=(), sees=("reversal", "reversed"), after=drag).carrier(ENGINE)
+    sound, lost = (task_of(engine, "rod-chain", instance, truth, 1, ("reversal",)) for engine in (ENGINE, dragged))
+    plain = 2 * np.sqrt(2) * sound.trial.round_off(sound.trial.levels[-1])
+    for finding in record_of(sound).findings:
+        assert finding.outcome == "pass"
+        assert finding.value > 3 * plain  # a bound without S would call it irreversible
+    assert {f.quantity: f.outcome for f in record_of(lost).findings}["reversed"] == "fail"
+
+
+def drag(request, run):
+    """Velocities are a millionth too small wherever the run ends: what drag has taken on the way."""
+    return of_columns(velocity=scaled(1 - 1e-6))(request, run)
