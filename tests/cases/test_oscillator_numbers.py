@@ -27,6 +27,25 @@ def test_phase_area_shrinks_as_exp_of_minus_2_delta_t(delta):
     assert area == pytest.approx(area[0] * np.exp(-2 * float(delta) * t[:-2]), rel=1e-6, abs=1e-13 * abs(area[0]))
 
 
+@pytest.mark.parametrize("given", [{}, {"mass": "2", "stiffness": "3", "friction_force": "0.05", "x0": "-0.7"}])
+def test_turning_points_and_largest_speeds_under_dry_friction_lie_on_one_straight_line(given):
+    """x0 - 2 f w0 t/(pi k), the speeds in units of w0; the line ends where the mass has stopped."""
+    scalars = discovery.case("coulomb-oscillator").at(**given).truth().scalars()
+    p = discovery.case("coulomb-oscillator").at(**given).p
+    w0, end = np.sqrt(p.stiffness / p.mass), float(scalars["stop_time"].mid)
+    t = np.linspace(0, end * (1 - 1e-9), 20001)
+    x, v = moved("coulomb-oscillator", t, **given)
+    for when, size in (oscillation.turning_points(t[1:], x[1:], v[1:]), _tops(t, np.abs(v) / w0)):
+        assert len(when) >= int(scalars["half_cycles"].mid) - 1
+        assert np.abs(size) == pytest.approx(abs(p.x0) - 2 * p.friction_force * w0 * when / (np.pi * p.stiffness), abs=2e-4)
+
+
+def _tops(t, size):
+    """Times and heights of the largest values."""
+    at = np.flatnonzero((size[1:-1] > size[:-2]) & (size[1:-1] >= size[2:])) + 1
+    return t[at], size[at]
+
+
 @pytest.mark.parametrize("delta", ["0.1", "0.4", "0.8"])
 def test_driven_amplitude_follows_the_resonance_curve(delta):
     t = np.linspace(60, 80, 2001) / float(delta) ** 0.5 * (1 if delta != "0.1" else 2)
