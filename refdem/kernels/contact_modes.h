@@ -22,7 +22,7 @@ static inline double guard(const runner *r, int64_t k, int kind, const double *r
     if (p->friction == 0.0 || (kind == PULL && (p->no_pull || p->damping == 0.0)))
         return INFINITY;
     if (kind == PULL)
-        return mode == FREE ? -force : mode == SLIP ? force : INFINITY;
+        return mode == FREE ? -force : mode >= SLIP ? force : INFINITY;
     if (mode == FREE)
         return INFINITY;
     const double *s = y + history_at(p) + 3 * k, *a = dy + 3 * p->bodies;
@@ -69,9 +69,9 @@ static inline int64_t next_mode(const runner *r, int64_t k, int kind, double *re
         return p->no_pull && p->damping > 0.0 ? PARTED : APART;
     double *s = y + history_at(p) + 3 * k, stiffness = p->tangential_stiffness;
     if (kind == PULL)
-        return mode == SLIP ? FREE : pressing(p, k, y);
+        return mode >= SLIP ? FREE : pressing(p, k, y);
     meeting m = meet(p, k, y);
-    if (mode == SLIP) {
+    if (mode >= SLIP) {
         for (int c = 0; c < 3; c++)
             s[c] = stiffness > 0.0 ? s[c] * longest(p, &m) : 0.0;
         return STICK;

@@ -80,7 +80,7 @@ static void accept(const runner *r, course *c)
     c->y = c->next, c->next = swap;
     swap = c->dy, c->dy = c->rate, c->rate = swap;
     for (int64_t k = 0; p->friction > 0.0 && p->tangential_stiffness == 0.0 && k < p->pairs; k++) {
-        if (r->mode[k] != SLIP)
+        if (r->mode[k] < SLIP)
             continue;
         meeting m = meet(p, k, c->y);
         double fast = size(m.slip);
@@ -89,11 +89,24 @@ static void accept(const runner *r, course *c)
     }
 }
 
+/* What is left of a slip that has ended along its direction is taken away by one impulse: sticking would keep it for ever. */
+static void stop(const refdem_particles *p, int64_t k, double *restrict y)
+{
+    meeting m = meet(p, k, y);
+    double impulse[3], ease = yields(p, &m);
+    for (int c = 0; c < 3; c++)
+        impulse[c] = -m.slip[c] / ease;
+    twist(p, &m, impulse, y);
+    y[work_at(p)] += 0.5 * dot(m.slip, m.slip) / ease;
+}
+
 /* The mode that pair k changes to, at time t. */
 static void change(runner *r, course *c, int64_t k, int kind, double t)
 {
     int64_t before = r->mode[k], now = next_mode(r, k, kind, c->y, c->dy);
     r->mode[k] = now;
+    if (before >= SLIP && now == STICK && r->p->tangential_stiffness == 0.0)
+        stop(r->p, k, c->y);
     meeting m = meet(r->p, k, c->y);
     if (before == PARTED || now == PARTED) /* what the spring still holds when the force ends is lost */
         c->y[work_at(r->p)] += (now == PARTED ? 0.5 : -0.5) * r->p->stiffness * m.overlap * m.overlap;
@@ -114,6 +127,12 @@ static void advance(runner *r, course *c, double t, double h)
         if (r->p->pairs == 0 || events == MOST_EVENTS || !leaving(r, c, piece, &fraction, &pair, &kind)) {
             accept(r, c);
             left -= piece;
+            if (r->mode[pair] == FADE)
+                r->mode[pair] = SLIP, rates(r->p, r->mode, c->y, c->dy);
+            continue;
+        }
+        if (kind == HOLD && r->mode[pair] == SLIP && r->p->tangential_stiffness == 0.0 && r->method != EXTRAPOLATION) {
+            r->mode[pair] = FADE; /* the same piece again */
             continue;
         }
         if (fraction > 0.0) {

@@ -11,10 +11,13 @@
 #include <string.h>
 
 #include "kernels.h"
+#include "space.h"
 
 /* APART: no overlap. PARTED: overlap, but the force would pull. FREE: normal force only. STICK: the spring holds (without
- * a spring: no slip). SLIP: friction at its limit; s is then the unit vector of the spring, whose length is mu F / k_t. */
-enum { APART, PARTED, FREE, STICK, SLIP };
+ * a spring: no slip). SLIP: friction at its limit; s is then the unit vector of the spring, whose length is mu F / k_t.
+ * FADE: a SLIP without a spring that may end in this step. Its direction may turn ever faster, so that friction keeps that of
+ * the start of the step: the rates are smooth in it, and the end is located to rounding. */
+enum { APART, PARTED, FREE, STICK, SLIP, FADE };
 
 typedef struct {
     int64_t i, j;
@@ -22,25 +25,6 @@ typedef struct {
     double overlap, rate, normal, limit; /* d, d', F, mu F (also below zero: a step may look beyond a release) */
     double arm_i, arm_j;
 } meeting;
-
-static inline double dot(const double *restrict a, const double *restrict b)
-{
-    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-}
-
-static inline void cross(const double *restrict a, const double *restrict b, double *restrict out)
-{
-    out[0] = a[1] * b[2] - a[2] * b[1];
-    out[1] = a[2] * b[0] - a[0] * b[2];
-    out[2] = a[0] * b[1] - a[1] * b[0];
-}
-
-/* a += factor b. */
-static inline void add(double *restrict a, double factor, const double *restrict b)
-{
-    for (int c = 0; c < 3; c++)
-        a[c] += factor * b[c];
-}
 
 /* Where the blocks of a state (or of its rates) begin: x, v (3 N); w (3 N), q (4 N) if bodies turn; s (3 pairs) if they rub;
  * last the work done against damping and friction. */
@@ -108,11 +92,6 @@ static inline meeting meet(const refdem_particles *p, int64_t k, const double *r
     return m;
 }
 
-static inline double size(const double *restrict a)
-{
-    return sqrt(dot(a, a));
-}
-
 /* Stiffness of the tangential spring: that of Hertz's contact grows with its circle, as the root of the overlap. */
 static inline double grip(const refdem_particles *p, const meeting *m)
 {
@@ -132,12 +111,19 @@ static inline double least_slip(const refdem_particles *p, const meeting *m)
     return 1e-11 * p->radius[m->i] * sqrt(p->stiffness * ease);
 }
 
+/* What a tangential impulse changes the slip by [1/kg]. */
+static inline double yields(const refdem_particles *p, const meeting *m)
+{
+    double ease = p->ease[m->i] + m->arm_i * m->arm_i * p->turn_ease[m->i];
+    return m->j < 0 ? ease : ease + p->ease[m->j] + m->arm_j * m->arm_j * p->turn_ease[m->j];
+}
+
 /* The force that keeps the slip at zero, from the accelerations without it: -(slip rate) / (1/m + 1/m + l^2/J + l^2/J). */
 static inline void holding(const refdem_particles *p, const meeting *m, const double *restrict y, const double *restrict dy,
                            double *restrict force)
 {
     const double *w = y + spin_at(p), *a = dy + 3 * p->bodies, *b = dy + spin_at(p);
-    double spin[3], rate[3], carried[3], turned[3], ease = p->ease[m->i] + m->arm_i * m->arm_i * p->turn_ease[m->i];
+    double spin[3], rate[3], carried[3], turned[3], ease = yields(p, m);
     for (int c = 0; c < 3; c++) {
         spin[c] = m->arm_i * w[3 * m->i + c];
         rate[c] = m->arm_i * b[3 * m->i + c] - p->branch * m->rate * w[3 * m->i + c];
@@ -148,8 +134,6 @@ static inline void holding(const refdem_particles *p, const meeting *m, const do
             force[c] -= a[3 * m->j + c];
         }
     }
-    if (m->j >= 0)
-        ease += p->ease[m->j] + m->arm_j * m->arm_j * p->turn_ease[m->j];
     cross(rate, m->n, turned);
     cross(spin, m->turn, carried);
     for (int c = 0; c < 3; c++)
@@ -169,9 +153,9 @@ static inline void rub(const refdem_particles *p, int64_t mode, const meeting *m
     double lean = k * limit / (limit * limit + least * least); /* k/limit, but finite where the force vanishes */
     double across[3], towards[3] = {s[0], s[1], s[2]}, fast = size(m->slip), flat = 1.0;
     int bends = p->tangential_stiffness > 0.0;
-    if (!bends && mode == SLIP) { /* along the slip; where that has no direction, as it was; in the plane of contact, for a slip
+    if (!bends && mode >= SLIP) { /* along the slip; where that has no direction, as it was; in the plane of contact, for a slip
                                      * that ends is all rounding, and friction may be many times the normal force */
-        for (int c = 0; along > least_slip(p, m) && c < 3; c++)
+        for (int c = 0; mode == SLIP && along > least_slip(p, m) && c < 3; c++)
             towards[c] = m->slip[c] / fast;
         add(towards, -dot(towards, m->n), m->n);
         flat = fmax(size(towards), 1e-300); /* no direction yet, as after sticking without any pull: no friction */
@@ -183,7 +167,7 @@ static inline void rub(const refdem_particles *p, int64_t mode, const meeting *m
     if (mode == SLIP && size(across) < 1e-9 * fast) /* motion in a plane: rounding must not turn the spring */
         lean = 0.0;
     for (int c = 0; c < 3; c++) {
-        force[c] = mode == STICK ? -k * s[c] : mode == SLIP ? -m->limit * towards[c] : 0.0;
+        force[c] = mode == STICK ? -k * s[c] : mode >= SLIP ? -m->limit * towards[c] : 0.0;
         rate[c] = 0.0;
         if (bends && mode == STICK)
             rate[c] = m->slip[c] - carried * m->n[c];

@@ -4,7 +4,7 @@ from refdem.core.engine import Method
 from refdem.core.problem import Motion, Request
 from refdem.core.trajectory import Cost, Trajectory
 from refdem.scene.elements.spring import Spring
-from refdem.solvers import _particles
+from refdem.solvers import _particles, _sliding
 from refdem.solvers.solver import Solver
 
 
@@ -27,7 +27,7 @@ class RungeKutta(Solver):
         """As velocity Verlet, but springs must be smooth at their natural length."""
         if any(spring.exponent % 2 != 1 for spring in problem.scene.all(Spring)):
             return "a spring whose force is not smooth where it changes sign"
-        return _particles.refusal(problem)
+        return _particles.refusal(problem) or _sliding.refusal(problem.scene)
 
     def run(self, request: Request) -> tuple[Trajectory, Cost]:
         """Fixed steps in the direction of time."""
