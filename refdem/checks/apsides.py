@@ -87,7 +87,7 @@ def fradkin(r: Array, v: Array, mass: float, stiffness: float) -> Array:
 def turned(kept: Array) -> float:
     """Angle [rad] between the first and the last long axis; 0 where a circle has none."""
     axes = [at if at.ndim == 1 else np.linalg.eigh(at)[1][:, -1] for at in (kept[0], kept[-1])]
-    across, along = np.linalg.norm(np.cross(*axes)), float(np.dot(*axes))
+    across, along = np.linalg.norm(np.cross(axes[0], axes[1])), float(axes[0] @ axes[1])
     return float(np.arctan2(across, along if kept.ndim == 2 else abs(along)))
 
 

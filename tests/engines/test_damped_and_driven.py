@@ -8,6 +8,7 @@ from refdem.core.problem import Motion, Request
 from refdem.scene import Body, Scene
 from refdem.scene.elements.dashpot import Dashpot
 from refdem.scene.elements.force import Force
+from refdem.scene.elements.rod import Rod
 from refdem.scene.elements.spring import Spring
 from refdem.scene.elements.uniform_gravity import UniformGravity
 
@@ -93,6 +94,28 @@ def test_a_periodic_force_in_pymunk_is_of_first_order_also_from_a_later_start():
     assert np.abs(delayed.position - run.position).max() < 1e-11
 
 
+@pytest.mark.parametrize(("method", "order", "steps"), [("rk4", 4, (2.0**-4, 2.0**-5)), ("euler", 1, (2.0**-7, 2.0**-8))])
+def test_a_periodic_force_in_mujoco_is_taken_at_the_time_of_every_stage_also_from_a_later_start(method, order, steps):
+    runs = [played("mujoco", method, DRIVEN, step) for step in steps]
+    errors = [np.abs(run.position[:, 0, 0] - swinging(run.t)).max() for run in runs]
+    assert np.log2(errors[0] / errors[1]) == pytest.approx(order, abs=0.1)
+    late = Scene.of([POINT], [SPRING, Force(a=0, amplitude=3.0, frequency=2.0, phase=0.5 - 2.0 * 64.0)])
+    delayed = played("mujoco", method, late, steps[1], start=64.0)
+    assert np.abs(delayed.position - runs[1].position).max() < 1e-11
+
+
+@pytest.mark.parametrize("shape", [{}, {"inertia": (1.0, 2.0, 3.0), "omega": (0.3, 0.2, 0.1)}])
+def test_a_periodic_force_alone_acts_along_its_axis_in_mujoco_and_is_gone_afterwards(shape):
+    """Without springs and dampers MuJoCo leaves out all passive forces, unless it is told not to."""
+    force = Force(a=0, amplitude=3.0, frequency=2.0, phase=0.5, axis=(0.0, 0.6, 0.8))
+    body = Body(mass=2.0, position=(1.0, 0.0, 0.0), **shape)
+    run = played("mujoco", "rk4", Scene.of([body], [force]), 2.0**-6)
+    way = -3.0 / 8.0 * (np.cos(2 * run.t + 0.5) - np.cos(0.5)) - 0.75 * np.sin(0.5) * run.t
+    assert run.position[:, 0] == pytest.approx(np.stack([1 + 0 * way, 0.6 * way, 0.8 * way], axis=1), abs=1e-8)
+    after = played("mujoco", "rk4", Scene.of([body], []), 2.0**-6)
+    assert np.ptp(after.position, axis=0).max() == 0
+
+
 def test_springs_with_a_cube_and_a_square_are_those_of_the_reference():
     for scene, engine, method, step in (
         (CUBIC, "mujoco", "rk4", 2.0**-7),
@@ -111,7 +134,8 @@ def test_van_der_pols_dashpot_and_a_drive_are_those_of_the_reference():
 
 
 REFUSED = [
-    ("mujoco", "rk4", DRIVEN, "clock"),
+    ("mujoco", "rk4", Scene.of([POINT, POINT], [Force(a=0, b=1, amplitude=1.0)]), "between bodies"),
+    ("mujoco", "rk4", Scene.of([POINT], [Force(a=0, amplitude=1.0), Rod(a=0, length=1.0)]), "nothing holds"),
     ("mujoco", "rk4", Scene.of([POINT], [SPRING, Dashpot(a=0, damping=-0.5)]), "below zero"),
     ("mujoco", "rk4", SQUARE, "square"),
     ("pymunk", "semi-implicit-euler", Scene.of([POINT, POINT], [Force(a=0, b=1, amplitude=1.0)]), "between bodies"),

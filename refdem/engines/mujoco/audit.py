@@ -18,6 +18,12 @@ _MODEL = (
         "could not be zero; adds 1e-15/(m l^2) to the inertia about the anchor: for m = l = 1 an angle off by 5e-16 of its phase",
     ),
     Default("rod of a pendulum", "-", "a hinge at the anchor", "exact in MuJoCo's coordinates; a tendon or connect constraint is soft"),
+    Default(
+        "forces that follow the clock",
+        "-",
+        "mjcb_passive, called in every stage at its own time",
+        "controls and applied forces are constant over a step, also within Runge-Kutta; the callback is Python",
+    ),
     Default("bodies that do not turn", "-", "slide joints along the axes of the motion", "the rest would stay put"),
 )
 

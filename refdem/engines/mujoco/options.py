@@ -57,7 +57,7 @@ def unneeded(scene: Scene) -> tuple[str, ...]:
         "CONTACT": not meets,
         "CONSTRAINT": not meets and "slider" not in features,
         "FRICTIONLOSS": all(slider.belt_velocity for slider in scene.all(Slider)),
-        "SPRING": "spring" not in features,
+        "SPRING": not features & {"spring", "force"},  # without springs and dampers MuJoCo leaves out its callback as well
         "DAMPER": "dashpot" not in features,
         "GRAVITY": "uniform_gravity" not in features,
     }

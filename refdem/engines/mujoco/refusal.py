@@ -7,17 +7,17 @@ import numpy as np
 from refdem.core.problem import Motion
 from refdem.engines.mujoco import links
 from refdem.engines.mujoco.ball import of_ball_joints
+from refdem.engines.mujoco.drive import of_forces
 from refdem.engines.mujoco.shapes import box_sides, pairs
 from refdem.scene import Polyhedron, Scene
 from refdem.scene.elements.contact import Contact
 
-SAID = {"ball_joint", "dashpot", "spring", "slider", "rod", "plane", "contact", "uniform_gravity"}
+SAID = {"ball_joint", "dashpot", "force", "spring", "slider", "rod", "plane", "contact", "uniform_gravity"}
 UNSAID = {
     "central_field": "no central field: gravity is uniform",
     "moving_anchor": "no joint that follows a law of time: a mocap body is put in place between steps and has no velocity",
     "string_over_wheel": "no taut string: a tendon holds its length as a soft constraint",
     "catch": "no constraint that begins at closest approach: one is switched between steps only, and is soft",
-    "force": "no force that follows the clock: controls and applied forces are constant over a step, also within Runge-Kutta",
 }
 SMALLEST = 1e-15
 """mjMINVAL: mass [kg] and principal inertia [kg m^2] of a moving body may not be below it."""
@@ -31,7 +31,16 @@ def refusal(problem: Motion) -> str | None:
     for element in scene.elements:
         if element.kind not in SAID:
             return UNSAID.get(element.kind, f"no element {element.kind}")
-    for judged in (_of_bodies, links.of_springs, links.of_dashpots, links.of_sliders, links.of_rods, of_ball_joints, _of_contact):
+    for judged in (
+        _of_bodies,
+        links.of_springs,
+        links.of_dashpots,
+        links.of_sliders,
+        links.of_rods,
+        of_ball_joints,
+        of_forces,
+        _of_contact,
+    ):
         if reason := judged(scene):
             return reason
     return None

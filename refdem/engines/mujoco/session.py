@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 from refdem.core.problem import Request
 from refdem.core.trajectory import Cost, Trajectory
 from refdem.engines.mujoco.belts import press
+from refdem.engines.mujoco.drive import driving
 from refdem.engines.mujoco.joints import Freedom
 from refdem.engines.mujoco.loop import recorded
 from refdem.engines.mujoco.model import compiled
@@ -29,9 +30,10 @@ def run(request: Request) -> tuple[Trajectory, Cost]:
     try:
         model, freedoms = compiled(request)
         data = _started(mujoco, model, freedoms, request)
-        mujoco.mj_step(model, _started(mujoco, model, freedoms, request))  # raises here what would end the process in the loop
-        setup = perf_counter() - began
-        rows, seconds = recorded(model, data, request)
+        with driving(mujoco, request.problem.scene, [_columns(model, freedoms, n)[1] for n in range(len(freedoms))]):
+            mujoco.mj_step(model, _started(mujoco, model, freedoms, request))  # raises here what would end the process in the loop
+            setup = perf_counter() - began
+            rows, seconds = recorded(model, data, request)
         _refuse_warnings(data, warnings)
         trajectory = _trajectory(mujoco, model, freedoms, rows)
     except (mujoco.FatalError, mujoco.UnexpectedError, ValueError) as error:
