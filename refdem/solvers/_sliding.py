@@ -29,13 +29,13 @@ def _in_a_plane(scene: Scene) -> bool:
     """Some plane holds normals, motion and loads of all pairs, with every spin across it."""
     spins = scene.bodies.omega[scene.bodies.radius > 0]
     loads, normals = _directions(scene), _normals(scene)
-    flat = [vector / np.linalg.norm(vector) for vector in (*normals, *loads) if np.any(vector)]
+    flat: list[Array] = [vector / float(np.linalg.norm(vector)) for vector in (*normals, *loads) if np.any(vector)]
     across = np.cross(flat[0], flat)
     widest = across[np.argmax(np.linalg.norm(across, axis=1))]
     if np.linalg.norm(widest) <= ASKEW:  # all on one line: the spins say across which plane
-        turning = [spin - (spin @ flat[0]) * flat[0] for spin in spins]
+        turning: list[Array] = [spin - float(spin @ flat[0]) * flat[0] for spin in spins]
         widest = max(turning, key=lambda spin: float(np.linalg.norm(spin)))
-        if np.linalg.norm(widest) <= ASKEW * max(np.linalg.norm(spins), 1e-300):
+        if np.linalg.norm(widest) <= ASKEW * max(float(np.linalg.norm(spins)), 1e-300):
             return True
     normal = widest / np.linalg.norm(widest)
     aside = np.linalg.norm(spins - np.outer(spins @ normal, normal), axis=1)
