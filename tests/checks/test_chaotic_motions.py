@@ -1,5 +1,7 @@
 """Chaotic motions: a start moved by one unit in the last place changes no verdict, and without a horizon it would."""
 
+import re
+
 import numpy as np
 import pytest
 
@@ -61,3 +63,25 @@ def test_a_comet_that_passes_close_by_is_regular_all_the_same(eccentricity):
     (found,) = judging.record(task, "1", {v: run_of(ENGINE, plan.request(task, v)) for v in task.variants}, []).findings
     assert (found.quantity, found.outcome) == ("power", "pass")
     assert found.value > 2  # what samples near the last passage show
+
+
+def lyapunov(name, given, truth=None):
+    """What the check finds of the reference's best method, by quantity."""
+    instance = discovery.case(name).at(**given)
+    task = task_of(ENGINE, ENGINE.best(instance.problem).name, instance, truth or truth_of(instance), 3, ("lyapunov",))
+    runs = {v: run_of(ENGINE, plan.request(task, v)) for v in task.variants}
+    return {f.quantity: f for f in judging.record(task, "1", runs, []).findings}
+
+
+def test_a_chaotic_motion_has_a_positive_exponent_that_of_truth_within_its_error_bar():
+    found = lyapunov("driven-duffing", discovery.case("driven-duffing").chaotic_at)
+    assert {name: f.outcome for name, f in found.items()} == {"class": "pass", "exponent": "pass"}
+    value, error = map(float, re.search(r"exponent is (\S+) \+- (\S+) and", found["exponent"].sentence).groups())
+    assert value > 3 * error > 0
+
+
+@pytest.mark.parametrize("name", ["free-rigid-body", "intermediate-axis", "pendulum", "duffing", "driven-oscillator", "coulomb-oscillator"])
+def test_a_regular_motion_has_none(name):
+    tau = discovery.case(name).at().scales.tau
+    found = lyapunov(name, {"duration": f"{400 * tau:.6g}", "samples": "256"}, no_truth("not asked for"))
+    assert {quantity: f.outcome for quantity, f in found.items()} == {"power": "pass"}
