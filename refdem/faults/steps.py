@@ -128,17 +128,17 @@ Rates = tuple[list[Vector], list[Vector], list[vec.Quaternion], list[Vector]]
 def rates(m: Moving, state: State) -> Rates:
     """r', v', q', omega_body' of every body."""
     load, parts, bodies = m.parts.loads(m.world, state, m.parts), m.parts, range(len(m.world.mass))
+
+    def spun(i: int) -> Vector:
+        torque = vec.plus(parts.gyroscopic(m.world.inertia[i], state.w[i]), load.torque[i])
+        return parts.spun_up(vec.ZERO, torque, m.world.inertia[i], 1.0)
+
     still = (0.0, 0.0, 0.0, 0.0)
     return (
         [state.v[i] for i in bodies],
         [parts.kicked(vec.ZERO, load.force[i], m.world.mass[i], 1.0) for i in bodies],
         [parts.turn_rate(state.q[i], state.w[i]) if m.world.turns[i] else still for i in bodies],
-        [
-            parts.spun_up(vec.ZERO, parts.gyroscopic(m.world.inertia[i], state.w[i]), m.world.inertia[i], 1.0)
-            if m.world.turns[i]
-            else vec.ZERO
-            for i in bodies
-        ],
+        [spun(i) if m.world.turns[i] else vec.ZERO for i in bodies],
     )
 
 

@@ -11,8 +11,12 @@ from refdem.core import discovery
 from refdem.core.problem import Motion, Request
 from refdem.errors import UnsupportedError
 from refdem.faults.events import sign_change
+from refdem.faults.loads import loads
+from refdem.faults.parts import SOUND
 from refdem.faults.settings import SETTINGS
+from refdem.faults.steps import Moving, rates
 from refdem.faults.transparent import Transparent
+from refdem.faults.world import start_of, world_of
 from refdem.scene import Body, Scene
 from refdem.scene.elements.ball_joint import BallJoint
 from refdem.scene.elements.rod import Rod
@@ -45,6 +49,14 @@ def test_a_symmetric_top_precesses_at_the_rate_of_the_textbook(method):
     body = discovery.case("free-rigid-body").at(inertia="1,1,3/2", omega_body="1/2,0,1").observe(found)
     np.testing.assert_allclose(body["omega_body.x"], 0.5 * np.cos(rate * found.t), atol=1e-3)
     np.testing.assert_allclose(body["omega_body.z"], 1.0, atol=1e-5)
+
+
+def test_a_torque_spins_a_body_up_in_the_stages_of_runge_kutta_as_in_a_kick():
+    scene = discovery.case("free-rigid-body").at(inertia="1,2,5/2", omega_body="0,0,1").scene
+    world = world_of(scene, float)
+    pushed = SOUND.with_(loads=lambda *given: replace(loads(*given), torque=[(1.0, 1.0, 1.0)]))
+    rate = rates(Moving(world, pushed), start_of(scene, world, SOUND.to_body))
+    assert rate[3] == [(1.0, 1 / 2, 2 / 5)]  # no gyroscopic torque about a principal axis
 
 
 def test_dry_friction_stops_at_the_turning_point_for_ever():

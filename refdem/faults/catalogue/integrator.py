@@ -126,6 +126,22 @@ FAULTS = (
         inside=lambda p: {"rk4_nodes": (0.5, 1 / 3, 1.0)},
     ),
     integrator(
+        name="rk4-node-turning",
+        sentence="The third stage is taken at 1/3, not at 1/2, of a body that turns.",
+        method="rk4",
+        sees=ORDER,
+        on=("tumbler",),
+        inside=lambda p: {"rk4_nodes": (0.5, 1 / 3, 1.0)},
+    ),
+    integrator(
+        name="rk4-weights-turning",
+        sentence="Two weights of Runge-Kutta are swapped for a body that turns.",
+        method="rk4",
+        sees=ORDER,
+        on=("tumbler",),
+        inside=lambda p: {"rk4_weights": (1 / 3, 1 / 6, 1 / 6, 1 / 3)},
+    ),
+    integrator(
         name="rk4-last-stage",
         sentence="The last stage is taken at the middle.",
         method="rk4",
