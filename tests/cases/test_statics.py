@@ -160,6 +160,37 @@ def test_truth_of_a_cuboid_is_that_of_its_triangles(sides):
     assert [found.mass, *np.diag(found.inertia)] == pytest.approx(expected, rel=1e-14)
 
 
+@pytest.mark.parametrize("hollow", ["1/2", "9/10"])
+def test_truth_of_hollow_bodies_is_that_of_triangles_of_both_surfaces(hollow):
+    truth = discovery.case("moments-of-inertia").at(hollow=hollow).truth().scalars()
+    numbers, part = {name: float(ball.mid) for name, ball in truth.items()}, float(Fraction(hollow))
+    outer, inner = (of_polyhedron(b.vertices, b.faces, 0.5) for b in (box(1, 2, 3), box(part, 2 * part, 3 * part)))
+    expected = [outer.mass - inner.mass, *np.diag(outer.inertia - inner.inertia)]
+    assert [numbers[f"hollow-cuboid.{what}"] for what in ("mass", *DIAGONAL)] == pytest.approx(expected, rel=1e-14)
+    mass = numbers["hollow-cylinder.mass"]
+    assert mass == pytest.approx(0.5 * np.pi * (1 - part**2) * 3, rel=1e-14)
+    assert numbers["hollow-cylinder.inertia.zz"] == pytest.approx(mass * (1 + part**2) / 2, rel=1e-14)
+    for entry, name in enumerate(DIAGONAL):
+        found = [of_polyhedron(*ring(n, part), 0.5) for n in (32, 64)]
+        errors = [abs(pipe.inertia[entry, entry] / numbers[f"hollow-cylinder.{name}"] - 1) for pipe in found]
+        assert np.log2(errors[0] / errors[1]) == pytest.approx(2, abs=0.05)
+
+
+DIAGONAL = ("inertia.xx", "inertia.yy", "inertia.zz")
+
+
+def ring(n, part):
+    """Vertices and faces of a prism with a hole, in a cylinder of radius 1 and height 3: one surface, inside it turned inwards."""
+    around = [(float(np.cos(2 * np.pi * j / n)), float(np.sin(2 * np.pi * j / n))) for j in range(n)]
+    vertices = [(r * x, r * y, z) for r in (1.0, part) for z in (-1.5, 1.5) for x, y in around]
+    quads = [(j, (j + 1) % n) for j in range(n)]
+    outside = [(j, k, n + k, n + j) for j, k in quads]
+    inside = [(2 * n + j, 3 * n + j, 3 * n + k, 2 * n + k) for j, k in quads]
+    floor = [(j, 2 * n + j, 2 * n + k, k) for j, k in quads]
+    top = [(n + j, n + k, 3 * n + k, 3 * n + j) for j, k in quads]
+    return vertices, [*outside, *inside, *floor, *top]
+
+
 def test_limits_of_the_table():
     long = discovery.case("moments-of-inertia").at(a="1e-8", b="1e-8", c="3")
     scalars = {name: float(ball.mid) for name, ball in long.truth().scalars().items()}
