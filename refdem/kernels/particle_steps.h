@@ -183,6 +183,12 @@ static inline void midpoint(const runner *r, const double *restrict y, const dou
     }
 }
 
+/* The larger one, and what is not a number if either is none: a step that overflows has not settled. */
+static inline double larger(double a, double b)
+{
+    return a > b || a != a ? a : b;
+}
+
 /* Largest difference of two rows in units of each block's scale; the direction of a slipping spring counts as its force does. */
 static inline double gap(const runner *r, const double *restrict end, const double *restrict a, const double *restrict b)
 {
@@ -191,7 +197,7 @@ static inline double gap(const runner *r, const double *restrict end, const doub
     double worst = 0.0;
     for (int64_t i = 0; i < history_at(p); i++) {
         double scale = i < 3 * n ? r->length : i < 6 * n ? r->speed : i < 9 * n ? r->turning : 1.0;
-        worst = fmax(worst, fabs(a[i] - b[i]) / scale);
+        worst = larger(fabs(a[i] - b[i]) / scale, worst);
     }
     for (int64_t k = 0; p->friction > 0.0 && p->tangential_stiffness > 0.0 && k < p->pairs; k++) {
         if (r->mode[k] < STICK)
@@ -199,7 +205,7 @@ static inline double gap(const runner *r, const double *restrict end, const doub
         meeting m = meet(p, k, end);
         double strain = m.normal / (p->stiffness * p->radius[m.i]), unit = r->mode[k] == STICK ? r->way : 1e-3 / strain;
         for (int64_t i = history_at(p) + 3 * k; i < history_at(p) + 3 * k + 3; i++)
-            worst = fmax(worst, fabs(a[i] - b[i]) / fmax(fabs(unit), r->mode[k] == STICK ? 0.0 : 1.0));
+            worst = larger(fabs(a[i] - b[i]) / fmax(fabs(unit), r->mode[k] == STICK ? 0.0 : 1.0), worst);
     }
     return worst;
 }

@@ -115,6 +115,14 @@ static void change(runner *r, course *c, int64_t k, int kind, double t)
     rates(r->p, r->mode, c->y, c->dy);
 }
 
+static int finite(const runner *r, const double *restrict y)
+{
+    double none = 0.0;
+    for (int64_t i = 0; i < r->size; i++)
+        none += 0.0 * y[i];
+    return none == 0.0;
+}
+
 /* One step of size h from time t, cut at events, and halved where extrapolation needs that. */
 static void advance(runner *r, course *c, double t, double h)
 {
@@ -122,7 +130,7 @@ static void advance(runner *r, course *c, double t, double h)
     int64_t pair = 0;
     int kind = 0;
     for (int events = 0; left != 0.0; piece = left) {
-        while (!step(r, c->y, c->dy, piece, c->next, c->rate) && fabs(piece) > SHORTEST * fabs(h))
+        while (!step(r, c->y, c->dy, piece, c->next, c->rate) && fabs(piece) > SHORTEST * fabs(h) && finite(r, c->y))
             piece *= 0.5;
         if (r->p->pairs == 0 || events == MOST_EVENTS || !leaving(r, c, piece, &fraction, &pair, &kind)) {
             accept(r, c);

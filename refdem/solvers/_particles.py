@@ -24,6 +24,7 @@ ELEMENTS = (Spring, UniformGravity, CentralField, Contact, Plane)
 BRANCH = {"R": 0.0, "R-d": 1.0, "R-d/2": 0.5}
 METHODS = {"velocity-verlet": 0, "rk4": 1, "contact-events": 2}
 FAMILY = "particles"
+ORIGIN = np.zeros(3)
 MANY = 12
 """Pairs that are looked at one by one in every step, and whose events cut it."""
 
@@ -98,10 +99,20 @@ def _contact_refusal(scene: Scene, law: Contact) -> str | None:
     return _body_refusal(scene)
 
 
-class Packed:
-    """A scene in the kernel's words; keeps its arrays alive. `turning`: omega and attitude are part of the state."""
+def middle(scene: Scene) -> Array:
+    """The middle (3,) [m] of the shapes; the origin where a field has its centre there."""
+    places = scene.bodies.position[scene.bodies.radius > 0]
+    if not len(places) or scene.all(CentralField):
+        return np.zeros(3)
+    found: Array = 0.5 * (places.min(axis=0) + places.max(axis=0))
+    return found
 
-    def __init__(self, scene: Scene) -> None:
+
+class Packed:
+    """A scene in the kernel's words, from `origin` (3,) [m]; keeps its arrays alive. `turning`: omega and attitude are in the state."""
+
+    def __init__(self, scene: Scene, origin: Array) -> None:
+        self.origin = origin
         bodies, law = scene.bodies, contact_of(scene)
         self.turning = bool(np.any(bodies.omega)) or (law is not None and law.friction > 0)
         self.pairs = pairs(scene) if law else np.zeros((0, 2), np.int64)
@@ -115,9 +126,9 @@ class Packed:
             "turn_ease": np.where(turns, 1.0 / np.where(turns, inertia, 1.0), 0.0),
             "radius": bodies.radius,
             "gravity": np.sum([e.g for e in scene.all(UniformGravity)], axis=0) if scene.all(UniformGravity) else np.zeros(3),
-            "spring": np.array([(s.stiffness, s.length, s.exponent, *s.anchor_b, s.quadratic, s.cubic) for s in springs], float),
+            "spring": np.array([(s.stiffness, s.length, s.exponent, *(s.anchor_b - origin), s.quadratic, s.cubic) for s in springs], float),
             "spring_end": np.array([(s.a, s.b) for s in springs], np.int64),
-            "plane": np.array([(*p.point, *p.normal) for p in planes], float),
+            "plane": np.array([(*(p.point - origin), *p.normal) for p in planes], float),
             "pair": self.pairs,
         }
         numbers: dict[str, Any] = {"bodies": len(bodies), "springs": len(springs), "pairs": len(self.pairs), "turning": self.turning}
@@ -133,7 +144,7 @@ class Packed:
     def start(self, scene: Scene, size: int) -> Array:
         """The state (size,) at the start."""
         bodies = scene.bodies
-        columns = [bodies.position, bodies.velocity] + ([bodies.omega, bodies.attitude] if self.turning else [])
+        columns = [bodies.position - self.origin, bodies.velocity] + ([bodies.omega, bodies.attitude] if self.turning else [])
         flat = np.concatenate([column.ravel() for column in columns])
         return np.concatenate([flat, np.zeros(size - len(flat))])
 
@@ -143,11 +154,11 @@ def _address(ffi: Any, array: NDArray[Any]) -> Any:
     return ffi.from_buffer(kind, array) if array.size else ffi.NULL
 
 
-def run(request: Request, step: float, stride: int) -> tuple[Trajectory, Cost]:
-    """The motion by the method that the request names, `stride` steps of signed size `step` [s] a sample."""
+def run(request: Request, step: float, stride: int, origin: Array = ORIGIN) -> tuple[Trajectory, Cost]:
+    """The motion by the method that the request names, `stride` signed steps `step` [s] a sample; places count from `origin` (3,) [m]."""
     begun = perf_counter()
     scene, times = request.problem.scene, request.problem.times
-    kernel, packed = kernels.load(FAMILY), Packed(scene)
+    kernel, packed = kernels.load(FAMILY), Packed(scene, origin)
     size = kernel.lib.refdem_particles_size(packed.struct)
     out, channel = np.zeros((len(times), size)), np.zeros((len(times), 4))
     work, mode = np.zeros(kernel.lib.refdem_particles_work(packed.struct)), np.zeros(max(1, len(packed.pairs)), np.int64)
@@ -171,6 +182,8 @@ def _trajectory(scene: Scene, times: Array, packed: Packed, out: Array, channel:
     count, n = len(times), len(scene.bodies)
     blocks = np.split(out[:, : 13 * n if packed.turning else 6 * n], np.cumsum([3 * n, 3 * n, 3 * n])[: 3 if packed.turning else 1], axis=1)
     columns: dict[str, Any] = {name: np.ascontiguousarray(b).reshape(count, n, -1) for name, b in zip(_COLUMNS, blocks, strict=False)}
+    columns["position"] += packed.origin
+    columns["position"][0] = scene.bodies.position
     if not packed.turning:
         columns["omega"] = np.zeros((count, n, 3))
         columns["attitude"] = np.broadcast_to(scene.bodies.attitude, (count, n, 4)).copy()

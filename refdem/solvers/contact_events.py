@@ -33,14 +33,17 @@ class ContactEvents(Solver):
         return RK4.refusal(problem)
 
     def run(self, request: Request) -> tuple[Trajectory, Cost]:
-        """Steps of at most a twentieth of the shortest contact; events inside a step are found by its ends."""
+        """Steps of at most a twentieth of the shortest contact; events inside a step are found by its ends.
+
+        Places count from the middle of the shapes: far away their rounding would be what no step settles.
+        """
         scene = request.problem.scene
         law = _particles.contact_of(scene)
         assert law is not None
         lightest = float(scene.bodies.mass.min())
         most = pi * sqrt(lightest / 2 / law.stiffness) / 20
         stride = 2 ** max(0, ceil(log2(abs(request.problem.interval) / most)))
-        return _particles.run(request, request.problem.interval / stride, stride)
+        return _particles.run(request, request.problem.interval / stride, stride, _particles.middle(scene))
 
 
 METHOD = ContactEvents()

@@ -1,5 +1,6 @@
 """Two spheres that meet along the line of their centres, in closed form (kernels/head_on.c); both cut-offs, any damping."""
 
+from math import hypot
 from time import perf_counter
 
 import numpy as np
@@ -79,21 +80,25 @@ class ExactHeadOn(Solver):
 
 
 def approach(scene: Scene) -> tuple[float, float, float]:
-    """Overlap [m], speed at which it grows [m/s] and sideways speed [m/s] at the start."""
+    """Overlap [m], speed at which it grows [m/s] and sideways speed [m/s] at the start; no square of a small length underflows."""
     bodies = scene.bodies
-    line, relative = bodies.position[1] - bodies.position[0], bodies.velocity[0] - bodies.velocity[1]
-    distance = float(np.linalg.norm(line))
-    closing = float(relative @ line) / distance
-    return float(bodies.radius.sum()) - distance, closing, float(np.linalg.norm(relative - closing * line / distance))
+    normal, relative = along(scene), bodies.velocity[0] - bodies.velocity[1]
+    closing = float(relative @ normal)
+    overlap = float(bodies.radius.sum()) - hypot(*(bodies.position[1] - bodies.position[0]))
+    return overlap, closing, hypot(*(relative - closing * normal))
+
+
+def along(scene: Scene) -> Array:
+    """Unit vector (3,) from the first centre to the second."""
+    line: Array = scene.bodies.position[1] - scene.bodies.position[0]
+    return line / hypot(*line)
 
 
 def states(scene: Scene, t: Array, pressed: Array, sped: Array) -> tuple[Array, Array]:
     """Positions and velocities (T, 2, 3) where the overlap and its rate have grown by `pressed` [m] and `sped` [m/s]."""
     bodies = scene.bodies
-    line = bodies.position[1] - bodies.position[0]
-    normal = line / np.linalg.norm(line)
     centre = bodies.mass @ bodies.velocity / bodies.mass.sum()
-    share = np.array([bodies.mass[1], -bodies.mass[0]])[:, None] / bodies.mass.sum() * normal
+    share = np.array([bodies.mass[1], -bodies.mass[0]])[:, None] / bodies.mass.sum() * along(scene)
     position = bodies.position + centre * t[:, None, None] + pressed[:, None, None] * share
     return position, bodies.velocity + sped[:, None, None] * share
 

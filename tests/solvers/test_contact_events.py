@@ -10,6 +10,7 @@ from refdem.engines.reference import ENGINE
 from refdem.scene import Body, Scene, Sphere
 from refdem.scene.elements.contact import Contact
 from refdem.scene.elements.plane import Plane
+from refdem.scene.elements.spring import Spring
 from refdem.scene.elements.uniform_gravity import UniformGravity
 
 STATE = tuple(f"{kind}{i}.{axis}" for i in (1, 2) for kind in ("r", "v", "omega") for axis in "xyz")
@@ -158,3 +159,37 @@ def test_spheres_that_part_within_rounding_do_not_stick_and_slip_instead():
     view, shown = symmetry.picture(instance, "relabelled")
     plain, other = (reference.run(Request(problem=motion, method="contact-events"))[0] for motion in (instance.problem, shown))
     assert np.abs(view.undone(other).omega - plain.omega).max() < 1e-13
+
+
+@pytest.mark.parametrize("friction", ["1e6", "1e12"])
+@pytest.mark.parametrize("more", [{}, {"damping": "0"}, {"cutoff": "zero_force"}], ids=str)
+def test_friction_without_measure_ends_with_its_force(friction, more):
+    """The last slip lasts 1e-8 s and less, and a step that goes on beyond it overflows: what is no number has not settled."""
+    problem = discovery.case("two-spheres").at(friction=friction, angle="1/2", tangential_stiffness="64", samples="8", **more).problem
+    seen, series = (ENGINE.run(Request(problem=problem, method=name))[0] for name in ("contact-events", "oblique-contact"))
+    assert np.abs(seen.velocity - series.velocity).max() < 4e-15
+    assert np.abs(seen.omega - series.omega).max() < 1e-14
+
+
+@pytest.mark.parametrize("far", [1e4, 1e8])
+def test_far_from_the_origin_the_motion_is_the_same_from_its_own_middle(far):
+    problem = discovery.case("two-spheres").at(friction="1/4", angle="1/2", tangential_stiffness="64", samples="8").problem
+    away = far * np.array([1.0, -0.375, 0.25])
+    moved = problem.scene.with_state(position=problem.scene.bodies.position + away)
+    near, seen = (ENGINE.run(Request(problem=Motion(scene, problem.times), method="contact-events"))[0] for scene in (problem.scene, moved))
+    assert np.array_equal(seen.position[0], moved.bodies.position)
+    assert np.abs(seen.position - away - near.position).max() <= np.spacing(far)
+    assert np.abs(seen.velocity - near.velocity).max() < 1e-15  # 7e-12 at 1e4 where places count from the origin, and far more steps
+
+
+def test_planes_and_springs_move_with_the_middle():
+    ball = Body(mass=1.0, inertia=(0.1,) * 3, position=(0.0, 0.0, 0.5), velocity=(1.0, 0.0, -1.0), shape=Sphere(radius=0.5))
+    law = Contact(law="linear", stiffness=1024.0, friction=0.25, tangential_stiffness=256.0, branch="R")
+
+    def seen(x: float) -> Trajectory:
+        elements = [Plane(point=(x, 0.0, 0.0)), Spring(a=0, b=-1, stiffness=16.0, anchor_b=(x, 0.0, 0.75)), law]
+        scene = Scene.of([ball], elements)
+        scene = scene.with_state(position=scene.bodies.position + np.array([x, 0.0, 0.0]))
+        return ENGINE.run(Request(problem=Motion(scene, np.arange(33) * 2.0**-5), method="contact-events"))[0]
+
+    assert np.abs(seen(2.0**20).velocity - seen(0.0).velocity).max() < 1e-14

@@ -6,6 +6,7 @@ import pytest
 from refdem.core import discovery
 from refdem.core.balance import linear, mechanical
 from refdem.core.problem import Motion, Request
+from refdem.core.symmetry import Symmetry
 from refdem.core.trajectory import Trajectory
 from refdem.engines.reference import ENGINE
 from refdem.scene import Scene
@@ -99,3 +100,13 @@ def test_a_dashpot_has_no_way_back_and_an_overlap_no_known_past():
     assert "backwards" in ENGINE.refusal(Motion(scene, -np.arange(3) * 0.5), method)
     pressed = scene.with_state(position=scene.bodies.position * 0.9)
     assert "overlap" in ENGINE.refusal(Motion(pressed, np.arange(3) * 0.5), method)
+
+
+def test_spheres_of_any_size_meet():
+    """Squares of their distance underflow below 1e-162 m; velocities are as they were, in units of the length."""
+    motion = Motion(scene_of(damping="6"), np.arange(33) * 2.0**-6)
+    seen = run(motion)
+    for unit in (2.0**-600, 2.0**-900, 2.0**300):
+        tiny = run(Symmetry(units=(1.0, unit, 1.0)).applied(motion))
+        assert np.abs(tiny.velocity / unit - seen.velocity).max() < 1e-15, unit
+        assert [event.time for event in tiny.events] == [event.time for event in seen.events]
