@@ -26,7 +26,7 @@ from refdem.truth.certified import samples
 from refdem.truth.certified.sources import ROOT, closure, digest_of, digest_of_files
 
 LONGEST = 1800.0
-"""Seconds that one set may take to be proved."""
+"""CPU seconds that one set may take to be proved."""
 DEAR = 0.1
 """CPU seconds above which sampled truth is kept for judging; below, it is proved each time."""
 WRITERS = tuple(ROOT / "truth" / "certified" / f"{name}.py" for name in ("reader", "writing", "samples"))
@@ -132,8 +132,8 @@ class Certification:
     def run(self, cases: Iterable[str] = ()) -> None:
         """Proves what is missing or stale and writes the files of these cases, or of all."""
         wanted, judged = wanted_sets(self.folder, cases), judged_instances(cases)
-        jobs = [Job(("set", one.instance.label), proved_set, one.job) for one in wanted]
-        jobs += [Job(("samples", one.label), proved_samples, (one.case.id, one.p.given)) for one in judged]
+        jobs = [Job(("set", one.instance.label), proved_set, one.job, computes=True) for one in wanted]
+        jobs += [Job(("samples", one.label), proved_samples, (one.case.id, one.p.given), computes=True) for one in judged]
         results = self._results(jobs)
         blocks: dict[str, list[list[str]]] = {one.instance.case.id: [] for one in wanted}
         lines: dict[str, list[bytes]] = {one.case.id: [] for one in judged}

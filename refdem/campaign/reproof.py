@@ -51,7 +51,7 @@ def contradictions(sets: list[CertifiedSet], *, jobs: int, progress: Progress) -
     for one in sets:
         times = sorted({value.t for value in one.values if value.t is not None})[:EARLIEST]
         given = given_of(one)
-        work[one.label] = one, Job(one.label, proved_set, (one.case, given, tuple(map(str, times))))
+        work[one.label] = one, Job(one.label, proved_set, (one.case, given, tuple(map(str, times))), computes=True)
     with Schedule(jobs, LONGEST) as schedule:
         for done, (job, result) in enumerate(schedule.results([job for _, job in work.values()]), 1):
             progress("prove again", done, len(work))
