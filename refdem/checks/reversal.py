@@ -13,6 +13,9 @@ from refdem.core.trajectory import Trajectory
 from refdem.core.variant import Change, Variant
 from refdem.mechanics.quaternion import angle_between
 
+FURTHER = 4
+"""Halvings of the finest step for the way back: growth counts both ways, so that a motion may be predictable there but not back."""
+
 
 class Reversal(Check):
     """A reversible method returns to round-off; any other to its truncation error."""
@@ -31,25 +34,22 @@ class Reversal(Check):
         return None if trial.method.complete_state else "the method's end state is not complete, so it cannot go on from there"
 
     def needs(self, trial: Trial) -> tuple[Variant, ...]:
-        """The finest level, reversed, and backward where the method can; the next one too where the defect has an order."""
+        """A level, reversed, and backward where the method can; the two finest of the trial where the defect has an order."""
         changes: tuple[Change, ...] = ("reversed", "backward") if trial.method.backward else ("reversed",)
-        coarser = trial.levels[-2:-1] if _has_order(trial) else ()
-        return (trial.finest, *(Variant(trial.levels[-1], change) for change in changes), *(Variant(h, "reversed") for h in coarser))
+        level, pair = _level(trial), trial.levels[-2:] if _has_order(trial) else ()
+        shown = (Variant(level), *(Variant(level, change) for change in changes), *(Variant(h, "reversed") for h in pair))
+        return tuple(dict.fromkeys(shown))
 
     def judge(self, trial: Trial, runs: Mapping[Variant, Outcome]) -> list[Finding]:
         """The distance from the start, in units of each quantity's scale, and how fast it falls with the step."""
         truth = certified(trial)
         if truth is None:
             return [undecided(self.name, "return", no_truth(trial))]
-        level, growth = trial.levels[-1], float(truth.growth()[-1])
+        level, growth = _level(trial), float(truth.growth()[-1])
+        size = _size(trial, level)
+        basis = "the truncation error there and back, the first amplified on the way back"
         if _is_exact(trial):
-            size = 2 * (math.sqrt(2.0) * trial.round_off(level) + trial.clock()) * growth**2
             basis = "a reversible method returns to round-off c u sqrt(n), there and back, times the sensitivity S both ways"
-        else:
-            size, basis = (
-                2 * float(trial.bound(level)[-1]) * growth,
-                "the truncation error there and back, the first amplified on the way back",
-            )
         order = self._order(trial, runs, growth) if _has_order(trial) and len(trial.levels) > 1 else []
         if size > HORIZON:
             return order or [
@@ -65,8 +65,8 @@ class Reversal(Check):
                 basis=basis,
                 what=f"The distance from the start after the way back ({variant.change}), in units of each scale,",
             )
-            for variant in self.needs(trial)[1:]
-            if variant.level == level
+            for variant in self.needs(trial)
+            if variant.level == level and variant.goes_on
         ]
 
     def _order(self, trial: Trial, runs: Mapping[Variant, Outcome], growth: float) -> list[Finding]:
@@ -96,6 +96,24 @@ class Reversal(Check):
 def _is_exact(trial: Trial) -> bool:
     """The way back undoes the way there, to round-off."""
     return trial.method.reversible or trial.method.control == "exact"
+
+
+def _size(trial: Trial, level: float) -> float:
+    """What the defect of the way back may be at a level; needs truth."""
+    assert trial.truth is not None
+    growth = float(trial.truth.growth()[-1])
+    if _is_exact(trial):
+        return 2 * (math.sqrt(2.0) * trial.round_off(level) + trial.clock()) * growth**2
+    return 2 * float(trial.bound(level)[-1]) * growth
+
+
+def _level(trial: Trial) -> float:
+    """The level that is judged: the finest, or the first half of a half of it at which the way back is still predictable."""
+    finest = trial.levels[-1]
+    if certified(trial) is None or trial.method.control != "step" or _is_exact(trial):
+        return finest
+    finer = (finest / 2**k for k in range(FURTHER + 1))
+    return next((level for level in finer if _size(trial, level) <= HORIZON), finest)
 
 
 def _has_order(trial: Trial) -> bool:
