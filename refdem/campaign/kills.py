@@ -23,7 +23,7 @@ from refdem.faults.transparent import Transparent
 WRONG = ("fail", "error")
 FEWEST = 3
 """Levels from which an order is seen; a fault that shows without one is refined from the coarsest on."""
-ORDERS = ("order", "convergence")
+ORDERS = ("order", "convergence", "limit")
 WITHHELD = SampledTruth(
     t=[], values={}, radii={}, sensitivity=[], scalars={}, method="not certified", witness="", until=0, reason="truth is withheld"
 )

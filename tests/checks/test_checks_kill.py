@@ -155,7 +155,7 @@ def test_a_check_is_failed_by_its_fault_in_the_quantity_that_is_wrong(judge, che
 
 OWN = {
     "apsides", "lyapunov", "bounces", "symmetry", "convergence", "second-integral", "top", "cooling", "roughness", "phase-area",
-    "contact-channels",
+    "contact-channels", "limit",
 }  # fmt: skip
 """Checks whose faults are in tests of their own."""
 

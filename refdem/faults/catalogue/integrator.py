@@ -4,9 +4,10 @@ from functools import partial
 from typing import Any
 
 from refdem.faults import vectors as vec
-from refdem.faults.change import Late, forgetting, late
+from refdem.faults.change import Late, forgetting, late, of_elements, scaled
 from refdem.faults.fault import Fault
 from refdem.faults.parts import S4, Parts
+from refdem.scene.elements.spring import Spring
 
 integrator = partial(Fault, kind="integrator", on=("oscillator",))
 ORDER = ("order", "state")
@@ -140,6 +141,33 @@ FAULTS = (
         sees=ORDER,
         on=("tumbler",),
         inside=lambda p: {"rk4_weights": (1 / 3, 1 / 6, 1 / 6, 1 / 3)},
+    ),
+    integrator(
+        name="step-by-a-hair",
+        sentence="Steps are longer than asked by 1e-7 of their length.",
+        sees=("limit", "state"),
+        on=("oscillator", "orbit", "hardening"),
+        levels=5,
+        inside=lambda p: {
+            "kicked": lambda v, force, mass, h: p.kicked(v, force, mass, h * (1 + 1e-7)),
+            "drifted": lambda r, v, h: p.drifted(r, v, h * (1 + 1e-7)),
+        },
+    ),
+    integrator(
+        name="stiffness-by-a-hair",
+        sentence="Springs are stiffer than asked by 1e-6.",
+        sees=("limit", "state"),
+        on=("oscillator", "hanging"),
+        levels=5,
+        before=of_elements(Spring, stiffness=scaled(1 + 1e-6)),
+    ),
+    integrator(
+        name="turning-by-a-hair",
+        sentence="Bodies turn 1e-6 too fast.",
+        sees=("limit", "state"),
+        on=("tumbler",),
+        levels=5,
+        inside=lambda p: {"axis_turn": lambda axis, inertia, omega, q, h: p.axis_turn(axis, inertia, omega, q, h * (1 + 1e-6))},
     ),
     integrator(
         name="rk4-last-stage",
