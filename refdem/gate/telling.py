@@ -55,6 +55,9 @@ TELLING: Mapping[str, tuple[Mapping[str, str], ...]] = {
             **{"masses": "2,1", "radii": "1/2,1", "stiffness": "16", "damping": "1", "angle": "1/4", "spins": "0,0,1/2,0,0,1/4"},
             **{"friction": "1/2"},
         },
+        {  # spins about all axes: the slip leaves its plane, and torques are about no axis of their own
+            **{"masses": "1,3", "radii": "1/2,3/4", "angle": "1/3", "spins": "1,3,1,2,-1,3", "friction": "1/8"},
+        },
     ),
     "van-der-pol": ({"x0": "-1/2", "v0": "3/4"},),
     "viscous-oscillator": ({**SPRUNG, "delta": "1/4"},),
