@@ -223,6 +223,11 @@ static inline void measure(runner *r, const double *restrict y, const double *re
         r->length = fmax(r->length, fmax(fabs(y[i]), radius));
         r->speed = fmax(r->speed, fmax(fabs(y[3 * n + i]), fabs(h * dy[3 * n + i])));
     }
+    for (int64_t k = 0; k < p->pairs; k++) { /* forces that hold each other leave the rounding of each */
+        meeting m = meet(p, k, y);
+        double ease = m.j < 0 ? p->ease[m.i] : fmax(p->ease[m.i], p->ease[m.j]);
+        r->speed = fmax(r->speed, r->mode[k] < FREE ? 0.0 : fabs(h * m.normal) * ease);
+    }
     r->turning = fmax(r->turning, r->speed / least);
     for (int64_t i = spin_at(p); p->turning && i < spin_at(p) + 3 * n; i++)
         r->turning = fmax(r->turning, fabs(y[i]));

@@ -25,6 +25,8 @@ BRANCH = {"R": 0.0, "R-d": 1.0, "R-d/2": 0.5}
 METHODS = {"velocity-verlet": 0, "rk4": 1, "contact-events": 2}
 FAMILY = "particles"
 ORIGIN = np.zeros(3)
+FAR = 16.0
+"""Places that are more than so many sizes of the scene away cost digits; nearer ones are left as they are given."""
 MANY = 12
 """Pairs that are looked at one by one in every step, and whose events cut it."""
 
@@ -100,12 +102,14 @@ def _contact_refusal(scene: Scene, law: Contact) -> str | None:
 
 
 def middle(scene: Scene) -> Array:
-    """The middle (3,) [m] of the shapes; the origin where a field has its centre there."""
-    places = scene.bodies.position[scene.bodies.radius > 0]
+    """The middle (3,) [m] of shapes that are far away; else, and where a field has its centre there, the origin."""
+    shapes = scene.bodies.radius > 0
+    places = scene.bodies.position[shapes]
     if not len(places) or scene.all(CentralField):
-        return np.zeros(3)
+        return ORIGIN
     found: Array = 0.5 * (places.min(axis=0) + places.max(axis=0))
-    return found
+    size = float(np.ptp(places, axis=0).max() + scene.bodies.radius[shapes].max())
+    return found if np.abs(found).max() > FAR * size else ORIGIN
 
 
 class Packed:

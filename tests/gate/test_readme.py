@@ -31,7 +31,7 @@ def test_the_gate_of_the_readme_opens_and_closes_as_it_says(refdem, tmp_path):
     assert refdem("smoke", "refdem.toml").returncode == 0
     first = refdem("gate")
     assert first.returncode == 1
-    assert "14 pass" in first.stdout
+    assert "15 pass" in first.stdout
     assert refdem("gate", "--bless", "--why", "first baseline").returncode == 0
     assert refdem("gate").stdout.splitlines()[-1] == "the gate of springs is open"
     program = (tmp_path / "springs.py").read_text()
