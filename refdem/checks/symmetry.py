@@ -124,9 +124,12 @@ def allowed(trial: Trial, view: symmetry.Symmetry, growth: Array) -> Array:
     """Round-off of both runs with the numbers as large as the symmetry makes them; truncation where a branch may flip.
 
     A contact that begins, or a step size that is chosen, hangs on the last bit: there the two runs may take other steps.
+    In other units the moments of inertia are rounded anew, which makes another body of a needle.
     """
     level = level_for(trial)
     rounding = 2 * (trial.round_off(level) + trial.clock()) * symmetry.size(trial.instance, view)
+    if view.units != symmetry.Symmetry().units:
+        rounding += trial.method.round_off * symmetry.rounded_rates(trial.instance)
     found: Array = (rounding + (trial.truncation(level) if _decides(trial) else 0.0)) * growth
     return found
 

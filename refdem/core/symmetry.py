@@ -177,3 +177,10 @@ def size(instance: Instance, symmetry: Symmetry) -> float:
     own = np.abs(bodies.position).max() / scales.length, np.abs(bodies.velocity).max() / scales.speed  # of the start itself
     far = np.linalg.norm(symmetry.shift) + np.linalg.norm(symmetry.boost) * scales.duration
     return float(max(1.0, *own) + far / scales.length + np.linalg.norm(symmetry.boost) / scales.speed)
+
+
+def rounded_rates(instance: Instance) -> float:
+    """Error of a turn [rad] at the end, in roundings of the moments: much for a needle, by (J_b - J_c)/J_a in Euler's equations."""
+    bodies, turns = instance.scene.bodies, instance.scales.duration / instance.scales.tau
+    moments = bodies.inertia[np.all(bodies.inertia > 0, axis=1) & ~bodies.fixed]
+    return float(np.max((moments.sum(axis=1) - moments.min(axis=1)) / moments.min(axis=1), initial=0.0) * turns)

@@ -189,3 +189,12 @@ def test_parameters_kept_in_single_precision_are_seen_in_other_units(column):
         runs[variant] = Outcome(run, cost)
     outcomes = {finding.quantity: finding.outcome for finding in task.checks[0].judge(task.trial, runs)}
     assert outcomes["rescaled"] == "fail"
+
+
+@pytest.mark.parametrize("method", ["exact-free-body", "rk4-free-body"])
+def test_other_units_make_another_needle_of_a_needle_and_nobody_is_to_blame(monkeypatch, method):
+    monkeypatch.setitem(CASES, "free-rigid-body", {"inertia": "1/1048576,1,2097153/2097152"})
+    rescaled = found("free-rigid-body", method)["rescaled"]
+    assert (rescaled.outcome, rescaled.value > 1e-10) == ("pass", True)
+    slow = found("free-rigid-body", method, lambda run, request: replace(run, omega=run.omega * (1 + 1e-3 * run.t[-1] % 1)))["rescaled"]
+    assert slow.outcome == "fail"
