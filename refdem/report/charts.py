@@ -9,6 +9,8 @@ from altair.utils.schemapi import debug_mode
 from refdem.report.chart_data import ChartData
 
 WIDTH, HEIGHT, SIDE = 460, 300, 100
+PICKED = {"errors": "quantity", "costs": "quantity", "drifts": "check"}
+"""What is chosen in a chart, by its kind."""
 
 
 def specification(data: ChartData) -> dict[str, Any]:
@@ -16,6 +18,8 @@ def specification(data: ChartData) -> dict[str, Any]:
     with debug_mode(False):
         chart = {"errors": _errors, "costs": _costs, "drifts": _drifts, "overview": _overview, "ladders": _ladders}[data.kind](data)
         spec: dict[str, Any] = chart.to_dict(validate=False)
+        if data.kind in PICKED:  # Altair would copy the whole chart several times over for it
+            spec["params"] = [_picked(data, PICKED[data.kind])]
     return spec
 
 
@@ -58,20 +62,23 @@ def _tips(*names: str) -> list[alt.Tooltip]:
     return [alt.Tooltip(f"{name}:N") for name in names]
 
 
-def _picked(data: ChartData, name: str) -> alt.Parameter:
-    """The selector of a chart."""
-    return alt.param(name="pick", value=data.choices[0], bind=alt.binding_select(options=list(data.choices), name=f"{name} "))
+def _picked(data: ChartData, name: str) -> dict[str, Any]:
+    """The selector of a chart, as a parameter of Vega-Lite."""
+    bind = {"input": "select", "options": list(data.choices), "name": f"{name} "}
+    return {"name": "pick", "value": data.choices[0], "bind": bind}
 
 
-def _curves(base: Any, data: ChartData, x: alt.X, y: alt.Y, tips: list[alt.Tooltip], *, bound: str = "", size: int = 50) -> Any:
-    """Lines with points, and dashed lines for bounds."""
+def _curves(
+    base: Any, data: ChartData, x: alt.X, y: alt.Y, tips: list[alt.Tooltip], *, bound: str = "", size: int = 50, **more: Any
+) -> Any:
+    """Lines with points, and dashed lines for bounds; `more` are properties of the whole."""
     colour, shape = _style(data)
     lines = base.mark_line(opacity=0.8, strokeWidth=1.5).encode(x=x, y=y, color=colour)
     points = base.mark_point(filled=True, size=size, opacity=1).encode(x=x, y=y, color=colour, shape=shape, tooltip=tips)
     if not bound:
-        return alt.layer(lines, points)
+        return alt.layer(lines, points, **more)
     bounds = base.mark_line(strokeDash=[5, 4], opacity=0.85, strokeWidth=1.2).encode(x=x, y=alt.Y(f"{bound}:Q"), color=colour)
-    return alt.layer(bounds, lines, points)
+    return alt.layer(bounds, lines, points, **more)
 
 
 def _errors(data: ChartData) -> Any:
@@ -88,8 +95,8 @@ def _errors(data: ChartData) -> Any:
             continue
         x = _log_x("level", {"step": "step [s]", "tolerance": "tolerance"}[kind] + "; dashed: bound", data.extents[kind])
         width = WIDTH - SIDE * (len(kinds) - 1) if kind == kinds[0] else 3 * SIDE // 2
-        panels.append(_curves(chosen, data, x, y, tips, bound="shown_bound").properties(width=width, height=HEIGHT))
-    return alt.hconcat(*panels, spacing=8).resolve_scale(y="shared").add_params(_picked(data, "quantity"))
+        panels.append(_curves(chosen, data, x, y, tips, bound="shown_bound", width=width, height=HEIGHT))
+    return alt.hconcat(*panels, spacing=8, resolve=alt.Resolve(scale=alt.ScaleResolveMap(y="shared")))
 
 
 def _exact(chosen: Any, data: ChartData, y: alt.Y, tips: list[alt.Tooltip]) -> Any:
@@ -98,21 +105,20 @@ def _exact(chosen: Any, data: ChartData, y: alt.Y, tips: list[alt.Tooltip]) -> A
     x = alt.X("series:N", title="exact", axis=alt.Axis(labels=False, ticks=False))
     bars = chosen.mark_tick(thickness=1.5, opacity=0.7).encode(x=x, y=alt.Y("shown_bound:Q"), color=colour)
     points = chosen.mark_point(filled=True, size=60, opacity=1).encode(x=x, y=y, color=colour, shape=shape, tooltip=tips)
-    return alt.layer(bars, points).properties(width=alt.Step(28), height=HEIGHT)
+    return alt.layer(bars, points, width=alt.Step(28), height=HEIGHT)
 
 
 def _costs(data: ChartData) -> Any:
     base = _chart(data, seconds="number", shown_error="number").transform_filter("datum.quantity == pick")
     x, y = _log_x("seconds", "seconds in the engine's loop", data.extents["seconds"]), _log("shown_error", "largest error / scale", data)
-    curves = _curves(base, data, x, y, _tips("series", "quantity", "seconds", "error"))
-    return curves.properties(width=WIDTH, height=HEIGHT).add_params(_picked(data, "quantity"))
+    return _curves(base, data, x, y, _tips("series", "quantity", "seconds", "error"), width=WIDTH, height=HEIGHT)
 
 
 def _drifts(data: ChartData) -> Any:
     base = _chart(data, t="number", shown_value="number", shown_bound="number").transform_filter("datum.what == pick")
     x, y = alt.X("t:Q", title="t [s]; dashed: bound", scale=alt.Scale(nice=False)), _log("shown_value", "value", data)
-    curves = _curves(base, data, x, y, _tips("series", "what", "t", "value", "bound"), bound="shown_bound", size=16)
-    return curves.properties(width=WIDTH, height=HEIGHT).add_params(_picked(data, "check"))
+    tips = _tips("series", "what", "t", "value", "bound")
+    return _curves(base, data, x, y, tips, bound="shown_bound", size=16, width=WIDTH, height=HEIGHT)
 
 
 def _overview(data: ChartData) -> Any:
