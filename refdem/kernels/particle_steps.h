@@ -197,7 +197,7 @@ static inline double gap(const runner *r, const double *restrict end, const doub
     double worst = 0.0;
     for (int64_t i = 0; i < history_at(p); i++) {
         double scale = i < 3 * n ? r->length : i < 6 * n ? r->speed : i < 9 * n ? r->turning : 1.0;
-        worst = larger(fabs(a[i] - b[i]) / scale, worst);
+        worst = a[i] == b[i] ? worst : larger(fabs(a[i] - b[i]) / scale, worst); /* at rest there is no scale */
     }
     for (int64_t k = 0; p->friction > 0.0 && p->tangential_stiffness > 0.0 && k < p->pairs; k++) {
         if (r->mode[k] < STICK)

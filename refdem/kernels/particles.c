@@ -123,15 +123,18 @@ static int finite(const runner *r, const double *restrict y)
     return none == 0.0;
 }
 
-/* One step of size h from time t, cut at events, and halved where extrapolation needs that. */
+/* One step of size h from time t, cut at events, and halved where extrapolation needs that. What the shortest piece does not settle,
+ * no other will: the rest of the step is then taken as it comes, for the checks to judge, and not in a million pieces. */
 static void advance(runner *r, course *c, double t, double h)
 {
     double left = h, piece = h, fraction = 0.0;
     int64_t pair = 0;
-    int kind = 0;
+    int kind = 0, rough = 0;
     for (int events = 0; left != 0.0; piece = left) {
-        while (!step(r, c->y, c->dy, piece, c->next, c->rate) && fabs(piece) > SHORTEST * fabs(h) && finite(r, c->y))
-            piece *= 0.5;
+        while (!step(r, c->y, c->dy, piece, c->next, c->rate) && !rough) {
+            rough = fabs(piece) <= SHORTEST * fabs(h) || !finite(r, c->y);
+            piece *= rough ? 1.0 : 0.5;
+        }
         if (r->p->pairs == 0 || events == MOST_EVENTS || !leaving(r, c, piece, &fraction, &pair, &kind)) {
             accept(r, c);
             left -= piece;
