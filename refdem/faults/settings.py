@@ -275,6 +275,7 @@ SETTINGS: Mapping[str, Setting] = {
     "spinner": Setting("two-spheres", _spinner, TOUCHING),
     "soft": Setting("two-spheres", _soft, TOUCHING),
     "sticker": Setting("two-spheres", _sticker, TOUCHING),
+    "gripper": Setting("two-spheres", lambda rng: _sticker(rng) | {"spins": "0,0,1,0,0,3/4"}, TOUCHING),  # spins add to the slip
     "tumbling-spheres": Setting("two-spheres", _tumbling_spheres, TOUCHING, proved=False),
     "unproved": Setting("van-der-pol", _cycle, DAMPED, proved=False),
     "hertz": Setting("hertz-spheres", positional.hertz, TOUCHING),

@@ -195,4 +195,12 @@ FAULTS = (
         levels=6,
         inside=lambda p: {"stretched": lambda s, before, now, h: p.stretched(vec.ZERO, before, now, h)},
     ),
+    friction(
+        name="spring-slides-at-once",
+        sentence="A spring that sticks slides already at half of Coulomb's limit.",
+        on=("gripper",),
+        sees=("error", "omega1.z"),
+        levels=6,
+        before=of_elements(Contact, friction=scaled(0.5)),
+    ),
 )
