@@ -1,7 +1,9 @@
 /* Many plane pendulums at once: theta'' = -w0^2 sin theta by Verlet's method composed to order 8, a block of them at a time.
  *
+ * Angles are counted in half turns while they are carried, as are rates: what is taken off them is then a whole number.
+ *
  * Coefficients: M. Suzuki and K. Umeno (1993), in Hairer, Lubich and Wanner, Geometric Numerical Integration, V.3.11. The sine is a
- * polynomial interpolated at Chebyshev's nodes on -pi/2..pi/2, after whole half turns are taken off.
+ * polynomial interpolated at Chebyshev's nodes on -1/2..1/2 half turns.
  */
 #include "kernels.h"
 #include "simd.h"
@@ -11,19 +13,31 @@ enum { MEMBERS = 512, STAGES = 15 }; /* angles and rates of a block fill a quart
 static const double WEIGHTS[8] = {0.74167036435061295345,  -0.40910082580003159400, 0.19075471029623837995,  -0.57386247111608226666,
                                   0.29906418130365592384,  0.33462491824529818378,  0.31529309239676659663, -0.79688793935291635402};
 
-/* sin x for |x| < 1e9: absolute error 2e-16 and what the reduction leaves, 1e-33 |x|. */
-static inline double sine(double x)
+/* sin(pi x) / pi, absolute error 2e-16 / pi and no reduction to speak of: x less a whole number is exact. The last bit of the shifted sum
+ * is that number's parity, which becomes the sign. */
+static inline double sine_of_half_turns(double x)
 {
-    double n = nearest(x * (1.0 / DD_PI.hi)), r = fma(-n, DD_PI.lo, fma(-n, DD_PI.hi, x)), z = r * r, p;
-    double odd = n - 2.0 * nearest(0.5 * n);
-    p = fma(z, 2.7215749422983443e-15, -7.643026557971632e-13);
-    p = fma(z, p, 1.605894087848656e-10);
-    p = fma(z, p, -2.505210689056952e-08);
-    p = fma(z, p, 2.7557319211229606e-06);
-    p = fma(z, p, -0.00019841269841208676);
-    p = fma(z, p, 0.008333333333333186);
-    p = fma(z, p, -0.16666666666666666);
-    return fma(-2.0, fabs(odd), 1.0) * fma(r * z, p, r);
+    double shifted = x + 0x1.8p52, r = x - (shifted - 0x1.8p52), z = r * r, p;
+    uint64_t parity, bits;
+    memcpy(&parity, &shifted, sizeof parity);
+    memcpy(&bits, &r, sizeof bits);
+    bits ^= parity << 63;
+    memcpy(&r, &bits, sizeof r);
+    p = fma(z, 2.459180384815939e-07, -6.972960555564221e-06);
+    p = fma(z, p, 0.00014842817816693618);
+    p = fma(z, p, -0.0023460809634923995);
+    p = fma(z, p, 0.026147847813078808);
+    p = fma(z, p, -0.19075182412194128);
+    p = fma(z, p, 0.8117424252833519);
+    p = fma(z, p, -1.6449340668482264);
+    return fma(r * z, p, r);
+}
+
+/* x in another unit, to an ulp. */
+static inline void converted(int count, dd factor, double *restrict x)
+{
+    for (int k = 0; k < count; k++)
+        x[k] = fma(x[k], factor.hi, x[k] * factor.lo);
 }
 
 /* h of each drift and kick of one step. */
@@ -42,18 +56,23 @@ int refdem_pendulum_ensemble(double square, double h, int64_t steps, int64_t mem
     staged(h, drift, kick);
     for (int s = 0; s < STAGES; s++)
         kick[s] *= square;
+    dd per_half_turn = dd_div(dd_of(1.0), DD_PI);
     for (int64_t first = 0; first < members; first += MEMBERS) {
         int count = members - first < MEMBERS ? (int)(members - first) : MEMBERS;
         double *restrict a = angle + first, *restrict w = rate + first;
+        converted(count, per_half_turn, a);
+        converted(count, per_half_turn, w);
         for (int64_t n = 0; n < steps; n++) {
             for (int s = 0; s < STAGES; s++)
                 for (int k = 0; k < count; k++) {
                     a[k] = fma(drift[s], w[k], a[k]);
-                    w[k] = fma(-kick[s], sine(a[k]), w[k]);
+                    w[k] = fma(-kick[s], sine_of_half_turns(a[k]), w[k]);
                 }
             for (int k = 0; k < count; k++)
                 a[k] = fma(drift[STAGES], w[k], a[k]);
         }
+        converted(count, DD_PI, a);
+        converted(count, DD_PI, w);
     }
     return 0;
 }
