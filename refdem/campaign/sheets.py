@@ -1,5 +1,7 @@
 """What a report says beside the findings: a sheet for every instance and every engine."""
 
+from typing import Any
+
 import msgspec
 
 from refdem.core.case import Instance
@@ -7,6 +9,9 @@ from refdem.core.engine import Engine, Method
 from refdem.core.finding import CaseSheet, EngineSheet
 from refdem.core.truth import SampledTruth
 from refdem.scene.scene import encoded
+
+LISTED = 64
+"""Bodies, or states of an ensemble, that a report shows of a question that has more."""
 
 
 def case_sheet(instance: Instance, truth: SampledTruth) -> CaseSheet:
@@ -22,7 +27,7 @@ def case_sheet(instance: Instance, truth: SampledTruth) -> CaseSheet:
         source=case.source,
         parameters=instance.p.texts(),
         units={p.name: p.unit for p in instance.p.declared.values()},
-        scene=msgspec.json.format(encoded(instance.problem.document())).decode(),
+        scene=msgspec.json.format(msgspec.json.encode(_shown(msgspec.json.decode(encoded(instance.problem.document()))))).decode(),
         scales={"L": scales.length, "tau": scales.tau, "T": scales.duration, "mass": scales.mass},
         quantities={q.name: q.unit for q in instance.quantities.values()},
         truth_method=truth.method,
@@ -31,6 +36,16 @@ def case_sheet(instance: Instance, truth: SampledTruth) -> CaseSheet:
         truth_reason=truth.reason,
         reproduce=f"refdem run {case.id} {settings}".strip(),
     )
+
+
+def _shown(value: Any) -> Any:
+    """What JSON holds, with the first of every long list and how many come after them."""
+    if isinstance(value, dict):
+        return {name: _shown(item) for name, item in value.items()}
+    if not isinstance(value, list):
+        return value
+    rest = [f"and {len(value) - LISTED} more"] if len(value) > LISTED else []
+    return [*map(_shown, value[:LISTED]), *rest]
 
 
 def engine_sheet(engine: Engine) -> EngineSheet:

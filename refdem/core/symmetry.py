@@ -4,6 +4,7 @@ x' = lambda (Q x + d + u t), t' = tau t + t0, masses times mu: a code must give 
 """
 
 from dataclasses import dataclass, field, replace
+from math import sqrt
 from typing import Any
 from weakref import WeakKeyDictionary
 
@@ -26,7 +27,7 @@ from refdem.scene.shapes import Polyhedron, Shape, Sphere
 Array = NDArray[np.float64]
 
 NAMES = ("shifted", "rotated", "boosted", "mirrored", "relabelled", "rescaled", "delayed")
-UNITS = (1 / np.sqrt(11.0), np.sqrt(51.0), 3.0 + 2.0**-24)
+UNITS = (1 / sqrt(11.0), sqrt(51.0), 3.0 + 2.0**-24)
 """Units of mass, length and time in which no number stays round: what a code keeps in too few digits is rounded anew.
 
 That of time has 26 bits: too many for single precision, and few enough for a clock that is summed plainly in double precision.
@@ -85,7 +86,7 @@ class Symmetry:
             "attitude": np.where(turns, turned, bodies.attitude),
             "omega": bodies.omega @ self.q.T / time * (-1.0 if self.mirrored else 1.0),
             "fixed": bodies.fixed.copy(),
-            "shape": tuple(self._shape(shape) for shape in bodies.shape),
+            "shape": tuple(map([self._shape(shape) for shape in bodies.shapes].__getitem__, bodies.shape_number.tolist())),
         }
         if self.reverse:
             columns = {name: value[::-1].copy() if name != "shape" else value[::-1] for name, value in columns.items()}

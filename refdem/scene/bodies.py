@@ -57,9 +57,21 @@ class Bodies:
 
     def single(self) -> list[Body]:
         """The bodies one by one, as JSON has them."""
-        rows: Any = zip(*(getattr(self, name).tolist() for name in COLUMNS), strict=True)
+        columns: Any = (getattr(self, name).tolist() for name in COLUMNS)
         return [
-            Body(shape=shape, fixed=bool(fixed), **_fields(row)) for row, shape, fixed in zip(rows, self.shape, self.fixed, strict=True)
+            Body(
+                mass=mass,
+                inertia=tuple(inertia),
+                position=tuple(position),
+                velocity=tuple(velocity),
+                attitude=tuple(attitude),
+                omega=tuple(omega),
+                shape=shape,
+                fixed=fixed,
+            )
+            for mass, inertia, position, velocity, attitude, omega, shape, fixed in zip(
+                *columns, self.shape, self.fixed.tolist(), strict=True
+            )
         ]
 
     def with_state(self, **columns: Array) -> "Bodies":
@@ -98,11 +110,6 @@ class Bodies:
 
 
 COLUMNS = ("mass", "inertia", "position", "velocity", "attitude", "omega")
-
-
-def _fields(row: tuple[Any, ...]) -> dict[str, Any]:
-    """One row of the columns as fields of a Body."""
-    return {name: tuple(value) if isinstance(value, list) else value for name, value in zip(COLUMNS, row, strict=True)}
 
 
 def _suspect(bodies: Bodies) -> NDArray[np.bool_]:

@@ -34,7 +34,13 @@ MANY = 12
 def contact_of(scene: Scene) -> Contact | None:
     """The contact law, if some shape can meet anything under it."""
     laws = scene.all(Contact)
-    return laws[0] if laws and len(pairs(scene)) else None
+    return laws[0] if laws and _can_meet(scene) else None
+
+
+def _can_meet(scene: Scene) -> bool:
+    """Whether there is a pair at all; of many spheres nobody writes all of them down."""
+    shaped = np.array([not isinstance(shape, Point) for shape in scene.bodies.shape])
+    return bool(np.any(shaped & ~scene.bodies.fixed)) and (np.count_nonzero(shaped) > 1 or bool(scene.all(Plane)))
 
 
 def pairs(scene: Scene) -> NDArray[np.int64]:

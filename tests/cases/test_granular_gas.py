@@ -1,14 +1,20 @@
 """Where a gas starts, and which law of contact gives back which part of the velocity."""
 
+import json
 import math
+import tracemalloc
 
 import numpy as np
 import pytest
 
+from refdem.campaign.sheets import LISTED, case_sheet
 from refdem.core import discovery
 from refdem.core.problem import Motion, Request
+from refdem.core.symmetry import NAMES, of
+from refdem.core.truth import SampledTruth
 from refdem.engines.reference import ENGINE
 from refdem.errors import UsageError
+from refdem.scene.bodies_file import MOST_LISTED
 from refdem.scene.elements.contact import Contact
 from refdem.scene.elements.periodic_box import PeriodicBox
 
@@ -76,3 +82,32 @@ def test_other_engines_and_methods_refuse_a_periodic_box():
         if engine.missing() is None:
             assert all(engine.refuses(motion, method) for method in engine.methods), name
     assert [m.name for m in ENGINE.methods if ENGINE.refuses(motion, m) is None] == ["gas"]
+
+
+def test_methods_decide_about_a_crowd_without_a_list_of_its_pairs():
+    motion = CASE.at(n="3000", boundary="walls").motion
+    tracemalloc.start()
+    able = [m.name for m in ENGINE.methods if ENGINE.refuses(motion, m) is None]
+    _, most = tracemalloc.get_traced_memory()
+    tracemalloc.stop()
+    assert able == ["gas"]
+    assert most < 1000 * 3000, "bytes; a list of 4.5e6 pairs has a hundred times as many"
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_a_crowd_travels_in_every_symmetry_that_it_is_shown_in(name):
+    instance = CASE.at(n=str(MOST_LISTED + 1), boundary="walls")
+    sent = of(instance, name).applied(instance.motion)
+    read = Request.unpacked(Request(problem=sent, method="gas", step=2.0**-12).packed())
+    assert np.array_equal(read.problem.scene.bodies.position, sent.scene.bodies.position)
+    assert np.array_equal(read.problem.scene.bodies.radius, sent.scene.bodies.radius)
+    assert len(sent.scene.bodies.shapes) == 1
+
+
+def test_a_report_shows_the_first_of_many_bodies_and_how_many_there_are():
+    nothing = SampledTruth(t=[], values={}, radii={}, sensitivity=[], scalars={}, method="", witness="", until=0, reason="")
+    shown = json.loads(case_sheet(CASE.at(n="100"), nothing).scene)
+    whole = json.loads(case_sheet(CASE.at(n=str(LISTED)), nothing).scene)
+    assert len(whole["bodies"]) == LISTED
+    assert all("position" in body for body in shown["bodies"][:LISTED] + whole["bodies"])
+    assert shown["bodies"][LISTED:] == [f"and {100 - LISTED} more"]
