@@ -23,10 +23,11 @@ typedef struct {
     int event, leads;
 } piece;
 
-/* Now: side is the sign of u, 0 while it sticks; fresh is the order of the zero of u with which a slip began. tangent: x, u. */
+/* Now: side is the sign of u, 0 while it sticks; fresh is the order of the zero of u with which a slip began. tangent: x, u.
+ * swing: amplitude w^n/n! of the drive. */
 typedef struct {
     dd now, x, work;
-    double w, tangent[2];
+    double w, tangent[2], swing[ORDER];
     int side, fresh, follows;
 } motion;
 
@@ -46,34 +47,42 @@ static inline double drive(const belt *p, dd now, double since, double *restrict
 }
 
 /* Taylor coefficients of the drive about now. */
-static inline void driven(const belt *p, dd now, double *restrict force)
+static inline void driven(const belt *p, const motion *m, double *restrict force)
 {
-    double c, s, factor = p->amplitude;
-    turned(dd_add(dd_scale(now, p->frequency), dd_of(p->phase)), &c, &s);
-    for (int n = 0; n < ORDER; n++) {
-        force[n] = factor * (n % 4 == 0 ? c : n % 4 == 1 ? -s : n % 4 == 2 ? -c : s);
-        factor *= p->frequency * PART[n + 1];
-    }
+    double c, s;
+    turned(dd_add(dd_scale(m->now, p->frequency), dd_of(p->phase)), &c, &s);
+    double turn[LANES] = {c, -s, -c, s};
+    for (int n = 0; n < ORDER; n += LANES)
+        for (int i = 0; i < LANES; i++)
+            force[n + i] = m->swing[n + i] * turn[i];
 }
 
-/* The series of a slip to the given side; the rate of the friction by |u| too, for tangents. */
+/* The series of a slip to the given side; the rate of the friction by |u| too, for tangents. What a coefficient waits for is kept short. */
 static inline void expand(const belt *p, const motion *m, int with_work, piece *restrict y)
 {
-    double force[ORDER], q[ORDER], lost[ORDER], v[ORDER], side = m->side, ease = 1.0 / p->mass;
-    driven(p, m->now, force);
+    double force[ORDER], q[ORDER], side = m->side, drop = p->normal_force * (p->mu0 - p->mu1), curve = p->normal_force * p->lambda1;
+    growing share, bent, power;
+    cleared(&share), cleared(&bent);
+    if (with_work)
+        cleared(&power);
+    driven(p, m, force);
     y->x[0] = m->x.hi, y->w[0] = m->w, y->work[0] = 0.0;
+    double first = 1.0 / (1.0 + p->lambda0 * m->w), fall = -first * p->lambda0, ease = 1.0 / p->mass;
+#pragma GCC unroll 32
     for (int n = 0; n < ORDER; n++) {
-        q[n] = n ? -q[0] * p->lambda0 * product(y->w + 1, q, n - 1) : 1.0 / (1.0 + p->lambda0 * y->w[0]);
-        double last = p->linear ? y->w[n] : p->lambda1 != 0.0 ? square(y->w, n) : 0.0;
-        double rub = p->normal_force * ((p->mu0 - p->mu1) * q[n] + (n ? 0.0 : p->mu1) + p->lambda1 * last);
-        double pull = force[n] + (n ? 0.0 : p->weight) - p->stiffness * y->x[n];
-        v[n] = side * y->w[n] + (n ? 0.0 : p->belt);
+        double w = y->w[n], part = PART[n + 1], v = side * w + (n ? 0.0 : p->belt), bend = p->linear ? w : coefficient(&bent, w, w, n);
+        double pull = force[n] + (n ? 0.0 : p->weight) - p->stiffness * y->x[n], even = n ? 0.0 : p->normal_force * p->mu1;
+        q[n] = n ? fma(w, fall * first, fall * share.sum[n]) : first;
+        y->x[n + 1] = v * part;
+        y->w[n + 1] = n == 0 && m->fresh == 2 ? 0.0 : fma(-drop * ease * part, q[n], ease * part * (side * pull - even - curve * bend));
+        grow(&share, w, q[n], n);
+        if (!p->linear)
+            grow(&bent, w, w, n);
         if (with_work) {
-            lost[n] = side * rub - force[n];
-            y->work[n + 1] = product(lost, v, n) * PART[n + 1];
+            double lost = side * (fma(drop, q[n], curve * bend) + even) - force[n];
+            y->work[n + 1] = coefficient(&power, lost, v, n) * part;
+            grow(&power, lost, v, n);
         }
-        y->x[n + 1] = v[n] * PART[n + 1];
-        y->w[n + 1] = n == 0 && m->fresh == 2 ? 0.0 : (side * pull - rub) * ease * PART[n + 1];
     }
     for (int n = 0; m->follows && n < ORDER; n++)
         y->rate[n] = p->normal_force * (p->lambda1 * (p->linear ? (n == 0) : 2.0 * y->w[n]) - (p->mu0 - p->mu1) * p->lambda0 * square(q, n));
@@ -204,6 +213,9 @@ static inline int pass(const belt *p, motion *m, const piece *y)
 static inline motion begun(const belt *p, double x0, double v0, double t0)
 {
     motion m = {.now = dd_of(t0), .x = dd_of(x0), .work = dd_of(0.0), .w = fabs(v0 - p->belt), .tangent = {1.0, 0.0}};
+    m.swing[0] = p->amplitude;
+    for (int n = 1; n < ORDER; n++)
+        m.swing[n] = m.swing[n - 1] * p->frequency * PART[n];
     m.side = v0 > p->belt ? 1 : v0 < p->belt ? -1 : 0;
     double slope, pull = pull_at(p, &m, 0.0, &slope);
     if (m.side == 0 && fabs(pull) > p->normal_force * p->mu0)

@@ -19,11 +19,11 @@ enum { D, G, Q, TURN, SPIN_I, SPIN_J, ANGLE_I, ANGLE_J, WORK, STATES };
 typedef refdem_oblique_pair pair;
 typedef double series[ORDER + 1];
 
-/* A stretch: series of the state but for the work, of the forces along and across, of the slip, of the spring and of the power that is
+/* A stretch: series of the state but for the work, of the forces along and across, of the slip, of the spring and of the work that is
  * lost; where it ends and the mode after it. */
 typedef struct {
     series y[WORK], force, across, slip, spring;
-    double power[2 * ORDER + 1];
+    double work[2 * ORDER + 1];
     double end;
     int next;
 } stretch;
@@ -34,56 +34,68 @@ typedef struct {
     int mode, side, touch, fresh;
 } motion;
 
+/* Products of series of the state: overlap with spins, with the force across and with the turning of the line o; o with q and g. */
+typedef struct {
+    growing spun, levered, turned, swept, thrown;
+} products;
+
 /* Coefficients n of the force, of the slip and of the force across, from those of the state. */
-static inline void pressed(const pair *p, const motion *m, stretch *restrict z, double *restrict spins, int n)
+static inline void pressed(const pair *p, const motion *m, stretch *restrict z, products *restrict by, int n)
 {
-    const double *d = z->y[D], *g = z->y[G], *q = z->y[Q], *wi = z->y[SPIN_I], *wj = z->y[SPIN_J];
-    z->force[n] = p->stiffness * d[n] + p->damping * g[n];
-    spins[n] = wi[n] + wj[n];
-    z->slip[n] = p->radius_i * wi[n] + p->radius_j * wj[n] - q[n] - p->branch * product(d, spins, n);
+    double d = z->y[D][n], wi = z->y[SPIN_I][n], wj = z->y[SPIN_J][n], spins = wi + wj;
+    z->force[n] = p->stiffness * d + p->damping * z->y[G][n];
+    z->slip[n] = p->radius_i * wi + p->radius_j * wj - z->y[Q][n] - p->branch * coefficient(&by->spun, d, spins, n);
     z->across[n] = m->mode == HOLDS   ? -p->tangential_stiffness * z->spring[n]
                    : m->mode == SLIPS ? -m->side * p->friction * z->force[n]
                                       : 0.0;
+    grow(&by->spun, d, spins, n);
 }
 
-/* Power c g^2 - f slip to the last product of what is known. */
-static void spent(const pair *p, const motion *m, stretch *restrict z)
+/* The integral of the power c g^2 - f slip to the last product of what is known: row by row of the triangle of products, in vectors. */
+static inline void spent(const pair *p, const motion *m, stretch *restrict z)
 {
-    for (int n = 0; n <= 2 * ORDER; n++) {
-        int from = n > ORDER ? n - ORDER : 0, left = n - 2 * from;
-        z->power[n] = p->damping * square(z->y[G] + from, left) - (m->mode == FREE ? 0.0 : product(z->across + from, z->slip + from, left));
+    double g[ROOM], slip[ROOM], sum[2 * ROOM], friction = m->mode == FREE ? 0.0 : -1.0;
+    for (int n = 0; n < ROOM; n++) {
+        int is_known = n <= ORDER;
+        g[n] = is_known ? z->y[G][n] : 0.0, slip[n] = is_known ? z->slip[n] : 0.0, sum[n] = sum[ROOM + n] = 0.0;
     }
+    for (int n = 0; n <= ORDER; n++) {
+        double a = p->damping * g[n], b = friction * z->across[n];
+        for (int k = 0; k <= ORDER; k += LANES)
+            for (int i = 0; i < LANES; i++)
+                sum[n + k + i] = fma(a, g[k + i], fma(b, slip[k + i], sum[n + k + i]));
+    }
+    for (int n = 0; n <= 2 * ORDER; n++)
+        z->work[n] = sum[n] / (n + 1);
 }
 
 static double lost(const stretch *z, double since)
 {
-    double sum = 0.0;
-    for (int n = 2 * ORDER; n >= 0; n--)
-        sum = sum * since + z->power[n] / (n + 1);
-    return sum * since;
+    return polynomial(z->work, 2 * ORDER + 1, since) * since;
 }
 
 static void expand(const pair *p, const motion *m, stretch *restrict z)
 {
-    series o, fd, spins;
-    double *d = z->y[D], *g = z->y[G], *q = z->y[Q], *f = z->across, reach = 1.0 / (p->radius_i + p->radius_j - m->y[D]);
+    products by;
+    double reach = 1.0 / (p->radius_i + p->radius_j - m->y[D]), first = m->y[Q] * reach;
+    cleared(&by.spun), cleared(&by.levered), cleared(&by.turned), cleared(&by.swept), cleared(&by.thrown);
     for (int i = 0; i < WORK; i++)
         z->y[i][0] = m->y[i];
     z->spring[0] = m->spring;
     for (int n = 0; n < ORDER; n++) {
-        double part = PART[n + 1], *wi = z->y[SPIN_I], *wj = z->y[SPIN_J];
-        pressed(p, m, z, spins, n);
-        fd[n] = m->mode == FREE ? 0.0 : p->branch * product(d, f, n);
-        o[n] = (n ? q[n] + product(d + 1, o, n - 1) : q[0]) * reach;
-        d[n + 1] = g[n] * part;
-        g[n + 1] = -(product(q, o, n) + p->ease * z->force[n]) * part;
-        q[n + 1] = (product(g, o, n) - p->ease * f[n]) * part;
-        wi[n + 1] = p->turn_ease_i * (p->radius_i * f[n] - fd[n]) * part;
-        wj[n + 1] = p->turn_ease_j * (p->radius_j * f[n] - fd[n]) * part;
-        z->y[TURN][n + 1] = o[n] * part, z->y[ANGLE_I][n + 1] = wi[n] * part, z->y[ANGLE_J][n + 1] = wj[n] * part;
+        pressed(p, m, z, &by, n);
+        double part = PART[n + 1], d = z->y[D][n], g = z->y[G][n], q = z->y[Q][n], f = z->across[n];
+        double o = n ? (q + fma(d, first, by.turned.sum[n])) * reach : first, lever = p->branch * coefficient(&by.levered, d, f, n);
+        z->y[D][n + 1] = g * part;
+        z->y[G][n + 1] = -(coefficient(&by.swept, q, o, n) + p->ease * z->force[n]) * part;
+        z->y[Q][n + 1] = (coefficient(&by.thrown, g, o, n) - p->ease * f) * part;
+        z->y[SPIN_I][n + 1] = p->turn_ease_i * (p->radius_i * f - lever) * part;
+        z->y[SPIN_J][n + 1] = p->turn_ease_j * (p->radius_j * f - lever) * part;
+        z->y[TURN][n + 1] = o * part, z->y[ANGLE_I][n + 1] = z->y[SPIN_I][n] * part, z->y[ANGLE_J][n + 1] = z->y[SPIN_J][n] * part;
         z->spring[n + 1] = z->slip[n] * part;
+        grow(&by.levered, d, f, n), grow(&by.turned, d, o, n), grow(&by.swept, q, o, n), grow(&by.thrown, g, o, n);
     }
-    pressed(p, m, z, spins, ORDER);
+    pressed(p, m, z, &by, ORDER);
     spent(p, m, z);
 }
 

@@ -9,7 +9,43 @@
 #include <math.h>
 #include <string.h>
 
-enum { ORDER = 20 };
+enum { ORDER = 20, LANES = 4, ROOM = ORDER + 2 * LANES }; /* room for a whole vector beyond the last coefficient */
+
+/* A product of two series that grow with it: `sum[n]` holds of coefficient n what the coefficients known so far give it, but for those
+ * of order 0. Short vectors without a sum across them: what is waited for is a single multiplication and addition. */
+typedef struct {
+    double a[ROOM], b[ROOM], sum[ROOM];
+} growing;
+
+static inline void cleared(growing *g)
+{
+    for (int k = 0; k < ROOM; k += LANES) {
+        for (int i = 0; i < LANES; i++)
+            g->a[k + i] = 0.0;
+        for (int i = 0; i < LANES; i++)
+            g->b[k + i] = 0.0;
+        for (int i = 0; i < LANES; i++)
+            g->sum[k + i] = 0.0;
+    }
+}
+
+/* Takes in coefficients n of both factors, in turn from 0. */
+static inline void grow(growing *restrict g, double a, double b, int n)
+{
+    int most = n - 1 < ORDER - n ? n - 1 : ORDER - n;
+    for (int k = 1; k <= most; k += LANES)
+        for (int i = 0; i < LANES; i++)
+            g->sum[n + k + i] = fma(a, g->b[k + i], fma(b, g->a[k + i], g->sum[n + k + i]));
+    if (n > 0 && 2 * n <= ORDER)
+        g->sum[2 * n] = fma(a, b, g->sum[2 * n]);
+    g->a[n] = a, g->b[n] = b;
+}
+
+/* Coefficient n of the product, whose factors have these, not yet taken in. */
+static inline double coefficient(const growing *g, double a, double b, int n)
+{
+    return n ? fma(a, g->b[0], fma(b, g->a[0], g->sum[n])) : a * b;
+}
 
 /* 1/n: a product is ready sooner than a quotient. */
 static const double PART[ORDER + 1] = {
@@ -37,20 +73,26 @@ static inline double square(const double *a, int n)
     return n % 2 ? 2.0 * sum : 2.0 * sum + a[n / 2] * a[n / 2];
 }
 
+/* a[0] + a[1] s + .. + a[count - 1] s^(count - 1), by four sums in s^4 that do not wait for each other. */
+static inline double polynomial(const double *restrict a, int count, double s)
+{
+    double square = s * s, fourth = square * square, sum[LANES] = {0.0, 0.0, 0.0, 0.0};
+    for (int i = 0; i < count % LANES; i++)
+        sum[i] = a[count - count % LANES + i];
+    for (int n = count - count % LANES - LANES; n >= 0; n -= LANES)
+        for (int i = 0; i < LANES; i++)
+            sum[i] = fma(sum[i], fourth, a[n + i]);
+    return fma(fma(sum[3], s, sum[2]), square, fma(sum[1], s, sum[0]));
+}
+
 static inline double value(const double *restrict a, double s)
 {
-    double sum = a[ORDER];
-    for (int n = ORDER - 1; n >= 0; n--)
-        sum = fma(sum, s, a[n]);
-    return sum;
+    return polynomial(a, ORDER + 1, s);
 }
 
 static inline double gained(const double *restrict a, double s)
 {
-    double sum = 0.0;
-    for (int n = ORDER; n >= 1; n--)
-        sum = (sum + a[n]) * s;
-    return sum;
+    return polynomial(a + 1, ORDER, s) * s;
 }
 
 /* b(s) = a(s + at) */
@@ -100,36 +142,38 @@ static inline void narrowed(bracket *b, double f, double slope)
 static inline double zero_between(const double *restrict a, double low, double high)
 {
     bracket b = bracketed(low, high);
-    for (int i = 0; i < 200 && open_still(&b); i++) {
-        double f = a[ORDER], slope = 0.0;
-        for (int n = ORDER - 1; n >= 0; n--)
-            slope = fma(slope, b.at, f), f = fma(f, b.at, a[n]);
-        if (i % 8 == 7)
-            slope = 0.0; /* a half now and then, where Newton's steps creep */
-        narrowed(&b, f, slope);
-    }
+    double rate[ORDER];
+    for (int n = 0; n < ORDER; n++)
+        rate[n] = (n + 1) * a[n + 1];
+    for (int i = 0; i < 200 && open_still(&b); i++) /* a half now and then, where Newton's steps creep */
+        narrowed(&b, value(a, b.at), i % 8 == 7 ? 0.0 : polynomial(rate, ORDER, b.at));
     return b.high;
 }
 
-/* Below the series on (0, w], and above its slope there. */
+/* Below the series on (0, w]: what lowers it at w, by four sums. */
 static inline double least_of(const double *restrict b, double w)
 {
-    double least = b[0] > 0.0 ? b[0] : 0.0, power = w;
-    for (int n = 1; n <= ORDER; n++, power *= w) {
-        double part = b[n] * power;
-        least += part < 0.0 ? part : 0.0;
-    }
-    return least;
+    double square = w * w, fourth = square * square, power[LANES] = {w, square, w * square, fourth}, sum[LANES] = {0.0, 0.0, 0.0, 0.0};
+    for (int n = 1; n <= ORDER; n += LANES)
+        for (int i = 0; i < LANES; i++) {
+            double part = b[n + i] * power[i];
+            sum[i] += part < 0.0 ? part : 0.0;
+            power[i] *= fourth;
+        }
+    return (b[0] > 0.0 ? b[0] : 0.0) + ((sum[0] + sum[1]) + (sum[2] + sum[3]));
 }
 
+/* Above its slope there. */
 static inline double steepest_of(const double *restrict b, double w)
 {
-    double steepest = b[1], power = w;
-    for (int n = 2; n <= ORDER; n++, power *= w) {
-        double part = n * b[n] * power;
-        steepest += part > 0.0 ? part : 0.0;
-    }
-    return steepest;
+    double square = w * w, fourth = square * square, power[LANES] = {1.0, w, square, w * square}, sum[LANES] = {0.0, 0.0, 0.0, 0.0};
+    for (int n = 1; n <= ORDER; n += LANES)
+        for (int i = 0; i < LANES; i++) {
+            double part = (n + i) * b[n + i] * power[i];
+            sum[i] += part > 0.0 || n + i == 1 ? part : 0.0;
+            power[i] *= fourth;
+        }
+    return (sum[0] + sum[1]) + (sum[2] + sum[3]);
 }
 
 /* The first zero in (0, h] of a series that is > 0 just after 0; -1 if there is none. */

@@ -5,7 +5,7 @@
 int64_t refdem_stick_slip(const refdem_belt *p, double x0, double v0, double t0, int64_t samples, const double *t, int64_t most,
                           double *event, double *out)
 {
-    piece y;
+    piece y = {0};
     motion m = begun(p, x0, v0, t0);
     int64_t events = 0;
     for (int64_t row = 0; row < samples;) {
@@ -67,7 +67,7 @@ int refdem_stick_slip_section(const refdem_belt *p, int64_t n, const double *fre
         belt own = *p;
         own.frequency = frequency[i];
         motion m = begun(&own, x0, v0, 0.0);
-        piece y;
+        piece y = {0};
         m.follows = blocks > 0;
         double period = 2.0 * DD_PI.hi / frequency[i], begin = period * (double)skip, end = period * (double)(skip + keep);
         int64_t count = 0;
