@@ -18,7 +18,8 @@ class Method:
     the feature. `constant` is C in `error <= C L (T/tau) (h/tau)^p`. `conserves`: energy, momentum, angular-momentum,
     each to round-off; `symplectic`: no secular drift of energy. `complete_state`: a run can go on from its end state.
     `velocity_time`: velocities and omegas hold at their sample, or half a step before it. `summed_clock`: its time is a plain
-    sum of its steps, so that it may be off by u t for each of them. `answers` is the kind of questions that it is for; of one
+    sum of its steps, so that it may be off by u t for each of them. `locates_events`: it tells events at their own times and not at
+    the end of the step that sees them. `answers` is the kind of questions that it is for; of one
     without time it `knows` these features, and is silent about others.
     """
 
@@ -37,6 +38,7 @@ class Method:
     precision: Literal["double", "single"] = "double"
     velocity_time: Literal["synchronous", "minus-half-step"] = "synchronous"
     summed_clock: bool = False
+    locates_events: bool = False
     deterministic: bool = True
     cost_rank: int = 0
     answers: str = "motion"

@@ -16,7 +16,7 @@ CHANNELS = {"rod_force": "N", "overlap": "m", "contact_force": "N", "dissipated_
 
 
 class Event(msgspec.Struct, frozen=True):
-    """Something that happened at `time` [s] to a body: stop, flip, contact, release."""
+    """Something that happened at `time` [s] to a body: contact, release, stick, slip, stop (it sticks for ever), catch, turn."""
 
     time: float
     kind: str

@@ -19,6 +19,7 @@ class RungeKutta(Solver):
         order_with={"contact:hertz": 2},
         conserves=frozenset({"momentum"}),
         backward=True,
+        locates_events=True,
         cost_rank=40,
     )
     kernels = (_particles.FAMILY,)

@@ -23,6 +23,7 @@ class VelocityVerlet(Solver):
         reversible=True,
         symplectic=True,
         backward=True,
+        locates_events=True,
         cost_rank=30,
     )
     kernels = (_particles.FAMILY,)

@@ -40,6 +40,7 @@ class MethodTable(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fiel
     reversible: Annotated[bool, said("with velocities flipped it comes back to round-off")] = False
     symplectic: Annotated[bool, said("no secular drift of energy, also where bodies turn")] = False
     backward: Annotated[bool, said("it can be asked for times that fall; the step stays positive")] = False
+    locates_events: Annotated[bool, said("events are told at their own times, not at the end of the step that sees them")] = False
     complete_state: Annotated[bool, said("a run can go on from positions, velocities, attitudes and omegas alone")] = True
     deterministic: Annotated[bool, said("the same request gives the same bits")] = True
 
