@@ -1,7 +1,8 @@
 """C kernels: one extension a family, loaded when first used; its digest is its fingerprint."""
 
 import hashlib
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from functools import cache
 from importlib import import_module
 from pathlib import Path
@@ -12,6 +13,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from refdem.errors import EngineMissingError
+
+_repeats = 1
 
 
 @cache
@@ -39,11 +42,29 @@ def pointer(family: str, array: NDArray[np.float64], *, output: bool = False) ->
     return load(family).ffi.from_buffer("double[]", array, require_writable=output)
 
 
+def repeats() -> int:
+    """How often what takes less than a clock can tell is done within one reading of it; 1 but for `repeated`."""
+    return _repeats
+
+
+@contextmanager
+def repeated(times: int) -> Iterator[None]:
+    """Within it, `timed` calls so many times: a benchmark's runs of microseconds, with code and data at hand as in a program's own loop."""
+    global _repeats
+    before, _repeats = _repeats, times
+    try:
+        yield
+    finally:
+        _repeats = before
+
+
 def timed(call: Callable[..., Any], *arguments: Any) -> float:
-    """Seconds of one call: what a kernel takes to answer, once all that it is told is at hand."""
+    """Seconds of one call: what a kernel takes to answer, once all that it is told is at hand. It answers the same when asked again."""
+    times = range(_repeats)
     started = perf_counter()
-    call(*arguments)
-    return perf_counter() - started
+    for _ in times:
+        call(*arguments)
+    return (perf_counter() - started) / _repeats
 
 
 def prepared(family: str) -> Any:

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from refdem.core.problem import Motion, Request
 from refdem.core.trajectory import Cost, Trajectory
-from refdem.kernels import load, pointer
+from refdem.kernels import load, pointer, repeats
 from refdem.scene import Bodies
 from refdem.solvers.solver import Solver
 
@@ -44,7 +44,7 @@ class FreeBodies(Solver):
             if not alone:
                 attitude[:, number], omega[:, number] = turned, rate
         steps = 0 if request.step is None else request.stride * (len(t) - 1)
-        cost = Cost(seconds=seconds, setup=perf_counter() - begun - seconds, steps=steps)
+        cost = Cost(seconds=seconds, setup=perf_counter() - begun - repeats() * seconds, steps=steps)
         return Trajectory(t=t, position=position, velocity=velocity, attitude=attitude, omega=omega), cost
 
 

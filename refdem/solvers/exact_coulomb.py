@@ -61,8 +61,9 @@ class ExactCoulomb(Solver):
         stopped, rows, samples = pointer("coulomb", stop, output=True), pointer("coulomb", out, output=True), pointer("coulomb", t)
         lib, motion = load("coulomb").lib, prepared("coulomb")
         lib.refdem_coulomb_prepare(*numbers, len(t), samples, stopped, rows, motion)
+        started = perf_counter()
         seconds = timed(lib.refdem_coulomb_run, motion)
-        cost = Cost(seconds=seconds, setup=perf_counter() - begun - seconds)
+        cost = Cost(seconds=seconds, setup=started - begun)
         position, velocity = anchor + out[:, :1, None] * axis, out[:, 1:2, None] * axis
         events = (Event(time=float(stop[0]), kind="stop", body=0),) if stop[0] <= t[-1] else ()
         return Trajectory.of_points(t, position, velocity, channels={"dissipated_work": out[:, 2].copy()}, events=events), cost

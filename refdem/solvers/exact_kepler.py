@@ -50,8 +50,9 @@ class ExactKepler(Solver):
         out = [pointer("kepler", column, output=True) for column in (position, velocity)]
         lib, motion = load("kepler").lib, prepared("kepler")
         lib.refdem_kepler_prepare(gm, *start, t[0], len(t), pointer("kepler", t), *out, motion)
+        started = perf_counter()
         seconds = timed(lib.refdem_kepler_run, motion)
-        cost = Cost(seconds=seconds, setup=perf_counter() - begun - seconds)
+        cost = Cost(seconds=seconds, setup=started - begun)
         return Trajectory.of_points(t, position, velocity), cost
 
 

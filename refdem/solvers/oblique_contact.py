@@ -10,7 +10,7 @@ from refdem.core.engine import Method
 from refdem.core.problem import Motion, Request
 from refdem.core.trajectory import Cost, Event, Trajectory
 from refdem.errors import EngineError
-from refdem.kernels import load, pointer
+from refdem.kernels import load, pointer, timed
 from refdem.mechanics.quaternion import product
 from refdem.scene import Scene, Sphere
 from refdem.scene.elements.contact import Contact
@@ -67,13 +67,14 @@ class ObliqueContact(Solver):
         scene, t = request.problem.scene, request.problem.times
         axes = frame(scene)
         start, since = beginning(scene, axes), t - t[0]
-        out, release, pair = np.empty((len(t), COLUMNS)), np.empty(1), words(scene, float(since[-1]))
+        out, release, pair = np.full((len(t), COLUMNS), np.nan), np.empty(1), words(scene, float(since[-1]))
         buffers = [pointer(FAMILY, array, output=True) for array in (release, out)]
         lib, given = load(FAMILY).lib, (pointer(FAMILY, start), len(t), pointer(FAMILY, since))
         started = perf_counter()
-        reached = lib.refdem_oblique(pair, *given, *buffers)
-        cost = Cost(seconds=perf_counter() - started, setup=started - begun)
-        if reached < len(t):
+        seconds = timed(lib.refdem_oblique, pair, *given, *buffers)
+        cost = Cost(seconds=seconds, setup=started - begun)
+        if np.isnan(out[-1, 0]):
+            reached = int(np.argmax(np.isnan(out[:, 0])))
             raise EngineError(f"hold and slip change without end at t = {t[reached]:g} s")
         told = (Event(time=float(t[0] + release[0]), kind="release", body=0),) if release[0] <= since[-1] else ()
         return _trajectory(scene, axes, t, out, told), cost

@@ -57,8 +57,9 @@ class RodTaylor(Solver):
         columns = [pointer("rod_taylor", column) for column in given]
         out = [pointer("rod_taylor", column, output=True) for column in (position, velocity, force)]
         arguments = (mass, rod.length, *columns, float(t[0]), len(t), pointer("rod_taylor", t), *out)
+        started = perf_counter()
         seconds = timed(load("rod_taylor").lib.refdem_rod_taylor, *arguments)
-        cost = Cost(seconds=seconds, setup=perf_counter() - begun - seconds)
+        cost = Cost(seconds=seconds, setup=started - begun)
         if not np.isfinite(force).all():
             raise EngineError("rod-taylor: the series do not reach the last sample; expected a motion of finite speed")
         return Trajectory.of_points(t, position, velocity, channels={"rod_force": force}), cost
