@@ -14,8 +14,9 @@ from refdem.campaign.plan import Task
 from refdem.campaign.schedule import InProcess, Job, Schedule
 from refdem.campaign.specification import Specification
 from refdem.campaign.truths import FAILED, sampled_truths
+from refdem.core.answer_csv import most_rows
 from refdem.core.case import Instance
-from refdem.core.engine import Engine
+from refdem.core.engine import Engine, ProgramEngine
 from refdem.core.finding import CampaignSheet, Sheet
 from refdem.core.problem import Request
 from refdem.core.refinement import order_levels
@@ -135,7 +136,10 @@ class Campaign:
         """A run in a worker; a time limit that an engine keeps itself comes before the worker's."""
         limit = None if engine.time_limit is None else max(self.specification.timeout, engine.time_limit + GRACE)
         deadline = self.deadlines.get(engine.name, math.inf)
-        return Job(key, worker.run, (engine.address, request.packed(), deadline), limit)
+        asked = (engine.address, request.packed(), deadline)
+        if not isinstance(engine, ProgramEngine):
+            return Job(key, worker.run, asked, limit)
+        return Job(key, worker.run, asked, limit, stages=worker.stages, rows=most_rows(request.problem))
 
     def _version(self, engine: Engine) -> str:
         """The engine's version, asked for once."""

@@ -1,18 +1,29 @@
-"""The schedule: jobs to worker processes, results as they come; a crash or a hang costs its own job and no other."""
+"""The schedule: jobs to worker processes, results as they come; a crash or a hang costs its own job and no other.
+
+Programs are processes already: a few runs of them are waited for in threads, and no worker is started for that.
+"""
 
 import math
 import multiprocessing
 import resource
 import signal
+import time
 from collections.abc import Callable, Iterator
-from concurrent.futures import FIRST_COMPLETED, wait
+from concurrent.futures import FIRST_COMPLETED, Future, ThreadPoolExecutor, wait
 from concurrent.futures import TimeoutError as FutureTimeout
 from dataclasses import dataclass
+from itertools import islice
 from typing import Any
 
-from pebble import ProcessExpired, ProcessPool
-
+from refdem.core.engine import Stages, Waiting
 from refdem.core.run import Failure
+
+READ_HERE = 25_000
+"""Rows of answers that this process reads in no more CPU time than a worker takes to start."""
+RUN = 250
+"""Rows that take as long to read as all else that this process does for a run."""
+PAUSE = 0.02
+"""Seconds between looks at programs that are being ended."""
 
 
 @dataclass(frozen=True)
@@ -20,7 +31,8 @@ class Job:
     """A function of a module and its arguments, all of them bytes, text or plain containers; `key` comes back with the result.
 
     `timeout` [s], if any, is its own; else the schedule's holds. Of what only `computes` CPU time counts and not the clock, so that
-    it ends on a busy machine as it does on a quiet one.
+    it ends on a busy machine as it does on a quiet one. What runs a program, under a time limit of the program's own, also has the
+    `stages` that do the same as the function, and the number of `rows` of the answer.
     """
 
     key: Any
@@ -28,6 +40,8 @@ class Job:
     arguments: tuple[Any, ...]
     timeout: float | None = None
     computes: bool = False
+    stages: Callable[..., Stages[bytes]] | None = None
+    rows: int = 0
 
 
 class InProcess:
@@ -45,28 +59,85 @@ class InProcess:
             yield job, job.function(*job.arguments)
 
 
+class Programs:
+    """Programs, `most` at a time. Threads do nothing but wait for them: all else happens in the thread that asks for results."""
+
+    def __init__(self, most: int) -> None:
+        self._most = most
+        self._threads = ThreadPoolExecutor(most)
+        self._running: dict[Future[float], tuple[Job, Stages[bytes]]] = {}
+
+    def results(self, jobs: list[Job]) -> Iterator[tuple[Job, bytes | Failure]]:
+        """Every job once with its bytes or its Failure, in the order in which they end."""
+        fresh, going = iter(jobs), list[tuple[Job, Stages[bytes], Waiting | None]]()
+        while True:
+            # One more than can run is begun, so that no program waits for what is done here.
+            going += [(job, job.stages(*job.arguments), None) for job in islice(fresh, self._most + 1 - len(self._running)) if job.stages]
+            if not going and not self._running:
+                return
+            for job, stages, result in going:
+                ended = self._gone_on(job, stages, result)
+                if ended is not None:
+                    yield job, ended
+            done = wait(self._running, return_when=FIRST_COMPLETED).done if self._running else ()
+            going = [(*self._running.pop(future), future.result) for future in done]
+
+    def _gone_on(self, job: Job, stages: Stages[bytes], result: Waiting | None) -> bytes | Failure | None:
+        """How a job ended, or None if it waits again."""
+        try:
+            waiting = next(stages) if result is None else stages.send(result)
+        except StopIteration as end:
+            ended: bytes = end.value
+            return ended
+        except Exception as error:
+            return _failure(error)
+        self._running[self._threads.submit(waiting)] = job, stages
+        return None
+
+    def end(self) -> None:
+        """Ends the programs that still run, and no other is begun."""
+        self._threads.shutdown(wait=False, cancel_futures=True)
+        while not all(future.done() for future in self._running):
+            from refdem.engines.external.process import end_all
+
+            end_all()
+            time.sleep(PAUSE)
+        for _, stages in self._running.values():
+            stages.close()
+
+
 class Schedule:
     """Worker processes (spawned, so that no state is shared); a job that takes longer than `timeout` [s] is killed."""
 
     def __init__(self, workers: int, timeout: float) -> None:
-        self._pool = ProcessPool(max_workers=workers, context=multiprocessing.get_context("spawn"))
+        self._most = workers
         self._timeout = timeout
-        self._window = 4 * workers
+        self._pool: Any = None
+        self._size = 0
+        self._programs = Programs(workers)
 
     def __enter__(self) -> "Schedule":
         return self
 
     def __exit__(self, *error: object) -> None:
-        self._pool.stop()  # type: ignore[no-untyped-call]
-        self._pool.join()
+        self._programs.end()
+        self._dismiss()
 
     def results(self, jobs: list[Job]) -> Iterator[tuple[Job, bytes | Failure]]:
         """Every job once with its bytes or its Failure, in the order in which they end."""
+        rows = sum(RUN + job.rows for job in jobs)
+        if rows < READ_HERE and all(job.stages for job in jobs):
+            return self._programs.results(jobs)
+        return self._working(jobs)
+
+    def _working(self, jobs: list[Job]) -> Iterator[tuple[Job, bytes | Failure]]:
+        """The results of worker processes."""
+        self._employ(min(self._most, len(jobs)))
         waiting, running = iter(jobs), dict[Any, Job]()
         while True:
             for job in waiting:
                 running[self._begun(job)] = job
-                if len(running) >= self._window:
+                if len(running) >= 4 * self._size:
                     break
             if not running:
                 return
@@ -74,6 +145,20 @@ class Schedule:
             for future in done:
                 job = running.pop(future)
                 yield job, self._result(future, job)
+
+    def _employ(self, workers: int) -> None:
+        """Starts so many workers, unless there are as many."""
+        if self._size < workers:
+            from pebble import ProcessPool  # slow to import, and not needed for programs
+
+            self._dismiss()
+            self._size, self._pool = workers, ProcessPool(max_workers=workers, context=multiprocessing.get_context("spawn"))
+
+    def _dismiss(self) -> None:
+        """Ends the workers, whatever they are doing."""
+        if self._pool is not None:
+            self._pool.stop()
+            self._pool.join()
 
     def _begun(self, job: Job) -> Any:
         """The future of a job."""
@@ -83,6 +168,8 @@ class Schedule:
         return self._pool.schedule(guarded, args=(job.function, *job.arguments), timeout=limit)
 
     def _result(self, future: Any, job: Job) -> bytes | Failure:
+        from pebble import ProcessExpired
+
         limit = job.timeout or self._timeout
         try:
             result: bytes | Failure = future.result()

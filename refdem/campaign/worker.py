@@ -6,6 +6,7 @@ import time
 import msgspec
 
 from refdem.core import discovery
+from refdem.core.engine import ProgramEngine, Stages, finished
 from refdem.core.problem import Request
 from refdem.core.run import Failure
 from refdem.core.trajectory import Cost
@@ -41,17 +42,22 @@ def sampled_truth(case: str, given: dict[str, str], delays: tuple[float, ...] = 
 
 def run(engine: str, request: bytes, deadline: float = math.inf) -> bytes:
     """One run of an engine, as MessagePack of Reply; none any more once the clock [s since 1970] has passed the deadline."""
+    return finished(stages(engine, request, deadline))
+
+
+def stages(engine: str, request: bytes, deadline: float = math.inf) -> Stages[bytes]:
+    """The same in stages."""
     if time.time() > deadline:
         failure = Failure(kind="budget", sentence="the time budget of the campaign was spent; raise engine.budget or run fewer cases")
         return msgspec.msgpack.encode(Reply(failure=failure))
-    return msgspec.msgpack.encode(_reply(engine, Request.unpacked(request)))
+    return msgspec.msgpack.encode((yield from _reply(engine, Request.unpacked(request))))
 
 
-def _reply(engine: str, request: Request) -> Reply:
+def _reply(engine: str, request: Request) -> Stages[Reply]:
     """Runs the request; the one place where an engine's exceptions, whatever they are, become a Failure."""
     try:
         found = discovery.engine(engine)
-        trajectory, cost = found.run(request)
+        trajectory, cost = (yield from found.stages(request)) if isinstance(found, ProgramEngine) else found.run(request)
         request.refuse_misaligned(trajectory.t, found.method(request.method).round_off)
     except UnsupportedError as error:
         return Reply(failure=Failure(kind="unsupported", sentence=str(error)))

@@ -1,13 +1,15 @@
 """An engine: an adapter that runs problems in some code, and its methods with what they claim."""
 
 from abc import ABC, abstractmethod
-from collections.abc import Mapping
+from collections.abc import Callable, Generator, Mapping
 from dataclasses import dataclass, field
-from typing import Literal
+from typing import Literal, TypeVar
 
 from refdem.core.deviation import Deviation
 from refdem.core.problem import Motion, Problem, Request
 from refdem.core.trajectory import Cost, Trajectory
+
+Result = TypeVar("Result")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -68,6 +70,23 @@ class Default:
     why: str
 
 
+Waiting = Callable[[], float]
+"""Starts a program, waits for it, returns the seconds that it took or raises; safe in any thread."""
+Stages = Generator[Waiting, Waiting, Result]
+"""Work around a program: yields what waits, is sent what then returns or raises the same, returns its result."""
+
+
+def finished(stages: Stages[Result]) -> Result:
+    """The result of work in stages, all of it done here."""
+    try:
+        waiting = next(stages)
+        while True:
+            waiting = stages.send(waiting)
+    except StopIteration as end:
+        result: Result = end.value
+        return result
+
+
 class Engine(ABC):
     """An adapter. It gets the question and never the answer; it is imported without importing the engine itself."""
 
@@ -124,3 +143,15 @@ class Engine(ABC):
             if method.name == name:
                 return method
         raise UsageError(f"engine {self.name} has no method {name!r}; {nearest(name, [m.name for m in self.methods])}")
+
+
+class ProgramEngine(Engine):
+    """An engine whose runs are those of a program, which it ends by `time_limit`: whoever wants them need only wait."""
+
+    @abstractmethod
+    def stages(self, request: Request) -> Stages[tuple[Trajectory, Cost]]:
+        """`run` in stages."""
+
+    def run(self, request: Request) -> tuple[Trajectory, Cost]:
+        """The result of the stages."""
+        return finished(self.stages(request))

@@ -1,14 +1,18 @@
 """Jobs in worker processes: what a job raises costs that job alone, and a busy machine ends none that only computes."""
 
+import os
+import subprocess
 import time
 from pathlib import Path
 
 import pytest
 
-from refdem.campaign.schedule import Job, Schedule
+from refdem.campaign.schedule import READ_HERE, Job, Schedule
 from refdem.campaign.truths import sampled_truths
 from refdem.core import discovery
+from refdem.core.engine import Stages
 from refdem.core.run import Failure
+from refdem.engines.external.process import ended
 
 
 class LocalError(ValueError):
@@ -55,6 +59,66 @@ def test_of_what_only_computes_the_clock_does_not_count(monkeypatch: pytest.Monk
     assert found[0] == found[3] == b"done"
     assert found[1] == Failure(kind="hang", sentence="it was still running after 1 s and was killed")
     assert found[2] == Failure(kind="hang", sentence="it had computed for 1 s of CPU time and was killed")
+
+
+def who() -> bytes:
+    return str(os.getpid()).encode()
+
+
+def who_in_stages() -> Stages[bytes]:
+    assert (yield lambda: 0.0)() == 0
+    return who()
+
+
+@pytest.mark.parametrize(("rows", "here"), [((1, 1, 1, 1), True), ((1, READ_HERE), False), ((1, None), False)])
+def test_programs_need_no_workers_where_there_is_little_to_read(
+    rows: tuple[int | None, ...], here: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.syspath_prepend(Path(__file__).parents[2])
+    jobs = [Job(n, who, ()) if count is None else Job(n, who, (), stages=who_in_stages, rows=count) for n, count in enumerate(rows)]
+    with Schedule(2, 60) as schedule:
+        found = {job.key: result == who() for job, result in schedule.results(jobs)}
+    assert found == dict.fromkeys(range(len(rows)), here)
+
+
+def fails_in_stages(early: bool) -> Stages[bytes]:
+    if early:
+        raise LocalError("singular", "before")
+    (yield raises)()  # type: ignore[misc]
+    return b"done"
+
+
+def test_a_program_that_cannot_be_run_costs_its_own_job() -> None:
+    failing = [Job(early, works, (early,), stages=fails_in_stages) for early in (True, False)]
+    with Schedule(1, 60) as schedule:
+        found = {job.key: result for job, result in schedule.results([*failing, Job(2, works, (), stages=who_in_stages)])}
+    assert found[2] == who()
+    assert found[True] == Failure(kind="exception", sentence="LocalError: before")
+    assert found[False] == Failure(kind="exception", sentence="LocalError: no analytic point")
+
+
+def sleeps(folder: str, seconds: str) -> Stages[bytes]:
+    command = ["sh", "-c", f"echo $$ >pid; sleep {seconds}"]
+    (yield lambda: ended(command, Path(folder), name="sleeper", timeout=600, most_bytes=4096))()
+    return b"done"
+
+
+def interrupted(jobs: list[Job]) -> None:
+    with Schedule(2, 60) as schedule:
+        next(schedule.results(jobs))
+        raise KeyboardInterrupt
+
+
+def test_programs_end_when_whoever_waits_for_them_is_interrupted(tmp_path: Path) -> None:
+    folders = [tmp_path / name for name in ("short", "long", "not begun")]
+    for folder in folders:
+        folder.mkdir()
+    times = zip(folders, ("0.2", "599", "599"), strict=True)
+    jobs = [Job(n, who, (str(folder), seconds), stages=sleeps) for n, (folder, seconds) in enumerate(times)]
+    with pytest.raises(KeyboardInterrupt):
+        interrupted(jobs)
+    pid = (folders[1] / "pid").read_text().strip()
+    assert subprocess.run(["kill", "-0", pid], capture_output=True).returncode != 0
 
 
 def test_truths_only_compute() -> None:

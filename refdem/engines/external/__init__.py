@@ -5,7 +5,7 @@ from functools import cached_property
 from pathlib import Path
 
 from refdem.core import fingerprint
-from refdem.core.engine import Engine, Method
+from refdem.core.engine import Method, ProgramEngine, Stages
 from refdem.core.problem import Motion, Request
 from refdem.core.trajectory import Cost, Trajectory
 from refdem.engines.external.description import Description, read
@@ -16,7 +16,7 @@ IMPLIED = {"contact", "contact:damping", "contact:friction", "constraint", "tumb
 """Features that come with others which a program names: a law, friction, a rod, rotation."""
 
 
-class External(Engine):
+class External(ProgramEngine):
     """The program described by the refdem.toml at `path`."""
 
     licence = "its own"
@@ -68,9 +68,9 @@ class External(Engine):
         lacking = sorted(needs - IMPLIED - anywhere - supports)
         return f"{', '.join(lacking)} (not in `supports` of {self.path.name})" if lacking else None
 
-    def run(self, request: Request) -> tuple[Trajectory, Cost]:
+    def stages(self, request: Request) -> Stages[tuple[Trajectory, Cost]]:
         """One run in an empty folder of its own."""
-        return self.program.run(request)
+        return self.program.stages(request)
 
 
 def load(path: Path) -> External:

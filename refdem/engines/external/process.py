@@ -4,39 +4,75 @@ import contextlib
 import os
 import signal
 import subprocess
+import threading
 from pathlib import Path
+from time import perf_counter
 
 from refdem.errors import EngineError, UnsupportedError
 
 NOT_SUPPORTED = 77
 SHOWN = 300
+_RUNNING: set[int] = set()
+"""Process groups under way, of all threads."""
 
 
-def ended(command: list[str], folder: Path, *, name: str, timeout: float, most_bytes: int) -> None:
+def ended(command: list[str], folder: Path, *, name: str, timeout: float, most_bytes: int) -> float:
     """Runs the command in `folder`, its output in stdout.txt and stderr.txt there, and then ends its whole process group.
 
-    Raises UnsupportedError for exit status 77, EngineError if it cannot start, does not end within `timeout` [s] or ends
-    with another status.
+    Returns the seconds that it took. Raises UnsupportedError for exit status 77, EngineError if it cannot start, does not end
+    within `timeout` [s] or ends with another status.
     """
+    began = perf_counter()
     with (folder / "stdout.txt").open("wb") as out, (folder / "stderr.txt").open("wb") as err:
         try:
             process = subprocess.Popen(command, cwd=folder, stdin=subprocess.DEVNULL, stdout=out, stderr=err, start_new_session=True)
         except (OSError, ValueError) as error:
             raise EngineError(f"{command[0]} cannot be started: {error}") from None
-        try:
-            _limit_files(process.pid, most_bytes)
-            status = process.wait(timeout)
-        except subprocess.TimeoutExpired:
-            raise EngineError(f"{name} was still running after {timeout:g} s and was ended") from None
-        finally:
-            with contextlib.suppress(ProcessLookupError):
-                os.killpg(process.pid, signal.SIGKILL)
-            process.wait()
+        overdue, status = _status_of(process, timeout, most_bytes)
+    seconds = perf_counter() - began
+    if overdue:
+        raise EngineError(f"{name} was still running after {timeout:g} s and was ended")
     says = _last_lines(folder / "stderr.txt")
     if status == NOT_SUPPORTED:
         raise UnsupportedError(says.splitlines()[-1] if says else "the program says it cannot (exit 77)")
     if status != 0:
         raise EngineError(f"{name} ended with {_status(status)}: {says or 'it said nothing on stderr'}")
+    return seconds
+
+
+def _status_of(process: subprocess.Popen[bytes], timeout: float, most_bytes: int) -> tuple[bool, int]:
+    """True if the process was ended for its time, and its exit status; a clock of its own ends it, so that nothing is polled."""
+    overdue = threading.Event()
+
+    def end() -> None:
+        overdue.set()
+        _end(process.pid)
+
+    clock = threading.Timer(timeout, end)
+    clock.daemon = True
+    _RUNNING.add(process.pid)
+    try:
+        _limit_files(process.pid, most_bytes)
+        clock.start()
+        status = process.wait()
+        return overdue.is_set(), status
+    finally:
+        clock.cancel()
+        _end(process.pid)
+        process.wait()
+        _RUNNING.discard(process.pid)
+
+
+def end_all() -> None:
+    """Ends every program that any thread waits for."""
+    for group in tuple(_RUNNING):
+        _end(group)
+
+
+def _end(group: int) -> None:
+    """Ends a process and what it has started, if they are there."""
+    with contextlib.suppress(ProcessLookupError):
+        os.killpg(group, signal.SIGKILL)
 
 
 def _limit_files(pid: int, most_bytes: int) -> None:

@@ -4,10 +4,12 @@ import contextlib
 import shutil
 import subprocess
 import tempfile
+from functools import partial
 from pathlib import Path
-from time import perf_counter, time
+from time import time
 
 from refdem.core.answer_csv import most_rows, read_answer
+from refdem.core.engine import Stages
 from refdem.core.problem import Request
 from refdem.core.request_text import request_text
 from refdem.core.trajectory import Cost, Trajectory
@@ -66,26 +68,26 @@ class Program:
             return printable(lines[0])[:80] if lines and done.returncode == 0 else ""
         return ""
 
-    def run(self, request: Request) -> tuple[Trajectory, Cost]:
+    def stages(self, request: Request) -> Stages[tuple[Trajectory, Cost]]:
         """One run; what it wrote is kept where something went wrong, and the error says where."""
         with tempfile.TemporaryDirectory(prefix="refdem-run-", ignore_cleanup_errors=True) as name:
             folder = Path(name)
             try:
-                return self._run(request, folder)
+                return (yield from self._stages(request, folder))
             except EngineError as error:
                 place = kept(folder, self.table.name)
                 raise EngineError(f"{error} (request and output are kept in {place})" if place else str(error)) from None
 
-    def _run(self, request: Request, folder: Path) -> tuple[Trajectory, Cost]:
+    def _stages(self, request: Request, folder: Path) -> Stages[tuple[Trajectory, Cost]]:
         paths = {name: folder / file for name, file in FILES.items()}
         paths["request"].write_bytes(request.to_json())
         paths["request_txt"].write_text(request_text(request))
         if (file := request.bodies_file) is not None:
             (folder / bodies_file.NAME).write_bytes(file)
-        began, began_at = perf_counter(), time()
+        began_at = time()
         command, most = [self._filled(word, paths) for word in self.table.command], SPARE + ROW * most_rows(request.problem)
-        ended(command, folder, name=self.table.name, timeout=self.table.timeout, most_bytes=most)
-        seconds = perf_counter() - began
+        result = yield partial(ended, command, folder, name=self.table.name, timeout=self.table.timeout, most_bytes=most)
+        seconds = result()
         _refuse_stale(paths["trajectory"], began_at)
         trajectory = read_answer(request.problem, paths["trajectory"], paths["events"])
         return trajectory, Cost(seconds=seconds, steps=request.stride * (len(request.problem.times) - 1) if request.step else 0)
