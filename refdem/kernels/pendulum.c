@@ -186,23 +186,31 @@ int refdem_pendulum_prepare(double mass, double length, const double *gravity, c
     return 0;
 }
 
-REFDEM_EVERY_CPU
-int refdem_pendulum_run(const double *motion)
+/* The start itself, as it was given, wherever it is asked for among count samples; everywhere if the point rests. */
+static inline void started(const hung *m, int64_t first, int count)
 {
-    const hung *m = (const hung *)motion;
-    int is_resting = m->b.kind == RESTING;
-    for (int64_t first = 0; first < m->samples; first += BLOCK) {
-        int count = m->samples - first < BLOCK ? (int)(m->samples - first) : BLOCK;
-        angles a;
-        at(&m->b, m->t0, count, m->t + first, &a);
-        placed(m, count, &a, m->out_position + 3 * first, m->out_velocity + 3 * first, m->out_force + first);
-    }
-    for (int64_t k = 0; k < m->samples; k++)
+    int is_resting = m->b.kind == RESTING, meets = is_resting;
+    for (int k = 0; k < count; k++)
+        meets |= m->t[first + k] == m->t0;
+    for (int64_t k = first; meets && k < first + count; k++)
         if (is_resting || m->t[k] == m->t0) {
             memcpy(m->out_position + 3 * k, m->position, sizeof m->position);
             memcpy(m->out_velocity + 3 * k, m->velocity, sizeof m->velocity);
             m->out_force[k] = m->mass * (m->length * m->b.omega * m->b.omega + m->gravity * m->b.c);
         }
+}
+
+REFDEM_EVERY_CPU
+int refdem_pendulum_run(const double *motion)
+{
+    const hung *m = (const hung *)motion;
+    for (int64_t first = 0; first < m->samples; first += BLOCK) {
+        int count = m->samples - first < BLOCK ? (int)(m->samples - first) : BLOCK;
+        angles a;
+        at(&m->b, m->t0, count, m->t + first, &a);
+        placed(m, count, &a, m->out_position + 3 * first, m->out_velocity + 3 * first, m->out_force + first);
+        started(m, first, count);
+    }
     return 0;
 }
 
