@@ -71,26 +71,19 @@ class Stop(Check):
         ]
 
     def _time(self, trial: Trial, run: Trajectory, stop: float, place: float, allowed: float, rounding: float) -> Finding:
-        """The engine's own event if it reports one; else the sample after which the speed stays at zero."""
+        """The sample after which the speed stays at zero; a stop that the engine reports itself is judged by event-times."""
         t, scales = trial.instance.times, trial.instance.scales
-        tau = scales.tau
-        told = [event.time for event in run.events if event.kind == "stop"]
-        if told:
-            seen, slack, how = told[-1], 0.0, "as the engine reports it"
-        else:
-            speed = np.abs(run.velocity[:, 0, 0]) / scales.speed
-            moving = np.flatnonzero(speed > max(allowed, rounding))
-            seen, how = (t[moving[-1]] if len(moving) else 0.0), "the last sample that moves"
-            slack = trial.instance.problem.interval + _unseen(trial, max(allowed, rounding) * scales.speed, place)
+        moving = np.flatnonzero(np.abs(run.velocity[:, 0, 0]) / scales.speed > max(allowed, rounding))
+        seen = t[moving[-1]] if len(moving) else 0.0
+        slack = trial.instance.problem.interval + _unseen(trial, max(allowed, rounding) * scales.speed, place)
         return judged(
             check=self.name,
             quantity="stop_time",
-            value=abs(seen - stop) / tau,
-            bound=allowed + (slack / tau),
+            value=abs(seen - stop) / scales.tau,
+            bound=allowed + slack / scales.tau,
             unit="1",
-            basis="the bound on the state"
-            + (", the interval between samples and the time in which friction brakes the last speed seen" if slack else ""),
-            what=f"The distance of the stop time ({how}) from the true one, {stop:.6g} s, in units of tau,",
+            basis="the bound on the state, the interval between samples and the time in which friction brakes the last speed seen",
+            what=f"The distance of the stop time (the last sample that moves) from the true one, {stop:.6g} s, in units of tau,",
         )
 
 

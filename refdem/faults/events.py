@@ -151,6 +151,7 @@ def changed(m: "Moving", state: State, change: tuple[str, int]) -> None:
         state.work += held(m.world, depth) * (1 if state.acting[number] else -1)
         state.acting[number] = state.pressing[number] = not state.acting[number]
         state.stretch[number], state.sliding[number] = ZERO, False
+        m.told.append((state.t, "contact" if state.acting[number] else "release", m.world.pairs[number][0]))
     elif kind == "catch":
         holding.catch(m, state, number)
     elif kind == "turn":
@@ -166,7 +167,9 @@ def changed(m: "Moving", state: State, change: tuple[str, int]) -> None:
         slider = m.world.sliders[number]
         v = state.v[slider.a]
         state.v[slider.a] = vec.moved(v, -m.parts.slides_at(slider, v), slider.axis)
-        state.side[number] = m.parts.side_of(m, state, number, 0.0)
+        before, state.side[number] = state.side[number], m.parts.side_of(m, state, number, 0.0)
+        if not before or not state.side[number]:
+            m.told.append((state.t, "slip" if not before else "stick", slider.a))
 
 
 def held(world: World, depth: Number) -> Number:

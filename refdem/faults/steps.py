@@ -13,10 +13,11 @@ if TYPE_CHECKING:
 
 
 class Moving:
-    """A world, the parts that move it, and the loads of the present state."""
+    """A world, the parts that move it, and the events so far: time, kind, body."""
 
     def __init__(self, world: World, parts: "Parts") -> None:
         self.world, self.parts = world, parts
+        self.told: list[tuple[float, str, int]] = []
         self.turning = [i for i, turns in enumerate(world.turns) if turns and not world.fixed[i]]
         jointed = {joint.a for joint in world.joints}
         self.free = [i for i, fixed in enumerate(world.fixed) if not fixed and i not in jointed]

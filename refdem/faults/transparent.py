@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from refdem.core import fingerprint
 from refdem.core.engine import Engine, Method
 from refdem.core.problem import Ensemble, Iteration, Motion, Problem, Request
-from refdem.core.trajectory import Cost, Trajectory
+from refdem.core.trajectory import Cost, Event, Trajectory
 from refdem.faults.events import advance, first_modes, held
 from refdem.faults.holding import rod_forces
 from refdem.faults.iterating import iterated
@@ -33,6 +33,7 @@ from refdem.scene.shapes import Polyhedron
 
 KEPT = frozenset({"momentum", "angular-momentum", "constraint"})
 _VERLET: dict[str, Any] = {"control": "step", "order": 2, "conserves": KEPT, "reversible": True, "symplectic": True, "backward": True}
+_VERLET |= {"locates_events": True}
 METHODS = (
     Method(name="euler", summary="kick, drift; gyroscopic term explicit", control="step", order=1, conserves=frozenset({"momentum"})),
     Method(name="drift-first", summary="drift, kick", control="step", order=1, conserves=frozenset({"momentum"})),
@@ -194,7 +195,8 @@ class Recording:
 
     def trajectory(self) -> Trajectory:
         """The whole of it."""
-        return Trajectory(t=self.t, **self.columns, channels=self.channels)
+        events = tuple(Event(time=time, kind=kind, body=body) for time, kind, body in self.m.told)
+        return Trajectory(t=self.t, **self.columns, channels=self.channels, events=events)
 
 
 WIDTHS = {"position": 3, "velocity": 3, "attitude": 4, "omega": 3}

@@ -1,0 +1,206 @@
+"""Times of events: the reference's are certified ones, wrong ones are seen, and the bound is what errors of the state can do."""
+
+from dataclasses import replace
+from fractions import Fraction
+from math import exp, inf
+
+import numpy as np
+import pytest
+
+from refdem.campaign.in_process import truth_of
+from refdem.checks._crossings import Crossing, crossings
+from refdem.checks.event_times import CHECK, shift
+from refdem.core import discovery
+from refdem.core.check import Outcome, Trial
+from refdem.core.problem import Request
+from refdem.core.refinement import levels
+from refdem.core.trajectory import Cost, Event
+
+REFERENCE = discovery.engine("reference")
+TRUTHS = {}
+BELT = {"x0": "2"}
+WALL = {"member": "dem-05-hertz"}
+OBLIQUE = {"angle": "1/2", "friction": "1/4", "tangential_stiffness": "96", "masses": "1,3", "radii": "1/2,3/4"}
+
+
+def trial_of(case, method, **given):
+    """The trial of a case in a method of the reference."""
+    key = case + str(sorted(given.items()))
+    if key not in TRUTHS:
+        instance = discovery.case(case).at(**given)
+        TRUTHS[key] = instance, truth_of(instance)
+    instance, truth = TRUTHS[key]
+    claims = REFERENCE.method(method)
+    return Trial(instance, claims, levels(instance, claims, 4, 1e5), truth)
+
+
+def run_of(trial):
+    """The run of the finest level."""
+    step = trial.levels[-1] if trial.method.control == "step" else None
+    return REFERENCE.run(Request(problem=trial.instance.problem, method=trial.method.name, step=step))[0]
+
+
+def found(trial, change=lambda events: events):
+    """Findings by kind, with the events of the run changed."""
+    assert CHECK.applies(trial) is None
+    run = run_of(trial)
+    spoiled = replace(run, events=tuple(change(run.events)))
+    return {finding.quantity: finding for finding in CHECK.judge(trial, {trial.finest: Outcome(spoiled, Cost(seconds=0.0))})}
+
+
+@pytest.mark.parametrize(
+    ("case", "method", "given", "kinds"),
+    [
+        ("stick-slip", "stick-slip", BELT, {"stick", "slip"}),
+        ("stick-slip", "stick-slip", {"belt": "-1", "gamma": "0.7"}, {"stick", "slip"}),
+        ("coulomb-oscillator", "exact-coulomb", {}, {"stop"}),
+        ("coulomb-oscillator", "stick-slip", {"x0": "-1", "v0": "1/3"}, {"stick"}),
+        ("two-spheres", "exact-head-on", {}, {"release"}),
+        ("two-spheres", "exact-head-on", {"cutoff": "zero_force", "damping": "6"}, {"release"}),
+        ("two-spheres", "oblique-contact", OBLIQUE, {"release"}),
+        ("two-spheres", "contact-events", OBLIQUE | {"cutoff": "zero_force"}, {"release"}),
+        ("two-spheres", "velocity-verlet", {}, {"release"}),
+        ("two-spheres", "rk4", OBLIQUE, {"release"}),
+        ("hertz-spheres", "exact-hertz", {}, {"release"}),
+        ("wedge-collision", "exact-wedge", {}, {"release"}),
+        ("impact-benchmarks", "exact-hertz-wall", WALL, {"release"}),
+        ("impact-benchmarks", "contact-events", {"member": "three-spheres"}, {"release"}),
+    ],
+)
+def test_the_reference_tells_certified_times(case, method, given, kinds):
+    seen = found(trial_of(case, method, **given))
+    assert set(seen) == kinds
+    assert {kind: finding.sentence for kind, finding in seen.items() if finding.outcome != "pass"} == {}
+
+
+def moved(kind, by):
+    """All events of a kind a time [s] late."""
+    return lambda events: [Event(e.time + by * (e.kind == kind), e.kind, e.body) for e in events]
+
+
+@pytest.mark.parametrize(
+    ("case", "method", "given", "kind", "change"),
+    [
+        ("stick-slip", "stick-slip", BELT, "stick", moved("stick", 1e-10)),
+        ("stick-slip", "stick-slip", BELT, "slip", moved("slip", -1e-10)),
+        ("stick-slip", "stick-slip", BELT, "slip", lambda events: [e for e in events if e.time < 10]),
+        ("stick-slip", "stick-slip", BELT, "slip", lambda events: [*events, Event(events[0].time, "slip", 0)]),
+        ("coulomb-oscillator", "exact-coulomb", {}, "stop", moved("stop", 1e-10)),
+        ("two-spheres", "exact-head-on", {}, "release", moved("release", 1e-10)),
+        ("two-spheres", "exact-head-on", {}, "contact", lambda events: [*events, Event(0.1, "contact", 0)]),
+        ("two-spheres", "velocity-verlet", {}, "release", moved("release", 2e-3)),
+        ("two-spheres", "exact-head-on", {"damping": "40"}, "release", lambda events: [Event(0.05, "release", 0)]),
+        ("hertz-spheres", "exact-hertz", {}, "release", moved("release", 1e-10)),
+        ("wedge-collision", "exact-wedge", {}, "release", moved("release", 1e-10)),
+        ("impact-benchmarks", "exact-hertz-wall", WALL, "release", moved("release", 1e-14)),
+    ],
+)
+def test_events_that_are_wrong_are_seen(case, method, given, kind, change):
+    spoiled = found(trial_of(case, method, **given), change)[kind]
+    assert spoiled.outcome == "fail"
+    assert spoiled.margin < 0
+
+
+def test_an_event_may_be_told_for_both_bodies_and_others_are_not_judged():
+    trial = trial_of("two-spheres", "exact-head-on")
+    seen = found(trial, lambda events: [*events, *(Event(e.time, e.kind, 1) for e in events), Event(0.1, "sparks", 0)])
+    assert {kind: finding.outcome for kind, finding in seen.items()} == {"release": "pass"}
+    assert found(trial, lambda events: ()) == {}
+
+
+def test_a_touch_that_is_there_from_the_start_may_be_told_but_need_not():
+    seen = found(trial_of("two-spheres", "exact-head-on"), lambda events: [Event(0.0, "contact", 0), *events])
+    assert seen["contact"].outcome == "pass"
+
+
+@pytest.mark.parametrize(("located", "outcome"), [(False, "pass"), (True, "fail")])
+def test_a_method_that_sees_events_at_steps_may_be_a_step_late(located, outcome):
+    trial = trial_of("two-spheres", "rk4")
+    trial = replace(trial, method=replace(trial.method, locates_events=located))
+    assert found(trial, moved("release", trial.levels[-1]))["release"].outcome == outcome
+    if not located:
+        assert found(trial, moved("release", 2 * trial.levels[-1]))["release"].outcome == "fail"
+
+
+def test_what_comes_too_slowly_is_not_decided():
+    trial = trial_of("two-spheres", "velocity-verlet", damping="15", cutoff="zero_force")
+    seen = found(trial)["release"]
+    assert seen.outcome == "undecided"
+    assert "comes so slowly" in seen.sentence
+    assert found(trial, moved("release", 1.0))["release"].outcome == "undecided"  # no verdict, not a lenient one
+
+
+def test_without_truth_nothing_is_decided():
+    trial = replace(trial_of("two-spheres", "exact-head-on"), truth=None, truth_reason="nobody knows")
+    assert [(f.quantity, f.outcome) for f in found(trial).values()] == [("release", "undecided")]
+
+
+def test_a_zero_that_is_reached_in_time_is_the_root_and_one_that_grazes_is_none():
+    one = Crossing(0.0, 0.0, 2.0, 3.0, 1.0)
+    t = shift(0.1, one)
+    assert 2.0 * t - 1.5 * t * t == pytest.approx(0.1, rel=1e-14)
+    assert shift(0.1, replace(one, bend=0.0)) == pytest.approx(0.05)
+    assert shift(2.0**2 / (2 * 3.0) * 1.001, one) == inf
+    assert shift(0.0, replace(one, rate=0.0)) == inf
+
+
+def test_rates_on_the_belt_are_those_of_the_certified_motion():
+    trial = trial_of("stick-slip", "stick-slip", **BELT)
+    truth, p, scales, known = trial.instance.truth(), trial.instance.p, trial.instance.scales, crossings(trial, trial.truth)
+    h = Fraction(1, 10**6)
+    assert len(known["stick"]) > 1
+    for one in known["stick"]:
+        speed = float(truth.at(Fraction(one.time) - h)["v"].mid) - p.belt
+        assert abs(speed) / float(h) / scales.speed == pytest.approx(one.rate, rel=1e-4)
+    static = p.a * ((p.mu0 - p.mu1) / (1 + p.lambda0 * p.belt) + p.mu1 + p.lambda1 * p.belt**2)
+    for one in known["slip"]:
+        t = Fraction(one.time) - h
+        pull = p.gamma * np.cos(p.eta * float(t)) - float(truth.at(t)["x"].mid) - static
+        assert (p.a * p.mu0 - abs(pull)) / float(h) / scales.length == pytest.approx(one.rate, rel=1e-4)
+
+
+@pytest.mark.parametrize("given", [{"damping": "3"}, OBLIQUE])
+def test_the_rate_of_parting_is_that_of_the_certified_overlap(given):
+    trial = trial_of("two-spheres", "contact-events", **given)
+    (one,) = crossings(trial, trial.truth)["release"]
+    h, truth, p = 1e-6, trial.instance.truth(), trial.instance.p
+    at = truth.at(Fraction(one.time) - Fraction(h))
+    apart = [float(at[f"r1.{axis}"].mid - at[f"r2.{axis}"].mid) for axis in "xyz"]
+    dimension = 1 if "angle" not in given else 2
+    reach = 2 * dimension**0.5 * trial.instance.scales.length
+    assert (p.radii.sum() - np.linalg.norm(apart)) / h / reach == pytest.approx(one.rate, rel=1e-3)
+
+
+@pytest.mark.parametrize(
+    ("case", "method", "given", "change"),
+    [
+        ("stick-slip", "stick-slip", BELT, {"x0": "2.000001"}),
+        ("stick-slip", "stick-slip", BELT, {"v0": "-1e-5"}),
+        ("stick-slip", "stick-slip", BELT, {"gamma": "0.500001"}),
+        ("coulomb-oscillator", "exact-coulomb", {"v0": "1/2"}, {"v0": "0.50001"}),
+        ("two-spheres", "contact-events", OBLIQUE, {"stiffness": "128.0001"}),
+        ("two-spheres", "exact-head-on", {"damping": "6"}, {"damping": "6.00001"}),
+        ("hertz-spheres", "exact-hertz", {}, {"closing_speed": "1.00001"}),
+    ],
+)
+def test_an_error_of_the_state_moves_events_by_no_more_than_the_bound(case, method, given, change):
+    trial = trial_of(case, method, **given)
+    duration = {"duration": str(float(trial.instance.scales.duration))}
+    run, other = run_of(trial), None
+    near = discovery.case(case).at(**(given | duration | change))
+    other = REFERENCE.run(Request(problem=trial.instance.problem.__class__(near.scene, trial.instance.times), method=method))[0]
+    apart = {q.name: np.abs(a - b) / q.scale for q, a, b in observed(trial.instance, run, other)}
+    known, compared = crossings(trial, trial.truth), 0
+    for event, moved in zip(run.events, other.events, strict=True):
+        (one,) = [one for one in known[event.kind] if abs(one.time - event.time) < 1e-9]
+        last = int(np.searchsorted(run.t, event.time)) - 1
+        error = max(float(np.max(values[: last + 1])) for values in apart.values()) * exp(one.growth * (event.time - run.t[last]))
+        assert 0 < abs(moved.time - event.time) <= 1.01 * shift(error, one)
+        compared += 1
+    assert compared
+
+
+def observed(instance, run, other):
+    """Quantities with their values in two runs."""
+    one, two = instance.observe(run), instance.observe(other)
+    return [(instance.quantities[name], one[name], two[name]) for name in one]
