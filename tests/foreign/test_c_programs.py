@@ -62,6 +62,11 @@ FAULTS = {
     "the lever of a sphere halved": (("c", RUBBING, "error/omega1.z"), ("dem.c", "a->torque[k] += arm_a", "a->torque[k] += 0.5 * arm_a")),
     "friction along the slip": (("c", RUBBING, "error/v1.y"), ("dem.c", "- rub * slip[k]", "+ rub * slip[k]")),
     "output one step late": (("c", SPRING, "error/x"), ("dem.c", "k < stride; k++", "k < stride - (n == 1); k++")),
+    "contacts told a step late": (("c", "two-spheres", "event-times/contact"), ("dem.c", "(k + 1) * interval", "(k + 2) * interval")),
+    "events at steps said to be located": (
+        ("c", "two-spheres", "event-times/contact"),
+        ("refdem.toml", "backward = true", "backward = true\nlocates_events = true"),
+    ),
     "a force on one body only": (("c", RUBBING, "momentum/total"), ("dem.c", "b->f[k] -= f[k];", "b->f[k] -= 0.999 * f[k];")),
     "staggered velocities said to be synchronous": (("staggered", SPRING, "error/v"), ("refdem.toml", HALF_STEP, "")),
     "a staggered start without its half kick": (("staggered", SPRING, "order/state"), ("dem.c", "kick(-h / 2);", "forces();")),

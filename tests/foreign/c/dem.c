@@ -1,5 +1,5 @@
 /* A small discrete element code: velocity Verlet; bodies turn by exact turns about their principal axes, composed
- * symmetrically (Dullweber, Leimkuhler and McLachlan 1997). Usage: dem REQUEST.TXT TRAJECTORY.CSV */
+ * symmetrically (Dullweber, Leimkuhler and McLachlan 1997). Usage: dem REQUEST.TXT TRAJECTORY.CSV EVENTS.CSV */
 #include "request.h"
 #include "rotation.h"
 
@@ -94,17 +94,31 @@ static void step(double h) {
     }
 }
 
+/* Contacts that the last step has begun or ended are told at its end. */
+static void tell(FILE *events, double t) {
+    static int touched[MOST][MOST];
+    for (int j = 1; j < bodies; j++)
+        for (int i = 0; i < j; i++) {
+            double to[3];
+            for (int k = 0; k < 3; k++) to[k] = body[j].r[k] - body[i].r[k];
+            int touches = body[i].radius > 0 && body[j].radius > 0 && size_of(to) < body[i].radius + body[j].radius;
+            if (touches != touched[i][j]) fprintf(events, "%.17g,%s,%d\n", t, touches ? "contact" : "release", i);
+            touched[i][j] = touches;
+        }
+}
+
 int main(int argc, char **argv) {
-    if (argc != 3) return fprintf(stderr, "usage: dem REQUEST.TXT TRAJECTORY.CSV\n"), 2;
+    if (argc != 4) return fprintf(stderr, "usage: dem REQUEST.TXT TRAJECTORY.CSV EVENTS.CSV\n"), 2;
     read_request(argv[1]), read_scene();
-    FILE *out = fopen(argv[2], "w");
+    FILE *out = fopen(argv[2], "w"), *events = fopen(argv[3], "w");
+    fprintf(events, "time,kind,body\n");
     fprintf(out, "t,body,x,y,z,vx,vy,vz,qw,qx,qy,qz,wx,wy,wz\n");
     double t0 = atof(text("times.0")), interval = atof(text("times.1")) - t0, w[3];
     long stride = lround(fabs(interval) / atof(text("step"))), samples = atol(text("times.count"));
     for (int i = 0; i < bodies; i++) turned(w, body[i].q, body[i].w, -1), memcpy(body[i].w, w, sizeof w);
     forces();
     for (long n = 0; n < samples; n++) {
-        for (long k = 0; n > 0 && k < stride; k++) step(interval / stride);
+        for (long k = 0; n > 0 && k < stride; k++) step(interval / stride), tell(events, t0 + (n - 1) * interval + (k + 1) * interval / stride);
         for (int i = 0; i < bodies; i++) {
             struct body *b = &body[i];
             turned(w, b->q, b->w, 1);
@@ -112,5 +126,5 @@ int main(int argc, char **argv) {
             fprintf(out, "%.17g,%.17g,%.17g,%.17g,%.17g,%.17g,%.17g\n", b->q[0], b->q[1], b->q[2], b->q[3], w[0], w[1], w[2]);
         }
     }
-    return fclose(out);
+    return fclose(events) || fclose(out);
 }
