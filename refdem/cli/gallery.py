@@ -7,18 +7,20 @@ import typer
 
 
 def command(
-    figure: Annotated[list[str] | None, typer.Argument(help="Figures, as 1.15; none: all.")] = None,
+    figure: Annotated[list[str] | None, typer.Argument(help="Figures, as 1.15 or co-4; none: all.")] = None,
     out: Annotated[Path, typer.Option(help="Folder for the gallery.")] = Path("reports/gallery"),
 ) -> None:
     """Computes figures of the source chapter in the reference and draws them: gallery.html, gallery.md, a picture each.
+
+    Figures that the folder has already, and that are not asked for, stay as they are.
 
     Example: refdem gallery 1.15 1.20 --out gallery
     """
     import refdem
     from refdem.core.store import Store, default_path
-    from refdem.gallery.gallery import figures
+    from refdem.gallery.gallery import figures, names
     from refdem.report import write_gallery
 
     made = figures(figure or [])
-    write_gallery(out, made, version=refdem.__version__, store=Store(default_path()))
+    write_gallery(out, made, version=refdem.__version__, store=Store(default_path()), every=names())
     print(f"gallery: {out / 'gallery.html'} ({len(made)} figures)")

@@ -72,8 +72,9 @@ class Panel:
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Figure:
-    """A figure of the chapter, made anew: panels in `columns`; `numbers` are what was measured in it, by name.
+    """A figure of the chapter (1.15), made anew, or of a benchmark (co-4): panels in `columns`.
 
+    `numbers` are what was measured in it, by name.
     `commands`: what makes it, then what shows the runs behind it one by one.
     """
 
@@ -88,4 +89,9 @@ class Figure:
     @property
     def name(self) -> str:
         """Its id as file names have it."""
-        return "fig-" + self.id.replace(".", "-")
+        return file_name(self.id)
+
+
+def file_name(id: str) -> str:
+    """The id of a figure as file names have it."""
+    return "fig-" + id.replace(".", "-")

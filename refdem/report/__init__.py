@@ -51,11 +51,16 @@ def write_manual(folder: Path, pages: "Sequence[ManualPage]", *, version: str) -
     write_pages(Path(folder), pages, version=version)
 
 
-def write_gallery(folder: Path, figures: "Sequence[Figure]", *, version: str, store: "Store | None" = None) -> None:
-    """Writes gallery.html, gallery.md and a picture a figure into `folder`; raises StoreError if it cannot be written."""
+def write_gallery(
+    folder: Path, figures: "Sequence[Figure]", *, version: str, store: "Store | None" = None, every: "Sequence[str]" = ()
+) -> None:
+    """Writes gallery.html, gallery.md and a picture a figure into `folder`, where others stay if their ids are among `every`.
+
+    Raises StoreError if it cannot be written.
+    """
     from refdem.report.gallery import write_figures
 
-    write_figures(Path(folder), figures, version=version, store=store)
+    write_figures(Path(folder), figures, version=version, store=store, every=every)
 
 
 def write_junit(path: Path, sheets: "Iterable[Sheet]") -> None:

@@ -1,10 +1,13 @@
 """The gallery: figures in a page that needs no network, and in Markdown with a picture each."""
 
 import json
-from collections.abc import Sequence
+import re
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 
-from refdem.core.figure import Figure
+from markupsafe import Markup
+
+from refdem.core.figure import Figure, file_name
 from refdem.core.store import Store
 from refdem.report import figures
 from refdem.report.files import removed, written
@@ -13,31 +16,58 @@ from refdem.report.markdown import plain, table
 from refdem.report.numbers import two
 from refdem.report.panels import specification
 
+INTRODUCTION = (
+    "The computed figures of the source chapter, drawn from runs of the reference, and what was measured beside a benchmark; "
+    "`refdem gallery` makes them."
+)
+SECTION = re.compile(r'<section id="fig-[^"]*">\n<h2>Figure ([^:<]+):.*?</section>\n', re.DOTALL)
+"""A figure in the page."""
+CHAPTER = re.compile(r"^## Figure ([^:]+):.*?(?=^## Figure |\Z)", re.DOTALL | re.MULTILINE)
+"""A figure in the Markdown."""
 
-def write_figures(folder: Path, drawn: Sequence[Figure], *, version: str, store: Store | None) -> None:
-    """Writes gallery.html, gallery.md, `fig-….svg` and what the page needs; pictures of figures that are gone are removed."""
+
+def write_figures(folder: Path, drawn: Sequence[Figure], *, version: str, store: Store | None, every: Sequence[str] = ()) -> None:
+    """Writes gallery.html, gallery.md, `fig-….svg` and what the page needs.
+
+    Figures that the folder has already stay if they are among `every`, the ids in their order; pictures of others are removed.
+    """
     specs = {figure.id: json.dumps(specification(figure), separators=(",", ":"), sort_keys=True) for figure in drawn}
-    names = {f"{figure.name}.svg" for figure in drawn}
+    drawing = environment().get_template("figure.html")
+    made = {figure.id: drawing.render(figure=figure, spec=specs[figure.id]).strip() + "\n" for figure in drawn}
+    order = list(every or specs)
+    shown = merged(order, earlier(folder / "gallery.html", SECTION), made)
+    told = merged(order, earlier(folder / "gallery.md", CHAPTER), {figure.id: chapter(figure) for figure in drawn})
     for path in sorted(folder.glob("fig-*.svg")):
-        if path.name not in names:
+        if path.stem not in map(file_name, order):
             removed(path)
     for figure in drawn:
         written(folder / f"{figure.name}.svg", figures.picture(specs[figure.id], store))
     figures.equip(folder, store)
-    written(folder / "gallery.md", markdown(drawn))
-    page = environment().get_template("gallery.html")
-    written(folder / "gallery.html", page.render(root="", figures=drawn, specs=specs, version=version))
+    written(folder / "gallery.md", "\n".join(["# Gallery\n", INTRODUCTION + "\n", *told.values()]))
+    named, sections = {id: file_name(id) for id in shown}, map(Markup, shown.values())
+    written(
+        folder / "gallery.html", environment().get_template("gallery.html").render(root="", named=named, sections=sections, version=version)
+    )
 
 
-def markdown(drawn: Sequence[Figure]) -> str:
-    """The gallery as Markdown."""
-    parts = ["# Gallery", "The computed figures of the source chapter, drawn from runs of the reference; `refdem gallery` makes them."]
-    for figure in drawn:
-        parts += [
-            f"## Figure {figure.id}: {plain(figure.title)}",
-            f"![Figure {figure.id}: {plain(figure.title)}]({figure.name}.svg)",
-            plain(figure.caption),
-            *([table(["measured in it", "value"], [[plain(k), two(v)] for k, v in figure.numbers.items()])] if figure.numbers else []),
-            "```\n" + "\n".join(figure.commands) + "\n```",
-        ]
+def earlier(path: Path, part: re.Pattern[str]) -> dict[str, str]:
+    """Figures by id that a file of an earlier gallery tells of; none if there is no such file."""
+    text = path.read_text("utf-8", "replace") if path.is_file() else ""
+    return {found[1]: found[0].rstrip("\n") + "\n" for found in part.finditer(text)}
+
+
+def merged(order: Sequence[str], before: Mapping[str, str], made: Mapping[str, str]) -> dict[str, str]:
+    """What was made, and else what was there before, in order."""
+    return {id: made.get(id) or before[id] for id in order if id in made or id in before}
+
+
+def chapter(figure: Figure) -> str:
+    """A figure in Markdown."""
+    parts = [
+        f"## Figure {figure.id}: {plain(figure.title)}",
+        f"![Figure {figure.id}: {plain(figure.title)}]({figure.name}.svg)",
+        plain(figure.caption),
+        *([table(["measured in it", "value"], [[plain(k), two(v)] for k, v in figure.numbers.items()])] if figure.numbers else []),
+        "```\n" + "\n".join(figure.commands) + "\n```",
+    ]
     return "\n\n".join(parts) + "\n"

@@ -20,6 +20,8 @@ FINE = 0.3
 """Pixels by which a curve may be off, and by which points that are drawn are apart."""
 SHARP = 2
 """Dots of a cloud's picture on each pixel."""
+SYMBOL, LETTER = 26, 5.0
+"""Pixels that a legend takes for a symbol with its margins, and for a letter of its text."""
 FAINTEST = 110
 """Opacity, of 255, of a single point of a cloud."""
 
@@ -79,12 +81,14 @@ def _layer(series: Series, panel: Panel, x: Any, y: Any, labels: dict[str, Serie
     encoded = drawn.encode(x=x, y=y, tooltip=tips, **({} if series.mark == "points" else {"order": alt.Order("i:Q")}))
     if not series.label:
         return encoded.encode(color=alt.value(paint))
-    return encoded.encode(**_legend(series, labels))
+    return encoded.encode(**_legend(series, labels, panel.size[0]))
 
 
-def _legend(series: Series, labels: dict[str, Series]) -> dict[str, Any]:
-    """Colour and dash of a label, joined in one legend."""
-    legend = alt.Legend(orient="bottom", columns=2 if len(labels) > 3 else len(labels), symbolOpacity=1, symbolType="stroke")
+def _legend(series: Series, labels: dict[str, Series], width: int) -> dict[str, Any]:
+    """Colour and dash of a label, joined in one legend of as many columns as fit under the panel; of more than three labels two."""
+    fit = max(1, int(width // (SYMBOL + LETTER * max(map(len, labels)))))
+    columns = min(fit, 2 if len(labels) > 3 else len(labels))
+    legend = alt.Legend(orient="bottom", columns=columns, symbolOpacity=1, symbolType="stroke")
     inks = alt.Scale(domain=list(labels), range=[colour(s.ink) for s in labels.values()])
     found: dict[str, Any] = {"color": alt.ColorDatum(series.label, type="nominal", title=None, scale=inks, legend=legend)}
     if any(s.dashed for s in labels.values()):

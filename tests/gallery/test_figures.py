@@ -7,6 +7,8 @@ import pytest
 
 from refdem.errors import UsageError
 from refdem.gallery import gallery
+from refdem.gallery.figures.fig_co_4 import ANGLES, LABELS
+from refdem.gallery.measured import readings
 from refdem.gallery.outline import finer
 
 CHAPTER = "1.12 1.15 1.16 1.17 1.18 1.19 1.20 1.21 1.22 1.23 1.24 1.25 1.26 1.28 1.29 1.30 1.31 1.32 1.33 1.35 1.36 1.37 1.38"
@@ -22,7 +24,7 @@ def series(name, label):
 
 
 def test_every_computed_figure_of_the_chapter_has_a_file():
-    assert gallery.names() == CHAPTER.split()
+    assert gallery.names() == [*CHAPTER.split(), "co-4"]
 
 
 def test_an_unknown_figure_is_refused_with_the_nearest():
@@ -133,6 +135,41 @@ def test_on_the_slope_the_wrong_box_turns_steadily_between_contacts_and_goes_els
     assert np.ptp(wrong.y) > 100
     assert figure("1.12").numbers["on the slope: distance of the two centres at the end [m]"] == pytest.approx(0.101, abs=2e-3)
     assert figure("1.35").numbers["double pendulum: exponent [1/s]"] > 0.5
+
+
+def test_measured_points_lie_near_the_certified_curve_and_say_who_measured_them():
+    numbers = list(figure("co-4").numbers.values())
+    assert numbers[0] < 1e-11, "the curve is the certified one"
+    assert numbers[1] == sum(len(one.angle) for one in readings("kharaz_2001")) == 55
+    assert 0 < numbers[2] < 0.05, "the experiments scatter by 5 to 10 %"
+    slides = ANGLES > 40
+    law = figure("co-4").panels[3].series[0]
+    assert law.label == LABELS[0]
+    formula = 1 - 0.092 * 1.98 / np.tan(np.radians(ANGLES[slides]))
+    assert law.y[slides] == pytest.approx(formula, rel=1e-5), "the damped force begins with a jump, under which the spring sticks first"
+    assert np.all(law.y[slides] > formula)
+    assert all("Kharaz" not in one.by and one.of and one.by for one in readings("kharaz_2001"))
+    assert "judge nothing" in figure("co-4").caption
+
+
+def test_two_readings_of_one_measurement_agree_to_two_percent():
+    """What was read off two papers by two projects: points within half a degree of each other."""
+    compared = 0
+    for quantity in ("spin", "tangential restitution"):
+        first, second = (one.places for one in readings("kharaz_2001") if one.quantity == quantity)
+        for x, y in zip(*first, strict=True):
+            k = int(np.argmin(np.abs(second[0] - x)))
+            if abs(second[0][k] - x) < 0.5:
+                assert second[1][k] == pytest.approx(y, rel=0.02)
+                compared += 1
+    assert compared >= 13
+
+
+@pytest.mark.parametrize("wrong", ["angle = [1.0, 2.0]", "angle = [nan]", "angle = ['1']", "angle = [1.0]\nmore = 1"])
+def test_a_file_of_measured_points_is_refused_if_it_is_not_finite_pairs(tmp_path, wrong):
+    (tmp_path / "one.toml").write_text(f"[[reading]]\nquantity = 'spin'\nof = 'a'\nby = 'b'\nvalue = [1.0]\n{wrong}\n")
+    with pytest.raises(UsageError, match=r"one\.toml"):
+        readings("one", tmp_path)
 
 
 def test_a_finer_outline_keeps_its_corners_and_cuts_where_told():

@@ -3,6 +3,7 @@
 import base64
 import struct
 import zlib
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -39,6 +40,20 @@ def test_pictures_of_figures_that_are_gone_are_removed(tmp_path):
     write_gallery(tmp_path, [FIGURE], version="1")
     write_gallery(tmp_path, [], version="1")
     assert list(tmp_path.glob("*.svg")) == []
+
+
+def test_figures_that_are_not_made_again_stay_in_pictures_page_and_text(tmp_path):
+    other = replace(FIGURE, id="co-4", commands=("refdem gallery co-4",))
+    every = ["9.9", "co-4"]
+    write_gallery(tmp_path / "whole", [FIGURE, other], version="1", every=every)
+    write_gallery(tmp_path / "parts", [other], version="1", every=[*every, "9.10"])
+    write_gallery(tmp_path / "parts", [replace(FIGURE, id="9.10")], version="1", every=[*every, "9.10"])
+    assert (tmp_path / "parts" / "fig-9-10.svg").exists()
+    write_gallery(tmp_path / "parts", [FIGURE], version="1", every=every)
+    files = ["fig-9-9.svg", "fig-co-4.svg", "gallery.html", "gallery.md"]
+    assert sorted(path.name for path in (tmp_path / "parts").iterdir() if path.is_file()) == files
+    for name in files:
+        assert (tmp_path / "parts" / name).read_bytes() == (tmp_path / "whole" / name).read_bytes(), name
 
 
 def test_a_curve_is_thinned_but_nowhere_off_by_a_third_of_a_pixel():
