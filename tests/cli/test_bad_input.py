@@ -61,8 +61,8 @@ def _own_store(tmp_path, monkeypatch):
         (["report", "nowhere"], "nowhere"),
     ],
 )
-def test_bad_input_is_one_clear_sentence(arguments, says):
-    done = refdem(*arguments)
+def test_bad_input_is_one_clear_sentence(command_line, arguments, says):
+    done = command_line(*arguments)
     assert done.returncode == 2, done.stderr
     assert says in done.stderr
     assert "Traceback" not in done.stderr
@@ -79,18 +79,18 @@ def test_an_engine_that_is_not_installed_is_named_with_what_to_install(tmp_path)
     assert "pip install" in done.stderr
 
 
-def test_a_corrupt_store_is_said_so_and_left_alone(tmp_path):
+def test_a_corrupt_store_is_said_so_and_left_alone(command_line, tmp_path):
     store = tmp_path / "store.sqlite"
     store.write_bytes(b"garbage" * 1000)
-    done = refdem("run", "harmonic-oscillator", "--engine", "reference")
+    done = command_line("run", "harmonic-oscillator", "--engine", "reference")
     assert done.returncode == 2
     assert "Move the file away" in done.stderr
     assert store.read_bytes() == b"garbage" * 1000
 
 
-def test_a_folder_that_cannot_be_written_is_said_so_before_any_work(tmp_path):
+def test_a_folder_that_cannot_be_written_is_said_so_before_any_work(command_line, tmp_path):
     (tmp_path / "file").write_text("mine")
-    done = refdem("run", "harmonic-oscillator", "--engine", "reference", "--out", str(tmp_path / "file" / "report"))
+    done = command_line("run", "harmonic-oscillator", "--engine", "reference", "--out", str(tmp_path / "file" / "report"))
     assert done.returncode == 2
     assert "cannot be written" in done.stderr
     assert not (tmp_path / "store.sqlite").exists()

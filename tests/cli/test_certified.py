@@ -4,23 +4,26 @@ import json
 import os
 import shutil
 import subprocess
-import sys
+from collections.abc import Callable
 from pathlib import Path
 
 import pytest
 
 from refdem.campaign.kept_truth import truth_folder
 
+Run = Callable[..., "subprocess.CompletedProcess[str]"]
 WITHOUT_COLOUR = os.environ | {"NO_COLOR": "1", "COLUMNS": "400"}
 
 
-def refdem(*arguments: str, store: Path | None = None) -> "subprocess.CompletedProcess[str]":
-    command = [sys.executable, "-c", "from refdem.cli import main; main()", *arguments]
-    environment = WITHOUT_COLOUR | ({"REFDEM_STORE": str(store)} if store else {})
-    return subprocess.run(command, capture_output=True, text=True, timeout=120, env=environment, check=False)
+@pytest.fixture
+def refdem(command_line: Run) -> Run:
+    def called(*arguments: str, store: Path | None = None) -> "subprocess.CompletedProcess[str]":
+        return command_line(*arguments, env=WITHOUT_COLOUR | ({"REFDEM_STORE": str(store)} if store else {}))
+
+    return called
 
 
-def test_the_list_has_every_case_with_sets_values_methods_and_witnesses() -> None:
+def test_the_list_has_every_case_with_sets_values_methods_and_witnesses(refdem: Run) -> None:
     document = json.loads(refdem("truth", "--list", "--json").stdout)
     cases = {one["case"]: one for one in document["cases"]}
     assert sum(one["sets"] for one in cases.values()) >= 100
@@ -30,20 +33,20 @@ def test_the_list_has_every_case_with_sets_values_methods_and_witnesses() -> Non
     assert "Taylor" in cases["pendulum"]["witness"]
 
 
-def test_the_list_of_one_case_has_its_sets_and_times() -> None:
+def test_the_list_of_one_case_has_its_sets_and_times(refdem: Run) -> None:
     done = refdem("truth", "--list", "pendulum")
     assert done.returncode == 0
     assert "pendulum[theta0=2]: 21 values at t = 1/2, 2, 7, 20" in done.stdout
     assert "two-body-orbit" not in done.stdout
 
 
-def test_no_case_and_no_list_is_bad_usage() -> None:
+def test_no_case_and_no_list_is_bad_usage(refdem: Run) -> None:
     done = refdem("truth")
     assert done.returncode == 2
     assert "or --list" in done.stderr
 
 
-def test_a_check_of_a_store_proves_a_sample_again(tmp_path: Path) -> None:
+def test_a_check_of_a_store_proves_a_sample_again(refdem: Run, tmp_path: Path) -> None:
     home = tmp_path / "truth"
     (home / "certified").mkdir(parents=True)
     (home / "samples").mkdir()
@@ -63,7 +66,7 @@ def test_a_check_of_a_store_proves_a_sample_again(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("arguments", [("certify", "nobody"), ("truth", "nobody", "--list")])
-def test_a_case_that_is_not_there_is_named(arguments: tuple[str, ...]) -> None:
+def test_a_case_that_is_not_there_is_named(refdem: Run, arguments: tuple[str, ...]) -> None:
     done = refdem(*arguments)
     assert done.returncode == 2
     assert "nobody" in done.stderr

@@ -2,8 +2,6 @@
 
 import json
 import os
-import subprocess
-import sys
 from pathlib import Path
 
 import pytest
@@ -20,14 +18,12 @@ order = 2
 
 
 @pytest.fixture
-def refdem(tmp_path, monkeypatch):
+def refdem(tmp_path, command_line):
     """The command line in a folder of its own, with a refdem.toml in it."""
-    monkeypatch.setenv("REFDEM_STORE", str(tmp_path / "store.sqlite"))
     (tmp_path / "refdem.toml").write_text(TOML)
 
     def called(*arguments):
-        command = [sys.executable, "-c", "from refdem.cli import main; main()", *arguments]
-        return subprocess.run(command, capture_output=True, text=True, timeout=120, cwd=tmp_path, env=dict(os.environ))
+        return command_line(*arguments, cwd=tmp_path, env=os.environ | {"REFDEM_STORE": str(tmp_path / "store.sqlite")})
 
     return called
 

@@ -5,7 +5,7 @@ import os
 import re
 import shutil
 import subprocess
-import sys
+from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -32,6 +32,7 @@ class Workshop:
     """Copies of the example programs, with one store of truths for all of them."""
 
     home: Path
+    command_line: "Callable[..., subprocess.CompletedProcess[str]]"
 
     def built(self, language: str, *faults: tuple[str, str, str], single: bool = False) -> Path:
         """The refdem.toml of a program built from a copy in which `(file, text, other)` was replaced, which must be there once.
@@ -51,10 +52,9 @@ class Workshop:
         return folder / language / "refdem.toml"
 
     def refdem(self, *arguments: str, cwd: Path | None = None) -> "subprocess.CompletedProcess[str]":
-        """The command line in another process."""
-        command = [sys.executable, "-c", "from refdem.cli import main; main()", *arguments]
+        """The command line with the store of this workshop."""
         environment = os.environ | {"REFDEM_STORE": str(self.home.parent / "store.sqlite")}
-        return subprocess.run(command, capture_output=True, text=True, timeout=300, env=environment, cwd=cwd or self.home)
+        return self.command_line(*arguments, env=environment, cwd=cwd or self.home)
 
     def judged(self, toml: Path, *cases: str) -> Judged:
         """A campaign of one program."""
@@ -69,8 +69,8 @@ class Workshop:
 
 
 @pytest.fixture(scope="session")
-def workshop(tmp_path_factory: pytest.TempPathFactory) -> Workshop:
+def workshop(tmp_path_factory: pytest.TempPathFactory, command_line: "Callable[..., subprocess.CompletedProcess[str]]") -> Workshop:
     """One for the session."""
     home = tmp_path_factory.mktemp("foreign") / "programs"
     home.mkdir()
-    return Workshop(home)
+    return Workshop(home, command_line)

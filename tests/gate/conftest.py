@@ -1,7 +1,6 @@
 """A small program under a gate: a harmonic oscillator by leapfrog, in plain Python, whose source a test may spoil."""
 
 import os
-import subprocess
 import sys
 
 import pytest
@@ -53,8 +52,8 @@ levels = 3
 class Program:
     """The folder of the program, and its gate from the command line."""
 
-    def __init__(self, folder):
-        self.folder = folder
+    def __init__(self, folder, command_line):
+        self.folder, self.command_line = folder, command_line
         (folder / "spring.py").write_text(PROGRAM)
         (folder / "refdem.toml").write_text(TOML)
 
@@ -64,9 +63,8 @@ class Program:
         (self.folder / "spring.py").write_text(text.replace(*change))
 
     def gate(self, *arguments, **environment):
-        command = [sys.executable, "-c", "from refdem.cli import main; main()", "gate", *arguments]
         environment = os.environ | {"REFDEM_STORE": str(self.folder / "store.sqlite"), "GITHUB_ACTIONS": "false"} | environment
-        return subprocess.run(command, cwd=self.folder, env=environment, capture_output=True, text=True, timeout=300)
+        return self.command_line("gate", *arguments, cwd=self.folder, env=environment)
 
     def bless(self):
         done = self.gate("--bless", "--why", "it was looked at")
@@ -74,5 +72,5 @@ class Program:
 
 
 @pytest.fixture
-def program(tmp_path):
-    return Program(tmp_path)
+def program(tmp_path, command_line):
+    return Program(tmp_path, command_line)

@@ -1,0 +1,48 @@
+"""The command line in this process: what it prints and its exit status, without the cost of another interpreter."""
+
+import contextlib
+import io
+import os
+import subprocess
+import sys
+import traceback
+import warnings
+from collections.abc import Callable
+from pathlib import Path
+from unittest import mock
+
+import pytest
+
+from refdem.cli import main
+
+
+@pytest.fixture(scope="session")
+def command_line() -> "Callable[..., subprocess.CompletedProcess[str]]":
+    """`command_line(*arguments, cwd=None, env=None)` as subprocess.run of `refdem` with captured text; tests of signals, pipes and
+    of the code itself being replaced start a process."""
+
+    def called(*arguments: str, cwd: Path | None = None, env: dict[str, str] | None = None) -> "subprocess.CompletedProcess[str]":
+        out, err = io.StringIO(), io.StringIO()
+        with contextlib.ExitStack() as stack:
+            stack.enter_context(mock.patch.object(sys, "argv", ["refdem", *arguments]))
+            stack.enter_context(mock.patch.dict(os.environ, {} if env is None else env, clear=env is not None))
+            stack.enter_context(contextlib.chdir(cwd or Path.cwd()))
+            stack.enter_context(contextlib.redirect_stdout(out))
+            stack.enter_context(contextlib.redirect_stderr(err))
+            stack.enter_context(warnings.catch_warnings())
+            warnings.simplefilter("ignore", ResourceWarning)  # as in a process of its own
+            return subprocess.CompletedProcess(["refdem", *arguments], _status(), out.getvalue(), err.getvalue())
+
+    return called
+
+
+def _status() -> int:
+    """The exit status of the command in sys.argv; of a traceback, 1."""
+    try:
+        main()
+    except SystemExit as end:
+        return end.code if isinstance(end.code, int) else int(end.code is not None)
+    except BaseException:
+        traceback.print_exc()
+        return 1
+    return 0
