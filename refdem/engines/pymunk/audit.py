@@ -45,8 +45,8 @@ AUDIT = (
     Default(
         "Shape.friction, Shape.elasticity",
         "0",
-        "square root of the contact's value",
-        "Chipmunk combines the two shapes of a pair by product",
+        "the contact's value and 1 for a shape alone between walls, else its square root",
+        "Chipmunk combines the two shapes of a pair by product; the square of a rounded root may hold a little less",
     ),
     Default("rod force", "size of the impulse only", "not reported", "cpConstraintGetImpulse has no sign, so a strut would read as a tie"),
 )

@@ -1,16 +1,15 @@
-"""A scene in Chipmunk's words: space, bodies, joints and shapes."""
+"""A scene in Chipmunk's words: space, bodies and joints."""
 
-from math import exp, sqrt
+from math import exp
 from typing import Any
 
 import numpy as np
 import pymunk
 
 from refdem.engines.pymunk.callbacks import rubbing
-from refdem.engines.pymunk.refusal import fading, outline
-from refdem.scene import Polyhedron, Scene, Sphere
-from refdem.scene.elements.contact import Contact
-from refdem.scene.elements.plane import Plane
+from refdem.engines.pymunk.refusal import fading
+from refdem.engines.pymunk.shapes import add_shapes
+from refdem.scene import Scene
 from refdem.scene.elements.rod import Rod
 from refdem.scene.elements.slider import Slider
 from refdem.scene.elements.spring import Spring
@@ -18,8 +17,6 @@ from refdem.scene.elements.uniform_gravity import UniformGravity
 
 COUPLED_ITERATIONS = 200
 """Passes over joints and contacts that share bodies: Gauss-Seidel needs many to come near round-off."""
-WALL = 1e3
-"""Half the length and the depth of a wall, in units of the scene's size: nothing gets around it."""
 
 
 def space_of(scene: Scene) -> tuple[pymunk.Space, list[pymunk.Body]]:
@@ -34,7 +31,7 @@ def space_of(scene: Scene) -> tuple[pymunk.Space, list[pymunk.Body]]:
     joints = [_joint(space, bodies, link) for link in links if not all(_is_still(scene, end) for end in (link.a, link.b))]
     space.add(*joints)
     solved = sum(not isinstance(joint, pymunk.DampedSpring) for joint in joints)
-    touching = _add_shapes(space, scene, bodies)
+    touching = add_shapes(space, scene, bodies)
     space.iterations = 1 if solved <= 1 and not touching else COUPLED_ITERATIONS
     return space, bodies
 
@@ -83,37 +80,3 @@ def _joint(space: pymunk.Space, bodies: list[pymunk.Body], link: Spring | Rod | 
         rod.distance, rod.error_bias = link.length, 0.0
         return rod
     return rubbing(pymunk.PivotJoint(a, b, (0.0, 0.0), (0.0, 0.0)), link)
-
-
-def _add_shapes(space: pymunk.Space, scene: Scene, bodies: list[pymunk.Body]) -> bool:
-    """Shapes and walls, where there is a contact law; whether there are any."""
-    law = next(iter(scene.all(Contact)), None)
-    if law is None or not scene.has_shapes():
-        return False
-    shapes: list[pymunk.Shape] = []
-    for body, shape in zip(bodies, scene.bodies.shape, strict=True):
-        if isinstance(shape, Sphere):
-            shapes.append(pymunk.Circle(body, shape.radius))
-        elif isinstance(shape, Polyhedron):
-            shapes.append(pymunk.Poly(body, outline(shape) or []))
-    size = WALL * max(float(np.abs(scene.bodies.position).max()), *(_extent(shape) for shape in scene.bodies.shape))
-    shapes += [_wall(space, plane, size) for plane in scene.all(Plane)]
-    for solid in shapes:
-        solid.friction, solid.elasticity = sqrt(law.friction), sqrt(law.restitution)
-    space.add(*shapes)
-    return True
-
-
-def _extent(shape: Any) -> float:
-    """Largest distance [m] of a shape from its centre."""
-    if isinstance(shape, Polyhedron):
-        return float(np.linalg.norm(shape.vertices, axis=1).max())
-    return shape.radius if isinstance(shape, Sphere) else 0.0
-
-
-def _wall(space: pymunk.Space, plane: Plane, size: float) -> pymunk.Shape:
-    """A wide and deep block behind the plane."""
-    point, normal = np.array(plane.point[:2]), np.array(plane.normal[:2])
-    along = np.array([-normal[1], normal[0]]) * size
-    corners = [point + along, point - along, point - along - size * normal, point + along - size * normal]
-    return pymunk.Poly(space.static_body, [tuple(c.tolist()) for c in corners])

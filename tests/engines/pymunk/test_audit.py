@@ -1,14 +1,20 @@
 """The audit of defaults says what the installed pymunk comes with and what the adapter sets."""
 
 import math
+from itertools import combinations
 
 import numpy as np
 import pymunk
+import pytest
 
+from refdem.core import discovery
+from refdem.core.problem import Request
 from refdem.engines.pymunk import ENGINE
+from refdem.engines.pymunk.shapes import shares
 from refdem.engines.pymunk.space import space_of
 from refdem.scene import Body, Scene, Sphere
 from refdem.scene.elements.contact import Contact
+from refdem.scene.elements.plane import Plane
 from refdem.scene.elements.rod import Rod
 from refdem.scene.elements.slider import Slider
 from refdem.scene.elements.spring import Spring
@@ -42,9 +48,27 @@ def test_the_adapter_sets_what_the_audit_says():
     assert bodies[0].moment == math.inf
 
 
-def test_the_product_of_two_shapes_is_the_contact_s_value():
-    ball = Body(mass=1.0, inertia=(0.4, 0.4, 0.4), shape=Sphere(radius=1.0))
-    space, _ = space_of(Scene.of([ball], [Contact(law="rigid", friction=0.3, restitution=0.5)]))
-    (shape,) = space.shapes
-    assert abs(shape.friction**2 - 0.3) < 1e-15
-    assert abs(shape.elasticity**2 - 0.5) < 1e-15
+@pytest.mark.parametrize(("balls", "planes"), [(1, 1), (2, 0), (2, 1)])
+def test_the_product_of_two_shapes_is_the_contact_s_value(balls, planes):
+    bodies = [Body(mass=1.0, inertia=(0.4, 0.4, 0.4), position=(3.0 * n, 1.0, 0.0), shape=Sphere(radius=1.0)) for n in range(balls)]
+    law = Contact(law="rigid", friction=0.75, restitution=0.3)
+    space, moving = space_of(Scene.of(bodies, [law, *[Plane(normal=(0.0, 1.0, 0.0))] * planes]))
+    for one, other in combinations(space.shapes, 2):
+        unit = 0.0 if balls == 1 else 2e-16  # the square of a rounded root is not exact
+        assert abs(one.friction * other.friction - 0.75) <= unit
+        assert abs(one.elasticity * other.elasticity - 0.3) <= unit
+    assert len(space.shapes) == balls + planes
+    assert len(moving) == balls
+
+
+@pytest.mark.parametrize("value", [0.0, 0.1, 0.3, 0.75, 1.0])
+def test_a_block_alone_feels_exactly_the_friction_of_the_law(value):
+    own, of_walls = shares(value, alone=True)
+    assert own * of_walls == value
+
+
+def test_a_block_that_friction_just_holds_stays_where_it_is():
+    instance = discovery.case("block-on-slope").at(duration="16", samples="16")  # of 3 in 4, with friction 3/4
+    run, _ = ENGINE.run(Request(problem=instance.problem, method="semi-implicit-euler", step=2.0**-10))
+    assert np.abs(run.position[1:, 0, 0]).max() < 1e-20
+    assert not run.velocity[1:, 0, 0].any()
