@@ -172,9 +172,11 @@ int refdem_rod_taylor(double mass, double length, const double *gravity, const d
 
 /* == pendulum_ensemble == */
 
-/* theta'' = -square sin theta, square [1/s^2], for all members at once, `steps` steps h [s] of either sign, of order 8: angle (members)
- * [rad], |angle| < 1e9, and rate (members) [rad/s] are moved on in place. Returns 0. */
-int refdem_pendulum_ensemble(double square, double h, int64_t steps, int64_t members, double *angle, double *rate);
+/* theta'' = -square sin theta, square [1/s^2], for all members at once, `steps` steps h [s] of either sign: Verlet's method composed of an
+ * odd number of stages, at most 63, the parts of a step in weight ((stages + 1) / 2), which the others mirror. angle (members) [rad],
+ * |angle| < 1e9, and rate (members) [rad/s] are moved on in place. Returns 0, or 1 if there are too many stages. */
+int refdem_pendulum_ensemble(int stages, const double *weight, double square, double h, int64_t steps, int64_t members, double *angle,
+                             double *rate);
 
 /* == lattice == */
 

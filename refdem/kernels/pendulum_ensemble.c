@@ -1,17 +1,12 @@
-/* Many plane pendulums at once: theta'' = -w0^2 sin theta by Verlet's method composed to order 8, a block of them at a time.
+/* Many plane pendulums at once: theta'' = -w0^2 sin theta by a symmetric composition of Verlet's method, a block of them at a time.
  *
- * Angles are counted in half turns while they are carried, as are rates: what is taken off them is then a whole number.
- *
- * Coefficients: M. Suzuki and K. Umeno (1993), in Hairer, Lubich and Wanner, Geometric Numerical Integration, V.3.11. The sine is a
+ * Angles are counted in half turns while they are carried, as are rates: what is taken off them is then a whole number. The sine is a
  * polynomial interpolated at Chebyshev's nodes on -1/2..1/2 half turns.
  */
 #include "kernels.h"
 #include "simd.h"
 
-enum { MEMBERS = 512, STAGES = 15 }; /* angles and rates of a block fill a quarter of a first cache */
-
-static const double WEIGHTS[8] = {0.74167036435061295345,  -0.40910082580003159400, 0.19075471029623837995,  -0.57386247111608226666,
-                                  0.29906418130365592384,  0.33462491824529818378,  0.31529309239676659663, -0.79688793935291635402};
+enum { MEMBERS = 512, MOST_STAGES = 63 }; /* angles and rates of a block fill a quarter of a first cache */
 
 /* sin(pi x) / pi, absolute error 2e-16 / pi and no reduction to speak of: x less a whole number is exact. The last bit of the shifted sum
  * is that number's parity, which becomes the sign. */
@@ -40,21 +35,24 @@ static inline void converted(int count, dd factor, double *restrict x)
         x[k] = fma(x[k], factor.hi, x[k] * factor.lo);
 }
 
-/* h of each drift and kick of one step. */
-static void staged(double h, double *restrict drift, double *restrict kick)
+/* h of each drift and kick of one step; `weight` holds the first half of the kicks and the middle one, which the others mirror. */
+static void staged(int stages, const double *weight, double h, double *restrict drift, double *restrict kick)
 {
-    for (int s = 0; s < STAGES; s++)
-        kick[s] = h * WEIGHTS[s < 8 ? s : STAGES - 1 - s];
-    for (int s = 0; s <= STAGES; s++)
-        drift[s] = 0.5 * ((s > 0 ? kick[s - 1] : 0.0) + (s < STAGES ? kick[s] : 0.0));
+    for (int s = 0; s < stages; s++)
+        kick[s] = h * weight[s < stages / 2 ? s : stages - 1 - s];
+    for (int s = 0; s <= stages; s++)
+        drift[s] = 0.5 * ((s > 0 ? kick[s - 1] : 0.0) + (s < stages ? kick[s] : 0.0));
 }
 
 REFDEM_EVERY_CPU
-int refdem_pendulum_ensemble(double square, double h, int64_t steps, int64_t members, double *angle, double *rate)
+int refdem_pendulum_ensemble(int stages, const double *weight, double square, double h, int64_t steps, int64_t members, double *angle,
+                             double *rate)
 {
-    double drift[STAGES + 1], kick[STAGES];
-    staged(h, drift, kick);
-    for (int s = 0; s < STAGES; s++)
+    double drift[MOST_STAGES + 1], kick[MOST_STAGES];
+    if (stages > MOST_STAGES)
+        return 1;
+    staged(stages, weight, h, drift, kick);
+    for (int s = 0; s < stages; s++)
         kick[s] *= square;
     dd per_half_turn = dd_div(dd_of(1.0), DD_PI);
     for (int64_t first = 0; first < members; first += MEMBERS) {
@@ -63,13 +61,13 @@ int refdem_pendulum_ensemble(double square, double h, int64_t steps, int64_t mem
         converted(count, per_half_turn, a);
         converted(count, per_half_turn, w);
         for (int64_t n = 0; n < steps; n++) {
-            for (int s = 0; s < STAGES; s++)
+            for (int s = 0; s < stages; s++)
                 for (int k = 0; k < count; k++) {
                     a[k] = fma(drift[s], w[k], a[k]);
                     w[k] = fma(-kick[s], sine_of_half_turns(a[k]), w[k]);
                 }
             for (int k = 0; k < count; k++)
-                a[k] = fma(drift[STAGES], w[k], a[k]);
+                a[k] = fma(drift[stages], w[k], a[k]);
         }
         converted(count, DD_PI, a);
         converted(count, DD_PI, w);

@@ -1,4 +1,4 @@
-"""Many starts of one plane pendulum, stepped together by a symplectic method of order 8 (kernels/pendulum_ensemble.c)."""
+"""Many starts of one plane pendulum, stepped together by symplectic methods (kernels/pendulum_ensemble.c)."""
 
 from time import perf_counter
 
@@ -17,23 +17,41 @@ from refdem.solvers.solver import Solver
 
 Array = NDArray[np.float64]
 FAMILY = "pendulum_ensemble"
+WEIGHTS = {
+    8: (
+        0.13020248308889008088, 0.56116298177510838456, -0.38947496264484728641, 0.15884190655515560090, -0.39590389413323757734,
+        0.18453964097831570709, 0.25837438768632204729, 0.29501172360931029887, -0.60550853383003451170,
+    ),
+    10: (
+        0.07879572252168641926, 0.31309610341510852776, 0.02791838323507806611, -0.22959284159390709415, 0.13096206107716486317,
+        -0.26973340565451071434, 0.07497334315589143567, 0.11199342399981020489, 0.36613344954622675119, -0.39910563013603589788,
+        0.10308739852747107732, 0.41143087395589023782, -0.00486636058313526176, -0.39203335370863990644, 0.05194250296244964704,
+        0.05066509075992449634, 0.04967437063972987905, 0.04931773575959453792,
+    ),
+}  # fmt: skip
+"""Parts of a step, by order: the first half and the middle one, which the others mirror. Order 8: W. Kahan and R.-C. Li, Math. Comp. 66
+(1997) 1089; order 10: M. Sofroniou and G. Spaletta, Optim. Methods Softw. 20 (2005) 597; both in Hairer, Lubich and Wanner, Geometric
+Numerical Integration, V.3.2."""
 
 
 class EnsembleSymplectic(Solver):
     """Angles and rates of all starts in blocks that stay in the cache."""
 
-    claims = Method(
-        name="ensemble-symplectic",
-        summary="pendulums stepped together: Verlet composed to order 8, the sine in vectors",
-        control="step",
-        order=8,
-        reversible=True,
-        symplectic=True,
-        backward=True,
-        cost_rank=10,
-    )
     answers = Ensemble
     kernels = (FAMILY,)
+
+    def __init__(self, name: str, order: int) -> None:
+        self.order = order
+        self.claims = Method(
+            name=name,
+            summary=f"pendulums stepped together: Verlet composed to order {order}, the sine in vectors",
+            control="step",
+            order=order,
+            reversible=True,
+            symplectic=True,
+            backward=True,
+            cost_rank=10,
+        )
 
     def refusal(self, problem: Ensemble) -> str | None:
         """None for starts of one point on a rod that hangs in gravity and swings in a plane."""
@@ -46,6 +64,8 @@ class EnsembleSymplectic(Solver):
         begun, problem = perf_counter(), request.problem
         assert isinstance(problem, Ensemble)
         frame, call, seconds = _Frame(problem.scene), load(FAMILY).lib.refdem_pendulum_ensemble, 0.0
+        weights = np.array(WEIGHTS[self.order])
+        law = (2 * len(weights) - 1, pointer(FAMILY, weights), frame.square)
         angle, rate = frame.angles(problem.position[:, 0], problem.velocity[:, 0])
         shape = (len(problem.times), len(angle), 1, 3)
         position, velocity = np.empty(shape), np.empty(shape)
@@ -53,7 +73,7 @@ class EnsembleSymplectic(Solver):
         state = [pointer(FAMILY, column, output=True) for column in (angle, rate)]
         for row in range(1, len(problem.times)):
             started = perf_counter()
-            call(frame.square, request.signed_step, request.stride, len(angle), *state)
+            call(*law, request.signed_step, request.stride, len(angle), *state)
             seconds += perf_counter() - started
             position[row, :, 0], velocity[row, :, 0] = frame.placed(angle, rate)
         cost = Cost(seconds=seconds, setup=perf_counter() - begun - seconds, steps=request.stride * (len(problem.times) - 1))
@@ -87,4 +107,4 @@ class _Frame:
         )
 
 
-METHOD = EnsembleSymplectic()
+METHOD = EnsembleSymplectic("ensemble-symplectic", 8)
