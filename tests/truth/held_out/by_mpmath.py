@@ -9,6 +9,7 @@ of refdem is imported: each equation is written here once more. A line: case, pa
 import json
 
 from mpmath import beta, cos, cosh, exp, findroot, matrix, mp, mpf, pi, quad, sin, sqrt
+from mpmath_impacts import impacts
 from mpmath_motions import bodies, cluster, oscillators, pendulums, torqued, undamped
 from mpmath_tools import FOUND, case, f
 
@@ -144,6 +145,6 @@ def mp_rank(count, dimensions):
 
 
 if __name__ == "__main__":
-    for family in (oscillators, undamped, pendulums, bodies, torqued, cluster, points, billiards, collisions, statics, solids):
+    for family in (oscillators, undamped, pendulums, bodies, torqued, cluster, points, billiards, collisions, impacts, statics, solids):
         family()
     print(*sorted(map(json.dumps, FOUND)), sep="\n")
