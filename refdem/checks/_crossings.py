@@ -20,6 +20,8 @@ from refdem.scene.elements.wedge import Wedge
 
 TOUCHING = 8 * 2.0**-53
 """Part of places and radii by which shapes in touch may be apart: these are rounded."""
+MOST = 16
+"""Bodies of which every pair is looked at; truth knows collisions of three at most."""
 ALIKE = 1e-9
 """Part of a speed by which pairs that touch together may close differently, and still have one time of parting."""
 
@@ -152,11 +154,17 @@ def touches(scene: Scene) -> list[tuple[float, float, int]]:
         wall, free = scene.all(Wedge)[0], scene.bodies
         closing = -float(free.velocity[0] @ np.array(wall.normal))
         pairs: Iterator[Pair] = iter([(float(wall.overlap(free.position)[0]), closing, abs(closing), 1)])
-    elif len(laws := scene.all(Contact)) == 1 and laws[0].law != "rigid" and all(isinstance(e, Contact | Plane) for e in scene.elements):
+    elif len(scene.bodies) <= MOST and _is_contact_alone(scene):
         pairs = _met(scene)
     else:
         return []
     return [(closing, speed, free) for overlap, closing, speed, free in pairs if abs(overlap) <= rounding(scene) and closing > 0]
+
+
+def _is_contact_alone(scene: Scene) -> bool:
+    """One law with an overlap, and planes."""
+    laws = scene.all(Contact)
+    return len(laws) == 1 and laws[0].law != "rigid" and all(isinstance(element, Contact | Plane) for element in scene.elements)
 
 
 def rounding(scene: Scene) -> float:

@@ -130,6 +130,12 @@ def test_what_comes_too_slowly_is_not_decided():
     assert found(trial, moved("release", 1.0))["release"].outcome == "undecided"  # no verdict, not a lenient one
 
 
+def test_a_crowd_is_left_alone_without_a_look_at_every_pair():
+    instance = discovery.case("granular-gas").at(n="1000", boundary="walls")
+    trial = Trial(instance, REFERENCE.method("velocity-verlet"), (1.0,), None)
+    assert CHECK.applies(trial) == "no times of events are certified for such scenes"
+
+
 def test_without_truth_nothing_is_decided():
     trial = replace(trial_of("two-spheres", "exact-head-on"), truth=None, truth_reason="nobody knows")
     assert [(f.quantity, f.outcome) for f in found(trial).values()] == [("release", "undecided")]
