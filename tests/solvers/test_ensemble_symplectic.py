@@ -9,7 +9,7 @@ from refdem.engines.reference import ENGINE
 from refdem.scene import Body, Scene
 from refdem.scene.elements.rod import Rod
 from refdem.scene.elements.uniform_gravity import UniformGravity
-from refdem.solvers.ensemble_symplectic import WEIGHTS
+from refdem.solvers._ensemble_symplectic import WEIGHTS
 
 G = 9.8125
 

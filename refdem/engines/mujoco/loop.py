@@ -45,7 +45,7 @@ def recorded(model: Any, data: Any, request: Request) -> tuple[Array, float]:
     recorder = kernels.load("recorder")
     ffi, lib = recorder.ffi, recorder.lib
     sizes = [model.nq, model.nv, 1]
-    rows = np.empty((len(request.problem.times), sum(sizes)))
+    rows = np.full((len(request.problem.times), sum(sizes)), np.nan)
     places = [data.qpos.ctypes.data, data.qvel.ctypes.data, _clock_address(data)]
     source = ffi.new("void *[]", [ffi.cast("void *", place) for place in places])
     step, a, b = (ffi.cast("void *", address) for address in (_step_address(), model._address, data._address))

@@ -38,7 +38,7 @@ def recorded(request: Request) -> tuple[Trajectory, Cost]:
     engine = _engine(ffi, space, turns=bool((columns.inertia[:, 2] * ~columns.fixed).any()))
     handles = ffi.new("void *[]", [_address(ffi, body._body) for body in bodies])
     samples, stride = len(request.problem.times), request.stride
-    rows = np.empty((samples, len(bodies), 6))
+    rows = np.full((samples, len(bodies), 6), np.nan)
     rows[..., 4], rows[..., 5] = angle_of(columns.attitude), 0.0
     out = kernels.pointer("chipmunk", rows, output=True)
     started = perf_counter()

@@ -37,7 +37,7 @@ def recorded(request: Request) -> tuple[Trajectory, Cost]:
     engine = _engine(sim, ode)
     times = np.ascontiguousarray(request.problem.times)
     stride = request.stride if request.step else int(request.method in STEPPED)
-    rows = np.empty((len(times), 1 + 6 * len(request.problem.scene.bodies) + 7 * len(fields.rotors) + fields.rods))
+    rows = np.full((len(times), 1 + 6 * len(request.problem.scene.bodies) + 7 * len(fields.rotors) + fields.rods), np.nan)
     started = perf_counter()
     failed = kernels.load(FAMILY).lib.refdem_rebound_record(
         engine, fields.struct, stride, len(times), kernels.pointer(FAMILY, times), kernels.pointer(FAMILY, rows, output=True)

@@ -1,0 +1,110 @@
+"""Many starts of one plane pendulum, stepped together by symplectic methods of order 8 and 10 (kernels/pendulum_ensemble.c)."""
+
+from time import perf_counter
+
+import numpy as np
+from numpy.typing import NDArray
+
+from refdem.core.engine import Method
+from refdem.core.problem import Ensemble, Request
+from refdem.core.trajectory import Cost, Trajectory
+from refdem.kernels import load, pointer
+from refdem.scene import Scene
+from refdem.scene.elements.rod import Rod
+from refdem.solvers import _single_point as single
+from refdem.solvers import carried_ensemble
+from refdem.solvers.solver import Solver
+
+Array = NDArray[np.float64]
+FAMILY = "pendulum_ensemble"
+WEIGHTS = {
+    8: (
+        0.13020248308889008088, 0.56116298177510838456, -0.38947496264484728641, 0.15884190655515560090, -0.39590389413323757734,
+        0.18453964097831570709, 0.25837438768632204729, 0.29501172360931029887, -0.60550853383003451170,
+    ),
+    10: (
+        0.07879572252168641926, 0.31309610341510852776, 0.02791838323507806611, -0.22959284159390709415, 0.13096206107716486317,
+        -0.26973340565451071434, 0.07497334315589143567, 0.11199342399981020489, 0.36613344954622675119, -0.39910563013603589788,
+        0.10308739852747107732, 0.41143087395589023782, -0.00486636058313526176, -0.39203335370863990644, 0.05194250296244964704,
+        0.05066509075992449634, 0.04967437063972987905, 0.04931773575959453792,
+    ),
+}  # fmt: skip
+"""Parts of a step, by order: the first half and the middle one, which the others mirror. Order 8: W. Kahan and R.-C. Li, Math. Comp. 66
+(1997) 1089; order 10: M. Sofroniou and G. Spaletta, Optim. Methods Softw. 20 (2005) 597; both in Hairer, Lubich and Wanner, Geometric
+Numerical Integration, V.3.2."""
+
+
+def claimed(name: str, order: int) -> Method:
+    """The claims of a composition of that order."""
+    return Method(
+        name=name,
+        summary=f"pendulums stepped together: Verlet composed to order {order}, the sine in vectors",
+        control="step",
+        order=order,
+        reversible=True,
+        symplectic=True,
+        backward=True,
+        cost_rank=10,
+    )
+
+
+class EnsembleSymplectic(Solver):
+    """Angles and rates of all starts in blocks that stay in the cache."""
+
+    answers = Ensemble
+    kernels = (FAMILY,)
+
+    def __init__(self) -> None:
+        self.weights = np.array(WEIGHTS[self.claims.order])
+
+    def refusal(self, problem: Ensemble) -> str | None:
+        """None for starts of one point on a rod that hangs in gravity and swings in a plane."""
+        if not problem.scene.all(Rod) or not single.gravity(problem.scene).any():
+            return "no rod in gravity"
+        return carried_ensemble.METHOD.refusal(problem)
+
+    def run(self, request: Request) -> tuple[Trajectory, Cost]:
+        """`position` [m] and `velocity` [m/s] (T, M, 1, 3)."""
+        begun, problem = perf_counter(), request.problem
+        assert isinstance(problem, Ensemble)
+        frame, call, seconds = _Frame(problem.scene), load(FAMILY).lib.refdem_pendulum_ensemble, 0.0
+        law = (2 * len(self.weights) - 1, pointer(FAMILY, self.weights), frame.square)
+        angle, rate = frame.angles(problem.position[:, 0], problem.velocity[:, 0])
+        shape = (len(problem.times), len(angle), 1, 3)
+        position, velocity = np.empty(shape), np.empty(shape)
+        position[0], velocity[0] = problem.position, problem.velocity
+        state = [pointer(FAMILY, column, output=True) for column in (angle, rate)]
+        for row in range(1, len(problem.times)):
+            started = perf_counter()
+            call(*law, request.signed_step, request.stride, len(angle), *state)
+            seconds += perf_counter() - started
+            position[row, :, 0], velocity[row, :, 0] = frame.placed(angle, rate)
+        cost = Cost(seconds=seconds, setup=perf_counter() - begun - seconds, steps=request.stride * (len(problem.times) - 1))
+        return Trajectory.of_values(problem.times, {"position": position, "velocity": velocity}), cost
+
+
+class _Frame:
+    """The plane of the swing: unit vectors along gravity and across it, the anchor, the length, and w0^2 = g/l [1/s^2]."""
+
+    def __init__(self, scene: Scene) -> None:
+        rod, gravity, arm = scene.all(Rod)[0], single.gravity(scene), scene.bodies.position[0] - single.anchor(scene.all(Rod)[0])
+        size = float(np.linalg.norm(gravity))
+        self.anchor, self.length, self.square, self.down = single.anchor(rod), rod.length, size / rod.length, gravity / size
+        aside = [vector - (vector @ self.down) * self.down for vector in (arm, scene.bodies.velocity[0])]
+        longest = max(aside, key=lambda vector: float(np.linalg.norm(vector)))
+        self.across = longest / (np.linalg.norm(longest) or 1.0)
+
+    def angles(self, position: Array, velocity: Array) -> tuple[Array, Array]:
+        """Angles [rad] and rates [rad/s] (M,)."""
+        arm = position - self.anchor
+        angle = np.arctan2(arm @ self.across, arm @ self.down)
+        rate = (np.cos(angle) * (velocity @ self.across) - np.sin(angle) * (velocity @ self.down)) / self.length
+        return angle, rate
+
+    def placed(self, angle: Array, rate: Array) -> tuple[Array, Array]:
+        """Positions and velocities (M, 3)."""
+        s, c = np.sin(angle)[:, None], np.cos(angle)[:, None]
+        return (
+            self.anchor + self.length * (c * self.down + s * self.across),
+            (self.length * rate)[:, None] * (c * self.across - s * self.down),
+        )
