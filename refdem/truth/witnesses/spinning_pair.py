@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from fractions import Fraction
-from functools import partial
+from functools import cached_property, partial
 from typing import Any
 
 from flint import arb
@@ -33,6 +33,75 @@ def plus(a: Vector, b: Vector, factor: Any = 1) -> list[Any]:
     return [x + y * factor for x, y in zip(a, b, strict=True)]
 
 
+class Moment:
+    """What follows from one state; each of it is worked out once."""
+
+    def __init__(self, its: "Bodies", s: Vector) -> None:
+        self.its, self.s = its, s
+        self.apart = plus(s[3:6], s[12:15], -1)
+        way = plus(s[9:12], s[0:3], -1)
+        self.distance = dot(way, way).sqrt()
+        self.normal = [x / self.distance for x in way]
+        self.along = dot(self.apart, self.normal)
+        self.overlap = its.radii[0] + its.radii[1] - self.distance
+
+    @cached_property
+    def force(self) -> Any:
+        """Normal force."""
+        return self.its.k * self.overlap + self.its.c * self.along
+
+    @cached_property
+    def arms(self) -> list[list[Any]]:
+        """From the centres to where friction acts."""
+        shorter = self.its.beta * self.overlap
+        return [[x * (radius - shorter) * sense for x in self.normal] for radius, sense in zip(self.its.radii, (1, -1), strict=True)]
+
+    @cached_property
+    def slip(self) -> list[Any]:
+        """Tangential velocity of surface 1 against surface 2."""
+        s, (one, other) = self.s, self.arms
+        first, second = plus(s[3:6], crossed(s[6:9], one)), plus(s[12:15], crossed(s[15:18], other))
+        apart = plus(first, second, -1)
+        return plus(apart, self.normal, -dot(apart, self.normal))
+
+    @cached_property
+    def across(self) -> list[Any]:
+        """Relative velocity of 1 but for what is along the normal."""
+        return plus(self.apart, self.normal, -self.along)
+
+    @cached_property
+    def growth(self) -> Any:
+        """dF/dt = k d' + c d'': d' = v.n, d'' = a.n + v.n', n' = -(v across)/distance."""
+        pressed = -self.force * (1 / self.its.masses[0] + 1 / self.its.masses[1])
+        return self.its.k * self.along + self.its.c * (pressed - dot(self.apart, self.across) / self.distance)
+
+    @cached_property
+    def lag(self) -> Any:
+        """How much faster the slip stretches the spring than the limit grows, as rates of force."""
+        stretch = self.s[18:21]
+        return self.its.kt * dot(self.slip, stretch) / dot(stretch, stretch).sqrt() - self.its.mu * self.growth
+
+    def friction(self, phase: str) -> list[Any]:
+        """On body 1, where the spring stands or the surfaces slip."""
+        if phase in ("stick", "clip"):
+            return [x * -self.its.kt for x in self.s[18:21]]
+        if phase == "free":
+            return [x * 0 for x in self.s[:3]]
+        limit = self.its.mu * self.force / dot(self.slip, self.slip).sqrt()
+        return [-x * limit for x in self.slip]
+
+    def stretching(self, phase: str) -> list[Any]:
+        """It turns with the normal and takes the slip; clipped, it keeps mu F/k_t in place of its own growth."""
+        stretch = self.s[18:21]
+        if phase not in ("stick", "clip"):
+            return [x * 0 for x in stretch]
+        turn = [-x / self.distance for x in self.across]
+        carried = plus(self.slip, crossed(crossed(self.normal, turn), stretch))
+        if phase == "stick":
+            return carried
+        return plus(carried, stretch, self.growth / self.force - dot(self.slip, stretch) / dot(stretch, stretch))
+
+
 class Bodies:
     """State: r, v, omega of body 1, the same of body 2, stretch of the tangential spring."""
 
@@ -53,73 +122,27 @@ class Bodies:
             state += [-share * reach, arb(0), arb(0), share * speed * cosine, share * speed * sine, arb(0), *map(arb_of, turning)]
         return [*state, arb(0), arb(0), arb(0)]
 
-    def normal(self, s: Vector) -> tuple[list[Any], Any, list[Any]]:
-        """From 1 to 2, their distance, relative velocity of 1."""
-        way = plus(s[9:12], s[0:3], -1)
-        distance = dot(way, way).sqrt()
-        return [x / distance for x in way], distance, plus(s[3:6], s[12:15], -1)
-
     def overlap(self, s: Vector) -> Any:
-        return self.radii[0] + self.radii[1] - self.normal(s)[1]
+        return Moment(self, s).overlap
 
     def force(self, s: Vector) -> Any:
         """Normal force."""
-        normal, _, apart = self.normal(s)
-        return self.k * self.overlap(s) + self.c * dot(apart, normal)
-
-    def arms(self, s: Vector) -> list[list[Any]]:
-        """From the centres to where friction acts."""
-        normal, overlap = self.normal(s)[0], self.overlap(s)
-        return [[x * (radius - self.beta * overlap) * sense for x in normal] for radius, sense in zip(self.radii, (1, -1), strict=True)]
-
-    def slip(self, s: Vector) -> list[Any]:
-        """Tangential velocity of surface 1 against surface 2."""
-        one, other = self.arms(s)
-        first, second = plus(s[3:6], crossed(s[6:9], one)), plus(s[12:15], crossed(s[15:18], other))
-        normal, apart = self.normal(s)[0], plus(first, second, -1)
-        return plus(apart, normal, -dot(apart, normal))
-
-    def growth(self, s: Vector) -> Any:
-        """dF/dt = k d' + c d'': d' = v.n, d'' = a.n + v.n', n' = -(v across)/distance."""
-        normal, distance, apart = self.normal(s)
-        along = dot(apart, normal)
-        across = plus(apart, normal, -along)
-        pressed = -self.force(s) * (1 / self.masses[0] + 1 / self.masses[1])
-        return self.k * along + self.c * (pressed - dot(apart, across) / distance)
-
-    def friction(self, phase: str, s: Vector) -> list[Any]:
-        """On body 1, where the spring stands or the surfaces slip."""
-        if phase in ("stick", "clip"):
-            return [x * -self.kt for x in s[18:21]]
-        if phase == "free":
-            return [x * 0 for x in s[:3]]
-        slip = self.slip(s)
-        return [-x * self.mu * self.force(s) / dot(slip, slip).sqrt() for x in slip]
+        return Moment(self, s).force
 
     def rates(self, phase: str, t: Any, s: Vector) -> list[Any]:
         """r' = v, m v' = -F n + f, J omega' = arm x f; the reaction on body 2."""
-        rub, push = self.friction(phase, s), plus(self.friction(phase, s), self.normal(s)[0], -self.force(s))
+        now = Moment(self, s)
+        rub = now.friction(phase)
+        push = plus(rub, now.normal, -now.force)
         found: list[Any] = []
         for i, sense in ((0, 1), (1, -1)):
-            turned = crossed(self.arms(s)[i], rub)
+            turned = crossed(now.arms[i], rub)
             found += [
                 *s[9 * i + 3 : 9 * i + 6],
                 *(x * sense / self.masses[i] for x in push),
                 *(x * sense / self.moments[i] for x in turned),
             ]
-        return [*found, *self.stretching(phase, s)]
-
-    def stretching(self, phase: str, s: Vector) -> list[Any]:
-        """It turns with the normal and takes the slip; clipped, it keeps mu F/k_t in place of its own growth."""
-        if phase not in ("stick", "clip"):
-            return [x * 0 for x in s[18:21]]
-        normal, distance, apart = self.normal(s)
-        turn = [-x / distance for x in plus(apart, normal, -dot(apart, normal))]
-        stretch, slip = s[18:21], self.slip(s)
-        carried = plus(slip, crossed(crossed(normal, turn), stretch))
-        if phase == "stick":
-            return carried
-        return plus(carried, stretch, self.growth(s) / self.force(s) - dot(slip, stretch) / dot(stretch, stretch))
+        return [*found, *now.stretching(phase)]
 
     def ends(self, phase: str) -> dict[str, Callable[[Vector], Any]]:
         """What is positive within a phase, by what follows."""
@@ -129,14 +152,14 @@ class Bodies:
             return {"clip": lambda s: self.mu * self.force(s) - self.kt * dot(s[18:21], s[18:21]).sqrt()}
         over: dict[str, Callable[[Vector], Any]] = {("free" if self.pulls else "apart"): self.force}
         if phase == "clip":
-            over["stick"] = lambda s: self.kt * dot(self.slip(s), s[18:21]) / dot(s[18:21], s[18:21]).sqrt() - self.mu * self.growth(s)
+            over["stick"] = lambda s: Moment(self, s).lag
         return over
 
 
 def spinning(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: Claimed) -> Said:
     """The 18 quantities, and when the force ends if that is claimed."""
     pair = Bodies(p)
-    if all(part == 0 for part in pair.slip(pair.start(p))):
+    if all(part == 0 for part in Moment(pair, pair.start(p)).slip):
         return
     longest = float(claimed["duration"]) if "duration" in claimed else float(max(times))
     course = list(phases(pair, pair.start(p), longest))
