@@ -7,6 +7,7 @@ import pytest
 
 from refdem.core import discovery
 from refdem.core.problem import Motion
+from refdem.engines.mujoco import options
 from refdem.scene import Body, Scene
 from refdem.scene.elements.contact import Contact
 from refdem.scene.elements.slider import Slider
@@ -82,3 +83,14 @@ def test_a_scene_at_rest_on_the_level_keeps_the_hardest_contact():
 
     scene = discovery.case("newtons-first-law").at(member="stack").scene
     assert not rubs(scene, scene.all(Contact)[0])
+
+
+@pytest.mark.parametrize(("friction", "least", "most"), [("3/4", 2.5, 5.0), ("0.76", 50.0, 500.0)])
+def test_creep_where_friction_just_holds_is_what_noslip_leaves(played, monkeypatch, friction, least, most):
+    """Three times the iterations: a third of the creep where friction is needed whole (1/n), far less where some is to spare."""
+    instance, creep = discovery.case("block-on-slope").at(friction=friction, duration="1"), []
+    for iterations in (30, 90):
+        monkeypatch.setattr(options, "NOSLIP", iterations)
+        seen, _ = played(instance.scene, duration=1.0, step=2.0**-10, method="euler")
+        creep.append(float(seen.velocity[-1, 0, 0]))
+    assert least < creep[0] / creep[1] < most
