@@ -75,7 +75,7 @@ def _layer(series: Series, panel: Panel, x: Any, y: Any, labels: dict[str, Serie
     if series.mark == "points":
         drawn = base.mark_point(filled=True, size=26, opacity=0.9, clip=True)
     elif series.mark == "area":
-        drawn = base.mark_line(filled=True, fill=paint, fillOpacity=0.35, strokeWidth=1, clip=True, interpolate="linear-closed")
+        drawn = base.mark_line(filled=True, fillOpacity=0.4, stroke=paint, strokeWidth=1.2, clip=True, interpolate="linear-closed")
     else:
         drawn = base.mark_line(strokeWidth=series.width, strokeDash=[5, 4] if series.dashed else [1, 0], clip=True)
     encoded = drawn.encode(x=x, y=y, tooltip=tips, **({} if series.mark == "points" else {"order": alt.Order("i:Q")}))

@@ -19,7 +19,7 @@ def figure() -> Figure:
         series = [Series(x=np.repeat(grid, [len(x) for x in values]), y=np.concatenate(values), mark="cloud", ink=n, width=1.5)]
         if n + 1 < len(WINDOWS):
             series.append(frame(*WINDOWS[n + 1]))
-        size = (300, 300)
+        size = (255, 255)
         panels.append(Panel(series=tuple(series), x=Axis(title="eta", ends=etas), y=Axis(title="x" if not n else "", ends=ends), size=size))
     shown("3.57")
     caption = (
