@@ -40,7 +40,7 @@ def contact_of(scene: Scene) -> Contact | None:
 def _can_meet(scene: Scene) -> bool:
     """Whether there is a pair at all; of many spheres nobody writes all of them down."""
     shaped = np.array([not isinstance(shape, Point) for shape in scene.bodies.shape])
-    return bool(np.any(shaped & ~scene.bodies.fixed)) and (np.count_nonzero(shaped) > 1 or bool(scene.all(Plane)))
+    return bool(np.any(shaped & ~scene.bodies.fixed)) and bool(np.count_nonzero(shaped) > 1 or scene.all(Plane))
 
 
 def pairs(scene: Scene) -> NDArray[np.int64]:
