@@ -35,7 +35,7 @@ test: .venv/refdem .venv/for-tests
 	$(BIN)/pytest tests validation -n $(JOBS) $(ELSEWHERE:%=--ignore=%)
 
 test-all: .venv/refdem .venv/for-all codes lint
-	ci/sanitized $(BIN)/python
+	ci/sanitized $(BIN)/python $(JOBS)
 	$(BIN)/refdem certify --check --jobs $(JOBS)
 	$(BIN)/pytest $(ELSEWHERE) -n $(JOBS) --dist loadfile
 
