@@ -1,6 +1,7 @@
 """Chaotic motions: a start moved by one unit in the last place changes no verdict, and without a horizon it would."""
 
 import re
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -8,9 +9,11 @@ import pytest
 from refdem.campaign import judging, plan
 from refdem.campaign.in_process import run_of, task_of, truth_of
 from refdem.campaign.truths import no_truth
+from refdem.checks.lyapunov import Lyapunov
 from refdem.core import discovery
 from refdem.core.judgement import errors
 from refdem.core.refinement import bound, scored
+from refdem.core.trajectory import Trajectory
 from refdem.engines.reference import ENGINE
 
 SHORT = [("stick-slip", {"duration": "40", "samples": "80"}), ("double-pendulum", {"duration": "5/4", "samples": "32"})]
@@ -85,3 +88,26 @@ def test_a_regular_motion_has_none(name):
     tau = discovery.case(name).at().scales.tau
     found = lyapunov(name, {"duration": f"{400 * tau:.6g}", "samples": "256"}, no_truth("not asked for"))
     assert {quantity: f.outcome for quantity, f in found.items()} == {"power": "pass"}
+
+
+def parted(times_of_exponent):
+    """The finding on the exponent of the logistic map if the neighbour parts that many times as fast."""
+    instance = discovery.case("logistic").at(eta="4", x0="1/3")
+    task = task_of(ENGINE, ENGINE.best(instance.problem).name, instance, truth_of(instance), 3, ("lyapunov",))
+    runs = {v: run_of(ENGINE, plan.request(task, v)) for v in task.variants}
+    plain, beside = Lyapunov().needs(task.trial)
+    (name,) = runs[plain].trajectory.values
+    x, y = (runs[v].trajectory.values[name] for v in (plain, beside))
+    grown = np.abs(y - x) / np.abs(y[0] - x[0])
+    moved = x + (y - x) * grown ** (times_of_exponent - 1)
+    runs[beside] = replace(runs[beside], trajectory=Trajectory.of_values(runs[beside].trajectory.t, {name: moved}))
+    (finding,) = [f for f in judging.record(task, "1", runs, []).findings if f.quantity == "exponent"]
+    return finding
+
+
+@pytest.mark.parametrize(("factor", "outcome"), [(1.0, "pass"), (1.15, "fail"), (0.4, "fail")])
+def test_an_exponent_is_held_from_above_and_from_below(factor, outcome):
+    """Error bars have no place where the run is on the trajectory of truth: three of both would let half and twice the exponent pass."""
+    finding = parted(factor)
+    assert finding.outcome == outcome
+    assert finding.bound < 0.7 * np.log(2), "narrower than the exponent, ln 2"
