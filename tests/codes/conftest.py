@@ -4,8 +4,8 @@ import json
 import os
 import shutil
 import subprocess
-import sys
 import tempfile
+from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -20,12 +20,12 @@ class Gates:
     """Gates with one store of truths; `make codes` and ci/system-packages install the codes, and tests fail where one is not there."""
 
     home: Path
+    command_line: "Callable[..., subprocess.CompletedProcess[str]]"
 
     def gated(self, toml: Path) -> "subprocess.CompletedProcess[str]":
         """The gate's exit status and what it says."""
-        command = [sys.executable, "-c", "from refdem.cli import main; main()", "gate", str(toml)]
         environment = os.environ | {"REFDEM_STORE": str(self.home / "store.sqlite")}
-        return subprocess.run(command, capture_output=True, text=True, timeout=300, env=environment, cwd=self.home)
+        return self.command_line("gate", str(toml), env=environment, cwd=self.home)
 
     def assert_open(self, code: str) -> None:
         """As it is, against the baseline that is kept."""
@@ -52,6 +52,6 @@ class Gates:
 
 
 @pytest.fixture(scope="session")
-def gates(tmp_path_factory: pytest.TempPathFactory) -> Gates:
+def gates(tmp_path_factory: pytest.TempPathFactory, command_line: "Callable[..., subprocess.CompletedProcess[str]]") -> Gates:
     """One for the session."""
-    return Gates(tmp_path_factory.mktemp("codes"))
+    return Gates(tmp_path_factory.mktemp("codes"), command_line)
