@@ -114,7 +114,8 @@ def introduction(record: Record) -> str:
     spread = max(record.yardstick) / statistics.median(record.yardstick)
     return (
         f"Seconds in each engine's own loop, one thread, the median of {record.rounds} interleaved rounds, least and most in brackets; "
-        "set-up is apart, and runs of under 0.1 ms are repeated within one reading of the clock. Errors are the largest over the run, of all quantities that every method shows, in units of their scales, "
+        "set-up is apart, and runs of under 0.1 ms are repeated within one reading of the clock. Errors are the largest over the run, "
+        "of all quantities that every method shows, in units of their scales, "
         f"against certified truth. The machine had a load of {record.load:g}; a fixed piece of work took up to {two(spread)} times its "
         "median. Only ratios mean anything elsewhere. Refinement ended where it no longer helped, or with a run of more than "
         f"{record.longest:g} s or {record.most_steps:.0e} steps: `not reached` is not by then."

@@ -44,12 +44,12 @@ def validation_folder() -> Path:
 
 
 def named(name: str) -> Specification:
-    """The campaign `name` of validation/campaigns; raises UsageError if it is not there or not well formed."""
-    path = validation_folder() / "campaigns" / f"{name}.toml"
-    known = sorted(p.stem for p in path.parent.glob("*.toml"))
-    if name not in known:
-        raise UsageError(f"no campaign {name!r}; known: {', '.join(known)}")
+    """The campaign `name` of validation/campaigns, or that of a .toml file; raises UsageError if it is not there or not well formed."""
+    path = Path(name) if name.endswith(".toml") else validation_folder() / "campaigns" / f"{name}.toml"
     try:
-        return msgspec.convert({"name": name, **tomllib.loads(path.read_text())}, Specification)
-    except (tomllib.TOMLDecodeError, msgspec.ValidationError) as error:
+        return msgspec.convert({"name": path.stem, **tomllib.loads(path.read_text())}, Specification)
+    except FileNotFoundError:
+        known = sorted(p.stem for p in (validation_folder() / "campaigns").glob("*.toml"))
+        raise UsageError(f"no campaign {name!r}; known: {', '.join(known)}, or a file that ends in .toml") from None
+    except (OSError, UnicodeDecodeError, tomllib.TOMLDecodeError, msgspec.ValidationError) as error:
         raise UsageError(f"{path}: {error}") from None

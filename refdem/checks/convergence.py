@@ -42,7 +42,7 @@ class Convergence(Check):
         base = runs[plain].trajectory  # a code may refuse the moved start
         moved = runs[perturbed].trajectory if perturbed in runs else base
         growth = float(growth_shown(trial.instance, trial.method, moved, base)[-1])
-        floor = COUNTING_FLOOR * trial.round_off(trial.levels[-1]) * growth
+        floor = COUNTING_FLOOR * trial.noise(trial.levels[-1]) * growth
         if fine > HORIZON:
             why = f"the finest two levels differ by {fine:.2g} of the scale: finer steps are needed"
             return [undecided(self.name, "state", why)]
@@ -66,7 +66,7 @@ class Convergence(Check):
 
     def _within(self, trial: Trial, fine: float, growth: float, seen: float) -> Finding:
         """Where kinks scatter the changes a pair shows no order; the finest change is still no larger than the errors allowed."""
-        allowed = growth * sum(float(trial.truncation(h)[-1]) + trial.round_off(h) for h in trial.levels[-2:])
+        allowed = growth * sum(float(trial.truncation(h)[-1]) + trial.noise(h) for h in trial.levels[-2:])
         if fine <= allowed:
             return undecided(
                 self.name, "state", f"kinks scatter the changes from level to level, so the order {seen:.2f} of one pair shows nothing"

@@ -94,7 +94,7 @@ def _level(trial: Trial, level: float, error: Array, allowed: Array, seconds: fl
 def _floor(trial: Trial, level: float) -> float:
     """Below 20 x round-off times the sensitivity there is no truncation error to see."""
     assert trial.truth is not None
-    return COUNTING_FLOOR * trial.round_off(level) * float(trial.truth.growth()[-1])
+    return COUNTING_FLOOR * trial.noise(level) * float(trial.truth.growth()[-1])
 
 
 def _order_seen(trial: Trial, levels: list[Level]) -> float | None:

@@ -54,7 +54,7 @@ class Limit(Check):
             return [undecided(self.name, "state", "at the third finest step no more than the start can be predicted")]
         order = trial.method.order_for(trial.instance.problem.features)
         errors = [signed(trial, run, truth, count) for run in (coarse, middle, fine)]
-        floor = 3 * float(np.max((trial.round_off(trial.levels[-1]) + trial.clock()) * truth.growth()[:count]))
+        floor = 3 * float(np.max(trial.noise(trial.levels[-1]) * truth.growth()[:count]))
         sizes = [float(np.max(np.abs(error), initial=0.0)) for error in errors]
         if sizes[1] > floor and np.log2(sizes[0] / sizes[1]) < order - SETTLED:
             return [undecided(self.name, "state", f"errors do not fall with order {order} yet, as the check order tells")]

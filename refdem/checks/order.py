@@ -162,9 +162,9 @@ def _counting(trial: Trial) -> tuple[list[float], int]:
 
 
 def _floor(trial: Trial, level: float) -> float:
-    """Round-off at a level, times the sensitivity."""
+    """Round-off at a level, that of the clock too, times the sensitivity."""
     assert trial.truth is not None
-    return trial.round_off(level) * float(trial.truth.growth()[-1])
+    return trial.noise(level) * float(trial.truth.growth()[-1])
 
 
 CHECK = Order()

@@ -8,7 +8,7 @@ import numpy as np
 from refdem.core.check import Check, Outcome, Trial
 from refdem.core.finding import Finding
 from refdem.core.judgement import certified, judged, no_truth, undecided
-from refdem.core.refinement import COUNTING_FLOOR, HORIZON, kinked
+from refdem.core.refinement import COUNTING_FLOOR, HORIZON, clock, kinked
 from refdem.core.trajectory import Trajectory
 from refdem.core.variant import Change, Variant
 from refdem.mechanics.quaternion import angle_between
@@ -76,7 +76,7 @@ class Reversal(Check):
         coarse, fine = (_defect(trial, runs[Variant(h, "reversed")].trajectory, "reversed") for h in trial.levels[-2:])
         scales, method = trial.instance.scales, trial.method
         following = method.constant * scales.duration / scales.tau * (trial.levels[-1] / scales.tau) ** (expected + 1)
-        floor = max(following, COUNTING_FLOOR * trial.round_off(trial.levels[-1]) * growth**2)
+        floor = max(following, COUNTING_FLOOR * trial.noise(trial.levels[-1]) * growth**2)
         if not floor < fine <= coarse < HORIZON:  # below the next term of the error there is no leading one to see
             return []
         seen = math.log2(coarse / fine)
@@ -103,7 +103,7 @@ def _size(trial: Trial, level: float) -> float:
     assert trial.truth is not None
     growth = float(trial.truth.growth()[-1])
     if _is_exact(trial):
-        return 2 * (math.sqrt(2.0) * trial.round_off(level) + trial.clock()) * growth**2
+        return 2 * (math.sqrt(2.0) * trial.round_off(level) + clock(trial.instance, trial.method, level)) * growth**2
     return 2 * float(trial.bound(level)[-1]) * growth
 
 

@@ -88,7 +88,7 @@ class Symmetry(Check):
         allowed = (2 * trial.truncation(finest)) * growth
         count = scored(allowed)
         largest, falls = float(np.max(fine)), float(np.max(coarse)) / 2.0 ** (octaves * (order - 0.5))
-        falling = np.maximum(falls, 2 * (trial.round_off(finest) + trial.clock()) * symmetry.size(trial.instance, view) * growth)
+        falling = np.maximum(falls, 2 * trial.noise(finest) * symmetry.size(trial.instance, view) * growth)
         what = "The difference between the motion and the same rotated, in units of each scale, at the finest step"
         return worst(
             check=self.name,
@@ -127,7 +127,7 @@ def allowed(trial: Trial, view: symmetry.Symmetry, growth: Array) -> Array:
     In other units the moments of inertia are rounded anew, which makes another body of a needle.
     """
     level = level_for(trial)
-    rounding = 2 * (trial.round_off(level) + trial.clock()) * symmetry.size(trial.instance, view)
+    rounding = 2 * trial.noise(level) * symmetry.size(trial.instance, view)
     if view.units != symmetry.Symmetry().units:
         rounding += trial.method.round_off * symmetry.rounded_rates(trial.instance)
     found: Array = (rounding + (trial.truncation(level) if _decides(trial) else 0.0)) * growth
@@ -156,7 +156,7 @@ def _steady(
         return None
     coarse = distances(trial.instance, view.undone(runs[changed].trajectory), runs[plain].trajectory)[:count]
     sizes = symmetry.size(trial.instance, view) * growth
-    rounding = [COUNTING_FLOOR * 2 * (trial.round_off(level) + trial.clock()) * sizes for level in (coarsest, variant.level)]
+    rounding = [COUNTING_FLOOR * 2 * trial.noise(level) * sizes for level in (coarsest, variant.level)]
     largest, octaves = float(np.max(coarse)), np.log2(coarsest / variant.level)
     alike = bool(np.any(coarse > rounding[0][:count])) and float(np.max(apart[:count])) < 2.0**CHANCE * largest
     falling = largest * 2.0 ** (CHANCE - octaves * trial.method.order_for(trial.instance.scene.features))

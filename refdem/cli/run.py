@@ -20,7 +20,7 @@ def command(
     step: Annotated[float | None, typer.Option(help="First step [s]; refinement goes on from there.")] = None,
     steps_per_tau: Annotated[float | None, typer.Option(help="First step as steps per shortest time.")] = None,
     set: Annotated[list[str] | None, typer.Option(help="Parameter of the cases, name=value.")] = None,
-    campaign: Annotated[str, typer.Option(help="Campaign to run when no case is named.")] = "main",
+    campaign: Annotated[str, typer.Option(help="Campaign to run when no case is named; a name, or a TOML file.")] = "main",
     out: Annotated[Path, typer.Option(help="Folder for the report.")] = Path("refdem-report"),
     jobs: Annotated[int | None, typer.Option(help="Worker processes; default: one a core.")] = None,
     no_cache: Annotated[bool, typer.Option("--no-cache", help="Read no stored runs.")] = False,

@@ -43,9 +43,9 @@ class Trial:
         """Relative round-off that a run at this level may show."""
         return refinement.round_off(self.instance, self.method, refinement.steps_at(self.instance, self.method, level))
 
-    def clock(self) -> float:
-        """Relative error that the engine's clock may make in positions and velocities."""
-        return refinement.clock(self.instance, self.method)
+    def noise(self, level: float) -> float:
+        """Relative error of positions and velocities that no step removes: round-off, and that of a clock that is summed."""
+        return self.round_off(level) + refinement.clock(self.instance, self.method, level)
 
     def truncation(self, level: float) -> Array:
         """Relative truncation error (T,) allowed at this level."""

@@ -58,12 +58,19 @@ def sweeping(instance: Instance, method: Method) -> float:
     return max(1.0, math.sqrt(-math.log2(method.round_off) * 2 * rods / len(scene.bodies) / 10.0))
 
 
-def clock(instance: Instance, method: Method) -> float:
-    """Relative error of a clock that is summed plainly: u T/tau for each addition, one a sample and CLOCK_STEPS a tau; else 0."""
+def clock(instance: Instance, method: Method, level: float) -> float:
+    """Relative error of a clock that is summed plainly: u T/tau for each addition; else 0.
+
+    One that chooses its steps adds one a sample and CLOCK_STEPS a tau. Of given steps the number is known, whatever the sum says, and
+    the clock counts only where a drive reads it.
+    """
+    turns = instance.scales.duration / instance.scales.tau
     if not method.summed_clock:
         return 0.0
-    turns = instance.scales.duration / instance.scales.tau
-    return method.round_off * turns * (len(instance.times) + CLOCK_STEPS * turns)
+    if method.control != "step":
+        return method.round_off * turns * (len(instance.times) + CLOCK_STEPS * turns)
+    driven = any(element.reads_clock for element in instance.scene.elements)
+    return method.round_off * turns * steps_at(instance, method, level) if driven else 0.0
 
 
 def truncation(instance: Instance, method: Method, level: float, t: Array) -> Array:
@@ -100,7 +107,7 @@ def bound(instance: Instance, method: Method, level: float, truth: SampledTruth)
     """Relative error allowed at every certified sample (until,): (truncation + round-off) times S so far."""
     t = instance.times[: truth.until]
     allowed = truncation(instance, method, level, t) + round_off(instance, method, steps_at(instance, method, level))
-    return (allowed + clock(instance, method)) * truth.growth()
+    return (allowed + clock(instance, method, level)) * truth.growth()
 
 
 def scored(allowed: Array) -> int:

@@ -24,6 +24,7 @@ class Element(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=T
     conservative: ClassVar[bool] = True
     external: ClassVar[bool] = False  # acts from outside: momentum of the bodies is not kept
     drives: ClassVar[bool] = False  # can bring energy in
+    reads_clock: ClassVar[bool] = False  # what it does depends on the time
 
     @property
     def reversible(self) -> bool:

@@ -52,6 +52,7 @@ def _own_store(tmp_path, monkeypatch):
         (["smoke", ""], "no engine"),
         (["run", "--set", "mass=1"], "without a case"),
         (["run", "--campaign", "mian"], "known: "),
+        (["run", "--campaign", "mine/of/mine.toml"], "no campaign 'mine/of/mine.toml'"),
         (["run", "pendulum; rm -rf /"], "is not a name"),
         (["truth", "pendulum", "--at", "-1"], "--at"),
         (["truth", "pendulum", "--at", "1e999"], "--at"),

@@ -67,9 +67,17 @@ def test_a_first_step_that_no_run_could_finish_is_refused(instance):
 
 def test_a_clock_that_is_summed_may_be_off_by_a_rounding_a_step(instance):
     exact, summed = (Method(name="m", summary="", control="exact", summed_clock=flag) for flag in (False, True))
-    assert clock(instance, exact) == 0.0
+    assert clock(instance, exact, 0.0) == 0.0
     losses = np.cumsum(np.full(64 + 80, 20.0 * 2.0**-53))
-    assert 0.9 * losses[-1] < clock(instance, summed) < 1.1 * losses[-1]
+    assert 0.9 * losses[-1] < clock(instance, summed, 0.0) < 1.1 * losses[-1]
+
+
+def test_a_summed_clock_of_given_steps_counts_where_a_drive_reads_it(instance):
+    stepped = Method(name="m", summary="", control="step", order=2, summed_clock=True)
+    assert clock(instance, stepped, 2.0**-8) == 0.0
+    driven = discovery.case("driven-oscillator").at()
+    turns = driven.scales.duration / driven.scales.tau
+    assert clock(driven, stepped, 2.0**-8) == pytest.approx(2.0**-53 * turns * driven.times[-1] * 2**8)
 
 
 def test_an_order_is_read_from_finer_levels_where_there_are_kinks_and_from_none_where_there_are_no_levels():

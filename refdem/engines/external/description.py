@@ -51,7 +51,8 @@ class MethodTable(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fiel
         fields["complete_state"] = self.complete_state and engine.velocity_time == "synchronous"
         if self.answers == "solid":
             fields |= {"control": "exact", "knows": frozenset(name for name in engine.supports if name.startswith("solid:"))}
-        return Method(**fields, precision=engine.precision, velocity_time=engine.velocity_time)
+        summed = self.control == "step"
+        return Method(**fields, precision=engine.precision, velocity_time=engine.velocity_time, summed_clock=summed)
 
 
 class EngineTable(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):

@@ -23,6 +23,7 @@ METHODS = (
         order=4,
         order_with=FIRST_ORDER,
         conserves=frozenset({"momentum", "constraint"}),
+        summed_clock=True,
         cost_rank=2,
     ),
     Method(
@@ -31,6 +32,7 @@ METHODS = (
         control="step",
         order=1,
         conserves=frozenset({"momentum", "constraint"}),
+        summed_clock=True,
         cost_rank=1,
     ),
     Method(
@@ -39,6 +41,7 @@ METHODS = (
         control="step",
         order=1,
         conserves=frozenset({"momentum", "constraint"}),
+        summed_clock=True,
         cost_rank=1,
     ),
     Method(name="compiler", summary="the compiler's inertia of geoms of the solid's kind", control="exact", answers="solid", knows=GEOMS),

@@ -14,6 +14,7 @@ METHODS = (
         symplectic=True,
         reversible=True,
         backward=True,
+        summed_clock=True,
         cost_rank=1,
     ),
     Method(
@@ -25,6 +26,7 @@ METHODS = (
         symplectic=True,
         reversible=True,
         backward=True,
+        summed_clock=True,
         cost_rank=3,
     ),
     Method(

@@ -18,6 +18,7 @@ class Force(Link, frozen=True, kw_only=True, tag="force"):
 
     conservative: ClassVar[bool] = False
     drives: ClassVar[bool] = True
+    reads_clock: ClassVar[bool] = True
 
     amplitude: dimension.Force
     frequency: Frequency = 0.0

@@ -18,6 +18,7 @@ class MovingAnchor(Link, frozen=True, kw_only=True, tag="moving_anchor"):
     conservative: ClassVar[bool] = False
     external: ClassVar[bool] = True
     drives: ClassVar[bool] = True
+    reads_clock: ClassVar[bool] = True
 
     amplitude: Length
     frequency: Frequency
