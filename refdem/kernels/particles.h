@@ -151,7 +151,7 @@ static inline void rub(const refdem_particles *p, int64_t mode, const meeting *m
     double k = grip(p, m), along = dot(s, m->slip), carried = dot(s, m->turn);
     double least = 1e-8 * p->friction * p->stiffness * p->radius[m->i], limit = fmax(m->limit, 0.0);
     double lean = k * limit / (limit * limit + least * least); /* k/limit, but finite where the force vanishes */
-    double across[3], towards[3] = {s[0], s[1], s[2]}, fast = size(m->slip), flat = 1.0;
+    double across[3], inside[3], towards[3] = {s[0], s[1], s[2]}, fast = size(m->slip), flat = 1.0, out = dot(s, m->n);
     int bends = p->tangential_stiffness > 0.0;
     if (!bends && mode >= SLIP) { /* along the slip; where that has no direction, as it was; in the plane of contact, for a slip
                                      * that ends is all rounding, and friction may be many times the normal force */
@@ -160,12 +160,12 @@ static inline void rub(const refdem_particles *p, int64_t mode, const meeting *m
         add(towards, -dot(towards, m->n), m->n);
         flat = fmax(size(towards), 1e-300); /* no direction yet, as after sticking without any pull: no friction */
     }
-    for (int c = 0; c < 3; c++) {
-        across[c] = m->slip[c] - along * s[c] / fmax(dot(s, s), 1e-300);
-        towards[c] /= flat;
-    }
-    if (mode == SLIP && size(across) < 1e-9 * fast) /* motion in a plane: rounding must not turn the spring */
-        lean = 0.0;
+    for (int c = 0; c < 3; c++)
+        inside[c] = s[c] - out * m->n[c], towards[c] /= flat;
+    for (int c = 0; c < 3; c++)
+        across[c] = m->slip[c] - along * inside[c] / fmax(dot(inside, inside), 1e-300);
+    if (mode == SLIP && size(across) < 1e-9 * fast) /* motion in a plane: rounding must not turn the spring, nor a trial step that has */
+        lean = 0.0;                                 /* tilted it out of the plane of contact */
     for (int c = 0; c < 3; c++) {
         force[c] = mode == STICK ? -k * s[c] : mode >= SLIP ? -m->limit * towards[c] : 0.0;
         rate[c] = 0.0;
