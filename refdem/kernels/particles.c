@@ -5,7 +5,7 @@
  */
 #include "contact_modes.h"
 
-enum { MOST_EVENTS = 64 };
+enum { MOST_EVENTS = 64, HALVES = 16 };
 
 typedef struct {
     double *y, *dy, *next, *rate; /* state and rates at the start and at the end of the step */
@@ -14,21 +14,47 @@ typedef struct {
 } course;
 
 static const double SLACK = 1e-15, SHORTEST = 1e-6;
+static const double EDGE = 1.0 / 16.0, NARROW = 1e-4; /* parts of a step: where guards are seen to fall and to rise, how narrow a dip is seen */
 
-/* Fraction of the step at which a guard that fails at its end becomes zero (Illinois rule; Dowell and Jarratt 1971). */
-static double crossing(const runner *r, course *c, int64_t k, int kind, double h, double last)
+/* A guard at a part of the step, by a step that ends there. */
+static double guard_at(const runner *r, course *c, int64_t k, int kind, double h, double part)
 {
-    double low = 0.0, high = 1.0, at_low = guard(r, k, kind, c->y, c->dy), at_high = last, found = 1.0;
+    step(r, c->y, c->dy, part * h, c->next, c->rate);
+    return guard(r, k, kind, c->next, c->rate);
+}
+
+/* Where a guard that begins at zero has risen before it fails at the part `high` of the step: the last such place that halves of it
+ * show, as after a slip that ends and begins anew; 0 if it falls at once. */
+static double risen(const runner *r, course *c, int64_t k, int kind, double h, double high, double *restrict value)
+{
+    double found = 0.0;
+    for (int i = 1; i <= HALVES; i++) {
+        double part = ldexp(high, -i), seen = guard_at(r, c, k, kind, h, part);
+        if (found > 0.0 && seen < -SLACK)
+            return 0.0;
+        if (found == 0.0 && seen > SLACK)
+            found = part, *value = seen;
+    }
+    return found;
+}
+
+/* Fraction of the step at which a guard that fails at the part `high` of it becomes zero (Illinois rule; Dowell and Jarratt 1971). */
+static double crossing(const runner *r, course *c, int64_t k, int kind, double h, double high, double last)
+{
+    double low = 0.0, at_low = guard(r, k, kind, c->y, c->dy), at_high = last, found = high;
     int side = 0;
-    if (at_low <= 0.0 || (kind == GAP && at_low <= SLACK && meet(r->p, k, c->y).rate * h < 0.0))
+    if (kind == GAP && at_low <= SLACK && meet(r->p, k, c->y).rate * h < 0.0)
         return 0.0; /* what parts within rounding parts now: else it would stick and slip without end at the last bit */
+    if (r->method == EXTRAPOLATION && at_low <= SLACK && (low = risen(r, c, k, kind, h, high, &at_low)) == 0.0)
+        return 0.0;
+    if (at_low <= 0.0)
+        return 0.0;
     for (int tries = 0; tries < 80 && high - low > 2e-16 * high; tries++) {
         found = (low * at_high - high * at_low) / (at_high - at_low);
         found = fmin(fmax(found, low + 1e-16 * high), high);
         if (tries > 40)
             found = 0.5 * (low + high);
-        step(r, c->y, c->dy, found * h, c->next, c->rate);
-        double value = guard(r, k, kind, c->next, c->rate);
+        double value = guard_at(r, c, k, kind, h, found);
         if (value == 0.0 || found == high || found == low)
             break;
         if (value > 0.0) {
@@ -40,28 +66,70 @@ static double crossing(const runner *r, course *c, int64_t k, int kind, double h
     return found;
 }
 
-/* The first guard that fails within the step, as (fraction, pair, kind); 0 if none does. */
-static int leaving(const runner *r, course *c, double h, double *fraction, int64_t *pair, int *kind)
+/* The state at a part of the step by Hermite's cubic through its ends, and its rates. */
+static void between(const runner *r, const course *c, double h, double part, double *restrict y, double *restrict dy)
+{
+    double left = 1.0 - part, first = left * left * (1.0 + 2.0 * part), last = part * part * (3.0 - 2.0 * part);
+    double begins = left * left * part * h, ends = -part * part * left * h;
+    for (int64_t i = 0; i < r->size; i++)
+        y[i] = first * c->y[i] + begins * c->dy[i] + last * c->next[i] + ends * c->rate[i];
+    rates(r->p, r->mode, y, dy);
+}
+
+/* Which guards of pair k fall at the start of the step and rise at its end, where neither fails: bits by kind. */
+static int dipping(const runner *r, const course *c, int64_t k, const double *early, const double *late, const double *last)
 {
     int found = 0;
-    double value[GUARDS];
+    for (int g = 0; g < GUARDS; g++)
+        if (guard(r, k, g, early, early + r->size) < guard(r, k, g, c->y, c->dy) && guard(r, k, g, late, late + r->size) < last[g])
+            found |= 1 << g;
+    return found;
+}
+
+/* The part of the step at which such a guard is lowest, or fails for the first time that is seen (golden section). */
+static double lowest(const runner *r, course *c, int64_t k, int kind, double h, double *restrict value)
+{
+    const double golden = 0.6180339887498949;
+    double low = 0.0, high = 1.0, a = 1.0 - golden, b = golden;
+    double at_a = guard_at(r, c, k, kind, h, a), at_b = at_a < -SLACK ? INFINITY : guard_at(r, c, k, kind, h, b);
+    while (!(fmin(at_a, at_b) < -SLACK) && high - low > NARROW) {
+        if (at_a < at_b)
+            high = b, b = a, at_b = at_a, a = high - golden * (high - low), at_a = guard_at(r, c, k, kind, h, a);
+        else
+            low = a, a = b, at_a = at_b, b = low + golden * (high - low), at_b = guard_at(r, c, k, kind, h, b);
+    }
+    *value = fmin(at_a, at_b);
+    return at_a < at_b ? a : b;
+}
+
+/* The first guard that fails within the step, as (fraction, pair, kind); 0 if none does. Extrapolation, which claims round-off, sees those
+ * too that fail for a while between the ends of the step. */
+static int leaving(const runner *r, course *c, double h, double *fraction, int64_t *pair, int *kind)
+{
+    int found = 0, elsewhere = 0, looks_inside = r->method == EXTRAPOLATION;
+    double value[GUARDS], *early = r->scratch + (COLUMNS + 3) * r->size, *late = early + 2 * r->size;
+    if (looks_inside)
+        between(r, c, h, EDGE, early, early + r->size), between(r, c, h, 1.0 - EDGE, late, late + r->size);
     for (int64_t k = 0; k < r->p->pairs; k++) {
-        int fails = 0;
-        if (found) /* the search for an earlier failure has overwritten the end of the step */
-            step(r, c->y, c->dy, h, c->next, c->rate);
-        for (int g = 0; g < GUARDS; g++) {
+        if (elsewhere) /* searches overwrite the end of the step */
+            step(r, c->y, c->dy, h, c->next, c->rate), elsewhere = 0;
+        for (int g = 0; g < GUARDS; g++)
             value[g] = guard(r, k, g, c->next, c->rate);
-            fails |= value[g] < -SLACK;
-        }
-        for (int g = 0; fails && g < GUARDS; g++) {
-            if (!(value[g] < -SLACK))
+        int dips = looks_inside ? dipping(r, c, k, early, late, value) : 0;
+        for (int g = 0; g < GUARDS; g++) {
+            double end = 1.0, last = value[g];
+            if (!(last < -SLACK) && (dips >> g & 1))
+                end = lowest(r, c, k, g, h, &last), elsewhere = 1;
+            if (!(last < -SLACK))
                 continue;
-            double at = crossing(r, c, k, g, h, value[g]);
+            double at = crossing(r, c, k, g, h, end, last);
             if (!found || at < *fraction)
                 *fraction = at, *pair = k, *kind = g;
-            found = 1;
+            found = elsewhere = 1;
         }
     }
+    if (elsewhere && !found)
+        step(r, c->y, c->dy, h, c->next, c->rate);
     return found;
 }
 
@@ -186,7 +254,7 @@ int64_t refdem_particles_size(const refdem_particles *p)
 
 int64_t refdem_particles_work(const refdem_particles *p)
 {
-    return (COLUMNS + 12) * refdem_particles_size(p);
+    return (COLUMNS + 13) * refdem_particles_size(p);
 }
 
 int64_t refdem_particles_run(const refdem_particles *p, int method, double h, int64_t samples, int64_t stride, int64_t most,

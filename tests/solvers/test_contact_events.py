@@ -193,3 +193,43 @@ def test_planes_and_springs_move_with_the_middle():
         return ENGINE.run(Request(problem=Motion(scene, np.arange(33) * 2.0**-5), method="contact-events"))[0]
 
     assert np.abs(seen(2.0**20).velocity - seen(0.0).velocity).max() < 1e-14
+
+
+SLIPS_AGAIN = {
+    "masses": "1.796875,2.9375", "radii": "1.171875,0.5", "stiffness": "77.75", "closing_speed": "0.953125", "friction": "0.859375",
+    "tangential_stiffness": "230.359375", "angle": "-0.109375", "spins": "0,0,1.484375,0,0,1.859375", "branch": "R-d",
+}  # fmt: skip
+SLIPS_BETWEEN = {
+    "masses": "0.703125,2.96875", "radii": "1,0.875", "stiffness": "118.046875", "closing_speed": "0.5625", "friction": "1.46875",
+    "tangential_stiffness": "225.203125", "angle": "-0.734375", "spins": "0,0,0.625,0,0,-1.28125", "branch": "R-d",
+}  # fmt: skip
+TILTS = {
+    "masses": "1.21875,2.7421875", "radii": "1.265625,0.5625", "stiffness": "192", "closing_speed": "0.9375", "friction": "1",
+    "tangential_stiffness": "103", "angle": "0.25", "spins": "0,0,1,0,0,0.75",
+}  # fmt: skip
+
+
+def drawn(seed: int) -> dict[str, str]:
+    """A collision with friction, spins and any lever and end of the force, parameters of 64ths."""
+    rng = np.random.default_rng([seed, 2101])
+
+    def between(low: float, high: float) -> str:
+        return str(float(np.round(64 * rng.uniform(low, high)) / 64))
+
+    def pair(low: float, high: float) -> str:
+        return f"{between(low, high)},{between(low, high)}"
+
+    given = {"masses": pair(0.5, 3), "radii": pair(0.4, 1.5), "stiffness": between(50, 300), "damping": between(-2, 2).replace("-", "")}
+    given |= {"tangential_stiffness": between(40, 250), "friction": between(0.1, 1.5), "angle": between(-1, 1)}
+    given |= {"spins": f"0,0,{between(-2, 2)},0,0,{between(-2, 2)}", "branch": str(rng.choice(["R", "R-d", "R-d/2"]))}
+    return given | {"closing_speed": between(0.5, 2), "cutoff": str(rng.choice(["zero_overlap", "zero_force"]))}
+
+
+@pytest.mark.parametrize("given", [SLIPS_AGAIN, SLIPS_BETWEEN, TILTS, *map(drawn, range(40))])
+def test_it_agrees_with_the_taylor_series_of_the_plane_contact(given):
+    """Stick that ends in its own first step, slip for a part of a step, a spring that trial steps tilt: none is left out."""
+    instance = discovery.case("two-spheres").at(**given, samples="16")
+    one, other = (ENGINE.run(Request(problem=instance.problem, method=name))[0] for name in ("contact-events", "oblique-contact"))
+    scales = instance.scales
+    for ours, theirs, unit in ((one.position, other.position, scales.length), (one.velocity, other.velocity, scales.speed)):
+        assert np.abs(ours - theirs).max() < 1e-13 * unit
