@@ -42,7 +42,7 @@ static inline void lean(const meeting *m, double stiffness, double h, double *re
     for (int c = 0; c < 3; c++)
         across[c] = s[c] - along * m->slip[c] / fast;
     double rest = size(across);
-    if (rest < 1e-14)
+    if (rest < STRAIGHT) /* motion in a plane: rounding must not turn the spring, least of all from where it points against the slip */
         return;
     for (int c = 0; c < 3; c++)
         s[c] = cosine * m->slip[c] / fast + sine * across[c] / rest;

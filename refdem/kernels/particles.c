@@ -45,7 +45,7 @@ static double crossing(const runner *r, course *c, int64_t k, int kind, double h
     int side = 0;
     if (kind == GAP && at_low <= SLACK && meet(r->p, k, c->y).rate * h < 0.0)
         return 0.0; /* what parts within rounding parts now: else it would stick and slip without end at the last bit */
-    if (r->method == EXTRAPOLATION && at_low <= SLACK && (low = risen(r, c, k, kind, h, high, &at_low)) == 0.0)
+    if (at_low <= SLACK && (low = risen(r, c, k, kind, h, high, &at_low)) == 0.0)
         return 0.0;
     if (at_low <= 0.0)
         return 0.0;

@@ -143,6 +143,9 @@ static inline void holding(const refdem_particles *p, const meeting *m, const do
         force[c] /= -ease;
 }
 
+/* Angle [rad] within which a spring and the slip lie on a line. */
+static const double STRAIGHT = 1e-9;
+
 /* Tangential force on i, and the rate of the spring; where nothing but the lack of slip defines the force, the force itself
  * stands in the place of that rate. */
 static inline void rub(const refdem_particles *p, int64_t mode, const meeting *m, const double *restrict y,
@@ -164,7 +167,7 @@ static inline void rub(const refdem_particles *p, int64_t mode, const meeting *m
         inside[c] = s[c] - out * m->n[c], towards[c] /= flat;
     for (int c = 0; c < 3; c++)
         across[c] = m->slip[c] - along * inside[c] / fmax(dot(inside, inside), 1e-300);
-    if (mode == SLIP && size(across) < 1e-9 * fast) /* motion in a plane: rounding must not turn the spring, nor a trial step that has */
+    if (mode == SLIP && size(across) < STRAIGHT * fast) /* motion in a plane: rounding must not turn the spring, nor a trial step that has */
         lean = 0.0;                                 /* tilted it out of the plane of contact */
     for (int c = 0; c < 3; c++) {
         force[c] = mode == STICK ? -k * s[c] : mode >= SLIP ? -m->limit * towards[c] : 0.0;

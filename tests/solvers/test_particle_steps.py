@@ -5,7 +5,7 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from refdem.core import discovery
+from refdem.core import discovery, symmetry
 from refdem.core.balance import angular, linear, mechanical
 from refdem.core.problem import Motion, Request
 from refdem.core.trajectory import Trajectory
@@ -188,3 +188,16 @@ def test_a_steady_turn_keeps_the_quaternion_at_unit_length_over_many_steps(metho
     assert ENGINE.refusal(request.problem, ENGINE.method(method)) is None
     attitude = ENGINE.run(request)[0].attitude
     assert np.abs(np.linalg.norm(attitude, axis=-1) - 1).max() < 8 * ULP
+
+
+@pytest.mark.parametrize("name", ["shifted", "rescaled"])
+def test_a_spring_that_points_against_the_slip_of_a_plane_motion_stays_in_the_plane(name):
+    """Rounding would turn it round, from where it is held as a pencil on its tip is."""
+    given = {"radii": "0.7255859375,1.215087890625", "damping": "0.699951171875", "closing_speed": "0.39697265625", "friction": "0.75"}
+    given |= {"tangential_stiffness": "38.39990234375", "angle": "0.008727", "spins": "0,0,1,0,0,-2", "branch": "R"}
+    instance = discovery.case("two-spheres").at(**given)
+    view, motion = symmetry.picture(instance, name)
+    step = instance.problem.interval / 16
+    pairs = ((instance.problem, step), (motion, step * view.units[2]))
+    plain, other = (ENGINE.run(Request(problem=problem, method="velocity-verlet", step=h))[0] for problem, h in pairs)
+    assert np.abs(view.undone(other).velocity - plain.velocity).max() < 1e-13
