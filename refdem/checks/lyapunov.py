@@ -76,7 +76,12 @@ class Lyapunov(Check):
         seen = growth(t, np.maximum(apart[:count], apart[0] * 2.0**-20))
         truth = certified(trial)
         if not trial.instance.case.is_chaotic(trial.instance.p):
-            return [self._regular(seen, growth(t, truth.growth()[:count]) if truth and truth.until >= count else None)]
+            known = truth.growth()[:count] if truth and truth.until >= count else None
+            true = growth(t, known) if known is not None else None
+            if known is not None and seen.power > bound_of(true) and known[-1] > (t[-1] - t[0]) ** 2 / trial.instance.scales.tau**2:
+                why = f"neighbours of the true motion part by {known[-1]:.2g}, more than the square of the time: it is unstable for a while"
+                return [undecided(self.name, "power", why)]
+            return [self._regular(seen, true)]
         if truth is None or truth.until < count:
             why = f"truth is certified for {truth.until} of {count} samples" if truth else no_truth(trial)
             return [self._positive(seen), undecided(self.name, "exponent", why)]
@@ -92,7 +97,7 @@ class Lyapunov(Check):
 
         A body that passes close by a centre parts from its neighbour for a moment; samples may show that only near the end.
         """
-        bound = max(LARGEST_POWER, true.power if true else 0.0)
+        bound = bound_of(true)
         basis = "a regular motion lets neighbours part as the time, or its square (1.132): its exponent is zero"
         return judged(
             check=self.name,
@@ -134,6 +139,11 @@ class Lyapunov(Check):
             basis=basis,
             what=f"The exponent is {seen.exponent:.4g} +- {seen.error:.2g} and that of truth {true.exponent:.4g}; the difference",
         )
+
+
+def bound_of(true: Growth | None) -> float:
+    """The power of the time with which neighbours of a regular motion may part."""
+    return max(LARGEST_POWER, true.power if true else 0.0)
 
 
 CHECK = Lyapunov()

@@ -3,6 +3,7 @@
 import re
 from dataclasses import replace
 
+import msgspec
 import numpy as np
 import pytest
 
@@ -66,6 +67,22 @@ def test_a_comet_that_passes_close_by_is_regular_all_the_same(eccentricity):
     (found,) = judging.record(task, "1", {v: run_of(ENGINE, plan.request(task, v)) for v in task.variants}, []).findings
     assert (found.quantity, found.outcome) == ("power", "pass")
     assert found.value > 2  # what samples near the last passage show
+
+
+@pytest.mark.parametrize(("early", "outcome"), [(1e12, "undecided"), (1.0, "fail")])
+def test_neighbours_that_part_faster_than_any_power_tell_no_chaos_where_the_true_motion_is_unstable_for_a_while(early, outcome):
+    instance = discovery.case("intermediate-axis").at(offset="1e-06", direction="3", duration="100", samples="160")
+    truth = truth_of(instance)
+    grows_early = msgspec.structs.replace(truth, sensitivity=[1.0] * 20 + [early] * (len(truth.sensitivity) - 20))
+    task = task_of(ENGINE, "exact-free-body", instance, grows_early, 3, ("lyapunov",))
+    runs = {v: run_of(ENGINE, plan.request(task, v)) for v in task.variants}
+    beside = next(v for v in runs if v.change == "perturbed")
+    plain, run = (runs[v].trajectory for v in (task.trial.finest, beside))
+    grown = 1 + 1e5 * (np.arange(len(run.t)) / len(run.t)) ** 4  # the fourth power of the time
+    moved = plain.omega + (run.omega - plain.omega)[:1] * grown[:, None, None]
+    runs[beside] = replace(runs[beside], trajectory=replace(run, omega=moved, attitude=plain.attitude))
+    (found,) = judging.record(task, "1", runs, []).findings
+    assert (found.quantity, found.outcome) == ("power", outcome)
 
 
 def lyapunov(name, given, truth=None):
