@@ -77,11 +77,9 @@ class Lyapunov(Check):
         truth = certified(trial)
         if not trial.instance.case.is_chaotic(trial.instance.p):
             known = truth.growth()[:count] if truth and truth.until >= count else None
-            true = growth(t, known) if known is not None else None
-            if known is not None and seen.power > bound_of(true) and known[-1] > (t[-1] - t[0]) ** 2 / trial.instance.scales.tau**2:
-                why = f"neighbours of the true motion part by {known[-1]:.2g}, more than the square of the time: it is unstable for a while"
-                return [undecided(self.name, "power", why)]
-            return [self._regular(seen, true)]
+            if known is None or known[-1] <= (t[-1] - t[0]) ** 2 / trial.instance.scales.tau**2:
+                return [self._regular(seen, growth(t, known) if known is not None else None)]
+            return [self._regular(seen, growth(t, known), float(np.log2(FASTER * known[-1] * apart[0] / np.max(apart[:count]))))]
         if truth is None or truth.until < count:
             why = f"truth is certified for {truth.until} of {count} samples" if truth else no_truth(trial)
             return [self._positive(seen), undecided(self.name, "exponent", why)]
@@ -92,12 +90,13 @@ class Lyapunov(Check):
             return [undecided(self.name, "class", f"{why}: too little to be called chaos")]
         return [self._positive(seen), self._against_truth(trial, seen, true, t)]
 
-    def _regular(self, seen: Growth, true: Growth | None) -> Finding:
+    def _regular(self, seen: Growth, true: Growth | None, left: float = 0.0) -> Finding:
         """No faster than a power of the time, or than neighbours of the true motion part at the same samples.
 
-        A body that passes close by a centre parts from its neighbour for a moment; samples may show that only near the end.
+        A body that passes close by a centre parts from its neighbour for a moment; samples may show that only near the end. Where the
+        true motion is unstable for a while, S bounds how far any neighbours part: by `left` octaves more than these.
         """
-        bound = bound_of(true)
+        bound = max(LARGEST_POWER, true.power if true else 0.0, seen.power + left if left else 0.0)
         basis = "a regular motion lets neighbours part as the time, or its square (1.132): its exponent is zero"
         return judged(
             check=self.name,
@@ -139,11 +138,6 @@ class Lyapunov(Check):
             basis=basis,
             what=f"The exponent is {seen.exponent:.4g} +- {seen.error:.2g} and that of truth {true.exponent:.4g}; the difference",
         )
-
-
-def bound_of(true: Growth | None) -> float:
-    """The power of the time with which neighbours of a regular motion may part."""
-    return max(LARGEST_POWER, true.power if true else 0.0)
 
 
 CHECK = Lyapunov()

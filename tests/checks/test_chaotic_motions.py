@@ -69,8 +69,8 @@ def test_a_comet_that_passes_close_by_is_regular_all_the_same(eccentricity):
     assert found.value > 2  # what samples near the last passage show
 
 
-@pytest.mark.parametrize(("early", "outcome"), [(1e12, "undecided"), (1.0, "fail")])
-def test_neighbours_that_part_faster_than_any_power_tell_no_chaos_where_the_true_motion_is_unstable_for_a_while(early, outcome):
+@pytest.mark.parametrize(("early", "outcome"), [(1e7, "pass"), (1e5, "fail"), (1.0, "fail")])
+def test_neighbours_that_part_faster_than_any_power_are_held_to_s_where_the_true_motion_is_unstable_for_a_while(early, outcome):
     instance = discovery.case("intermediate-axis").at(offset="1e-06", direction="3", duration="100", samples="160")
     truth = truth_of(instance)
     grows_early = msgspec.structs.replace(truth, sensitivity=[1.0] * 20 + [early] * (len(truth.sensitivity) - 20))
@@ -78,7 +78,7 @@ def test_neighbours_that_part_faster_than_any_power_tell_no_chaos_where_the_true
     runs = {v: run_of(ENGINE, plan.request(task, v)) for v in task.variants}
     beside = next(v for v in runs if v.change == "perturbed")
     plain, run = (runs[v].trajectory for v in (task.trial.finest, beside))
-    grown = 1 + 1e5 * (np.arange(len(run.t)) / len(run.t)) ** 4  # the fourth power of the time
+    grown = 1 + 5e5 * (np.arange(len(run.t)) / len(run.t)) ** 4  # the fourth power of the time
     moved = plain.omega + (run.omega - plain.omega)[:1] * grown[:, None, None]
     runs[beside] = replace(runs[beside], trajectory=replace(run, omega=moved, attitude=plain.attitude))
     assert {f.quantity: f.outcome for f in judging.record(task, "1", runs, []).findings}["power"] == outcome
