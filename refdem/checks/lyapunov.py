@@ -96,7 +96,9 @@ class Lyapunov(Check):
         A body that passes close by a centre parts from its neighbour for a moment; samples may show that only near the end. Where the
         true motion is unstable for a while, S bounds how far any neighbours part: by `left` octaves more than these.
         """
-        bound = max(LARGEST_POWER, true.power if true else 0.0, seen.power + left if left else 0.0)
+        bound = max(LARGEST_POWER, true.power if true else 0.0)
+        if left > 0 and seen.power > bound:
+            bound = seen.power + left
         basis = "a regular motion lets neighbours part as the time, or its square (1.132): its exponent is zero"
         return judged(
             check=self.name,
