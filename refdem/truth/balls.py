@@ -1,31 +1,119 @@
 """From parameters to Arb balls and back to exact core balls, at a working precision that is raised until it suffices."""
 
-from collections.abc import Callable, Iterator, Sequence
+from abc import ABC, abstractmethod
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
+from dataclasses import dataclass
 from fractions import Fraction
+from functools import wraps
+from inspect import isfunction
+from threading import RLock
+from typing import Any, ParamSpec, Self, TypeVar
 
-from flint import acb, arb, ctx, fmpq
+from flint import acb, arb, arb_series, ctx, fmpq
 
-from refdem.core.truth import Ball
+from refdem.core.truth import Ball, Truth
+from refdem.truth.exact import refuse_rounded
+
+CONTEXT = RLock()
+"""Held while a proof runs: precision and length of series are settings of the whole process in python-flint, not of a thread."""
+
+Parameters = ParamSpec("Parameters")
+Result = TypeVar("Result")
+
+
+def exclusive(function: Callable[Parameters, Result]) -> Callable[Parameters, Result]:
+    """The same function, run by one thread at a time.
+
+    A second thread that set the precision, or cut a series short, meanwhile would change every ball of the first one. A thread that
+    holds the lock may call further; it must not wait inside `precision` for another thread that proves something.
+    """
+
+    @wraps(function)
+    def guarded(*given: Parameters.args, **named: Parameters.kwargs) -> Result:
+        with CONTEXT:
+            return function(*given, **named)
+
+    return guarded
+
+
+class Guarded:
+    """Something whose public methods, and whose constructor, are run by one thread at a time.
+
+    So the proofs that any number of threads make are, bit for bit, those that one thread makes.
+    """
+
+    def __init_subclass__(cls, **named: Any) -> None:
+        super().__init_subclass__(**named)
+        for name, member in list(vars(cls).items()):
+            is_public = name == "__init__" or not name.startswith("_")
+            if is_public and isfunction(member):
+                setattr(cls, name, exclusive(member))
+
+
+class GuardedTruth(Guarded, Truth):
+    """A truth of which one thread at a time asks something, and that is made of exact numbers alone."""
+
+    def __new__(cls, *given: Any, **named: Any) -> Self:
+        """Refuses what is rounded where a constructor is annotated with exact numbers: 1/3 of ints is, and 0.1 is not 1/10."""
+        if given or named:
+            refuse_rounded(cls.__init__, given, named)
+        return super().__new__(cls)
 
 
 @contextmanager
 def precision(bits: int) -> Iterator[None]:
-    """Arb's working precision, restored afterwards."""
-    before = ctx.prec
-    ctx.prec = bits
-    try:
-        yield
-    finally:
-        ctx.prec = before
+    """Arb's working precision [bits], restored afterwards; other threads that ask for one wait."""
+    with CONTEXT:
+        before = ctx.prec
+        ctx.prec = bits
+        try:
+            yield
+        finally:
+            ctx.prec = before
 
 
-def arb_of(value: Fraction | int | arb) -> arb:
-    """A ball that contains the exact rational; a ball is one already."""
+@contextmanager
+def series_length(terms: int) -> Iterator[None]:
+    """How many terms power series keep, restored afterwards; other threads that ask for one wait."""
+    with CONTEXT:
+        before = ctx.cap
+        ctx.cap = terms
+        try:
+            yield
+        finally:
+            ctx.cap = before
+
+
+def terms_of(series: arb_series, count: int) -> list[arb]:
+    """The first `count` terms of a series; RuntimeError if it knows fewer: what is cut off is not 0."""
+    if series.prec < count:
+        raise RuntimeError(f"a series knows {series.prec} terms; expected {count}: its length was changed while it was made")
+    return [series[k] for k in range(count)]
+
+
+class Enclosed(ABC):
+    """A number that is known by balls: one at each precision."""
+
+    @abstractmethod
+    def ball(self) -> arb:
+        """A ball, at the current precision, that contains the number."""
+
+
+def arb_of(value: "Fraction | int | arb | Enclosed") -> arb:
+    """A ball that contains an exact number, at the current precision; a ball is one already.
+
+    This is the door through which numbers enter a proof: TypeError for a binary64, a Decimal or anything else that is rounded.
+    """
     if isinstance(value, arb):
         return value
-    value = Fraction(value)
-    return arb(fmpq(value.numerator, value.denominator))
+    if isinstance(value, Enclosed):
+        return value.ball()
+    if isinstance(value, bool) or not isinstance(value, int | Fraction):
+        told = f"a proof got {value!r} ({type(value).__name__}); expected an exact rational (Fraction or int) or a ball"
+        raise TypeError(f"{told}: a rounded number is not the number that was meant")
+    exact = Fraction(value)
+    return arb(fmpq(exact.numerator, exact.denominator))
 
 
 def ball_of(value: arb) -> Ball:
@@ -62,25 +150,61 @@ def nearest_integer(value: arb) -> int:
 
 
 class UndecidedError(ValueError):
-    """Balls at this precision cannot tell which branch of a formula holds."""
+    """Balls at this precision cannot tell which branch of a formula holds, or cannot follow a motion.
+
+    `code` says which end it is if no precision helps (errors.py lists them); `final`: more bits would not help. Where a motion was
+    followed for a while, `time` [s] is how far, and `balls` has its last certified state.
+    """
+
+    def __init__(
+        self,
+        message: str,
+        *,
+        code: str = "separatrix",
+        final: bool = False,
+        time: float | None = None,
+        balls: Mapping[str, Ball] | None = None,
+    ) -> None:
+        super().__init__(message)
+        self.code, self.final = code, final
+        self.time = time
+        self.balls = dict(balls or {})
 
 
 SPARE = 32
 """Bits more than a radius is too large by: what it loses grows a little with the precision's own roundings."""
 
 
-def refined(evaluate: Callable[[], dict[str, arb]], target: Fraction, bits: int = 256, most: int = 16384) -> dict[str, Ball] | None:
-    """Evaluates at rising precision until every radius is at most `target`; the last result if `most` bits do not do it.
+@dataclass(frozen=True)
+class Climb:
+    """What raising the precision came to: the last balls (None if the last precision gave none), why there are none, the last bits."""
 
-    Bits rise by what the largest radius lacks, and twofold where the formula is undecided or not finite; None if it is so to the end.
+    balls: dict[str, Ball] | None
+    reason: ValueError | None
+    bits: int
+
+
+def climbed(evaluate: Callable[[], dict[str, arb]], target: Fraction, bits: int = 256, most: int = 16384) -> Climb:
+    """Evaluates at rising precision until every radius is at most `target`, or `most` bits are reached, or no bits can help.
+
+    Bits rise by what the largest radius lacks, and twofold where the formula is undecided or not finite.
     """
     while True:
+        balls: dict[str, Ball] | None = None
+        reason: ValueError | None = None
         with precision(bits):
             try:
-                balls: dict[str, Ball] | None = {name: ball_of(value) for name, value in evaluate().items()}
-            except ValueError:
-                balls = None
+                balls = {name: ball_of(value) for name, value in evaluate().items()}
+            except ValueError as error:
+                reason = error
         worst = None if balls is None else max((ball.radius for ball in balls.values()), default=Fraction(0))
-        if bits >= most or (worst is not None and worst <= target):
-            return balls
-        bits = min(most, 2 * bits if worst is None else bits + max(bits // 4, (worst / target).__ceil__().bit_length() + SPARE))
+        is_met = worst is not None and worst <= target
+        if is_met or bits >= most or getattr(reason, "final", False):
+            return Climb(balls, reason, bits)
+        lacking = bits if worst is None else max(bits // 4, (worst / target).__ceil__().bit_length() + SPARE)
+        bits = min(most, bits + lacking)
+
+
+def refined(evaluate: Callable[[], dict[str, arb]], target: Fraction, bits: int = 256, most: int = 16384) -> dict[str, Ball] | None:
+    """The balls of `climbed`: None if the formula is undecided or not finite to the end."""
+    return climbed(evaluate, target, bits, most).balls

@@ -1,11 +1,11 @@
-"""What all closed forms share: precision raised until it suffices, and S(t) by differences of the closed form itself.
+"""What all closed forms share: precision raised until it suffices, for values and for S(t) alike.
 
-A closed form gives three things: its quantities as balls at the current precision, the same motion from a displaced start,
-and its scalars. All else is here.
+A closed form gives four things: its quantities as balls at the current precision, how its errors grow, the same motion from a
+displaced start, and its scalars. All else is here.
 """
 
 from abc import abstractmethod
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from copy import copy
 from fractions import Fraction
 from functools import wraps
@@ -13,18 +13,18 @@ from typing import Any, Self, TypeVar
 
 from flint import arb, ctx
 
-from refdem.core.truth import Ball, Truth
+from refdem.core.truth import Ball
 from refdem.errors import NotCertifiedError
-from refdem.truth.balls import UndecidedError, arb_of, precision, refined
-from refdem.truth.exact import refuse_rounded
+from refdem.truth.balls import Climb, GuardedTruth, UndecidedError, arb_of, climbed, precision, refined
+from refdem.truth.growth import Grows
 
 DISPLACEMENT = Fraction(1, 2**120)
-"""Part of its scale by which a coordinate of the start is moved for S: its square is far below any S that matters, and a
-start that is 1e-30 off a separatrix stays on its side."""
+"""Part of its scale by which a coordinate of the start is moved for differences: a start that is 1e-30 off a separatrix stays on its
+side."""
 FIRST_BITS = 256
 """Working precision to begin with."""
-SENSITIVITY_BITS = 384
-"""Working precision for S to start with: 120 bits are lost by the difference, 200 remain."""
+GROWTH_BITS = (64, 128, 256, 512, 1024, 2048)
+"""Working precisions for S, which need not be sharp."""
 MOST_BITS = 16384
 """Where it ends."""
 
@@ -47,7 +47,7 @@ def per_precision(method: Callable[[Owner], Kept]) -> Callable[[Owner], Kept]:
     return kept
 
 
-class ClosedForm(Truth):
+class ClosedForm(GuardedTruth):
     """A truth by formula. `digits`: radii are at most 10^-digits times the smallest scale (and 10^-digits).
 
     `scale` maps every quantity to the size against which its error counts. `state` names, for each coordinate of the
@@ -55,12 +55,6 @@ class ClosedForm(Truth):
     """
 
     state: tuple[str, ...]
-
-    def __new__(cls, *given: Any, **named: Any) -> Self:
-        """Refuses int and float where a constructor is annotated Fraction: 1/3 of ints is rounded, and 0.1 is not 1/10."""
-        if given or named:
-            refuse_rounded(cls.__init__, given, named)
-        return super().__new__(cls)
 
     def __init__(self, scale: Mapping[str, Size], *, digits: int = 40) -> None:
         self.scale = {name: Fraction(size) for name, size in scale.items()}
@@ -83,9 +77,9 @@ class ClosedForm(Truth):
         """Working precision to begin with."""
         return FIRST_BITS
 
-    def sensitivity_bits(self) -> int:
-        """The same for S."""
-        return SENSITIVITY_BITS
+    def most_bits(self) -> int:
+        """Where raising it ends."""
+        return MOST_BITS
 
     def target(self) -> Fraction:
         """The largest radius that is asked for."""
@@ -106,27 +100,48 @@ class ClosedForm(Truth):
         return self._certified(self.constants, "scalars")
 
     def _certified(self, evaluate: Callable[[], dict[str, arb]], what: str, t: Fraction | None = None) -> dict[str, Ball]:
-        """Balls within the target; NotCertifiedError: separatrix where no precision tells a branch, precision where a radius stays."""
+        """Balls within the target; NotCertifiedError that says which end it is (errors.py)."""
         target = self.target()
-        balls = refined(evaluate, target, self.bits())
+        climb = climbed(evaluate, target, self.bits(), self.most_bits())
+        balls = climb.balls
         if balls is None:
-            told = f"{what}: separatrix: balls cannot decide a branch at the highest precision; move the start off the boundary"
-            raise NotCertifiedError(told, code="separatrix", time=0.0 if t else None, state=self.at_start(t))
+            raise self.undecided(climb, what, t)
         if any(ball.radius > target for ball in balls.values()):
             worst = max(balls, key=lambda name: balls[name].radius)
-            told = f"{what}: precision: radius of {worst} stays at {float(balls[worst].radius):.3g}; ask for fewer digits"
+            radius = float(balls[worst].radius)
+            told = f"{what}: precision: with {climb.bits} bits the radius of {worst} stays at {radius:.3g}; ask for fewer digits"
             raise NotCertifiedError(told, code="precision", time=None if t is None else float(t), state={} if t is None else balls)
         return balls
+
+    def undecided(self, climb: Climb, what: str, t: Fraction | None) -> NotCertifiedError:
+        """The end of a climb without balls; the last certified state is that which the reason has, or the one at the start."""
+        reason = climb.reason
+        if not isinstance(reason, UndecidedError):
+            told = f"{what}: precision: with {climb.bits} bits a value is not finite: {reason}"
+            return NotCertifiedError(told, code="precision", time=0.0 if t else None, state=self.at_start(t))
+        if reason.time is not None:
+            told = f"{what}: {reason.code}: {reason}"
+            return NotCertifiedError(told, code=reason.code, time=reason.time, state=reason.balls)
+        advice = "; move the start off the boundary" if reason.code == "separatrix" else ""
+        told = f"{what}: {reason.code}: with {climb.bits} bits balls cannot decide a branch: {reason}{advice}"
+        return NotCertifiedError(told, code=reason.code, time=0.0 if t else None, state=self.at_start(t))
 
     def at_start(self, t: Fraction | None) -> dict[str, Ball]:
         """The last state that is certified where a branch is not: that at 0; none for scalars, and where it has a branch itself."""
         return (refined(lambda: self.evaluate(arb(0)), self.target(), self.bits()) or {}) if t else {}
 
-    def sensitivity(self, t: Fraction) -> float:
-        """S(t) >= 1: the largest change of a quantity at t (in its scale) when every coordinate of the start moves by its scale.
+    @abstractmethod
+    def growth(self) -> Grows:
+        """How errors of this motion grow, at the current precision (refdem/truth/growth.py); kept by `per_precision`."""
 
-        max over quantities i of sum over j |d quantity_i(t)/scale_i over d start_j/scale_j|, an upper bound of the balls of
-        central differences; exact to the order of the displacement squared.
+    def growth_bits(self) -> Sequence[int]:
+        """Working precisions for S, one after another until one suffices."""
+        return GROWTH_BITS
+
+    def sensitivity(self, t: Fraction) -> float:
+        """S(t) >= 1: no error that is made at any time s <= t is larger at t, to first order, than S(t) times what it was at s.
+
+        Errors and answers are counted in scales: the largest of those of the coordinates of the state, and of the quantities.
         """
         if ("sensitivity", t) not in self.kept:
             self.kept["sensitivity", t] = self._sensitivity(t)
@@ -134,33 +149,16 @@ class ClosedForm(Truth):
         return found
 
     def _sensitivity(self, t: Fraction) -> float:
-        bits, code, why = self.sensitivity_bits(), "", ""
-        while bits <= MOST_BITS:
+        code, why = "precision", "no precision suffices"
+        for bits in self.growth_bits():
             with precision(bits):
                 try:
-                    rows = self.response(t)
-                    if all(row.is_finite() and row.rad() <= (row.abs_lower() + 1) * arb(1e-3) for row in rows):
-                        return max(1.0, *(float(row.upper()) * (1 + 2.0**-50) for row in rows))
-                    code, why = "precision", "the motion is hardly differentiable in its start"
-                except UndecidedError as error:
+                    return self.growth().at(t)
+                except (UndecidedError, NotCertifiedError) as error:
+                    # An integration to few bits may end where one to more goes on.
                     code, why = getattr(error, "code", "separatrix"), str(error)
-            bits *= 2
         told = f"no sensitivity at t = {float(t):.17g} s: {code}: {why}"
         raise NotCertifiedError(told, code=code, time=0.0, state=self.at_start(t))
-
-    def response(self, t: Fraction) -> list[arb]:
-        """For every quantity, the sum over the coordinates of the start of its scaled response at t."""
-        columns = [self.column(axis, t) for axis in range(len(self.state))]
-        return [sum((column[i] for column in columns), arb(0)) for i in range(len(columns[0]))]
-
-    def column(self, axis: int, t: Fraction) -> list[arb]:
-        """|d quantity_i(t)/scale_i over d start/scale| for one coordinate of the start, one i after another."""
-        plus, minus = (displaced.evaluate(arb_of(t)) for displaced in self.pair(axis))
-        return [size / arb_of(2 * DISPLACEMENT) for size in self.differences(plus, minus)]
-
-    def differences(self, plus: dict[str, arb], minus: dict[str, arb]) -> list[arb]:
-        """Sizes of the differences of two states, each in its scale; an attitude overrides this to compare as a rotation."""
-        return [abs(plus[name] - minus[name]) / arb_of(self.scale[name]) for name in plus]
 
     def pair(self, axis: int) -> tuple[Self, Self]:
         """The motions from starts displaced by +-DISPLACEMENT scales along one coordinate."""

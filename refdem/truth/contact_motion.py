@@ -106,7 +106,7 @@ class ContactMotion(Motion):
         while self.name(self.phases[-1]) != "apart":
             last = self.phases[-1]
             if last.entered[-1] + arb_of(last.searched) > LONGEST:
-                raise SwitchError("end", "the contact does not end within the time that is integrated", LONGEST).at(last.entered)
+                raise SwitchError("time", "the contact does not end within the time that is integrated", LONGEST).at(last.entered)
             self.follow()
 
     def stretches(self) -> Iterator[tuple[str, Piece, arb, arb]]:
@@ -129,7 +129,7 @@ class ContactMotion(Motion):
                 if turn is not None:
                     found: arb = self.traced.overlap.run(piece.at(turn))[0]
                     return found
-        raise SwitchError("end", "no turn of the overlap is seen", 0.0)
+        raise SwitchError("precision", "no turn of the overlap is proved", 0.0)
 
     def hardest(self) -> arb | None:
         """The largest normal force (K a + C u), at the start or where it first falls; None where it is not proved to fall from there on."""

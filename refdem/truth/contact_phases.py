@@ -23,6 +23,7 @@ from flint import arb
 from refdem.truth.balls import arb_of
 from refdem.truth.events.crossing import sign
 from refdem.truth.events.system import Entry, Guard, Mode
+from refdem.truth.reals import near
 from refdem.truth.sphere_pair import SpherePair
 from refdem.truth.traced_field import Program, traced
 
@@ -40,8 +41,8 @@ class ContactPhases:
         self.pair, self.ease = pair, [Fraction(5, 2) * share for share in masses]
         self.friction = pair.friction * rubs
         spring = pair.tangential_stiffness * (self.friction > 0)
-        fastest = max(pair.stiffness, spring * (1 + sum(self.ease))) / m
-        self.time = dyadic_root(1 / max(fastest, (pair.damping / m) ** 2))
+        fastest = max(pair.stiffness, near(spring * (1 + sum(self.ease)))) / near(m)
+        self.time = dyadic_root(1 / max(fastest, near(pair.damping / m) ** 2))
         self.speed = dyadic_root(pair.closing_speed**2)
         self.length = self.time * self.speed
         self.eps = self.length / pair.reach

@@ -1,9 +1,11 @@
 """Exact parameters by kind: one number, or the numbers of a vector; what is not exact is refused."""
 
 import re
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import fields, is_dataclass
 from fractions import Fraction
 from inspect import signature
+from numbers import Number as AnyNumber
 from typing import Any
 
 from refdem.core.parameters import Exact
@@ -31,19 +33,40 @@ def vector(p: Mapping[str, Exact], name: str) -> tuple[Fraction, ...]:
 
 
 def refuse_rounded(constructor: Callable[..., None], given: Sequence[Any], named: Mapping[str, Any]) -> None:
-    """Raises TypeError for an int or float, in any depth, where an argument is annotated with Fraction but not with float (nor int)."""
+    """Raises TypeError for a number that is not exact, in any depth, where a truth's constructor is annotated with exact numbers.
+
+    A binary64, a Decimal or a numpy number is never exact. An int is refused too, unless it is annotated: 1/3 of ints is rounded.
+    An annotation that has float in it (a scale, against which errors count) is left alone.
+    """
     found = signature(constructor)
+    owner = constructor.__qualname__.partition(".")[0]
     for name, value in found.bind(None, *given, **named).arguments.items():
-        annotation = str(found.parameters[name].annotation)
-        if re.search(r"\bFraction\b", annotation) and not re.search(r"\bfloat\b", annotation):
-            for part in parts(value):
-                if isinstance(part, float) or (isinstance(part, int) and not re.search(r"\bint\b", annotation)):
-                    owner = constructor.__qualname__.partition(".")[0]
-                    raise TypeError(f"{owner} got {part!r} in {name}; expected exact numbers such as Fraction('{part}')")
+        refuse_rounded_part(owner, name, value, str(found.parameters[name].annotation))
 
 
-def parts(value: Any) -> list[Any]:
+def refuse_rounded_part(owner: str, name: str, value: Any, annotation: str) -> None:
+    """The same for one argument, or for one field of a dataclass."""
+    if is_dataclass(value) and not isinstance(value, type):
+        for one in fields(value):
+            refuse_rounded_part(f"{owner}: {type(value).__name__}", one.name, getattr(value, one.name), str(one.type))
+        return
+    is_exact = re.search(r"\b(Fraction|Number)\b", annotation)
+    may_be_rounded = re.search(r"\bfloat\b", annotation)
+    if not is_exact or may_be_rounded:
+        return
+    may_be_int = re.search(r"\bint\b", annotation)
+    for part in parts(value):
+        is_int = isinstance(part, int)
+        if isinstance(part, AnyNumber) and not isinstance(part, Fraction) and not (is_int and may_be_int):
+            raise TypeError(f"{owner} got {part!r} in {name}; expected exact numbers such as Fraction('{part}')")
+
+
+def parts(value: Any) -> Iterator[Any]:
     """The values in a value, however deep in mappings and sequences."""
     if isinstance(value, Mapping):
-        return parts(list(value.values()))
-    return [found for part in value for found in parts(part)] if isinstance(value, list | tuple) else [value]
+        value = list(value.values())
+    if isinstance(value, list | tuple):
+        for part in value:
+            yield from parts(part)
+    else:
+        yield value

@@ -8,16 +8,16 @@ Jacobi (1850); Whittaker, Analytical Dynamics, 69-71; van Zon and Schofield (200
 
 from abc import ABC, abstractmethod
 from collections.abc import Sequence
-from fractions import Fraction
 from typing import Any, ClassVar
 
 from flint import acb, arb
 
 from refdem.truth.balls import UndecidedError, arb_of
 from refdem.truth.jacobi import Jacobi, carlson_f
+from refdem.truth.reals import Number
 from refdem.truth.rotation import applied, cross, matrix, product, quaternion, times, transposed, turn
 
-Exact3 = tuple[Fraction, Fraction, Fraction]
+Exact3 = tuple[Number, Number, Number]
 Balls3 = tuple[arb, arb, arb]
 """Principal moments and omega that are not rational; what must be decided of them is then decided by balls."""
 AXES = (0, 1, 2)

@@ -1,4 +1,4 @@
-"""Closed forms of x'' = a(x) from rest at x = amplitude: S from the closed form itself and from its own rates.
+"""Closed forms of x'' = a(x) from rest at x = amplitude: their derivative by the start from their own rates.
 
 A start with a small velocity e is the start at rest, e/a(amplitude) later: so d(x, v)(t)/d v(0) = (v(t), a(x(t)))/a(amplitude).
 The derivative by the amplitude is a central difference of the closed form.
@@ -44,6 +44,4 @@ class FromRest(SmoothFlow):
         by_place = [change / arb_of(2 * DISPLACEMENT) for change in self.scaled_changes(0, arb_of(t))]
         speed = arb_of(self.scale["v"])
         by_speed = [rate * speed / arb_of(self.scale[name]) for name, rate in zip(self.state, self.rates(t), strict=True)]
-        found = arb_mat([list(row) for row in zip(by_place, by_speed, strict=True)])
-        self.kept["jacobian", t] = found
-        return found
+        return arb_mat([list(row) for row in zip(by_place, by_speed, strict=True)])

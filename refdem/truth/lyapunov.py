@@ -16,7 +16,7 @@ from flint import arb, arb_mat, ctx
 
 from refdem.core.truth import Ball, Truth
 from refdem.errors import NotCertifiedError
-from refdem.truth.balls import UndecidedError, arb_of, ball_of, precision
+from refdem.truth.balls import UndecidedError, arb_of, ball_of, exclusive, precision
 from refdem.truth.events.motion import Motion
 from refdem.truth.events.truth import HybridFlow
 from refdem.truth.validated_flow import ValidatedFlow
@@ -29,6 +29,7 @@ JACOBIAN_BITS = 96
 """To which the flow Jacobian of a step of a validated flow is known: 1e-20 of an exponent leaves a third of them to spare."""
 
 
+@exclusive
 def exponent(truth: Truth, t: Fraction, *, digits: int = 20) -> Ball:
     """log sigma_max(D)/t [1/s, or 1/iterate] with a radius of at most 10^-digits; raises NotCertifiedError where D is not proved."""
     target = Fraction(1, 10**digits)

@@ -14,6 +14,7 @@ from fractions import Fraction
 from flint import arb
 
 from refdem.truth.balls import UndecidedError, arb_of
+from refdem.truth.reals import Number
 
 NEAR_TOUCH = Fraction(4, 5)
 """Up to this time, in units of d_m/v, the root is looked for in y: there y^(n+1) is below 0.6, and beyond it s^2 below 0.55."""
@@ -22,7 +23,7 @@ NEAR_TOUCH = Fraction(4, 5)
 class PowerContact:
     """The contact at the current precision; `speed` is that at touch."""
 
-    def __init__(self, mass: Fraction, stiffness: Fraction, exponent: Fraction, speed: arb) -> None:
+    def __init__(self, mass: Number, stiffness: Number, exponent: Fraction, speed: arb) -> None:
         self.part = 1 / (exponent + 1)
         self.a, self.power = arb_of(self.part), arb_of(exponent + 1)
         self.speed, self.ease = speed, arb_of((exponent + 1) * mass / (2 * stiffness))
@@ -67,7 +68,7 @@ class PowerContact:
         return self.unit * self.since_touch(overlap / self.depth)
 
 
-def touching(mass: Fraction, stiffness: Fraction, exponent: Fraction, overlap: Fraction, speed: Fraction) -> tuple[PowerContact, arb]:
+def touching(mass: Number, stiffness: Number, exponent: Fraction, overlap: Number, speed: Number) -> tuple[PowerContact, arb]:
     """The contact of a start with this overlap (none, or a little of either sign) and speed, and the time of touch [s]."""
     closing = arb_of(speed)
     if overlap <= 0:

@@ -8,7 +8,8 @@ u = v.n, v' = -F n + f, o_i' = (1 - b_i a) mu_i n x f, slip = v - u n + ((1 - b_
     e' = Kt/(mu F) (slip - (slip.e) e) - (e.n') n, from |Kt s| = mu F on, until Kt slip.e = mu F';  pull (F < 0) 0.
 
 Two ends are no analytic points of the motion: a slip without spring goes to zero on a spiral whose steps grow as 1/|slip|, and a clipped
-spring turns ever faster where the normal force fades, or begins. Both are not certified: `singular`, from FAINT on.
+spring turns ever faster where the normal force fades, or begins. `singular` is said where the motion is proved to begin at such a point;
+where it comes near to one it is followed until FAINT, and ends as `grazing`: whether it meets that point is not proved.
 """
 
 from collections.abc import Callable, Sequence
@@ -128,7 +129,7 @@ class SpatialPhases(ContactPhases):
             again = Guard("press", lambda y: -self.force(y), lambda y: self.pressing(y, rising=True))
             found["pull"] = Mode(self.field(None), (Guard("release", self.overlap, lambda y: self.parting()), again))
         if not self.kt:
-            fades = Guard("fade", self.left, lambda y: self.fading("the slip ends out of any plane"))
+            fades = Guard("fade", self.left, lambda y: self.fading("the slip falls out of any plane"))
             return found | {"slip": Mode(self.field(self.sliding_friction), (self.released(), fades))}
         fades = Guard("fade", lambda y: self.force(y) - FAINT, lambda y: self.fading("a clipped spring turns as the force fades"))
         back = Guard("stick", self.lag, lambda y: Entry("stick", self.clipped, {"slip": 2}))
@@ -165,7 +166,13 @@ class SpatialPhases(ContactPhases):
         return [*y[:12], *(x * most for x in y[12:15]), y[15]]
 
     def fading(self, why: str) -> Entry:
-        """Raises SwitchError."""
+        """Raises SwitchError near a point at which the motion may not be analytic; more bits come no nearer."""
+        error = SwitchError("grazing", f"{why} to 1/{1 / FAINT} of its scale, below which it is not followed", 0.0)
+        error.final = True
+        raise error
+
+    def begins_singular(self, why: str) -> Entry:
+        """Raises SwitchError at a start that is proved to be no analytic point."""
         raise SwitchError("singular", f"{why}, which is no analytic point of the motion", 0.0)
 
     def first(self, y: State) -> Entry:
@@ -177,10 +184,12 @@ class SpatialPhases(ContactPhases):
         if self.kt:
             steep = ball(lambda y: self.steepening(y) * self.friction, y)
             if rising and sign(speed * arb_of(self.kt) ** 2 - steep * steep, "k_t |slip| - friction dF/dt at touch") > 0:
-                self.fading("a clipped spring turns as the force begins")
+                self.begins_singular("a clipped spring turns as the force begins")
             return Entry("stick", self.unstretched, {"slip": 2} if rising else {})
+        if speed == 0:
+            self.begins_singular("the slip begins from zero out of any plane")
         if not speed > arb_of(FAINT * FAINT):
-            self.fading("the slip begins from zero out of any plane")
+            self.fading("the slip begins out of any plane, and is small")
         return Entry("slip", None, {self.released().name: 1} if rising else {})
 
     @staticmethod

@@ -9,16 +9,17 @@ from flint import arb
 from refdem.core.parameters import Exact
 from refdem.truth.balls import arb_of
 from refdem.truth.exact import number, vector
+from refdem.truth.reals import Number, near
 
 
 @dataclass(frozen=True, kw_only=True)
 class SpherePair:
-    """Exact numbers in SI units; `spins` are the angular velocities of both (6,), `lever` is 0, 1/2, 1 for R, R-d/2, R-d."""
+    """Numbers in SI units; `spins` are the angular velocities of both (6,), `lever` is 0, 1/2, 1 for R, R-d/2, R-d."""
 
-    masses: tuple[Fraction, ...]
+    masses: tuple[Number, ...]
     radii: tuple[Fraction, ...]
     stiffness: Fraction
-    damping: Fraction
+    damping: Number
     tangential_stiffness: Fraction
     friction: Fraction
     closing_speed: Fraction
@@ -28,9 +29,14 @@ class SpherePair:
     ends_with_overlap: bool
 
     @property
-    def effective_mass(self) -> Fraction:
+    def total_mass(self) -> Number:
+        """m1 + m2 [kg]."""
+        return self.masses[0] + self.masses[1]
+
+    @property
+    def effective_mass(self) -> Number:
         """m1 m2/(m1 + m2) [kg]."""
-        return self.masses[0] * self.masses[1] / sum(self.masses)
+        return self.masses[0] * self.masses[1] / self.total_mass
 
     @property
     def reach(self) -> Fraction:
@@ -38,12 +44,12 @@ class SpherePair:
         return sum(self.radii, Fraction(0))
 
     @property
-    def half_decay(self) -> Fraction:
+    def half_decay(self) -> Number:
         """b = c/(2 m_eff) [1/s]."""
         return self.damping / (2 * self.effective_mass)
 
     @property
-    def moments(self) -> list[Fraction]:
+    def moments(self) -> list[Number]:
         """Moments of inertia of the solid spheres [kg m^2]."""
         return [Fraction(2, 5) * m * r * r for m, r in zip(self.masses, self.radii, strict=True)]
 
@@ -68,7 +74,7 @@ class SpherePair:
 
         The first lets Picard's box close, the second keeps 1/rho (the only nonlinear term) well inside its convergence.
         """
-        fastest = self.stiffness / self.effective_mass + 4 * self.half_decay**2
+        fastest = near(self.stiffness / self.effective_mass) + 4 * near(self.half_decay) ** 2
         limit = max(4 * fastest, (32 * self.closing_speed / self.reach) ** 2)
         step = Fraction(1)
         while step**2 * limit > 1:

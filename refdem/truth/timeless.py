@@ -8,6 +8,7 @@ from flint import arb
 
 from refdem.errors import NotCertifiedError
 from refdem.truth.closed_form import ClosedForm, Size
+from refdem.truth.growth import Grows, Told
 
 
 class Timeless(ClosedForm):
@@ -31,6 +32,6 @@ class Timeless(ClosedForm):
         """There is no start to displace: raises NotCertifiedError."""
         raise NotCertifiedError("the case has no start; its values are scalars")
 
-    def sensitivity(self, t: Fraction) -> float:
+    def growth(self) -> Grows:
         """1: an error does not grow."""
-        return 1.0
+        return Told(lambda t: arb(1))

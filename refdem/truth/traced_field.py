@@ -11,7 +11,8 @@ from typing import Any
 
 from flint import acb, arb, ctx
 
-from refdem.truth.balls import arb_of
+from refdem.truth.balls import UndecidedError, arb_of
+from refdem.truth.reals import Number, is_number
 
 Operation = tuple[Any, ...]
 """("in", i), ("constant", c), ("scale", c, a), (+ * /, a, b) or (sin cos exp sqrt, a); a and b are earlier operations."""
@@ -33,12 +34,12 @@ class Trace:
         return Node(self, self.known[operation])
 
     def constant(self, value: object) -> "Node":
-        """A node, or that of an exact rational; TypeError for anything else: 0.1 is not 1/10."""
+        """A node, or that of an exact number; TypeError for anything else: 0.1 is not 1/10."""
         if isinstance(value, Node):
             return value
-        if isinstance(value, bool) or not isinstance(value, int | Fraction):
-            raise TypeError(f"constant {value!r} of a traced field; expected an int or a Fraction")
-        return self.node("constant", Fraction(value))
+        if not is_number(value):
+            raise TypeError(f"constant {value!r} of a traced field; expected an int, a Fraction or a Real")
+        return self.node("constant", Fraction(value) if isinstance(value, int) else value)
 
 
 @dataclass(frozen=True)
@@ -53,9 +54,13 @@ class Node:
         """What makes it."""
         return self.trace.operations[self.index]
 
-    def exact(self) -> Fraction | None:
+    def exact(self) -> Number | None:
         """Its value if it is a constant."""
-        return Fraction(self.operation[1]) if self.operation[0] == "constant" else None
+        kind, *parts = self.operation
+        if kind != "constant":
+            return None
+        value: Number = parts[0]
+        return value
 
     def __add__(self, other: object) -> "Node":
         other = self.trace.constant(other)
@@ -111,7 +116,7 @@ class Node:
 
 
 Field = Callable[[Sequence[Any]], Sequence[Any]]
-"""f(y) by + - * / and the methods sin, cos, exp, sqrt, with exact rational constants; time is a coordinate with derivative 1."""
+"""f(y) by + - * / and the methods sin, cos, exp, sqrt, with exact constants (Number); time is a coordinate with derivative 1."""
 
 
 def traced(function: Field, inputs: int) -> tuple[list[Node], list[list[Node]]]:
@@ -156,9 +161,15 @@ class Program:
         self.balls: dict[int, list[arb]] = {}
 
     def constants(self) -> list[arb]:
-        """For each operation a ball, at the current precision, of the exact number in it; 0 where there is none."""
+        """For each operation a ball, at the current precision, of the exact number in it; 0 where there is none.
+
+        Raises UndecidedError for a number that this precision does not enclose.
+        """
         if ctx.prec not in self.balls:
-            self.balls[ctx.prec] = [arb_of(o[1]) if o[0] in ("constant", "scale") else arb(0) for o in self.operations]
+            found = [arb_of(o[1]) if o[0] in ("constant", "scale") else arb(0) for o in self.operations]
+            if not all(ball.is_finite() for ball in found):
+                raise UndecidedError(f"a constant of the field is not enclosed with {ctx.prec} bits")
+            self.balls[ctx.prec] = found
         return self.balls[ctx.prec]
 
     def run(self, inputs: Sequence[Any], constant: Callable[[arb], Any] = arb) -> list[Any]:

@@ -9,10 +9,10 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import cached_property
-from math import isqrt
 from typing import Any
 
 from refdem.truth.events.system import Entry, Guard, Mode, Traced, along
+from refdem.truth.reals import root
 from refdem.truth.traced_field import Field, Node, Program, Trace
 
 PRESSES, IDLES = "p", "i"
@@ -99,9 +99,8 @@ class Seen:
 def side(square: Any) -> Any:
     """The root of a constant; exact where it is rational."""
     exact = square.exact() if isinstance(square, Node) else None
-    if exact is not None and isqrt(exact.numerator) ** 2 == exact.numerator and isqrt(exact.denominator) ** 2 == exact.denominator:
-        return square.trace.constant(Fraction(isqrt(exact.numerator), isqrt(exact.denominator)))
-    return square.sqrt()
+    found = None if exact is None else root(exact)
+    return square.trace.constant(found) if isinstance(found, Fraction) else square.sqrt()
 
 
 class Modes(dict[str, Mode]):

@@ -1,29 +1,32 @@
 """A Truth by validated integration: quantities of the state as balls, S(t) from the variational equation."""
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from copy import copy
 from fractions import Fraction
-from math import ceil, log
-from time import process_time
+from functools import partial
+from itertools import count
+from math import ceil, log2
 from typing import Any, Self
 
 import numpy as np
 from flint import arb, arb_mat, ctx
 
-from refdem.errors import NotCertifiedError
-from refdem.truth.balls import arb_of, ball_of, largest, precision
-from refdem.truth.closed_form import Size
-from refdem.truth.smooth_flow import ORIGINS, SmoothFlow
+from refdem.truth.balls import SPARE, UndecidedError, arb_of, ball_of, largest, precision
+from refdem.truth.closed_form import Size, per_precision
+from refdem.truth.forecast import Course, follow
+from refdem.truth.growth import Growth, Norm, Stretch, smooth
+from refdem.truth.smooth_flow import SmoothFlow
 from refdem.truth.traced_field import Field, Program, traced
-from refdem.truth.validated_ivp.integration import Integration
+from refdem.truth.validated_ivp.integration import Integration, Piece
 
 Quantities = Callable[[Sequence[Any]], Mapping[str, Any]]
 """Quantities by name of a state, by the operations of a field; the names of `state` among them."""
 LOSS = 24
 """Bits that a quiet motion may lose; one that loses more is integrated anew with as many more."""
-PROBE = 4
-"""Pieces whose cost is measured for a forecast; as many as a second of CPU allows where that is above DEAR seconds."""
-DEAR = 10.0
+MOST_BITS = 4096
+"""Where a motion ends as `precision`: twice as many bits take about ten times the work."""
+GAIN = Fraction(1, 16)
+"""Part by which the end of a motion must move if bits are doubled: a motion that loses bits by and by comes twice as far."""
 
 
 class ValidatedFlow(SmoothFlow):
@@ -52,6 +55,7 @@ class ValidatedFlow(SmoothFlow):
         self.field, self.begin, self.quantities = field, list(start), quantities
         self.state, self.moved = tuple(state), tuple(moved)
         self.names: list[str] = []
+        self.ends: dict[int, Fraction] = {}
         outputs, slopes = traced(self.listed, len(self.begin))
         self.values, self.slopes = Program(outputs), Program([entry for row in slopes for entry in row])
 
@@ -63,10 +67,19 @@ class ValidatedFlow(SmoothFlow):
 
     def bits(self) -> int:
         """What `at` begins with: bits for the digits, or what they have needed so far."""
-        asked = ceil(1 / self.target()).bit_length() + LOSS
-        return int(self.kept.get(("bits", self.digits), asked + -asked % 32))
+        return int(self.kept.get(("bits", self.digits), self.first_bits()))
 
-    sensitivity_bits = bits
+    def first_bits(self) -> int:
+        """Bits for the digits, and LOSS more."""
+        asked = ceil(1 / self.target()).bit_length() + LOSS
+        return asked + -asked % 32
+
+    def most_bits(self) -> int:
+        return max(MOST_BITS, 2 * self.bits())
+
+    def infinite_within(self, y: Sequence[arb]) -> arb | None:
+        """A time [s] within which every motion from these balls of the state is proved to be infinite; None where that is not proved."""
+        return None
 
     def integration(self) -> Integration:
         """The solution at the current precision."""
@@ -82,18 +95,39 @@ class ValidatedFlow(SmoothFlow):
     def evaluate(self, t: arb) -> dict[str, arb]:
         self.kept["bits", self.digits] = ctx.prec
         try:
-            return dict(zip(self.names, self.values.run(self.integration().at(t)), strict=True))
-        except NotCertifiedError as error:
-            flow = self.integration()
-            with precision(flow.bits):
-                last = [value + arb(0, radius) for value, radius in zip(flow.centre, flow.spread.radii(), strict=True)]
-                state = {name: ball_of(value) for name, value in zip(self.names, self.values.run(last), strict=True)}
-            raise NotCertifiedError(str(error), code=error.code, time=error.time, state=state) from None
+            return self.named(self.integration().at(t))
+        except UndecidedError as error:
+            if error.time is None:
+                raise
+            raise self.ended(t, error) from None
+
+    def named(self, y: Sequence[arb]) -> dict[str, arb]:
+        """The quantities of a state."""
+        return dict(zip(self.names, self.values.run(y), strict=True))
+
+    def ended(self, t: arb, error: UndecidedError) -> UndecidedError:
+        """The same end with the last certified state, and whether it is proved to be one of the motion, or more bits may move it.
+
+        It is `singular` where the motion from that state is proved to be infinite before t. Where bits were doubled and the end
+        hardly moved, more are not tried; what stops the proof there is then not known.
+        """
+        flow = self.integration()
+        y = flow.reached()
+        end = arb_of(flow.end)
+        balls = {name: ball_of(value) for name, value in self.named(y).items()}
+        within = self.infinite_within(y)
+        if within is not None and end + within < t:
+            told = f"the motion is infinite before t = {float((end + within).upper()):.17g} s; it is enclosed up to {float(end):.17g} s"
+            return UndecidedError(told, code="singular", final=True, time=error.time, balls=balls)
+        self.ends[flow.bits] = flow.end
+        earlier = [other for bits, other in self.ends.items() if 2 * bits <= flow.bits]
+        stays = bool(earlier) and flow.end <= max(earlier) * (1 + GAIN)
+        return UndecidedError(str(error), code=error.code, final=error.final or stays, time=error.time, balls=balls)
 
     def displaced(self, axis: int, amount: Fraction) -> Self:
         """The motion whose start has the coordinate `moved[axis]` larger by exactly `amount`: a witness of S, which needs none."""
         other = copy(self)
-        other.kept, other.begin = {}, list(self.begin)
+        other.kept, other.ends, other.begin = {}, {}, list(self.begin)
         before = self.begin[self.moved[axis]]
         other.begin[self.moved[axis]] = (lambda: before() + arb_of(amount)) if callable(before) else before + amount
         return other
@@ -101,50 +135,78 @@ class ValidatedFlow(SmoothFlow):
     def jacobian(self, t: Fraction) -> arb_mat:
         """d quantity_i(t)/scale_i over d start_j/scale_j, with `state` as the first rows, from the variational equation."""
         flow = self.integration().jacobian(arb_of(t)).table()
-        sizes = [(j, arb_of(self.scale[name])) for name, j in zip(self.state, self.moved, strict=True)]
-        found = self.scaled_slopes(t) * arb_mat([[row[j] * size for j, size in sizes] for row in flow])
-        self.kept["jacobian", t] = found
-        return found
+        return self.scaled_slopes(arb_of(t)) * arb_mat([[row[j] * size for j, size in self.sizes()] for row in flow])
 
-    def scaled_slopes(self, t: Fraction) -> arb_mat:
+    def scaled_slopes(self, t: arb) -> arb_mat:
         """d quantity_i(t)/scale_i over d y_j(t), with `state` as the first rows."""
-        slopes = self.slopes.run(self.integration().at(arb_of(t)))
+        slopes = self.slopes.run(self.integration().at(t))
         rows = dict(zip(self.names, np.array(slopes, dtype=object).reshape(len(self.names), -1), strict=True))
         order = [*self.state, *(name for name in self.names if name not in self.state)]
         return arb_mat([[entry / arb_of(self.scale[name]) for entry in rows[name]] for name in order])
 
-    def sensitivities(self, times: Sequence[Fraction]) -> list[float]:
-        """S at every time, the growth of errors made at t = 0 or at an earlier one of (up to 32 of) the times.
+    @per_precision
+    def growth(self) -> Growth:
+        """Piece by piece, by the variational equation."""
+        return Growth(self.stretches(self.integration()), Norm([1] * len(self.moved)), self.readings)
 
-        The first is proved; the others are products of the steps' Jacobians in doubles, to about 1e-9.
-        """
-        grown = [self.sensitivity(t) for t in times]
-        every = max(1, -(-len(times) // ORIGINS))
-        made = np.zeros((1, len(self.begin), len(self.moved)))
-        made[0, self.moved, range(len(self.moved))] = [float(self.scale[name]) for name in self.state]
-        carried = made[:0]
-        with precision(self.bits()):
-            for i, t in enumerate(times):
-                carried = self.integration().between(times[max(0, i - 1)], t) @ carried
-                rows = np.array([[float(x.mid()) for x in row] for row in self.scaled_slopes(t).table()])
-                grown[i] = max(grown[i], float(np.abs(rows @ carried).sum(axis=2).max(initial=0.0)) * (1 + 1e-9))
-                carried = carried if i % every else np.concatenate([carried, made])
-        return grown
+    def growth_bits(self) -> Sequence[int]:
+        """Those of the first integration: its pieces are there already."""
+        first = self.first_bits()
+        return [first << n for n in range(4)]
+
+    def stretches(self, flow: Integration) -> Iterator[Stretch]:
+        """The pieces of an integration, made as they are asked for."""
+        for number in count():
+            while number >= len(flow.pieces):
+                flow.advance()
+            piece = flow.pieces[number]
+            moved = partial(self.moved_by, flow, piece)
+            yield smooth(arb_of(piece.begin), arb_of(piece.length), moved, joins=True)
+
+    def moved_by(self, flow: Integration, piece: Piece, since: arb) -> arb_mat:
+        """The derivative of the state since the begin of a piece, both in scales: no error reaches what is not displaced."""
+        table = flow.moved_by(piece, since).table()
+        sizes = self.sizes()
+        return arb_mat([[table[i][j] * own / size for j, own in sizes] for i, size in sizes])
+
+    def sizes(self) -> list[tuple[int, arb]]:
+        """The coordinates that are displaced, and their scales."""
+        return [(j, arb_of(self.scale[name])) for name, j in zip(self.state, self.moved, strict=True)]
+
+    def readings(self, t: arb) -> arb_mat:
+        """d quantity_i(t)/scale_i over d state_j(t)/scale_j."""
+        sizes = self.sizes()
+        return arb_mat([[row[j] * size for j, size in sizes] for row in self.scaled_slopes(t).table()])
 
     def forecast(self, t: Fraction, digits: int) -> float:
-        """CPU seconds that `at(t)` to so many digits is about to cost, from a few pieces more than were made so far.
-
-        A motion that loses more bits than LOSS by then at the rate seen so far is counted again with as many more.
-        """
+        """CPU seconds that `at(t)` to so many digits is about to cost; what is followed for it is kept."""
         asked = self.refined(digits)
-        with precision(asked.bits()):
-            flow, begun = asked.integration(), process_time()
-            since, made, left, more = flow.end, len(flow.pieces), 0.0, 0.0
-            while flow.end < t and (len(flow.pieces) < made + PROBE or (left > DEAR and process_time() < begun + 1)):
-                flow.advance()
-                left = (process_time() - begun) * float((t - flow.end) / (flow.end - since))
-            if flow.end < t:
-                half, last = flow.pieces[len(flow.pieces) // 2], flow.pieces[-1]
-                lost = float((largest(last.spread.radii()) / largest(half.spread.radii())).log()) / log(2)
-                more = max(0.0, lost * float(t / (last.begin - half.begin)) - LOSS) / flow.bits
-        return left * (1 + (1 + more) ** 2 if more else 1)
+        course = Course(asked.bits())
+        work = asked.foreseen(t, course)
+        return course.seconds_for(work)
+
+    def foreseen(self, t: Fraction, course: Course) -> float:
+        """The pieces that are left until the radius at t is what is asked for, in pieces of the course's precision."""
+        # log2 of a number that may be below all doubles.
+        target = log2(self.target().numerator) - log2(self.target().denominator)
+        time = float(t)
+
+        def next_bits(bits: int, lacking: float | None) -> int | None:
+            more = bits if lacking is None else max(bits // 4, ceil(lacking) + SPARE)
+            return bits + more if bits < self.most_bits() else None
+
+        with precision(course.bits):
+            flow = self.integration()
+
+            def step() -> bool:
+                try:
+                    flow.advance()
+                except UndecidedError:
+                    return False
+                return True
+
+            def state() -> tuple[Fraction, int, arb]:
+                return flow.end, len(flow.pieces), largest(flow.spread.radii())
+
+            follow(course, state, step, t, lambda: course.work_to(time, target, next_bits))
+        return course.work_to(time, target, next_bits)

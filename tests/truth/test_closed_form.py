@@ -2,6 +2,7 @@
 
 import re
 from fractions import Fraction
+from functools import partial
 from math import cos, sin, sqrt
 
 import pytest
@@ -12,6 +13,8 @@ from refdem.truth.balls import UndecidedError, arb_of, nearest_integer, precisio
 from refdem.truth.closed_form import ClosedForm, per_precision
 from refdem.truth.closed_forms.free_rigid_body import FreeRigidBody
 from refdem.truth.closed_forms.harmonic_oscillator import HarmonicOscillator
+from refdem.truth.growth import Norm, SteadyGrowth, narrow
+from refdem.truth.line_growth import linear
 from refdem.truth.sampled import sampled
 
 
@@ -38,6 +41,11 @@ class Harmonic(ClosedForm):
     def displaced(self, axis, amount):
         return Harmonic(self.x + amount * (axis == 0), self.v + amount * (axis == 1), self.scale)
 
+    @per_precision
+    def growth(self):
+        ratio = arb_of(self.scale["x"] / self.scale["v"])
+        return SteadyGrowth(partial(linear, arb(1), -1, ratio), Norm([1, 1]), narrow(arb(1)), 2 * arb.pi())
+
     def constants(self):
         return {"period": 2 * arb.pi()}
 
@@ -62,9 +70,8 @@ def test_sensitivity_is_the_largest_scaled_row_sum_of_the_flow_jacobian():
     # d(x/Lx, v/Lv)/d(x0/Lx, v0/Lv) = [[c, s Lv/Lx], [-s Lx/Lv, c]] with Lx/Lv = 2
     t = 0.75
     expected = max(cos(t) + sin(t) / 2, 2 * sin(t) + cos(t))
-    assert harmonic().sensitivity(Fraction(t)) == pytest.approx(expected, rel=1e-14)
-    assert harmonic().sensitivity(Fraction(t)) >= expected * (1 - 1e-15)
-    assert sqrt(2) <= Harmonic(Fraction(0), Fraction(0), {"x": 1.0, "v": 1.0}).sensitivity(Fraction(0.7853981633974483)) < 1.4142136
+    assert expected <= harmonic().sensitivity(Fraction(t)) <= 1.2 * expected
+    assert sqrt(2) <= Harmonic(Fraction(0), Fraction(0), {"x": 1.0, "v": 1.0}).sensitivity(Fraction(0.7853981633974483)) < 1.2 * sqrt(2)
 
 
 def test_work_done_at_a_precision_is_kept():
@@ -90,6 +97,7 @@ def test_samples_are_doubles_whose_radii_contain_the_ball():
     for i, t in enumerate(found.t):
         ball = truth.at(Fraction(t))["x"]
         assert abs(Fraction(found.values["x"][i]) - ball.mid) + ball.radius <= Fraction(found.radii["x"][i])
+        # sharp: a radius that is proved, in arithmetic that is the same everywhere
         assert found.radii["x"][i] < 1e-16
     assert found.scalars["period"][0] == 6.283185307179586
 

@@ -5,6 +5,7 @@ from fractions import Fraction
 import pytest
 
 from refdem.core.discovery import case, truth_of
+from refdem.truth.balls import precision
 from refdem.truth.closed_forms.free_rigid_body import FreeRigidBody
 from refdem.truth.closed_forms.pendulum import Pendulum
 from refdem.truth.sampled import sampled
@@ -24,12 +25,22 @@ def test_growth_in_a_pendulum_is_that_of_one_started_on_the_way(given):
     way = truth.refined(70).at(MADE)
     start = dict(p) | {"theta0": way["theta"].mid, "thetadot0": way["thetadot"].mid}
     later = Pendulum(start, truth.scale).sensitivity(SEEN - MADE)
-    assert grown(truth) == pytest.approx(max(later, truth.sensitivity(SEEN)), rel=1e-9)
+    # What grows from MADE on alone is no more than S, and S is not much more than the largest of what is made before and after.
+    assert later <= 1.3 * grown(truth)
+    assert grown(truth) <= 1.3 * max(later, truth.sensitivity(MADE) * later)
+    assert from_the_start(truth, SEEN) <= grown(truth)
+
+
+def from_the_start(truth, t):
+    """What errors of the start have grown to, by central differences."""
+    with precision(384):
+        table = truth.jacobian(t).table()
+    return max(sum(abs(float(entry.mid())) for entry in row) for row in table)
 
 
 def test_a_pendulum_let_go_near_the_top_answers_more_to_an_error_at_the_bottom():
     truth = truth_of("pendulum", theta0="3")
-    assert grown(truth) > 2 * truth.sensitivity(SEEN)
+    assert grown(truth) > 2 * from_the_start(truth, SEEN)
 
 
 @pytest.mark.parametrize("omega", [(0.9, 1.1, 1.3), (0.01, 1, 0), (0, 0, 1)])
@@ -41,7 +52,8 @@ def test_growth_in_a_free_body_is_that_of_one_started_on_the_way(omega):
     spin = tuple(way[f"omega_body.{a}"].mid for a in "xyz")
     attitude = tuple(way[f"attitude.{a}"].mid for a in "wxyz")
     later = FreeRigidBody(inertia, spin, attitude, scale).sensitivity(SEEN - MADE)
-    assert grown(truth) == pytest.approx(max(later, truth.sensitivity(SEEN)), rel=1e-9)
+    assert later <= 1.3 * grown(truth)
+    assert grown(truth) <= 2 * truth.sensitivity(MADE) * later
 
 
 def test_samples_carry_the_growth_of_all_earlier_ones():
@@ -49,4 +61,4 @@ def test_samples_carry_the_growth_of_all_earlier_ones():
     times = [0.5 * k for k in range(9)]
     found = sampled(truth, times)
     assert found.sensitivity == truth.sensitivities([Fraction(t) for t in times])
-    assert found.sensitivity[-1] > max(truth.sensitivity(Fraction(t)) for t in times)
+    assert found.sensitivity[-1] > max(from_the_start(truth, Fraction(t)) for t in times)

@@ -3,21 +3,36 @@
 A file is JSON Lines. The first line says format, case, number of sets and columns. Each set is a line with its exact parameters and
 how it was proved, and then its values, one a line: [t, quantity, mid, radius, binary64]. t [s] is an exact number as text, null for
 what does not depend on time. The exact value lies in [mid - radius, mid + radius]; binary64 (C's %a) is there where both ends round
-to that double. sha256 of a set is that of its lines, each with its newline, with the text of sha256 itself left empty.
+to that double.
+
+sha256 is the last member of its line. That of a set is of its lines, each with its newline, with the text of sha256 itself left empty;
+that of the first line is of the whole file, with its own text left empty. sha256sums.txt, beside the files, lists each of them and no
+other.
 """
 
 import hashlib
 import json
+import re
 import sys
-from collections.abc import Iterator
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
 from fractions import Fraction
 from pathlib import Path
 from typing import Any
 
-FORMAT = 1
+FORMAT = 2
 COLUMNS = ("t", "quantity", "mid", "radius", "binary64")
 LARGEST_RADIUS = Fraction(1, 10**30)
+LIST = "sha256sums.txt"
+TIME = re.compile(r"[0-9]{1,80}(/[1-9][0-9]{0,80})?")
+DECIMAL = re.compile(r"-?[0-9]{1,300}(\.[0-9]{1,400})?")
+RADIUS = re.compile(r"0|[0-9]\.[0-9]{2}e-?[0-9]{1,3}")
+DOUBLE = re.compile(r"-?0x[01]\.[0-9a-f]{1,13}p[+-][0-9]{1,4}")
+SEALED = re.compile(r'(\{.*"sha256":")([0-9a-f]{64})("\}\n)')
+LISTED = re.compile(r"([0-9a-f]{64})  ([A-Za-z0-9_-]+\.jsonl)")
+TEXT = {"set": str, "parameters": dict, "method": str, "witness": str, "digits": int, "versions": dict, "source": str, "job": str}
+MEMBERS: dict[str, Any] = {**TEXT, "witnessed": (dict, type(None)), "not_certified": dict, "values": int, "sha256": str}
+HEAD: dict[str, Any] = {"format": int, "case": str, "sets": int, "columns": list, "sha256": str}
 
 
 @dataclass(frozen=True)
@@ -55,8 +70,9 @@ class Value:
 class CertifiedSet:
     """A case at one set of exact parameters (as text), its values, and how they were proved.
 
-    `source` is the digest of the code that proved them, `versions` that of the packages; `witnessed` says who confirmed how many of
-    the values and to how many digits, None if nobody did; `not_certified` has the times at which nothing could be proved, and why.
+    `source` is the digest of the code that proved them, `job` that of all that was asked and of all code that had a part in the lines,
+    `versions` that of the packages; `witnessed` says who confirmed how many of the values and to how many digits, None if nobody did;
+    `not_certified` has the times at which nothing could be proved, and why.
     """
 
     label: str
@@ -68,6 +84,7 @@ class CertifiedSet:
     not_certified: dict[str, str]
     digits: int
     source: str
+    job: str
     versions: dict[str, str]
     values: tuple[Value, ...]
 
@@ -90,52 +107,164 @@ def default_folder() -> Path:
 def load(case: str = "", *, folder: Path | str | None = None) -> list[CertifiedSet]:
     """The sets of one case, or of all; raises ValueError for the first thing that does not hold."""
     home = Path(folder) if folder is not None else default_folder()
+    if case and not (home / f"{case}.jsonl").is_file():
+        there = ", ".join(path.stem for path in sorted(home.glob("*.jsonl"))) or "none"
+        raise ValueError(f"no certified values at {home / case}.jsonl; there are {there}")
+    for problem in problems_of_list(home, f"{case}.jsonl" if case else ""):
+        raise ValueError(problem)
     paths = [home / f"{case}.jsonl"] if case else sorted(home.glob("*.jsonl"))
-    found = []
-    for path in paths:
-        if not path.is_file():
-            raise ValueError(
-                f"no certified values at {path}; there are {', '.join(p.stem for p in sorted(home.glob('*.jsonl'))) or 'none'}"
-            )
-        found += list(sets_of(path.read_text(encoding="utf-8"), path.name))
-    return found
+    return [one for path in paths for one in sets_of(text_of(path), path.name)]
+
+
+def text_of(path: Path) -> str:
+    """The text of a file; raises ValueError with name and line where it is not UTF-8."""
+    content = path.read_bytes()
+    try:
+        return content.decode("utf-8")
+    except UnicodeDecodeError as error:
+        line = content[: error.start].count(b"\n") + 1
+        raise ValueError(f"{path.name}, line {line}: not UTF-8") from None
+
+
+def problems_of_list(home: Path, only: str = "", inside: Callable[[Path], str] | None = None) -> Iterator[str]:
+    """What does not agree between the list of files and the files, both ways: of all, or of one file.
+
+    `inside` says what is wrong with a file in itself, or nothing.
+    """
+    told = inside or inner_problem
+    listed: dict[str, str] = {}
+    path = home / LIST
+    if not path.is_file():
+        yield f"{LIST}: missing in {home}"
+        return
+    for number, line in enumerate(text_of(path).split("\n")[:-1], 1):
+        found = LISTED.fullmatch(line)
+        if found is None or found[2] in listed:
+            yield f"{LIST}, line {number}: not a digest and the name of a file, or one that was there before"
+            return
+        listed[found[2]] = found[1]
+    there = {found.name: hashlib.sha256(found.read_bytes()).hexdigest() for found in home.glob(only or "*.jsonl")}
+    for name in sorted({only} if only else {*listed, *there}):
+        if name not in there:
+            yield f"{name}: missing, though {LIST} has it"
+        elif name not in listed:
+            yield f"{name}: there, though {LIST} does not have it"
+        elif listed[name] != there[name]:
+            # What is wrong inside the file is told in its own words where there are any.
+            yield told(home / name) or f"{name}: not as {LIST} has it"
+
+
+def inner_problem(path: Path) -> str:
+    """What is wrong with a file in itself, or nothing."""
+    try:
+        for _ in sets_of(text_of(path), path.name):
+            pass
+    except ValueError as error:
+        return str(error)
+    return ""
 
 
 def sets_of(text: str, name: str) -> Iterator[CertifiedSet]:
     """The sets of one file; raises ValueError with name, line and what is wrong."""
-    lines = text.splitlines(keepends=True)
-    head = json.loads(lines[0]) if lines else {}
-    if head.get("format") != FORMAT or tuple(head.get("columns", ())) != COLUMNS:
-        raise ValueError(f"{name}: not a file of certified values of format {FORMAT}")
-    at, count = 1, 0
+    lines = lines_of(text, name)
+    head = member_of(lines[0], HEAD, f"{name}, line 1")
+    if head["format"] != FORMAT or tuple(head["columns"]) != COLUMNS:
+        raise ValueError(f"{name}, line 1: not a file of certified values of format {FORMAT}")
+    at, found = 1, []
     while at < len(lines):
-        about = json.loads(lines[at])
+        where = f"{name}, line {at + 1}"
+        about = member_of(lines[at], MEMBERS, where)
         block = lines[at : at + 1 + about["values"]]
+        if about["values"] < 1 or len(block) != 1 + about["values"]:
+            raise ValueError(f"{where}: {about['set']} says {about['values']} values; {len(block) - 1} lines follow")
+        rows = [row_of(line, f"{name}, line {at + 2 + k}") for k, line in enumerate(block[1:])]
         if sha256_of(block) != about["sha256"]:
-            raise ValueError(f"{name}, line {at + 1}: the sha256 of {about['set']} is not that of its lines; take the file anew")
-        yield _certified_set(head["case"], about, [json.loads(line) for line in block[1:]], f"{name}, line {at + 1}")
-        at, count = at + len(block), count + 1
-    if count != head["sets"]:
-        raise ValueError(f"{name}: {count} sets; its first line says {head['sets']}")
+            raise ValueError(f"{where}: the sha256 of {about['set']} is not that of its lines; take the file anew")
+        found.append(_certified_set(head["case"], about, rows, where))
+        at += len(block)
+    if len(found) != head["sets"]:
+        raise ValueError(f"{name}, line 1: {len(found)} sets; its first line says {head['sets']}")
+    if sha256_of(lines) != head["sha256"]:
+        raise ValueError(f"{name}, line 1: the sha256 of the file is not that of its lines; take the file anew")
+    if head["case"] != name.removesuffix(".jsonl"):
+        raise ValueError(f"{name}, line 1: it has the values of {head['case']}")
+    yield from found
 
 
-def sha256_of(block: list[str]) -> str:
-    """The digest of a set's lines, the text of its own sha256 left empty."""
-    before, mark, _ = block[0].rpartition('"sha256":"')
-    return hashlib.sha256("".join([before + mark + '"}\n', *block[1:]]).encode()).hexdigest()
+def lines_of(text: str, name: str) -> list[str]:
+    """The lines with their newlines; raises ValueError if there are none, or the last one has no end."""
+    lines = [line + "\n" for line in text.split("\n")]
+    if lines.pop() != "\n" or not lines:
+        raise ValueError(f"{name}, line {len(lines) + 1}: the file ends within a line")
+    return lines
 
 
-def _certified_set(case: str, about: dict[str, Any], rows: list[list[Any]], where: str) -> CertifiedSet:
-    values = []
-    names = ("parameters", "method", "witness", "witnessed", "not_certified", "digits", "source", "versions")
-    if lacking := [name for name in names if name not in about]:
-        raise ValueError(f"{where}: {about['set']} says nothing of {', '.join(lacking)}")
-    for t, quantity, mid, radius, binary64 in rows:
-        sure = None if binary64 is None else float.fromhex(binary64)
-        values.append(Value(None if t is None else Fraction(t), quantity, mid, radius, sure))
-        if problem := values[-1].problem():
-            raise ValueError(f"{where}: {about['set']}, {quantity} at {t}: {problem}")
-    return CertifiedSet(label=about["set"], case=case, values=tuple(values), **{name: about[name] for name in names})
+def json_of(line: str, where: str) -> Any:
+    """The value of a line; raises ValueError that says where."""
+    try:
+        return json.loads(line)
+    except (ValueError, RecursionError) as error:
+        raise ValueError(f"{where}: not JSON ({error})") from None
+
+
+def member_of(line: str, members: dict[str, Any], where: str) -> dict[str, Any]:
+    """The object of a line with exactly these members, sha256 the last; raises ValueError that says where."""
+    found = json_of(line, where)
+    if not isinstance(found, dict) or SEALED.fullmatch(line) is None:
+        raise ValueError(f"{where}: expected an object that ends with its sha256")
+    if lacking := [name for name in members if name not in found]:
+        raise ValueError(f"{where}: says nothing of {', '.join(lacking)}")
+    if more := [name for name in found if name not in members]:
+        raise ValueError(f"{where}: {', '.join(more)} is not known")
+    for name, kind in members.items():
+        if not isinstance(found[name], kind) or isinstance(found[name], bool):
+            raise ValueError(f"{where}: {name} is {found[name]!r}")
+    return found
+
+
+def row_of(line: str, where: str) -> Value:
+    """The value of a line; raises ValueError that says where."""
+    row = json_of(line, where)
+    if not isinstance(row, list) or len(row) != len(COLUMNS):
+        raise ValueError(f"{where}: expected [t, quantity, mid, radius, binary64]")
+    t, quantity, mid, radius, binary64 = row
+    forms = (("t", t, TIME, True), ("mid", mid, DECIMAL, False), ("radius", radius, RADIUS, False), ("binary64", binary64, DOUBLE, True))
+    for name, text, form, may_lack in forms:
+        is_lacking = may_lack and text is None
+        if not is_lacking and not (isinstance(text, str) and form.fullmatch(text)):
+            raise ValueError(f"{where}: {name} is {text!r}")
+    if not isinstance(quantity, str):
+        raise ValueError(f"{where}: quantity is {quantity!r}")
+    when = None if t is None else Fraction(t)
+    sure = None if binary64 is None else double_of(binary64, where)
+    value = Value(when, quantity, mid, radius, sure)
+    if problem := value.problem():
+        raise ValueError(f"{where}: {quantity} at {t}: {problem}")
+    return value
+
+
+def double_of(text: str, where: str) -> float:
+    """The double of C's %a; raises ValueError where it is none."""
+    try:
+        return float.fromhex(text)
+    except OverflowError:
+        raise ValueError(f"{where}: binary64 {text} is beyond all doubles") from None
+
+
+def sha256_of(block: Iterable[str]) -> str:
+    """The digest of lines, the text of the sha256 that ends the first of them left empty."""
+    first, *rest = block
+    return hashlib.sha256("".join([SEALED.sub(r"\1\3", first), *rest]).encode()).hexdigest()
+
+
+def _certified_set(case: str, about: dict[str, Any], values: list[Value], where: str) -> CertifiedSet:
+    for name in ("parameters", "not_certified", "versions"):
+        if not all(isinstance(text, str) for text in about[name].values()):
+            raise ValueError(f"{where}: {name} has something that is not a text")
+    if len({(value.t, value.quantity) for value in values}) < len(values):
+        raise ValueError(f"{where}: {about['set']} has a value twice")
+    kept = {name: about[name] for name in MEMBERS if name not in ("set", "values", "sha256")}
+    return CertifiedSet(label=about["set"], case=case, values=tuple(values), **kept)
 
 
 def main(arguments: list[str]) -> int:

@@ -1,6 +1,7 @@
 """Sampled truths that are dear to prove, kept for judging: doubles with radii at the default samples of a campaign's instances.
 
-An entry holds as long as its key (case, parameters, times, scales) and the digest of the code behind it (sources.py) are the same.
+An entry holds as long as its key (case, parameters, times, scales) and the digest of the code behind it (sources.py) are the same. Its
+sha256 ends its line, and is of the line with the text of sha256 itself left empty; sha256sums.txt has every file of the folder.
 """
 
 import hashlib
@@ -12,16 +13,19 @@ import msgspec
 
 from refdem.core.truth import SampledTruth
 from refdem.errors import StoreError
+from refdem.truth.certified.reader import SEALED, sha256_of
+from refdem.truth.certified.writing import sealed
 
 
-class KeptSamples(msgspec.Struct, frozen=True):
-    """One line of samples/<case>.jsonl."""
+class KeptSamples(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
+    """One line of samples/<case>.jsonl; `job` is the digest of all that was asked and of all code that had a part in the line."""
 
     label: str
     key: str
     source: str
+    job: str
+    truth: SampledTruth
     sha256: str
-    truth: msgspec.Raw
 
 
 def key_of(case: str, parameters: Mapping[str, str], times: Sequence[float], scales: Mapping[str, float]) -> str:
@@ -29,14 +33,14 @@ def key_of(case: str, parameters: Mapping[str, str], times: Sequence[float], sca
     return hashlib.sha256(msgspec.json.encode([case, dict(parameters), list(times), dict(scales)])).hexdigest()
 
 
-def line_of(label: str, key: str, source: str, truth: SampledTruth) -> bytes:
+def line_of(label: str, key: str, source: str, truth: SampledTruth, job: str = "") -> bytes:
     """The entry of one instance; radii and S are rounded up to three digits."""
     radii = {name: [rounded_up(radius) for radius in column] for name, column in truth.radii.items()}
     scalars = {name: (value, rounded_up(radius)) for name, (value, radius) in truth.scalars.items()}
     sensitivity = [rounded_up(value) for value in truth.sensitivity]
     short = msgspec.structs.replace(truth, radii=radii, scalars=scalars, sensitivity=sensitivity, earlier={})
-    data = msgspec.json.encode(short)
-    return msgspec.json.encode(KeptSamples(label, key, source, hashlib.sha256(data).hexdigest(), msgspec.Raw(data))) + b"\n"
+    entry = msgspec.json.encode(KeptSamples(label, key, source, job, short, "")).decode()
+    return sealed([entry + "\n"])[0].encode()
 
 
 def rounded_up(value: float) -> float:
@@ -48,16 +52,28 @@ def rounded_up(value: float) -> float:
 
 
 def kept(folder: Path, case: str) -> list[KeptSamples]:
-    """The entries of a case; raises StoreError for a file that is damaged."""
+    """The entries of a case; raises StoreError, with file and line, for what is damaged."""
     path = folder / f"{case}.jsonl"
+    if not path.is_file():
+        return []
+    lines = path.read_bytes().split(b"\n")
+    if lines.pop():
+        raise damaged(path, len(lines) + 1, "the file ends within a line")
+    return [entry_of(line, path, number) for number, line in enumerate(lines, 1)]
+
+
+def entry_of(line: bytes, path: Path, number: int) -> KeptSamples:
+    """The entry of a line; raises StoreError if it is not one, or not that of its sha256."""
     try:
-        return [msgspec.json.decode(line, type=KeptSamples) for line in path.read_bytes().splitlines()] if path.is_file() else []
-    except msgspec.MsgspecError as error:
-        raise StoreError(f"{path}: {error}. Run `make certify`, or install refdem again.") from None
+        text = line.decode("utf-8") + "\n"
+        entry = msgspec.json.decode(line, type=KeptSamples)
+    except (msgspec.MsgspecError, UnicodeDecodeError, RecursionError) as error:
+        raise damaged(path, number, str(error)) from None
+    if SEALED.fullmatch(text) is None or sha256_of([text]) != entry.sha256:
+        raise damaged(path, number, f"the sha256 of {entry.label} is not that of its samples")
+    return entry
 
 
-def truth_of(entry: KeptSamples, where: Path) -> SampledTruth:
-    """The sampled truth of an entry; raises StoreError if its hash is not that of its content."""
-    if hashlib.sha256(bytes(entry.truth)).hexdigest() != entry.sha256:
-        raise StoreError(f"{where}: the sha256 of {entry.label} is not that of its samples. Run `make certify`, or install refdem again.")
-    return msgspec.json.decode(bytes(entry.truth), type=SampledTruth)
+def damaged(path: Path, number: int, what: str) -> StoreError:
+    """The error for a file of samples."""
+    return StoreError(f"{path}, line {number}: {what}. Run `make certify`, or install refdem again.")

@@ -1,6 +1,7 @@
 """What a certified value was proved with: the digest of every file of this package that its truth can reach.
 
-Read from the import statements (those inside functions too), not by importing: a value is stale once one of these files changes.
+Read from the import statements (those inside functions too), not by importing. A value is stale once the code of one of these files
+changes: the syntax tree counts, without docstrings, comments and layout, so that a sentence or a formatter makes nothing stale.
 """
 
 import ast
@@ -16,13 +17,13 @@ ALWAYS = ("core/truth.py",)
 
 
 def digest_of(case: str) -> str:
-    """sha256 of the names and contents of the files behind the truth of a case of refdem's own; empty if it is not one."""
+    """sha256 of the names and the code of the files behind the truth of a case of refdem's own; empty if it is not one."""
     home = case_files(case)
     return digest_of_files({*closure(home), *(ROOT / name for name in ALWAYS)}) if home else ""
 
 
 def digest_of_files(paths: Iterable[Path]) -> str:
-    """sha256 of names and contents of files of refdem."""
+    """sha256 of names and code of files of refdem."""
     digest = hashlib.sha256()
     for path in sorted(paths):
         digest.update(f"{path.relative_to(ROOT).as_posix()}\0{_content(path)}\n".encode())
@@ -77,4 +78,26 @@ def _file(module: str) -> Path | None:
 
 @cache
 def _content(path: Path) -> str:
-    return hashlib.sha256(path.read_bytes()).hexdigest()
+    return hashlib.sha256(code_of(path.read_bytes()).encode()).hexdigest()
+
+
+def code_of(source: bytes) -> str:
+    """What a file of Python does, as text: its syntax tree without positions, comments, docstrings and other sentences on their own.
+
+    Empty fields are left out, so that a version of Python that adds one says the same of what does not use it.
+    """
+    return _tree(ast.parse(source))
+
+
+def _tree(node: object) -> str:
+    if isinstance(node, list):
+        return "[" + ",".join(_tree(item) for item in node if not _is_sentence(item)) + "]"
+    if not isinstance(node, ast.AST):
+        return repr(node)
+    fields = [(name, value) for name, value in ast.iter_fields(node) if value is not None and value != []]
+    return type(node).__name__ + "(" + ",".join(f"{name}={_tree(value)}" for name, value in fields) + ")"
+
+
+def _is_sentence(node: object) -> bool:
+    """A statement that is a text and nothing else."""
+    return isinstance(node, ast.Expr) and isinstance(node.value, ast.Constant) and isinstance(node.value.value, str)

@@ -49,27 +49,35 @@ def versions() -> dict[str, str]:
 
 
 def block(label: str, parameters: Mapping[str, str], truth: Truth, found: Rows, **more: Any) -> list[str]:
-    """The lines of one set; `more` has source (the digest of the code), witnessed and not_certified."""
+    """The lines of one set; `more` has source and job (digests), witnessed and not_certified."""
     proved = {"method": truth.method, "witness": truth.witness, "digits": DIGITS, "versions": versions()}
     about = {"set": label, "parameters": dict(parameters), **proved, **more, "values": len(found), "sha256": ""}
     lines = [compact(about), *(compact(list(item)) for item in found)]
-    lines[0] = lines[0].replace('"sha256":""}', f'"sha256":"{sha256_of(lines)}"}}')
-    return lines
+    return sealed(lines)
+
+
+def sealed(lines: Sequence[str]) -> list[str]:
+    """The same lines with their sha256 in the first one, whose last member it is."""
+    first, *rest = lines
+    before, mark, _ = first.rpartition('"sha256":"')
+    open_first = f'{before}{mark}"}}\n'
+    return [f'{before}{mark}{sha256_of([open_first, *rest])}"}}\n', *rest]
 
 
 def file_text(case: str, blocks: Sequence[Sequence[str]]) -> str:
     """The file of a case."""
-    head = {"format": FORMAT, "case": case, "sets": len(blocks), "columns": COLUMNS}
-    return compact(head) + "".join(line for lines in blocks for line in lines)
+    head = {"format": FORMAT, "case": case, "sets": len(blocks), "columns": COLUMNS, "sha256": ""}
+    return "".join(sealed([compact(head), *(line for lines in blocks for line in lines)]))
 
 
 def blocks_in(text: str) -> list[list[str]]:
-    """The lines of each set of a file, as they stand."""
+    """The lines of each set of a file that holds, as they stand."""
     lines = text.splitlines(keepends=True)
-    found, at = [], 1
+    at, found = 1, []
     while at < len(lines):
-        found.append(lines[at : at + 1 + json.loads(lines[at])["values"]])
-        at += len(found[-1])
+        count = json.loads(lines[at])["values"]
+        found.append(lines[at : at + 1 + count])
+        at += 1 + count
     return found
 
 

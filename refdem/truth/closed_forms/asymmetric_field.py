@@ -4,10 +4,11 @@ Rising flank: x - x1 = xi, xi'' = (k1/m) xi. Falling flank: x - x2 = eta, eta'' 
 x1, 0 and x2 are rational, so that whether it turns, and on which flank, is decided exactly.
 """
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from copy import copy
 from dataclasses import dataclass
 from fractions import Fraction
+from functools import partial
 from typing import Self
 
 from flint import arb
@@ -18,6 +19,8 @@ from refdem.errors import NotCertifiedError
 from refdem.truth.balls import UndecidedError, arb_of
 from refdem.truth.closed_form import Size, per_precision
 from refdem.truth.exact import numbers
+from refdem.truth.growth import Grows, Growth, Norm, Stretch, narrow, smooth
+from refdem.truth.line_growth import linear
 from refdem.truth.smooth_flow import SmoothFlow
 
 
@@ -149,6 +152,18 @@ class AsymmetricField(SmoothFlow):
         c, s = ((rate * t).cosh(), (rate * t).sinh()) if phase.region == "rising" else ((rate * t).cos(), (rate * t).sin())
         side = 1 if phase.region == "rising" else -1
         return {"x": centre + (x - centre) * c + v / rate * s, "v": side * (x - centre) * rate * s + v * c}
+
+    @per_precision
+    def growth(self) -> Grows:
+        return Growth(self.stretches(), Norm([1, 1]), step=narrow(arb_of(max(self.steep, self.fall)).sqrt()))
+
+    def stretches(self) -> Iterator[Stretch]:
+        """Phase by phase; the force has no jump, and so errors have none."""
+        ratio = arb_of(self.scale["x"] / self.scale["v"])
+        kinds = {"left": (arb(0), 0), "rising": (arb_of(self.steep), 1), "falling": (arb_of(self.fall), -1), "right": (arb(0), 0)}
+        for phase in self.phases():
+            length = None if phase.end is None else phase.end - phase.begin
+            yield smooth(phase.begin, length, partial(linear, *kinds[phase.region], ratio))
 
     def constants(self) -> dict[str, arb]:
         x1, x2 = self.exact["x1"], self.exact["x2"]

@@ -3,15 +3,18 @@
 from collections.abc import Mapping
 from copy import copy
 from fractions import Fraction
+from functools import partial
 
 from flint import arb
 
 from refdem.core.parameters import Parameters
 from refdem.core.truth import Truth
 from refdem.truth.balls import UndecidedError, arb_of, precision
-from refdem.truth.closed_form import ClosedForm
+from refdem.truth.closed_form import ClosedForm, per_precision
 from refdem.truth.closed_forms.newtons_first_law import Still
 from refdem.truth.exact import numbers
+from refdem.truth.growth import Grows, Norm, SteadyGrowth, narrow
+from refdem.truth.line_growth import linear
 
 MOST_BITS = 16384
 
@@ -36,6 +39,12 @@ class Slide(ClosedForm):
         other.kept = {}
         other.s0, other.v0 = self.s0 + amount * (axis == 0), self.v0 + amount * (axis == 1)
         return other
+
+    @per_precision
+    def growth(self) -> Grows:
+        """Errors of a motion at constant acceleration move uniformly."""
+        ratio = arb_of(self.scale["s"] / self.scale["v"])
+        return SteadyGrowth(partial(linear, arb(0), 0, ratio), Norm([1, 1]), narrow(1 / ratio))
 
     def evaluate(self, t: arb) -> dict[str, arb]:
         """Way and speed at t."""

@@ -3,16 +3,17 @@
 d^2 = |r0 x v0|^2/v0^2 is the square of the distance there; t_c, d^2 and the direction of r(t_c) are rational.
 """
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from fractions import Fraction
 
-from flint import arb
+from flint import arb, arb_mat
 
 from refdem.core.parameters import Parameters
 from refdem.core.truth import Truth
 from refdem.truth.balls import arb_of
-from refdem.truth.closed_form import ClosedForm, Size
+from refdem.truth.closed_form import ClosedForm, Size, per_precision
 from refdem.truth.exact import numbers
+from refdem.truth.growth import Grows, Growth, Norm, Stretch, Times, narrow, smooth
 
 RUN_UP = 2
 Start = tuple[Fraction, Fraction, Fraction, Fraction]
@@ -58,6 +59,51 @@ class CapturedMass(ClosedForm):
         pairs = (self.place, self.start[2:])
         turned = [(arb_of(a) * cosine - arb_of(b) * sine, arb_of(a) * sine + arb_of(b) * cosine) for a, b in pairs]
         return dict(zip(self.state, (*turned[0], *turned[1]), strict=True))
+
+    @per_precision
+    def growth(self) -> Grows:
+        vectors = Norm((2, 2), (1, 1, 1, 1))
+        # Errors of both components by their scale are a vector that is longer than either.
+        return Times(Growth(self.stretches(), vectors, self.readings, step=narrow(self.omega())), arb(2).sqrt())
+
+    def stretches(self) -> Iterator[Stretch]:
+        """The straight line, and the circle, whose frame turns; errors in scales, of place and velocity, outward and along the motion.
+
+        On the circle an error rho outwards stays, sigma along it has the rate of u - omega rho, u being that of the speed; the velocity
+        outwards that goes with them is -omega sigma, and what is left of it the hook takes at once.
+        """
+        ratio = arb_of(self.scale["x"] / self.scale["vx"])
+        turn = abs(self.omega()) * ratio
+        one, none = arb(1), arb(0)
+
+        def straight(t: arb) -> arb_mat:
+            moved = t / ratio
+            return arb_mat([[one, none, moved, none], [none, one, none, moved], [none, none, one, none], [none, none, none, one]])
+
+        def circle(t: arb) -> arb_mat:
+            moved = t / ratio
+            along = [-turn * moved, one, none, moved]
+            outwards = [-turn * value for value in along]
+            outwards[2] += 1
+            return arb_mat([[one, none, none, none], along, outwards, [none, none, none, one]])
+
+        held = arb_mat([[one, none, none, none], [none, one, none, none], [none, -turn, none, none], [none, none, none, one]])
+        yield smooth(arb(0), arb_of(self.caught), straight, jump=held)
+        yield smooth(arb_of(self.caught), None, circle, felt=held)
+
+    def readings(self, t: arb) -> arb_mat:
+        """Errors along the axes of space by those outwards and along the motion."""
+        since = t - arb_of(self.caught)
+        angle = self.omega() * since if since > 0 else arb(0)
+        x, y = (arb_of(value) for value in self.place)
+        size = (x * x + y * y).sqrt()
+        side = 1 if self.spin > 0 else -1
+        sine, cosine = angle.sin_cos()
+        outward = [(x * cosine - y * sine) / size, (x * sine + y * cosine) / size]
+        along = [-side * outward[1], side * outward[0]]
+        none = arb(0)
+        places = [[a, b, none, none] for a, b in zip(outward, along, strict=True)]
+        return arb_mat(places + [[none, none, *row[:2]] for row in places])
 
     def displaced(self, axis: int, amount: Fraction) -> "CapturedMass":
         x, y, vx, vy = (value + (amount if i == axis else 0) for i, value in enumerate(self.start))

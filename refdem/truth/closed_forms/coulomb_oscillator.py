@@ -21,6 +21,7 @@ from refdem.errors import NotCertifiedError
 from refdem.truth.balls import UndecidedError, arb_of
 from refdem.truth.closed_form import ClosedForm, per_precision
 from refdem.truth.exact import numbers
+from refdem.truth.growth import Grows, Told
 
 
 class CoulombOscillator(ClosedForm):
@@ -43,10 +44,15 @@ class CoulombOscillator(ClosedForm):
         other.x0, other.v0 = self.x0 + amount * (axis == 0), self.v0 + amount * (axis == 1)
         return other
 
-    def sensitivity(self, t: Fraction) -> float:
+    @per_precision
+    def growth(self) -> Grows:
+        return Told(self.grown)
+
+    def grown(self, t: arb) -> arb:
         """sqrt(1 + max(w L/V, V/(w L))^2) at all times: the flow is nonexpansive in the energy norm (see the module)."""
-        ratio = float(self.stiffness / self.mass) ** 0.5 * float(self.scale["x"] / self.scale["v"])
-        return float((1 + max(ratio, 1 / ratio) ** 2) ** 0.5 * (1 + 2.0**-48))
+        ratio = self.rate() * arb_of(self.scale["x"] / self.scale["v"])
+        larger = ratio.max(1 / ratio)
+        return (1 + larger * larger).sqrt()
 
     def evaluate(self, t: arb) -> dict[str, arb]:
         """Position and velocity at t; the velocity is exactly 0 once it has stopped."""

@@ -4,8 +4,11 @@ from collections.abc import Mapping, Sequence
 from fractions import Fraction
 from typing import Any
 
+from flint import arb
+
 from refdem.core.parameters import Parameters
 from refdem.core.truth import Truth
+from refdem.truth.escape import Repulsion
 from refdem.truth.exact import numbers
 from refdem.truth.validated_flow import ValidatedFlow
 
@@ -14,6 +17,15 @@ class DrivenDuffing(ValidatedFlow):
     """x [m] and v [m/s] at t >= 0."""
 
     witness = "Taylor series in rational arithmetic from the power series of x; heyoka in multiprecision at literal values"
+    repulsion: Repulsion | None = None
+
+    def infinite_within(self, y: Sequence[arb]) -> arb | None:
+        """Where beta < 0 the spring repels beyond some |x|, to either side alike."""
+        if self.repulsion is None:
+            return None
+        x, v = y[:2]
+        side = 1 if x > 0 else -1
+        return self.repulsion.infinite_within(side * x, side * v)
 
 
 def truth(p: Parameters, scale: Mapping[str, float]) -> Truth:
@@ -26,4 +38,7 @@ def truth(p: Parameters, scale: Mapping[str, float]) -> Truth:
         return [v, push, -values["drive"] * s, values["drive"] * c]
 
     start = [values["x0"], values["v0"], Fraction(1), Fraction(0)]
-    return DrivenDuffing(field, start, lambda y: {"x": y[0], "v": y[1]}, scale, state=("x", "v"), moved=(0, 1))
+    found = DrivenDuffing(field, start, lambda y: {"x": y[0], "v": y[1]}, scale, state=("x", "v"), moved=(0, 1))
+    if values["beta"] < 0:
+        found.repulsion = Repulsion(3, -values["beta"], values["alpha"], values["delta"], abs(values["f0"]))
+    return found

@@ -6,18 +6,19 @@ steady motion Re(A exp(i w t)), A = f0/(w0^2 - w^2 + 2 i delta w) (1.104), and t
 it adds f0 t sin(w0 t)/(2 w0) instead.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from copy import copy
 from fractions import Fraction
-from itertools import accumulate
 from typing import Self
 
-from flint import arb
+from flint import arb, arb_mat
 
 from refdem.core.parameters import Parameters
 from refdem.core.truth import Truth
 from refdem.truth.balls import arb_of
+from refdem.truth.closed_form import per_precision
 from refdem.truth.exact import numbers
+from refdem.truth.growth import Grows, Norm, SteadyGrowth, Told, narrow
 from refdem.truth.smooth_flow import SmoothFlow
 
 
@@ -83,9 +84,24 @@ class DrivenOscillator(SmoothFlow):
         x, v = self.free(arb_of(self.x0) - centre - x_first, arb_of(self.v0) - v_first, t)
         return {"x": centre + x + x_steady, "v": v + v_steady}
 
-    def sensitivities(self, times: Sequence[Fraction]) -> list[float]:
-        """S at every time: the motion is linear, so that an error made at one grows as one made at t = 0 has by the time elapsed."""
-        return list(accumulate((self.sensitivity(t) for t in times), max))
+    @per_precision
+    def growth(self) -> Grows:
+        """The motion is linear: an error grows as the free motion does, whenever it is made; in a whole period it does not grow."""
+        ratio = arb_of(self.scale["x"] / self.scale["v"])
+        if self.delta**2 >= 4 * self.square:
+            # Over-damped, with the rates s1 < s2 = delta -+ kappa: of x there is left, for x at the start,
+            # (s2 exp(-s1 t) - s1 exp(-s2 t))/(s2 - s1) <= 1, for v at most 1/(s2 - s1); of v at most s1 s2/(s2 - s1) for x, and 1 for v.
+            apart = 2 * arb_of(-self.gap).sqrt()
+            by_other = ((1 / (apart * ratio)).max(arb_of(self.square) * ratio / apart)).upper()
+            return Told(lambda _: 1 + by_other)
+        one, none = arb(1), arb(0)
+
+        def propagator(elapsed: arb) -> arb_mat:
+            (by_x, rate_by_x), (by_v, rate_by_v) = self.free(one, none, elapsed), self.free(none, one, elapsed)
+            return arb_mat([[by_x, by_v / ratio], [rate_by_x * ratio, rate_by_v]])
+
+        period = 2 * arb.pi() / arb_of(self.gap).sqrt() if self.gap > 0 else None
+        return SteadyGrowth(propagator, Norm([1, 1]), narrow(arb_of(self.square).sqrt() + arb_of(self.delta)), period)
 
     def constants(self) -> dict[str, arb]:
         """The period of the free oscillation, if it oscillates; driven, the amplitude |A| (1.105) of the steady motion, if there is one."""

@@ -6,9 +6,10 @@ A dn(sqrt(beta/2) A t), m = 2 c/(beta A^2);  c < 0, the nearer turning point of 
 A^2, m = -2 c/(beta B^2);  beta < 0 < c: A cd(sqrt(h) t), m = -beta A^2/(2 h);  c = 0: it stays.
 """
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
+from typing import Any
 
 from flint import arb
 
@@ -20,6 +21,8 @@ from refdem.truth.closed_form import per_precision
 from refdem.truth.exact import numbers
 from refdem.truth.from_rest import FromRest
 from refdem.truth.jacobi import Jacobi
+from refdem.truth.smooth_flow import OfAnEquation
+from refdem.truth.validated_flow import ValidatedFlow
 
 Shape = Callable[[arb], tuple[arb, arb]]
 """x/A and its derivative at the phase u."""
@@ -34,10 +37,10 @@ class Motion:
     period: arb | None
 
 
-class Duffing(FromRest):
+class Duffing(FromRest, OfAnEquation):
     """x [m] and v [m/s] at t; scalar period [s] where there is one."""
 
-    method = "Jacobi elliptic functions by theta functions; sech on the separatrix; cosine for beta = 0"
+    method = "Jacobi elliptic functions by theta functions; sech on the separatrix; cosine, or cosh, for beta = 0"
     witness = "validated integration of the equation of motion; energy; the period by quadrature"
 
     def __init__(self, p: Parameters, scale: Mapping[str, float]) -> None:
@@ -69,6 +72,9 @@ class Duffing(FromRest):
             return _elliptic(_nd, arb_of(farther / 2).sqrt(), -2 * c / farther, square / farther, 2)
         if self.beta < 0 and c > 0:
             return _elliptic(_cd, arb_of(h).sqrt(), -square / (2 * h), c / h, 4)
+        if self.beta == 0:
+            # x'' = -alpha x with alpha < 0 grows for ever and is never infinite.
+            return Motion(lambda u: (u.cosh(), u.sinh()), arb_of(-self.alpha).sqrt(), None)
         raise NotCertifiedError("singular: the motion goes to infinity: the start is above the escape energy", code="singular", time=0.0)
 
     def evaluate(self, t: arb) -> dict[str, arb]:
@@ -84,6 +90,14 @@ class Duffing(FromRest):
         w = arb_of(2 * abs(self.alpha)).sqrt()
         u = w * arb_of(t)
         return (u.sin() / w, u.cos()) if self.alpha < 0 else (u.sinh() / w, u.cosh())
+
+    def equation(self) -> ValidatedFlow:
+        def field(y: Sequence[Any]) -> list[Any]:
+            x, v = y
+            return [v, -(x * x * self.beta + self.alpha) * x]
+
+        start = [self.amplitude, Fraction(0)]
+        return ValidatedFlow(field, start, lambda y: dict(zip(self.state, y, strict=True)), self.scale, state=self.state, moved=(0, 1))
 
     def constants(self) -> dict[str, arb]:
         period = self.motion().period

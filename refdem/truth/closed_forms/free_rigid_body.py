@@ -1,6 +1,6 @@
 """Certified free rigid body: omega by Jacobi's elliptic functions, attitude by theta functions (refdem/truth/free_body.py)."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from fractions import Fraction
 from typing import Any
 
@@ -10,8 +10,10 @@ from refdem.core.parameters import Parameters
 from refdem.core.truth import Truth
 from refdem.truth import rotation
 from refdem.truth.balls import arb_of
+from refdem.truth.body_growth import body_growth, diagonal
 from refdem.truth.closed_form import Size, per_precision
 from refdem.truth.free_body import Exact3, FreeBody, kind
+from refdem.truth.growth import Grows
 from refdem.truth.smooth_flow import SmoothFlow
 
 AXES = "xyz"
@@ -77,9 +79,12 @@ class FreeRigidBody(SmoothFlow):
         ratio, none = arb_of(self.scale["attitude.w"] / self.scale["omega.x"]), arb(0)
         turning = [[none, z, -y], [-z, none, x], [y, -x, none]]
         by_turn = [[arb(i == k) for k in range(3)] for i in range(3)] + [[none] * 3] * 3 + [[ratio * v for v in row] for row in turning]
-        found = arb_mat([a + b for a, b in zip(by_turn, by_omega, strict=True)])
-        self.kept["jacobian", t] = found
-        return found
+        return arb_mat([a + b for a, b in zip(by_turn, by_omega, strict=True)])
+
+    @per_precision
+    def growth(self) -> Grows:
+        turn, spin = self.scale["attitude.w"], self.scale["omega.x"]
+        return body_growth(diagonal(self.inertia), self.omega, turn, spin, self.turned)
 
     def scaled_changes(self, axis: int, t: arb) -> list[arb]:
         plus, minus = self.pair(axis)
@@ -91,24 +96,6 @@ class FreeRigidBody(SmoothFlow):
         scaled = [2 * x / arb_of(self.scale["attitude.w"]) for x in turn[1:]]
         return scaled + [x / arb_of(self.scale[name]) for x, name in zip(spins, (*BODY_OMEGA, *OMEGA), strict=True)]
 
-    def sizes(self, jacobian: arb_mat) -> list[arb]:
-        """Sizes of the changes of the attitude (as a turn), omega_body and omega; turn and omega_body move by vectors."""
-        table = jacobian.table()
-        turn = sum((_spread([row[k : k + 3] for row in table[:3]]) for k in (0, 3)), arb(0))
-        return [turn, *(_norm(row[:3]) + _norm(row[3:]) for row in table[3:])]
-
-
-def _norm(values: Sequence[arb]) -> arb:
-    """Euclidean norm; an upper bound."""
-    return arb(sum((x * x for x in values), arb(0)).abs_upper()).sqrt()
-
-
-def _spread(block: Sequence[Sequence[arb]]) -> arb:
-    """An upper bound of the largest singular value: the lesser of the Frobenius norm and the mean of row and column sums."""
-    rows, columns = ([sum((abs(x) for x in line), arb(0)).upper() for line in lines] for lines in (block, zip(*block, strict=True)))
-    mean = (max(rows, key=float) * max(columns, key=float)).sqrt()
-    return min(_norm([x for row in block for x in row]), mean, key=float)
-
 
 def truth(p: Parameters, scale: Mapping[str, float]) -> Truth:
     """The truth at these parameters (inertia, omega_body, attitude)."""
@@ -116,7 +103,10 @@ def truth(p: Parameters, scale: Mapping[str, float]) -> Truth:
     return FreeRigidBody(inertia, omega, attitude, scale)
 
 
-def exact_columns(p: Parameters) -> tuple[Exact3, Exact3, tuple[Fraction, ...]]:
+Rational3 = tuple[Fraction, Fraction, Fraction]
+
+
+def exact_columns(p: Parameters) -> tuple[Rational3, Rational3, tuple[Fraction, ...]]:
     """inertia, omega_body and attitude as exact rationals."""
     inertia: Any = p["inertia"]
     omega: Any = p["omega_body"]

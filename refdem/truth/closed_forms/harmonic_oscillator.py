@@ -7,12 +7,14 @@ from collections.abc import Mapping
 from copy import copy
 from fractions import Fraction
 
-from flint import arb
+from flint import arb, arb_mat
 
 from refdem.core.parameters import Parameters
 from refdem.core.truth import Truth
 from refdem.truth.balls import arb_of
+from refdem.truth.closed_form import per_precision
 from refdem.truth.exact import numbers
+from refdem.truth.growth import Grows, Norm, SteadyGrowth, narrow
 from refdem.truth.smooth_flow import SmoothFlow
 
 
@@ -43,6 +45,17 @@ class HarmonicOscillator(SmoothFlow):
         away, v0 = arb_of(self.x0 - centre), arb_of(self.v0)
         sine, cosine = (rate * t).sin_cos()
         return {"x": arb_of(centre) + away * cosine + v0 / rate * sine, "v": v0 * cosine - away * rate * sine}
+
+    @per_precision
+    def growth(self) -> Grows:
+        rate = arb_of(self.stiffness / self.mass).sqrt()
+
+        def propagator(elapsed: arb) -> arb_mat:
+            sine, cosine = (rate * elapsed).sin_cos()
+            ratio = rate * arb_of(self.scale["x"] / self.scale["v"])
+            return arb_mat([[cosine, sine / ratio], [-ratio * sine, cosine]])
+
+        return SteadyGrowth(propagator, Norm([1, 1]), narrow(rate), self.constants()["period"])
 
     def constants(self) -> dict[str, arb]:
         """The period [s]."""

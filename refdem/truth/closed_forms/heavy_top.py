@@ -5,7 +5,8 @@ u'^2 = f(u) = (alpha - beta u)(1 - u^2) - (b - a u)^2 with roots u1 <= u2 <= 1 <
 4 K(m)/sqrt(beta (u3 - u1)), m = (u2 - u1)/(u3 - u1), there and back (Whittaker, Analytical Dynamics, section 71).
 """
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from fractions import Fraction
 from functools import partial
 from typing import Any
@@ -27,6 +28,8 @@ LEAST_TILT = Fraction(1, 100)
 """[rad]: nearer to a vertical a motion that comes near both of them is not followed."""
 LEAST_TOLD = Fraction(1, 10**12)
 """[rad]: the same where axis and L are integrated; on the vertical itself there are no angles."""
+DOUBLINGS = 6
+"""Of the working precision, until the ends of the nutation are told apart."""
 SEEN = ("theta", "phi", "psi", "thetadot")
 STATE = (*SEEN, "lz", "w3")
 CARTESIAN = ("n.x", "n.y", "n.z", "L.x", "L.y", "L.z", "psi+phi")
@@ -64,20 +67,31 @@ class HeavyTop(ValidatedFlow):
     def refuse_touching(self) -> None:
         """Raises NotCertifiedError where it is not proved that the axis stays off the verticals."""
         if "touches" not in self.kept:
-            with precision(FIRST_BITS):
-                low, high, _ = self.roots()
+            with self.parted_roots() as (low, high, _):
                 self.kept["touches"] = not (high < arb_of(self.closest).cos() and low > -arb_of(self.closest).cos())
         if self.kept["touches"]:
             start = self.at_start(Fraction(1))
-            told = (
-                f"singular: the axis comes within {float(self.closest):g} rad of a vertical, where its angles say nothing; move the start"
-            )
-            raise NotCertifiedError(told, code="singular", time=0.0, state={name: start[name] for name in SEEN})
+            near = f"{float(self.closest):g} rad"
+            told = f"vertical: the axis may come within {near} of a vertical, where its angles say nothing; move the start"
+            raise NotCertifiedError(told, code="vertical", time=0.0, state={name: start[name] for name in SEEN if name in start})
 
     def poles(self) -> list[int]:
         """Which of the verticals the axis comes near to: 1 up, -1 down."""
-        low, high, _ = self.roots()
-        return [side for side, near in ((1, not high < UPRIGHT), (-1, not low > -UPRIGHT)) if near]
+        with self.parted_roots() as (low, high, _):
+            return [side for side, near in ((1, not high < UPRIGHT), (-1, not low > -UPRIGHT)) if near]
+
+    @contextmanager
+    def parted_roots(self) -> Iterator[list[arb]]:
+        """The roots at the first precision at which they are told apart, which is then the working precision; NotCertifiedError if none."""
+        for bits in (FIRST_BITS << doubling for doubling in range(DOUBLINGS)):
+            with precision(bits):
+                try:
+                    found = self.roots()
+                except ValueError:
+                    continue
+                yield found
+                return
+        raise NotCertifiedError("separatrix: the ends of the nutation are not told apart; move the start", code="separatrix", time=0.0)
 
     def roots(self) -> list[arb]:
         """u1 <= u2 <= u3; where the tilt starts at one of its ends, that one is known."""
@@ -93,7 +107,9 @@ class HeavyTop(ValidatedFlow):
             spread = (linear * linear - 4 * beta * rest).sqrt()
             other, beyond = 2 * rest / (spread - linear), (spread - linear) / (2 * beta)
             return [u.min(other), u.max(other), beyond]
-        roots: Any = acb_poly([acb(c) for c in cubic]).roots(tol=arb(2) ** (32 - ctx.prec))  # ValueError: more precision is tried
+        # A tolerance is absolute and u3 may be large: a third of the bits is for its size. ValueError: more precision is tried.
+        tolerance = arb(2) ** (-2 * ctx.prec // 3)
+        roots: Any = acb_poly([acb(c) for c in cubic]).roots(tol=tolerance)
         found = [root.real for root in roots if root.imag.contains(0)]
         if len(found) != 3:
             raise UndecidedError("ends of the nutation that are not apart")
@@ -136,9 +152,9 @@ class NearVertical(HeavyTop):
         angles = {"theta": arb.atan2(sine, z), "phi": phi, "psi": turned - self.side * phi, "thetadot": rate}
         return angles | dict(zip(CARTESIAN, (x, y, z, lx, ly, lz, turned), strict=True))
 
-    def scaled_slopes(self, t: Fraction) -> arb_mat:
+    def scaled_slopes(self, t: arb) -> arb_mat:
         """Rows of n, L and psi + side phi, then those of the angles and of the rate of the tilt by the chain rule."""
-        x, y, z, lx, ly, _, _ = self.integration().at(arb_of(t))
+        x, y, z, lx, ly, _, _ = self.integration().at(t)
         square, j1, tau, none = x * x + y * y, arb_of(self.p["j1"]), arb_of(1 / self.scale["thetadot"]), arb(0)
         sine = square.sqrt()
         rate, lever = (ly * x - lx * y) / (j1 * sine), j1 * sine
@@ -183,6 +199,5 @@ def truth(p: Parameters, scale: Mapping[str, float], rate: float) -> Truth:
     exact = numbers(p, "mass", "length", "gravity", "theta0", "phidot0", "thetadot0", "spin") | {"j1": j1, "j3": j3}
     sizes = {**scale, "lz": float(j1) * rate, "w3": rate}
     top = HeavyTop(exact, sizes)
-    with precision(256):
-        poles = top.poles()
+    poles = top.poles()
     return NearVertical(exact, sizes, poles[0]) if len(poles) == 1 else top

@@ -5,7 +5,7 @@ from copy import copy
 from fractions import Fraction
 from typing import Self
 
-from flint import arb
+from flint import arb, arb_mat
 
 from refdem.core.parameters import Parameters
 from refdem.core.truth import Truth
@@ -13,7 +13,10 @@ from refdem.errors import NotCertifiedError
 from refdem.truth.balls import arb_of
 from refdem.truth.closed_form import Size, per_precision
 from refdem.truth.exact import numbers
+from refdem.truth.growth import Grows, Growth, Norm, narrow, smooth
+from refdem.truth.line_growth import homogeneous, steepness
 from refdem.truth.power_contact import PowerContact, touching
+from refdem.truth.reals import Number
 from refdem.truth.smooth_flow import SmoothFlow
 
 HERTZ = Fraction(3, 2)
@@ -26,7 +29,7 @@ class HertzSpheres(SmoothFlow):
     method = "closed form: incomplete beta function by 2F1, solved by Newton's rule with a bound from the mean value theorem"
     witness = "Taylor integration in w = sqrt(overlap), energy, numerical integration of the law"
 
-    def __init__(self, scale: Mapping[str, Size], mass: Fraction, stiffness: Fraction, speed: Fraction) -> None:
+    def __init__(self, scale: Mapping[str, Size], mass: Number, stiffness: Number, speed: Fraction) -> None:
         super().__init__(scale)
         self.mass, self.stiffness, self.begin = mass, stiffness, (Fraction(0), speed)
 
@@ -53,6 +56,23 @@ class HertzSpheres(SmoothFlow):
             return {"overlap": -contact.speed * after, "v": -contact.speed}
         overlap, rate = contact.state(since)
         return {"overlap": overlap, "v": rate}
+
+    @per_precision
+    def growth(self) -> Grows:
+        """By scaling: contacts of other speeds are the same ones in other units; the force is steepest where it is deepest."""
+        contact, touch = self.contact()
+        ratio, power = arb_of(self.scale["overlap"] / self.scale["v"]), arb_of(Fraction(2) / (HERTZ + 1))
+        stiffness = arb_of(self.stiffness / self.mass)
+        quick = steepness(stiffness * arb_of(HERTZ) * contact.depth.sqrt(), ratio)
+
+        def errors(t: arb) -> arb_mat:
+            state = self.evaluate(t)
+            overlap, rate = state["overlap"], state["v"]
+            push = -stiffness * overlap * overlap.sqrt() if overlap > 0 else arb(0)
+            return homogeneous(overlap, rate, push, t - touch, power, ratio)
+
+        whole = smooth(arb(0), None, errors, quickness=lambda t: quick)
+        return Growth([whole], Norm([1, 1]), step=narrow(arb(quick)))
 
     def constants(self) -> dict[str, arb]:
         contact, _ = self.contact()

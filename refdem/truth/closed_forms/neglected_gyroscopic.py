@@ -14,7 +14,7 @@ from flint import arb
 
 from refdem.core.parameters import Parameters
 from refdem.core.truth import Ball, Truth
-from refdem.truth.balls import arb_of
+from refdem.truth.balls import GuardedTruth, arb_of
 from refdem.truth.closed_form import Size
 from refdem.truth.closed_forms.free_rigid_body import ATTITUDE, BODY_OMEGA, MATRIX, OMEGA, FreeRigidBody, exact_columns
 from refdem.truth.events.system import Entry, Traced
@@ -25,11 +25,9 @@ from refdem.truth.tumbling_contact import Modes, Seen, Slope, TracedCorners, dot
 
 PLACE = ("x", "y", "z")
 DIGITS = 32
-COST = 300.0
-"""CPU seconds for each second on the slope at DIGITS, roughly."""
 
 
-class Flight(Truth):
+class Flight(GuardedTruth):
     """A free body whose centre moves uniformly from the origin."""
 
     def __init__(self, body: FreeRigidBody, velocity: Sequence[Fraction], length: Size) -> None:
@@ -46,9 +44,6 @@ class Flight(Truth):
 
     def sensitivity(self, t: Fraction) -> float:
         return max(self.body.sensitivity(t), self.drift(t))
-
-    def sensitivities(self, times: Sequence[Fraction]) -> list[float]:
-        return [max(grown, self.drift(t)) for grown, t in zip(self.body.sensitivities(times), times, strict=True)]
 
     def scalars(self) -> Mapping[str, Ball]:
         return self.body.scalars()
@@ -85,17 +80,6 @@ class Tumbling(HybridFlow):
     def named(self, y: Sequence[arb]) -> dict[str, arb]:
         found = super().named(y)
         return found | dict(zip(ATTITUDE, upright([found[name] for name in ATTITUDE]), strict=True))
-
-    def sensitivity(self, t: Fraction) -> float:
-        """From the middles of the flow's Jacobians: their balls grow with every contact and bound nothing after a few."""
-        if ("sensitivity", t) not in self.kept:
-            change = self.transfer(Fraction(0), t)[:, list(self.moved)]
-            self.kept["sensitivity", t] = max(1.0, self.size(t, change))
-        found: float = self.kept["sensitivity", t]
-        return found
-
-    def forecast(self, t: Fraction, digits: int) -> float:
-        return COST * float(t) * max(1.0, digits / DIGITS) ** 2
 
 
 class TracedModes(dict[str, Traced]):

@@ -11,8 +11,9 @@ from flint import arb
 
 from refdem.core.truth import Ball, Truth
 from refdem.errors import UsageError
-from refdem.truth.balls import arb_of
-from refdem.truth.closed_form import ClosedForm
+from refdem.truth.balls import GuardedTruth, arb_of
+from refdem.truth.closed_form import ClosedForm, per_precision
+from refdem.truth.growth import Grows, Told
 
 POSITION = ("x", "y", "z")
 VELOCITY = ("vx", "vy", "vz")
@@ -55,10 +56,29 @@ class Uniform(ClosedForm):
         now = [x + v * t for x, v in zip(start[:3], start[3:6], strict=True)] + start[3:]
         return dict(zip((*self.state, *ATTITUDE), now + self._turned(t), strict=True))
 
-    def response(self, t: Fraction) -> list[arb]:
-        """As for every closed form, and an attitude that starts off by its scale stays off by as much."""
-        rows = super().response(t)
-        return rows[: len(self.state)] + [row + 1 for row in rows[len(self.state) :]]
+    @per_precision
+    def growth(self) -> Grows:
+        return Told(self.grown)
+
+    def grown(self, t: arb) -> arb:
+        """Growth by the time elapsed, which the earliest error has most of.
+
+        A place moves by t times the error of the velocity. An attitude stays off by its own error and changes by that of omega: with the
+        unit vector n of omega, |dq/d omega_j|^2 = (t/2)^2 n_j^2 + (sin(|omega| t/2)/|omega|)^2 (1 - n_j^2), the sine at its largest.
+        """
+        drifts = [t * arb_of(self.scale[v] / self.scale[x]) for x, v in zip(POSITION, VELOCITY, strict=True)]
+        squared = sum((x * x for x in self.start[6:]), Fraction(0))
+        across = t / 2
+        if squared:
+            rate = arb_of(squared).sqrt()
+            across = across.min(1 / rate)
+        turned = arb(0)
+        for part, name in zip(self.start[6:], SPIN, strict=True):
+            share = part * part / squared if squared else Fraction(0)
+            moved = (t * t / 4 * arb_of(share) + across * across * arb_of(1 - share)).sqrt()
+            turned += moved * arb_of(self.scale[name])
+        largest = max((turned / arb_of(self.scale[name]) for name in ATTITUDE), key=lambda size: float(size.upper()))
+        return 1 + max([*drifts, largest], key=lambda size: float(size.upper()))
 
     def _turned(self, t: arb) -> list[arb]:
         squared = sum(x * x for x in self.start[6:])
@@ -74,7 +94,7 @@ class Uniform(ClosedForm):
         ]
 
 
-class Still(Truth):
+class Still(GuardedTruth):
     """Bodies that stay where they are: every quantity named is exactly 0 for ever, and S = 1."""
 
     method = "equilibrium"

@@ -5,7 +5,7 @@ theta/2 = +-am(u, 1/k^2), u = k w0 t + u0 (DLMF 22.19). The start may lie near t
 """
 
 from abc import ABC, abstractmethod
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from copy import copy
 from fractions import Fraction
 from typing import Any
@@ -17,7 +17,8 @@ from refdem.core.truth import Truth
 from refdem.truth.balls import UndecidedError, arb_of, nearest_integer
 from refdem.truth.closed_form import per_precision
 from refdem.truth.jacobi import Jacobi
-from refdem.truth.smooth_flow import SmoothFlow
+from refdem.truth.smooth_flow import OfAnEquation
+from refdem.truth.validated_flow import ValidatedFlow
 
 WITNESS = "Taylor series of (cos theta, sin theta, thetadot) with a proven remainder (refdem/truth/witness.py): no elliptic function"
 
@@ -85,7 +86,7 @@ class Separatrix(Motion):
         return self.sense * u.sinh().atan(), 2 * self.sense * self.w0 / u.cosh()
 
 
-class Pendulum(SmoothFlow):
+class Pendulum(OfAnEquation):
     """theta (continuous from theta0), thetadot, x, y and rod_force; the start is theta0 + half_turns pi, thetadot0."""
 
     method = "closed form in Arb balls; Jacobi elliptic functions, by theta functions (tanh and sech on the separatrix)"
@@ -145,6 +146,26 @@ class Pendulum(SmoothFlow):
         else:
             moved.thetadot0 = self.thetadot0 + amount
         return moved
+
+    def equation(self) -> ValidatedFlow:
+        def field(y: Sequence[Any]) -> list[Any]:
+            theta, rate = y
+            return [rate, theta.sin() * (-self.gravity / self.length)]
+
+        def first() -> arb:
+            return arb_of(self.theta0) + self.half_turns * arb.pi()
+
+        return ValidatedFlow(field, [first, self.thetadot0], self.seen, self.scale, state=self.state, moved=(0, 1))
+
+    def seen(self, y: Sequence[Any]) -> dict[str, Any]:
+        """The quantities of a state, by the operations of a traced field."""
+        theta, rate = y
+        sine, cosine = theta.sin(), theta.cos()
+        force = (rate * rate * self.length + cosine * self.gravity) * self.mass
+        return {"theta": theta, "thetadot": rate, "x": sine * self.length, "y": cosine * -self.length, "rod_force": force}
+
+    def period(self) -> arb | None:
+        return self.motion().period()
 
     def constants(self) -> dict[str, arb]:
         period = self.motion().period()

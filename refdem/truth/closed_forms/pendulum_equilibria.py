@@ -3,8 +3,9 @@
 The start is theta0 = delta at the bottom and pi - delta at the top, at rest; the top is known exactly, as half a turn.
 """
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from fractions import Fraction
+from typing import Any
 
 from flint import arb
 
@@ -31,6 +32,11 @@ class PendulumEquilibria(Pendulum):
         speed = arb_of(self.length) * angle["thetadot"]
         place = {name: angle[name] for name in ("theta", "thetadot", "x", "y")}
         return place | {"vx": speed * cosine, "vy": speed * sine}
+
+    def seen(self, y: Sequence[Any]) -> dict[str, Any]:
+        theta, rate = y
+        sine, cosine = theta.sin() * self.length, theta.cos() * self.length
+        return {"theta": theta, "thetadot": rate, "x": sine, "y": -cosine, "vx": cosine * rate, "vy": sine * rate}
 
     def at(self, t: Fraction) -> dict[str, Ball]:
         found = super().at(t)

@@ -18,7 +18,7 @@ from flint import arb
 from refdem.core.parameters import Parameters
 from refdem.core.truth import Ball, Truth
 from refdem.errors import NotCertifiedError
-from refdem.truth.balls import UndecidedError, arb_of, refined
+from refdem.truth.balls import GuardedTruth, UndecidedError, arb_of, refined
 from refdem.truth.closed_forms import coulomb_oscillator, harmonic_oscillator, pendulum, viscous_oscillator
 from refdem.truth.exact import number
 
@@ -33,7 +33,7 @@ FORMS: dict[str, tuple[Any, str, str]] = {
 LARGEST = 1e100
 
 
-class PhaseFlow(Truth):
+class PhaseFlow(GuardedTruth):
     """x_k, v_k of the corners, and `area` [their product's unit], at t >= 0; scalar `area_0`."""
 
     witness = "area by quadrature of the local factor over the polygon; corners as the cases of the flows"

@@ -6,8 +6,9 @@ quarter of the period B(1/p, 1/2)/p. Inverses: since q' >= 1 and s' >= 2/p, what
 """
 
 from collections.abc import Callable, Mapping
+from fractions import Fraction
 
-from flint import arb, ctx
+from flint import arb, arb_mat, ctx
 
 from refdem.core.parameters import Parameters
 from refdem.core.truth import Truth
@@ -15,6 +16,8 @@ from refdem.truth.balls import arb_of, nearest_integer
 from refdem.truth.closed_form import per_precision
 from refdem.truth.exact import numbers
 from refdem.truth.from_rest import FromRest
+from refdem.truth.growth import Grows, Growth, Norm, PeriodicGrowth, narrow, smooth
+from refdem.truth.line_growth import homogeneous, steepness
 
 
 class PowerOscillator(FromRest):
@@ -78,6 +81,22 @@ class PowerOscillator(FromRest):
         y, w = self.place(phase - half * turns)
         reach = arb_of(self.amplitude) * (-1 if turns % 2 else 1)
         return {"x": reach * y, "v": -reach * self.rate() * w}
+
+    @per_precision
+    def growth(self) -> Grows:
+        """By scaling: motions of other amplitudes are the same ones in other units; the force is steepest at the turning point."""
+        ratio, power = arb_of(self.scale["x"] / self.scale["v"]), arb_of(Fraction(2) / (self.exponent + 1))
+        reach = arb_of(abs(self.amplitude))
+        steepest = arb_of(self.ratio * self.exponent) * reach ** (arb_of(self.exponent) - 1)
+        quick = steepness(steepest, ratio)
+
+        def errors(t: arb) -> arb_mat:
+            state = self.evaluate(t)
+            x, v = state["x"], state["v"]
+            return homogeneous(x, v, self.acceleration(x), t, power, ratio)
+
+        whole = smooth(arb(0), None, errors, quickness=lambda t: quick)
+        return PeriodicGrowth(Growth([whole], Norm([1, 1]), step=narrow(arb(quick))), self.constants()["period"])
 
     def constants(self) -> dict[str, arb]:
         """The period [s]: 4 sqrt(m/(2 k p)) A^((1 - n)/2) B(1/p, 1/2), which is 4 quarters."""

@@ -4,8 +4,11 @@ from collections.abc import Mapping, Sequence
 from fractions import Fraction
 from typing import Any
 
+from flint import arb
+
 from refdem.core.parameters import Parameters
 from refdem.core.truth import Truth
+from refdem.truth.escape import Repulsion
 from refdem.truth.exact import numbers, vector
 from refdem.truth.validated_flow import ValidatedFlow
 
@@ -14,6 +17,15 @@ class QuadraticResponse(ValidatedFlow):
     """x [m] and v [m/s] at t >= 0."""
 
     witness = "Taylor series in rational arithmetic from the power series of x; heyoka in multiprecision at literal values"
+    repulsion: Repulsion | None = None
+    repelling_side = 0
+
+    def infinite_within(self, y: Sequence[arb]) -> arb | None:
+        """The quadratic part of the spring repels on one side: that of -eps."""
+        if self.repulsion is None:
+            return None
+        x, v = y[:2]
+        return self.repulsion.infinite_within(self.repelling_side * x, self.repelling_side * v)
 
 
 def truth(p: Parameters, scale: Mapping[str, float]) -> Truth:
@@ -32,4 +44,9 @@ def truth(p: Parameters, scale: Mapping[str, float]) -> Truth:
         return [v, rate, *turning]
 
     start = [values["x0"], values["v0"], *([Fraction(1), Fraction(0)] * len(drives))]
-    return QuadraticResponse(field, start, lambda y: {"x": y[0], "v": y[1]}, scale, state=("x", "v"), moved=(0, 1))
+    found = QuadraticResponse(field, start, lambda y: {"x": y[0], "v": y[1]}, scale, state=("x", "v"), moved=(0, 1))
+    if values["eps"]:
+        force = sum((abs(force) for force, _ in drives), Fraction(0))
+        found.repulsion = Repulsion(2, abs(values["eps"]), values["w0"] ** 2, values["delta"], force)
+        found.repelling_side = -1 if values["eps"] > 0 else 1
+    return found

@@ -10,17 +10,19 @@ from fractions import Fraction
 from math import lcm
 from typing import Any
 
-from flint import arb, arb_mat, fmpz_poly
+from flint import arb, fmpz_poly
 
 from refdem.core.parameters import Parameters
 from refdem.core.truth import Truth
 from refdem.errors import NotCertifiedError
 from refdem.truth import rotation
 from refdem.truth.balls import UndecidedError, arb_of, precision
+from refdem.truth.body_growth import body_growth
 from refdem.truth.closed_form import FIRST_BITS, Size, per_precision
 from refdem.truth.closed_forms.free_rigid_body import ATTITUDE, BODY_OMEGA, OMEGA, FreeRigidBody
 from refdem.truth.exact import vector
 from refdem.truth.free_body import Elliptic, FreeBody, Separatrix, Steady, dot_exact
+from refdem.truth.growth import Grows, Times
 from refdem.truth.smooth_flow import SmoothFlow
 
 WITNESS = "multiprecision integration of q' = q omega/2 with L kept, in axes that are not principal (refdem/truth/witnesses/linked.py)"
@@ -154,14 +156,20 @@ class RigidCluster(FreeRigidBody):
 
     def displaced(self, axis: int, amount: Fraction) -> "RigidCluster":
         shift = tuple(s + (amount if i == axis else 0) for i, s in enumerate(self.shift))
-        return RigidCluster(self.masses, self.places, self.omega, self.scale, shift)
+        return RigidCluster(self.masses, self.places, self.omega, self.scale, shift)  # type: ignore[arg-type]
 
     def constants(self) -> dict[str, arb]:
         return {}
 
-    def sizes(self, jacobian: arb_mat) -> list[arb]:
+    @per_precision
+    def growth(self) -> Grows:
         moments = [moment for moment, _ in self.moments()]
-        return [size * (1 + moments[-1] / moments[0]) for size in super().sizes(jacobian)]
+        body = body_growth(self.tensor, self.omega, self.scale["attitude.w"], self.scale["omega.x"], self.in_own_axes)
+        return Times(body, 1 + moments[-1] / moments[0])
+
+    def in_own_axes(self, t: arb) -> list[arb]:
+        """The turn since the start, in the axes of space in which the places are given."""
+        return rotation.times(self.turned(t), rotation.conjugate(self.start()))
 
 
 def cross(a: Sequence[Any], b: Sequence[Any]) -> list[Any]:

@@ -150,12 +150,12 @@ class StickSlipFlow(HybridFlow):
         return {f"{kind}_{kinds[: n + 1].count(kind)}": found[n][2] for n, kind in enumerate(kinds)}
 
 
-def truth(p: Parameters, scale: Mapping[str, float], until: float) -> Truth:
+def truth(p: Parameters, scale: Mapping[str, float], until: Fraction) -> Truth:
     """The truth at the parameters of case stick-slip; `scale` of x and v; scalars `until` [s]."""
     system = StickSlip(law=str(p["friction_law"]), **numbers(p, *NAMES))
     start = [system.x0, system.v0 - system.belt, Fraction(0)]
     flow = StickSlipFlow(
         system.modes(), start, system.first, lambda y: {"x": y[0], "v": y[1] + system.belt}, scale, state=("x", "v"), moved=(0, 1)
     )
-    flow.until = Fraction(until)
+    flow.until = until
     return flow

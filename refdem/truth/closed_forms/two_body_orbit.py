@@ -9,13 +9,16 @@ Spring, unit mass: x = a cos w t, y = a sqrt(1 - e^2) sin w t with w^2 = stiffne
 from collections.abc import Mapping, Sequence
 from copy import copy
 from fractions import Fraction
+from functools import partial
 
-from flint import arb, ctx
+from flint import arb, arb_mat, ctx
 
 from refdem.core.parameters import Parameters
 from refdem.core.truth import Truth
 from refdem.truth.balls import UndecidedError, arb_of
+from refdem.truth.closed_form import per_precision
 from refdem.truth.exact import number
+from refdem.truth.growth import Grows, Growth, Norm, PeriodicGrowth, SteadyGrowth, narrow, smooth
 from refdem.truth.smooth_flow import SmoothFlow
 
 NAMES = ("x", "y", "vx", "vy")
@@ -58,6 +61,18 @@ class Orbit(SmoothFlow):
         now = kepler(arb_of(self.gm), start, t) if self.stiffness is None else spring(arb_of(self.stiffness), start, t)
         return dict(zip(NAMES, now, strict=True))
 
+    @per_precision
+    def growth(self) -> Grows:
+        period = self.constants()["period"]
+        step = narrow(2 * arb.pi() / period)
+        length, speed = self.scale["x"], self.scale["vx"]
+        if self.stiffness is not None:
+            return SteadyGrowth(partial(sprung, arb_of(self.stiffness), arb_of(length / speed)), Norm([1] * 4), step, period)
+        ellipse = arb_of(self.gm), arb_of(self.semi_major), arb_of(self.eccentricity)
+        quickness = partial(tidal, *ellipse, arb_of(length / speed))
+        whole = smooth(arb(0), None, partial(ellipses, *ellipse, arb_of(length), arb_of(speed)), quickness=quickness)
+        return PeriodicGrowth(Growth([whole], Norm([1] * 4), step=step), period)
+
     def constants(self) -> dict[str, arb]:
         """The period [s]."""
         squared = self.semi_major**3 / self.gm if self.stiffness is None else 1 / self.stiffness
@@ -85,6 +100,71 @@ def kepler(gm: arb, start: State, t: arb) -> list[arb]:
     f, g = 1 - a / r0 * (1 - cosine), t - (anomaly - sine) / n
     f_rate, g_rate = -n * a * a / (r * r0) * sine, 1 - a / r * (1 - cosine)
     return [f * x + g * vx, f * y + g * vy, f_rate * x + g_rate * vx, f_rate * y + g_rate * vy]
+
+
+def sprung(stiffness: arb, ratio: arb, elapsed: arb) -> arb_mat:
+    """What errors of (x, y, vx, vy) on the central spring become, in scales whose ratio is `ratio` [s]."""
+    turn = stiffness.sqrt() * ratio
+    sine, cosine = (stiffness.sqrt() * elapsed).sin_cos()
+    none = arb(0)
+    return arb_mat(
+        [
+            [cosine, none, sine / turn, none],
+            [none, cosine, none, sine / turn],
+            [-turn * sine, none, cosine, none],
+            [none, -turn * sine, none, cosine],
+        ]
+    )
+
+
+def ellipses(gm: arb, a: arb, e: arb, length: arb, speed: arb, t: arb) -> arb_mat:
+    """Four independent errors of (x, y, vx, vy), in scales, on Kepler's ellipse at a time t >= 0 since periapsis: columns.
+
+    They come from a shift in time, from the scale of the ellipse, from its eccentricity, and from a turn less the shift that is nearly
+    the same, over e: regular for all 0 <= e < 1. With c, s = cos E, sin E, d = 1 - e c, b = sqrt(1 - e^2), n = sqrt(gm/a^3).
+    """
+    n = (gm / a).sqrt() / a
+    b = (1 - e * e).sqrt()
+    s, c = anomaly_gain(n * t, e, arb(0)).sin_cos()
+    d = 1 - e * c
+    cube = d * d * d
+    x, y = a * (c - e), a * b * s
+    vx, vy = -a * n * s / d, a * n * b * c / d
+    shift = [vx, vy, -n * n * a * (c - e) / cube, -n * n * a * b * s / cube]
+    scale = [value - 3 * t * rate / 2 for value, rate in zip([x, y, -vx / 2, -vy / 2], shift, strict=True)]
+    # By e at fixed a and time: E moves by sin E / d.
+    later = s / d
+    wider = [
+        -a * s * later - a,
+        -a * e / b * s + a * b * c * later,
+        -a * n * (c * later / d - s * (e * s * later - c) / (d * d)),
+        a * n * (-e / b * c / d - b * s * later / d - b * c * (e * s * later - c) / (d * d)),
+    ]
+    # (-y - vx/n, x - vy/n, -vy - ax/n, vx - ay/n) / e, with 1 - b = e^2/(1 + b) taken out.
+    small = e / (1 + b)
+    turn = [
+        a * s * (small + b * c) / d,
+        a * ((small + e) * c - 1 - c * c) / d,
+        a * n * (small * c - 1 + 2 * b * c * c - b * e * c * c * c) / cube,
+        a * n * s * (-small + 2 * c - e * c * c) / cube,
+    ]
+    rows = zip((length, length, speed, speed), shift, scale, wider, turn, strict=True)
+    return arb_mat([[entry / size for entry in row] for size, *row in rows])
+
+
+def tidal(gm: arb, a: arb, e: arb, ratio: arb, t: arb) -> float:
+    """Bound of the norm of the field's Jacobian in scales on a ball of times since periapsis, the scales' ratio being `ratio` [s].
+
+    The rows of a place have 1/ratio; those of a velocity the gradient of -gm r/|r|^3, in its row i gm (3 r_i r_j - delta_ij r^2)/r^5.
+    """
+    n = (gm / a).sqrt() / a
+    first, last = (anomaly_gain(n * arb(end), e, arb(0)) for end in (t.lower(), t.upper()))
+    s, c = first.union(last).sin_cos()
+    x, y, r = a * (c - e), a * (1 - e * e).sqrt() * s, a * (1 - e * c)
+    across = abs(3 * x * y)
+    rows = [abs(3 * z * z - r * r) + across for z in (x, y)]
+    strength = gm / r**5 * ratio
+    return max(float((1 / ratio).upper()), *(float((strength * row).upper()) for row in rows))
 
 
 def anomaly_gain(mean: arb, c: arb, s: arb) -> arb:

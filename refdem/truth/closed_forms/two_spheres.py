@@ -18,25 +18,25 @@ Scalars: duration and restitution (of the normal velocity; neither if an overlap
 
 from collections.abc import Mapping, Sequence
 from fractions import Fraction
-from itertools import pairwise
+from math import pi, sqrt
 
-import numpy as np
 from flint import arb, arb_mat
-from numpy.typing import NDArray
 
 from refdem.core.parameters import Parameters
 from refdem.core.truth import Ball, Truth
 from refdem.errors import NotCertifiedError
 from refdem.truth.balls import arb_of, ball_of
+from refdem.truth.closed_form import per_precision
 from refdem.truth.contact_motion import ContactMotion, TracedContact
 from refdem.truth.contact_phases import ContactPhases
 from refdem.truth.events.crossing import SwitchError
+from refdem.truth.events.motion import Motion
+from refdem.truth.events.phase import Phase
 from refdem.truth.events.truth import HybridFlow
+from refdem.truth.growth import Grows, Retimed
 from refdem.truth.head_on_contact import HeadOnContact
-from refdem.truth.smooth_flow import ORIGINS
 from refdem.truth.sphere_pair import SpherePair, sphere_pair
 
-Array = NDArray[np.float64]
 NAMES = tuple(f"{kind}{body}.{axis}" for body in (1, 2) for kind in ("r", "v", "omega") for axis in "xyz")
 """The 18 quantities: r1.x r1.y r1.z v1.x .. omega1.z r2.x .. omega2.z."""
 IN_PLANE = tuple(f"{kind}{body}.{axis}" for body in (1, 2) for kind in "rv" for axis in "xy")
@@ -80,7 +80,11 @@ class TwoSpheres(HybridFlow):
         return self.climbed(lambda motion: self.quantities(self.in_si(motion.place(self.clock(t)))), what)
 
     def forecast(self, t: Fraction, digits: int) -> float:
-        return super().forecast(t / self.phases.time, digits) if self.method == HybridFlow.method else 0.0
+        """That of the contact, half a period of its spring, which the scalars ask for whatever t is; what comes after it costs nothing."""
+        if getattr(self.spheres, "is_head_on", False):
+            return 0.0
+        half_period = Fraction(pi / sqrt(float(self.phases.k)))
+        return super().forecast(half_period, digits)
 
     def evaluate(self, t: arb) -> dict[str, arb]:
         """The 18 quantities at touch, or of a head-on contact."""
@@ -101,7 +105,7 @@ class TwoSpheres(HybridFlow):
         x, y, vx, vy, *turning = relative
         values: list[arb] = []
         for body in (0, 1):
-            share = arb_of((1 - 2 * body) * self.spheres.masses[1 - body] / sum(self.spheres.masses))
+            share = arb_of((1 - 2 * body) * self.spheres.masses[1 - body] / self.spheres.total_mass)
             spin = [arb_of(part) for part in self.spheres.spins[3 * body : 3 * body + 2]]
             values += [share * x, share * y, arb(0), share * vx, share * vy, arb(0), *spin, turning[body]]
         return dict(zip(NAMES, values, strict=True))
@@ -134,53 +138,73 @@ class TwoSpheres(HybridFlow):
         force = arb_of(self.spheres.effective_mass * phases.speed / phases.time)
         return found if hardest is None else {**found, "max_force": hardest * force}
 
-    def sensitivity(self, t: Fraction) -> float:
-        return self.growth(self.transfer(Fraction(0), t), t) if t else 1.0
+    @per_precision
+    def growth(self) -> Grows:
+        """In the clock of the phases."""
+        return Retimed(super().growth(), self.phases.time)
 
-    def sensitivities(self, times: Sequence[Fraction]) -> list[float]:
-        """S at every time: the largest growth of an error made at t = 0 or at an earlier one of (up to 32 of) the times.
+    def beside(self, inner: arb_mat) -> arb_mat:
+        """The coordinates of a mode but its clock, and then those of the centre of mass at the start."""
+        count, drift = inner.nrows() - 1, len(self.drifting())
+        table = inner.table()
+        rows = [table[i][:count] + [arb(0)] * drift for i in range(count)]
+        return arb_mat(rows + [[arb(int(i == j)) for j in range(count + drift)] for i in range(count, count + drift)])
 
-        Sticking forgets: its flow has no inverse, so growths are products of those from sample to sample.
-        """
-        found, every = [1.0] * len(times), max(1, -(-len(times) // ORIGINS))
-        steps = [self.transfer(first, second) for first, second in pairwise(times)]
-        for first in range(0, len(times), every):
-            whole = np.eye(self.phases.size)
-            for i in range(first + 1, len(times)):
-                whole = steps[i - 1] @ whole
-                found[i] = max(found[i], self.growth(whole, times[i] - times[first]))
-        return found
+    def chart(self, motion: Motion, phase: Phase, state: Sequence[arb]) -> arb_mat:
+        """Errors of both bodies, as `bodies` has them, by those of the mode's coordinates and of the centre of mass at the start."""
+        assert isinstance(motion, ContactMotion)
+        slopes = motion.traced.slopes(motion.name(phase), state).table()
+        count, drift = len(slopes) - 1, len(self.drifting())
+        units = [arb_of(unit) for unit in self.units()]
+        units += [arb(1)] * (count - len(units))
+        relative = [[entry * unit for entry in row[:count]] + [arb(0)] * drift for row, unit in zip(slopes[:count], units, strict=True)]
+        seconds = state[-1] * arb_of(self.phases.time)
+        moved = arb_mat(relative + [[arb(0)] * count + row for row in self.drift(seconds)])
+        rows = (self.bodies() * moved).table()
+        return arb_mat([[entry / size for entry in row] for row, size in zip(rows, self.own_scales(), strict=True)])
 
-    def transfer(self, first: Fraction, second: Fraction) -> Array:
-        """d (x, y, vx, vy, spins, spring, clock) at one time by that at an earlier one, to rounding."""
-        if (first, second) not in self.kept:
-            a, b = self.clock(first), self.clock(second)
+    def drifting(self) -> Sequence[int]:
+        """The relative coordinates that have a counterpart of the centre of mass: places, then velocities."""
+        return range(4)
 
-            def moved(motion: ContactMotion) -> Array:
-                before, after = (_floats(motion.slopes(t)) for t in (a, b))
-                return after @ motion.transfer(a, b) @ np.linalg.inv(before)
+    def drift(self, seconds: arb) -> list[list[arb]]:
+        """Errors of the centre of mass, after a time, by those at the start: it moves uniformly."""
+        count = len(self.drifting())
+        return [[arb(1) if i == j else seconds if j == i + count // 2 else arb(0) for j in range(count)] for i in range(count)]
 
-            self.kept[first, second] = self.followed(moved, f"S from t = {float(first):.17g} s to {float(second):.17g} s")
-        found: Array = self.kept[first, second]
-        return found
+    def bodies(self) -> arb_mat:
+        """The coordinates MOVED and what only the mode knows, by x, y, vx, vy, the spins, the rest, and the centre of mass."""
+        drifting, size = self.drifting(), self.phases.size - 1
+        shares = [arb_of(mass / sum(self.spheres.masses)) for mass in self.spheres.masses]
+        count = size + len(drifting)
+        rows = [[arb(0)] * count for _ in range(count)]
+        for body, share in ((0, shares[1]), (1, -shares[0])):
+            for i in drifting:
+                row = rows[body * len(drifting) + i]
+                row[i], row[size + i] = share, arb(1)
+        for i in range(len(drifting), size):
+            rows[len(drifting) + i][i] = arb(1)
+        return arb_mat(rows)
 
-    def growth(self, whole: Array, elapsed: Fraction) -> float:
-        """Largest sum, over the coordinates MOVED of both bodies, of the scaled answers of one; the centre of mass moves uniformly."""
-        units = np.array([float(unit) for unit in self.units()])
-        slopes = whole[:6, :6] * units[:, None] / units
-        shares = np.array([float(mass) for mass in self.spheres.masses]) / float(sum(self.spheres.masses))
-        apart, centre = np.zeros((6, 10)), np.zeros((4, 10))
-        apart[:4, :4], apart[:4, 4:8], apart[4:, 8:] = np.eye(4), -np.eye(4), np.eye(2)
-        centre[:, :4], centre[:, 4:8] = shares[0] * np.eye(4), shares[1] * np.eye(4)
-        centre[:2] += float(elapsed) * centre[2:]
-        moved = slopes @ apart
-        answers = np.vstack([centre + shares[1] * moved[:4], centre - shares[0] * moved[:4], moved[4:]])
-        sizes = np.array([float(self.scale[name]) for name in MOVED])
-        return max(1.0, float(np.max(np.abs(answers) @ sizes / sizes))) * (1 + 2.0**-40)
+    def counted(self) -> Sequence[str]:
+        """The quantities in which errors are made and counted."""
+        return MOVED
 
+    def own_scales(self) -> list[arb]:
+        """Those of the quantities; of what only the mode knows, its unit."""
+        sizes = [arb_of(self.scale[name]) for name in self.counted()]
+        return sizes + [arb(1)] * (self.phases.size - 1 + len(self.drifting()) - len(sizes))
 
-def _floats(matrix: arb_mat) -> Array:
-    return np.array([[float(x.mid()) for x in row] for row in matrix.table()])
+    def parts(self) -> list[int]:
+        return [1] * len(self.own_scales())
+
+    def struck(self) -> Sequence[int]:
+        return range(len(self.counted()))
+
+    def readings(self, motion: Motion, t: arb) -> arb_mat:
+        """The quantities themselves."""
+        count = len(self.own_scales())
+        return arb_mat([[arb(int(i == j)) for j in range(count)] for i in self.struck()])
 
 
 def truth(p: Parameters, scale: Mapping[str, float]) -> Truth:

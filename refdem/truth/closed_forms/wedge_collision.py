@@ -3,12 +3,13 @@
 In: d_m = (3 m v^2/(2 k2))^(1/3), time by the incomplete beta function. Out: d = d_m cos(w t), w^2 = k1/m, until d = 0.
 """
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from copy import copy
 from fractions import Fraction
+from functools import partial
 from typing import Self
 
-from flint import arb
+from flint import arb, arb_mat
 
 from refdem.core.parameters import Parameters
 from refdem.core.truth import Truth
@@ -16,6 +17,8 @@ from refdem.errors import NotCertifiedError
 from refdem.truth.balls import UndecidedError, arb_of
 from refdem.truth.closed_form import Size, per_precision
 from refdem.truth.exact import numbers
+from refdem.truth.growth import Grows, Growth, Norm, Stretch, narrow, smooth
+from refdem.truth.line_growth import homogeneous, linear, steepness
 from refdem.truth.power_contact import PowerContact, touching
 from refdem.truth.smooth_flow import SmoothFlow
 
@@ -64,6 +67,33 @@ class WedgeCollision(SmoothFlow):
         if not (turned >= 0 and after < 0):
             raise UndecidedError(f"whether it has turned, or parted, at {t}")
         return {"overlap": contact.depth * (rate * turned).cos(), "v": -contact.depth * rate * (rate * turned).sin()}
+
+    @per_precision
+    def growth(self) -> Grows:
+        return Growth(self.stretches(), Norm([1, 1]), step=narrow(self.rate()))
+
+    def stretches(self) -> Iterator[Stretch]:
+        """In by scaling, out and away by linear laws.
+
+        At the turn, v = 0, the acceleration jumps from -k2 d_m^2/m to -k1 d_m/m: an error of v, which shifts the time of the turn, is
+        multiplied by their ratio, one of the place stays.
+        """
+        (contact, touch), rate = self.approach(), self.rate()
+        ratio, power = arb_of(self.scale["overlap"] / self.scale["v"]), arb_of(Fraction(2, 3))
+        stiffness = arb_of(self.exact["k2"] / self.exact["mass"])
+        quick = steepness(2 * stiffness * contact.depth, ratio)
+
+        def inward(t: arb) -> arb_mat:
+            since = t - touch
+            overlap, speed = contact.state(since) if since > 0 or since == 0 else (contact.speed * since, contact.speed)
+            push = -stiffness * overlap * overlap if since > 0 else arb(0)
+            return homogeneous(overlap, speed, push, since, power, ratio)
+
+        turned, parted = touch + contact.half, arb.pi() / (2 * rate)
+        jump = arb_mat([[arb(1), arb(0)], [arb(0), rate * rate / (stiffness * contact.depth)]])
+        yield smooth(arb(0), turned, inward, jump=jump, quickness=lambda t: quick)
+        yield smooth(turned, parted, partial(linear, rate * rate, -1, ratio))
+        yield smooth(turned + parted, None, partial(linear, rate * rate, 0, ratio))
 
     def constants(self) -> dict[str, arb]:
         contact, _ = self.approach()

@@ -20,17 +20,20 @@ LEAST = 2.0**-100
 """Of a window: what is not decided on less is grazing, or a zero at an end that more digits tell apart."""
 
 
+FINAL = ("end", "singular", "time")
+"""Ends that more bits do not move."""
+
+
 class SwitchError(UndecidedError):
-    """Balls cannot follow a switch; `code` is grazing, corner, separatrix, singular, precision or end, `since` about when [s] in the piece.
+    """Balls cannot follow a switch; `code` is that of an end (errors.py), `since` about when [s] in the piece.
 
     `state` has balls of the last certified state (its clock last); `final`: more digits would seldom help.
     """
 
     def __init__(self, code: str, message: str, since: float) -> None:
-        super().__init__(message)
-        self.code, self.since = code, since
+        super().__init__(message, code=code, final=code in FINAL)
+        self.since = since
         self.state: list[arb] = []
-        self.final = code in ("end", "singular")
 
     def at(self, state: Sequence[arb], *, thin: bool = False) -> Self:
         """The same error with the last certified state, and whether the set is thin there."""

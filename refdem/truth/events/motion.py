@@ -14,7 +14,7 @@ import numpy as np
 from flint import arb, arb_mat
 from numpy.typing import NDArray
 
-from refdem.truth.balls import arb_of, ball_of, precision
+from refdem.truth.balls import Guarded, UndecidedError, arb_of, ball_of, precision
 from refdem.truth.events.crossing import SwitchError
 from refdem.truth.events.phase import Phase
 from refdem.truth.events.system import Entry, State, Traced
@@ -35,7 +35,7 @@ class Event:
     state: list[arb]
 
 
-class Motion:
+class Motion(Guarded):
     """The motion of the set about `start` (balls at the working precision) that begins with `entry`."""
 
     def __init__(self, modes: Mapping[str, Traced], start: Sequence[arb], entry: Entry, bits: int, steps: Steps | None = None) -> None:
@@ -117,6 +117,9 @@ class Motion:
                 self.pass_event(phase)
         except SwitchError as error:
             raise self.told(phase, error) from None
+        except UndecidedError as error:
+            ended = SwitchError(error.code, str(error), float(phase.searched))
+            raise self.told(phase, ended) from None
 
     def pass_event(self, phase: Phase) -> None:
         """Hands the set on to the next mode."""

@@ -36,6 +36,7 @@ class Phase(Integration):
         self.centre, self.spread = list(centre), spread
         self.pieces: list[Piece] = []
         self.begins: list[Fraction] = []
+        self.largest: list[arb] = []
         self.first, self.widest = arb(1), arb(0)
         self.searched = Fraction(0)
         self.flows: dict[Fraction, arb_mat] = {}

@@ -1,32 +1,31 @@
 """A Truth by validated integration through events: quantities and event times as balls, S(t) with the jump matrices."""
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from fractions import Fraction
-from itertools import pairwise
-from math import ceil
-from time import process_time
+from functools import partial
+from itertools import count
+from math import ceil, log2
 from typing import Any, Self, TypeVar
 
-import numpy as np
-from flint import arb, arb_mat
-from numpy.typing import NDArray
+from flint import arb, arb_mat, ctx
 
 from refdem.core.truth import Ball
 from refdem.errors import NotCertifiedError
-from refdem.truth.balls import UndecidedError, arb_of, ball_of, precision
-from refdem.truth.closed_form import ClosedForm, Size
+from refdem.truth.balls import UndecidedError, arb_of, ball_of, largest, precision
+from refdem.truth.closed_form import ClosedForm, Size, per_precision
 from refdem.truth.events.crossing import SwitchError
-from refdem.truth.events.motion import Motion, first_entry
-from refdem.truth.events.system import Entry, Mode, State, Traced
-from refdem.truth.smooth_flow import BEYOND_DOUBLES, ORIGINS
+from refdem.truth.events.motion import Motion, at_fixed_time, first_entry
+from refdem.truth.events.phase import Phase
+from refdem.truth.events.system import Entry, Mode, State, Traced, derivative_rows
+from refdem.truth.forecast import Course, follow
+from refdem.truth.growth import Grows, Growth, Norm, Stretch, smooth
 from refdem.truth.traced_field import Program, traced
 from refdem.truth.validated_flow import Quantities
+from refdem.truth.validated_ivp.integration import GUARD, Piece
 
 LADDER = (192, 256, 384, 512, 768, 1024, 1536)
 """Bits, one after another until the radius is met; a motion that asks for more is not certified."""
 Found = TypeVar("Found")
-PROBE = 1.0
-"""CPU seconds of following that a forecast takes."""
 LOSS = 24
 """Bits below those of the target that no motion is certified with."""
 
@@ -138,18 +137,46 @@ class HybridFlow(ClosedForm):
         return found
 
     def forecast(self, t: Fraction, digits: int) -> float:
-        """CPU seconds that `at(t)` to so many digits is about to cost, from about a second of following the motion."""
+        """CPU seconds that `at(t)` to so many digits is about to cost; what is followed for it is kept."""
         asked = self.refined(digits)
-        bits, begun = asked.needed()[0], process_time()
+        course = Course(asked.needed()[0])
         try:
-            motion = asked.motion(bits)
-            since = motion.reached()
-            while motion.reached() < t and not motion.over() and process_time() < begun + PROBE:
-                motion.follow()
-        except (UndecidedError, NotCertifiedError):
+            work = asked.foreseen(t, course)
+        except NotCertifiedError:
             return 0.0
-        left = t - motion.reached()
-        return 0.0 if motion.over() or left <= 0 else (process_time() - begun) * float(left / (motion.reached() - since))
+        return course.seconds_for(work)
+
+    def foreseen(self, t: Fraction, course: Course) -> float:
+        """The windows that are left to be searched until the radius at t is what is asked for, in windows of the course's precision."""
+        # log2 of a number that may be below all doubles.
+        target = log2(self.target().numerator) - log2(self.target().denominator)
+        time = float(t)
+        motion = self.motion(course.bits)
+        followed = 0
+
+        def next_bits(bits: int, lacking: float | None) -> int | None:
+            return next((rung for rung in LADDER if rung > bits), None)
+
+        def step() -> bool:
+            nonlocal followed
+            followed += 1
+            try:
+                motion.follow()
+            except UndecidedError:
+                return False
+            return not motion.over()
+
+        def state() -> tuple[Fraction, int, arb]:
+            return motion.reached(), followed, largest(motion.phases[-1].spread.radii())
+
+        def work() -> float:
+            return course.work_to(time, target, next_bits)
+
+        if motion.over():
+            return 0.0
+        follow(course, state, step, t, work)
+        # What is over, or ends, costs nothing more.
+        return 0.0 if motion.over() else work()
 
     def uncertified(self, error: SwitchError, what: str) -> NotCertifiedError:
         """The honest end."""
@@ -158,53 +185,97 @@ class HybridFlow(ClosedForm):
         told = f"; certified up to t = {time:.17g} s" if time is not None else ""
         return NotCertifiedError(f"{what}: {error.code}: {error}{told}", code=error.code, time=time, state=state)
 
-    def response(self, t: Fraction) -> list[arb]:
-        """For every quantity, the sum over the coordinates of the start of its scaled response at t."""
-        time = arb_of(t)
+    @per_precision
+    def growth(self) -> Grows:
+        """From event to event, by the variational equation and the jump matrices."""
+        motion = self.motion(ctx.prec)
+        readings = partial(self.readings, motion)
+        return Growth(self.stretches(motion), Norm(self.parts()), readings, self.struck(), step=Fraction(1, 2**10))
 
-        def told(motion: Motion) -> list[arb]:
-            rows = self.scaled(motion.at(time), motion.jacobian(time))
-            if not all(row.is_finite() and row.rad() <= (row.abs_lower() + 1) * arb(1e-3) for row in rows):
-                raise SwitchError("precision", "the motion is hardly differentiable in its start", 0.0)
-            return rows
+    def _sensitivity(self, t: Fraction) -> float:
+        """At the precisions of the motion, whose pieces are there already."""
+        return self.followed(lambda motion: self.growth().at(t), f"S at t = {float(t):.17g} s", self.needed())
 
-        return self.followed(told, f"S at t = {float(t):.17g} s")
+    def stretches(self, motion: Motion) -> Iterator[Stretch]:
+        """The pieces of a motion, made as they are asked for; the last of a phase ends with an event."""
+        for number in count():
+            while number >= len(motion.phases):
+                if motion.ended:
+                    return
+                motion.follow()
+            yield from self.pieces_of(motion, number)
 
-    def scaled(self, y: Sequence[arb], flow: arb_mat) -> list[arb]:
-        """Row sums of |d quantity_i/scale_i over d start_j/scale_j|."""
-        slopes = self.slopes.run(y)
-        whole = (arb_mat([slopes[i : i + len(y)] for i in range(0, len(slopes), len(y))]) * flow).table()
-        sizes = [arb_of(self.scale[name]) for name in self.state]
-        sums = [sum((abs(row[j]) * size for j, size in zip(self.moved, sizes, strict=True)), arb(0)) for row in whole]
-        return [total / arb_of(self.scale[name]) for total, name in zip(sums, self.names, strict=True)]
+    def pieces_of(self, motion: Motion, number: int) -> Iterator[Stretch]:
+        """The pieces of a phase."""
+        phase = motion.phases[number]
+        for index in count():
+            while index >= len(phase.pieces):
+                if phase.never:
+                    phase.advance()
+                else:
+                    motion.follow()
+            piece = phase.pieces[index]
+            while not (phase.never or phase.ends or phase.searched >= piece.end):
+                motion.follow()
+            begin = phase.entered[-1] + arb_of(piece.begin)
+            errors = partial(self.errors, motion, phase, piece)
+            if phase.ends and phase.crossing()[1] is piece:
+                while len(motion.events) <= number:
+                    motion.follow()
+                after = motion.phases[number + 1] if number + 1 < len(motion.phases) else None
+                yield Stretch(begin, phase.crossing()[2], errors, partial(self.handed_on, motion, phase, after))
+                return
+            yield smooth(begin, arb_of(piece.length), errors, joins=True)
 
-    def sensitivities(self, times: Sequence[Fraction]) -> list[float]:
-        """S at every time: the largest growth of an error made at t = 0 or at an earlier one of (up to 32 of) the times.
+    def errors(self, motion: Motion, phase: Phase, piece: Piece, since: arb) -> arb_mat:
+        """What errors at the begin of a piece, in the coordinates of its mode, are afterwards in those of `chart`.
 
-        Sticking forgets: its flow has no inverse, so growths are products of those from sample to sample.
+        Errors leave the clock alone, whose rate no state changes.
         """
-        grown = [self.sensitivity(t) for t in times]
-        every = max(1, -(-len(times) // ORIGINS))
-        steps = [self.transfer(first, second) for first, second in pairwise(times)]
-        for first in range(0, len(times), every):
-            if grown[first] < BEYOND_DOUBLES:
-                whole = np.eye(len(self.begin))[:, list(self.moved)]
-                for i in range(first + 1, len(times)):
-                    whole = steps[i - 1] @ whole
-                    grown[i] = max(grown[i], self.size(times[i], whole))
-        return grown
+        with precision(motion.bits + GUARD):
+            inner = phase.moved_by(piece, since)
+            return self.chart(motion, phase, piece.at(since)) * self.beside(inner)
 
-    def transfer(self, first: Fraction, second: Fraction) -> NDArray[np.float64]:
-        """The derivative of the state at one time by that at an earlier one."""
-        ends = arb_of(first), arb_of(second)
-        return self.followed(lambda motion: motion.transfer(*ends), f"S from t = {float(first):.17g} s to {float(second):.17g} s")
+    def handed_on(self, motion: Motion, phase: Phase, after: Phase | None) -> arb_mat:
+        """What errors at the begin of a phase's last piece are after the event that ends it, at one time for all motions of the set."""
+        guard, piece, since, states = phase.crossing()
+        size = phase.mode.size
+        with precision(motion.bits + GUARD):
+            rate = phase.mode.rates[guard.name][1].run(states)[0]
+            section = phase.section(guard, states, rate) * phase.moved_by(piece, since)
+            if after is None:
+                return self.chart(motion, phase, states) * self.beside(section)
+            reset = guard.then(states).reset or (lambda y: list(y))
+            jump = arb_mat(size, size, derivative_rows(reset, size).run(states)) * section
+            return self.chart(motion, after, after.entered) * self.beside(at_fixed_time(after, after.entered) * jump)
 
-    def size(self, t: Fraction, change: NDArray[np.float64]) -> float:
-        """Largest scaled row sum of the quantities' answers to changes (n, moved) of the state, each in its quantity's scale."""
-        rows = np.array([float(x.mid()) for x in self.slopes.run(self.state_at(t))]).reshape(len(self.names), -1) @ change
-        own = np.array([float(self.scale[name]) for name in self.names])
-        return float(np.max(np.abs(rows) @ [float(self.scale[name]) for name in self.state] / own))
+    def beside(self, inner: arb_mat) -> arb_mat:
+        """A derivative of the coordinates of a mode, of those that `chart` takes: here of those that S displaces."""
+        table = inner.table()
+        return arb_mat([[table[i][j] for j in self.moved] for i in self.moved])
 
-    def state_at(self, t: Fraction) -> list[arb]:
-        """The state at the lowest precision that knows it."""
-        return self.followed(lambda motion: motion.at(arb_of(t)), f"at t = {float(t):.17g} s")
+    def chart(self, motion: Motion, phase: Phase, state: Sequence[arb]) -> arb_mat:
+        """The derivative of the coordinates in which errors are counted, in scales, by those that `beside` leaves, in a state."""
+        count = len(self.state)
+        return arb_mat([[1 / size if i == j else arb(0) for j in range(count)] for i, size in enumerate(self.own_scales())])
+
+    def own_scales(self) -> list[arb]:
+        """Scales of the coordinates that S displaces."""
+        return [arb_of(self.scale[name]) for name in self.state]
+
+    def parts(self) -> list[int]:
+        """How many coordinates are measured together (Norm)."""
+        return [1] * len(self.state)
+
+    def struck(self) -> Sequence[int] | None:
+        """The coordinates of `chart` in which errors are made; None for all."""
+        return None
+
+    def readings(self, motion: Motion, t: arb) -> arb_mat:
+        """d quantity_i(t)/scale_i over d coordinate_j(t)/scale_j."""
+        y = motion.at(t)
+        slopes = self.slopes.run(y)
+        rows = [slopes[i : i + len(y)] for i in range(0, len(slopes), len(y))]
+        moved = list(zip(self.moved, self.own_scales(), strict=True))
+        sizes = [arb_of(self.scale[name]) for name in self.names]
+        return arb_mat([[row[j] * own / size for j, own in moved] for row, size in zip(rows, sizes, strict=True)])

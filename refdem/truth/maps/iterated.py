@@ -12,12 +12,12 @@ from typing import Any, Self
 
 import numpy as np
 from flint import arb, arb_mat, ctx
-from numpy.typing import NDArray
 
-from refdem.core.truth import Ball, Truth
+from refdem.core.truth import Ball
 from refdem.errors import NotCertifiedError, UsageError
-from refdem.truth.balls import UndecidedError, arb_of, ball_of, precision, refined
+from refdem.truth.balls import GuardedTruth, UndecidedError, arb_of, ball_of, precision, refined
 from refdem.truth.closed_form import Size
+from refdem.truth.growth import BOUNDLESS, ROUNDING, Array, Norm, bounded, doubles
 
 MOST_BITS = 2**13
 """Some 2500 bounces or 8000 doublings: a hundred times as far as doubles can be judged; the cost grows as the square."""
@@ -25,22 +25,21 @@ MOST_STEPS = 2**14
 """Of an orbit that does not lose bits: the same limit, in time instead of digits."""
 SHARP = -200
 """A branch that is undecided for a ball of a radius below 2^SHARP is a boundary that is hit, and no lack of precision."""
-ORIGINS = 32
-"""At how many iterates, evenly chosen, an error may be made."""
-SLACK = 1 + 1e-9
-"""Products of slopes in binary64 lose far less than this part of their largest entries."""
-BOUNDLESS = 1e300
+
+
+UNSURE = 1e-12
+"""Part of the slopes of a step that may be unknown before its S is found at more bits."""
 
 
 class BoundaryError(UndecidedError):
     """A branch that cannot be decided; `code` says what is hit, `gap` is the ball whose sign is not known."""
 
     def __init__(self, code: str, gap: arb) -> None:
-        super().__init__(f"{code}: {gap} has no sign")
-        self.code = code if gap.is_finite() and gap.rad() < arb(2) ** SHARP else "precision"
+        is_hit = gap.is_finite() and gap.rad() < arb(2) ** SHARP
+        super().__init__(f"{code}: {gap} has no sign", code=code if is_hit else "precision")
 
 
-class Iterated(Truth):
+class Iterated(GuardedTruth):
     """Iterates n = 0, 1, ... of a map; `at(n)` to within 10^-digits of each scale. A state is whatever `step` takes and gives."""
 
     word = "step"
@@ -50,7 +49,7 @@ class Iterated(Truth):
         self.digits = digits
         self.kept: dict[int, dict[int, Any]] = {}
         self.grown: list[float] = [1.0]
-        self.errors = np.zeros((0, 0, 0))
+        self.front: tuple[Array, Array] | None = None
 
     @abstractmethod
     def first(self) -> Any:
@@ -82,7 +81,7 @@ class Iterated(Truth):
         at = n if n in orbit else len(orbit) - 1
         while at < n:
             if at >= MOST_STEPS:
-                raise self.ended("length", at, orbit[at], f"more than {MOST_STEPS} are not tried")
+                raise self.ended("time", at, orbit[at], f"more than {MOST_STEPS} are not tried")
             after = self.step(orbit[at])
             for name, value in self.values(after).items():  # a ball as large as its scale grows without bound, its exponents too
                 if not value.rad() < arb_of(self.scale[name]):
@@ -122,7 +121,7 @@ class Iterated(Truth):
         return NotCertifiedError(message, code=code, time=float(last), state=balls)
 
     def sensitivity(self, t: Fraction) -> float:
-        """S: the largest sum of a row of the scaled derivative of iterate t by an earlier one (of up to ORIGINS), or by the start."""
+        """S: the largest sum of a row of the scaled derivative of iterate t by any earlier one, the start among them."""
         n = whole(t)
         bits = 256
         while len(self.grown) <= n:
@@ -137,16 +136,29 @@ class Iterated(Truth):
 
     def _grow(self, n: int) -> None:
         """Adds S of iterate n to those that are known."""
-        slope = _floats(self.slope(self.state(n - 1), self.state(n)))
-        identity = np.eye(len(slope))[None]
-        self.errors = identity if n == 1 else self.errors
-        self.errors = slope @ self.errors
-        largest = float(np.abs(self.errors).sum(axis=2).max())
-        self.grown.append(min(max(1.0, largest * SLACK), BOUNDLESS) if largest == largest else BOUNDLESS)
-        self.errors = np.clip(self.errors, -BOUNDLESS, BOUNDLESS)
-        if len(self.errors) == ORIGINS:
-            self.errors = self.errors[::2]
-        self.errors = np.concatenate((self.errors, identity))
+        if self.grown[-1] >= BOUNDLESS:
+            self.grown.append(BOUNDLESS)
+            return
+        step = self.slope(self.state(n - 1), self.state(n))
+        slope, off = doubles(step)
+        if off > UNSURE * float(np.abs(slope).max()):
+            raise UndecidedError("the slope of a step is not known")
+        count = len(slope)
+        if self.front is None:
+            none = np.zeros((0, count, count))
+            self.front = none, np.zeros(0)
+        after, weights = self.front
+        size = Norm([1] * count)
+        # The derivative of iterate n by every earlier one: that by iterate n - 1 was 1 before this step.
+        carried = slope @ np.concatenate([after, np.eye(count)[None]])
+        wrong = off * count + ROUNDING * float(size(slope))
+        weights = np.concatenate([weights, [wrong * self.grown[-1]]])
+        # What comes after a step multiplies what was wrong in it (refdem/truth/growth.py).
+        later = np.concatenate([carried[1:], np.eye(count)[None]])
+        with np.errstate(over="ignore", invalid="ignore"):
+            largest = float(size(carried).max()) + float((size(later) * weights).sum())
+        self.grown.append(bounded(largest))
+        self.front = carried, weights
 
     def jacobian(self, t: Fraction) -> arb_mat:
         """The derivative of iterate t by the start at the current precision, each number in its scale."""
@@ -163,14 +175,6 @@ def whole(t: Fraction) -> int:
     if t.denominator != 1 or t < 0:
         raise UsageError(f"iterate {t}; expected a whole number >= 0")
     return int(t)
-
-
-def _floats(matrix: arb_mat) -> NDArray[np.float64]:
-    """Midpoints as doubles; UndecidedError if they are not known to a part in 1e12 of the largest."""
-    entries = [x for row in matrix.table() for x in row]
-    if not all(x.is_finite() for x in entries) or max(x.rad() for x in entries) > 1e-12 * max(abs(x.mid()) for x in entries):
-        raise UndecidedError("the slope of a step is not known")
-    return np.array([float(x.mid()) for x in entries]).reshape(matrix.nrows(), matrix.ncols())
 
 
 def vector(values: Sequence[arb]) -> arb_mat:

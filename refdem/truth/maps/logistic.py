@@ -11,12 +11,17 @@ from flint import arb, arb_mat
 
 from refdem.core.parameters import Parameters
 from refdem.core.truth import Truth
-from refdem.truth.balls import arb_of
+from refdem.truth.balls import arb_of, precision
 from refdem.truth.closed_form import Size
 from refdem.truth.exact import numbers
-from refdem.truth.maps.iterated import Iterated
+from refdem.truth.growth import bounded
+from refdem.truth.maps.iterated import Iterated, whole
 
 HALF = Fraction(1, 2)
+
+
+FLOW_BITS = 1024
+"""For S of the equation: what is lost where x comes near to 1 is eta t bits, roughly."""
 
 
 class LogisticMap(Iterated):
@@ -71,6 +76,15 @@ class LogisticFlow(Iterated):
         fall = (-arb_of(self.eta)).exp()
         width = state + (1 - state) * fall
         return arb_mat(1, 1, [fall / (width * width)])
+
+    def sensitivity(self, t: Fraction) -> float:
+        """S over all times s <= t: an error grows by x (1 - x) at t over that at s, which is smallest at an end, as x is monotone."""
+        with precision(FLOW_BITS):
+            first, last = (state * (1 - state) for state in (self.state(0), self.state(whole(t))))
+            if not first > 0:
+                # At rest at 0, or at 1.
+                return bounded(float((arb_of(self.eta) * whole(t) * (1 - 2 * self.state(0))).exp().upper()))
+            return bounded(float((last / first).upper()))
 
     def values(self, state: arb) -> dict[str, arb]:
         return {"x_n": state}

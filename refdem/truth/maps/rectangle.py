@@ -11,11 +11,12 @@ from math import gcd
 
 from flint import arb, arb_mat
 
-from refdem.core.truth import Ball, Truth
+from refdem.core.truth import Ball
 from refdem.errors import NotCertifiedError
-from refdem.truth.balls import arb_of, ball_of, refined
+from refdem.truth.balls import GuardedTruth, arb_of, ball_of, refined
 from refdem.truth.closed_form import Size
-from refdem.truth.maps.iterated import SLACK, whole
+from refdem.truth.growth import bounded
+from refdem.truth.maps.iterated import whole
 
 HALF = Fraction(1, 2)
 Exact2 = tuple[Fraction, Fraction]
@@ -63,7 +64,7 @@ def corner(a: Crossings, b: Crossings) -> Fraction | None:
     return a.time(i + 1)
 
 
-class Rectangle(Truth):
+class Rectangle(GuardedTruth):
     """Bounce n of a point from `start` along `direction` (any length) in a table of that size, centred on the origin."""
 
     method = "unfolding: crossings of a straight line with mirrored walls, in exact rationals"
@@ -147,4 +148,4 @@ class Rectangle(Truth):
     def sensitivity(self, t: Fraction) -> float:
         """S: the largest sum of a row; the flight from an earlier bounce is shorter, so that an error made there grows less."""
         rows = self.jacobian(t).table()
-        return max(1.0, *(float(sum((abs(x) for x in row), arb(0)).upper()) * SLACK for row in rows))
+        return bounded(max(float(sum((abs(x) for x in row), arb(0)).upper()) for row in rows))

@@ -107,21 +107,29 @@ def matrix_norm(entries: Sequence[arb | acb], weights: Sequence[arb]) -> arb:
 
 
 def disc(
-    field: Program, jacobian: Program, polynomials: Sequence[arb_poly], order: int, radii: Sequence[arb], ratio: float, first: float
+    field: Program,
+    jacobian: Program,
+    polynomials: Sequence[arb_poly],
+    order: int,
+    radii: Sequence[arb],
+    *,
+    least: Sequence[arb],
+    ratio: float,
+    first: float,
 ) -> Disc | None:
     """The disc for the longest step at this order, searched from an outer radius `first` [s] on; None if none is proved.
 
-    The step is `ratio` of the outer radius, and shorter by what the speed there would cost in bits.
+    `radii` bound the set of starts, and weights are at least `least`. The step is `ratio` of the outer radius, and shorter by what the
+    speed there would cost in bits.
     """
     with precision(BITS):
         tube = Tube(polynomials)
         here = tube.box(arb(0))
         rates, start = field.run(here), jacobian.run(here)
-        weights = weighted(
-            rates, typical(lambda radius: jacobian.run(tube.box(arb(radius))), min(first, REACH / quickest(start)) / 3) or start, 1 / first
-        )
+        nearby = typical(lambda radius: jacobian.run(tube.box(arb(radius))), min(first, REACH / quickest(start)) / 3)
+        weights = weighted(rates, nearby or start, 1 / first, least)
         slow, stiff = norm(rates, weights), matrix_norm(start, weights)
-        least = (stiff + 1 / arb(first)) / 2**40
+        slowest = (stiff + 1 / arb(first)) / 2**40
 
         def speed(radius: float) -> arb:
             return norm(field.run(tube.box(arb(radius))), weights)
@@ -129,7 +137,7 @@ def disc(
         def step(radius: float) -> float:
             quick = speed(radius)
             reaches = quick.is_finite() and stiff * radius < REACH
-            return ratio * radius * float((slow + least) / (quick + least)) ** (1.0 / order) if reaches else 0.0
+            return ratio * radius * float((slow + slowest) / (quick + slowest)) ** (1.0 / order) if reaches else 0.0
 
         outer = highest(step, first)
         mantissa, exponent = frexp(step(outer))

@@ -15,17 +15,22 @@ import numpy as np
 from flint import arb, arb_mat, arb_poly
 from numpy.typing import NDArray
 
-from refdem.errors import NotCertifiedError
-from refdem.truth.balls import UndecidedError, arb_of, ball_of, largest, outward, precision
+from refdem.truth.balls import Guarded, UndecidedError, arb_of, ball_of, largest, outward, precision
 from refdem.truth.traced_field import Field, Program, traced
 from refdem.truth.validated_ivp.enclosure import JACOBIAN_BITS, Disc, disc, norm
 from refdem.truth.validated_ivp.moved import Spread, at_start, flow_jacobian, flow_series, moved
 from refdem.truth.validated_ivp.recurrences import taylor
 
+UNEQUAL = 80
+"""Most bits that the flow Jacobian is given for weights that are unlike: its remainder is larger by their ratio in some entries."""
 GUARD = 24
 """Bits by which coefficients are sharper than the bits asked for, for the rounding of their sums."""
 HALVINGS = 24
-"""A disc 2^-24 as wide as the widest so far means that the motion, or the set, has run into a singularity."""
+"""A disc 2^-24 as wide as the widest so far is the last: the set, or the motion, is near a singularity."""
+SMALL = arb(2) ** -20
+"""Part of a coordinate below which its weight does not fall, and of a weight above which the set's radius should not rise."""
+MOST_PIECES = 2**17
+"""Of one integration: what asks for more ends as `time`, with all that came before certified."""
 
 
 @dataclass(frozen=True)
@@ -71,7 +76,7 @@ class Piece:
         return [one(since) + arb(0, radius) for one, radius in zip(self.polynomials, radii, strict=True)]
 
 
-class Integration:
+class Integration(Guarded):
     """The solution from `start` (called at the working precision) to about `bits` bits, before errors grow."""
 
     def __init__(self, field: Field, start: Callable[[], Sequence[arb]], bits: int, steps: Steps | None = None) -> None:
@@ -85,6 +90,7 @@ class Integration:
         self.spread = at_start([value.rad() for value in whole])
         self.pieces: list[Piece] = []
         self.begins: list[Fraction] = []
+        self.largest: list[arb] = []
         self.first, self.widest = arb(1), arb(0)
 
     def at(self, t: arb) -> list[arb]:
@@ -116,6 +122,11 @@ class Integration:
         """Up to where pieces are made."""
         return self.pieces[-1].end if self.pieces else Fraction(0)
 
+    def reached(self) -> list[arb]:
+        """Balls of the state at `end`."""
+        with precision(self.bits + GUARD):
+            return [value + arb(0, radius) for value, radius in zip(self.centre, self.spread.radii(), strict=True)]
+
     def piece(self, t: arb) -> Piece:
         """The piece that holds the midpoint of the time; pieces up to it are made. A ball must lie in the disc of its piece."""
         middle = ball_of(t).mid
@@ -125,18 +136,21 @@ class Integration:
             self.advance()
         found = self.pieces[bisect_right(self.begins, middle) - 1]
         if not abs(t - arb_of(found.begin)) < found.disc.radius:
-            raise UndecidedError(f"t = {t} is not in one piece")
+            raise UndecidedError(f"t = {t} is not in one piece", code="precision")
         return found
 
     def advance(self) -> None:
-        """Makes the next piece and moves the set to its end."""
+        """Makes the next piece and moves the set to its end; UndecidedError where none is proved, whose `time` is the end so far."""
         begin = self.end
+        if len(self.pieces) >= MOST_PIECES:
+            told = f"{MOST_PIECES} pieces are used up at t = {float(begin):.17g} s; ask for an earlier time"
+            raise UndecidedError(told, code="time", final=True, time=float(begin))
         with precision(self.bits + GUARD):
             polynomials = taylor(self.field, self.centre, self.order)
         found = self.proved_disc(polynomials, begin)
         start = norm(self.spread.radii(), found.weights)
         with precision(self.steps.jacobian_bits + GUARD):
-            order = self.jacobian_order or found.jacobian_order(self.steps.jacobian_bits)
+            order = self.jacobian_order or found.jacobian_order(self.steps.jacobian_bits + unequal(found.weights))
             flow = flow_series(self.slopes, polynomials, found, start, order)
         piece = Piece(begin, found.step, polynomials, found, self.spread, start, flow)
         with precision(self.bits + GUARD):
@@ -147,20 +161,44 @@ class Integration:
         self.pieces.append(piece)
         self.begins.append(begin)
 
+    def least_weights(self, radii: Sequence[arb]) -> list[arb]:
+        """For each coordinate: a small part of it, much more than the set (but no more than it), and 2^-2bits of the largest it was."""
+        sizes = [outward(value) for value in self.centre]
+        seen = self.largest or sizes
+        self.largest = [max(before, now) for before, now in zip(seen, sizes, strict=True)]
+        nothing = arb(2) ** (-2 * self.bits)
+        parts = zip(sizes, radii, self.largest, strict=True)
+        return [max(size * SMALL, min(radius / SMALL, size), most * nothing) for size, radius, most in parts]
+
     def moved_by(self, piece: Piece, since: arb) -> arb_mat:
         """The flow Jacobian from the begin of a piece."""
         with precision(self.steps.jacobian_bits + GUARD):
             return flow_jacobian(piece.flow, piece.disc, since)
 
     def proved_disc(self, polynomials: Sequence[arb_poly], begin: Fraction) -> Disc:
-        """The disc for the longest step that is found, or for a shorter one."""
-        radii, ratio = self.spread.radii(), float(self.steps.ratio)
+        """The disc for the longest step that is found, or for a shorter one.
+
+        Where none is, nothing says that the motion is singular: the set may have swollen. More bits make it smaller.
+        """
+        radii = self.spread.radii()
+        least = self.least_weights(radii)
+        ratio = float(self.steps.ratio)
         for halving in range(HALVINGS):
-            found = disc(self.field, self.slopes, polynomials, self.order, radii, ratio / 2**halving, float(self.first))
+            found = disc(
+                self.field, self.slopes, polynomials, self.order, radii, least=least, ratio=ratio / 2**halving, first=float(self.first)
+            )
             if found is not None and found.radius > self.widest / 2**HALVINGS:
                 self.first, self.widest = found.outer, max(self.widest, found.radius)
                 return found
         if largest(radii) > arb(2) ** (-HALVINGS):
-            raise UndecidedError(f"the set of solutions is too large to be enclosed after t = {float(begin):.17g} s")
-        told = f"singular: the motion is enclosed up to t = {float(begin):.17g} s and no further: no disc is proved there"
-        raise NotCertifiedError(told, code="singular", time=float(begin))
+            told = f"the set of solutions is too large to be enclosed after t = {float(begin):.17g} s"
+            raise UndecidedError(told, code="precision", time=float(begin))
+        told = f"the motion is enclosed up to t = {float(begin):.17g} s; at {self.bits} bits no disc beyond is proved"
+        raise UndecidedError(told, code="precision", time=float(begin))
+
+
+def unequal(weights: Sequence[arb]) -> int:
+    """By how many bits, at most UNEQUAL, the largest weight is above the smallest."""
+    sizes = [float(weight) for weight in weights]
+    ratio = max(sizes) / max(min(sizes), 1e-300)
+    return min(UNEQUAL, int(log2(max(1.0, min(ratio, 1e300)))))

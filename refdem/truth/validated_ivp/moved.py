@@ -10,9 +10,9 @@ from dataclasses import dataclass
 from operator import mul
 
 import numpy as np
-from flint import arb, arb_mat, arb_poly, arb_series, ctx
+from flint import arb, arb_mat, arb_poly, arb_series
 
-from refdem.truth.balls import largest, outward, precision
+from refdem.truth.balls import largest, outward, precision, series_length, terms_of
 from refdem.truth.traced_field import Program
 from refdem.truth.validated_ivp.enclosure import Disc
 
@@ -73,13 +73,11 @@ def flow_series(jacobian: Program, polynomials: Sequence[arb_poly], found: Disc,
 
 def jacobian_series(jacobian: Program, solution: Sequence[Sequence[arb]]) -> list[arb_mat]:
     """J_0, J_1, ...: as many as there are coefficients of each y_i."""
-    size, order, before = len(solution), len(solution[0]), ctx.cap
-    try:
-        ctx.cap = order
+    size = len(solution)
+    order = len(solution[0])
+    with series_length(order):
         series = [arb_series(one, prec=order) for one in solution]
-        entries = [arb_poly(entry.coeffs()) for entry in jacobian.run(series, lambda ball: arb_series([ball], prec=order))]
-    finally:
-        ctx.cap = before
+        entries = [terms_of(entry, order) for entry in jacobian.run(series, lambda ball: arb_series([ball], prec=order))]
     return [arb_mat(size, size, [entry[k] for entry in entries]) for k in range(order)]
 
 

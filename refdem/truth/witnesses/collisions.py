@@ -24,15 +24,16 @@ class Spheres:
     """State x, y, vx, vy of r1 - r2, spins about z, stretch of the tangential spring. Friction f on body 1 along t = e turned by +90
     degrees, e = r/|r|; its torque on each is -l f."""
 
-    def __init__(self, p: Mapping[str, Exact]) -> None:
-        masses, radii = vector(p, "masses"), vector(p, "radii")
-        self.radii, self.reach = [arb_of(r) for r in radii], arb_of(sum(radii, Fraction(0)))
-        self.moments = [arb_of(Fraction(2, 5) * m * r * r) for m, r in zip(masses, radii, strict=True)]
-        self.mass = arb_of(masses[0] * masses[1] / sum(masses))
+    def __init__(self, p: Mapping[str, Any]) -> None:
+        masses = [arb_of(mass) for mass in p["masses"]]
+        self.radii = [arb_of(radius) for radius in p["radii"]]
+        self.reach = self.radii[0] + self.radii[1]
+        self.moments = [m * r * r * 2 / 5 for m, r in zip(masses, self.radii, strict=True)]
+        self.mass = masses[0] * masses[1] / (masses[0] + masses[1])
         self.beta = {"R": arb(0), "R-d/2": arb(1) / 2, "R-d": arb(1)}[str(p["branch"])]
         names = ("stiffness", "damping", "tangential_stiffness", "friction")
-        self.k, self.c, self.kt, self.mu = (arb_of(number(p, name)) for name in names)
-        self.pulls = p["cutoff"] == "zero_overlap" and number(p, "damping") > 0
+        self.k, self.c, self.kt, self.mu = (arb_of(p[name]) for name in names)
+        self.pulls = p["cutoff"] == "zero_overlap" and p["damping"] > 0
 
     def geometry(self, s: Sequence[Any]) -> tuple[Any, Any, Any, Any, Any, Any]:
         """e, distance, velocities along e and t, normal force."""

@@ -73,19 +73,17 @@ def falling(pull: arb, t: Any, y: Sequence[Any]) -> list[Any]:
     return [y[1], pull]
 
 
-def hertz(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: Claimed) -> Said:
+def hertz(p: Mapping[str, Any], times: Sequence[Fraction], claimed: Claimed) -> Said:
     """d'' = -(k/m) d^(3/2) with d = w^2 and dt = w ds: dw/ds = v/2, dv/ds = -(k/m) w^4 are smooth at touch; free flight afterwards."""
-    e = numbers(p, "effective_mass", "stiffness", "closing_speed")
-    speed, ratio = arb_of(e["closing_speed"]), arb_of(e["stiffness"] / e["effective_mass"])
+    mass, stiffness, speed = (arb_of(p[name]) for name in ("effective_mass", "stiffness", "closing_speed"))
+    ratio = stiffness / mass
     found = Solution(partial(pressed, ratio), [arb(0), speed, arb(0)])
-    scale = float(e["closing_speed"]) ** -0.2 * (1.25 / float(ratio)) ** 0.2 * 2 / float(e["closing_speed"]) ** 0.4
+    scale = float(speed) ** -0.2 * (1.25 / float(ratio)) ** 0.2 * 2 / float(speed) ** 0.4
     last = next(n for n in range(1, 400) if found.at(Fraction(scale * n / 8))[0] < 0)
     end = found.bisected(lambda y: y[0], scale * (last - 1) / 8, scale * last / 8)
     deepest = found.at(found.bisected(lambda y: y[1], scale / 64, float(end)))[0]
-    yield (
-        None,
-        {"duration": found.at(end)[2], "max_overlap": deepest * deepest, "max_force": arb_of(e["stiffness"]) * deepest * deepest * deepest},
-    )
+    hardest = stiffness * deepest * deepest * deepest
+    yield None, {"duration": found.at(end)[2], "max_overlap": deepest * deepest, "max_force": hardest}
     for t in times:
         if arb_of(t) < found.at(end)[2]:
             w, v, _ = found.at(found.bisected(partial(beyond, 2, arb_of(t)), 0.0, float(end)))

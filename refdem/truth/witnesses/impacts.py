@@ -11,6 +11,7 @@ from refdem.truth.balls import arb_of
 from refdem.truth.witnesses import contacts, members
 from refdem.truth.witnesses.collisions import Spheres, Value, flown, phases, two_spheres
 from refdem.truth.witnesses.contacts import beyond
+from refdem.truth.witnesses.impact_numbers import impact_numbers
 from refdem.truth.witnesses.taylor import Solution
 from refdem.truth.witnesses.testimony import Claimed, Said, Witness
 
@@ -26,7 +27,7 @@ class Struck(Spheres):
         self.moment = self.mass * self.reach * self.reach * 2 / 5
         self.beta = {"R": arb(0), "R-d/2": arb(1) / 2, "R-d": arb(1)}[str(p["branch"])]
         names = ("stiffness", "damping", "tangential_stiffness", "friction")
-        self.k, self.c, self.kt, self.mu = (arb_of(Fraction(p[name])) for name in names)
+        self.k, self.c, self.kt, self.mu = (arb_of(p[name]) for name in names)
         self.pulls = p["cutoff"] == "zero_overlap" and p["damping"] > 0
 
     def geometry(self, s: Sequence[Any]) -> tuple[Any, Any, Any, Any, Any, Any]:
@@ -57,7 +58,7 @@ class Struck(Spheres):
 def on_wall(p: Mapping[str, Any], times: Sequence[Fraction], claimed: Claimed) -> Said:
     """The linear law."""
     ball, nothing = Struck(p), arb(0)
-    start = [-ball.reach, nothing, *(arb_of(Fraction(p[name])) for name in ("normal", "across", "spin")), nothing, nothing]
+    start = [-ball.reach, nothing, *(arb_of(p[name]) for name in ("normal", "across", "spin")), nothing, nothing]
     course = list(phases(ball, start, float(claimed["duration"])))
     end = course[-1][1]
     last = course[-1][0].at(end)
@@ -69,8 +70,8 @@ def on_wall(p: Mapping[str, Any], times: Sequence[Fraction], claimed: Claimed) -
 
 def hertz_wall(p: Mapping[str, Any], times: Sequence[Fraction], claimed: Claimed) -> Said:
     """d = w^2, dt = w ds: w, v, t, and y, v_y, R omega under friction mu F against their slip until there is none."""
-    ratio, mu, radius, normal, across = (arb_of(Fraction(p[name])) for name in ("hertz", "friction", "radius", "normal", "across"))
-    ratio, turning = ratio / arb_of(p["mass"]), radius * arb_of(Fraction(p["spin"]))
+    ratio, mu, radius, normal, across = (arb_of(p[name]) for name in ("hertz", "friction", "radius", "normal", "across"))
+    ratio, turning = ratio / arb_of(p["mass"]), radius * arb_of(p["spin"])
     side = 1 if across + turning > 0 else -1 if across + turning < 0 else 0
     course = [Solution(partial(sliding, ratio, side * mu), [arb(0), normal, arb(0), arb(0), across, turning])]
     scale = float((normal * normal / ratio).root(5)) / float(normal)
@@ -103,8 +104,8 @@ def sliding(ratio: arb, mu: arb, s: Any, y: Sequence[Any]) -> list[Any]:
 
 def bouncing(p: Mapping[str, Any], times: Sequence[Fraction], claimed: Claimed) -> Said:
     """Falls and contacts by turns; the apexes where the velocity is zero."""
-    mass, radius, gravity = (arb_of(Fraction(p[name])) for name in ("mass", "radius", "gravity"))
-    k, c = (arb_of(Fraction(p[name])) / mass for name in ("stiffness", "damping"))
+    mass, radius, gravity = (arb_of(p[name]) for name in ("mass", "radius", "gravity"))
+    k, c = (arb_of(p[name]) / mass for name in ("stiffness", "damping"))
     y, v, begin, waiting, bounces, falls = arb_of(p["height"]), arb(0), arb(0), list(times), 0, True
     tops = len([name for name in claimed if name.startswith("apex_")])
     while waiting or bounces <= tops:
@@ -137,7 +138,8 @@ def pressing(k: arb, c: arb, gravity: arb, radius: arb, t: Any, s: Sequence[Any]
 
 def alike(p: Mapping[str, Any], times: Sequence[Fraction], claimed: Claimed) -> Said:
     """Two spheres head-on under Hertz's law."""
-    yield from contacts.hertz({"effective_mass": p["effective"], "stiffness": p["hertz"], "closing_speed": p["speed"]}, times, claimed)
+    halved = arb_of(p["mass"]) / 2
+    yield from contacts.hertz({"effective_mass": halved, "stiffness": p["hertz"], "closing_speed": p["speed"]}, times, claimed)
 
 
 def spun(p: Mapping[str, Any], times: Sequence[Fraction], claimed: Claimed) -> Said:
@@ -164,7 +166,7 @@ MEMBERS: dict[str, Callable[[Mapping[str, Any], Sequence[Fraction], Claimed], Sa
 
 def impact(p: Mapping[str, Any], times: Sequence[Fraction], claimed: Claimed) -> Said:
     """As the member's law asks for."""
-    yield from MEMBERS[p["member"]](p, times, claimed)
+    yield from MEMBERS[p["member"]](impact_numbers(p), times, claimed)
 
 
 WITNESSES = {"impact-benchmarks": Witness(METHOD, impact)}

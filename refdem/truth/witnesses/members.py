@@ -24,7 +24,7 @@ def nine(number: str, x: Any = 0, y: Any = 0, vx: Any = 0, vy: Any = 0, spin: An
 def stacked(p: Mapping[str, Any], times: Sequence[Fraction], claimed: Claimed) -> Said:
     """Newton's law for both; nothing is said once a contact has opened."""
     names = ("stiffness", "damping", "gravity", "mass", "upper", "radius", "height")
-    k, c, g, low, high, radius, ceiling = (arb_of(Fraction(p[name])) for name in names)
+    k, c, g, low, high, radius, ceiling = (arb_of(p[name]) for name in names)
     zero = arb(0)
 
     def overlaps(s: Sequence[Any]) -> tuple[Any, Any, Any]:
@@ -45,7 +45,7 @@ def stacked(p: Mapping[str, Any], times: Sequence[Fraction], claimed: Claimed) -
 def sliding_to_roll(p: Mapping[str, Any], times: Sequence[Fraction], claimed: Claimed) -> Said:
     """All five coordinates under weight, floor and friction; friction ends with the slip."""
     names = ("mass", "radius", "stiffness", "gravity", "friction", "speed")
-    m, radius, k, g, mu, speed = (arb_of(Fraction(p[name])) for name in names)
+    m, radius, k, g, mu, speed = (arb_of(p[name]) for name in names)
 
     def rates(push: arb, t: Any, s: Sequence[Any]) -> list[Any]:
         normal = k * (radius - s[1])
@@ -72,7 +72,7 @@ class Trio(Spheres):
 
     def __init__(self, p: Mapping[str, Any]) -> None:
         super().__init__({**p, "masses": (p["large"], p["mass"]), "radii": (p["partner_radius"], p["radius"])})
-        self.masses = [arb_of(Fraction(p[name])) for name in ("large", "mass", "large")]
+        self.masses = [arb_of(p[name]) for name in ("large", "mass", "large")]
         self.inertias = [self.moments[0], self.moments[1], self.moments[0]]
 
     def pair(self, i: int, s: Sequence[Any]) -> list[Any]:
@@ -127,8 +127,8 @@ def squeezed(p: Mapping[str, Any], times: Sequence[Fraction], claimed: Claimed) 
     if not p["tangential_stiffness"]:
         return
     trio, zero = Trio(p), arb(0)
-    along, across, spin = arb_of(Fraction(p["normal"])), arb_of(Fraction(p["across"])), arb_of(Fraction(p["partner_spin"]))
-    start = [-trio.reach, zero, along, across, spin, *[zero] * 4, arb_of(Fraction(p["spin"]))]
+    along, across, spin = (arb_of(p[name]) for name in ("normal", "across", "partner_spin"))
+    start = [-trio.reach, zero, along, across, spin, *[zero] * 4, arb_of(p["spin"])]
     start += [trio.reach, zero, -along, -across, spin, zero, zero]
     course = list(phases(trio, start, float(claimed["duration"])))
     end, last = course[-1][1], course[-1][0].at(course[-1][1])
@@ -147,11 +147,11 @@ class Mindlin:
     """
 
     def __init__(self, p: Mapping[str, Any]) -> None:
-        self.k, self.kt = (arb_of(Fraction(p[name]) / Fraction(p["mass"])) for name in ("hertz", "mindlin"))
-        self.mu, self.radius = (arb_of(Fraction(p[name])) for name in ("friction", "radius"))
-        normal, across, turning = Fraction(p["normal"]), Fraction(p["across"]), Fraction(p["radius"]) * Fraction(p["spin"])
+        self.k, self.kt = (arb_of(p[name]) / arb_of(p["mass"]) for name in ("hertz", "mindlin"))
+        self.mu, self.radius = (arb_of(p[name]) for name in ("friction", "radius"))
+        normal, across, turning = arb_of(p["normal"]), arb_of(p["across"]), arb_of(p["radius"] * p["spin"])
         self.side = -1 if across + turning < 0 else 1
-        self.start = [arb(0), arb_of(normal), arb(0), arb_of(self.side * across), arb_of(self.side * turning), arb(0), arb(0)]
+        self.start = [arb(0), normal, arb(0), self.side * across, self.side * turning, arb(0), arb(0)]
         self.step = float(normal) ** -0.6 * (1.25 / float(self.k)) ** 0.2 / 16
 
     def rates(self, side: int, s: Any, y: Sequence[Any]) -> list[Any]:
@@ -223,7 +223,7 @@ class Passing(Spheres):
 
     def __init__(self, p: Mapping[str, Any]) -> None:
         names = ("radius", "partner_radius", "stiffness", "tangential_stiffness", "friction", "off", "speed", "partner_spin", "begin")
-        one, two, self.k, self.kt, self.mu, self.b, self.speed, self.spin, self.begins = (arb_of(Fraction(p[name])) for name in names)
+        one, two, self.k, self.kt, self.mu, self.b, self.speed, self.spin, self.begins = (arb_of(p[name]) for name in names)
         self.radii, self.reach, self.beta, self.pulls = [one, two], one + two, arb_of(LEVERS[str(p["branch"])]), False
 
     def geometry(self, s: Sequence[Any]) -> tuple[Any, Any, Any, Any, Any, Any]:
@@ -274,7 +274,7 @@ def passing(axes: Sequence[Sequence[Fraction]], p: Mapping[str, Any], times: Seq
     for t in times:
         time = arb_of(t) - touch
         now = [zero] * 5 if time < 0 else next((solution.at(time) for solution, until in course if time < until), last)
-        way = arb_of(Fraction(p["speed"]) * t - Fraction(p["begin"]))
+        way = arb_of(p["speed"] * t - p["begin"])
         seen = {"impulse": (now[1], now[2], zero), "turning": (zero, zero, now[3])}
         seen |= {"r": (way, law.b, zero), "v": (law.speed, zero, zero)}
         yield t, {f"{name}.{axis}": total(row, vector) for name, vector in seen.items() for axis, row in zip("xyz", axes, strict=True)}

@@ -9,9 +9,9 @@ from collections.abc import Callable, Sequence
 from fractions import Fraction
 from typing import Any
 
-from flint import arb, arb_poly, arb_series, ctx
+from flint import arb, arb_poly, arb_series
 
-from refdem.truth.balls import arb_of, precision
+from refdem.truth.balls import arb_of, precision, series_length, terms_of
 
 Field = Callable[[Any, Sequence[Any]], list[Any]]
 """The rates at (t, y), by + - * / and the methods of arb_series."""
@@ -77,17 +77,14 @@ class Solution:
         self.next = (begin + step).mid(), [polynomial(step).mid() for polynomial in series]
 
     def _series(self, begin: arb, start: Sequence[arb]) -> list[arb_poly]:
-        before = ctx.cap
-        try:
-            ctx.cap = 1
+        with series_length(1):
             series = [arb_series([value]) for value in start]
-            for length in range(2, self.order + 2):
-                ctx.cap = length
+        for length in range(2, self.order + 2):
+            with series_length(length):
                 clock = arb_series([begin, arb(1)], prec=length)
-                series = [value + rate.integral() for value, rate in zip(start, map(_as_series, self.field(clock, series)), strict=True)]
-        finally:
-            ctx.cap = before
-        return [arb_poly([value.mid() for value in one.coeffs()]) for one in series]
+                rates = map(_as_series, self.field(clock, series))
+                series = [value + rate.integral() for value, rate in zip(start, rates, strict=True)]
+        return [arb_poly([value.mid() for value in terms_of(one, self.order + 1)]) for one in series]
 
 
 def _as_series(value: Any) -> arb_series:

@@ -11,7 +11,7 @@ from typing import Any
 from flint import arb
 
 from refdem.core.parameters import Exact
-from refdem.truth.balls import arb_of, precision
+from refdem.truth.balls import arb_of, exclusive, precision
 
 AGREED = 24
 """Digits, relative to a size of at least 1, to which a witness has to agree."""
@@ -46,6 +46,7 @@ def witness_files(case: str) -> tuple[Path, ...]:
     return (Path(__file__).with_name(f"{name}.py"),) if witness else ()
 
 
+@exclusive
 def testimony(case: str, p: Mapping[str, Exact], rows: Sequence[Sequence[Any]]) -> dict[str, Any] | None:
     """Who confirms how many of the values of a set (rows as the store has them), to how many digits; None if nobody can.
 

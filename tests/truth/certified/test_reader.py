@@ -4,8 +4,10 @@ import json
 import shutil
 import subprocess
 import sys
+from contextlib import suppress
 from fractions import Fraction
 from pathlib import Path
+from random import Random
 
 import pytest
 
@@ -19,7 +21,14 @@ HEAVY = ("flint", "numpy", "msgspec", "typer", "refdem.core", "refdem.errors")
 @pytest.fixture
 def folder(tmp_path: Path) -> Path:
     shutil.copy(STORE / "pendulum.jsonl", tmp_path)
+    listed(tmp_path)
     return tmp_path
+
+
+def listed(folder: Path) -> None:
+    """Writes the list of the folder's files as they are."""
+    texts = {path.name: path.read_text() for path in folder.glob("*.jsonl")}
+    (folder / reader.LIST).write_text(writing.sums(texts))
 
 
 def changed(folder: Path, old: str, new: str, *, hashed: bool = False) -> None:
@@ -29,12 +38,10 @@ def changed(folder: Path, old: str, new: str, *, hashed: bool = False) -> None:
     assert old in text
     text = text.replace(old, new, 1)
     if hashed:
-        blocks = writing.blocks_in(text)
-        for block in blocks:
-            before, mark, _ = block[0].rpartition('"sha256":"')
-            block[0] = f'{before}{mark}{reader.sha256_of(block)}"}}\n'
-        text = text.splitlines(keepends=True)[0] + "".join("".join(block) for block in blocks)
+        text = writing.file_text("pendulum", [writing.sealed(block) for block in writing.blocks_in(text)])
     path.write_text(text)
+    if hashed:
+        listed(folder)
 
 
 def test_importing_and_loading_brings_in_nothing_but_the_standard_library() -> None:
@@ -74,7 +81,9 @@ def test_a_value_is_what_the_mean_of_gauss_says() -> None:
         ('["1/2","theta"', '["1/3","theta"'),
         ('"method":"closed form', '"method":"clothed form'),
         ('"sets":7', '"sets":8'),
-        ('"format":1', '"format":2'),
+        ('"format":2', '"format":3'),
+        ('"case":"pendulum"', '"case":"pendulums"'),
+        ('"columns":["t","quantity"', '"columns":["quantity","t"'),
     ],
 )
 def test_no_byte_changes_unseen(folder: Path, old: str, new: str) -> None:
@@ -101,11 +110,108 @@ def test_a_lost_line_is_seen(folder: Path) -> None:
     path = folder / "pendulum.jsonl"
     lines = path.read_text().splitlines(keepends=True)
     path.write_text("".join(lines[:5] + lines[6:]))
-    with pytest.raises(ValueError, match="sha256"):
+    with pytest.raises(ValueError, match=r"pendulum\.jsonl, line \d+: expected \[t, quantity"):
         load("pendulum", folder=folder)
     path.write_text("".join(lines[: 2 + json.loads(lines[1])["values"]]))
     with pytest.raises(ValueError, match="1 sets; its first line says 7"):
         load("pendulum", folder=folder)
+
+
+def test_a_file_that_is_gone_or_new_is_seen(folder: Path) -> None:
+    shutil.copy(STORE / "duffing.jsonl", folder)
+    with pytest.raises(ValueError, match=r"duffing\.jsonl: there, though sha256sums\.txt does not have it"):
+        load(folder=folder)
+    listed(folder)
+    assert {one.case for one in load(folder=folder)} == {"pendulum", "duffing"}
+    (folder / "duffing.jsonl").unlink()
+    with pytest.raises(ValueError, match=r"duffing\.jsonl: missing, though sha256sums\.txt has it"):
+        load(folder=folder)
+    (folder / reader.LIST).unlink()
+    with pytest.raises(ValueError, match=r"sha256sums\.txt: missing"):
+        load(folder=folder)
+
+
+def test_a_file_under_another_name_is_seen(folder: Path) -> None:
+    (folder / "pendulum.jsonl").rename(folder / "duffing.jsonl")
+    listed(folder)
+    with pytest.raises(ValueError, match="has the values of pendulum"):
+        load(folder=folder)
+
+
+JUNK = ["", "junk", "[]", "{}", "null", '["1","x","1"]', '[1,"x","1.0","0",null]', '["1","x","1e99999999","0",null]', "[" * 9999]
+
+
+@pytest.mark.parametrize("junk", [*JUNK, '["1","x","1.0","0","0x1.0p+99999"]', '["1/0","x","1.0","0",null]', '{"values":3}'])
+def test_a_junk_line_is_one_sentence_with_file_and_line(folder: Path, junk: str) -> None:
+    path = folder / "pendulum.jsonl"
+    lines = path.read_text().splitlines(keepends=True)
+    for number in (1, 2, 5):
+        path.write_text("".join([*lines[: number - 1], junk + "\n", *lines[number:]]))
+        with pytest.raises(ValueError, match=rf"pendulum\.jsonl, line {number}"):
+            load("pendulum", folder=folder)
+
+
+def test_the_reader_on_its_own_says_what_is_wrong_and_no_traceback(folder: Path) -> None:
+    for content in (b"", b"\xff\xfe", b"junk", b"junk\n", b"{}\n"):
+        (folder / "pendulum.jsonl").write_bytes(content)
+        done = subprocess.run([sys.executable, "-I", reader.__file__, str(folder)], capture_output=True, text=True, check=False)
+        assert (done.returncode, done.stderr) == (1, "")
+        assert done.stdout.startswith("PROBLEM: pendulum.jsonl, line 1")
+
+
+def spoiled(content: bytes, random: Random) -> bytes:
+    """The content with a byte flipped, dropped or put in, or a line dropped, doubled or moved, at a random place."""
+    at = random.randrange(len(content))
+    lines = content.splitlines(keepends=True)
+    one, other = random.randrange(len(lines)), random.randrange(len(lines))
+    swapped = list(lines)
+    swapped[one], swapped[other] = lines[other], lines[one]
+    return random.choice(
+        [
+            content[:at] + bytes([content[at] ^ 1 << random.randrange(8)]) + content[at + 1 :],
+            content[:at] + content[at + 1 :],
+            content[:at] + bytes([random.randrange(256)]) + content[at:],
+            content[:at],
+            b"".join(lines[:one] + lines[one + 1 :]),
+            b"".join([*lines[:one], lines[one], *lines[one:]]),
+            b"".join(swapped),
+        ]
+    )
+
+
+@pytest.mark.parametrize("name", ["pendulum.jsonl", reader.LIST])
+def test_whatever_is_done_to_a_file_is_a_value_error_or_changes_nothing(folder: Path, name: str) -> None:
+    """Seeded: 300 spoiled files."""
+    random = Random(f"spoiled {name}")
+    path = folder / name
+    whole = path.read_bytes()
+    as_it_was = load(folder=folder)
+    told = []
+    for _ in range(300):
+        path.write_bytes(spoiled(whole, random))
+        try:
+            assert load(folder=folder) == as_it_was
+        except ValueError as error:
+            told.append(str(error))
+    assert len(told) > 200
+    assert all(".jsonl" in one or reader.LIST in one for one in told)
+
+
+def test_what_is_wrong_inside_is_seen_also_where_every_hash_was_made_anew(folder: Path) -> None:
+    """Spoiled and sealed again: no traceback, and no radius or double that does not hold."""
+    random = Random("sealed again")
+    path = folder / "pendulum.jsonl"
+    whole = path.read_bytes()
+    for _ in range(150):
+        with suppress(ValueError, KeyError, IndexError, TypeError):
+            text = spoiled(whole, random).decode()
+            path.write_text(writing.file_text("pendulum", [writing.sealed(block) for block in writing.blocks_in(text)]))
+            listed(folder)
+        try:
+            found = load(folder=folder)
+        except ValueError:
+            continue
+        assert all(not value.problem() for one in found for value in one.values)
 
 
 def test_what_is_not_there_is_said() -> None:

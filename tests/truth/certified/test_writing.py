@@ -56,7 +56,7 @@ class Fading(Truth):
 
 def lines(times: Sequence[int]) -> list[str]:
     found, missing = rows(Fading(), [Fraction(t) for t in times])
-    return block("made-up", {"a": "1/2"}, Fading(), found, source="s", witnessed=None, not_certified=missing)
+    return block("made-up", {"a": "1/2"}, Fading(), found, source="s", job="j", witnessed=None, not_certified=missing)
 
 
 def test_what_cannot_be_certified_is_left_out_and_said() -> None:

@@ -6,7 +6,7 @@ from math import log, sqrt
 import pytest
 
 from refdem.core.discovery import case, truth_of
-from refdem.truth.closed_forms.intermediate_axis import size, start
+from refdem.truth.closed_forms.intermediate_axis import start
 
 LAMBDA = sqrt(1 / 3)  # omega_2 = 1, J = (1, 2, 3)
 
@@ -46,9 +46,17 @@ def test_near_the_other_axes_nothing_flips():
 def test_offset_is_part_of_the_size_of_omega():
     p = case("intermediate-axis").at(omega_body="0,-3,4", offset="1/10", direction="3").p
     assert start(p) == (0, -3, Fraction(9, 2))
-    root = size(Fraction(2))
-    assert root * root < 2 < (root + Fraction(1, 2**1000)) ** 2
-    assert size(Fraction(9, 16)) == Fraction(3, 4)
+
+
+def test_an_irrational_size_of_omega_is_known_to_every_digit_that_is_asked_for():
+    """It was taken to 1000 bits: at 400 digits every value was outside its ball."""
+    truth = truth_of("intermediate-axis", omega_body="1,1,1", offset="1e-3", direction="1").refined(400)
+    found = truth.at(Fraction(0))["omega_body.x"]
+    # (x - 1)^2 = 3/10^6, x > 1
+    low = found.mid - found.radius - 1
+    high = found.mid + found.radius - 1
+    assert low * low <= Fraction(3, 10**6) <= high * high
+    assert found.radius < Fraction(1, 10**400)
 
 
 def test_exact_start_is_the_one_that_engines_round():

@@ -69,7 +69,7 @@ def test_trace_is_that_of_hills_determinant(amplitude, drive):
 def is_stable(**given):
     """Both multipliers are on the unit circle."""
     found = truth_of("kapitza-pendulum", **{name: str(value) for name, value in given.items()}).scalars()
-    assert abs(float(found["floquet_1"].mid) * float(found["floquet_2"].mid) - 1) < 1e-15
+    assert abs(float(found["floquet_1"].mid) * float(found["floquet_2"].mid) - 1) < 2e-15
     return abs(found["floquet_1"].mid) <= 1
 
 

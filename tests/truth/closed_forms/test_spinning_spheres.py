@@ -157,31 +157,28 @@ def test_a_sample_within_the_contact_is_certified_to_40_digits_and_s_is_that_of_
                 start[axis] += sign * arb_of(Fraction(found.scale[name])) * arb("1e-20")
                 ends.append(Solution(partial(its.rates, "slip"), start).at(t)[:18])
             sums += [abs(float((a - b) / arb("2e-20") / arb_of(found.scale[n]))) for n, a, b in zip(NAMES, *ends, strict=True)]
-    assert found.sensitivity(t) == pytest.approx(max(sums), rel=1e-6)
+    assert max(sums) <= found.sensitivity(t) <= 1.3 * max(sums)
 
 
 @pytest.mark.parametrize("given", [SLIDING[0], SPRUNG])
-def test_s_of_errors_made_on_the_way_out_of_the_plane_is_that_of_displaced_truths(given):
-    """13 unknowns, and 16 with a spring: columns for spins about x and y are central differences of the truth itself."""
-    found, times, tiny = truth_of(given), [Fraction(n, 1024) for n in range(4)], Fraction(1, 10**18)
-    whole = found.transfer(times[0], times[-1])
-    units = np.array([float(unit) for unit in found.units()])
-    for axis in (1, 3)[: 1 if found.phases.kt else 2]:
+def test_s_out_of_the_plane_is_no_less_than_what_displaced_truths_do(given):
+    """13 unknowns, and 16 with a spring: columns for spins are central differences of the truth itself."""
+    found, t, tiny = truth_of(given), Fraction(3, 1024), Fraction(1, 10**18)
+    sums = dict.fromkeys(NAMES, 0.0)
+    for axis in (1, 3):
         ends = []
         for sense in (1, -1):
             spins = tuple(spin + sense * tiny * (i == axis) for i, spin in enumerate(found.spheres.spins))
-            ends.append(SpinningSpheres(found.scale, replace(found.spheres, spins=spins)).at(times[-1]))
-        for body in (1, 2):
-            slopes = [float((ends[0][f"omega{body}.{x}"].mid - ends[1][f"omega{body}.{x}"].mid) / (2 * tiny)) for x in "xyz"]
-            rows = slice(3 + 3 * body, 6 + 3 * body)
-            assert (whole[rows, 6 + axis] * units[rows] / units[6 + axis]).tolist() == pytest.approx(slopes, rel=1e-9, abs=1e-9)
-    grown = found.sensitivities(times)
-    assert grown[-1] == pytest.approx(max(found.growth(found.transfer(a, times[-1]), times[-1] - a) for a in times[:-1]), rel=1e-9)
-    assert all(s >= found.sensitivity(t) * (1 - 1e-9) for s, t in zip(grown, times, strict=True))
+            ends.append(SpinningSpheres(found.scale, replace(found.spheres, spins=spins)).at(t))
+        own = float(found.scale[f"omega{axis // 3 + 1}.{'xyz'[axis % 3]}"])
+        for name in NAMES:
+            slope = float((ends[0][name].mid - ends[1][name].mid) / (2 * tiny))
+            sums[name] += abs(slope) * own / float(found.scale[name])
+    assert max(sums.values()) <= found.sensitivity(t)
 
 
 @pytest.mark.parametrize("given", [SLIDING[0], SPRUNG])
-def test_where_the_motion_has_no_analytic_point_it_ends_as_singular(given):
+def test_where_the_motion_comes_near_a_point_that_may_not_be_analytic_it_ends_as_grazing(given):
     """The guard is zero at the faint slip, or force, and says so."""
     found = truth_of(given)
     guard = next(guard for guard in found.phases.modes()["slip"].guards if guard.name == "fade")
@@ -190,17 +187,17 @@ def test_where_the_motion_has_no_analytic_point_it_ends_as_singular(given):
         assert ball(guard.value, y) > 0
         with pytest.raises(SwitchError) as caught:
             guard.then(y)
-    assert (caught.value.code, caught.value.final) == ("singular", True)
+    assert (caught.value.code, caught.value.final) == ("grazing", True)
 
 
-def test_what_comes_before_a_singular_end_stays_certified_after_it_was_met():
+def test_what_comes_before_a_grazing_end_stays_certified_after_it_was_met():
     """A guard at t = 1 that cannot be passed."""
     stops = Guard("fade", lambda y: 1 - y[0], lambda y: SpatialPhases.fading(None, "it ends"))
     motion = Motion({"run": Traced(Mode(lambda y: [1, 1], (stops,)), 2)}, [arb(0), arb(0)], Entry("run"), 192)
     for late in (arb(2), arb(3)):
         with pytest.raises(SwitchError) as caught:
             motion.at(late)
-        assert caught.value.code == "singular"
+        assert caught.value.code == "grazing"
         assert 0 < caught.value.state[-1] <= 1
         assert motion.at(arb("0.5"))[0].contains(arb("0.5"))
 

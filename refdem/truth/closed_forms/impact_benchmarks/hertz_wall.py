@@ -5,17 +5,21 @@ impulse per mass so far (the fall of v_x), v_y loses mu P and R omega 5/2 mu P, 
 far, and does not come back: rolling needs no friction on a wall with the lever R (Maw, Barber and Fawcett 1976 for the limit).
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping
 from copy import copy
 from fractions import Fraction
+from functools import partial
 from typing import Self
 
-from flint import arb
+from flint import arb, arb_mat
 
 from refdem.core.truth import Ball
 from refdem.truth.balls import UndecidedError, arb_of
 from refdem.truth.closed_form import Size, per_precision
+from refdem.truth.growth import Grows, Growth, Norm, Stretch, narrow, smooth
+from refdem.truth.line_growth import homogeneous
 from refdem.truth.power_contact import PowerContact, touching
+from refdem.truth.reals import Number
 from refdem.truth.smooth_flow import SmoothFlow
 
 HERTZ = Fraction(3, 2)
@@ -31,31 +35,132 @@ class HertzWallImpact(SmoothFlow):
     witness = "Taylor integration in w = sqrt(overlap), friction by its own law"
 
     def __init__(
-        self, scale: Mapping[str, Size], *, mass: Fraction, radius: Fraction, stiffness: Fraction, friction: Fraction,
-        normal: Fraction, across: Fraction, spin: Fraction,
+        self, scale: Mapping[str, Size], *, mass: Number, radius: Fraction, stiffness: Number, friction: Fraction,
+        normal: Number, across: Number, spin: Fraction,
     ) -> None:  # fmt: skip
         super().__init__(scale)
         self.mass, self.radius, self.stiffness, self.friction = mass, radius, stiffness, friction
-        self.begin = (-radius, Fraction(0), normal, across, spin)
+        self.begin: tuple[Number, ...] = (-radius, Fraction(0), normal, across, spin)
 
     def displaced(self, axis: int, amount: Fraction) -> Self:
         other = copy(self)
         other.kept = {}
-        other.begin = tuple(x + amount * (i == axis) for i, x in enumerate(self.begin))  # type: ignore[assignment]
+        other.begin = tuple(x + amount * (i == axis) for i, x in enumerate(self.begin))
         return other
 
-    def sensitivities(self, times: Sequence[Fraction]) -> list[float]:
-        """S from errors of the start alone: once the slip has ended the flow has no inverse, and the contact itself is stable."""
-        return [self.sensitivity(t) for t in times]
+    @per_precision
+    def growth(self) -> Grows:
+        rows = Norm([1] * len(STATE))
+        return Growth(self.stretches(), rows, step=narrow(1 / self.contact()[0].half))
+
+    def stretches(self) -> Iterator[Stretch]:
+        """Free, sliding, rolling, free; errors of STATE in scales.
+
+        Along the normal by scaling. Friction, mu times the normal force, hands on what the normal velocity loses: an error of v_x or x
+        comes to v_y and y times mu, to omega times 5 mu/(2 R). Where the slip ends, and at once for every error that is made while the
+        sphere rolls under pressure, v_y loses 2/7 of the slip and omega 5/7 of it over R.
+        """
+        contact, touch = self.contact()
+        parted = touch + 2 * contact.half
+        stop = self.stop()
+        slides = bool(self.friction and self.slip())
+        held = self.scaled_errors(self.held())
+        if touch > 0:
+            free = not (self.friction and not slides)
+            yield smooth(arb(0), touch, self.errors(0), jump=None if free else held)
+            begin = touch
+        else:
+            begin = arb(0)
+        if not self.friction:
+            yield smooth(begin, None, partial(self.later, self.errors(0), begin), quickness=self.quick)
+            return
+        if slides and stop is None:
+            yield smooth(begin, parted - begin, partial(self.later, self.errors(1), begin), quickness=self.quick)
+        else:
+            if slides:
+                assert stop is not None
+                yield smooth(begin, stop[1] - begin, partial(self.later, self.errors(1), begin), jump=held, quickness=self.quick)
+                begin = stop[1]
+            rolling = partial(self.later, self.errors(0), begin)
+            yield smooth(begin, parted - begin, rolling, felt=held, quickness=self.quick)
+        yield smooth(parted, None, partial(self.later, self.errors(0), parted), quickness=self.quick)
+
+    def quick(self, t: arb) -> float:
+        """Bound of the norm of the field's Jacobian in scales."""
+        contact, _ = self.contact()
+        steepest = arb_of(HERTZ * self.stiffness / self.mass) * contact.depth.sqrt() * arb_of(self.scale["r.x"])
+        rub = arb_of(self.friction)
+        rates = [steepest / arb_of(self.scale["v.x"]), rub * steepest / arb_of(self.scale["v.y"])]
+        rates.append(rub * steepest * arb_of(Fraction(5, 2) / self.radius) / arb_of(self.scale["omega.z"]))
+        rates += [arb_of(self.scale["v.x"] / self.scale["r.x"]), arb_of(self.scale["v.y"] / self.scale["r.y"])]
+        return max(float(rate.upper()) for rate in rates)
+
+    def errors(self, rubs: int) -> Callable[[arb], arb_mat]:
+        """Five independent errors, as columns, by the time since the start: two of the normal motion, y, v_y and omega."""
+        _, touch = self.contact()
+        stiffness, power = arb_of(self.stiffness / self.mass), arb_of(Fraction(2) / (HERTZ + 1))
+        side = (self.slip() > 0) - (self.slip() < 0)
+        push = arb_of(self.friction * side * rubs)
+        turn = push * arb_of(Fraction(5, 2) / self.radius)
+        none, one = arb(0), arb(1)
+
+        def found(t: arb) -> arb_mat:
+            depth, rate = self.normal_at(t)
+            force = -stiffness * depth * depth.sqrt() if depth > 0 else none
+            (x1, x2), (v1, v2) = homogeneous(depth, rate, force, t - touch, power, one).table()
+            rows = [
+                [x1, x2, none, none, none],
+                [push * x1, push * x2, one, t, none],
+                [v1, v2, none, none, none],
+                [push * v1, push * v2, none, one, none],
+                [turn * v1, turn * v2, none, none, one],
+            ]
+            return arb_mat([[entry / arb_of(self.scale[name]) for entry in row] for name, row in zip(STATE, rows, strict=True)])
+
+        return found
+
+    def normal_at(self, t: arb) -> tuple[arb, arb]:
+        """Overlap and its rate, also at the ball of times at which the contact ends: about 0, and the speed that it began with."""
+        contact, touch = self.contact()
+        beyond = t - touch - 2 * contact.half
+        if beyond > 0 or beyond < 0:
+            return self.normal(t)
+        depth = contact.speed * beyond
+        deepest = arb(depth.abs_upper())
+        lost = arb_of(self.stiffness / self.mass) * deepest * deepest.sqrt() * beyond
+        return depth, -contact.speed + arb(0, lost.abs_upper())
+
+    @staticmethod
+    def later(errors: Callable[[arb], arb_mat], begin: arb, since: arb) -> arb_mat:
+        """The same by the time since another."""
+        return errors(begin + since)
+
+    def held(self) -> list[list[arb]]:
+        """What the end of the slip does to an error."""
+        rows = [[arb(int(i == j)) for j in range(5)] for i in range(5)]
+        radius = arb_of(self.radius)
+        rows[3][3], rows[3][4] = arb_of(Fraction(5, 7)), -arb_of(Fraction(2, 7)) * radius
+        rows[4][3], rows[4][4] = -arb_of(Fraction(5, 7)) / radius, arb_of(Fraction(2, 7))
+        return rows
+
+    def scaled_errors(self, rows: list[list[arb]]) -> arb_mat:
+        """A matrix from errors to errors in scales."""
+        sizes = [arb_of(self.scale[name]) for name in STATE]
+        return arb_mat([[entry * own / size for entry, own in zip(row, sizes, strict=True)] for row, size in zip(rows, sizes, strict=True)])
 
     @per_precision
     def contact(self) -> tuple[PowerContact, arb]:
         """The contact, and when it begins."""
         return touching(self.mass, self.stiffness, HERTZ, self.begin[0] + self.radius, self.begin[2])
 
-    def slip(self) -> Fraction:
+    def slip(self) -> Number:
         """v_y + R omega at the start."""
         return self.begin[3] + self.radius * self.begin[4]
+
+    def slip_size(self) -> Number:
+        """|v_y + R omega| at the start."""
+        slip = self.slip()
+        return -slip if slip < 0 else slip
 
     def normal(self, t: arb) -> tuple[arb, arb]:
         """Overlap (negative while apart) and its rate."""
@@ -72,7 +177,7 @@ class HertzWallImpact(SmoothFlow):
         contact, touch = self.contact()
         if not self.friction or not self.slip():
             return None
-        s = (arb_of(self.begin[2]) - arb_of(Fraction(2, 7) * abs(self.slip()) / self.friction)) / contact.speed
+        s = (arb_of(self.begin[2]) - arb_of(Fraction(2, 7) * self.slip_size() / self.friction)) / contact.speed
         if s < -1:
             return None
         if not s > -1:
@@ -88,7 +193,7 @@ class HertzWallImpact(SmoothFlow):
             raise UndecidedError("whether it slips still")
         way, impulse, rest = vx * t - (depth - (x + arb_of(self.radius))), vx - rate, arb(0)
         if end is not None and t > end[1]:
-            impulse = arb_of(Fraction(2, 7) * abs(self.slip()) / self.friction)
+            impulse = arb_of(Fraction(2, 7) * self.slip_size() / self.friction)
             way, rest = vx * end[1] - (end[0] - (x + arb_of(self.radius))), impulse * (t - end[1])
         now = (depth - arb_of(self.radius), y + vy * t - push * (way + rest), rate, vy - push * impulse)
         turned = spin - push * impulse * arb_of(Fraction(5, 2) / self.radius)

@@ -19,7 +19,9 @@ from refdem.truth.balls import UndecidedError, arb_of
 from refdem.truth.closed_form import Size, per_precision
 from refdem.truth.closed_forms.impact_benchmarks.hertz_wall import STATE, STILL, HertzWallImpact
 from refdem.truth.events.crossing import Along, SwitchError, Watched, earliest
+from refdem.truth.growth import DIFFERENCE_BITS, FromTheStart, Grows
 from refdem.truth.mindlin_spring import INWARD, OUTWARD, MindlinSpring, Stretched, started
+from refdem.truth.reals import Number
 
 MOST = 64
 """Phases of a contact."""
@@ -80,21 +82,21 @@ class Phase:
 
 
 class MindlinWallImpact(HertzWallImpact):
-    """Place [m], velocity [m/s] and angular velocity [rad/s] at t >= 0; friction and tangential stiffness are not 0."""
+    """Place [m], velocity [m/s] and angular velocity [rad/s] at t >= 0; friction and `stiffness_ratio` = k_t/k are not 0."""
 
     method = "closed form: incomplete beta function along, 2F1 across while it sticks; switches proved by bisection and interval Newton"
     witness = "Taylor integration in w = sqrt(overlap), switches found anew"
 
-    def __init__(self, scale: Mapping[str, Size], *, tangential_stiffness: Fraction, **numbers: Fraction) -> None:
-        super().__init__(scale, **numbers)
-        self.tangential_stiffness = tangential_stiffness
+    def __init__(self, scale: Mapping[str, Size], *, stiffness_ratio: Fraction, **numbers: Number) -> None:
+        super().__init__(scale, **numbers)  # type: ignore[arg-type]
+        self.stiffness_ratio = stiffness_ratio
 
     @per_precision
     def phases(self) -> list[Phase]:
         """Every phase of the contact, with the slip at the start counted as positive."""
         contact, _ = self.contact()
-        spring = MindlinSpring(contact, self.tangential_stiffness / self.stiffness)
-        begin, slip = self.begin[0] + self.radius, arb_of(abs(self.slip()))
+        spring = MindlinSpring(contact, self.stiffness_ratio)
+        begin, slip = self.begin[0] + self.radius, arb_of(self.slip_size())
         nothing, touch = arb(0), (arb_of(begin) if begin > 0 else arb(0)) / contact.depth
         rate = spring.place(INWARD, touch)[1] * contact.speed
         slides = slip > self.slack() * rate
@@ -116,7 +118,7 @@ class MindlinWallImpact(HertzWallImpact):
 
     def slack(self) -> arb:
         """g."""
-        return arb_of(self.friction * self.stiffness / self.tangential_stiffness)
+        return arb_of(self.friction / self.stiffness_ratio)
 
     def sliding(self, spring: MindlinSpring, side: int, leg: int, x: arb, slip: arb) -> Sliding:
         """At the limit."""
@@ -168,7 +170,7 @@ class MindlinWallImpact(HertzWallImpact):
     def across(self, t: arb) -> tuple[arb, arb]:
         """Slip and its way since the start at t, with the slip at the start counted as positive."""
         contact, touch = self.contact()
-        since, slip = t - touch, arb_of(abs(self.slip()))
+        since, slip = t - touch, arb_of(self.slip_size())
         first = touch if touch > 0 else arb(0)
         if not since > self.phases()[0].begin:
             return slip, slip * t
@@ -214,6 +216,10 @@ class MindlinWallImpact(HertzWallImpact):
         now = (depth - radius, y + side * way * part + kept * (1 - part) * t, rate, along, (side * slip - along) / radius)
         return dict(zip((*STATE, *STILL), (*now, *(arb(0),) * 4), strict=True))
 
-    def sensitivities(self, times: Sequence[Fraction]) -> list[float]:
-        """S from errors of the start alone: a clipped spring forgets them, and the contact itself is stable."""
-        return [self.sensitivity(t) for t in times]
+    @per_precision
+    def growth(self) -> Grows:
+        """From errors of the start alone: what errors that are made later do to a spring that is clipped is not bounded yet."""
+        return FromTheStart(self.jacobian)
+
+    def growth_bits(self) -> Sequence[int]:
+        return DIFFERENCE_BITS

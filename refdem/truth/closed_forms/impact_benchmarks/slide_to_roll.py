@@ -5,15 +5,18 @@ With d the overlap, d'' = g - N/m, the impulse of the floor per mass is I = g t 
 if it did not spin; then nothing acts along the floor. The overlap stays, or, for the neighbouring motions of S, swings at sqrt(k/m).
 """
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from copy import copy
 from fractions import Fraction
+from functools import partial
 from typing import Self
 
-from flint import arb
+from flint import arb, arb_mat
 
 from refdem.truth.balls import UndecidedError, arb_of
-from refdem.truth.closed_form import ClosedForm, Size
+from refdem.truth.closed_form import ClosedForm, Size, per_precision
+from refdem.truth.growth import Grows, Growth, Norm, Stretch, narrow, smooth
+from refdem.truth.reals import Number
 
 STATE = ("r.x", "r.y", "v.x", "v.y", "omega.z")
 STILL = ("r.z", "v.z", "omega.x", "omega.y")
@@ -27,13 +30,14 @@ class SlideToRoll(ClosedForm):
     witness = "Taylor series of the motion under its law with all its coordinates"
 
     def __init__(
-        self, scale: Mapping[str, Size], *, mass: Fraction, radius: Fraction, stiffness: Fraction, gravity: Fraction, friction: Fraction,
+        self, scale: Mapping[str, Size], *, mass: Number, radius: Fraction, stiffness: Fraction, gravity: Fraction, friction: Fraction,
         speed: Fraction,
     ) -> None:  # fmt: skip
         super().__init__(scale)
         self.radius, self.gravity, self.friction, self.rate2, self.speed = radius, gravity, friction, stiffness / mass, speed
         self.sag = gravity / self.rate2
-        self.begin = (Fraction(0), radius - self.sag, speed, Fraction(0), Fraction(0))
+        self.begin = (Fraction(0), Fraction(0), speed, Fraction(0), Fraction(0))
+        """x, how far the centre is above its place of rest, their rates, and the spin."""
 
     def displaced(self, axis: int, amount: Fraction) -> Self:
         other = copy(self)
@@ -41,10 +45,47 @@ class SlideToRoll(ClosedForm):
         other.begin = tuple(x + amount * (i == axis) for i, x in enumerate(self.begin))  # type: ignore[assignment]
         return other
 
+    @per_precision
+    def growth(self) -> Grows:
+        return Growth(self.stretches(), Norm([1] * len(STATE)), step=narrow(arb_of(self.rate2).sqrt()))
+
+    def stretches(self) -> Iterator[Stretch]:
+        """Sliding, then rolling; where the slip ends, and at once for every later error, v_x loses 2/7 of it and omega 5/7 over R."""
+        radius, rolls = arb_of(self.radius), self.roll_time()
+        rows = [[arb(int(i == j)) for j in range(5)] for i in range(5)]
+        rows[2][2], rows[2][4] = arb_of(Fraction(5, 7)), -arb_of(Fraction(2, 7)) * radius
+        rows[4][2], rows[4][4] = -arb_of(Fraction(5, 7)) / radius, arb_of(Fraction(2, 7))
+        sizes = [arb_of(self.scale[name]) for name in STATE]
+        held = arb_mat([[entry * own / size for entry, own in zip(row, sizes, strict=True)] for row, size in zip(rows, sizes, strict=True)])
+        yield smooth(arb(0), rolls, partial(self.errors, arb_of(self.friction)), jump=held)
+        yield smooth(rolls, None, partial(self.errors, arb(0)), felt=held)
+
+    def errors(self, friction: arb, t: arb) -> arb_mat:
+        """Errors of STATE in scales by those a time t earlier, under that friction.
+
+        The overlap swings; mu N takes from v_x what the floor gives to v_y times mu, and from omega 5/(2 R) times as much.
+        """
+        rate, none, one = arb_of(self.rate2).sqrt(), arb(0), arb(1)
+        sine, cosine = (rate * t).sin_cos()
+        rise, speed = [cosine, sine / rate], [-rate * sine, cosine]
+        # What the vertical motion has gained since.
+        risen, gained = [cosine - 1, sine / rate - t], [-rate * sine, cosine - 1]
+        turn = friction * arb_of(Fraction(5, 2) / self.radius)
+        rows = [
+            [one, -friction * risen[0], t, -friction * risen[1], none],
+            [none, rise[0], none, rise[1], none],
+            [none, -friction * gained[0], one, -friction * gained[1], none],
+            [none, speed[0], none, speed[1], none],
+            [none, -turn * gained[0], none, -turn * gained[1], one],
+        ]
+        sizes = [arb_of(self.scale[name]) for name in STATE]
+        return arb_mat([[entry * own / size for entry, own in zip(row, sizes, strict=True)] for row, size in zip(rows, sizes, strict=True)])
+
     def overlap(self, t: arb) -> tuple[arb, arb]:
         """d and d'."""
         rate = arb_of(self.rate2).sqrt()
-        off, speed = arb_of(self.radius - self.begin[1] - self.sag), arb_of(-self.begin[3])
+        off = arb_of(-self.begin[1])
+        speed = arb_of(-self.begin[3])
         wave, swing = (rate * t).cos(), (rate * t).sin()
         return arb_of(self.sag) + off * wave + speed / rate * swing, speed * wave - off * rate * swing
 
@@ -65,10 +106,11 @@ class SlideToRoll(ClosedForm):
         if t > rolls:
             until = rolls
         swung, turned = self.overlap(until)
-        x, y, u, v, spin = (arb_of(value) for value in self.begin)
+        x, _, u, v, spin = (arb_of(value) for value in self.begin)
         mu, radius, g = arb_of(self.friction), arb_of(self.radius), arb_of(self.gravity)
         impulse = g * until - turned - v
-        way = g * until * until / 2 - (swung - (radius - y)) - v * until
+        sunk = swung - self.overlap(arb(0))[0]
+        way = g * until * until / 2 - sunk - v * until
         speed = u - mu * impulse
         now = (x + u * until - mu * way + speed * (t - until), radius - depth, speed, -rate, spin - mu * impulse * 5 / (2 * radius))
         return dict(zip((*STATE, *STILL), (*now, *(arb(0),) * 4), strict=True))

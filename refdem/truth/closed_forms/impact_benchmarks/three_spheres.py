@@ -9,14 +9,15 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 
-import numpy as np
-from flint import arb
+from flint import arb, arb_mat
 
 from refdem.core.truth import Ball
-from refdem.truth.closed_forms.two_spheres import Array, TwoSpheres
+from refdem.truth.closed_forms.two_spheres import TwoSpheres
 from refdem.truth.contact_motion import ContactMotion
 from refdem.truth.events.truth import HybridFlow
+from refdem.truth.reals import Number
 from refdem.truth.sphere_pair import SpherePair
+from refdem.truth.validated_ivp.moved import identity
 
 NAMES = tuple(f"{kind}{body}.{axis}" for body in (1, 2, 3) for kind in ("r", "v", "omega") for axis in "xyz")
 """Body 1 is the outer one at negative x, body 2 the middle one, body 3 the other."""
@@ -28,7 +29,7 @@ class Squeezed(SpherePair):
     """An outer sphere of `masses[0]` against the middle one; masses[1] is half of the middle one's, which its torque feels."""
 
     @property
-    def effective_mass(self) -> Fraction:
+    def effective_mass(self) -> Number:
         """That of the outer sphere [kg]."""
         return self.masses[0]
 
@@ -62,8 +63,13 @@ class ThreeSpheres(TwoSpheres):
     def scalars(self) -> dict[str, Ball]:
         return self.climbed(self.extremes, "scalars")
 
-    def growth(self, whole: Array, elapsed: Fraction) -> float:
-        """Largest sum of the scaled answers to x, y, vx, vy of an outer sphere and the two spins; mirror images stay mirror images."""
-        units, sizes = np.array([float(unit) for unit in self.units()]), np.array([float(self.scale[name]) for name in MOVED])
-        slopes = whole[:6, :6] * units[:, None] / units
-        return max(1.0, float(np.max(np.abs(slopes) @ sizes / sizes))) * (1 + 2.0**-40)
+    def drifting(self) -> Sequence[int]:
+        """None: the middle sphere stays, and mirror images stay mirror images."""
+        return ()
+
+    def bodies(self) -> arb_mat:
+        """The coordinates of an outer sphere and the two spins are those of the mode."""
+        return identity(self.phases.size - 1)
+
+    def counted(self) -> Sequence[str]:
+        return MOVED

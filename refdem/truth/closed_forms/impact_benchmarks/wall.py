@@ -10,15 +10,16 @@ from fractions import Fraction
 from functools import partial
 from typing import Any
 
-import numpy as np
-from flint import arb
+from flint import arb, arb_mat
 
 from refdem.core.truth import Ball
 from refdem.truth.balls import arb_of
-from refdem.truth.closed_forms.two_spheres import Array, TwoSpheres
+from refdem.truth.closed_forms.two_spheres import TwoSpheres
 from refdem.truth.contact_motion import ContactMotion
 from refdem.truth.contact_phases import ContactPhases, State, dyadic_root
 from refdem.truth.events.truth import HybridFlow
+from refdem.truth.reals import Number, near
+from refdem.truth.validated_ivp.moved import identity
 
 NAMES = tuple(f"{kind}.{axis}" for kind in ("r", "v", "omega") for axis in "xyz")
 MOVED = ("r.x", "r.y", "v.x", "v.y", "omega.z")
@@ -26,33 +27,33 @@ MOVED = ("r.x", "r.y", "v.x", "v.y", "omega.z")
 
 @dataclass(frozen=True, kw_only=True)
 class WallPair:
-    """Exact numbers in SI units: velocity (`normal`, `across`, 0), `spin` about z; `lever` is 0, 1/2, 1 for R, R-d/2, R-d."""
+    """Numbers in SI units: velocity (`normal`, `across`, 0), `spin` about z; `lever` is 0, 1/2, 1 for R, R-d/2, R-d."""
 
-    mass: Fraction
+    mass: Number
     radius: Fraction
     stiffness: Fraction
-    damping: Fraction
+    damping: Number
     tangential_stiffness: Fraction
     friction: Fraction
-    normal: Fraction
-    across: Fraction
+    normal: Number
+    across: Number
     spin: Fraction
     lever: Fraction
     ends_with_overlap: bool = True
     angle: Fraction = Fraction(0)
 
     @property
-    def effective_mass(self) -> Fraction:
+    def effective_mass(self) -> Number:
         """That of the sphere [kg]."""
         return self.mass
 
     @property
-    def slip(self) -> Fraction:
+    def slip(self) -> Number:
         """Velocity of the surface against the wall along -y at touch [m/s]."""
         return -self.across - self.radius * self.spin
 
     @property
-    def surface_spin(self) -> list[Fraction]:
+    def surface_spin(self) -> list[Number]:
         """What a pair calls so: minus the slip."""
         return [Fraction(0), Fraction(0), -self.slip]
 
@@ -70,9 +71,9 @@ class WallPhases(ContactPhases):
         self.pair, self.ease, self.eps = pair, [Fraction(5, 2), Fraction(0)], Fraction(0)  # type: ignore[assignment]
         self.friction = pair.friction * pair.rubs
         spring = pair.tangential_stiffness * (self.friction > 0)
-        fastest = max(pair.stiffness, spring * Fraction(7, 2)) / m
-        self.time = dyadic_root(1 / max(fastest, (pair.damping / m) ** 2))
-        self.speed = dyadic_root(pair.normal**2 + pair.across**2)
+        fastest = max(pair.stiffness, spring * Fraction(7, 2)) / near(m)
+        self.time = dyadic_root(1 / max(fastest, near(pair.damping / m) ** 2))
+        self.speed = dyadic_root(near(pair.normal) ** 2 + near(pair.across) ** 2)
         self.length = self.time * self.speed
         self.bend = [pair.lever * self.length / pair.radius, Fraction(0)]
         self.k, self.c, self.kt = pair.stiffness * self.time**2 / m, pair.damping * self.time / m, spring * self.time**2 / m
@@ -81,7 +82,7 @@ class WallPhases(ContactPhases):
         """The state at touch."""
         pair, v = self.pair, self.speed
         exact = (0, pair.normal / v, 0, -pair.across / v, pair.radius * pair.spin / v, 0, 0, 0)  # type: ignore[attr-defined]
-        return [partial(arb_of, Fraction(value)) for value in exact]
+        return [partial(arb_of, value) for value in exact]
 
     def field(self, friction: Callable[[State], Any] | None, *, stretches: bool = False) -> Callable[[State], list[Any]]:
         """The rates under a friction; the way along the wall in the place of the angle."""
@@ -136,8 +137,13 @@ class WallImpact(TwoSpheres):
             "rebound_spin": end[4] * arb_of(self.phases.speed / self.wall.radius),
         }
 
-    def growth(self, whole: Array, elapsed: Fraction) -> float:
-        """Largest sum of the scaled answers to x, y, vx, vy and the spin."""
-        units, sizes = np.array([float(unit) for unit in self.units()[:5]]), np.array([float(self.scale[name]) for name in MOVED])
-        slopes = whole[:5, :5] * units[:, None] / units
-        return max(1.0, float(np.max(np.abs(slopes) @ sizes / sizes))) * (1 + 2.0**-40)
+    def drifting(self) -> Sequence[int]:
+        """None: the wall stays."""
+        return ()
+
+    def bodies(self) -> arb_mat:
+        """The coordinates of the sphere are those of the mode; the spin that it has no use for comes after them."""
+        return identity(self.phases.size - 1)
+
+    def counted(self) -> Sequence[str]:
+        return MOVED

@@ -1,0 +1,96 @@
+"""What follows from the parameters of a contact: masses of spheres, the dashpot of a restitution, Hertz's and Mindlin's stiffness."""
+
+from fractions import Fraction
+
+from flint import arb
+
+from refdem.truth.balls import arb_of
+from refdem.truth.power_contact import root as solved
+from refdem.truth.reals import Number, Real, logarithm, pi, root
+
+LEAST_SLOPE = Fraction(2, 3)
+"""Of 2 - 2 sqrt(z) cot sqrt(z) by z, for every 0 <= z < pi^2: all coefficients of its power series are positive, the first is 2/3."""
+
+
+def sphere_mass(density: Fraction, radius: Fraction) -> Real:
+    """4/3 pi R^3 rho [kg] of a solid sphere; density [kg/m^3], radius [m]."""
+    mass: Real = Fraction(4, 3) * radius**3 * density * pi()
+    return mass
+
+
+def dashpot(restitution: Fraction, mass: Number, stiffness: Fraction, *, ends_with_overlap: bool) -> Number:
+    """The damping c [kg/s] that gives a linear contact of this effective mass [kg] and stiffness [N/m] its restitution 0 < e <= 1.
+
+    With w0 = sqrt(k/m) and c/(2m) = w0 cos(alpha) the contact lasts t_c = pi/(w0 sin alpha) until the overlap ends and
+    2 alpha/(w0 sin alpha) until the force does, and ln(1/e) = t_c c/(2m) (Schwager and Poeschel 2007). So
+    cos alpha = D/sqrt(pi^2 + D^2) until the overlap ends, and 2 alpha cot alpha = D until the force does, with D = ln(1/e), which is
+    below 2 for every damping that is not over-critical: ValueError for an e that is not above exp(-2) there.
+    """
+    decay = -logarithm(restitution)
+    if not decay:
+        return Fraction(0)
+    if ends_with_overlap:
+        return 2 * decay * root(mass * stiffness / (pi() ** 2 + decay**2))
+    if not decay < 2:
+        raise ValueError(f"restitution {restitution} is not above exp(-2)")
+    found: Number = 2 * Real(lambda: damping_cosine(arb_of(decay))) * root(mass * stiffness)
+    return found
+
+
+def damping_cosine(decay: arb) -> arb:
+    """cos(alpha) with 2 alpha cot(alpha) = decay and 0 < alpha < pi/2, for 0 < decay < 2.
+
+    In z = alpha^2 the function h(z) = 2 - 2 sqrt(z) cot sqrt(z) is analytic and grows from 0 at least as fast as LEAST_SLOPE z, so
+    that h(z) = 2 - decay has exactly one root, also where alpha is nearly 0 (restitution near exp(-2)) and a root in alpha itself
+    would be nearly double. Whatever z an iteration ends at, |h(z) - (2 - decay)|/LEAST_SLOPE bounds its error; and the root is never
+    above (2 - decay)/LEAST_SLOPE, which is all that is said where 2 - decay is lost in rounding.
+    """
+    gap = 2 - decay
+    least = arb_of(LEAST_SLOPE)
+    most = arb((gap / least).upper())
+    square = arb(0).union(most)
+    if gap > 0:
+        found = solved(shortfall, shortfall_slope, gap, least)
+        square = found if found.is_finite() and found > 0 else square
+    # cos sqrt(z) falls with z: its values at both ends of z are sharper than that of a ball, whose radius sqrt would blow up near 0.
+    low = arb(square.upper()).sqrt().cos()
+    high = arb(square.lower()).sqrt().cos() if square > 0 else arb(1)
+    return low.union(high)
+
+
+def shortfall(square: arb) -> arb:
+    """h(z) = 2 - 2 sqrt(z) cot sqrt(z) at z = `square`."""
+    angle = square.sqrt()
+    return 2 - 2 * angle.cos() / angle.sinc()
+
+
+def shortfall_slope(square: arb) -> arb:
+    """h'(z) = (z - c + c^2)/z with c = sqrt(z) cot sqrt(z), for Newton's steps; LEAST_SLOPE where rounding would spoil it."""
+    cotangent = 1 - shortfall(square) / 2
+    slope = (square - cotangent + cotangent * cotangent) / square
+    return slope if slope > arb_of(LEAST_SLOPE) else arb_of(LEAST_SLOPE)
+
+
+def hertz_modulus(modulus: Fraction, poisson: Fraction) -> Fraction:
+    """4/3 E/(1 - nu^2) [Pa]: times sqrt(R) it is Hertz's stiffness of a sphere on a rigid wall."""
+    return Fraction(4, 3) * modulus / (1 - poisson**2)
+
+
+def hertz_wall_stiffness(modulus: Fraction, poisson: Fraction, radius: Fraction) -> Number:
+    """4/3 E* sqrt(R) [N/m^(3/2)] of a sphere on a rigid wall, E* = E/(1 - nu^2) (Hertz 1882)."""
+    return hertz_modulus(modulus, poisson) * root(radius)
+
+
+def hertz_pair_stiffness(modulus: Fraction, poisson: Fraction, radius: Fraction) -> Number:
+    """4/3 E* sqrt(R*) [N/m^(3/2)] of two equal spheres: half of a wall's E*, and R* = R/2."""
+    return hertz_modulus(modulus, poisson) / 2 * root(radius / 2)
+
+
+def mindlin_modulus(modulus: Fraction, poisson: Fraction) -> Fraction:
+    """8 G* [Pa] of a sphere on a rigid wall, G* = G/(2 - nu) and G = E/(2 (1 + nu)) (Mindlin 1949)."""
+    return 4 * modulus / ((1 + poisson) * (2 - poisson))
+
+
+def mindlin_wall_stiffness(modulus: Fraction, poisson: Fraction, radius: Fraction) -> Number:
+    """8 G* sqrt(R) [N/m^(3/2)] of a sphere on a rigid wall without slip (Mindlin 1949)."""
+    return mindlin_modulus(modulus, poisson) * root(radius)

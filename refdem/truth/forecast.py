@@ -1,0 +1,119 @@
+"""What a motion that is integrated is about to cost: it is followed for a while, and goes on at the pace of the later half of that.
+
+The first pieces say little: a motion that starts with a jerk, or settles, has another pace afterwards. What was followed is kept, so that
+following an eighth of a dear motion costs nothing in the end. Work is counted in pieces; a second is what the pieces so far took.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from fractions import Fraction
+from math import log2
+from time import process_time
+
+from flint import arb
+
+SHARE = 8
+"""The part of a forecast that may be spent on it: the eighth."""
+PIECES = 16
+"""That are made in any case."""
+EXPONENT = 1.5
+"""Of the bits, in the cost of a piece: between 1 and 2 from 128 to 1024 bits, where the order grows as the bits do."""
+TOO_LARGE = -24.0
+"""log2 of the radius of a set that can be enclosed no further."""
+TRIES = 8
+"""Precisions that are looked at."""
+
+NextBits = Callable[[int, float | None], int | None]
+"""The bits after those that did not suffice, from how many are lacking (None: the motion was not followed to its end); None if none."""
+
+
+@dataclass(frozen=True)
+class Mark:
+    """Where following has come to: the time reached, pieces and CPU seconds since the begin, log2 of the set's radius."""
+
+    time: float
+    pieces: int
+    seconds: float
+    radius: float
+
+
+@dataclass
+class Course:
+    """A motion as far as it was followed at some precision."""
+
+    bits: int
+    marks: list[Mark] = field(default_factory=list)
+
+    def later_half(self) -> tuple[Mark, Mark]:
+        """The mark at which half of the time had passed, and the last one."""
+        last = self.marks[-1]
+        middle = (self.marks[0].time + last.time) / 2
+        half = next(mark for mark in reversed(self.marks) if mark.time <= middle)
+        return half, last
+
+    def pieces_to(self, t: float) -> float:
+        """How many pieces are left, at the pace of the later half."""
+        half, last = self.later_half()
+        passed = last.time - half.time
+        return 0.0 if passed <= 0 else (last.pieces - half.pieces) * max(0.0, t - last.time) / passed
+
+    def radius_at(self, t: float) -> float:
+        """log2 of the radius at t: it grows, where it does, as in the later half."""
+        half, last = self.later_half()
+        passed = last.time - half.time
+        growth = 0.0 if passed <= 0 else (last.radius - half.radius) / passed
+        return last.radius + growth * max(0.0, t - last.time)
+
+    def time_of(self, radius: float) -> float:
+        """When the radius is that large; infinite if never."""
+        half, last = self.later_half()
+        growth = (last.radius - half.radius) / max(last.time - half.time, 1e-300)
+        return last.time + (radius - last.radius) / growth if growth > 0 else float("inf")
+
+    def work_to(self, t: float, target: float, next_bits: NextBits) -> float:
+        """Pieces of this precision that are left until the radius at t is 2^target, those of higher precisions at their own weight."""
+        last = self.marks[-1]
+        bits = self.bits
+        work = self.pieces_to(min(t, max(last.time, self.time_of(TOO_LARGE))))
+        for _ in range(TRIES):
+            # A set is thinner by the bits that are more.
+            thinner = bits - self.bits
+            ends = self.time_of(TOO_LARGE + thinner) < t
+            lacking = self.radius_at(t) - thinner - target
+            if not ends and lacking <= 0:
+                break
+            more = next_bits(bits, None if ends else lacking)
+            if more is None:
+                break
+            bits = more
+            reached = min(t, self.time_of(TOO_LARGE + bits - self.bits))
+            work += (last.pieces + self.pieces_to(reached)) * (bits / self.bits) ** EXPONENT
+        return work
+
+    def seconds_for(self, work: float) -> float:
+        """CPU seconds for so many pieces, at what those so far took."""
+        half, last = self.later_half()
+        made = last.pieces - half.pieces
+        return work * (last.seconds - half.seconds) / made if made else 0.0
+
+
+def follow(
+    course: Course, state: Callable[[], tuple[Fraction, int, arb]], step: Callable[[], bool], t: Fraction, work: Callable[[], float]
+) -> None:
+    """Follows a motion by steps, marking each, until t, until `step` says that there are no more, or until enough is known.
+
+    `state` has the time reached, the pieces made and the radius of the set; `work` is what the course says is left, in pieces.
+    """
+    begun = process_time()
+
+    def mark() -> Mark:
+        reached, pieces, radius = state()
+        size = log2(float(radius)) if 1e-300 < float(radius) < 1e300 else -1000.0
+        return Mark(float(reached), pieces, process_time() - begun, size)
+
+    course.marks.append(mark())
+    while course.marks[-1].time < t and step():
+        course.marks.append(mark())
+        made = course.marks[-1].pieces - course.marks[0].pieces
+        if made >= PIECES and made * SHARE >= work():
+            break

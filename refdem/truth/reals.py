@@ -1,0 +1,208 @@
+"""Real numbers that follow from exact parameters: pi, roots, sines, and what is computed from them.
+
+A `Real` is not a rounded value. It is the way to a ball that contains the number at whatever precision a proof works, so that a number
+derived from parameters (the dashpot of a restitution, a mass with pi in it) is enclosed anew, and better, each time the precision rises.
+"""
+
+from collections.abc import Callable
+from fractions import Fraction
+from math import isqrt
+from typing import Any, Union
+
+from flint import arb, ctx
+
+from refdem.truth.balls import Enclosed, UndecidedError, arb_of, precision
+
+Number = Union[Fraction, "Real"]
+"""What a truth takes for a parameter: an exact rational, or a number that follows from exact ones."""
+
+DECIDING = (64, 128, 256, 512, 1024, 2048, 4096, 8192, 16384)
+"""Working precisions [bit] at which a sign is looked for, one after another."""
+NEAR_BITS = 64
+"""Bits to which the rounded value of a number is known: a few more than binary64 has."""
+
+
+class Real(Enclosed):
+    """A real number; `enclosed()` returns a ball that contains it at the current precision.
+
+    + - * / and whole powers with exact rationals and other such numbers give others; a comparison is proved, or raises UndecidedError.
+    No precision can prove two such numbers equal, so that == means the same object.
+    """
+
+    __array_ufunc__ = None
+    """numpy keeps out: an array of rounded numbers has no place beside an exact one."""
+
+    def __init__(self, enclosed: Callable[[], arb]) -> None:
+        self._enclosed = enclosed
+        self._balls: dict[int, arb] = {}
+
+    def ball(self) -> arb:
+        """A ball that contains the number, at the current precision; kept for the next call."""
+        bits = ctx.prec
+        if bits not in self._balls:
+            self._balls[bits] = self._enclosed()
+        return self._balls[bits]
+
+    def sign(self) -> int:
+        """-1, 0 or 1, proved; raises UndecidedError where no precision tells."""
+        for bits in DECIDING:
+            with precision(bits):
+                ball = self.ball()
+            if ball > 0:
+                return 1
+            if ball < 0:
+                return -1
+            if ball == 0:
+                return 0
+        raise UndecidedError(f"the sign of a number that {DECIDING[-1]} bits do not tell from 0")
+
+    def near(self) -> Fraction:
+        """A rational within 2^-NEAR_BITS of the number, relative to its size; for scenes and step sizes, never for a proof."""
+        for bits in DECIDING[1:]:
+            with precision(bits):
+                ball = self.ball()
+                accurate = ball.is_finite() and ball.rad() * arb(2) ** NEAR_BITS <= abs(ball.mid())
+            if accurate:
+                break
+        mantissa, exponent = ball.mid().man_exp()
+        return Fraction(int(mantissa)) * Fraction(2) ** int(exponent)
+
+    def __float__(self) -> float:
+        return float(self.near())
+
+    def __bool__(self) -> bool:
+        return self.sign() != 0
+
+    def __add__(self, other: Any) -> Any:
+        if not is_number(other):
+            return NotImplemented
+        return self if is_zero(other) else Real(lambda: self.ball() + arb_of(other))
+
+    def __mul__(self, other: Any) -> Any:
+        if not is_number(other):
+            return NotImplemented
+        return Fraction(0) if is_zero(other) else Real(lambda: self.ball() * arb_of(other))
+
+    def __truediv__(self, other: Any) -> Any:
+        return Real(lambda: self.ball() / arb_of(other)) if is_number(other) else NotImplemented
+
+    def __rtruediv__(self, other: Any) -> Any:
+        if not is_number(other):
+            return NotImplemented
+        return Fraction(0) if is_zero(other) else Real(lambda: arb_of(other) / self.ball())
+
+    def __neg__(self) -> "Real":
+        return Real(lambda: -self.ball())
+
+    def __sub__(self, other: Any) -> Any:
+        return self + -other if is_number(other) else NotImplemented
+
+    def __rsub__(self, other: Any) -> Any:
+        return -self + other if is_number(other) else NotImplemented
+
+    def __pow__(self, power: int) -> Any:
+        return Real(lambda: self.ball() ** power) if isinstance(power, int) else NotImplemented
+
+    def __abs__(self) -> "Real":
+        return Real(lambda: abs(self.ball()))
+
+    def __lt__(self, other: Any) -> bool:
+        return (self - other).sign() < 0 if is_number(other) else NotImplemented
+
+    def __gt__(self, other: Any) -> bool:
+        return (self - other).sign() > 0 if is_number(other) else NotImplemented
+
+    def __le__(self, other: Any) -> bool:
+        return (self - other).sign() <= 0 if is_number(other) else NotImplemented
+
+    def __ge__(self, other: Any) -> bool:
+        return (self - other).sign() >= 0 if is_number(other) else NotImplemented
+
+    __radd__, __rmul__ = __add__, __mul__
+
+
+class Root(Real):
+    """+-sqrt(square) of a rational that is no square; products and quotients of such numbers are again such, or rational."""
+
+    def __init__(self, square: Fraction, side: int = 1) -> None:
+        super().__init__(lambda: side * arb_of(square).sqrt())
+        self.square = square
+        self.side = side
+
+    def __mul__(self, other: Any) -> Any:
+        if isinstance(other, Root):
+            return self.side * other.side * root(self.square * other.square)
+        if isinstance(other, int | Fraction) and other:
+            side = self.side if other > 0 else -self.side
+            return Root(self.square * other * other, side)
+        return super().__mul__(other)
+
+    def inverse(self) -> "Root":
+        """1/sqrt(square) = sqrt(1/square)."""
+        return Root(1 / self.square, self.side)
+
+    def __truediv__(self, other: Any) -> Any:
+        if isinstance(other, Root):
+            return self * other.inverse()
+        if isinstance(other, int | Fraction) and other:
+            return self * (1 / Fraction(other))
+        return super().__truediv__(other)
+
+    def __rtruediv__(self, other: Any) -> Any:
+        return self.inverse() * other if is_number(other) else NotImplemented
+
+    def __neg__(self) -> "Root":
+        return Root(self.square, -self.side)
+
+    def __pow__(self, power: int) -> Any:
+        half, odd = divmod(power, 2)
+        whole = self.square**half
+        return whole * self if odd else whole
+
+    __rmul__ = __mul__
+
+
+def is_number(value: object) -> bool:
+    """It is exact: a whole number, a Fraction or a Real; a truth value is none, nor is anything rounded."""
+    return isinstance(value, int | Fraction | Real) and not isinstance(value, bool)
+
+
+def is_zero(value: object) -> bool:
+    """It is the rational 0, for certain and without a proof."""
+    return not isinstance(value, Real) and value == 0
+
+
+def near(value: Number) -> Fraction:
+    """The number itself if it is rational, else a rational near it; for step sizes and units, never for a proof."""
+    return value.near() if isinstance(value, Real) else value
+
+
+def pi() -> Real:
+    """The number pi."""
+    return Real(arb.pi)
+
+
+def root(value: Number) -> Number:
+    """sqrt(value), value >= 0; a Fraction where that is one."""
+    if isinstance(value, Real):
+        return Real(lambda: value.ball().sqrt())
+    above = isqrt(value.numerator)
+    below = isqrt(value.denominator)
+    if above * above == value.numerator and below * below == value.denominator:
+        return Fraction(above, below)
+    return Root(value)
+
+
+def sine(angle: Fraction) -> Number:
+    """sin(angle) of a rational angle [rad]; exactly 0 at 0, and nowhere else."""
+    return Real(lambda: arb_of(angle).sin()) if angle else Fraction(0)
+
+
+def cosine(angle: Fraction) -> Number:
+    """cos(angle) of a rational angle [rad]; exactly 1 at 0."""
+    return Real(lambda: arb_of(angle).cos()) if angle else Fraction(1)
+
+
+def logarithm(value: Fraction) -> Number:
+    """ln(value), value > 0; exactly 0 at 1, and nowhere else."""
+    return Real(lambda: arb_of(value).log()) if value != 1 else Fraction(0)
