@@ -7,11 +7,12 @@ import numpy as np
 from refdem.core.balance import angular, angular_scale, torque_reason
 from refdem.core.check import Check, Outcome, Trial
 from refdem.core.finding import Finding
-from refdem.core.judgement import Array, certified, no_truth, undecided, worst
-from refdem.core.refinement import sweeping
+from refdem.core.judgement import Array, certified, left_at_finest, no_truth, undecided, worst
+from refdem.core.refinement import COUNTING_FLOOR, sweeping
 from refdem.core.trajectory import Trajectory
 from refdem.core.truth import SampledTruth
 from refdem.core.variant import Variant
+from refdem.scene import Scene
 from refdem.scene.elements.contact import Contact
 
 
@@ -30,37 +31,53 @@ class AngularMomentum(Check):
         return None if _law_turns(trial) else torque_reason(trial.instance.scene)
 
     def needs(self, trial: Trial) -> tuple[Variant, ...]:
-        """The coarsest level, where it is kept; the finest, where it is compared with truth."""
-        return (trial.finest if _law_turns(trial) else Variant(trial.levels[0]),)
+        """The coarsest level, where it is kept to round-off; the finest, where it is compared with truth; both, where it must fall."""
+        if _law_turns(trial):
+            return (trial.finest,)
+        return tuple(dict.fromkeys((Variant(trial.levels[0]), _judged_level(trial))))
 
     def judge(self, trial: Trial, runs: Mapping[Variant, Outcome]) -> list[Finding]:
         """The total; for bodies on which nothing acts also orbital and spin part by itself."""
         if _law_turns(trial):
             return [self._against_truth(trial, runs[trial.finest].trajectory)]
-        scene, level = trial.instance.scene, trial.levels[0]
-        allowed, basis = trial.kept("angular-momentum", level)
-        allowed = allowed + trial.round_off(level) * (sweeping(trial.instance, trial.method) - 1.0)
-        parts = angular(scene, runs[Variant(level)].trajectory)
-        names = ["total"] if scene.elements or "rotation" not in scene.features else ["total", "orbital", "spin"]
-        scale = angular_scale(trial.instance)
-        straight = (
-            trial.round_off(level),
-            "nothing acts, and every method moves on in a straight line, so only round-off c u sqrt(n) may change it",
+        return [self._kept(trial, runs, name) for name in _parts(trial.instance.scene)]
+
+    def _kept(self, trial: Trial, runs: Mapping[Variant, Outcome], name: str) -> Finding:
+        """One part, at the coarsest level if it is held to round-off, else at the finest."""
+        free = name == "orbital"
+        variant = Variant(trial.levels[0]) if free else _judged_level(trial)
+        allowed: Array | float
+        if free:
+            allowed = trial.round_off(variant.level)
+            basis = "nothing acts, and every method moves on in a straight line, so only round-off c u sqrt(n) may change it"
+        else:
+            allowed, basis = trial.kept("angular-momentum", variant.level)
+            sweeps = trial.round_off(variant.level) * (sweeping(trial.instance, trial.method) - 1.0)
+            allowed = allowed + sweeps
+        if variant != Variant(trial.levels[0]) and len(trial.levels) > 2:
+            coarse = self._changes(trial, runs[Variant(trial.levels[0])], name)
+            fallen = left_at_finest(trial, coarse) + COUNTING_FLOOR * trial.round_off(variant.level)
+            if np.any(fallen < allowed):
+                basis = "what the order leaves of the change at the coarsest step"
+            allowed = np.minimum(allowed, fallen)
+        size = float(np.linalg.norm(angular(trial.instance.scene, runs[variant].trajectory)[name][0]))
+        return worst(
+            check=self.name,
+            quantity=name,
+            t=trial.instance.times,
+            values=self._changes(trial, runs[variant], name),
+            allowed=allowed,
+            signal=size / angular_scale(trial.instance),
+            unit="1",
+            basis=basis,
+            what=f"The change of {name} angular momentum, in units of the sum of m|r||v| + |J omega| at the start,",
         )
-        kept: dict[str, tuple[Array | float, str]] = {"total": (allowed, basis), "orbital": straight, "spin": (allowed, basis)}
-        return [
-            worst(
-                check=self.name,
-                quantity=name,
-                t=trial.instance.times,
-                values=np.linalg.norm(parts[name] - parts[name][0], axis=1) / scale,
-                allowed=kept[name][0],
-                unit="1",
-                basis=kept[name][1],
-                what=f"The change of {name} angular momentum, in units of the sum of m|r||v| + |J omega| at the start,",
-            )
-            for name in names
-        ]
+
+    def _changes(self, trial: Trial, run: Outcome, name: str) -> Array:
+        """The change of one part since the start (T,), in units of the scale."""
+        part = angular(trial.instance.scene, run.trajectory)[name]
+        changes: Array = np.linalg.norm(part - part[0], axis=1) / angular_scale(trial.instance)
+        return changes
 
     def _against_truth(self, trial: Trial, run: Trajectory) -> Finding:
         """Levers that do not sum to the centre distance change the total by the integral of overlap times friction: that of truth."""
@@ -85,6 +102,17 @@ class AngularMomentum(Check):
 
 
 KINDS = ("r", "v", "omega")
+
+
+def _parts(scene: Scene) -> tuple[str, ...]:
+    """The total; of bodies on which nothing acts the orbital and the spin part by themselves too."""
+    return ("total",) if scene.elements or "rotation" not in scene.features else ("total", "orbital", "spin")
+
+
+def _judged_level(trial: Trial) -> Variant:
+    """The coarsest, where nothing is hidden by a small step, if the method claims it to round-off; else the finest."""
+    keeps = trial.method.keeps("angular-momentum", trial.instance.problem.features)
+    return Variant(trial.levels[0]) if keeps else trial.finest
 
 
 def _law_turns(trial: Trial) -> bool:

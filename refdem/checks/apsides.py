@@ -65,6 +65,7 @@ class Apsides(Check):
                 t=trial.instance.times[:count],
                 values=change[:count],
                 allowed=(share * allowed)[:count],
+                signal=1.0,
                 unit="1",
                 basis=f"{basis}, for place and velocity as they come into it",
                 what=f"The change of the {name} (over the run the apsides turn by {turned(kept):.2g} rad)",

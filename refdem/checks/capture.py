@@ -6,7 +6,7 @@ import numpy as np
 
 from refdem.core.check import Check, Outcome, Trial
 from refdem.core.finding import Finding
-from refdem.core.judgement import Array, certified, judged, no_truth, undecided
+from refdem.core.judgement import Array, Sight, certified, judged, no_truth, undecided
 from refdem.core.variant import Variant
 from refdem.scene.elements.catch import Catch
 
@@ -56,6 +56,7 @@ class Capture(Check):
                 quantity=name,
                 value=abs(float(value)),
                 bound=bound,
+                sight=Sight(bound, 1.0),
                 unit="1",
                 basis="the bound on the state at the end of the run",
                 what=what,

@@ -6,7 +6,8 @@ import numpy as np
 
 from refdem.core.check import Check, Outcome, Trial
 from refdem.core.finding import Finding
-from refdem.core.judgement import Array, worst
+from refdem.core.judgement import Array, left_at_finest, worst
+from refdem.core.refinement import COUNTING_FLOOR
 from refdem.core.trajectory import Trajectory
 from refdem.core.variant import Variant
 from refdem.scene.elements.rod import Rod
@@ -21,31 +22,44 @@ class Constraint(Check):
     synchronous = True
 
     def applies(self, trial: Trial) -> str | None:
-        """Scenes with rods between points."""
-        return None if trial.instance.scene.all(Rod) else "there is no constraint"
+        """Scenes with rods between points, and methods that do not make places of the rods' angles."""
+        return trial.method.derived.get("rod") if trial.instance.scene.all(Rod) else "there is no constraint"
 
     def needs(self, trial: Trial) -> tuple[Variant, ...]:
-        """The coarsest level."""
-        return (Variant(trial.levels[0]),)
+        """The coarsest level, and the finest where lengths are held to the order only and must fall with it."""
+        return tuple(dict.fromkeys((Variant(trial.levels[0]), _judged_level(trial))))
 
     def judge(self, trial: Trial, runs: Mapping[Variant, Outcome]) -> list[Finding]:
         """Drift of length and of velocity."""
-        level = trial.levels[0]
-        allowed, basis = trial.kept("constraint", level)
-        allowed = allowed + trial.round_off(level) * (_farthest(trial) - 1.0)
-        return [
-            worst(
-                check=self.name,
-                quantity=quantity,
-                t=trial.instance.times,
-                values=drift,
-                allowed=allowed,
-                unit="1",
-                basis=basis,
-                what=f"The drift of the rods' {quantity}, in units of its scale,",
+        variant, coarsest = _judged_level(trial), Variant(trial.levels[0])
+        allowed, basis = trial.kept("constraint", variant.level)
+        rounding = trial.round_off(variant.level) * _farthest(trial)
+        allowed = allowed + rounding - trial.round_off(variant.level)
+        drifts, coarse = _drifts(trial, runs[variant].trajectory), _drifts(trial, runs[coarsest].trajectory)
+        found = []
+        for quantity, drift in drifts.items():
+            bound = allowed
+            if variant != coarsest and len(trial.levels) > 2:
+                bound = np.minimum(allowed, left_at_finest(trial, coarse[quantity]) + COUNTING_FLOOR * rounding)
+            found.append(
+                worst(
+                    check=self.name,
+                    quantity=quantity,
+                    t=trial.instance.times,
+                    values=drift,
+                    allowed=bound,
+                    unit="1",
+                    basis=basis if bound is allowed else f"{basis}, and what the order leaves of the drift at the coarsest step",
+                    what=f"The drift of the rods' {quantity}, in units of its scale,",
+                )
             )
-            for quantity, drift in _drifts(trial, runs[Variant(level)].trajectory).items()
-        ]
+        return found
+
+
+def _judged_level(trial: Trial) -> Variant:
+    """The coarsest, where nothing is hidden by a small step, if the method claims lengths to round-off; else the finest."""
+    keeps = trial.method.keeps("constraint", trial.instance.problem.features)
+    return Variant(trial.levels[0]) if keeps else trial.finest
 
 
 def _farthest(trial: Trial) -> float:

@@ -44,7 +44,10 @@ class ContactChannels(Check):
         found = []
         if "overlap" in run.channels:
             off = np.abs(_largest(run, "overlap") - np.maximum(overlap, 0.0)) / length
-            found.append(("overlap", run.t, off, np.full(len(off), exact), "it follows from the places of the same row, to round-off"))
+            # R + R' - |d| is a difference of numbers as large as places and radii, each rounded, here and in the run.
+            reach = float(np.max(np.abs(run.position))) + 2 * float(np.max(scene.bodies.radius))
+            rounded = exact + 4 * trial.method.round_off * reach / length
+            found.append(("overlap", run.t, off, np.full(len(off), rounded), "it follows from the places of the same row, to round-off"))
         told = np.abs(overlap) > exact * length  # at the touch rounding says whether a dashpot acts
         if "contact_force" in run.channels and peak > 0 and told.any():
             off = np.abs(_largest(run, "contact_force") - force)[told] / peak

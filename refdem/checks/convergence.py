@@ -46,7 +46,7 @@ class Convergence(Check):
         if fine > HORIZON:
             why = f"the finest two levels differ by {fine:.2g} of the scale: finer steps are needed"
             return [undecided(self.name, "state", why)]
-        order = trial.method.order_for(trial.instance.scene.features)
+        order = trial.order
         seen = float(np.log2(coarse / fine)) if fine > floor else float(order)
         if kinked(trial.instance) and order - seen > FURTHER * max(0.15, 0.05 * order):
             return [self._within(trial, fine, growth, seen)]

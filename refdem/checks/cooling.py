@@ -102,6 +102,7 @@ class Cooling(Check):
             t=t,
             values=np.abs(np.log(temperature / law)),
             allowed=allowed,
+            signal=np.abs(np.log(law / law[0])),
             unit="1",
             basis=f"{ERRORS:g} standard errors of the loss in the collisions so far, {THEORY:.0%} of tau, and what contacts hold",
             what=f"The logarithm of the temperature over {'that of the start' if np.isinf(haff) else 'T0/(1 + t/tau)^2'}",

@@ -49,14 +49,25 @@ class EnergyReturn(Check):
         allowed, growth = float(trial.bound(trial.levels[-1])[-1]), float(truth.growth()[-1])
         exact = trial.method.reversible or trial.method.control == "exact"
         back_off = 2 * trial.round_off(trial.levels[-1]) * growth**2 if exact else 2 * allowed * growth
-        shared = {"check": self.name, "unit": "1"}
-        return [
-            judged(quantity="gain", value=abs(gained - true) / unit, bound=TERMS * allowed,
-                   basis="twice the bound on the velocity", what="The error of the gain in kinetic energy, over m v^2,", **shared),
-            judged(quantity="return", value=abs(gained + lost) / unit, bound=TERMS * back_off,
-                   basis="round-off there and back" if exact else "twice the bound on the velocity there and back",
-                   what="The kinetic energy that a way there and back has gained, over m v^2,", **shared),
-        ]  # fmt: skip
+        gain_error = judged(
+            check=self.name,
+            quantity="gain",
+            value=abs(gained - true) / unit,
+            bound=TERMS * allowed,
+            unit="1",
+            basis="twice the bound on the velocity",
+            what="The error of the gain in kinetic energy, over m v^2,",
+        )
+        return_defect = judged(
+            check=self.name,
+            quantity="return",
+            value=abs(gained + lost) / unit,
+            bound=TERMS * back_off,
+            unit="1",
+            basis="round-off there and back" if exact else "twice the bound on the velocity there and back",
+            what="The kinetic energy that a way there and back has gained, over m v^2,",
+        )
+        return [gain_error, return_defect]
 
 
 CHECK = EnergyReturn()

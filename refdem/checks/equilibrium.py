@@ -38,29 +38,74 @@ class Equilibrium(Check):
         return (trial.finest,)
 
     def judge(self, trial: Trial, runs: Mapping[Variant, Outcome]) -> list[Finding]:
-        """Distance from delta cosh(w0 t) while it is small; or how far beyond delta it goes."""
-        run, scene, level = runs[trial.finest].trajectory, trial.instance.scene, trial.levels[-1]
+        """Distance from delta cosh(w0 t) while that is small; or from delta cos(w0 t), and how far beyond delta it goes."""
+        run, scene = runs[trial.finest].trajectory, trial.instance.scene
         rod = scene.all(Rod)[0]
-        seen, t = _angles(scene, run.position[:, rod.a]), run.t - run.t[0]
-        w0 = np.sqrt(np.linalg.norm(scene.all(UniformGravity)[0].g) / rod.length)
-        delta = _angles(scene, scene.bodies.position)[0]
-        allowed = trial.truncation(level) + trial.round_off(level)
-        if _is_top(scene):
-            first = delta * np.cosh(np.minimum(w0 * t, 700.0))
-            small = np.abs(first) <= SMALL
-            third = np.abs(delta) ** 3 / 6 * (np.cosh(w0 * t[small]) ** 3 / 8 + 3 * w0 * t[small] * np.sinh(w0 * t[small]) / 8)
-            t, values = run.t[small], np.abs(seen - first)[small]
-            bound = 1.1 * third + allowed[small] * np.cosh(w0 * t) * (1 + w0 * t)
-            name, what = "departure", "The angle from the top less delta cosh(w0 t), in radians,"
-            basis = "the term of third order of the series, and round-off and truncation that grow as cosh"
-        else:
-            t, values, bound = run.t, np.maximum(0.0, np.abs(seen) - abs(delta)), allowed * (1 + w0 * t)
-            name, what, basis = (
-                "bounded",
-                "The angle from the bottom beyond that of the start, in radians,",
-                "energy bounds it by its start",
-            )
-        return [worst(check=self.name, quantity=name, t=t, values=values, allowed=bound, unit="1", basis=basis, what=what)]
+        seen = _angles(scene, run.position[:, rod.a])
+        w0 = float(np.sqrt(np.linalg.norm(scene.all(UniformGravity)[0].g) / rod.length))
+        delta = float(_angles(scene, scene.bodies.position)[0])
+        return [self._departure(trial, run.t, seen, w0, delta)] if _is_top(scene) else self._at_bottom(trial, run.t, seen, w0, delta)
+
+    def _departure(self, trial: Trial, t: Array, seen: Array, w0: float, delta: float) -> Finding:
+        """From the top, up to SMALL: the term of third order of the series is what is left of the true motion."""
+        phase = w0 * (t - t[0])
+        small = np.abs(delta) * np.cosh(np.minimum(phase, 700.0)) <= SMALL
+        phase = phase[small]
+        first = delta * np.cosh(phase)
+        third = np.abs(delta) ** 3 / 6 * (np.cosh(phase) ** 3 / 8 + 3 * phase * np.sinh(phase) / 8)
+        allowed = _in_proportion(trial, delta)[small]
+        return worst(
+            check=self.name,
+            quantity="departure",
+            t=t[small],
+            values=np.abs(seen[small] - first),
+            allowed=1.1 * third + allowed * np.cosh(phase) * (1 + phase),
+            signal=np.abs(first - delta),
+            unit="1",
+            basis="the term of third order of the series, and round-off and truncation that grow as cosh",
+            what="The angle from the top less delta cosh(w0 t), in radians,",
+        )
+
+    def _at_bottom(self, trial: Trial, t: Array, seen: Array, w0: float, delta: float) -> list[Finding]:
+        """theta = delta cos(w t) + delta^3/192 (cos 3wt - cos wt) with w = w0 (1 - delta^2/16), to third order (Lindstedt)."""
+        phase = w0 * np.abs(t - t[0])
+        allowed = _in_proportion(trial, delta) * (1 + phase)
+        first = delta * np.cos(phase)
+        third = np.abs(delta) ** 3 * (phase / 16 + 1 / 96)
+        bounded = worst(
+            check=self.name,
+            quantity="bounded",
+            t=t,
+            values=np.maximum(0.0, np.abs(seen) - abs(delta)),
+            allowed=allowed,
+            signal=abs(delta),
+            unit="1",
+            basis="energy bounds it by its start",
+            what="The angle from the bottom beyond that of the start, in radians,",
+        )
+        swing = worst(
+            check=self.name,
+            quantity="swing",
+            t=t,
+            values=np.abs(seen - first),
+            allowed=1.1 * third + allowed,
+            signal=np.abs(first - delta),
+            unit="1",
+            basis="the terms of third order of the series, and round-off and truncation",
+            what="The angle from the bottom less delta cos(w0 t), in radians,",
+        )
+        return [bounded, swing]
+
+
+def _in_proportion(trial: Trial, delta: float) -> Array:
+    """Truncation and round-off (T,) [rad].
+
+    Next to an equilibrium the equation is linear, so the error of fixed steps is in proportion to delta; a tolerance is absolute.
+    """
+    level = trial.levels[-1]
+    size = abs(delta) if trial.method.control == "step" else 1.0
+    found: Array = trial.truncation(level) * size + trial.round_off(level)
+    return found
 
 
 def _arms(scene: Scene, position: Array) -> Array:

@@ -5,13 +5,22 @@ from itertools import pairwise
 
 import numpy as np
 
+from refdem.core.case import Instance
 from refdem.core.check import Check, Outcome, Trial
 from refdem.core.finding import Finding, Level
-from refdem.core.judgement import MIXED, Array, certified, curve, errors, judged, no_truth, undecided
+from refdem.core.judgement import MIXED, ROOM, Array, Sight, certified, curve, errors, judged, movements, no_truth, sharpest, undecided
 from refdem.core.problem import Problem
-from refdem.core.refinement import COUNTING_FLOOR, scored
+from refdem.core.refinement import COUNTING_FLOOR, kinked, scored
 from refdem.core.statics import Static
+from refdem.core.truth import SampledTruth
 from refdem.core.variant import Variant
+
+ROOM_OF_KINKS = 64.0
+"""ROOM over the whole change where kinks scatter the error: two steps whose errors are alike to 1/64 by chance, and alike to
+1/64 of 2^p to those of the step before, are one in ten thousand if the scatter is an octave."""
+
+ROOM_OF_CUTS = 16.0
+"""The same of a method that cuts its steps at kinks: what is left to chance is the length of the last piece."""
 
 
 class Error(Check):
@@ -38,7 +47,10 @@ class Error(Check):
         seen = {level: errors(trial.instance, runs[Variant(level)].trajectory, truth, trial.method.delay(level)) for level in trial.levels}
         if not (names := seen[trial.levels[0]]):
             return [undecided(self.name, "state", MIXED)]
-        return [self._finding(trial, runs, name, {h: e[name] for h, e in seen.items()}) for name in names] + self._unsaid(trial, names)
+        moved = _signals(trial, truth)
+        bounds = _bounds(trial, runs)
+        found = [self._finding(trial, runs, name, {h: e[name] for h, e in seen.items()}, moved[name], bounds) for name in names]
+        return found + self._unsaid(trial, names)
 
     def _unsaid(self, trial: Trial, names: Iterable[str]) -> list[Finding]:
         """One finding for what the engine left out of a question without time: its parts are asked for one by one."""
@@ -52,36 +64,115 @@ class Error(Check):
             )
         ]
 
-    def _finding(self, trial: Trial, runs: Mapping[Variant, Outcome], quantity: str, seen: dict[float, Array]) -> Finding:
-        truth = trial.truth
-        assert truth is not None
-        levels, worst, at = [], -1.0, trial.levels[-1]
-        for level, error in seen.items():
-            allowed = trial.bound(level)
-            count = scored(allowed)
-            levels.append(_level(trial, level, error, allowed, runs[Variant(level)].cost.seconds))
-            ratio = float(np.max(error[:count] / allowed[:count])) if count >= min(2, len(allowed)) else -1.0
-            if not ratio <= worst:
-                worst, at = ratio, level
-        if worst < 0:
+    def _finding(
+        self,
+        trial: Trial,
+        runs: Mapping[Variant, Outcome],
+        quantity: str,
+        seen: dict[float, Array],
+        moved: Array,
+        bounds: dict[float, Array],
+    ) -> Finding:
+        """The level that comes nearest to its bound, of those whose bound is sharp; one that is beyond its bound always counts."""
+        sights: dict[float, Sight] = {}
+        ratios: dict[float, float] = {}
+        for level, allowed in bounds.items():
+            count = len(allowed)
+            sights[level] = sharpest(allowed, moved[:count])
+            ratios[level] = float(np.max(seen[level][:count] / allowed))
+        if not bounds:
             return undecided(self.name, quantity, "at every level the bound passes a tenth of the scale before the second sample")
-        error, allowed = seen[at], trial.bound(at)
-        count = scored(allowed)
-        point = int(np.argmax(error[:count] / allowed[:count]))
+        telling = [level for level in bounds if not sights[level].is_blind or not ratios[level] <= 1]
+        at = _worst_level(telling or list(bounds), ratios)
+        count = len(bounds[at])
+        error, allowed = seen[at][:count], bounds[at]
+        point = int(np.argmax(error / allowed))
+        levels = [_level(trial, level, error, trial.bound(level), runs[Variant(level)].cost.seconds) for level, error in seen.items()]
         return judged(
             check=self.name,
             quantity=quantity,
             value=float(error[point]),
             bound=float(allowed[point]),
             unit="1",
-            basis=_basis(trial, at),
+            basis=_basis(trial, at, settled=bool(allowed[point] < trial.bound(at)[point])),
             what=_what(trial, quantity, at, point, count),
+            sight=min(sights.values(), key=_part),
             levels=tuple(levels),
-            series=curve(trial.instance.times[:count], error[:count], allowed[:count]),
+            series=curve(trial.instance.times[:count], error, allowed),
             order_seen=_order_seen(trial, levels),
-            order_claimed=float(trial.method.order_for(trial.instance.problem.features)) if trial.method.control == "step" else None,
+            order_claimed=float(trial.order) if trial.method.control == "step" else None,
             constant_seen=_constant_seen(trial, levels),
         )
+
+
+def _bounds(trial: Trial, runs: Mapping[Variant, Outcome]) -> dict[float, Array]:
+    """The bound of every level that can be judged (count,), up to the horizon; of the finest the smaller of two."""
+    found: dict[float, Array] = {}
+    for level in trial.levels:
+        allowed = trial.bound(level)
+        count = scored(allowed)
+        if count >= min(2, len(allowed)):
+            found[level] = allowed[:count]
+    finest = trial.levels[-1]
+    if finest in found and (change := _settling(trial, runs)) is not None:
+        count = min(len(change), len(found[finest]))
+        found[finest] = np.concatenate([np.minimum(found[finest][:count], change[:count]), found[finest][count:]])
+    return found
+
+
+def _settling(trial: Trial, runs: Mapping[Variant, Outcome]) -> Array | None:
+    """What the last halvings of the step leave of the error at the finest level (count,), in units of the scales; None if unknown.
+
+    With an error e(h) = C h^p the run changes by (2^p - 1) e(h/2) from h to h/2. So e(h/2) is at most ROOM times the change over
+    2^p - 1, whatever C is, or 2^-p of that of the pair before, where terms of the last pair cancel. Where kinks scatter C from
+    step to step, an error is still part of the change to either side of it, but may be nearly the same at both steps.
+    """
+    method, instance = trial.method, trial.instance
+    if method.control != "step" or len(trial.levels) < 3:
+        return None
+    count = scored(trial.bound(trial.levels[-3]))
+    if count < 2 or trial.truth is None:
+        return None
+    order = trial.order
+    coarse, middle, fine = (instance.observe(runs[Variant(level)].trajectory) for level in trial.levels[-3:])
+    before, last = _changes(instance, coarse, middle, count), _changes(instance, middle, fine, count)
+    change = np.maximum.accumulate(np.maximum(before / 2.0**order, last))
+    room = ROOM / (2.0**order - 1.0)
+    if kinked(instance):
+        room = ROOM_OF_CUTS if method.locates_events else ROOM_OF_KINKS
+    rounding = COUNTING_FLOOR * trial.noise(trial.levels[-1]) * trial.truth.growth()[:count]
+    return room * change + rounding
+
+
+def _changes(instance: Instance, coarse: Mapping[str, Array], fine: Mapping[str, Array], count: int) -> Array:
+    """Largest scaled difference of any quantity between two levels (count,)."""
+    largest = np.zeros(count)
+    for name, quantity in instance.quantities.items():
+        if name not in coarse or name not in fine:
+            continue
+        difference = np.abs(fine[name] - coarse[name])[:count]
+        if quantity.angle:
+            difference = np.abs(np.remainder(difference + np.pi, 2 * np.pi) - np.pi)
+        largest = np.maximum(largest, difference / quantity.scale)
+    return largest
+
+
+def _signals(trial: Trial, truth: SampledTruth) -> dict[str, Array]:
+    """How far the truth of every quantity has moved (until,), in units of its scale; 0 for one that stays within round-off."""
+    rounding = trial.noise(trial.levels[-1]) * truth.growth()
+    moved = movements(trial.instance, truth)
+    return {name: away if np.any(away > rounding) else np.zeros_like(away) for name, away in moved.items()}
+
+
+def _worst_level(levels: list[float], ratios: dict[float, float]) -> float:
+    """The level whose error is the largest part of its bound; one whose error is not a number comes first."""
+    broken = [level for level in levels if np.isnan(ratios[level])]
+    return broken[0] if broken else max(levels, key=lambda level: ratios[level])
+
+
+def _part(sight: Sight) -> float:
+    """The bound over the signal; infinite without a signal."""
+    return np.inf if sight.sharpness is None else sight.sharpness
 
 
 def _level(trial: Trial, level: float, error: Array, allowed: Array, seconds: float) -> Level:
@@ -111,13 +202,17 @@ def _constant_seen(trial: Trial, levels: list[Level]) -> float | None:
     return max(sizes) * trial.method.constant if sizes else None
 
 
-def _basis(trial: Trial, level: float) -> str:
-    """Where the bound comes from, in words."""
+def _basis(trial: Trial, level: float, *, settled: bool) -> str:
+    """Where the bound comes from, in words; `settled` if it is what the run still changed by."""
+    if settled:
+        order = trial.order
+        return f"what an error of order {order} may be if the run still changed by so little when the step was halved"
     if trial.method.control == "exact":
         return "an exact method may be off by round-off times the sensitivity S of the motion"
     if trial.method.control == "tolerance":
-        return f"1e3 times the tolerance {level:.2g}, times the sensitivity S of the motion"
-    order = trial.method.order_for(trial.instance.problem.features)
+        factor = float(trial.truncation(level)[-1]) / level
+        return f"{factor:.3g} times the tolerance {level:.2g}, times the sensitivity S of the motion"
+    order = trial.order
     return f"claimed order {order}: C (1 + t/tau) (h/tau)^{order} S with C = {trial.method.constant:g}"
 
 

@@ -9,7 +9,7 @@ import numpy as np
 from refdem.checks._crossings import Crossing, Crossings, crossings, has_crossings
 from refdem.core.check import Array, Check, Outcome, Trial
 from refdem.core.finding import Finding
-from refdem.core.judgement import certified, judged, no_truth, undecided
+from refdem.core.judgement import Sight, certified, judged, no_truth, undecided
 from refdem.core.refinement import HORIZON, ROUND_OFF_FACTOR, scored, steps_at
 from refdem.core.truth import SampledTruth
 from refdem.core.variant import Variant
@@ -73,6 +73,7 @@ class EventTimes(Check):
             quantity=kind,
             value=off / tau,
             bound=allowed / tau,
+            sight=Sight(allowed / tau, (time - start) / tau),
             unit="1",
             basis=f"the bound on the state over the certified rate at which the event comes{stepped}",
             what=f"The distance of a reported {kind} from a certified one ({len(seen)} told, {len(due)} due; at t = {time:.6g} s), "

@@ -6,7 +6,7 @@ import numpy as np
 
 from refdem.core.check import Check, Outcome, Trial
 from refdem.core.finding import Finding
-from refdem.core.judgement import Array, certified, judged, no_truth, undecided
+from refdem.core.judgement import Array, Sight, certified, judged, no_truth, undecided
 from refdem.core.refinement import scored
 from refdem.core.variant import Variant
 
@@ -50,6 +50,7 @@ class Flips(Check):
                 quantity="flips",
                 value=float(abs(seen - true)),
                 bound=0.0,
+                sight=Sight(0.0, float(true)),
                 unit="1",
                 basis="a number of flips is a whole number",
                 what=what,

@@ -7,10 +7,8 @@ import numpy as np
 
 from refdem.core.check import Check, Outcome, Trial
 from refdem.core.finding import Finding
-from refdem.core.judgement import Array, certified, judged, no_truth, undecided
+from refdem.core.judgement import certified, judged, no_truth, signed, undecided
 from refdem.core.refinement import kinked, scored
-from refdem.core.trajectory import Trajectory
-from refdem.core.truth import SampledTruth
 from refdem.core.variant import Variant
 
 SETTLED = 0.3
@@ -52,7 +50,7 @@ class Limit(Check):
         count = min(truth.until, scored(trial.bound(trial.levels[-3])))
         if count < 2:
             return [undecided(self.name, "state", "at the third finest step no more than the start can be predicted")]
-        order = trial.method.order_for(trial.instance.problem.features)
+        order = trial.order
         errors = [signed(trial, run, truth, count) for run in (coarse, middle, fine)]
         floor = 3 * float(np.max(trial.noise(trial.levels[-1]) * truth.growth()[:count]))
         sizes = [float(np.max(np.abs(error), initial=0.0)) for error in errors]
@@ -70,20 +68,6 @@ class Limit(Check):
                 what=f"The error extrapolated to no step at all, from the two finest of order {order}, in units of each scale,",
             )
         ]
-
-
-def signed(trial: Trial, run: Trajectory, truth: SampledTruth, count: int) -> Array:
-    """Differences (quantities, count) from truth with their signs, in units of their scales; angles modulo 2 pi; no attitudes."""
-    found = []
-    for name, values in trial.instance.observe(run).items():
-        quantity = trial.instance.quantities[name]
-        if quantity.group or name not in truth.values:
-            continue
-        difference = values[:count] - truth.value(name)[:count]
-        if quantity.angle:
-            difference = np.remainder(difference + np.pi, 2 * np.pi) - np.pi
-        found.append(difference / quantity.scale)
-    return np.array(found)
 
 
 CHECK = Limit()

@@ -6,7 +6,7 @@ import numpy as np
 
 from refdem.core.check import Array, Check, Outcome, Trial
 from refdem.core.finding import Finding
-from refdem.core.judgement import certified, distances, judged, no_truth, undecided
+from refdem.core.judgement import certified, distances, followed, judged, no_truth, undecided
 from refdem.core.problem import Iteration, Motion
 from refdem.core.variant import Variant
 from refdem.mechanics.stability import LARGEST_POWER, Growth, growth
@@ -35,6 +35,8 @@ SLOWER = 1000.0
 
 Measured: 50 in 180 motions, where an orbit of the logistic map passed its middle, or a start lay along what contracts.
 """
+BESIDE = 1e-3
+"""Part of the scale by which a run may be off and still meet the instability of the true motion at the same samples."""
 
 
 class Lyapunov(Check):
@@ -77,7 +79,11 @@ class Lyapunov(Check):
         truth = certified(trial)
         if not trial.instance.case.is_chaotic(trial.instance.p):
             known = truth.growth()[:count] if truth and truth.until >= count else None
-            if known is None or known[-1] <= (t[-1] - t[0]) ** 2 / trial.instance.scales.tau**2:
+            is_unstable = known is not None and growth(t, known).power > LARGEST_POWER
+            if is_unstable and truth and followed(trial, trial.levels[-1], runs[plain].trajectory, truth, BESIDE) < count:
+                why = "the true motion is unstable for a while and the run has left it, so that its neighbours are not those of that"
+                return [undecided(self.name, "power", why)]
+            if known is None or (not is_unstable and known[-1] <= (t[-1] - t[0]) ** 2 / trial.instance.scales.tau**2):
                 return [self._regular(seen, growth(t, known) if known is not None else None)]
             return [self._regular(seen, growth(t, known), float(np.log2(FASTER * known[-1] * apart[0] / np.max(apart[:count]))))]
         if truth is None or truth.until < count:

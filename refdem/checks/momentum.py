@@ -5,10 +5,11 @@ from collections.abc import Mapping
 import numpy as np
 
 from refdem.core.balance import linear, momentum_scale
-from refdem.core.check import Check, Outcome, Trial
+from refdem.core.check import Array, Check, Outcome, Trial
 from refdem.core.finding import Finding
 from refdem.core.judgement import worst
 from refdem.core.refinement import sweeping
+from refdem.core.trajectory import Trajectory
 from refdem.core.variant import Variant
 
 
@@ -30,7 +31,8 @@ class Momentum(Check):
     def judge(self, trial: Trial, runs: Mapping[Variant, Outcome]) -> list[Finding]:
         """The largest change of the vector."""
         level = trial.levels[0]
-        total = linear(trial.instance.scene, runs[Variant(level)].trajectory)
+        run = runs[Variant(level)].trajectory
+        total = linear(trial.instance.scene, run)
         return [
             worst(
                 check=self.name,
@@ -38,11 +40,20 @@ class Momentum(Check):
                 t=trial.instance.times,
                 values=np.linalg.norm(total - total[0], axis=1) / momentum_scale(trial.instance),
                 allowed=trial.round_off(level) * sweeping(trial.instance, trial.method),
+                signal=_exchanged(trial, run),
                 unit="1",
                 basis="action equals reaction at every step, so only round-off c u sqrt(n) may change it",
                 what="The change of total momentum, in units of the sum of m|v| at the start,",
             )
         ]
+
+
+def _exchanged(trial: Trial, run: Trajectory) -> Array:
+    """The largest change of any body's momentum since the start (T,), in units of the sum of m|v|: what action and reaction balance."""
+    change = trial.instance.scene.bodies.mass[:, None] * (run.velocity - run.velocity[0])
+    largest: Array = np.linalg.norm(change, axis=-1).max(axis=1) / momentum_scale(trial.instance)
+    rounding = trial.round_off(trial.levels[0])
+    return largest if np.any(largest > rounding) else np.zeros_like(largest)
 
 
 CHECK = Momentum()

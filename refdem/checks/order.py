@@ -1,14 +1,17 @@
 """Observed order of convergence: halving the step must divide the error by 2^p."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from itertools import pairwise
+from typing import NamedTuple
 
 import numpy as np
 
 from refdem.core.check import Check, Outcome, Trial
 from refdem.core.finding import Finding
-from refdem.core.judgement import MIXED, Array, certified, errors, judged, no_truth, undecided
-from refdem.core.refinement import COUNTING_FLOOR, SCATTER, kinked, order_levels, scored
+from refdem.core.judgement import MIXED, Array, certified, errors, judged, no_truth, predictable, signed, undecided
+from refdem.core.refinement import COUNTING_FLOOR, SCATTER, kinked, order_levels, scored, smoothness
+from refdem.core.smoothness import singularities
+from refdem.core.truth import SampledTruth
 from refdem.core.variant import Variant
 
 SURE = 3.5
@@ -23,6 +26,19 @@ Halving a step doubles the place of a kink within it, so a place near the start 
 scatter may lie on a line for some octaves. Measured: of 3000 motions of velocity Verlet across fields with two random edges, a
 mean order that lacks 0.5 or more on a line fails 13 at six levels; 0.8 or more, 3. A method of first order is failed in all 3000.
 """
+
+WHOLE = 0.9
+"""What one pair of levels must lack to speak against a claim: about a whole order. It cannot tell a lack from a cancellation."""
+
+CANCELLED = 0.1
+"""Part of the errors that terms of the claimed order may leave. A term of the order below that makes a tenth of them leaves 0.04,
+one that makes all of them 0.38. Measured where leading terms cancel: 0.002 (RK4, Duffing's oscillator, pairs 5.6, 3.2, 3.5, 3.8)."""
+
+RISE = 0.25
+"""Octaves by which an error must rise from level to level to grow: errors that cancel, or scatter a little, do so once."""
+
+Seen = Mapping[float, Mapping[str, Array]]
+"""Scaled errors (until,) by level and quantity."""
 
 
 class Order(Check):
@@ -41,26 +57,66 @@ class Order(Check):
         return tuple(Variant(level) for level in order_levels(trial.instance, trial.levels))
 
     def judge(self, trial: Trial, runs: Mapping[Variant, Outcome]) -> list[Finding]:
-        """One finding for the state: the largest scaled error of any quantity."""
+        """One finding for the state: the largest scaled error of any quantity; one more if errors can be seen to grow or fall."""
         truth = certified(trial)
         if truth is None:
             return [undecided(self.name, "state", no_truth(trial))]
+        found = _seen(trial, runs, truth)
+        if not found[trial.levels[0]]:
+            return [undecided(self.name, "state", MIXED)]
+        return [self._state(trial, runs, truth, found), *self._growth(trial, found)]
+
+    def _state(self, trial: Trial, runs: Mapping[Variant, Outcome], truth: SampledTruth, found: Seen) -> Finding:
+        """The observed order against the claimed one."""
         counting, common = _counting(trial)
         if len(counting) < 3:
             why = f"of {len(self.needs(trial))} levels {len(counting)} can count (a bound between 20 x round-off and 0.1); 3 are needed"
-            return [undecided(self.name, "state", why)]
+            return undecided(self.name, "state", why)
         floor = [COUNTING_FLOOR * _floor(trial, h) for h in counting]
-        scaled = [errors(trial.instance, runs[Variant(h)].trajectory, truth, trial.method.delay(h)) for h in counting]
-        if not scaled[0]:
-            return [undecided(self.name, "state", MIXED)]
-        seen = [max(float(np.max(error[:common])) for error in quantities.values()) for quantities in scaled]
+        seen = [_largest(found[h], common) for h in counting]
         if all(error <= low for error, low in zip(seen[1:], floor[1:], strict=True)):
-            return [self._nothing_left(seen, floor)]
+            return self._nothing_left(seen, floor)
         if kinked(trial.instance):
             above = [k for k in range(len(seen)) if seen[k] > floor[k]]
-            return [self._mean(trial, [counting[k] for k in above], [seen[k] for k in above])]
+            return self._mean(trial, [counting[k] for k in above], [seen[k] for k in above])
         pairs = zip(pairwise(seen), floor[1:], strict=True)
-        return [self._deficit(trial, [float(np.log2(a / b)) for (a, b), low in pairs if b > low])]  # no order in what is round-off
+        orders = [float(np.log2(a / b)) for (a, b), low in pairs if b > low]  # no order in what is round-off
+        shown = [h for h, error, low in zip(counting, seen, floor, strict=True) if error > low][-3:]
+        return self._deficit(trial, orders, _misfits(trial, runs, truth, shown, common))
+
+    def _growth(self, trial: Trial, found: Seen) -> list[Finding]:
+        """Errors at the three finest levels must not grow as the step falls, whatever bound they are within.
+
+        Seen on the samples up to which all three are small: beyond, errors have no order. Where kinks scatter errors, all levels
+        together must show it beyond chance.
+        """
+        levels = sorted(found, reverse=True)
+        if len(levels) < 3:
+            return []
+        common = min(predictable(found[h]) for h in levels[-3:])
+        if common < 2:
+            return []
+        seen = [_largest(found[h], common) for h in levels]
+        above = all(error > COUNTING_FLOOR * _floor(trial, h) for h, error in zip(levels[-3:], seen[-3:], strict=True))
+        if not above:
+            return []
+        rises = [float(np.log2(fine / coarse)) for coarse, fine in pairwise(seen[-3:])]
+        grows = min(rises) > RISE
+        if kinked(trial.instance):
+            slope, deviation, _ = mean_order(levels, seen)
+            grows = grows and slope < -RISE and trial.order - slope > SURE * deviation
+        listed = ", ".join(f"{error:.2g}" for error in seen)
+        return [
+            judged(
+                check=self.name,
+                quantity="growth",
+                value=max(0.0, sum(rises)) if grows else 0.0,
+                bound=0.0,
+                unit="octaves",
+                basis="a method converges: over three levels above round-off an error that grows as the step falls is none of truncation",
+                what=f"The errors from level to level, coarse to fine, are {listed}; their growth over the three finest",
+            )
+        ]
 
     def _nothing_left(self, seen: list[float], floor: list[float]) -> Finding:
         """Round-off at every level but perhaps the coarsest."""
@@ -75,18 +131,22 @@ class Order(Check):
             what="The error at every level" if from_first else "The error at every level but the coarsest",
         )
 
-    def _deficit(self, trial: Trial, orders: list[float]) -> Finding:
+    def _deficit(self, trial: Trial, orders: list[float], misfits: "Misfits | None") -> Finding:
         """What the order lacks at the end; one pair alone shows no limit, and decides only where it is nearer to another order."""
-        claimed = trial.method.order_for(trial.instance.scene.features)
+        claimed = trial.order
+        tolerance = max(0.15, 0.05 * claimed)
         listed = ", ".join(f"{order:.2f}" for order in orders)
-        if len(orders) == 1 and max(0.15, 0.05 * claimed) < claimed - orders[0] < 0.5:
+        lacking = lack(orders, claimed)
+        if len(orders) == 1 and tolerance < claimed - orders[0] < WHOLE:
             why = f"one pair of levels above round-off shows order {listed}, which may still rise to the claimed {claimed}"
             return undecided(self.name, "state", why)
+        if lacking > tolerance and misfits is not None and not misfits.is_lower:
+            return self._cancelled(trial, orders, misfits)
         return judged(
             check=self.name,
             quantity="state",
-            value=lack(orders, claimed),
-            bound=max(0.15, 0.05 * claimed),
+            value=lacking,
+            bound=tolerance,
             unit="1",
             basis=f"order {claimed} is claimed and the pairs of levels must reach it, as the step falls, within max(0.15, 0.05 p)",
             what=f"The observed order from pair to pair is {listed}; what it lacks at the end",
@@ -94,9 +154,32 @@ class Order(Check):
             order_claimed=float(claimed),
         )
 
+    def _cancelled(self, trial: Trial, orders: list[float], misfits: "Misfits") -> Finding:
+        """Pairs lack order because leading terms cancel: the errors themselves are made of terms of the claimed order and more."""
+        claimed = trial.order
+        listed = ", ".join(f"{order:.2f}" for order in orders)
+        if misfits.claimed > CANCELLED:
+            why = f"the pairs show order {listed}, and terms of order {claimed - 1:g} explain the errors no better than those of {claimed}"
+            return undecided(self.name, "state", why)
+        return judged(
+            check=self.name,
+            quantity="state",
+            value=misfits.claimed,
+            bound=CANCELLED,
+            unit="1",
+            basis=f"leading terms cancel here; terms of order {claimed - 1:g} and {claimed:g} miss them by {misfits.lower:.2g}",
+            what=f"The observed order from pair to pair is {listed}; what a h^{claimed:g} + b h^{claimed + 1:g} leaves of the errors",
+            order_seen=orders[-1],
+            order_claimed=float(claimed),
+        )
+
     def _mean(self, trial: Trial, steps: list[float], seen: list[float]) -> Finding:
         """What the mean order lacks where the constant scatters: nearer to the claimed order than to the one below, or surely not."""
-        claimed = trial.method.order_for(trial.instance.scene.features)
+        claimed = trial.order
+        limit = smoothness(trial.instance, trial.method)
+        basis = f"order {claimed} is claimed; kinks in the motion scatter the errors by a factor of 2, so the mean order counts"
+        if limit is not None and claimed < trial.method.order_for(trial.instance.problem.features):
+            basis = f"a force that goes as |s|^{limit.exponent:g} leaves fixed steps order {claimed:g}; the method may declare {limit.key}"
         if len(steps) < 2:
             return undecided(self.name, "state", "one level alone is above round-off")
         slope, deviation, shown = mean_order(steps, seen)
@@ -104,13 +187,15 @@ class Order(Check):
         if 0.5 < lacking <= sure:
             why = f"kinks scatter the errors; {len(steps)} levels above round-off cannot tell the mean order {slope:.2f} from {claimed}"
             return undecided(self.name, "state", why)
+        if lacking > 0.5:
+            basis += "; " + _declared(trial)
         return judged(
             check=self.name,
             quantity="state",
             value=max(0.0, lacking),
             bound=0.5,
             unit="1",
-            basis=f"order {claimed} is claimed; kinks in the motion scatter the errors by a factor of 2, so the mean order counts",
+            basis=basis,
             what=f"The observed order over {len(steps)} levels is {slope:.2f} +- {deviation:.2f}; what it lacks",
             order_seen=slope,
             order_claimed=float(claimed),
@@ -129,7 +214,7 @@ def mean_order(steps: list[float], errors: list[float]) -> tuple[float, float, f
     return slope, SCATTER / float(np.sqrt(spread)), float(np.sqrt(rest / (left * spread))) if left else float("inf")
 
 
-def lack(orders: list[float], claimed: int) -> float:
+def lack(orders: list[float], claimed: float) -> float:
     """What the orders of all pairs, coarse to fine, lack of the claimed one in the limit of small steps.
 
     An error term of lower order dominates at the finest pair, so that pair decides. Where terms of higher order still cancel
@@ -140,6 +225,58 @@ def lack(orders: list[float], claimed: int) -> float:
     if len(orders) > 1 and last < 0.5:
         last = min(last, 2 * last - (claimed - orders[-2]))
     return max(0.0, last)
+
+
+class Misfits(NamedTuple):
+    """What two terms leave of the errors at the finest level, as a part of them: of the claimed order and the next, or one lower."""
+
+    claimed: float
+    lower: float
+
+    @property
+    def is_lower(self) -> bool:
+        """The errors look more like those of a lower order."""
+        return self.lower < self.claimed
+
+
+def _misfits(trial: Trial, runs: Mapping[Variant, Outcome], truth: SampledTruth, levels: Sequence[float], common: int) -> Misfits | None:
+    """How two terms fit the signed errors at three levels; None where there are fewer, or velocities lag behind the places."""
+    if len(levels) < 3 or trial.method.delay(levels[0]) != 0:
+        return None
+    errors = [signed(trial, runs[Variant(h)].trajectory, truth, common) for h in levels]
+    if not errors[-1].size:
+        return None
+    order = trial.order
+    return Misfits(claimed=_left(errors, order, order + 1), lower=_left(errors, order - 1, order))
+
+
+def _left(errors: Sequence[Array], first: float, second: float) -> float:
+    """Largest part of the errors at h/4 that a h^first + b h^second, fitted to those at h and h/2, does not tell.
+
+    Such errors obey e(h/4) = (x + y) e(h/2) - x y e(h) with x = 2^-first, y = 2^-second.
+    """
+    coarse, middle, fine = errors
+    x = 2.0**-first
+    y = 2.0**-second
+    told = (x + y) * middle - x * y * coarse
+    return float(np.max(np.abs(fine - told)) / np.max(np.abs(fine)))
+
+
+def _declared(trial: Trial) -> str:
+    """What to declare if the method has a lower order here and its author knows: the key of `refdem.toml`."""
+    limits = [limit for _, limit in singularities(trial.instance.scene)]
+    return f"if the method has a lower order there, declare {min(limits).key}" if limits else "no force of the scene excuses it"
+
+
+def _seen(trial: Trial, runs: Mapping[Variant, Outcome], truth: SampledTruth) -> Seen:
+    """Scaled errors of every quantity at every level that an order is read from."""
+    levels = order_levels(trial.instance, trial.levels)
+    return {h: errors(trial.instance, runs[Variant(h)].trajectory, truth, trial.method.delay(h)) for h in levels}
+
+
+def _largest(scaled: Mapping[str, Array], common: int) -> float:
+    """The largest error of any quantity at the first `common` samples."""
+    return max(float(np.max(error[:common])) for error in scaled.values())
 
 
 def _counting(trial: Trial) -> tuple[list[float], int]:

@@ -62,6 +62,7 @@ class PhaseArea(Check):
                 t=trial.instance.times[:until],
                 values=np.maximum(0.0, error - truth.radius("area")[:until] / first),
                 allowed=allowed,
+                signal=1.0,
                 unit="1",
                 basis="round-off of the points, and what polygons of half and of a quarter of them show that straight sides leave out",
                 what="The error of the area that the outline encloses, in units of that at the start,",

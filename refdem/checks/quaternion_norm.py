@@ -18,8 +18,10 @@ class QuaternionNorm(Check):
     kills = "an attitude that is integrated and never normalised"
 
     def applies(self, trial: Trial) -> str | None:
-        """Scenes in which something turns."""
-        return None if "rotation" in trial.instance.scene.features else "nothing turns"
+        """Scenes in which something turns, and methods whose attitudes nobody has made unit quaternions on the way."""
+        if "rotation" not in trial.instance.scene.features:
+            return "nothing turns"
+        return trial.method.derived.get("attitude")
 
     def needs(self, trial: Trial) -> tuple[Variant, ...]:
         """The coarsest level."""

@@ -7,8 +7,8 @@ import numpy as np
 
 from refdem.core.check import Check, Outcome, Trial
 from refdem.core.finding import Finding
-from refdem.core.judgement import certified, judged, no_truth, undecided
-from refdem.core.refinement import COUNTING_FLOOR, HORIZON, clock, kinked
+from refdem.core.judgement import ROOM, certified, judged, no_truth, undecided
+from refdem.core.refinement import COUNTING_FLOOR, HORIZON, clock, flight, kinked
 from refdem.core.trajectory import Trajectory
 from refdem.core.variant import Change, Variant
 from refdem.mechanics.quaternion import angle_between
@@ -55,14 +55,15 @@ class Reversal(Check):
             return order or [
                 undecided(self.name, "return", "the bound on the return passes a tenth of the scale: predictability ends before")
             ]
+        fallen = _fallen(trial, runs, level, growth)
         return order + [
             judged(
                 check=self.name,
                 quantity=variant.change,
                 value=_defect(trial, runs[variant].trajectory, variant.change),
-                bound=size,
+                bound=min(size, fallen),
                 unit="1",
-                basis=basis,
+                basis=basis if size <= fallen else "what the order leaves of the defect at a longer step",
                 what=f"The distance from the start after the way back ({variant.change}), in units of each scale,",
             )
             for variant in self.needs(trial)
@@ -71,7 +72,7 @@ class Reversal(Check):
 
     def _order(self, trial: Trial, runs: Mapping[Variant, Outcome], growth: float) -> list[Finding]:
         """The return defect falls with order p if p is odd, p + 1 if it is even: the leading even term undoes itself."""
-        order = trial.method.order_for(trial.instance.scene.features)
+        order = trial.order
         expected = order if order % 2 else order + 1
         coarse, fine = (_defect(trial, runs[Variant(h, "reversed")].trajectory, "reversed") for h in trial.levels[-2:])
         scales, method = trial.instance.scales, trial.method
@@ -93,18 +94,39 @@ class Reversal(Check):
         ]
 
 
+def _fallen(trial: Trial, runs: Mapping[Variant, Outcome], level: float, growth: float) -> float:
+    """What the claimed order leaves at a level of the defect at a coarser one; infinite where nobody knows."""
+    if not _has_order(trial) or len(trial.levels) < 3:
+        return math.inf
+    coarse = _defect(trial, runs[Variant(trial.levels[-2], "reversed")].trajectory, "reversed")
+    order = trial.order
+    octaves = math.log2(trial.levels[-2] / level)
+    return ROOM * coarse / 2.0 ** (order * octaves) + COUNTING_FLOOR * trial.noise(level) * growth
+
+
 def _is_exact(trial: Trial) -> bool:
     """The way back undoes the way there, to round-off."""
     return trial.method.reversible or trial.method.control == "exact"
 
 
 def _size(trial: Trial, level: float) -> float:
-    """What the defect of the way back may be at a level; needs truth."""
+    """What the defect of the way back may be at a level; needs truth.
+
+    With the flow's Jacobian D, what is wrong by e after a time s is wrong by D(T) D(s)^-1 e at the end, and the way back takes
+    that to D(s)^-1 e: to first order it undoes the growth on the way there, and S counts once. D^-1 of a reversible scene is D
+    transposed and put in another order (D is symplectic), so that in the maximum norm it is at most S times the number of
+    columns. To second order what is wrong at the end, e S, bends the way back by (e S)^2, which grows by S.
+    """
     assert trial.truth is not None
     growth = float(trial.truth.growth()[-1])
-    if _is_exact(trial):
-        return 2 * (math.sqrt(2.0) * trial.round_off(level) + clock(trial.instance, trial.method, level)) * growth**2
-    return 2 * float(trial.bound(level)[-1]) * growth
+    summed = clock(trial.instance, trial.method, level) + flight(trial.instance, trial.method, level)
+    made = math.sqrt(2.0) * trial.round_off(level) + summed
+    if not _is_exact(trial):
+        made = float(trial.bound(level)[-1]) / growth
+    bodies = trial.instance.scene.bodies
+    columns = 2 * bodies.position.size * (2 if "rotation" in trial.instance.scene.features else 1)
+    linear = made * growth * min(float(columns), growth)
+    return 2 * (linear + (made * growth) ** 2 * growth)
 
 
 def _level(trial: Trial) -> float:

@@ -10,7 +10,7 @@ import numpy as np
 
 from refdem.core.check import Check, Outcome, Trial
 from refdem.core.finding import Finding
-from refdem.core.judgement import Array, certified, judged, no_truth, undecided
+from refdem.core.judgement import Array, Sight, certified, judged, no_truth, undecided
 from refdem.core.refinement import scored
 from refdem.core.variant import Variant
 from refdem.scene.elements.string_over_wheel import StringOverWheel
@@ -56,12 +56,14 @@ class SecondIntegral(Check):
         speed, size = np.hypot(seen["rdot"], seen["r"] * seen["thetadot"]), seen["r"] ** 2
         scale = float(np.max(size * np.abs(seen["thetadot"]) * speed + g * size))
         drift = float(np.max(np.abs(true - true[0]))) / scale
+        bound = TERMS * float(allowed[count - 1])
         return [
             judged(
                 check=self.name,
                 quantity="I",
                 value=float(np.max(np.abs((run - run[0]) - (true - true[0])))) / scale,
-                bound=TERMS * float(allowed[count - 1]),
+                bound=bound,
+                sight=Sight(bound, 1.0),
                 unit="1",
                 basis=f"truth itself drifts by {drift:.2g}: the bound on the state, for each of {TERMS:g} factors",
                 what="What the change of the second integral differs by from that of truth, in units of its terms,",

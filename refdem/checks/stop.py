@@ -91,19 +91,23 @@ def _unseen(trial: Trial, speed: float, place: float) -> float:
     """Time [s] before the stop in which the body is slower than `speed`: friction brakes it, a spring may push it on.
 
     The last half cycle is a sine: v = a tau sin((t_stop - t)/tau) with a the deceleration at the stop, so that
-    t_stop - t <= (pi/2) v/a. Where a is so small that it is never faster, all of it, and the slow end of the half cycle before:
-    the time since truth last was twice as fast, where the run, no further off than `speed`, must have been seen to move.
+    t_stop - t <= (pi/2) v/a. The run may be off by `speed` itself, so that it must be seen to move only where truth is twice as
+    fast. Where truth is never so fast in the last half cycle (a tau <= v), all of that is unseen, and the slow end of the half
+    cycle before: the time since truth last was so fast.
     """
     scene = trial.instance.scene
     braking = sum(slider.friction * slider.normal_force for slider in scene.all(Slider))
     pushing = sum(spring.stiffness * abs(place) for spring in scene.all(Spring))
     slowing = (braking - pushing) / float(scene.bodies.mass.sum())
-    longest = np.pi * trial.instance.scales.tau
-    if slowing > 0 and np.pi / 2 * speed / slowing < longest:
-        return float(np.pi / 2 * speed / slowing)
+    tau = trial.instance.scales.tau
+    surely_seen = 2 * speed
+    fastest = slowing * tau
+    if fastest > surely_seen:
+        return float(np.pi / 2 * surely_seen / slowing)
+    longest = np.pi * tau
     truth = certified(trial)
     assert truth is not None
-    fast = np.flatnonzero(np.abs(truth.value("v")) > 2 * speed) if "v" in truth.values else np.zeros(0, int)
+    fast = np.flatnonzero(np.abs(truth.value("v")) > surely_seen) if "v" in truth.values else np.zeros(0, int)
     return max(float(longest), truth.scalars["stop_time"][0] - float(trial.instance.times[fast[-1]]) if len(fast) else 0.0)
 
 

@@ -7,13 +7,19 @@ import numpy as np
 from refdem.core import symmetry
 from refdem.core.check import Array, Check, Outcome, Trial
 from refdem.core.finding import Finding
-from refdem.core.judgement import certified, distances, growth_shown, perturbation, undecided, worst
-from refdem.core.refinement import COUNTING_FLOOR, scored
+from refdem.core.judgement import MORE, PERTURBED, certified, distances, followed, growth_shown, perturbation, undecided, worst
+from refdem.core.refinement import scored
 from refdem.core.trajectory import Trajectory
 from refdem.core.variant import Variant
 
-CHANCE = 2.0
-"""Octaves by which chance may keep a difference from falling with the step: that between two kinked errors scatters by 1.4."""
+SWITCHES = frozenset({"contact", "friction", "catch", "wedge"})
+"""What jumps: in which step it does so hangs on the last bit where it falls on the end of a step."""
+DRAWS = (-64, 16, -16, 1, -1)
+"""Units in the last place, times those of `perturbation`/64, by which the start is moved as well where a rounding may decide.
+
+What a rounding decides lies within a rounding of a threshold, so of two starts moved to either side of it by more than a
+rounding one decides otherwise. The small ones stand for motions that grow so fast that large ones no longer show it.
+"""
 
 
 class Symmetry(Check):
@@ -34,28 +40,29 @@ class Symmetry(Check):
         return [name for name in names if trial.refusal(symmetry.picture(trial.instance, name)[1]) is None]
 
     def needs(self, trial: Trial) -> tuple[Variant, ...]:
-        """One level, as it is, in every symmetry, and with the start moved a little."""
+        """One level, as it is, in every symmetry, and with the start moved a little: by several amounts where a rounding decides."""
         level = level_for(trial)
         shown = tuple(Variant(level, name) for name in self._shown(trial))  # type: ignore[arg-type]
         other: tuple[Variant, ...] = ()
         if _has_axes(trial) and Variant(level, "rotated") in shown:
             other = (trial.finest, Variant(trial.levels[-1], "rotated"))
-        elif _falls(trial):
-            other = tuple(Variant(trial.levels[0], change) for change in ("none", *(variant.change for variant in shown)))  # type: ignore[arg-type]
+        elif _decides(trial) and trial.method.control == "step":
+            other = _draws(trial, level)
         return (Variant(level), Variant(level, "perturbed", perturbation(trial.method)), *shown, *other)
 
     def judge(self, trial: Trial, runs: Mapping[Variant, Outcome]) -> list[Finding]:
         """One finding a symmetry: the largest scaled difference of any state."""
         plain, perturbed, *others = self.needs(trial)
-        shown = [variant for variant in others if variant.level == plain.level and variant.change != "none"]
+        shown = [variant for variant in others if variant.level == plain.level and variant.change in symmetry.NAMES]
         base = runs[plain].trajectory
-        growth = growth_of(trial, runs[perturbed].trajectory if perturbed in runs else base, base)
+        growth = growth_of(trial, _least_moved(trial, runs, perturbed), base)
+        decided = _decided_by_rounding(trial, runs, growth)
         found = []
         for variant in shown:
             if variant not in runs:  # the code said when it ran that it cannot show this one
                 continue
             view = symmetry.of(trial.instance, variant.change)
-            bounds = allowed(trial, view, growth)
+            bounds = round_off(trial, view) * growth + decided
             count = scored(bounds)
             if count < 2:
                 found.append(undecided(self.name, variant.change, "round-off may grow past a tenth of the scale before the second sample"))
@@ -64,16 +71,15 @@ class Symmetry(Check):
             if variant.change == "rotated" and _has_axes(trial) and np.any(apart[:count] > bounds[:count]):
                 found.append(self._rotated(trial, runs, apart, growth))
                 continue
-            steady = _steady(trial, runs, variant, view, growth, apart, count)
             found.append(
                 worst(
                     check=self.name,
                     quantity=variant.change,
                     t=trial.instance.times[:count],
                     values=apart[:count],
-                    allowed=(bounds if steady is None else np.minimum(bounds, steady))[:count],
+                    allowed=bounds[:count],
                     unit="1",
-                    basis=_basis(trial, steady is not None),
+                    basis=_basis(trial),
                     what=f"The difference between the motion and the same {variant.change}, in units of each scale,",
                 )
             )
@@ -84,7 +90,7 @@ class Symmetry(Check):
         level, finest = level_for(trial), trial.levels[-1]
         view = symmetry.of(trial.instance, "rotated")
         fine = distances(trial.instance, view.undone(runs[Variant(finest, "rotated")].trajectory), runs[trial.finest].trajectory)
-        order, octaves = trial.method.order_for(trial.instance.scene.features), np.log2(level / finest)
+        order, octaves = trial.order, np.log2(level / finest)
         allowed = (2 * trial.truncation(finest)) * growth
         count = scored(allowed)
         largest, falls = float(np.max(fine)), float(np.max(coarse)) / 2.0 ** (octaves * (order - 0.5))
@@ -114,59 +120,88 @@ def level_for(trial: Trial) -> float:
 
 
 def growth_of(trial: Trial, perturbed: Trajectory, base: Trajectory) -> Array:
-    """How much an early error has grown (T,): S of the truth, or what the moved start shows."""
-    if (truth := certified(trial)) is not None and truth.until == len(base.t):
-        return truth.growth()
-    return growth_shown(trial.instance, trial.method, perturbed, base)
+    """How much an early error has grown (T,): S of the truth, or what the moved start shows.
+
+    S is that of the true motion. A run that has left it, as one whose steps are too long for a close passage, grows as its own
+    moved start shows from there on.
+    """
+    truth = certified(trial)
+    shown = growth_shown(trial.instance, trial.method, perturbed, base)
+    if truth is None or truth.until != len(base.t):
+        return shown
+    growth = truth.growth()
+    left = followed(trial, level_for(trial), base, truth)
+    found: Array = np.concatenate([growth[:left], np.maximum(growth, shown)[left:]])
+    return found
 
 
-def allowed(trial: Trial, view: symmetry.Symmetry, growth: Array) -> Array:
-    """Round-off of both runs with the numbers as large as the symmetry makes them; truncation where a branch may flip.
+def round_off(trial: Trial, view: symmetry.Symmetry) -> float:
+    """Round-off of both runs with the numbers as large as the symmetry makes them.
 
-    A contact that begins, or a step size that is chosen, hangs on the last bit: there the two runs may take other steps.
     In other units the moments of inertia are rounded anew, which makes another body of a needle.
     """
     level = level_for(trial)
     rounding = 2 * trial.noise(level) * symmetry.size(trial.instance, view)
     if view.units != symmetry.Symmetry().units:
         rounding += trial.method.round_off * symmetry.rounded_rates(trial.instance)
-    found: Array = (rounding + (trial.truncation(level) if _decides(trial) else 0.0)) * growth
+    return rounding
+
+
+def allowed(trial: Trial, view: symmetry.Symmetry, growth: Array) -> Array:
+    """Round-off of both runs (T,), and truncation where a branch may flip: for pictures of which no moved starts are run."""
+    truncation = trial.truncation(level_for(trial)) if _decides(trial) else 0.0
+    found: Array = (round_off(trial, view) + truncation) * growth
     return found
 
 
-def _falls(trial: Trial) -> bool:
-    """Steps may hang on the last bit, and there are levels enough to see that what this makes falls with the step."""
-    if not _decides(trial) or trial.method.control != "step":
-        return False
-    order = trial.method.order_for(trial.instance.scene.features)
-    return bool(order * np.log2(trial.levels[0] / trial.levels[-1]) > CHANCE)
+def _draws(trial: Trial, level: float) -> tuple[Variant, ...]:
+    """The start moved by other amounts, to either side of whatever threshold is within a rounding of it."""
+    units = perturbation(trial.method) // PERTURBED
+    return tuple(Variant(level, "perturbed", draw * units) for draw in DRAWS)
 
 
-def _steady(
-    trial: Trial, runs: Mapping[Variant, Outcome], variant: Variant, view: symmetry.Symmetry, growth: Array, apart: Array, count: int
-) -> Array | None:
-    """What may differ at the finest step (T,) if the coarsest shows a difference as large; None if it does not, or was not run.
+def _decided_by_rounding(trial: Trial, runs: Mapping[Variant, Outcome], growth: Array) -> Array:
+    """What may differ (T,) because a rounding decided otherwise: no more than moved starts show, nor than truncation.
 
-    What hangs on the last bit is rare, and as large as the error of a step. A force that breaks the symmetry is so at every step.
-    Nothing is said of differences that are mostly round-off.
+    A contact that begins, or a body that sticks, in this step or in the next hangs on the last bit where it falls on the end of a
+    step. Both outcomes are right then, and a start moved by a few roundings has the other one. Where no moved start shows it,
+    nothing hung on a rounding. Step sizes that are chosen always do, and so do the iterations that find forces between rigid
+    bodies, which end at a tolerance of their own.
     """
-    coarsest = trial.levels[0]
-    plain, changed = Variant(coarsest), Variant(coarsest, variant.change)
-    if not _falls(trial) or plain not in runs or changed not in runs:
-        return None
-    coarse = distances(trial.instance, view.undone(runs[changed].trajectory), runs[plain].trajectory)[:count]
-    sizes = symmetry.size(trial.instance, view) * growth
-    rounding = [COUNTING_FLOOR * 2 * trial.noise(level) * sizes for level in (coarsest, variant.level)]
-    largest, octaves = float(np.max(coarse)), np.log2(coarsest / variant.level)
-    alike = bool(np.any(coarse > rounding[0][:count])) and float(np.max(apart[:count])) < 2.0**CHANCE * largest
-    falling = largest * 2.0 ** (CHANCE - octaves * trial.method.order_for(trial.instance.scene.features))
-    return np.maximum(falling, rounding[1]) if alike else None
+    if not _decides(trial):
+        return np.zeros(len(growth))
+    level = level_for(trial)
+    truncation: Array = trial.truncation(level) * growth
+    draws = [runs[variant].trajectory for variant in _moved(trial, level) if variant in runs]
+    iterates = trial.method.control != "step" or "contact:rigid" in trial.instance.scene.features
+    if iterates or not draws:
+        return truncation
+    base = runs[Variant(level)].trajectory
+    largest = np.maximum.reduce([distances(trial.instance, draw, base) for draw in draws])
+    shown: Array = MORE * np.maximum.accumulate(largest)
+    return np.minimum(shown, truncation)
 
 
-def _basis(trial: Trial, steady: bool) -> str:
-    if steady:
-        return "the coarsest step shows it as well, and what hangs on round-off must fall with the step"
-    differs = "round-off and the steps that hang on it" if _decides(trial) else "round-off"
+def _least_moved(trial: Trial, runs: Mapping[Variant, Outcome], perturbed: Variant) -> Trajectory:
+    """The run from the start moved up, or down where a rounding decides and that went less far: what it decides is no growth.
+
+    A code may refuse moved starts: then the plain run.
+    """
+    base = runs[Variant(perturbed.level)].trajectory
+    down = Variant(perturbed.level, "perturbed", -perturbed.amount)
+    draws = [runs[variant].trajectory for variant in (perturbed, down) if variant in runs]
+    return min(draws, key=lambda draw: float(np.max(distances(trial.instance, draw, base))), default=base)
+
+
+def _moved(trial: Trial, level: float) -> tuple[Variant, ...]:
+    """Every run with a moved start."""
+    return (Variant(level, "perturbed", perturbation(trial.method)), *_draws(trial, level))
+
+
+def _basis(trial: Trial) -> str:
+    differs = "round-off"
+    if _decides(trial):
+        differs = "round-off and what it decides in starts moved by a few roundings"
     return f"the laws of mechanics are the same there, so only {differs}, as it grows in this motion, may differ"
 
 
@@ -174,8 +209,8 @@ def _decides(trial: Trial) -> bool:
     """The last bit may decide something: which step size is chosen, or in which step of a method that does not look for it
     a contact begins or a body sticks."""
     features = trial.instance.scene.features
-    switches = {"contact", "friction"} & features and trial.method.control == "step"
-    return trial.method.control == "tolerance" or bool(switches and trial.method.order_for(features) < max(2, trial.method.order))
+    switches = SWITCHES & features and trial.method.control == "step"
+    return trial.method.control == "tolerance" or bool(switches and trial.order < max(2, trial.method.order))
 
 
 CHECK = Symmetry()

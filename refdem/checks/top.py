@@ -6,7 +6,8 @@ import numpy as np
 
 from refdem.core.check import Check, Outcome, Trial
 from refdem.core.finding import Finding
-from refdem.core.judgement import Array, worst
+from refdem.core.judgement import Array, left_at_finest, worst
+from refdem.core.refinement import COUNTING_FLOOR
 from refdem.core.trajectory import Trajectory
 from refdem.core.variant import Variant
 from refdem.mechanics.quaternion import conjugate, rotated
@@ -35,34 +36,48 @@ class Top(Check):
         return None if kinds == {"ball_joint"} and len(joints) == len(scene.bodies) == 1 and joints[0].b < 0 else "there is no top"
 
     def needs(self, trial: Trial) -> tuple[Variant, ...]:
-        """The coarsest level."""
-        return (Variant(trial.levels[0]),)
+        """The coarsest level, and the finest for what is held to the order only."""
+        return tuple(dict.fromkeys((Variant(trial.levels[0]), trial.finest)))
 
     def judge(self, trial: Trial, runs: Mapping[Variant, Outcome]) -> list[Finding]:
         """Opening of the joint in place and velocity; change of L_z and L_3."""
-        level, scene = trial.levels[0], trial.instance.scene
-        run = runs[Variant(level)].trajectory
-        closed, kept = trial.kept("constraint", level), trial.kept("angular-momentum", level)
-        place, speed = _opening(scene, run)
-        size = trial.instance.scales
-        spins = _spins(scene, run)
-        scale = max(float(np.max(np.abs(spin))) for spin in spins.values()) or size.mass * size.length * size.speed
-        changes = {name: np.abs(spin - spin[0]) / scale for name, spin in spins.items()}
-        parts = {"joint": (place / size.length, closed), "joint velocity": (speed / size.speed, closed)}
-        parts |= {name: (change, kept if name == "L_z" else trial.kept(OWN_SPIN, level)) for name, change in changes.items()}
-        return [
-            worst(
-                check=self.name,
-                quantity=name,
-                t=trial.instance.times,
-                values=values,
-                allowed=allowed,
-                unit="1",
-                basis=basis,
-                what=f"The {'opening of the' if name.startswith('joint') else 'change of'} {name}, in units of its scale,",
+        laws = {"joint": "constraint", "joint velocity": "constraint", "L_z": "angular-momentum", "L_3": OWN_SPIN}
+        coarsest = _changes(trial, runs[Variant(trial.levels[0])].trajectory)
+        finest = _changes(trial, runs[trial.finest].trajectory)
+        found = []
+        for name, coarse in coarsest.items():
+            keeps = trial.method.keeps(laws[name], trial.instance.problem.features)
+            level = trial.levels[0] if keeps else trial.levels[-1]
+            allowed, basis = trial.kept(laws[name], level)
+            if not keeps and len(trial.levels) > 2:
+                allowed = np.minimum(allowed, left_at_finest(trial, coarse) + COUNTING_FLOOR * trial.round_off(level))
+                basis = f"{basis}, and what the order leaves of the change at the coarsest step"
+            found.append(
+                worst(
+                    check=self.name,
+                    quantity=name,
+                    t=trial.instance.times,
+                    values=coarse if keeps else finest[name],
+                    allowed=allowed,
+                    signal=1.0 if name.startswith("L_") else None,
+                    unit="1",
+                    basis=basis,
+                    what=f"The {'opening of the' if name.startswith('joint') else 'change of'} {name}, in units of its scale,",
+                )
             )
-            for name, (values, (allowed, basis)) in parts.items()
-        ]
+        return found
+
+
+def _changes(trial: Trial, run: Trajectory) -> dict[str, Array]:
+    """Opening of the joint (T,) in place and velocity, if the method can open it, and the change of L_z and L_3, each in its scale."""
+    scene, size = trial.instance.scene, trial.instance.scales
+    found = {}
+    if "ball_joint" not in trial.method.derived:
+        place, speed = _opening(scene, run)
+        found = {"joint": place / size.length, "joint velocity": speed / size.speed}
+    spins = _spins(scene, run)
+    scale = max(float(np.max(np.abs(spin))) for spin in spins.values()) or size.mass * size.length * size.speed
+    return found | {name: np.abs(spin - spin[0]) / scale for name, spin in spins.items()}
 
 
 def _opening(scene: Scene, run: Trajectory) -> tuple[Array, Array]:

@@ -1,7 +1,8 @@
 """A case: a canonical problem with parameters; an instance: the case at one set of them."""
 
 from abc import ABC, abstractmethod
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any, ClassVar
@@ -29,6 +30,17 @@ NEVER: Mapping[str, str] = {}
 def given(**parameters: str) -> Mapping[str, str]:
     """Parameters as text by name: what `chaotic_at` of a case is made of."""
     return parameters
+
+
+@contextmanager
+def within_binary64(label: str) -> Iterator[None]:
+    """Raises UsageError where the numbers of a case, each in its bounds, together leave the range of binary64."""
+    try:
+        with np.errstate(over="raise", divide="raise", invalid="raise"):
+            yield
+    except ArithmeticError as error:
+        told = "what follows from these parameters is too large or too small for binary64"
+        raise UsageError(f"{label}: {told} ({error.args[-1]}): take other parameters") from error
 
 
 CLOCK = (
@@ -94,9 +106,10 @@ class Canonical(ABC):
     def at(self, **given: str) -> "Instance":
         """The case at one set of parameters, each as text; raises UsageError."""
         p = Parameters((*self.parameters, *self.clock), given)
-        self.refuse(p)
         instance = Instance(self, p)
-        instance.refuse_unjudgeable()
+        with within_binary64(instance.label):
+            self.refuse(p)
+            instance.refuse_unjudgeable()
         return instance
 
 
@@ -178,9 +191,9 @@ class Instance:
         return self.case.lasting(self.p)
 
     def refuse_unjudgeable(self) -> None:
-        """Raises UsageError for scales that binary64 cannot hold, or a duration in which there is nothing to see."""
+        """Raises UsageError for scales whose squares and products binary64 cannot hold, or a duration in which there is nothing to see."""
         scales = self.scales
-        sizes = (scales.length, scales.tau, scales.mass, scales.energy)
+        sizes = (scales.length, scales.tau, scales.mass, scales.energy, *(q.scale for q in self.quantities.values()))
         if not all(SMALLEST < size < LARGEST for size in sizes):
             told = f"length {scales.length:.3g} m, time {scales.tau:.3g} s, mass {scales.mass:.3g} kg, energy {scales.energy:.3g} J"
             raise UsageError(f"{self.label}: the scales come to {told}; expected each between 1e-100 and 1e100: take other parameters")
@@ -193,7 +206,8 @@ class Instance:
     @cached_property
     def quantities(self) -> dict[str, Quantity]:
         """What is compared, by name."""
-        return {q.name: q for q in self.case.quantities(self.p)}
+        with within_binary64(self.label):
+            return {q.name: q for q in self.case.quantities(self.p)}
 
     @cached_property
     def times(self) -> Array:
@@ -203,7 +217,8 @@ class Instance:
     @cached_property
     def problem(self) -> Problem:
         """What is asked."""
-        return self.case.problem(self.p)
+        with within_binary64(self.label):
+            return self.case.problem(self.p)
 
     @property
     def motion(self) -> Motion:

@@ -39,13 +39,19 @@ class Trial:
         """The plain run of the finest level."""
         return Variant(self.levels[-1])
 
+    @property
+    def order(self) -> float:
+        """The order to which the method is held in this scene: what it claims, or what the scene leaves to fixed steps."""
+        return refinement.order(self.instance, self.method)
+
     def round_off(self, level: float) -> float:
         """Relative round-off that a run at this level may show."""
         return refinement.round_off(self.instance, self.method, refinement.steps_at(self.instance, self.method, level))
 
     def noise(self, level: float) -> float:
-        """Relative error of positions and velocities that no step removes: round-off, and that of a clock that is summed."""
-        return self.round_off(level) + refinement.clock(self.instance, self.method, level)
+        """Relative error of positions and velocities that no step removes: round-off, and that of sums of equal terms."""
+        summed = refinement.clock(self.instance, self.method, level) + refinement.flight(self.instance, self.method, level)
+        return self.round_off(level) + summed
 
     def truncation(self, level: float) -> Array:
         """Relative truncation error (T,) allowed at this level."""
@@ -60,7 +66,7 @@ class Trial:
     def kept(self, claim: str, level: float) -> tuple[Array, str]:
         """Bound (T,) on the change of something constant, and its basis: round-off if the method claims to keep it."""
         rounding = np.full(len(self.instance.times), self.round_off(level))
-        if claim in self.method.conserves or self.method.control == "exact":
+        if self.method.keeps(claim, self.instance.problem.features):
             return rounding, "the method claims to keep it to round-off, c u sqrt(n)"
         return rounding + self.truncation(level), "the truncation error that the method may make"
 

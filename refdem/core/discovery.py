@@ -68,6 +68,12 @@ def has_others(folder: str) -> bool:
     return bool(_others(folder))
 
 
+def package_of(folder: str, name: str) -> str | None:
+    """The distribution of another package that brings the case, check or engine of that name, or None."""
+    point = _others(folder).get(name)
+    return None if point is None or point.dist is None else point.dist.name
+
+
 def case(name: str) -> "Canonical":
     """The case (or selection) of that id."""
     found: Canonical = _load("cases", "CASE", name)

@@ -17,12 +17,16 @@ class Method:
     """One way to run an engine, and what is claimed for it; the checks hold it to the claims.
 
     control: a fixed `step`, a `tolerance`, or `exact` (round-off only). `order_with` lowers the order where a scene has
-    the feature. `constant` is C in `error <= C L (T/tau) (h/tau)^p`. `conserves`: energy, momentum, angular-momentum,
-    each to round-off; `symplectic`: no secular drift of energy. `complete_state`: a run can go on from its end state.
+    the feature. `constant` is C in `error <= C L (T/tau) (h/tau)^p`, or in `error <= C 1e3 tol S` of a
+    tolerance, there for smooth motions. `conserves`: energy, momentum, angular-momentum,
+    each to round-off; `broken_with`: features of a scene with which a law among them is
+    kept to the order only; `symplectic`: no secular drift of energy. `complete_state`: a run can go on from its end state.
     `velocity_time`: velocities and omegas hold at their sample, or half a step before it. `summed_clock`: its time is a plain
     sum of its steps, so that it may be off by u t for each of them. `locates_events`: it tells events at their own times and not at
     the end of the step that sees them. `answers` is the kind of questions that it is for; of one
-    without time it `knows` these features, and is silent about others.
+    without time it `knows` these features, and is silent about others. `derived` names what the adapter makes of other numbers in
+    such a way that a law about it always holds, each with the reason: a check of that law could not fail, and so does not apply.
+    Known are `attitude` (unit quaternions), `rod` and `ball_joint` (closed joints), `dissipated_work` (the energy balance).
     """
 
     name: str
@@ -33,6 +37,8 @@ class Method:
     constant: float = 1.0
     constant_reason: str = ""
     conserves: frozenset[str] = frozenset()
+    broken_with: Mapping[str, frozenset[str]] = field(default_factory=dict)
+    derived: Mapping[str, str] = field(default_factory=dict)
     reversible: bool = False
     symplectic: bool = False
     backward: bool = False
@@ -53,6 +59,12 @@ class Method:
     def order_for(self, features: frozenset[str]) -> int:
         """The order claimed for a scene with these features."""
         return min([self.order, *(order for feature, order in self.order_with.items() if feature in features)])
+
+    def keeps(self, law: str, features: frozenset[str]) -> bool:
+        """Whether a law is claimed to hold to round-off in a scene with these features."""
+        if self.control == "exact":
+            return True
+        return law in self.conserves and not self.broken_with.get(law, frozenset()) & features
 
     @property
     def round_off(self) -> float:
@@ -99,7 +111,9 @@ class Engine(ABC):
     time_limit: float | None = None
     budget: float | None = None
     expected: tuple[Deviation, ...] = ()
-    """Limits that the engine's own description sets, in seconds a run and seconds a campaign, and deviations it accepts."""
+    may_refuse: frozenset[str] = frozenset()
+    """Limits that the engine's own description sets, in seconds a run and seconds a campaign; deviations it accepts; and pictures of
+    a scene (shifted, rotated, mirrored ...) that it may refuse when it runs although it runs the scene itself."""
 
     @property
     def address(self) -> str:

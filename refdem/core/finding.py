@@ -7,8 +7,9 @@ from typing import Literal
 import msgspec
 
 Outcome = Literal["pass", "fail", "error", "unsupported", "undecided", "expected", "stale", "worse", "lost", "absent"]
-"""The last three are the gate's: worse than the baseline, decided there and no longer, there and gone."""
-WORST_FIRST: tuple[Outcome, ...] = ("fail", "worse", "lost", "absent", "stale", "error", "undecided", "expected", "unsupported", "pass")
+"""The last three compare: worse than the baseline; decided there, or required by the campaign, and no longer decided; there and gone."""
+WORST_FIRST: tuple[Outcome, ...] = ("error", "fail", "worse", "lost", "absent", "stale", "undecided", "expected", "unsupported", "pass")
+"""An error comes first: where a run broke, it is the one sentence that explains what is missing."""
 FAILING: tuple[Outcome, ...] = ("fail", "worse", "lost", "absent", "stale")
 """What makes a command exit with 1; `error` alone makes it exit with 3."""
 BROKEN: tuple[Outcome, ...] = (*FAILING, "error")
@@ -35,7 +36,11 @@ class Series(msgspec.Struct, frozen=True, kw_only=True):
 
 
 class Finding(msgspec.Struct, frozen=True, kw_only=True):
-    """One judgement: a measured value against a bound that has a basis, and one sentence that says why."""
+    """One judgement: a measured value against a bound that has a basis, and one sentence that says why.
+
+    `sharpness` is the bound over the signal, where that is least: the signal is how far the quantity moves in this run. It is
+    None where the law holds the quantity to a constant, and in records that older versions wrote.
+    """
 
     check: str
     quantity: str
@@ -50,6 +55,7 @@ class Finding(msgspec.Struct, frozen=True, kw_only=True):
     order_seen: float | None = None
     order_claimed: float | None = None
     constant_seen: float | None = None
+    sharpness: float | None = None
 
     @property
     def margin(self) -> float | None:

@@ -2,6 +2,7 @@
 
 import hashlib
 import platform
+import sys
 from collections.abc import Iterable
 from functools import cache
 from importlib.metadata import PackageNotFoundError, distribution
@@ -32,6 +33,22 @@ def of_source(*folders: str) -> str:
     root = Path(__file__).parents[1]
     files = [p for folder in folders for p in ([root / folder] if folder.endswith(".py") else (root / folder).rglob("*.py"))]
     return of_files(files)
+
+
+def of_module(name: str) -> str:
+    """sha256 of the files of the package that an imported module belongs to, or of its own file where it is alone.
+
+    A module without a file (typed at a prompt) is known by its name alone.
+    """
+    digest = hashlib.sha256(name.encode())
+    outermost = sys.modules[name.partition(".")[0]]
+    folders = [Path(folder) for folder in getattr(outermost, "__path__", [])]
+    for folder in sorted(folders):
+        digest.update(of_tree(folder).encode())
+    file = getattr(outermost, "__file__", None)
+    if file and not folders:
+        digest.update(of_files([Path(file)]).encode())
+    return digest.hexdigest()
 
 
 def of_tree(root: Path) -> str:

@@ -1,6 +1,7 @@
 """From measured values to findings: errors against truth in units of each quantity's scale, and the verdict itself."""
 
-from dataclasses import replace
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -9,8 +10,10 @@ from numpy.typing import NDArray
 from refdem.core.case import Instance
 from refdem.core.check import Trial
 from refdem.core.engine import Method
-from refdem.core.finding import Finding, Series
+from refdem.core.finding import Finding, Outcome, Series
 from refdem.core.problem import Motion
+from refdem.core.refinement import HORIZON, kinked
+from refdem.core.statics import Static
 from refdem.core.trajectory import Trajectory
 from refdem.core.truth import SampledTruth
 from refdem.errors import EngineError
@@ -19,39 +22,101 @@ Array = NDArray[np.float64]
 
 PERTURBED = 64
 """A start moved by so many units in the last place shows how errors grow."""
+SMALL = 0.25
+"""Errors above this part of the scale have no order: the motion is another one."""
 MORE = 8.0
 """One perturbation stands for all: others may grow by this factor more."""
 MOST_POINTS = 256
 """Points that a curve in a record keeps; the largest value of each stretch is the one that is kept."""
 
 
-def judged(*, check: str, quantity: str, value: float, bound: float, unit: str, basis: str, what: str, **more: Any) -> Finding:
-    """The finding for `value <= bound`; a value that is not a number fails. `what` says in words what was measured."""
+ATTITUDE = tuple(f"attitude.{axis}" for axis in "wxyz")
+"""The quantities that are compared together as one rotation."""
+ROOM = 4.0
+"""An error may be so many times what its order makes of it at another step. A pair of steps shows an error to within a few per cent
+where it falls with order p; with ROOM a motion passes whose last pair shows an order as low as 0.3, 0.8 and 2.2 for p = 1, 2, 4."""
+SHARP = 0.1
+"""A bound above this part of the signal decides nothing: a body that never moves would pass it."""
+
+
+@dataclass(frozen=True)
+class Sight:
+    """A bound and the signal beside it, in the same unit: how far the judged quantity moves.
+
+    A signal of 0 is that of a law which holds the quantity to a constant; such a law always decides.
+    """
+
+    bound: float
+    signal: float
+
+    @property
+    def sharpness(self) -> float | None:
+        """The bound over the signal; None without a signal."""
+        return self.bound / self.signal if self.signal > 0 else None
+
+    @property
+    def is_blind(self) -> bool:
+        """The bound is above a tenth of the signal."""
+        return self.bound > SHARP * self.signal > 0
+
+
+def sharpest(bounds: Array, signal: Array) -> Sight:
+    """The sight at the sample where the bound is the smallest part of what has moved so far.
+
+    `bounds` and `signal` are (T,), in one unit; the signal counts as its largest value so far.
+    """
+    so_far = np.maximum.accumulate(signal)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        part = np.where(so_far > 0, bounds / so_far, np.inf)
+    point = int(np.argmin(part))
+    return Sight(float(bounds[point]), float(so_far[point]))
+
+
+def judged(
+    *, check: str, quantity: str, value: float, bound: float, unit: str, basis: str, what: str, sight: Sight | None = None, **more: Any
+) -> Finding:
+    """The finding for `value <= bound`; a value that is not a number fails. `what` says in words what was measured.
+
+    Where the bound is above a tenth of the signal, a value within it is undecided; one beyond it fails all the same.
+    """
     holds = bool(value <= bound)
+    blind = sight is not None and sight.is_blind
     size = "exactly 0" if value == 0 else f"{value:.2g}" + (f" {unit}" if unit != "1" else "")
     limit = "0" if bound == 0 else f"{bound:.2g}"
     sentence = f"{what} is {size}, {'within' if holds else 'beyond'} the bound {limit}: {basis}."
+    outcome: Outcome = "pass" if holds else "fail"
+    if holds and sight is not None and blind:
+        outcome = "undecided"
+        sentence = f"Not decided: the bound {sight.bound:.2g} is above a tenth of the motion {sight.signal:.2g}. {sentence}"
     return Finding(
         check=check,
         quantity=quantity,
-        outcome="pass" if holds else "fail",
+        outcome=outcome,
         sentence=sentence,
         value=float(value),
         bound=float(bound),
         unit=unit,
         basis=basis,
+        sharpness=None if sight is None else sight.sharpness,
         **more,
     )
 
 
-def worst(*, check: str, quantity: str, t: Array, values: Array, allowed: Array | float, **more: Any) -> Finding:
-    """The finding at the sample that comes nearest to its bound, with the whole curve."""
+def worst(
+    *, check: str, quantity: str, t: Array, values: Array, allowed: Array | float, signal: Array | float | None = None, **more: Any
+) -> Finding:
+    """The finding at the sample that comes nearest to its bound, with the whole curve.
+
+    `signal`, a number or (T,), is how far the quantity has moved; see `Sight`.
+    """
     bounds = np.broadcast_to(np.asarray(allowed, float), values.shape)
     with np.errstate(divide="ignore", invalid="ignore"):
         ratio = np.where(np.isnan(values), np.inf, np.where(values > 0, values / bounds, 0.0))
     point = int(np.argmax(ratio))
     series = curve(t, values, bounds)
-    return judged(check=check, quantity=quantity, value=float(values[point]), bound=float(bounds[point]), series=series, **more)
+    sight = None if signal is None else sharpest(bounds, np.broadcast_to(np.asarray(signal, float), values.shape))
+    value, bound = float(values[point]), float(bounds[point])
+    return judged(check=check, quantity=quantity, value=value, bound=bound, series=series, sight=sight, **more)
 
 
 def undecided(check: str, quantity: str, why: str) -> Finding:
@@ -117,24 +182,109 @@ def _errors(instance: Instance, observed: dict[str, Array], truth: SampledTruth)
         if quantity.angle:
             difference = np.remainder(difference + np.pi, 2 * np.pi) - np.pi
         found[name] = np.maximum(0.0, np.abs(difference) - truth.radius(name)) / quantity.scale
-    parts = [f"attitude.{axis}" for axis in "wxyz"]
-    if all(name in observed and name in truth.values for name in parts):
-        found["attitude"] = _rotation_error(observed, truth, parts)
+    if all(name in observed and name in truth.values for name in ATTITUDE):
+        found["attitude"] = _rotation_error(observed, truth)
     if not found:
         raise EngineError("the trajectory shows none of the quantities of the case; expected " + ", ".join(instance.quantities))
     return found
 
 
-def _rotation_error(observed: dict[str, Array], truth: SampledTruth, parts: list[str]) -> Array:
+def _rotation_error(observed: dict[str, Array], truth: SampledTruth) -> Array:
     """Angle (until,) [rad] between observed and true attitude, less the radius of the truth."""
     from refdem.mechanics.quaternion import angle_between
 
-    seen = np.stack([observed[name][: truth.until] for name in parts], axis=-1)
+    seen = np.stack([observed[name][: truth.until] for name in ATTITUDE], axis=-1)
     seen = seen / np.linalg.norm(seen, axis=-1, keepdims=True)
-    true = np.stack([truth.value(name) for name in parts], axis=-1)
-    radius = 2.0 * np.max([truth.radius(name) for name in parts], axis=0)
+    true = np.stack([truth.value(name) for name in ATTITUDE], axis=-1)
+    radius = 2.0 * np.max([truth.radius(name) for name in ATTITUDE], axis=0)
     error: Array = np.maximum(0.0, angle_between(seen, true) - radius)
     return error
+
+
+def movements(instance: Instance, truth: SampledTruth) -> dict[str, Array]:
+    """How far the truth of every quantity is from its start (until,), in units of its scale: the signal beside `errors`.
+
+    Angles modulo 2 pi, the components of an attitude together as the angle of one rotation [rad]. The answer to a question
+    without time does not move: there it is the size of the number itself.
+    """
+    found: dict[str, Array] = {}
+    for name, quantity in instance.quantities.items():
+        if quantity.group or name not in truth.values:
+            continue
+        values = truth.value(name)
+        away = values - (0.0 if isinstance(instance.problem, Static) else values[0])
+        if quantity.angle:
+            away = np.remainder(away + np.pi, 2 * np.pi) - np.pi
+        found[name] = np.abs(away) / quantity.scale
+    if all(name in truth.values for name in ATTITUDE):
+        from refdem.mechanics.quaternion import angle_between
+
+        true = np.stack([truth.value(name) for name in ATTITUDE], axis=-1)
+        found["attitude"] = angle_between(true, np.broadcast_to(true[0], true.shape))
+    return found
+
+
+def predictable(scaled: Mapping[str, Array]) -> int:
+    """Number of samples before any of these errors (until,) by quantity first exceeds SMALL."""
+    largest = np.maximum.reduce(list(scaled.values()))
+    beyond = np.flatnonzero(~(largest <= SMALL))
+    return int(beyond[0]) if len(beyond) else len(largest)
+
+
+def followed(trial: Trial, level: float, run: Trajectory, truth: SampledTruth, within: float = HORIZON) -> int:
+    """Number of samples before a run first is that part of the scale from truth: S tells of the true motion, not of another."""
+    off = errors(trial.instance, run, truth, trial.method.delay(level))
+    largest = np.maximum.reduce([np.zeros(truth.until), *off.values()])
+    beyond = np.flatnonzero(~(largest <= within))
+    return int(beyond[0]) if len(beyond) else len(largest)
+
+
+def signed(trial: Trial, run: Trajectory, truth: SampledTruth, count: int) -> Array:
+    """Differences (parts, count) from truth with their signs, in units of their scales; angles modulo 2 pi.
+
+    An attitude counts as the vector [rad] of the small turn from the true one, in body axes.
+    """
+    observed = trial.instance.observe(run)
+    found = []
+    for name, values in observed.items():
+        quantity = trial.instance.quantities[name]
+        if quantity.group or name not in truth.values:
+            continue
+        difference = values[:count] - truth.value(name)[:count]
+        if quantity.angle:
+            difference = np.remainder(difference + np.pi, 2 * np.pi) - np.pi
+        found.append(difference / quantity.scale)
+    parts = [f"attitude.{axis}" for axis in "wxyz"]
+    if all(name in observed and name in truth.values for name in parts):
+        found += list(_small_turns(observed, truth, parts, count))
+    return np.array(found)
+
+
+def _small_turns(observed: dict[str, Array], truth: SampledTruth, parts: list[str], count: int) -> Array:
+    """Vectors (3, count) [rad] of the turn from the true attitude to the observed one: 2 vec(q* p), of q and -q the nearer."""
+    from refdem.mechanics.quaternion import product
+
+    seen = np.stack([observed[name][:count] for name in parts], axis=-1)
+    seen = seen / np.linalg.norm(seen, axis=-1, keepdims=True)
+    true = np.stack([truth.value(name)[:count] for name in parts], axis=-1)
+    conjugate = true * np.array([1.0, -1.0, -1.0, -1.0])
+    between = product(conjugate, seen)
+    nearer = np.where(between[:, :1] < 0, -between, between)
+    turns: Array = 2.0 * nearer[:, 1:].T
+    return turns
+
+
+def left_at_finest(trial: Trial, coarse: Array) -> float:
+    """What the claimed order leaves at the finest level of an error (T,) that the coarsest level shows; infinite if it says nothing.
+
+    With an error C h^p it is 2^-p for every halving of the step, and ROOM times that where terms of higher order still count. Kinks
+    scatter C from step to step; round-off, which does not fall, is the caller's to add.
+    """
+    if trial.method.control != "step" or kinked(trial.instance) or not np.all(np.isfinite(coarse)):
+        return float(np.inf)
+    order = trial.order
+    octaves = float(np.log2(trial.levels[0] / trial.levels[-1]))
+    return float(ROOM * np.max(coarse) / 2.0 ** (order * octaves))
 
 
 def distances(instance: Instance, a: Trajectory, b: Trajectory) -> Array:

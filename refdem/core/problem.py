@@ -3,10 +3,11 @@
 import hashlib
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import Annotated, Any
 
 import msgspec
 import numpy as np
+from msgspec import Meta
 from numpy.typing import NDArray
 
 from refdem.core.ensemble import Ensemble, EnsembleDocument
@@ -21,6 +22,14 @@ __all__ = ["DENSE", "PER_OCTAVE", "Ensemble", "Identity", "Iteration", "Motion",
 Array = NDArray[np.float64]
 CLOCK_ROUNDINGS = 8
 """A time in single precision is a step, a number of steps and a start, each rounded, times and plus."""
+UNEVEN = 1e-3
+"""Part of a step by which a sample may lie off a whole number of steps: its time is rounded."""
+WHOLE = 1e-9
+"""Relative error of the quotient of sample interval and step, both rounded."""
+MISCOUNTED = 0.01
+"""Part of a step: a clock that is off by whole steps to within this has miscounted them."""
+COUNT = "count `stride` steps from each sample to the next and never compare times"
+"""What a program must do so that its steps meet the samples."""
 
 
 def _iteration(read: IterationDocument) -> Iteration:
@@ -42,9 +51,25 @@ class RequestDocument(msgspec.Struct, frozen=True, kw_only=True):
 
     format: int = 1
     method: str
-    step: float | None
+    step: Annotated[
+        float | None,
+        Meta(description="size of a step [s], positive also where times fall; null for a method without one"),
+    ]
+    stride: Annotated[
+        int | None,
+        Meta(
+            description="steps from each sample to the next: the program counts them and never "
+            "compares times, because a sum of steps is rounded; null for a method without a step"
+        ),
+    ] = None
     tolerance: float | None
-    times: list[float]
+    times: Annotated[
+        list[float],
+        Meta(
+            description="the samples [s], all rising or all falling; the scene is the state at the "
+            "first; with a step they are evenly spaced, `stride` steps apart"
+        ),
+    ]
     scene: SceneDocument
 
 
@@ -90,7 +115,10 @@ class Request:
         except msgspec.MsgspecError as error:
             raise UsageError(f"request: {error}") from None
         problem = Motion(Scene.of_document(read.scene, file), np.array(read.times))
-        return cls(problem=problem, method=read.method, step=read.step, tolerance=read.tolerance)
+        request = cls(problem=problem, method=read.method, step=read.step, tolerance=read.tolerance)
+        if read.stride is not None and read.stride != request._told_stride:
+            raise UsageError(f"request: stride is {read.stride}; expected {request._told_stride}, as step and times say")
+        return request
 
     def to_json(self) -> bytes:
         """The request as `request.json` has it; the same bytes for the same request."""
@@ -119,21 +147,48 @@ class Request:
 
     @property
     def stride(self) -> int:
-        """Steps from sample to sample; raises UsageError if the step does not divide the sample interval."""
+        """Steps from sample to sample; raises UsageError if the step does not divide every sample interval alike."""
         if self.step is None:
             raise UsageError("stride: the method has no fixed step")
         exact = abs(self.problem.interval) / self.step
-        if abs(exact - round(exact)) > 1e-9 * exact or round(exact) < 1:
+        stride = round(exact)
+        if abs(exact - stride) > WHOLE * exact or stride < 1:
             raise UsageError(f"step is {self.step} s; expected a whole fraction of the sample interval {abs(self.problem.interval)} s")
-        return round(exact)
+        self._refuse_uneven()
+        return stride
+
+    @property
+    def _told_stride(self) -> int | None:
+        """Steps from sample to sample as the document has them; None for a method without a step."""
+        return None if self.step is None else self.stride
+
+    def _refuse_uneven(self) -> None:
+        """Raises UsageError unless the samples are evenly spaced: one stride holds for all of them."""
+        times = self.problem.times
+        even = times[0] + np.arange(len(times)) * self.problem.interval
+        off = np.abs(times - even)
+        worst = int(np.argmax(off))
+        # Each time carries its own rounding, and the n-th multiple of the first interval n times that of the first two.
+        rounding = 4 * 2.0**-53 * len(times) * float(np.max(np.abs(times)))
+        if off[worst] > UNEVEN * (self.step or 0.0) + rounding:
+            raise UsageError(
+                f"times[{worst}] is {times[worst]:.17g} s; expected {even[worst]:.17g} s: "
+                "a method with a fixed step needs evenly spaced samples"
+            )
 
     def document(self) -> RequestDocument | OtherRequestDocument:
         """The request as JSON has it."""
         if not isinstance(self.problem, Motion):
             control = {name: value for name in ("step", "tolerance") if (value := getattr(self, name)) is not None}
             return OtherRequestDocument(method=self.method, problem=self.problem.document(), **control)
-        scene = self.problem.document()
-        return RequestDocument(method=self.method, step=self.step, tolerance=self.tolerance, times=self.problem.times.tolist(), scene=scene)
+        return RequestDocument(
+            method=self.method,
+            step=self.step,
+            stride=self._told_stride,
+            tolerance=self.tolerance,
+            times=self.problem.times.tolist(),
+            scene=self.problem.document(),
+        )
 
     def key(self, *fingerprints: str) -> str:
         """sha256 of the request, of which repetition it is, and of the fingerprints of engine and kernels."""
@@ -156,6 +211,25 @@ class Request:
             raise EngineError(f"trajectory.t has {len(t)} samples; expected {len(times)}")
         steps = 0 if self.step is None else self.stride * (len(times) - 1)
         allowed = max(1e-12, CLOCK_ROUNDINGS * round_off, steps * 2.0**-53) * max(abs(times[0]), abs(times[-1]), abs(self.problem.interval))
-        worst: Any = np.argmax(np.abs(t - times))
-        if abs(t[worst] - times[worst]) > allowed:
-            raise EngineError(f"trajectory.t[{worst}] is {t[worst]:.17g} s; expected {times[worst]:.17g} s, the sample that was asked for")
+        late = t - times
+        worst: Any = np.argmax(np.abs(late))
+        if abs(late[worst]) > allowed:
+            raise EngineError(
+                f"trajectory.t[{worst}] is {t[worst]:.17g} s; expected {times[worst]:.17g} s, "
+                f"the sample that was asked for{self.miscounted(float(late[worst] - late[0]))}"
+            )
+
+    def miscounted(self, late: float) -> str:
+        """What to do about a run that is late by this time [s], where it is a whole number of steps; else nothing.
+
+        `late` is positive where the program has gone too far, whatever the direction of time.
+        """
+        if self.step is None:
+            return ""
+        exact = late / self.signed_step
+        extra = round(exact)
+        if extra == 0 or abs(exact - extra) > MISCOUNTED:
+            return ""
+        steps = "1 step" if abs(extra) == 1 else f"{abs(extra)} steps"
+        side = "too many" if extra > 0 else "too few"
+        return f"; the program took {steps} {side} on the way: {COUNT}"

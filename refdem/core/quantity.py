@@ -12,6 +12,11 @@ class Scales:
     duration: float
     mass: float = 1.0
 
+    def __post_init__(self) -> None:
+        """numpy's numbers become floats, which records and stores can hold."""
+        for name in ("length", "tau", "duration", "mass"):
+            object.__setattr__(self, name, float(getattr(self, name)))
+
     @property
     def speed(self) -> float:
         """L / tau [m/s]."""
@@ -35,3 +40,7 @@ class Quantity:
     scale: float
     angle: bool = False
     group: str = ""
+
+    def __post_init__(self) -> None:
+        """Likewise."""
+        object.__setattr__(self, "scale", float(self.scale))

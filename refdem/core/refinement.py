@@ -7,6 +7,8 @@ from numpy.typing import NDArray
 
 from refdem.core.case import Instance
 from refdem.core.engine import Method
+from refdem.core.problem import Motion
+from refdem.core.smoothness import JUMP, Singularity, singularities
 from refdem.core.truth import SampledTruth
 from refdem.errors import UsageError
 from refdem.scene.elements.rod import Rod
@@ -25,6 +27,8 @@ CLOCK_STEPS = 4.0
 """Steps that a method which chooses them takes in a shortest time: one of high order turns a fraction of a radian a step."""
 KINKS = frozenset({"contact", "friction", "catch", "piecewise_field", "wedge", "spring:exponent"})
 """What brings forces that are not smooth: a touch, a stop, the edge of a field, the square root of a stretch."""
+SOMETIMES = frozenset({"contact", "catch", "wedge", "piecewise_field", "uniform_gravity", "plane", "periodic_box"})
+"""Elements whose force is constant or acts only for a while: between, or all the time, bodies gain the same at every step."""
 SCATTER = 1.0
 """Standard deviation, in octaves, of the error constant of a motion with kinks from step to step.
 
@@ -58,6 +62,18 @@ def sweeping(instance: Instance, method: Method) -> float:
     return max(1.0, math.sqrt(-math.log2(method.round_off) * 2 * rods / len(scene.bodies) / 10.0))
 
 
+def flight(instance: Instance, method: Method, level: float) -> float:
+    """Relative round-off of what is added to again and again by the same amount: u a step; 0 where forces vary all the time.
+
+    A body in free flight adds h v to its place at every step, and one that falls adds h g to its velocity. Sums of equal terms
+    round alike, step after step, so that roundings do not add as the square root.
+    """
+    if method.control != "step" or not isinstance(instance.problem, Motion):
+        return 0.0
+    flies = all(element.kind in SOMETIMES for element in instance.scene.elements)
+    return method.round_off * steps_at(instance, method, level) if flies else 0.0
+
+
 def clock(instance: Instance, method: Method, level: float) -> float:
     """Relative error of a clock that is summed plainly: u T/tau for each addition; else 0.
 
@@ -73,15 +89,39 @@ def clock(instance: Instance, method: Method, level: float) -> float:
     return method.round_off * turns * steps_at(instance, method, level) if driven else 0.0
 
 
+def order(instance: Instance, method: Method) -> float:
+    """The order p to which a method is held: the one that it claims for the scene, or less where no fixed steps have that."""
+    claimed = method.order_for(instance.problem.features)
+    limit = smoothness(instance, method)
+    if limit is None or limit.order >= claimed:
+        return claimed
+    return limit.order
+
+
+def smoothness(instance: Instance, method: Method) -> Singularity | None:
+    """What of the scene leaves fixed steps the lowest order, or None.
+
+    A method that locates events may start a step on each. One whose `order_with` names a feature of that element claims an order
+    for it with open eyes, and is held to that. A force that jumps is no news to the author of a code: an order above 1 there is a
+    claim that steps are cut where it jumps, and is held as it stands.
+    """
+    if method.control != "step" or method.locates_events or not isinstance(instance.problem, Motion):
+        return None
+    named = set(method.order_with)
+    limits = [limit for element, limit in singularities(instance.scene) if limit.exponent > JUMP and not element.features() & named]
+    return min(limits, default=None)
+
+
 def truncation(instance: Instance, method: Method, level: float, t: Array) -> Array:
-    """Relative truncation error C (1 + t/tau) (h/tau)^p (T,) allowed at times t [s]; 1e3 tol for a tolerance; 0 if exact."""
+    """Relative truncation error C (1 + t/tau) (h/tau)^p (T,) allowed at times t [s]; C 1e3 tol for a tolerance; 0 if exact."""
     if method.control == "exact":
         return np.zeros(len(t))
     if method.control == "tolerance":
-        return np.full(len(t), TOLERANCE_FACTOR * level)
+        constant = 1.0 if kinked(instance) else method.constant
+        return np.full(len(t), constant * TOLERANCE_FACTOR * level)
     tau = instance.scales.tau
-    order = method.order_for(instance.problem.features)
-    allowed: Array = method.constant * (1.0 + np.abs(t - t[0]) / tau) * (level / tau) ** order
+    power = order(instance, method)
+    allowed: Array = method.constant * (1.0 + np.abs(t - t[0]) / tau) * (level / tau) ** power
     return allowed
 
 
@@ -107,7 +147,8 @@ def bound(instance: Instance, method: Method, level: float, truth: SampledTruth)
     """Relative error allowed at every certified sample (until,): (truncation + round-off) times S so far."""
     t = instance.times[: truth.until]
     allowed = truncation(instance, method, level, t) + round_off(instance, method, steps_at(instance, method, level))
-    return (allowed + clock(instance, method, level)) * truth.growth()
+    unremoved = clock(instance, method, level) + flight(instance, method, level)
+    return (allowed + unremoved) * truth.growth()
 
 
 def scored(allowed: Array) -> int:
@@ -129,8 +170,8 @@ def levels(instance: Instance, method: Method, count: int, most_steps: float, st
     if method.control == "tolerance":
         tolerances = (10.0 ** -(4 + 2 * j) for j in range(count))
         return tuple(t for t in tolerances if t > COUNTING_FLOOR * method.round_off)  # below, step control never ends
-    order, scales = method.order_for(instance.problem.features), instance.scales
-    first = step or scales.tau * (HORIZON * scales.tau / (method.constant * scales.duration)) ** (1.0 / order)
+    power, scales = order(instance, method), instance.scales
+    first = step or scales.tau * (HORIZON * scales.tau / (method.constant * scales.duration)) ** (1.0 / power)
     interval = float(instance.times[1])
     if step is not None and instance.times[-1] / step > MOST_STEPS:
         raise UsageError(
@@ -144,7 +185,7 @@ def levels(instance: Instance, method: Method, count: int, most_steps: float, st
     chosen = [interval * 2.0**-halvings]
     while len(chosen) < count:
         finer = chosen[-1] / 2
-        allowed = method.constant * (scales.duration / scales.tau) * (finer / scales.tau) ** order
+        allowed = method.constant * (scales.duration / scales.tau) * (finer / scales.tau) ** power
         steps = instance.times[-1] / finer
         if steps > most_steps or (len(chosen) >= 3 and allowed < COUNTING_FLOOR * round_off(instance, method, steps)):
             break

@@ -19,6 +19,12 @@ class Ball:
     mid: Fraction
     radius: Fraction
 
+    def __post_init__(self) -> None:
+        for value in (self.mid, self.radius):
+            if isinstance(value, bool) or not isinstance(value, int | Fraction):
+                kind = type(value).__name__
+                raise TypeError(f"a ball got {value!r} ({kind}); expected exact numbers (Fraction or int)")
+
     def rounded(self) -> tuple[float, float]:
         """The nearest double and a radius about it (rounded up) that contains the ball."""
         mid = float(self.mid)
@@ -72,14 +78,19 @@ class Truth(ABC):
 
     @abstractmethod
     def sensitivity(self, t: Fraction) -> float:
-        """S(t) >= 1: bound on the flow Jacobian from 0 to t, each quantity scaled by its scale."""
+        """S(t) >= 1: no error that is made at any time s in [0, t] is larger at t than S(t) times what it was at s.
+
+        To first order in the error, whose coordinates and whose effect on the quantities are counted in their scales: the supremum
+        over s of the norm of D(t) D(s)^-1, D being the derivative of the flow, is at most S(t). Judging takes the largest S so far
+        (`SampledTruth.growth`). S(t) depends on t alone, not on what else is asked.
+        """
 
     def refined(self, digits: int) -> "Truth":
         """The same truth with radii of at most 10^-digits; as it is where that cannot be asked for."""
         return self
 
     def sensitivities(self, times: Sequence[Fraction]) -> list[float]:
-        """S at the samples of a run; a truth that can adds the growth of errors made at the earlier ones."""
+        """S at the samples of a run."""
         return [self.sensitivity(t) for t in times]
 
     def scalars(self) -> Mapping[str, Ball]:

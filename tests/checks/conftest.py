@@ -15,6 +15,7 @@ from refdem.truth.sampled import sampled
 
 METHODS = {
     "exact": Method(name="exact", summary="", control="exact", reversible=True, conserves=frozenset({"energy", "angular-momentum"})),
+    "first": Method(name="first", summary="", control="step", order=1),
     "second": Method(name="second", summary="", control="step", order=2, symplectic=True),
     "fourth": Method(name="fourth", summary="", control="step", order=4),
 }

@@ -129,6 +129,8 @@ KILLS = [
     ("energy-return", "return", "wedge-collision", "exact", growing("velocity", 1e-6), {}),
     ("constraint", "length", "pendulum", "exact", longer_rod, {}),
     ("constraint", "velocity", "pendulum", "exact", scaled("velocity", 1.001), {}),
+    ("flight", "way", "two-spheres", "exact", scaled("position", 1 + 1e-9), {}),
+    ("equilibrium", "swing", "pendulum-equilibria", "exact", late, {"delta": "1e-3", "position": "bottom"}),
     ("quaternion-norm", "norm", "free-rigid-body", "exact", unnormalised, {}),
     ("rest", "displacement", "newtons-first-law", "exact", jittering, {"member": "block"}),
     ("stop", "stop_position", "coulomb-oscillator", "exact", stopped_elsewhere, {}),
@@ -157,7 +159,7 @@ def test_a_check_is_failed_by_its_fault_in_the_quantity_that_is_wrong(judge, che
 
 OWN = {
     "apsides", "lyapunov", "bounces", "symmetry", "convergence", "second-integral", "top", "cooling", "roughness", "phase-area",
-    "contact-channels", "limit", "event-times",
+    "contact-channels", "limit", "event-times", "contact-impulse",
 }  # fmt: skip
 """Checks whose faults are in tests of their own."""
 

@@ -89,6 +89,7 @@ def test_nothing_is_judged_where_the_theory_does_not_hold(given, why):
 def test_collisions_that_are_not_over_at_the_end_have_not_lost_all_yet():
     found = findings(n="20000", duration="1/16", samples="2")
     assert found["loss"].value > 0.1
+    assert found.pop("temperature").outcome == "undecided"  # it falls by less than ten standard errors in so short a time
     assert {f.outcome for f in found.values()} == {"pass"}
 
 

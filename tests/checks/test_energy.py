@@ -8,6 +8,8 @@ import pytest
 from refdem.campaign.in_process import record_of, task_of, truth_of
 from refdem.core import discovery
 from refdem.core.balance import energy_scale
+from refdem.core.check import Trial
+from refdem.core.engine import Method
 from refdem.core.judgement import worst
 from refdem.faults.transparent import Transparent
 
@@ -104,3 +106,10 @@ def test_a_number_that_is_none_is_the_worst_of_all():
     values = np.array([0.0, np.nan, 0.5])
     finding = worst(check="c", quantity="q", t=np.arange(3.0), values=values, allowed=1.0, unit="1", basis="b", what="w")
     assert finding.outcome == "fail"
+
+
+def test_of_two_terms_each_may_be_off_by_the_bound_on_the_state(judge):
+    found = judge("energy", "harmonic-oscillator", "exact")["balance"]
+    instance = discovery.case("harmonic-oscillator").at()
+    method = Method(name="exact", summary="", control="exact", conserves=frozenset({"energy"}))
+    assert found.bound == pytest.approx(2 * Trial(instance, method, (0.0,), None).round_off(0.0), rel=1e-12)

@@ -6,12 +6,13 @@ from functools import cache
 import numpy as np
 import pytest
 
+from refdem.checks.roughness import _inertia
 from refdem.core import discovery
 from refdem.core.check import Outcome, Trial
 from refdem.core.problem import Motion, Request
 from refdem.core.trajectory import Cost, Trajectory
 from refdem.engines.reference import ENGINE
-from refdem.scene import Scene
+from refdem.scene import Body, Scene, Sphere
 from refdem.scene.bodies import Bodies
 from refdem.scene.elements.contact import Contact
 from refdem.scene.elements.periodic_box import PeriodicBox
@@ -128,7 +129,11 @@ def findings(name: str, made=right, **given: str):
 @pytest.mark.parametrize("made", list(FAULTS), ids=lambda made: made.__name__)
 def test_a_fault_of_many_particle_codes_is_seen_where_it_should_be(made):
     given, check, seen = FAULTS[made]
-    assert {f.outcome for f in findings(check, **given).values()} == {"pass"}
+    right = {quantity: f.outcome for quantity, f in findings(check, **given).items()}
+    # A temperature that hardly falls in so short a time decides nothing, except where it is beyond its bound.
+    undecided = {quantity for quantity, outcome in right.items() if outcome == "undecided"}
+    assert undecided <= {"temperature"}
+    assert set(right.values()) <= {"pass", "undecided"}
     assert seen <= {quantity for quantity, f in findings(check, made, **given).items() if f.outcome == "fail"}
 
 
@@ -145,3 +150,9 @@ def test_only_perfectly_rough_elastic_gases_are_judged(given):
     instance = discovery.case("granular-gas").at(n="30", **given)
     trial = Trial(instance, ENGINE.method("gas"), (1e-3,), sampled(instance.truth(), instance.times.tolist()))
     assert discovery.check("roughness").applies(trial)
+
+
+def test_the_moment_of_inertia_that_theory_wants_is_two_fifths_for_homogeneous_spheres_of_any_size_and_mass():
+    mass, radius = 3.0, 0.25
+    body = Body(mass=mass, inertia=(0.4 * mass * radius**2,) * 3, shape=Sphere(radius=radius))
+    assert _inertia(Scene.of([body])) == pytest.approx(0.4, rel=1e-15)

@@ -1,9 +1,14 @@
 """The limit of small steps: constants and clocks wrong by less than truncation are seen, correct methods of any order are not accused."""
 
+from dataclasses import replace
+
+import numpy as np
 import pytest
 
 from refdem.campaign.in_process import record_of, task_of, truth_of
+from refdem.checks.limit import signed
 from refdem.core import discovery
+from refdem.core.problem import Request
 from refdem.engines.reference import ENGINE
 from refdem.faults.change import of_elements, scaled
 from refdem.faults.fault import Fault
@@ -72,3 +77,15 @@ def test_it_does_not_apply_to_kinks_nor_without_a_step(case, method):
 
 def test_two_levels_are_too_few():
     assert found(ENGINE, "velocity-verlet", OSCILLATOR, levels=2) == []
+
+
+def test_differences_from_truth_are_in_units_of_the_scale_of_each_quantity():
+    instance = discovery.case("harmonic-oscillator").at(x0="8", v0="1/2")
+    task = task_of(ENGINE, "exact-harmonic", instance, truth_of(instance), 1, ())
+    run, _ = ENGINE.run(Request(problem=instance.problem, method="exact-harmonic"))
+    moved = replace(run, position=run.position + 0.25)
+    names = list(instance.quantities)
+    scale = instance.quantities["x"].scale
+    assert scale != 1.0
+    off = signed(task.trial, moved, task.trial.truth, len(run.t))[names.index("x")]
+    assert off == pytest.approx(np.full(len(run.t), 0.25 / scale), abs=1e-12)

@@ -13,7 +13,9 @@ from refdem.core.variant import Variant
 from refdem.engines.reference import ENGINE
 
 CHECK = discovery.check("top")
-TRIAL = Trial(discovery.case("heavy-top").at(phidot0="2", thetadot0="-1"), ENGINE.method("spinning-top"), (0.0,), None)
+METHOD = ENGINE.method("spinning-top")
+TRIAL = Trial(discovery.case("heavy-top").at(phidot0="2", thetadot0="-1"), replace(METHOD, derived={}), (0.0,), None)
+"""As if places were not made of the attitude, so that the joint can be open."""
 
 
 def outcomes(spoil=lambda run: run):
@@ -54,6 +56,12 @@ def test_the_true_motion_passes():
 )
 def test_it_is_failed_in_the_quantity_that_is_wrong(spoil, quantity):
     assert outcomes(spoil)[quantity] == "fail"
+
+
+def test_a_joint_that_is_closed_by_construction_is_not_judged():
+    run, _ = ENGINE.run(Request(problem=TRIAL.instance.problem, method="spinning-top"))
+    found = CHECK.judge(replace(TRIAL, method=METHOD), {Variant(0.0): Outcome(run, Cost(seconds=0.0))})
+    assert {f.quantity for f in found} == {"L_z", "L_3"}
 
 
 def test_without_a_ball_joint_it_does_not_apply():

@@ -19,4 +19,4 @@ def test_a_margin_is_in_decades_and_what_is_no_number_has_the_worst(value, margi
 def test_the_worst_comes_first_by_outcome_and_then_by_margin():
     found = (finding("held", "pass", 0.1), finding("near", "fail", 2.0), finding("broken", "error"), finding("far", "fail", math.nan))
     record = Record(case="c", label="c", parameters={}, engine="e", version="1", method="m", is_reference=False, runs=(), findings=found)
-    assert [f.quantity for _, f in worst_first([record])] == ["far", "near", "broken", "held"]
+    assert [f.quantity for _, f in worst_first([record])] == ["broken", "far", "near", "held"]

@@ -60,6 +60,7 @@ def test_samples_are_whole_rise_and_end_at_n(n):
 @pytest.mark.parametrize("problem", ITERATIONS, ids=lambda p: p.map.kind)
 def test_a_moved_start_is_another_start_that_the_map_takes(problem):
     moved = problem.perturbed(1)
+    # sharp: a neighbour is at most 2^-52 of the number away, and the quotient is rounded once
     assert np.max(np.abs(moved.start / problem.start - 1)) <= 2.0**-51
     assert np.any(moved.start != problem.start)
     if len(moved.start) == 4:

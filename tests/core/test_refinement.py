@@ -87,3 +87,22 @@ def test_an_order_is_read_from_finer_levels_where_there_are_kinks_and_from_none_
     assert order_levels(smooth, (0.5, 0.25)) == (0.5, 0.25)
     assert order_levels(rubbing, (0.5, 0.25)) == (0.5, 0.25, 0.125, 0.0625)
     assert order_levels(rubbing, ()) == ()
+
+
+def test_roundings_of_equal_terms_add_up_step_by_step():
+    from refdem.core.refinement import flight
+
+    step, exact = (Method(name="m", summary="", control=control, order=2, precision="single") for control in ("step", "exact"))
+    spheres, swings = (discovery.case(name).at() for name in ("two-spheres", "harmonic-oscillator"))
+    h = float(spheres.times[1]) / 1024
+    assert flight(swings, step, h) == flight(spheres, exact, h) == 0.0
+    claimed = flight(spheres, step, h)
+    place, moved = np.float32(1.0), np.float32(1.0) + np.float32(0.3)
+    term, steps = np.float32(0.3 / 65536), 65536
+    for _ in range(steps):
+        place += term
+    drift = abs(float(place) - float(moved))
+    random = 8 * 2.0**-24 * np.sqrt(steps)
+    assert drift > random  # of equal terms: more than roundings of random sign would leave
+    assert drift < 2.0**-24 * steps
+    assert claimed == pytest.approx(2.0**-24 * spheres.times[-1] / h)

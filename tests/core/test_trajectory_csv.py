@@ -121,13 +121,13 @@ CELLS = st.sampled_from(["0", "1", "-1e3", "", "nan", "inf", "1e999", "0x1p3", '
 
 
 @given(st.binary(max_size=400))
-@settings(max_examples=200, deadline=None, derandomize=True)
+@settings(max_examples=200)
 def test_no_bytes_are_worse_than_an_error(tmp_path_factory: pytest.TempPathFactory, data: bytes) -> None:
     _held(tmp_path_factory.getbasetemp(), data)
 
 
 @given(st.lists(st.lists(CELLS, min_size=13, max_size=16), min_size=3, max_size=5))
-@settings(max_examples=300, deadline=None, derandomize=True)
+@settings(max_examples=300)
 def test_no_cells_are_worse_than_an_error(tmp_path_factory: pytest.TempPathFactory, cells: list[list[str]]) -> None:
     _held(tmp_path_factory.getbasetemp(), table(*(",".join(line) for line in cells)).encode())
 

@@ -1,0 +1,91 @@
+"""Impulses between samples are those of the law at any step for correct codes; a limit that is late, or a wrong law, is outside."""
+
+from dataclasses import replace
+
+import pytest
+
+from refdem.campaign.in_process import record_of, task_of, truth_of
+from refdem.core import discovery
+from refdem.faults.catalogue import chosen
+from refdem.faults.change import of_elements, scaled
+from refdem.faults.fault import Fault
+from refdem.faults.transparent import Transparent
+from refdem.scene.elements.contact import Contact
+
+SCRAPE = {"damping": "1/2", "friction": "1/12", "angle": "1", "masses": "1,2", "radii": "1/2,5/8", "spins": "0,0,1/8,0,0,-1/16"}
+PUSHES = SCRAPE | {"cutoff": "zero_force"}
+IN_SPACE = SCRAPE | {"damping": "0", "spins": "1,0,1/2,0,-2,1"}
+REMEMBERS = SCRAPE | {"tangential_stiffness": "64", "damping": "0"}
+KNOCK = {"damping": "3", "masses": "1,2"}
+FIRST = {"contact": 1, "friction": 1}
+
+
+class OfFirstOrder(Transparent):
+    """The transparent engine with a claim of first order where forces jump, and so with wide bounds on its errors."""
+
+    methods = tuple(replace(method, order_with=FIRST, locates_events=False) for method in Transparent.methods)
+
+
+def found(engine, method, given, case="two-spheres"):
+    """The findings of the check alone, by quantity."""
+    instance = discovery.case(case).at(**given)
+    task = task_of(engine, method, instance, truth_of(instance), 3, ("contact-impulse",))
+    return {finding.quantity: finding for finding in record_of(task).findings if finding.check == "contact-impulse"}
+
+
+SETTINGS = {"scrape": SCRAPE, "pushes": PUSHES, "in space": IN_SPACE, "remembers": REMEMBERS, "knock": KNOCK}
+
+
+@pytest.mark.parametrize("name", SETTINGS)
+@pytest.mark.parametrize("method", ["verlet", "verlet-single"])
+@pytest.mark.parametrize("engine", [Transparent(), OfFirstOrder()], ids=["second", "first"])
+def test_impulses_of_a_correct_code_are_those_of_the_law_at_the_coarsest_step(name, method, engine):
+    seen = found(engine, method, SETTINGS[name])
+    assert {quantity: f.sentence for quantity, f in seen.items() if f.outcome != "pass"} == {}
+    slides = name in ("scrape", "pushes", "in space")
+    assert set(seen) == ({"normal", "cone"} if slides else {"normal"})
+
+
+@pytest.mark.parametrize(("case", "given"), [("two-spheres", SCRAPE), ("two-spheres", REMEMBERS), ("hertz-spheres", {})])
+def test_every_method_of_the_reference_that_steps_holds_it(case, given):
+    engine = discovery.engine("reference")
+    instance = discovery.case(case).at(**given)
+    able = [m.name for m in engine.methods if m.control == "step" and engine.refuses(instance.problem, m) is None]
+    assert able
+    for method in able:
+        assert {f.outcome for f in found(engine, method, given, case).values()} == {"pass"}, method
+
+
+def fault(**changes):
+    """A fault that changes fields of the contact law."""
+    return Fault(
+        name="changed",
+        kind="contact",
+        sentence="",
+        on=("scrape",),
+        sees=("contact-impulse", "cone"),
+        before=of_elements(Contact, **changes),
+    )
+
+
+LATE, WITHOUT = chosen(["contact-limit-late", "contact-limit-without-damping"])
+
+
+@pytest.mark.parametrize("planted", [fault(friction=scaled(1.05)), LATE], ids=["larger", "late"])
+def test_a_limit_of_friction_that_is_too_large_or_late_is_outside_the_cone_at_the_coarsest_step(planted):
+    cone = found(planted.carrier(), "verlet", SCRAPE)["cone"]
+    assert cone.outcome == "fail", cone.sentence
+
+
+@pytest.mark.parametrize(
+    "planted",
+    [fault(cutoff=lambda _: "zero_force"), fault(damping=scaled(0.5)), fault(stiffness=scaled(1.25))],
+    ids=["tail cut", "damping halved", "stiffer"],
+)
+def test_a_law_that_is_wrong_within_the_bound_of_first_order_is_seen_at_the_coarsest_step(planted):
+    normal = found(planted.carrier(OfFirstOrder()), "verlet", KNOCK)["normal"]
+    assert normal.outcome == "fail", normal.sentence
+
+
+def test_it_does_not_apply_where_something_else_acts_nor_without_steps():
+    assert found(discovery.engine("reference"), "exact-harmonic", {}, "harmonic-oscillator") == {}
