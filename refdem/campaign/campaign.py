@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 import msgspec
 
 import refdem
-from refdem.campaign import judging, plan, sheets, unchanged, worker
+from refdem.campaign import judging, plan, required, sheets, unchanged, worker
 from refdem.campaign.deviations import of_engine
 from refdem.campaign.plan import Task
 from refdem.campaign.schedule import InProcess, Job, Schedule
@@ -17,7 +17,7 @@ from refdem.campaign.truths import FAILED, sampled_truths
 from refdem.core.answer_csv import most_rows
 from refdem.core.case import Instance
 from refdem.core.engine import Engine, ProgramEngine
-from refdem.core.finding import CampaignSheet, Sheet
+from refdem.core.finding import CampaignSheet, CaseSheet, Sheet
 from refdem.core.problem import Request
 from refdem.core.refinement import order_levels
 from refdem.core.run import Failure, Run
@@ -67,7 +67,8 @@ class Campaign:
             whole, *found = found
             assert isinstance(whole, CampaignSheet)
             self.read = whole.runs_made + whole.runs_read
-        return [self._whole(start), *found]
+        labels = [sheet.label for sheet in found if isinstance(sheet, CaseSheet)]
+        return [self._whole(start), *required.held(found, self.specification, engines, labels)]
 
     def _whole(self, start: float) -> CampaignSheet:
         return CampaignSheet(

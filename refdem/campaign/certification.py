@@ -2,9 +2,9 @@
 
 import hashlib
 import json
-import time
 import tomllib
 from collections.abc import Callable, Iterable, Mapping
+from contextlib import suppress
 from dataclasses import dataclass, field
 from fractions import Fraction
 from pathlib import Path
@@ -21,14 +21,16 @@ from refdem.core.case import Instance
 from refdem.core.problem import Motion
 from refdem.core.run import Failure
 from refdem.core.store import Store
-from refdem.errors import NotCertifiedError, UsageError
+from refdem.errors import NotCertifiedError, StoreError, UsageError
 from refdem.truth.certified import samples
+from refdem.truth.certified.reader import LIST, sets_of, text_of
 from refdem.truth.certified.sources import ROOT, closure, digest_of, digest_of_files
+from refdem.truth.certified.writing import blocks_in
 
 LONGEST = 1800.0
 """CPU seconds that one set may take to be proved."""
-DEAR = 0.1
-"""CPU seconds above which sampled truth is kept for judging; below, it is proved each time."""
+SAMPLED = "samples-of"
+"""In sets.toml: the cases whose sampled truths are kept for judging, because they are dear to prove. The others are proved each time."""
 WRITERS = tuple(ROOT / "truth" / "certified" / f"{name}.py" for name in ("reader", "writing", "samples"))
 Progress = Callable[[str, int, int], None]
 
@@ -49,10 +51,8 @@ class Wanted:
 def wanted_sets(folder: Path, cases: Iterable[str] = ()) -> list[Wanted]:
     """The sets that sets.toml names, of these cases or of all; raises UsageError."""
     path = folder / "sets.toml"
-    try:
-        document = tomllib.loads(path.read_text())
-    except (OSError, tomllib.TOMLDecodeError) as error:
-        raise UsageError(f"{path}: {error}") from None
+    document = document_of(path)
+    document.pop(SAMPLED, None)
     only, found = set(cases), []
     for unknown in only - set(document):
         raise UsageError(f"{path} has no sets of case {unknown!r}; it has {', '.join(document)}")
@@ -64,6 +64,14 @@ def wanted_sets(folder: Path, cases: Iterable[str] = ()) -> list[Wanted]:
     return found
 
 
+def document_of(path: Path) -> dict[str, Any]:
+    """What sets.toml says; raises UsageError."""
+    try:
+        return tomllib.loads(path.read_text(encoding="utf-8"))
+    except (OSError, UnicodeDecodeError, tomllib.TOMLDecodeError) as error:
+        raise UsageError(f"{path}: {error}") from None
+
+
 def _refuse_twins(found: list[Wanted], path: Path) -> None:
     labels = [one.instance.label for one in found]
     for label in labels:
@@ -71,14 +79,16 @@ def _refuse_twins(found: list[Wanted], path: Path) -> None:
             raise UsageError(f"{path}: {label} is there twice; put its times together")
 
 
-def judged_instances(cases: Iterable[str] = ()) -> list[Instance]:
-    """The instances of the campaign main whose truth is sampled over time."""
+def judged_instances(folder: Path, cases: Iterable[str] = ()) -> list[Instance]:
+    """The instances of the campaign main whose sampled truth is kept: of the cases that sets.toml names so (and of these cases only)."""
     only = set(cases)
+    kept = document_of(folder / "sets.toml").get(SAMPLED, [])
+    wanted = {case for case in kept if not only or case in only}
     every = {instance.label: instance for instance, _ in plan.instances(named("main"))}
-    return [one for one in every.values() if (not only or one.case.id in only) and isinstance(one.problem, Motion)]
+    return [one for one in every.values() if one.case.id in wanted and isinstance(one.problem, Motion)]
 
 
-def proved_set(case: str, given: dict[str, str], times: tuple[str, ...]) -> bytes:
+def proved_set(case: str, given: dict[str, str], times: tuple[str, ...], job: str = "") -> bytes:
     """The lines of one set, proved and witnessed; no lines and a reason if nothing can be certified or the witness denies it. JSON."""
     from refdem.truth.certified.writing import DIGITS, block, rows
     from refdem.truth.witnesses.testimony import testimony
@@ -95,7 +105,7 @@ def proved_set(case: str, given: dict[str, str], times: tuple[str, ...]) -> byte
     if said is not None and said["denied"]:
         return _result([], f"the witness ({said['by']}) does not confirm {', '.join(said['denied'][:5])}")
     witnessed = {name: said[name] for name in ("by", "values", "digits")} if said else None
-    more = {"source": digest_of(case), "witnessed": witnessed, "not_certified": missing}
+    more = {"source": digest_of(case), "job": job, "witnessed": witnessed, "not_certified": missing}
     return _result(block(instance.label, instance.p.texts(), truth, found, **more), "")
 
 
@@ -103,23 +113,23 @@ def _result(lines: list[str], reason: str) -> bytes:
     return json.dumps({"lines": lines, "reason": reason}).encode()
 
 
-def proved_samples(case: str, given: dict[str, str]) -> bytes:
-    """The line of samples/ of one instance, empty if it is cheap enough to be proved each time."""
+def proved_samples(case: str, given: dict[str, str], job: str = "") -> bytes:
+    """The line of samples/ of one instance, also of one that is certified at no time, which says why."""
     from refdem.campaign.worker import sampled_truth
     from refdem.core.truth import SampledTruth
 
     instance = discovery.case(case).at(**given)
-    start = time.process_time()
-    data = sampled_truth(case, given)
-    if time.process_time() - start < DEAR:
-        return b""
-    truth = msgspec.msgpack.decode(data, type=SampledTruth)
-    return samples.line_of(instance.label, samples_key(instance), digest_of(case), truth) if truth.until else b""
+    truth = msgspec.msgpack.decode(sampled_truth(case, given), type=SampledTruth)
+    return samples.line_of(instance.label, samples_key(instance), digest_of(case), truth, job)
 
 
 @dataclass
 class Certification:
-    """One rebuilding of the store. What was proved before is kept while the code behind it is the same, unless `anew`."""
+    """One rebuilding of the store.
+
+    A line that is there is kept while what it was asked, and all code that had a part in it, are the same (its `job`); then the store of
+    finished work is asked, so that a killed run resumes; what is left is proved. `anew` proves everything.
+    """
 
     folder: Path
     store: Store
@@ -131,9 +141,10 @@ class Certification:
 
     def run(self, cases: Iterable[str] = ()) -> None:
         """Proves what is missing or stale and writes the files of these cases, or of all."""
-        wanted, judged = wanted_sets(self.folder, cases), judged_instances(cases)
-        jobs = [Job(("set", one.instance.label), proved_set, one.job, computes=True) for one in wanted]
-        jobs += [Job(("samples", one.label), proved_samples, (one.case.id, one.p.given), computes=True) for one in judged]
+        wanted = wanted_sets(self.folder, cases)
+        judged = judged_instances(self.folder, cases)
+        jobs = [job_of("set", one.instance.label, proved_set, one.job) for one in wanted]
+        jobs += [job_of("samples", one.label, proved_samples, (one.case.id, one.p.given)) for one in judged]
         results = self._results(jobs)
         blocks: dict[str, list[list[str]]] = {one.instance.case.id: [] for one in wanted}
         lines: dict[str, list[bytes]] = {one.case.id: [] for one in judged}
@@ -148,8 +159,8 @@ class Certification:
 
     def _results(self, jobs: list[Job]) -> dict[tuple[str, str], bytes]:
         """The result of every job that ended well: kept ones from the store of finished work, so that a killed run resumes."""
-        keys = {job.key: _key(job) for job in jobs}
-        kept = {} if self.anew else {job.key: data for job in jobs if (data := self.store.get("certified", keys[job.key])) is not None}
+        keys = {job.key: job.arguments[-1] for job in jobs}
+        kept: dict[tuple[str, str], bytes] = {} if self.anew else self._kept(keys)
         missing = [job for job in jobs if job.key not in kept]
         with Schedule(self.jobs, LONGEST) as schedule:
             for done, (job, result) in enumerate(schedule.results(missing), 1):
@@ -161,6 +172,16 @@ class Certification:
                     kept[job.key] = result
                     self.made += 1
         return kept
+
+    def _kept(self, keys: Mapping[tuple[str, str], str]) -> dict[tuple[str, str], bytes]:
+        """What is not to be proved again: from the files of the folder first, then from the store of finished work."""
+        there = committed(self.folder)
+        found = {}
+        for key, job in keys.items():
+            data = there.get((*key, job)) or self.store.get("certified", job)
+            if data is not None:
+                found[key] = data
+        return found
 
     def _write(self, blocks: Mapping[str, list[list[str]]], lines: Mapping[str, list[bytes]], *, whole: bool) -> None:
         from refdem.truth.certified.writing import file_text, sums
@@ -176,26 +197,53 @@ class Certification:
         for path in [*certified.glob("*.jsonl"), *kept.glob("*.jsonl")] if whole else ():
             if path.stem not in (blocks if path.parent == certified else lines):
                 path.unlink()
-        texts = {path.name: path.read_text(encoding="utf-8") for path in certified.glob("*.jsonl")}
-        (certified / "sha256sums.txt").write_text(sums(texts))
+        for home in (certified, kept):
+            texts = {path.name: path.read_text(encoding="utf-8") for path in home.glob("*.jsonl")}
+            (home / LIST).write_text(sums(texts))
 
 
-def _key(job: Job) -> str:
-    """sha256 of a job and of the code behind it: that of the truth, of its witness, and of what writes the lines."""
+def job_of(kind: str, label: str, function: Callable[..., bytes], arguments: tuple[Any, ...]) -> Job:
+    """The work for one line, or lines; its last argument is the digest that these carry."""
+    return Job((kind, label), function, (*arguments, job_digest(kind, label, arguments)), computes=True)
+
+
+def job_digest(kind: str, label: str, arguments: tuple[Any, ...]) -> str:
+    """sha256 of a job and of the code behind it: that of the truth, of what writes the lines, and of the witness of a set."""
     from refdem.truth.witnesses.testimony import witness_files
 
-    code = digest_of_files({*WRITERS, *closure(witness_files(job.arguments[0]))})
-    asked: list[Any] = [job.key, job.arguments, digest_of(job.arguments[0]), code, *([DEAR] if job.key[0] == "samples" else [])]
+    case = arguments[0]
+    witness = closure(witness_files(case)) if kind == "set" else set()
+    asked = [kind, label, arguments, digest_of(case), digest_of_files({*WRITERS, *witness})]
     return hashlib.sha256(msgspec.json.encode(asked)).hexdigest()
+
+
+def committed(folder: Path) -> dict[tuple[str, str, str], bytes]:
+    """What the files of the folder hold, by kind, label and digest of the job; a damaged file holds nothing, and is proved again."""
+    found: dict[tuple[str, str, str], bytes] = {}
+    for path in sorted((folder / "certified").glob("*.jsonl")):
+        with suppress(ValueError):
+            text = text_of(path)
+            labels = [(one.label, one.job) for one in sets_of(text, path.name)]
+            for (label, job), lines in zip(labels, blocks_in(text), strict=True):
+                found["set", label, job] = _result(lines, "")
+    for path in sorted((folder / "samples").glob("*.jsonl")):
+        with suppress(StoreError):
+            entries = samples.kept(path.parent, path.stem)
+            for one, line in zip(entries, path.read_bytes().splitlines(keepends=True), strict=True):
+                found["samples", one.label, one.job] = line
+    return found
 
 
 def stale(folder: Path) -> list[str]:
     """Labels of sets and samples that were proved with other code than there is now, are missing, or that nobody asks for any more."""
     from refdem.truth.certified.reader import load
 
-    there = load(folder=folder / "certified")
-    found = [one.label for one in there if digest_of(one.case) != one.source]
-    found += sorted({one.instance.label for one in wanted_sets(folder)} ^ {one.label for one in there})
-    for path in sorted((folder / "samples").glob("*.jsonl")):
-        found += [f"samples of {one.label}" for one in samples.kept(path.parent, path.stem) if digest_of(path.stem) != one.source]
-    return found
+    there = {one.label: one for one in load(folder=folder / "certified")}
+    wanted = {one.instance.label: one for one in wanted_sets(folder)}
+    jobs = {label: job_digest("set", label, one.job) for label, one in wanted.items()}
+    found = [label for label, one in there.items() if label in jobs and one.job != jobs[label]]
+    found += sorted(set(wanted) ^ set(there))
+    asked = {one.label: job_digest("samples", one.label, (one.case.id, one.p.given)) for one in judged_instances(folder)}
+    kept = {one.label: one for path in sorted((folder / "samples").glob("*.jsonl")) for one in samples.kept(path.parent, path.stem)}
+    found += [f"samples of {label}" for label, one in kept.items() if label in asked and one.job != asked[label]]
+    return found + [f"samples of {label}" for label in sorted(set(asked) ^ set(kept))]

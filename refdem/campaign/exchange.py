@@ -48,7 +48,8 @@ class Elsewhere(Engine):
 
     def __init__(self, described: Engine, version: str, folder: Path, *, writes: bool) -> None:
         self.name, self.title, self.licence, self.methods = described.name, described.title, described.licence, described.methods
-        self.expected, self.described, self.at, self.folder, self.writes = described.expected, described, version, folder, writes
+        self.expected, self.may_refuse = described.expected, described.may_refuse
+        self.described, self.at, self.folder, self.writes = described, version, folder, writes
         self.asked: Counter[str] = Counter()
         self.waiting: list[str] = []
 
@@ -69,16 +70,17 @@ class Elsewhere(Engine):
         return self.described.refusal(problem, method)
 
     def run(self, request: Request) -> tuple[Trajectory, Cost]:
-        """The trajectory that came back; UnsupportedError for a run that is not exported yet, EngineError for a missing one."""
+        """The trajectory that came back; EngineError for one that is missing or whose request is not exported yet.
+
+        Raises UnsupportedError where the folder says that the program refused.
+        """
         plain = request.key(self.name)
         self.asked[plain] += 1
         name = plain[:32] if self.asked[plain] == 1 else f"{plain[:32]}-{self.asked[plain]}"
         folder = self.folder / name
         if not (folder / "request.json").is_file():
             if not self.writes:
-                raise UnsupportedError(
-                    "this run goes on from another and is not exported yet; `refdem export` into the same folder writes it"
-                )
+                raise EngineError("this run goes on from another and is not exported yet; `refdem export` into the same folder writes it")
             written(request, folder)
         if (folder / REFUSED).is_file():
             raise UnsupportedError((folder / REFUSED).read_text(errors="replace").strip()[-200:] or f"the program wrote {REFUSED}")
@@ -137,6 +139,8 @@ def read(folder: Path) -> Manifest:
         raise UsageError(f"{path} is not there; expected a folder that `refdem export` wrote") from None
     except msgspec.MsgspecError as error:
         raise UsageError(f"{path}: {error}") from None
+    if not manifest.case or not manifest.versions:
+        raise UsageError(f"{path} names no {'program' if manifest.case else 'case'}, so there is nothing to judge; export again")
     if manifest.refdem != refdem.__version__:
         raise UsageError(f"{path} was written by refdem {manifest.refdem}, this is {refdem.__version__}; export again")
     return manifest

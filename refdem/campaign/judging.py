@@ -11,16 +11,16 @@ from refdem.core.check import Check, Outcome
 from refdem.core.deviation import Deviation
 from refdem.core.finding import DECIDED, Finding, Record
 from refdem.core.judgement import undecided
-from refdem.core.run import Run
+from refdem.core.run import Failure, Run
 from refdem.core.variant import Variant
 from refdem.errors import RefdemError
 
 
 def record(task: Task, version: str, runs: Mapping[Variant, Run], deviations: list[Deviation]) -> Record:
-    """What was found for one task; an error if nothing could be decided."""
+    """What was found for one task; an error if nothing could be decided although every check was asked."""
     instance = task.trial.instance
     findings = _findings(task, runs)
-    if not any(f.outcome in (*DECIDED, "error", "unsupported") for f in findings):
+    if _is_void(task, findings):
         reasons = "; ".join(dict.fromkeys(f.sentence for f in findings)) or "no check applies"
         findings.append(Finding(check="record", quantity="decided", outcome="error", sentence=f"Nothing was decided: {reasons}"))
     found = Record(
@@ -38,31 +38,91 @@ def record(task: Task, version: str, runs: Mapping[Variant, Run], deviations: li
     return applied(found, deviations)
 
 
+def _is_void(task: Task, findings: list[Finding]) -> bool:
+    """True if nothing was decided and nobody said why: neither a refusal, nor an error, nor the only checks that were asked for.
+
+    A check that was named alone may find that a method's properties leave it nothing to decide, and its reason stands.
+    """
+    if any(finding.outcome in (*DECIDED, "error") for finding in findings):
+        return False
+    is_refused = bool(findings) and all(finding.outcome == "unsupported" for finding in findings)
+    is_honest = bool(findings) and task.is_selection
+    return not (is_refused or is_honest)
+
+
 def _findings(task: Task, runs: Mapping[Variant, Run]) -> list[Finding]:
-    """The findings of a task, as they come from its checks."""
+    """The findings of a task: how its runs failed, then what its checks say."""
     if task.refusal is not None:
         return [Finding(check="run", quantity="scene", outcome="unsupported", sentence=f"Not supported: {task.refusal}.")]
-    failed = {variant: run.failure for variant, run in runs.items() if run.failure is not None}
-    optional = (*symmetry.NAMES, "perturbed")
-    unshown = {variant for variant, failure in failed.items() if failure.kind == "unsupported" and variant.change in optional}
-    broken = {variant: failure for variant, failure in failed.items() if variant not in unshown}
-    findings = []
-    if broken:
-        variant, failure = next(iter(broken.items()))
-        more = f" ({len(broken)} of {len(runs)} runs failed)" if len(broken) > 1 else ""
-        outcome = "unsupported" if all(f.kind == "unsupported" for f in broken.values()) else "error"
-        sentence = f"The run at {variant} ended without a trajectory ({failure.kind}){more}: {failure.sentence}"
-        findings.append(msgspec.structs.replace(_ERROR, outcome=outcome, sentence=sentence))
     outcomes = {v: Outcome(run.trajectory, run.cost) for v, run in runs.items() if run.trajectory is not None and run.cost is not None}
+    failed = {variant: run.failure for variant, run in runs.items() if run.failure is not None}
+    refused = {variant for variant, failure in failed.items() if failure.kind == "unsupported"}
+    permitted = {variant for variant in refused if _may_refuse(task, variant, runs[variant])}
+    findings = _failures(task, {v: failure for v, failure in failed.items() if v not in permitted or not outcomes}, ran=bool(outcomes))
+    # What these show is shown beside the rest: without them a check judges what is left.
+    unshown = {variant for variant in refused if variant.change in (*symmetry.NAMES, "perturbed")}
     for check in task.checks:
+        needed = check.needs(task.trial)
         if check.synchronous and task.method.velocity_time != "synchronous":
             findings.append(undecided(check.name, "state", "the method gives velocities half a step before its positions"))
-        elif all(variant in outcomes or variant in unshown for variant in check.needs(task.trial)):
+        elif all(variant in outcomes or variant in unshown for variant in needed):
             findings += _judged(task, check, outcomes)
+        changes = dict.fromkeys(variant.change for variant in needed if variant in permitted and outcomes)
+        findings += [_unshown(check, change, failed) for change in changes]
     return findings
 
 
 _ERROR = Finding(check="run", quantity="trajectory", outcome="error", sentence="")
+
+
+def _may_refuse(task: Task, variant: Variant, run: Run) -> bool:
+    """True if the engine had said before the run that it cannot make it.
+
+    That is a picture of the scene among those that it may refuse, or a run whose own start its `refusal` refuses: nobody knew the
+    end that a run goes on from, nor what a start moved by an ulp still touches, when the runs were planned.
+    """
+    if variant.change in task.engine.may_refuse:
+        return True
+    return task.engine.refuses(run.request.problem, task.method) is not None
+
+
+def _unshown(check: Check, change: str, failed: Mapping[Variant, Failure]) -> Finding:
+    """A variant that the engine refused, as it had said it may."""
+    failure = next(failure for variant, failure in failed.items() if variant.change == change)
+    sentence = f"Not supported: the variant `{change}` was refused when it ran: {failure.sentence}."
+    return Finding(check=check.name, quantity=change, outcome="unsupported", sentence=sentence)
+
+
+def _failures(task: Task, failed: Mapping[Variant, Failure], *, ran: bool) -> list[Finding]:
+    """At most one finding for all runs that failed: the worst of them, an error before a refusal.
+
+    A program that refuses every run does not support the scene. The reference refuses before it runs or not at all, and whoever
+    runs a scene at all runs it at every step and in every variant: any other refusal is an error.
+    """
+    if not failed:
+        return []
+    broken = {variant: failure for variant, failure in failed.items() if failure.kind != "unsupported"}
+    if not broken and not ran and not task.engine.is_reference:
+        return [msgspec.structs.replace(_ERROR, outcome="unsupported", sentence=_told(failed, len(failed)))]
+    sentence = _told(broken or failed, len(failed))
+    if not broken:
+        sentence += _REFUSED_BY_THE_REFERENCE if task.engine.is_reference else _REFUSED_IN_PART
+    return [msgspec.structs.replace(_ERROR, sentence=sentence)]
+
+
+_REFUSED_BY_THE_REFERENCE = " The reference must say before it runs what it cannot run."
+_REFUSED_IN_PART = (
+    " It ran the same scene otherwise, and whoever supports a scene runs it at every step and in every variant"
+    " (pictures of a scene that a program cannot show are named in engine.may_refuse of its refdem.toml)."
+)
+
+
+def _told(failures: Mapping[Variant, Failure], count: int) -> str:
+    """The first of some failures in a sentence, and how many there are."""
+    variant, failure = next(iter(failures.items()))
+    more = f" ({count} runs failed)" if count > 1 else ""
+    said = failure.sentence.rstrip(".")
+    return f"The run at {variant} ended without a trajectory ({failure.kind}){more}: {said}."
 
 
 def _judged(task: Task, check: Check, outcomes: Mapping[Variant, Outcome]) -> list[Finding]:

@@ -26,4 +26,4 @@ def kept_truth(instance: Instance, folder: Path | None = None) -> SampledTruth |
     entries = [one for one in samples.kept(home, instance.case.id) if one.label == instance.label]
     if not entries or entries[0].source != digest_of(instance.case.id) or entries[0].key != samples_key(instance):
         return None
-    return samples.truth_of(entries[0], home / f"{instance.case.id}.jsonl")
+    return entries[0].truth

@@ -29,6 +29,8 @@ class Task:
     refusal: str | None
     checks: tuple[Check, ...] = ()
     left_out: Mapping[str, str] = field(default_factory=dict)
+    is_selection: bool = False
+    """Only some checks were asked for, so that they may honestly have nothing to decide here."""
 
     @property
     def method(self) -> Method:
@@ -144,7 +146,8 @@ def tasks(
             else:
                 left_out[name] = why
         if chosen or refusal is not None or not only:  # the one check of a selection may leave a method out
-            found.append(Task(engine, trial, refusal, tuple(chosen), left_out))
+            is_selection = bool(only or specification.checks)
+            found.append(Task(engine, trial, refusal, tuple(chosen), left_out, is_selection))
     return found
 
 

@@ -2,6 +2,7 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -37,11 +38,18 @@ class Probe:
     scene: Scene
     expected: Callable[[Array], Expected]
     start: float = 0.0
+    backwards: bool = False
 
     @property
     def times(self) -> Array:
-        """A second in samples."""
-        return np.asarray(self.start + INTERVAL * np.arange(SAMPLES + 1))
+        """A second in samples; falling where the probe runs backwards."""
+        direction = -1.0 if self.backwards else 1.0
+        return np.asarray(self.start + direction * INTERVAL * np.arange(SAMPLES + 1))
+
+    @cached_property
+    def right(self) -> Expected:
+        """What must come back at `times`."""
+        return self.expected(self.times - self.start)
 
 
 def probes() -> tuple[Probe, ...]:
@@ -92,13 +100,28 @@ def _falls() -> tuple[Probe, ...]:
 def _spins() -> tuple[Probe, ...]:
     """Steady turns about a principal axis: the quaternion's order, sign and side, radians, and omega's axes."""
 
+    place = np.array([1.5, -0.75, 0.0])
+    drift = np.array([0.5, 1.25, 0.0])
+
     def spin(name: str, shows: str, omega: Array, attitude: tuple[float, float, float, float]) -> Probe:
-        body = Body(mass=1.0, inertia=(1.0, 2.0, 2.5), omega=tuple(omega), attitude=attitude)
+        body = Body(
+            mass=1.0,
+            inertia=(1.0, 2.0, 2.5),
+            position=(1.5, -0.75, 0.0),
+            velocity=(0.5, 1.25, 0.0),
+            omega=tuple(omega),
+            attitude=attitude,
+        )
         rate = float(np.linalg.norm(omega))
 
         def expected(t: Array) -> Expected:
             turn = np.column_stack([np.cos(rate * t / 2), np.outer(np.sin(rate * t / 2), omega / rate)])
-            return {"attitude": product(turn, np.array(attitude))[:, None], "omega": np.tile(omega, (len(t), 1, 1))}
+            return {
+                "position": place + t[:, None, None] * drift,
+                "velocity": drift + 0 * t[:, None, None],
+                "attitude": product(turn, np.array(attitude))[:, None],
+                "omega": np.tile(omega, (len(t), 1, 1)),
+            }
 
         return Probe(name=name, shows=shows, scene=Scene.of([body]), expected=expected)
 

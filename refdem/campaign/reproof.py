@@ -9,7 +9,9 @@ from refdem.campaign.certification import proved_set
 from refdem.campaign.schedule import Job, Schedule
 from refdem.core import discovery
 from refdem.core.run import Failure
-from refdem.truth.certified.reader import CertifiedSet, Value, load
+from refdem.errors import StoreError
+from refdem.truth.certified.reader import CertifiedSet, Value, load, problems_of_list
+from refdem.truth.certified.samples import kept
 
 EARLIEST = 2
 """Times of a set that are proved again: validated integration costs as much as the time it covers."""
@@ -23,13 +25,32 @@ def damaged(folder: Path) -> list[str]:
     problems = []
     try:
         load(folder=folder / "certified")
-    except ValueError as error:
+        for path in sorted((folder / "samples").glob("*.jsonl")):
+            kept(path.parent, path.stem)
+    except (ValueError, StoreError) as error:
         problems.append(str(error))
-    lines = [line.split("  ") for line in (folder / "certified" / "sha256sums.txt").read_text().splitlines()]
-    listed = {name: digest for digest, name in lines}
-    there = {path.name: hashlib.sha256(path.read_bytes()).hexdigest() for path in (folder / "certified").glob("*.jsonl")}
-    names = sorted({*listed, *there})
-    return problems + [f"{name}: not as sha256sums.txt has it" for name in names if listed.get(name) != there.get(name)]
+    for home in (folder / "certified", folder / "samples"):
+        if home.is_dir() and any(home.iterdir()):
+            inside = None if home.name == "certified" else problem_of_samples
+            problems += [problem for problem in listing_problems(home, inside) if problem not in problems]
+    return problems
+
+
+def listing_problems(home: Path, inside: Callable[[Path], str] | None) -> list[str]:
+    """What does not agree between sha256sums.txt and the files of a folder."""
+    try:
+        return list(problems_of_list(home, inside=inside))
+    except ValueError as error:
+        return [str(error)]
+
+
+def problem_of_samples(path: Path) -> str:
+    """What is wrong with a file of samples, or nothing."""
+    try:
+        kept(path.parent, path.stem)
+    except StoreError as error:
+        return str(error)
+    return ""
 
 
 def sample(sets: Iterable[CertifiedSet], *, each: int, seed: str) -> list[CertifiedSet]:

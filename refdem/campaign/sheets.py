@@ -65,7 +65,9 @@ def claims(method: Method) -> str:
     """A method's claims in one line."""
     words = [method.summary, {"step": f"order {method.order}", "tolerance": "tolerance control", "exact": "exact"}[method.control]]
     words += [f"order {order} with {feature}" for feature, order in method.order_with.items()]
-    words += [f"keeps {name}" for name in sorted(method.conserves)]
+    for name in sorted(method.conserves):
+        broken = ", ".join(sorted(method.broken_with.get(name, ())))
+        words.append(f"keeps {name}" + (f" (not with {broken})" if broken else ""))
     words += [word for word, holds in (("symplectic", method.symplectic), ("reversible", method.reversible)) if holds]
     if method.summed_clock:
         words.append("its clock is a plain sum of steps, off by up to u t each")

@@ -2,16 +2,21 @@
 
 from collections.abc import Callable
 from dataclasses import replace
+from functools import cache
 
 import numpy as np
 from numpy.typing import NDArray
 
-from refdem.campaign.probes import INTERVAL, Probe, probes
+from refdem.campaign.clock import counted, refuse_other_shape
+from refdem.campaign.force_probes import force_probes
+from refdem.campaign.probes import INTERVAL, Expected, Probe, probes
+from refdem.campaign.suspicion import suspicion
+from refdem.campaign.turning_probes import turning_probes
 from refdem.core.engine import Engine, Method
 from refdem.core.finding import Finding
 from refdem.core.problem import CLOCK_ROUNDINGS, Motion, Request
 from refdem.core.trajectory import STATE, Trajectory
-from refdem.errors import EngineError, UnsupportedError
+from refdem.errors import UnsupportedError
 from refdem.mechanics import momentum
 from refdem.mechanics.quaternion import conjugate, rotated
 
@@ -27,11 +32,17 @@ CLOCK_BASIS = "samples are whole multiples of dyadic steps: a clock that adds th
 START_BASIS = "the first sample is the scene's own state; an adapter converts it there and back with a few roundings"
 
 
+@cache
+def every_probe() -> tuple[Probe, ...]:
+    """All probes, the simplest first: what is wrong in one is seen there before it is seen in all that follow."""
+    return (*probes(), *force_probes(), *turning_probes())
+
+
 def smoke(engine: Engine) -> list[Finding]:
-    """Every probe with every method that takes it; one finding for each thing compared, of the worst method."""
-    found: list[Finding] = []
-    for probe in probes():
-        reasons = {method.name: engine.refuses(Motion(probe.scene, probe.times), method) for method in engine.methods}
+    """The clock, then every probe with every method that takes it; one finding for each thing compared, of the worst method."""
+    found = _worst([counted(engine, method) for method in engine.methods])
+    for probe in every_probe():
+        reasons = {method.name: _refusal(engine, method, probe) for method in engine.methods}
         takers = [method for method in engine.methods if reasons[method.name] is None]
         if not takers:
             reason = next(iter(reasons.values()), "it has no methods")
@@ -40,6 +51,13 @@ def smoke(engine: Engine) -> list[Finding]:
         by_method = [_judged(engine, method, probe) for method in takers]
         found += _worst(by_method)
     return found
+
+
+def _refusal(engine: Engine, method: Method, probe: Probe) -> str | None:
+    """None if the method takes the probe, else why not."""
+    if probe.backwards and not method.backward:
+        return "no method claims `backward`"
+    return engine.refuses(Motion(probe.scene, probe.times), method)
 
 
 def _worst(by_method: list[list[Finding]]) -> list[Finding]:
@@ -63,18 +81,17 @@ def _judged(engine: Engine, method: Method, probe: Probe) -> list[Finding]:
     request = _request(method, probe)
     try:
         trajectory, _ = engine.run(request)
-        _refuse_shape(trajectory, request)
+        refuse_other_shape(trajectory, request)
     except UnsupportedError as error:
         return [Finding(check="smoke", quantity=probe.name, outcome="unsupported", sentence=str(error))]
     except Exception as error:  # whatever an adapter raises is its fault, and a finding
         sentence = f"{method.name} on {probe.name!r}: {type(error).__name__}: {error}"
         return [Finding(check="smoke", quantity=probe.name, outcome="error", sentence=sentence)]
     findings = [_clock(trajectory, request, probe, method), _first_sample(trajectory, request, probe, method)]
-    for name, expected in probe.expected(probe.times - probe.start).items():
-        seen = _shown(trajectory, name, probe)
-        if seen is not None:
-            findings.append(_compared(seen, expected, name, request, probe))
-    return findings
+    right = probe.right
+    seen = {name: values for name in right if (values := _shown(trajectory, name, probe)) is not None}
+    seen = {name: values.reshape(right[name].shape) for name, values in seen.items()}
+    return findings + [_compared(right, seen, name, request, probe) for name in seen]
 
 
 def _request(method: Method, probe: Probe) -> Request:
@@ -82,13 +99,6 @@ def _request(method: Method, probe: Probe) -> Request:
     if method.control == "step":
         return replace(request, step=STEP)
     return replace(request, tolerance=TOLERANCE) if method.control == "tolerance" else request
-
-
-def _refuse_shape(trajectory: Trajectory, request: Request) -> None:
-    """Raises EngineError unless there is a row for each sample and body."""
-    expected = (len(request.problem.times), len(request.problem.scene.bodies), 3)
-    if trajectory.position.shape != expected:
-        raise EngineError(f"trajectory.position has shape {trajectory.position.shape}; expected {expected}: samples, bodies, axes")
 
 
 def _few_roundings(method: Method) -> float:
@@ -134,15 +144,16 @@ def _shown(trajectory: Trajectory, name: str, probe: Probe) -> Array | None:
     return getattr(trajectory, name) if name in STATE else trajectory.channels.get(name)
 
 
-def _compared(seen: Array, expected: Array, name: str, request: Request, probe: Probe) -> Finding:
+def _compared(right: Expected, came: Expected, name: str, request: Request, probe: Probe) -> Finding:
     """A quantity against its formula, over the whole run."""
-    seen = seen.reshape(expected.shape)
+    seen, expected = came[name], right[name]
     off = _largest(seen, expected, signless=name == "attitude")
     says = f"{request.method}: {name} is off by at most {off:.2g} of its scale"
     if not off <= BOUND:
         at = int(np.argmax(np.abs(seen - expected).reshape(len(seen), -1).max(axis=1)))
         says += f": at t = {probe.times[at]:g} s it is {_text(seen[at])} and must be {_text(expected[at])}"
-        says += f"; look at how the adapter says {probe.shows}"
+        suspected = suspicion(right, came, name, probe.times - probe.start)
+        says += f"; {suspected}" if suspected else f"; look at how the adapter says {probe.shows}"
     return _finding(f"{probe.name}: {name}", off, BOUND, BASIS, says)
 
 

@@ -1,7 +1,6 @@
 """Sampled truths of instances: from the store of finished work, from what comes with refdem, or made anew in workers."""
 
 import hashlib
-import sys
 from collections.abc import Callable, Sequence
 from importlib.metadata import version as installed
 
@@ -10,11 +9,12 @@ import msgspec
 from refdem.campaign import worker
 from refdem.campaign.kept_truth import kept_truth
 from refdem.campaign.schedule import InProcess, Job, Schedule
-from refdem.core import fingerprint
+from refdem.core import discovery, fingerprint
 from refdem.core.case import Instance
 from refdem.core.run import Failure
 from refdem.core.store import Store
 from refdem.core.truth import SampledTruth
+from refdem.truth.certified.sources import digest_of
 
 Asked = tuple[Instance, tuple[float, ...]]
 """An instance, and delays [s] before its samples at which truth is asked for as well."""
@@ -47,11 +47,19 @@ def truth_key(instance: Instance, delays: tuple[float, ...] = ()) -> str:
     """sha256 of all that can change a sampled truth: case, parameters, samples, its code, python-flint."""
     asked = [instance.case.id, instance.p.texts(), instance.times.tolist(), *delays]
     digest = hashlib.sha256(msgspec.json.encode(asked))
-    module = type(instance.case).__module__
-    case = f"cases/{module.split('.')[-1]}" + ("" if hasattr(sys.modules[module], "__path__") else ".py")
-    source = fingerprint.of_source("truth", case, "core/truth.py", "core/case.py")
-    digest.update(f"{source}\0{installed('python-flint')}".encode())
+    source = fingerprint.of_source("truth", "core/truth.py", "core/case.py")
+    digest.update(f"{source}\0{_of_case(instance)}\0{installed('python-flint')}".encode())
     return digest.hexdigest()
+
+
+def _of_case(instance: Instance) -> str:
+    """Digest of a case's code: all files of refdem that its truth can reach, or the package of one's own that brings it."""
+    own = digest_of(instance.case.id)
+    if own:
+        return own
+    module = type(instance.case).__module__
+    package = discovery.package_of("cases", instance.case.id)
+    return fingerprint.of_module(module) + (fingerprint.of_package(package) if package else "")
 
 
 def no_truth(reason: str) -> SampledTruth:

@@ -6,7 +6,7 @@ from collections import Counter
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 
-from refdem.core.finding import WORST_FIRST, CampaignSheet, CaseSheet, EngineSheet, Finding, Outcome, Record, Sheet
+from refdem.core.finding import BROKEN, DECIDED, WORST_FIRST, CampaignSheet, CaseSheet, EngineSheet, Finding, Outcome, Record, Sheet
 from refdem.report.jsonl import finite
 
 
@@ -94,8 +94,8 @@ def _digest(text: str) -> str:
 ADVICE: dict[Outcome, str] = {
     "fail": "A measured value lies beyond its bound. Read each failed finding: its sentence names the quantity and the basis of the bound.",
     "worse": "An error constant grew beyond what the baseline accepts. Find the change that did it, or bless the new one with a reason.",
-    "lost": "What the baseline has decided could not be decided now. Each finding says why.",
-    "absent": "What the baseline has was not found now. Restore it, or bless its absence with a reason.",
+    "lost": "What the baseline, or the list of the campaign, has decided could not be decided now. Each finding says why.",
+    "absent": "What the baseline, or the list of the campaign, has was not found now. Restore it, or bless its absence.",
     "error": "An engine crashed, hung or broke the contract. What it ran is unjudged: repair the engine or its adapter, then run again.",
     "stale": "An expected deviation is not needed any more: the ordinary bound holds. Delete it from the list of expected deviations.",
     "undecided": "Nothing failed, but some findings could not be decided; each says why. They are not passes.",
@@ -107,4 +107,8 @@ ADVICE: dict[Outcome, str] = {
 
 def advice(counts: dict[Outcome, int]) -> str:
     """What a stranger should do, by the worst outcome."""
-    return next((ADVICE[outcome] for outcome in WORST_FIRST if outcome in counts), "There are no findings: nothing was judged.")
+    if not counts:
+        return "There are no findings: nothing was judged."
+    if not any(outcome in counts for outcome in (*DECIDED, *BROKEN)):
+        return "Nothing was judged: no engine could say what was asked, or no check could decide it. Each finding says why."
+    return next(ADVICE[outcome] for outcome in WORST_FIRST if outcome in counts)

@@ -10,6 +10,8 @@ from refdem.core.finding import Finding, Record, Series, Sheet
 from refdem.errors import StoreError, UsageError
 
 RECORDS = "records.jsonl"
+NUMBERS = ("value", "bound", "order_seen", "order_claimed", "constant_seen", "sharpness")
+"""The numbers of a finding."""
 _DECODER: msgspec.json.Decoder[Sheet] = msgspec.json.Decoder(Sheet)
 
 
@@ -54,7 +56,7 @@ def _finite_finding(finding: Finding) -> Finding:
     if series is not None:
         points = [point for point in zip(series.t, series.value, series.bound, strict=False) if all(map(math.isfinite, point))]
         series = Series(t=[p[0] for p in points], value=[p[1] for p in points], bound=[p[2] for p in points]) if points else None
-    numbers = {name: _number(getattr(finding, name)) for name in ("value", "bound", "order_seen", "order_claimed", "constant_seen")}
+    numbers = {name: _number(getattr(finding, name)) for name in NUMBERS}
     return msgspec.structs.replace(finding, levels=levels, series=series, **numbers)
 
 

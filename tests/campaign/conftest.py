@@ -24,7 +24,7 @@ class Played(Engine):
     title = "Played"
     methods = tuple(
         Method(name=name, **LEAPFROG)
-        for name in ("good", "crash", "hang", "nan", "short", "late", "raises", "refuses", "wrong-force", "drag", "forgetful")
+        for name in ("good", "crash", "nan", "short", "late", "raises", "refuses", "wrong-force", "drag", "forgetful")
     )
 
     def missing(self):
@@ -74,13 +74,22 @@ class Played(Engine):
         return Trajectory.of_points(t, position, velocity), Cost(seconds=0.0, steps=stride * (len(t) - 1))
 
 
+class Stuck(Played):
+    """An engine of its own for what hangs: its campaign has a short time limit, and no other method comes near one."""
+
+    name = "stuck"
+    title = "Stuck"
+    methods = (Method(name="hang", **LEAPFROG),)
+
+
 ENGINE = Played()
+STUCK = Stuck()
 '''
 
 
 @pytest.fixture(scope="session")
 def played(tmp_path_factory):
-    """The engine `played` through an entry point; spawned workers see it because they inherit sys.path."""
+    """The engines `played` and `stuck` through entry points; spawned workers see it because they inherit sys.path."""
     from refdem.core import discovery
 
     folder = tmp_path_factory.mktemp("site")
@@ -88,7 +97,7 @@ def played(tmp_path_factory):
     info = folder / "played_engine-1.0.dist-info"
     info.mkdir()
     (info / "METADATA").write_text("Metadata-Version: 2.1\nName: played-engine\nVersion: 1.0\n")
-    (info / "entry_points.txt").write_text("[refdem.engines]\nplayed = played_engine:ENGINE\n")
+    (info / "entry_points.txt").write_text("[refdem.engines]\nplayed = played_engine:ENGINE\nstuck = played_engine:STUCK\n")
     sys.path.insert(0, str(folder))
     discovery._others.cache_clear()
     yield "played"

@@ -7,10 +7,13 @@ from refdem.campaign.specification import Entry, Specification
 from refdem.core.finding import CampaignSheet, Record
 from refdem.core.store import Store
 
+EVER = 600.0
+"""[s], a time limit that no busy machine reaches."""
 
-def records(path, method="", checks=(), use_store=True, case="harmonic-oscillator", **more):
+
+def records(path, method="", checks=(), use_store=True, case="harmonic-oscillator", engine="played", timeout=EVER, **more):
     specification = Specification(
-        name="test", case=[Entry(case)], engines=["played"], method=method, checks=list(checks), levels=3, timeout=6, **more
+        name="test", case=[Entry(case)], engines=[engine], method=method, checks=list(checks), levels=3, timeout=timeout, **more
     )
     sheets = Campaign(specification, Store(path / "store.sqlite"), jobs=2, use_store=use_store).sheets()
     return {sheet.method: sheet for sheet in sheets if isinstance(sheet, Record)}, next(s for s in sheets if isinstance(s, CampaignSheet))
@@ -18,7 +21,9 @@ def records(path, method="", checks=(), use_store=True, case="harmonic-oscillato
 
 @pytest.fixture(scope="module")
 def everything(played, tmp_path_factory):
-    return records(tmp_path_factory.mktemp("all"), checks=["error", "order"])[0]
+    folder = tmp_path_factory.mktemp("all")
+    hung = records(folder, checks=["error", "order"], engine="stuck", timeout=1)[0]
+    return hung | records(folder, checks=["error", "order"])[0]
 
 
 def outcomes(record):

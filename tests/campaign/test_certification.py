@@ -24,14 +24,13 @@ sets = [{ theta0 = "0", thetadot0 = "1" }]
 
 
 @pytest.fixture
-def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    monkeypatch.setattr(certification, "judged_instances", lambda cases=(): [])
+def folder(tmp_path: Path) -> Path:
     (tmp_path / "sets.toml").write_text(SETS)
     return tmp_path
 
 
-def certified(folder: Path, *cases: str, jobs: int = 1) -> Certification:
-    work = Certification(folder, Store(folder / "store.sqlite"), jobs)
+def certified(folder: Path, *cases: str, jobs: int = 1, cache: str = "store.sqlite") -> Certification:
+    work = Certification(folder, Store(folder / cache), jobs)
     work.run(cases)
     assert work.problems == []
     return work
@@ -49,6 +48,48 @@ def test_what_is_proved_is_kept_and_what_changed_is_proved_again(folder: Path) -
     assert certified(folder).made == 1
     assert stale(folder) == []
     assert (folder / "certified" / "pendulum.jsonl").read_bytes() == before
+
+
+def test_with_an_empty_cache_what_is_in_the_folder_is_kept_and_what_is_stale_is_proved(folder: Path) -> None:
+    (folder / "sets.toml").write_text('samples-of = ["harmonic-oscillator"]\n' + SETS)
+    assert certified(folder).made > 3
+    before = contents(folder)
+    assert certified(folder, cache="empty-1.sqlite").made == 0
+    assert contents(folder) == before
+    spoil(folder / "certified" / "pendulum.jsonl")
+    assert certified(folder, cache="empty-2.sqlite").made == 1
+    assert contents(folder) == before
+    spoil(folder / "samples" / "harmonic-oscillator.jsonl")
+    made = certified(folder, cache="empty-3.sqlite").made
+    assert made == len(before["samples", "harmonic-oscillator.jsonl"].splitlines())
+    assert contents(folder) == before
+    assert stale(folder) == []
+
+
+def contents(folder: Path) -> dict[tuple[str, str], bytes]:
+    """Every file of the store."""
+    return {(home, path.name): path.read_bytes() for home in ("certified", "samples") for path in (folder / home).iterdir()}
+
+
+def spoil(path: Path) -> None:
+    """Changes the digest of the job in the first line that has one, as code that changed does."""
+    text = path.read_text()
+    assert '"job":"' in text
+    path.write_text(text.replace('"job":"', '"job":"0', 1))
+
+
+def test_a_job_is_another_one_when_anything_that_it_rests_on_is(monkeypatch: pytest.MonkeyPatch) -> None:
+    def digest(kind: str = "set", label: str = "pendulum", times: tuple[str, ...] = ("1",), mass: str = "1") -> str:
+        return certification.job_digest(kind, label, ("pendulum", {"mass": mass}, times))
+
+    before = digest()
+    others = [digest(kind="samples"), digest(label="another"), digest(times=("1", "2")), digest(mass="2")]
+    monkeypatch.setattr(certification, "digest_of", lambda case: "another truth")
+    others.append(digest())
+    monkeypatch.undo()
+    monkeypatch.setattr(certification, "digest_of_files", lambda paths: "another writer or witness")
+    others.append(digest())
+    assert len({before, *others}) == 7
 
 
 def test_only_the_cases_asked_for_are_written(folder: Path) -> None:
@@ -90,13 +131,12 @@ def test_what_a_new_proof_does_not_confirm_is_named(folder: Path) -> None:
     t, name, mid, radius, _ = json.loads(line)
     wrong = mid[:30] + str((int(mid[30]) + 1) % 10) + mid[31:]
     blocks = writing.blocks_in(text.replace(line, json.dumps([t, name, wrong, radius, None], separators=(",", ":")), 1))
-    for block in blocks:
-        before, mark, _ = block[0].rpartition('"sha256":"')
-        block[0] = f'{before}{mark}{reader.sha256_of(block)}"}}\n'
-    path.write_text(writing.file_text("harmonic-oscillator", blocks))
+    path.write_text(writing.file_text("harmonic-oscillator", [writing.sealed(block) for block in blocks]))
+    assert reproof.damaged(folder) == ["harmonic-oscillator.jsonl: not as sha256sums.txt has it"]
+    listed = {name.name: name.read_text() for name in (folder / "certified").glob("*.jsonl")}
+    (folder / "certified" / reader.LIST).write_text(writing.sums(listed))
     (found,) = reproof.contradictions(load("harmonic-oscillator", folder=folder / "certified"), jobs=1, progress=lambda *told: None)
     assert "harmonic-oscillator: x at 1/3" in found
-    assert reproof.damaged(folder) == ["harmonic-oscillator.jsonl: not as sha256sums.txt has it"]
 
 
 def test_the_sample_has_every_case_and_method() -> None:

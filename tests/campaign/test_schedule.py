@@ -97,8 +97,9 @@ def test_a_program_that_cannot_be_run_costs_its_own_job() -> None:
     assert found[False] == Failure(kind="exception", sentence="LocalError: no analytic point")
 
 
-def sleeps(folder: str, seconds: str) -> Stages[bytes]:
-    command = ["sh", "-c", f"echo $$ >pid; sleep {seconds}"]
+def sleeps(folder: str, until: str) -> Stages[bytes]:
+    """A program that says its number in `pid` and goes on until there is a file `until`."""
+    command = ["sh", "-c", f"echo $$ >new; mv new pid; while [ ! -e {until} ]; do sleep 0.05; done"]
     (yield lambda: ended(command, Path(folder), name="sleeper", timeout=600, most_bytes=4096))()
     return b"done"
 
@@ -113,8 +114,8 @@ def test_programs_end_when_whoever_waits_for_them_is_interrupted(tmp_path: Path)
     folders = [tmp_path / name for name in ("short", "long", "not begun")]
     for folder in folders:
         folder.mkdir()
-    times = zip(folders, ("0.2", "599", "599"), strict=True)
-    jobs = [Job(n, who, (str(folder), seconds), stages=sleeps) for n, (folder, seconds) in enumerate(times)]
+    ends = zip(folders, ("../long/pid", "never", "never"), strict=True)
+    jobs = [Job(n, who, (str(folder), until), stages=sleeps) for n, (folder, until) in enumerate(ends)]
     with pytest.raises(KeyboardInterrupt):
         interrupted(jobs)
     pid = (folders[1] / "pid").read_text().strip()

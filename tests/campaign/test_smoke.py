@@ -2,11 +2,11 @@
 
 from functools import cache
 
+import msgspec
 import numpy as np
 import pytest
 
-from refdem.campaign.probes import probes
-from refdem.campaign.smoke import smoke
+from refdem.campaign.smoke import every_probe, smoke
 from refdem.core.engine import Engine, Method
 from refdem.core.trajectory import Cost, Trajectory
 from refdem.errors import EngineError, UnsupportedError
@@ -16,16 +16,27 @@ from refdem.scene.elements.spring import Spring
 from refdem.scene.elements.uniform_gravity import UniformGravity
 
 SUBSTEPS = 4
+SAID = {"uniform_gravity", "spring"}
+"""Elements that the engine of this test has."""
 
 
 def derivative(scene, r, v, q, w):
-    """Rates of position, velocity, attitude and body omega for gravity, springs to the origin and Euler's equations."""
-    force = sum((np.array(e.g) for e in scene.all(UniformGravity)), np.zeros(3)) + 0 * r
+    """Rates of position, velocity, attitude and body omega for gravity, springs and Euler's equations."""
+    mass = scene.bodies.mass
+    acceleration = sum((np.array(e.g) for e in scene.all(UniformGravity)), np.zeros(3)) + 0 * r
+    torque = 0 * r  # in body axes
     for spring in scene.all(Spring):
-        force[spring.a] -= spring.stiffness * r[spring.a] / scene.bodies.mass[spring.a]
+        ends = [(body, np.array(anchor)) for body, anchor in ((spring.a, spring.anchor_a), (spring.b, spring.anchor_b))]
+        first, second = (anchor if body < 0 else r[body] + rotated(q[body], anchor) for body, anchor in ends)
+        distance = np.linalg.norm(second - first)
+        pull = spring.stiffness * (1 - spring.length / distance) * (second - first)
+        for (body, anchor), force in zip(ends, (pull, -pull), strict=True):
+            if body >= 0:
+                acceleration[body] += force / mass[body]
+                torque[body] += np.cross(anchor, rotated(conjugate(q[body]), force))
     inertia = np.where(scene.bodies.inertia > 0, scene.bodies.inertia, 1.0)
     turn = product(q, np.pad(w, ((0, 0), (1, 0)))) / 2
-    return [v, force, turn, np.cross(inertia * w, w) / inertia]
+    return [v, acceleration, turn, np.where(scene.bodies.inertia > 0, (np.cross(inertia * w, w) + torque) / inertia, 0.0)]
 
 
 @cache
@@ -69,7 +80,7 @@ class Plain(Engine):
     def refusal(self, problem, method):
         if method.name == "never":
             return "nothing at all"
-        others = {e.kind for e in problem.scene.elements} - {"uniform_gravity", "spring"}
+        others = {e.kind for e in problem.scene.elements} - SAID
         return f"no {others}" if others else None
 
     def run(self, request):
@@ -84,30 +95,111 @@ def changed(name, change):
     return lambda request, columns: columns | {name: np.ascontiguousarray(change(columns[name]))}
 
 
+def lever(request, columns):
+    """R d (T, N, 3) of a point displaced by d = (0.25, -0.5, 0.125) m in body axes."""
+    return rotated(columns["attitude"], np.array([0.25, -0.5, 0.125]))
+
+
+def swept(request, columns):
+    """omega x R d (T, N, 3)."""
+    return np.cross(columns["omega"], lever(request, columns))
+
+
+def another_point(request, columns):
+    return columns | {"position": columns["position"] + lever(request, columns)}
+
+
+def velocity_of_another_point(request, columns):
+    return columns | {"velocity": columns["velocity"] + swept(request, columns)}
+
+
+def displaced_mass(request, columns):
+    """The frame of the body starts where it should; the centre of mass, displaced in it, flies as the centre would."""
+    arm, sweep = lever(request, columns), swept(request, columns)
+    since = (columns["t"] - columns["t"][0])[:, None, None]
+    position = columns["position"] + arm[:1] + since * sweep[:1] - arm
+    return columns | {"position": position, "velocity": columns["velocity"] + sweep[:1] - sweep}
+
+
+def rotating_frame(request, columns):
+    """Seen from axes that turn about z at 0.5 rad/s."""
+    angle = 0.5 * (columns["t"] - columns["t"][0])
+    back = np.stack([np.cos(angle / 2), 0 * angle, 0 * angle, -np.sin(angle / 2)], axis=-1)[:, None]
+    return columns | {"position": rotated(back, columns["position"])}
+
+
+def without_anchors(request, columns):
+    """What an adapter hands back that ties every spring to a centre."""
+    scene = request.problem.scene
+    centred = [
+        msgspec.structs.replace(e, anchor_a=(0.0, 0.0, 0.0), anchor_b=e.anchor_b if e.b < 0 else (0.0, 0.0, 0.0))
+        if isinstance(e, Spring)
+        else e
+        for e in scene.elements
+    ]
+    changed = Scene(scene.bodies, tuple(centred))
+    return {"t": columns["t"], **honest(changed.to_json(), request.problem.interval, len(request.problem.times))}
+
+
+def numbers_swapped(request, columns):
+    """Elements act on the other of two bodies."""
+    scene = request.problem.scene
+    count = len(scene.bodies)
+    other = [
+        msgspec.structs.replace(e, a=count - 1 - e.a, b=count - 1 - e.b if e.b >= 0 else -1) if isinstance(e, Spring) else e
+        for e in scene.elements
+    ]
+    changed = Scene(scene.bodies, tuple(other))
+    return {"t": columns["t"], **honest(changed.to_json(), request.problem.interval, len(request.problem.times))}
+
+
 def delayed(request, columns):
     return columns | {name: np.concatenate([columns[name][:1], columns[name][:-1]]) for name in columns if name != "t"}
 
 
 LIES = {
-    "a clock that starts at zero": (changed("t", lambda t: t - t[0]), "later: clock"),
-    "gravity upwards": (changed("velocity", np.abs), "fall in space: velocity"),
-    "millimetres": (changed("position", lambda r: 1000 * r), "line: position"),
-    "y and z swapped": (changed("position", lambda r: r[..., [0, 2, 1]]), "plane: position"),
-    "bodies swapped": (changed("position", lambda r: r[:, ::-1]), "two bodies: position"),
-    "quaternion with w last": (changed("attitude", lambda q: np.roll(q, -1, axis=-1)), "quarter turn: attitude"),
-    "quaternion from space to body": (changed("attitude", conjugate), "quarter turn: attitude"),
-    "omega in body axes": (lambda _, c: c | {"omega": rotated(conjugate(c["attitude"]), c["omega"])}, "tipped body: omega"),
-    "degrees a second": (changed("omega", np.degrees), "quarter turn: omega"),
-    "turned axes of inertia": (changed("omega", lambda w: np.roll(w, 1, axis=-1)), "wobble about x: omega_body"),
-    "a sample late": (delayed, "spring: position"),
-    "a first sample after a step": (lambda r, c: c | {"position": c["position"] + 1e-6 * c["velocity"]}, "line: first sample"),
+    "a clock that starts at zero": (changed("t", lambda t: t - t[0]), "later: clock", ""),
+    "gravity upwards": (changed("velocity", np.abs), "fall in space: velocity", ""),
+    "millimetres": (changed("position", lambda r: 1000 * r), "line: position", "position is in millimetres"),
+    "y and z swapped": (changed("position", lambda r: r[..., [0, 2, 1]]), "plane: position", "its position come in the order xzy"),
+    "bodies swapped": (changed("position", lambda r: r[:, ::-1]), "two bodies: position", "bodies come in the other order"),
+    "quaternion with w last": (changed("attitude", lambda q: np.roll(q, -1, axis=-1)), "quarter turn: attitude", "quaternion has w last"),
+    "quaternion from space to body": (changed("attitude", conjugate), "quarter turn: attitude", "takes space to body axes"),
+    "omega in body axes": (
+        lambda _, c: c | {"omega": rotated(conjugate(c["attitude"]), c["omega"])},
+        "tipped body: omega",
+        "its omega is in body axes",
+    ),
+    "degrees a second": (changed("omega", np.degrees), "quarter turn: omega", "degrees per second"),
+    "turned axes of inertia": (changed("omega", lambda w: np.roll(w, 1, axis=-1)), "wobble about x: omega_body", ""),
+    "a sample late": (delayed, "spring: position", "every row is that of the sample before"),
+    "a first sample after a step": (lambda r, c: c | {"position": c["position"] + 1e-6 * c["velocity"]}, "line: first sample", ""),
+    "another point": (another_point, "tumble: position", "that of another point, displaced by (0.25, -0.5, 0.125) m"),
+    "velocity of another point": (velocity_of_another_point, "tumble: velocity", "of another point, displaced by (0.25, -0.5, 0.125) m"),
+    "a displaced centre of mass": (
+        displaced_mass,
+        "tumble: position",
+        "centre of mass is not where the scene has it, displaced by (0.25, -0.5",
+    ),
+    "a frame that turns": (rotating_frame, "tumble: position", "look at how the adapter says position and velocity of the centre"),
+    "anchors left out": (without_anchors, "spring between two bodies: omega", "anchors off the centre"),
+    "elements on other bodies": (numbers_swapped, "spring between two bodies: omega", "anchors off the centre"),
+    "attitude in other axes": (changed("attitude", lambda q: q[..., [0, 2, 3, 1]]), "tumble: attitude", ""),
+    "omega with the other sign": (changed("omega", np.negative), "tumble: omega", "omega has the other sign"),
+    "two bodies in the other order": (
+        lambda _, c: {name: values[:, ::-1] if name != "t" else values for name, values in c.items()},
+        "two tumbling: position",
+        "bodies come in the other order",
+    ),
 }
 
 
 def test_nothing_is_said_against_an_adapter_that_is_right():
     findings = smoke(Plain())
-    assert {f.outcome for f in findings if not f.quantity.startswith(("friction", "hanging", "circle", "knock"))} == {"pass"}
-    assert {f.outcome for f in findings if f.quantity in ("friction", "hanging rod", "circle", "knock")} == {"unsupported"}
+    assert {f.outcome for f in findings} == {"pass", "unsupported"}
+    said = {probe.name for probe in every_probe() if {e.kind for e in probe.scene.elements} <= SAID}
+    backwards = {probe.name for probe in every_probe() if probe.backwards}
+    assert {f.quantity.partition(":")[0] for f in findings if f.outcome == "pass"} == said - backwards
 
 
 def test_what_an_engine_refuses_when_it_runs_is_unsupported_and_no_error():
@@ -123,10 +215,11 @@ def test_what_an_engine_refuses_when_it_runs_is_unsupported_and_no_error():
 
 @pytest.mark.parametrize("name", LIES)
 def test_an_adapter_that_lies_is_caught_where_it_lies(name):
-    lie, quantity = LIES[name]
-    failed = [f for f in smoke(Plain(lie)) if f.outcome == "fail"]
-    assert quantity in [f.quantity for f in failed]
-    assert all(f.margin < 0 for f in failed)
+    lie, quantity, blamed = LIES[name]
+    failed = {f.quantity: f for f in smoke(Plain(lie)) if f.outcome == "fail"}
+    assert quantity in failed
+    assert all(f.margin < 0 for f in failed.values())
+    assert blamed in failed[quantity].sentence
 
 
 def test_the_other_sign_of_a_quaternion_is_the_same_attitude():
@@ -136,7 +229,12 @@ def test_the_other_sign_of_a_quaternion_is_the_same_attitude():
 def test_a_sentence_says_what_came_and_what_must_come():
     found = {f.quantity: f.sentence for f in smoke(Plain(changed("position", lambda r: -r)))}
     assert "at t = 1 s it is [ 2., -0., -0.] and must be [-2.,  0.,  0.]" in found["line: position"]
-    assert "the x axis, metres and seconds" in found["line: position"]
+    assert found["line: position"].endswith("its position has the other sign")
+
+
+def test_a_sentence_about_an_unknown_slip_says_where_to_look():
+    found = {f.quantity: f.sentence for f in smoke(Plain(changed("position", lambda r: 1.5 * r)))}
+    assert found["line: position"].endswith("look at how the adapter says the x axis, metres and seconds")
 
 
 def test_a_crash_and_a_missing_row_are_errors_that_name_the_method():
@@ -161,7 +259,7 @@ def test_a_trajectory_that_is_not_finite_is_an_error():
     assert "error" in {f.outcome for f in smoke(Plain(nan))}
 
 
-@pytest.mark.parametrize("probe", probes(), ids=lambda probe: probe.name)
+@pytest.mark.parametrize("probe", every_probe(), ids=lambda probe: probe.name)
 def test_every_probe_starts_where_its_scene_does(probe):
     bodies = probe.scene.bodies
     expected = probe.expected(probe.times - probe.times[0])
@@ -172,9 +270,10 @@ def test_every_probe_starts_where_its_scene_does(probe):
 
 
 def test_velocities_of_the_probes_are_the_rates_of_their_positions():
-    for probe in probes():
+    for probe in every_probe():
         t = np.linspace(0.0, 1.0, 2001)
         expected = probe.expected(t)
         if {"position", "velocity"} <= set(expected):
             rate = np.gradient(expected["position"], t, axis=0)
-            np.testing.assert_allclose(rate[5:-5], expected["velocity"][5:-5], atol=1e-5)
+            # central differences over 0.5 ms are off by 3e-5 where a contact has 26 rad/s
+            np.testing.assert_allclose(rate[5:-5], expected["velocity"][5:-5], atol=1e-4)

@@ -74,7 +74,7 @@ def test_other_code_of_refdem_or_other_deviations_judge_again(played, tmp_path, 
 
 def test_what_may_end_otherwise_next_time_is_not_kept(played, tmp_path, judgements):
     for _ in range(2):
-        hanging = msgspec.structs.replace(SPECIFICATION, method="hang", timeout=1.0)
+        hanging = msgspec.structs.replace(SPECIFICATION, engines=["stuck"], method="hang", timeout=1.0)
         Campaign(hanging, Store(tmp_path / "store.sqlite"), 1).sheets()
     assert judgements == ["hang", "hang"]
 

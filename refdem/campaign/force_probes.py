@@ -1,0 +1,190 @@
+"""Probes of forces away from the origin, along other axes, between two bodies and with the clock."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from refdem.campaign.probes import Expected, Probe
+from refdem.scene import Body, Scene, Sphere
+from refdem.scene.elements.contact import Contact
+from refdem.scene.elements.force import Force
+from refdem.scene.elements.plane import Plane
+from refdem.scene.elements.rod import Rod
+from refdem.scene.elements.slider import Slider
+from refdem.scene.elements.spring import Spring
+
+Array = NDArray[np.float64]
+Vector = tuple[float, float, float]
+
+STIFFNESS = 800.0
+"""[N/m], of contacts: they last a seventh of a second."""
+LATER = 2.0
+"""[s], the time at which a driven probe starts."""
+
+
+def force_probes() -> tuple[Probe, ...]:
+    """All of them."""
+    return (
+        _diagonal_spring(),
+        _slide(),
+        _drive("drive", start=0.0),
+        _drive("drive that starts later", start=LATER),
+        _dumbbell(),
+        _knock("knock in a plane", normal=(0.6, 0.8, 0.0), drift=(0.5, -0.25, 0.0)),
+        _knock("knock in space", normal=(2 / 3, -1 / 3, 2 / 3), drift=(0.5, -0.25, 0.75)),
+        _floor(),
+    )
+
+
+def _moved(start: Array, along: Array, x: Array, v: Array) -> Expected:
+    """One body's position and velocity that go by x [m] and v [m/s], each (T,), along a direction from `start`."""
+    return {"position": (start + np.outer(x, along))[:, None], "velocity": np.outer(v, along)[:, None]}
+
+
+def _diagonal_spring() -> Probe:
+    """A mass on a spring along a diagonal, tied to a place that is not the origin: s = cos 2t / 2 beyond the length at rest."""
+    anchor = np.array([-1.0, 2.0, 0.5])
+    along = np.array([2.0, -1.0, 2.0]) / 3.0
+    length = 1.5
+    body = Body(mass=2.0, position=_vector(anchor + (length + 0.5) * along))
+    spring = Spring(a=0, stiffness=8.0, length=length, anchor_b=_vector(anchor))
+
+    def expected(t: Array) -> Expected:
+        return _moved(anchor, along, length + np.cos(2 * t) / 2, -np.sin(2 * t))
+
+    scene = Scene.of([body], [spring])
+    return Probe(name="spring in space", shows="a spring's length and its end in the world", scene=scene, expected=expected)
+
+
+def _slide() -> Probe:
+    """Dry friction across the plane: it slows by 1/2 m/s^2 along its axis."""
+    start = np.array([1.0, -2.0, 0.0])
+    along = np.array([0.6, 0.8, 0.0])
+    body = Body(mass=2.0, position=_vector(start), velocity=_vector(along))
+    slider = Slider(a=0, friction=0.25, normal_force=4.0, axis=_vector(along))
+
+    def expected(t: Array) -> Expected:
+        return _moved(start, along, t - t * t / 4, 1 - t / 2)
+
+    scene = Scene.of([body], [slider])
+    return Probe(name="friction along another axis", shows="the axis of dry friction", scene=scene, expected=expected)
+
+
+def _drive(name: str, *, start: float) -> Probe:
+    """A force A cos(w t + phase) along y, t being the scene's own time: it reads the clock.
+
+    It never vanishes within the probe: step control that is relative to the force would stop there.
+    """
+    amplitude, rate, phase, mass = 12.0, 1.25, -0.7, 2.0
+    start_velocity = 0.5
+    body = Body(mass=mass, position=(1.0, 0.0, 0.0), velocity=(0.0, start_velocity, 0.0))
+    force = Force(a=0, amplitude=amplitude, frequency=rate, phase=phase, axis=(0.0, 1.0, 0.0))
+    angle_at_start = rate * start + phase
+
+    def expected(t: Array) -> Expected:
+        # m v' = A cos(w t + phase), integrated twice from the start on.
+        angle = rate * t + angle_at_start
+        impulse = amplitude / (mass * rate)
+        v = start_velocity + impulse * (np.sin(angle) - np.sin(angle_at_start))
+        swing = impulse / rate * (np.cos(angle_at_start) - np.cos(angle))
+        y = (start_velocity - impulse * np.sin(angle_at_start)) * t + swing
+        return _moved(np.array([1.0, 0.0, 0.0]), np.array([0.0, 1.0, 0.0]), y, v)
+
+    scene = Scene.of([body], [force])
+    shows = "frequency and phase of a force, and the clock that it reads"
+    return Probe(name=name, shows=shows, scene=scene, expected=expected, start=start)
+
+
+def _dumbbell() -> Probe:
+    """Two points on a rod that turns about their centre of mass, which moves: the rod holds mu w^2 l."""
+    first_mass, second_mass, length, rate = 2.0, 3.0, 1.25, 2.0
+    total = first_mass + second_mass
+    centre = np.array([1.0, -0.5, 0.0])
+    drift = np.array([0.25, 0.5, 0.0])
+    # Signed distances from the centre of mass along the rod.
+    arms = np.array([second_mass, -first_mass]) / total * length
+
+    def expected(t: Array) -> Expected:
+        angle = rate * t + 0.5
+        along = np.column_stack([np.cos(angle), np.sin(angle), 0 * t])[:, None]
+        across = np.column_stack([-np.sin(angle), np.cos(angle), 0 * t])[:, None]
+        position = (centre + np.outer(t, drift))[:, None] + arms[:, None] * along
+        velocity = drift + rate * arms[:, None] * across
+        tension = first_mass * second_mass / total * rate**2 * length
+        return {"position": position, "velocity": velocity, "rod_force": np.full(len(t), tension)}
+
+    start = expected(np.zeros(1))
+    bodies = [
+        Body(mass=mass, position=_vector(start["position"][0, n]), velocity=_vector(start["velocity"][0, n]))
+        for n, mass in enumerate((first_mass, second_mass))
+    ]
+    scene = Scene.of(bodies, [Rod(a=1, b=0, length=length)])
+    return Probe(name="dumbbell", shows="a rod between two bodies, and the sign of its force", scene=scene, expected=expected)
+
+
+def _closing(t: Array, rate: float) -> tuple[Array, Array]:
+    """Of an undamped head-on contact that begins at t = 0: closing velocity over its first value (T,), and its integral (T,) [s]."""
+    phase = np.minimum(rate * t, np.pi)
+    since = np.maximum(t - np.pi / rate, 0.0)
+    return np.cos(phase), np.sin(phase) / rate - since
+
+
+def _knock(name: str, *, normal: Vector, drift: Vector) -> Probe:
+    """Two unlike spheres that touch at the start, away from the origin, the front one listed first; their centre of mass moves."""
+    front_mass, back_mass, front_radius, back_radius = 3.0, 2.0, 0.25, 0.5
+    total = front_mass + back_mass
+    rate = float(np.sqrt(STIFFNESS * total / (front_mass * back_mass)))
+    speed = 1.5
+    along = np.array(normal)
+    moving = np.array(drift)
+    back_start = np.array([-1.0, 0.5, 0.0])
+    front_start = back_start + (front_radius + back_radius) * along
+    # The part of the relative motion that each body makes.
+    shares = np.array([-back_mass, front_mass]) / total
+
+    def expected(t: Array) -> Expected:
+        closing, closed = (speed * x for x in _closing(t, rate))
+        starts = np.stack([front_start, back_start])
+        # Relative to the centre of mass the closing velocity falls from `speed` to -speed.
+        position = starts + t[:, None, None] * moving + (closed[:, None] * shares)[..., None] * along
+        velocity = moving + (closing[:, None] * shares)[..., None] * along
+        return {"position": position, "velocity": velocity}
+
+    start = expected(np.zeros(1))
+    bodies = [
+        Body(
+            mass=mass,
+            position=_vector(start["position"][0, n]),
+            velocity=_vector(start["velocity"][0, n]),
+            shape=Sphere(radius=radius),
+        )
+        for n, (mass, radius) in enumerate(((front_mass, front_radius), (back_mass, back_radius)))
+    ]
+    scene = Scene.of(bodies, [Contact(law="linear", stiffness=STIFFNESS)])
+    shows = "masses, radii and the direction of the contact force"
+    return Probe(name=name, shows=shows, scene=scene, expected=expected)
+
+
+def _floor() -> Probe:
+    """A smooth sphere that glides along a sloping wall and bounces back from it."""
+    mass, radius, speed = 2.0, 0.5, 1.5
+    rate = float(np.sqrt(STIFFNESS / mass))
+    normal = np.array([-0.6, 0.8, 0.0])
+    glide = np.array([0.8, 0.6, 0.0])
+    point = np.array([1.0, -2.0, 0.0])
+    start = point + radius * normal
+
+    def expected(t: Array) -> Expected:
+        closing, closed = (speed * x for x in _closing(t, rate))
+        position = start + np.outer(t, glide) - np.outer(closed, normal)
+        velocity = glide - np.outer(closing, normal)
+        return {"position": position[:, None], "velocity": velocity[:, None]}
+
+    body = Body(mass=mass, position=_vector(start), velocity=_vector(glide - speed * normal), shape=Sphere(radius=radius))
+    scene = Scene.of([body], [Plane(point=_vector(point), normal=_vector(normal)), Contact(law="linear", stiffness=STIFFNESS)])
+    return Probe(name="floor", shows="place and normal of a wall", scene=scene, expected=expected)
+
+
+def _vector(values: Array) -> Vector:
+    """Three numbers of an array."""
+    x, y, z = values.tolist()
+    return x, y, z

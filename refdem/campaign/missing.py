@@ -1,0 +1,126 @@
+"""Findings that must be there and are not: lost, absent, or folded under the error or the refusal that explains them.
+
+A baseline and the list of a campaign are held in the same way: a finding that vanishes is never green.
+"""
+
+from collections.abc import Iterable
+
+import msgspec
+
+from refdem.core.finding import DECIDED, Finding, Record
+
+SHOWN = 6
+"""Names of missing findings that a sentence has; it says how many more there are."""
+Place = tuple[str, str, str]
+"""Label, engine and method: what a record is of."""
+
+
+def parts(name: str) -> tuple[Place, str, str]:
+    """The place, the check and the quantity of a finding's id."""
+    label, engine, method, check, quantity = name.rsplit("/", 4)
+    return (label, engine, method), check, quantity
+
+
+def with_missing(records: list[Record], wanted: Iterable[str], owner: str) -> list[Record]:
+    """The records, in which everything `wanted` (ids) that was not found is told; `owner` is who wants it, as "the baseline".
+
+    What follows from an error or a refusal is said there and makes no finding of its own.
+    """
+    seen = {record.id(finding) for record in records for finding in record.findings}
+    gone: dict[Place, list[str]] = {}
+    for name in sorted(set(wanted)):
+        if name not in seen:
+            place, check, quantity = parts(name)
+            gone.setdefault(place, []).append(f"{check}/{quantity}")
+    changed = [_with_gone(record, gone.pop((record.label, record.engine, record.method), []), owner) for record in records]
+    vanished = [_vanished(place, names, owner) for place, names in gone.items()]
+    return [*changed, *vanished]
+
+
+def with_lost(records: list[Record], wanted: Iterable[str], owner: str) -> list[Record]:
+    """The records, in which what `wanted` (ids) has decided and nobody decided now is lost."""
+    asked = set(wanted)
+    return [
+        msgspec.structs.replace(record, findings=tuple(_lost(record, finding, asked, owner) for finding in record.findings))
+        for record in records
+    ]
+
+
+def _lost(record: Record, finding: Finding, asked: set[str], owner: str) -> Finding:
+    """The finding as it is, or lost."""
+    if record.id(finding) not in asked or finding.outcome in (*DECIDED, "error"):
+        return finding
+    sentence = f"{finding.sentence} {_capital(owner)} has it decided."
+    return msgspec.structs.replace(finding, outcome="lost", sentence=sentence)
+
+
+def _with_gone(record: Record, gone: list[str], owner: str) -> Record:
+    """A record with what is gone from it, each under the finding that explains it, or absent."""
+    found = []
+    left = gone
+    for finding in record.findings:
+        explained = [name for name in left if _explains(finding, name)]
+        left = [name for name in left if name not in explained]
+        found.append(_folded(finding, explained, owner) if explained else finding)
+    return msgspec.structs.replace(record, findings=(*found, *(_absent(name, owner) for name in left)))
+
+
+def _explains(finding: Finding, name: str) -> bool:
+    """True if the finding `name` (check/quantity) could not be made because of this one.
+
+    A run that broke or was refused leaves nothing to judge; an error of one check takes the findings of that check alone.
+    """
+    if finding.outcome not in ("error", "unsupported"):
+        return False
+    if finding.check in ("run", "record"):
+        return True
+    return finding.outcome == "error" and name.startswith(f"{finding.check}/")
+
+
+def _folded(finding: Finding, explained: list[str], owner: str) -> Finding:
+    """The finding with what follows from it; a refusal of what was judged before is lost."""
+    sentence = f"{finding.sentence} Therefore {_counted(explained)} of {owner} could not be made: {_named(explained)}."
+    outcome = "lost" if finding.outcome == "unsupported" else finding.outcome
+    return msgspec.structs.replace(finding, outcome=outcome, sentence=sentence)
+
+
+def _absent(name: str, owner: str) -> Finding:
+    """A finding that was not made, in a record where nothing explains that."""
+    check, _, quantity = name.partition("/")
+    sentence = f"{_capital(owner)} has this finding and this run did not make it: it was removed, or could not be judged."
+    return Finding(check=check, quantity=quantity, outcome="absent", sentence=sentence)
+
+
+def _vanished(place: Place, names: list[str], owner: str) -> Record:
+    """A record that was not made at all: one finding for all that is gone with it."""
+    label, engine, method = place
+    sentence = (
+        f"{_capital(owner)} has {_counted(names)} of this case in this method and this run made none:"
+        f" the case, the engine's method or its support was removed ({_named(names)})."
+    )
+    gone = Finding(check="record", quantity="findings", outcome="absent", sentence=sentence)
+    return Record(
+        case=label.partition("[")[0],
+        label=label,
+        parameters={},
+        engine=engine,
+        version="",
+        method=method,
+        is_reference=False,
+        runs=(),
+        findings=(gone,),
+    )
+
+
+def _counted(names: list[str]) -> str:
+    return "1 finding" if len(names) == 1 else f"{len(names)} findings"
+
+
+def _named(names: list[str]) -> str:
+    """The first few names, and how many more there are."""
+    more = f" and {len(names) - SHOWN} more" if len(names) > SHOWN else ""
+    return ", ".join(names[:SHOWN]) + more
+
+
+def _capital(words: str) -> str:
+    return words[:1].upper() + words[1:]

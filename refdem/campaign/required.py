@@ -1,0 +1,141 @@
+"""The findings that a campaign must make in every engine: written down beside its TOML file, and reviewed as a diff.
+
+`validation/campaigns/main/mujoco.txt` belongs to `validation/campaigns/main.toml`. It has a line for every case and method, and
+below it a line a check with the quantities that must be decided; no numbers. `refdem run --campaign main --bless` writes it.
+"""
+
+import textwrap
+from collections.abc import Iterable
+from pathlib import Path
+
+from refdem.campaign.missing import Place, parts, with_lost, with_missing
+from refdem.campaign.specification import Specification
+from refdem.core.engine import Engine
+from refdem.core.finding import DECIDED, Record, Sheet
+from refdem.errors import StoreError, UsageError
+
+CHECK = "  "
+"""What a line with a check and its quantities begins with."""
+MORE = "      "
+"""What a line begins with that goes on with the quantities of the line above."""
+WIDTH = 120
+
+
+def held(sheets: list[Sheet], specification: Specification, engines: list[Engine], labels: Iterable[str]) -> list[Sheet]:
+    """The sheets, in which every finding that the campaign must make and that was not decided is lost or absent.
+
+    Of engines that were not run nothing is required; of a campaign of which only a part was asked, what its `labels` say.
+    """
+    wanted = set().union(*(_asked(specification, engine) for engine in engines))
+    if specification.is_part:
+        shown = set(labels)
+        wanted = {name for name in wanted if parts(name)[0][0] in shown}
+    if not wanted:
+        return sheets
+    owner = f"the list of campaign {specification.name}"
+    records = [sheet for sheet in sheets if isinstance(sheet, Record)]
+    rest = [sheet for sheet in sheets if not isinstance(sheet, Record)]
+    return [*rest, *with_missing(with_lost(records, wanted, owner), wanted, owner)]
+
+
+def _asked(specification: Specification, engine: Engine) -> set[str]:
+    """The ids that the campaign requires of an engine as it is asked now; other steps or checks make other findings."""
+    is_other = specification.step or specification.steps_per_tau or specification.checks or specification.perturbed_ulps
+    if not specification.required or is_other or engine.address != engine.name:
+        return set()
+    names = read(Path(specification.required) / f"{engine.name}.txt")
+    method = specification.method
+    return {name for name in names if not method or parts(name)[0][2] == method}
+
+
+def decided(records: Iterable[Record]) -> dict[str, set[str]]:
+    """The ids of everything that was decided, by engine."""
+    found: dict[str, set[str]] = {}
+    for record in records:
+        names = found.setdefault(record.engine, set())
+        names |= {record.id(finding) for finding in record.findings if finding.outcome in DECIDED}
+    return found
+
+
+def read(path: Path) -> set[str]:
+    """The ids in a list, none if there is no such file; raises UsageError for a line that says nothing."""
+    try:
+        lines = path.read_text(encoding="utf-8").splitlines()
+    except FileNotFoundError:
+        return set()
+    except (OSError, UnicodeDecodeError) as error:
+        raise UsageError(f"{path} cannot be read: {error}; restore it from version control") from None
+    found: set[str] = set()
+    engine = path.stem
+    place = check = ""
+    for number, line in enumerate(lines, 1):
+        quantities = line
+        if not line or line.startswith("#"):
+            continue
+        if not line.startswith(CHECK):
+            label, _, method = line.rpartition("/")
+            place, check = f"{label}/{engine}/{method}", ""
+            continue
+        if not line.startswith(MORE):
+            check, _, quantities = line.strip().partition(": ")
+        if not place or not check or not quantities.strip():
+            raise UsageError(f"{path}:{number} is {line!r}; expected a case and method, or below it a check and its quantities")
+        found |= {f"{place}/{check}/{quantity}" for quantity in quantities.strip().rstrip(",").split(", ")}
+    return found
+
+
+def text(campaign: str, names: Iterable[str]) -> str:
+    """A list as it is kept: cases and methods in order, a line a check, long ones broken."""
+    places: dict[Place, dict[str, list[str]]] = {}
+    for name in sorted(names):
+        place, check, quantity = parts(name)
+        places.setdefault(place, {}).setdefault(check, []).append(quantity)
+    lines = [f"# What campaign {campaign} must decide: `refdem run --campaign {campaign} --bless` writes this file."]
+    for (label, _, method), checks in places.items():
+        lines.append(f"{label}/{method}")
+        for check, quantities in checks.items():
+            lines += _wrapped(check, quantities)
+    return "\n".join(lines) + "\n"
+
+
+def _wrapped(check: str, quantities: list[str]) -> list[str]:
+    """A check with its quantities, in lines that fit a screen; a quantity with a space in its name stays whole."""
+    whole = ", ".join(quantity.replace(" ", "\0") for quantity in quantities)
+    broken = textwrap.wrap(
+        f"{check}: {whole}",
+        WIDTH,
+        initial_indent=CHECK,
+        subsequent_indent=MORE,
+        break_long_words=False,
+        break_on_hyphens=False,
+    )
+    return [line.replace("\0", " ") for line in broken]
+
+
+def written(specification: Specification, records: list[Record]) -> list[str]:
+    """Writes the lists of the engines that ran and says, a line each, what changed; raises UsageError where a run broke."""
+    broken = [record.id(finding) for record in records for finding in record.findings if finding.outcome == "error"]
+    if broken:
+        raise UsageError(f"{len(broken)} findings are errors, first {broken[0]}; the lists stay as they are: mend the engine, then bless")
+    now = decided(records)
+    if not any(now.values()):
+        raise UsageError(f"campaign {specification.name} decided nothing, so there is nothing to write down")
+    folder = Path(specification.required)
+    changes: list[str] = []
+    for engine, names in sorted(now.items()):
+        path = folder / f"{engine}.txt"
+        before = read(path)
+        changes += [f"+ {name}" for name in sorted(names - before)]
+        changes += [f"- {name}" for name in sorted(before - names)]
+        _write(path, text(specification.name, names))
+        changes.append(f"{path}: {len(names)} findings must be made")
+    return changes
+
+
+def _write(path: Path, content: str) -> None:
+    """Writes a list; raises StoreError."""
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_text(content, encoding="utf-8")
+    except OSError as error:
+        raise StoreError(f"{path} cannot be written: {error.strerror}") from None
