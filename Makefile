@@ -1,7 +1,8 @@
 # Two commands for everyone: `make validate` and `make test`. They need Python 3.11+ with headers, a C11 compiler, make, and
 # a package index; no root. Everything goes into .venv and build/; unchanged sources install nothing.
 .DELETE_ON_ERROR:
-.PHONY: validate test test-all certify manual lint develop codes lock clean help
+.PHONY: validate test test-all test-elsewhere test-touched test-machines sanitized certify certify-sample nightly mutants manual lint
+.PHONY: develop codes lock clean help
 
 PYTHON ?= python3
 JOBS ?= 2
@@ -15,16 +16,23 @@ SOURCES := pyproject.toml meson.build ci/list-sources.py README.md LICENSE $(she
 # A file that is gone changes the list, and so the wheel.
 $(shell mkdir -p build && echo '$(SOURCES)' | cmp -s - build/sources.txt || echo '$(SOURCES)' >build/sources.txt)
 # Tests that need more than Python and a compiler: `make test-all` runs these, the longest first.
-ELSEWHERE := tests/faults_full tests/codes tests/browser tests/foreign/fortran tests/packaging
+ELSEWHERE := tests/codes tests/browser tests/foreign/fortran tests/packaging
+# Every fault at twenty settings: `make nightly`, and of a change the part that it can touch.
+MATRIX := tests/faults_full
+# Where the time of the tests goes.
+TIMES := --durations=25 --durations-min=2
 
 help:
-	@echo 'make validate   run every case in the reference and in every engine, write reports/'
+	@echo 'make validate   run every case in the reference, and in the other engines what they can say; write reports/'
 	@echo 'make test       all tests that need no root'
 	@echo 'make test-all   the others too: browser, sanitizers, packaging, lint'
+	@echo 'make test-machines  the tests as on other processors, on a busy machine, in another order'
+	@echo 'make nightly    all of that, every fault at every seed, the full campaign, mutants'
+	@echo 'make mutants    plant small errors in the code and count those that no test sees'
 	@echo 'make certify    prove the certified truth again where its code changed; killed, it resumes'
 	@echo 'make manual     write the verification manual, a page a case, into reports/manual'
 	@echo 'make codes      DEM codes that the gates in validation/codes run, in .venv-codes'
-	@echo 'make lint       ruff, mypy, import-linter, size budget'
+	@echo 'make lint       ruff, mypy, import-linter'
 	@echo 'make develop    build the kernels beside their sources and run from the tree'
 	@echo 'make lock       pin the newest versions in requirements.lock'
 
@@ -32,12 +40,35 @@ validate: .venv/refdem
 	$(BIN)/refdem run --campaign main --out reports
 
 test: .venv/refdem .venv/for-tests
-	$(BIN)/pytest tests validation -n $(JOBS) $(ELSEWHERE:%=--ignore=%)
+	$(BIN)/pytest tests validation -n $(JOBS) $(TIMES) $(ELSEWHERE:%=--ignore=%) --ignore=$(MATRIX)
 
-test-all: .venv/refdem .venv/for-all codes lint
+test-all: lint sanitized certify-sample test-elsewhere test-touched
+
+sanitized: .venv/refdem .venv/for-all
 	ci/sanitized $(BIN)/python $(JOBS)
+
+certify-sample: .venv/refdem
 	$(BIN)/refdem certify --check --jobs $(JOBS)
-	$(BIN)/pytest $(ELSEWHERE) -n $(JOBS) --dist loadfile
+
+test-elsewhere: .venv/refdem .venv/for-all codes
+	$(BIN)/pytest $(ELSEWHERE) -n $(JOBS) $(TIMES) --dist loadfile
+
+test-touched: .venv/refdem .venv/for-tests
+	faults=$$($(BIN)/python ci/touched_faults.py) && \
+	if [ -n "$$faults" ]; then REFDEM_FAULTS="$$faults" $(BIN)/pytest $(MATRIX) -n $(JOBS) $(TIMES) --dist loadfile; \
+	else echo 'no fault of the matrix can be touched by this change'; fi
+
+test-machines: .venv/refdem .venv/for-tests
+	PATH="$(CURDIR)/$(BIN):$$PATH" $(BIN)/python ci/test_machines.py --jobs $(JOBS)
+
+nightly: test test-all
+	$(BIN)/pytest $(MATRIX) -n $(JOBS) $(TIMES) --dist loadfile
+	$(BIN)/refdem run --campaign full --out build/nightly
+	$(MAKE) test-machines
+	$(MAKE) mutants
+
+mutants: .venv/refdem .venv/for-mutants
+	PATH="$(CURDIR)/$(BIN):$$PATH" $(BIN)/python ci/mutants.py --jobs $(JOBS)
 
 certify: .venv/refdem
 	$(BIN)/refdem certify --folder validation/truth --jobs $(JOBS)
@@ -52,7 +83,6 @@ lint: .venv/for-all
 	$(BIN)/ruff format --check
 	$(BIN)/mypy
 	$(BIN)/lint-imports
-	$(BIN)/pytest -q tests/layout/test_size_budget.py
 
 develop: .venv/for-all
 	ci/build-in-place $(BIN)/python
@@ -84,6 +114,11 @@ clean:
 
 .venv/for-all: .venv/for-tests
 	$(BIN)/python ci/dependencies.py browser lint >.venv/wanted.txt
+	$(CONSTRAINED) .venv/wanted.txt
+	touch $@
+
+.venv/for-mutants: .venv/for-all
+	$(BIN)/python ci/dependencies.py mutants >.venv/wanted.txt
 	$(CONSTRAINED) .venv/wanted.txt
 	touch $@
 

@@ -5,7 +5,15 @@ import sysconfig
 import tomllib
 from pathlib import Path
 
-COMMAND = "#!{python}\nimport sys\n\nfrom {module} import {function}\n\nsys.exit({function}())\n"
+COMMAND = """#!{python}
+import sys
+
+from {module} import {function}
+
+# Worker processes import this file again: only the first of them runs the command.
+if __name__ == "__main__":
+    sys.exit({function}())
+"""
 
 
 def installed(tree: Path) -> None:

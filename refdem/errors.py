@@ -38,8 +38,17 @@ class UnsupportedError(RefdemError):
 class NotCertifiedError(RefdemError):
     """A truth value cannot be proved; the message says up to where it can.
 
-    Where a motion can be followed no further: `code` (grazing, corner, separatrix, precision, singular, end), the `time` [s] up to
-    which it is certified, and the certified `state` there, balls by name.
+    Where a motion can be followed no further, `time` [s] is up to when it is certified, `state` has the balls there, by name, and `code`
+    says which end it is:
+
+    singular    the motion is proved to be infinite, or not analytic, at a finite time;
+    end         the motion itself is over, by its own rules;
+    grazing     a switch comes too near zero, and balls cannot tell whether it is met;
+    corner      two switches come at one time, or too near to each other;
+    separatrix  the start lies on a boundary between kinds of motion, or too near to it;
+    vertical    angles are asked for where they say nothing; the motion itself goes on;
+    precision   the bits are used up: more of them might go further;
+    time        the steps, or the time, that are followed are used up: the motion goes on.
     """
 
     def __init__(self, message: str, *, code: str = "", time: float | None = None, state: Mapping[str, object] | None = None) -> None:

@@ -35,12 +35,16 @@ class RefdemFile(pytest.File):
 
     def collect(self) -> Iterator[pytest.Item]:
         """One item a case, method and check."""
+        from refdem.core.finding import BROKEN, DECIDED
         from refdem.errors import RefdemError
 
+        judged = (*DECIDED, *BROKEN)
         try:
             found = once(f"gate of {self.path}", lambda: _gate(self.path))
         except RefdemError as error:
             raise self.CollectError(str(error)) from None
+        if not any(finding.outcome in judged for record in found for finding in record.findings):
+            raise self.CollectError(f"the gate of {self.path} judged nothing: {reasons(found)}")
         for name, findings in by_check(found).items():
             yield RefdemItem.from_parent(self, name=name, findings=findings)
 
@@ -70,14 +74,23 @@ def refdem_gate() -> "Callable[..., list[Record]]":
     """`refdem_gate(engine, cases=(), levels=4)`: judges an engine object in process; fails the test if its gate is closed."""
 
     def judge(engine: "Engine", cases: Iterable[str] = (), *, levels: int = 4) -> "list[Record]":
+        from refdem.core.finding import DECIDED
         from refdem.gate.in_process import broken, records
 
         found = records(engine, cases, levels=levels)
         if wrong := broken(found):
             pytest.fail("\n".join(wrong), pytrace=False)
+        if not any(finding.outcome in DECIDED for record in found for finding in record.findings):
+            pytest.fail(f"nothing was judged: {reasons(found)}", pytrace=False)
         return found
 
     return judge
+
+
+def reasons(found: "Iterable[Record]") -> str:
+    """Why nothing was decided, each sentence once."""
+    said = dict.fromkeys(finding.sentence for record in found for finding in record.findings)
+    return " ".join(said) or "no case is one that the engine supports"
 
 
 def decide(findings: "Iterable[Finding]") -> None:

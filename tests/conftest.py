@@ -12,8 +12,14 @@ from pathlib import Path
 from unittest import mock
 
 import pytest
+from hypothesis import HealthCheck, settings
 
 from refdem.cli import main
+
+# Examples depend on no clock (a busy machine is slow) and are the same in every run; `ci/test-machines` asks for others.
+settings.register_profile("refdem", deadline=None, derandomize=True, suppress_health_check=[HealthCheck.too_slow])
+settings.register_profile("another-seed", settings.get_profile("refdem"), derandomize=False)
+settings.load_profile("refdem")
 
 
 @pytest.fixture(scope="session")

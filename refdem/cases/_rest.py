@@ -15,12 +15,17 @@ from refdem.scene.elements.plane import Plane
 from refdem.scene.elements.uniform_gravity import UniformGravity
 
 Array = NDArray[np.float64]
-GRAVITY = 9.8125
-"""157/16 m/s^2: near the Earth's, and dyadic."""
-MASS = 3.0
+GRAVITY = Fraction(157, 16)
+"""m/s^2: near the Earth's, and dyadic."""
+MASS = Fraction(3)
 SIDES = (1.0, 1.0, 0.5)
-BLOCK_INERTIA = (MASS / 12 * 1.25, MASS / 12 * 1.25, MASS / 12 * 2.0)
-BALL_MASS, RADIUS, STIFFNESS = 5.0, 0.5, 8192.0
+HEIGHT = Fraction(1, 2)
+"""The third of the sides."""
+BLOCK_INERTIA = (0.3125, 0.3125, 0.5)
+"""m/12 times the sums of squares of two sides."""
+BALL_MASS = Fraction(5)
+RADIUS = Fraction(1, 2)
+STIFFNESS = Fraction(8192)
 
 
 def free(velocity: Array, spin: float) -> Scene:
@@ -29,52 +34,64 @@ def free(velocity: Array, spin: float) -> Scene:
 
 
 def _ground(contact: Contact) -> tuple[Element, ...]:
-    return Plane(), UniformGravity(g=(0.0, 0.0, -GRAVITY)), contact
+    return Plane(), UniformGravity(g=(0.0, 0.0, -float(GRAVITY))), contact
 
 
-def _blocks(count: int) -> Scene:
+def heights(member: str) -> list[Fraction]:
+    """Of the centres of the bodies of a member above the ground [m]."""
+    if member == "spheres":
+        # Each contact is compressed by the weight above it over the stiffness.
+        compression = BALL_MASS * GRAVITY / STIFFNESS
+        low = RADIUS - 2 * compression
+        return [low, low + 2 * RADIUS - compression]
+    return [(i + Fraction(1, 2)) * HEIGHT for i in range(BLOCKS[member])]
+
+
+def _blocks(member: str) -> Scene:
     """Boxes exactly on top of each other, the lowest on the ground."""
-    heights = [(i + 0.5) * SIDES[2] for i in range(count)]
-    bodies = [Body(mass=MASS, inertia=BLOCK_INERTIA, position=(0.0, 0.0, z), shape=box(*SIDES)) for z in heights]
+    bodies = [Body(mass=float(MASS), inertia=BLOCK_INERTIA, position=(0.0, 0.0, float(z)), shape=box(*SIDES)) for z in heights(member)]
     return Scene.of(bodies, _ground(Contact(law="rigid", friction=0.5)))
 
 
 def block() -> Scene:
     """One block on the ground."""
-    return _blocks(1)
+    return _blocks("block")
 
 
 def stack() -> Scene:
     """Two blocks."""
-    return _blocks(2)
+    return _blocks("stack")
 
 
 def spheres() -> Scene:
     """Two spheres, one on the other, each contact compressed by the weight above it over the stiffness."""
-    compression = BALL_MASS * GRAVITY / STIFFNESS
-    low = RADIUS - 2 * compression
-    high = low + 2 * RADIUS - compression
-    inertia = 0.4 * BALL_MASS * RADIUS**2
-    bodies = [Body(mass=BALL_MASS, inertia=(inertia,) * 3, position=(0.0, 0.0, z), shape=Sphere(radius=RADIUS)) for z in (low, high)]
-    return Scene.of(bodies, _ground(Contact(law="linear", stiffness=STIFFNESS)))
+    mass, radius = float(BALL_MASS), float(RADIUS)
+    inertia = 0.4 * mass * radius**2
+    bodies = [
+        Body(mass=mass, inertia=(inertia,) * 3, position=(0.0, 0.0, float(z)), shape=Sphere(radius=radius)) for z in heights("spheres")
+    ]
+    return Scene.of(bodies, _ground(Contact(law="linear", stiffness=float(STIFFNESS))))
 
 
-def balance(scene: Scene) -> dict[str, Any]:
+def balance(member: str) -> dict[str, Any]:
     """Exact numbers of bodies on each other: weight of each, stiffness (0: rigid), heights of their centres, and how far these may come."""
-    bodies, contact = scene.bodies, scene.all(Contact)[0]
-    half = Fraction(RADIUS if contact.law == "linear" else SIDES[2] / 2)
-    heights = [Fraction(float(z)) for z in bodies.position[:, 2]]
-    found = {"stiffness": Fraction(contact.stiffness), "sizes": [half, *[2 * half] * (len(bodies) - 1)]}
-    return {**found, "heights": heights, "weight": Fraction(float(bodies.mass[0])) * Fraction(GRAVITY)}
+    places = heights(member)
+    are_spheres = member == "spheres"
+    half = RADIUS if are_spheres else HEIGHT / 2
+    mass = BALL_MASS if are_spheres else MASS
+    stiffness = STIFFNESS if are_spheres else Fraction(0)
+    sizes = [half, *[2 * half] * (len(places) - 1)]
+    return {"stiffness": stiffness, "sizes": sizes, "heights": places, "weight": mass * GRAVITY}
 
 
+BLOCKS = {"block": 1, "stack": 2}
 SCENES: dict[str, Callable[[], Scene]] = {"block": block, "stack": stack, "spheres": spheres}
 
-_FALL = float(np.sqrt(SIDES[2] / GRAVITY))
-_CHAIN = float(np.sqrt(BALL_MASS / STIFFNESS / ((3 + np.sqrt(5)) / 2)))
+_FALL = float(np.sqrt(SIDES[2] / float(GRAVITY)))
+_CHAIN = float(np.sqrt(float(BALL_MASS / STIFFNESS) / ((3 + np.sqrt(5)) / 2)))
 """1/omega of the faster mode of two masses on two equal springs: omega^2 = (3 + sqrt 5)/2 k/m."""
 SCALES = {
-    "block": Scales(SIDES[2], _FALL, 20 * _FALL, MASS),
-    "stack": Scales(SIDES[2], _FALL, 20 * _FALL, MASS),
-    "spheres": Scales(RADIUS, _CHAIN, 20 * _CHAIN, BALL_MASS),
+    "block": Scales(SIDES[2], _FALL, 20 * _FALL, float(MASS)),
+    "stack": Scales(SIDES[2], _FALL, 20 * _FALL, float(MASS)),
+    "spheres": Scales(float(RADIUS), _CHAIN, 20 * _CHAIN, float(BALL_MASS)),
 }

@@ -64,7 +64,7 @@ class NewtonsFirstLaw(Case):
 
     def meant(self, p: Parameters) -> dict[str, object]:
         """With what makes the balance of those that rest."""
-        return dict(p) | ({} if p.member == "free" else _rest.balance(self.scene(p)))
+        return dict(p) | ({} if p.member == "free" else _rest.balance(p.member))
 
     def truth(self, p: Parameters) -> Truth:
         """A straight line and a steady turn; zeros."""

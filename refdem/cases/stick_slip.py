@@ -1,5 +1,8 @@
 """The stick-slip oscillator: a driven mass on a spring and a moving belt, with Stribeck friction (1.125)."""
 
+from fractions import Fraction
+from typing import Any
+
 from refdem.cases import _line
 from refdem.cases._line import Array
 from refdem.core.case import Case, given
@@ -74,7 +77,11 @@ class StickSlip(Case):
         """Validated integration from event to event."""
         from refdem.truth.closed_forms.stick_slip import truth
 
-        return truth(p, {q.name: q.scale for q in self.quantities(p)}, p.duration or self.scales(p).duration)
+        asked: Any = p["duration"]
+        eta: Any = p["eta"]
+        # The default duration of `scales`, 20 tau, as an exact number.
+        until = asked or 20 / max(Fraction(1), eta)
+        return truth(p, {q.name: q.scale for q in self.quantities(p)}, until)
 
 
 CASE = StickSlip()

@@ -43,12 +43,26 @@ def checked(folder: Path, cases: list[str], *, each: int, seed: str, jobs: int) 
 
     problems = damaged(folder)
     if not problems:
-        chosen = sample([one for one in load(folder=folder / "certified") if not cases or one.case in cases], each=each, seed=seed)
+        every = load(folder=folder / "certified")
+        _refuse_unknown(cases, {one.case for one in every}, folder)
+        chosen = sample([one for one in every if not cases or one.case in cases], each=each, seed=seed)
         problems += contradictions(chosen, jobs=jobs, progress=Progress())
         print(f"{len(chosen)} sets proved again. {told(folder)}")
     for problem in problems:
         print(f"PROBLEM: {problem}")
     return 1 if problems else 0
+
+
+def _refuse_unknown(cases: list[str], known: set[str], folder: Path) -> None:
+    """Raises UsageError for a case that the store has no set of, and for a store without any: nothing would be checked."""
+    from refdem.core.parameters import nearest
+    from refdem.errors import UsageError
+
+    if not known:
+        raise UsageError(f"{folder} holds no certified set to check; expected a store that `refdem certify` wrote")
+    for name in cases:
+        if name not in known:
+            raise UsageError(f"{folder} has no set of case {name!r}; {nearest(name, known)}")
 
 
 def told(folder: Path) -> str:

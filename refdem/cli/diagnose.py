@@ -7,6 +7,8 @@ import typer
 if TYPE_CHECKING:
     from refdem.core.case import Instance
     from refdem.core.engine import Engine
+    from refdem.core.problem import Request
+    from refdem.core.trajectory import Trajectory
     from refdem.faults.twins import Diagnosis
 
 SHOWN = 5
@@ -59,11 +61,15 @@ def parts_of(record: str) -> tuple[str, str, str]:
 
 
 def diagnosed(instance: "Instance", engine: "Engine", method: str, level: int) -> "tuple[Diagnosis, float | None]":
-    """The diagnosis of one run, made anew, and its step; raises EngineError if the engine has none to show."""
-    from refdem.campaign.in_process import run_of
+    """The diagnosis of one run, made anew, and its step; raises EngineError if the engine has none to show.
+
+    A run at half the step goes with it: a fault of the code has the same amplitude there, an error of its integrator has not.
+    """
+    from dataclasses import replace
+
     from refdem.core.problem import Request
     from refdem.core.refinement import levels
-    from refdem.errors import EngineError, UnsupportedError
+    from refdem.errors import UnsupportedError
     from refdem.faults.twins import diagnosis, first_part
 
     claims = engine.method(method)
@@ -78,22 +84,46 @@ def diagnosed(instance: "Instance", engine: "Engine", method: str, level: int) -
         tolerance=chosen if claims.control == "tolerance" else None,
     )
     request = first_part(request)
+    run = _ran(engine, request)
+    if request.step is None:
+        return diagnosis(instance, request, run), None
+    finer = replace(request, step=request.step / 2)
+    return diagnosis(instance, request, run, (finer, _ran(engine, finer))), request.step
+
+
+def _ran(engine: "Engine", request: "Request") -> "Trajectory":
+    """The engine's own run; raises EngineError if it has none to show."""
+    from refdem.campaign.in_process import run_of
+    from refdem.errors import EngineError
+
     run = run_of(engine, request)
     if run.trajectory is None or run.failure is not None:
-        raise EngineError(f"{engine.name}/{method}: {run.failure.sentence if run.failure else 'no trajectory'}")
-    return diagnosis(instance, request, run.trajectory), request.step
+        raise EngineError(f"{engine.name}/{request.method}: {run.failure.sentence if run.failure else 'no trajectory'}")
+    return run.trajectory
 
 
 def _document(record: str, step: float | None, result: "Diagnosis") -> dict[str, object]:
     """The diagnosis as JSON has it."""
     found = result.explanation
     twins = [
-        {"fault": twin.fault.name if twin.fault else None, "method": twin.method, "step": twin.step, "distance": twin.distance}
+        {
+            "fault": twin.name or None,
+            "amplitude": twin.amplitude if twin.knob else None,
+            "method": twin.method,
+            "step": twin.step,
+            "distance": twin.distance,
+        }
         for twin in result.twins
     ]
-    explained = (
-        None if found is None else {"fault": found.fault.name if found.fault else None, "method": found.method, "digits": found.digits}
-    )
+    explained = None
+    if found is not None:
+        explained = {
+            "fault": found.name or None,
+            "amplitude": found.amplitude if found.knob else None,
+            "alike": list(result.alike),
+            "method": found.method,
+            "digits": found.digits,
+        }
     return {
         "record": record,
         "step": step,

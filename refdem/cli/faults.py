@@ -37,6 +37,8 @@ def command(
         raise EngineMissingError(f"engine {engine} is not installed here; {reason}")
     matrix = Trial(engine=found, seeds=seeds, chosen=chosen(fault or []), progress=Progress()).matrix()
     print(msgspec.json.format(msgspec.json.encode(matrix)).decode() if json else "\n".join(lines(matrix)))
+    if not matrix.kills:
+        raise UsageError(f"nothing was judged: engine {engine} can carry none of the faults that were asked for")
     raise typer.Exit(1 if matrix.survivors() or matrix.alarms else 0)
 
 

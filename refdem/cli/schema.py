@@ -52,6 +52,10 @@ def trajectory() -> dict[str, Any]:
     units |= dict.fromkeys(("qw", "qx", "qy", "qz"), "1") | dict.fromkeys(("wx", "wy", "wz"), "rad/s")
     empty = {"const": "", "description": "empty"}
     cells: dict[str, Any] = {name: {"type": "number", "description": f"[{units[name]}]"} for name in COLUMNS[:8]}
+    cells["t"]["description"] = (
+        "[s] the program's own time of the sample, after `stride` steps from the one before; "
+        "steps are counted, and the program never compares times"
+    )
     cells["body"] = {"type": "integer", "minimum": 0, "description": "the body's number, in order 0 .. N-1 within each sample"}
     points = "; empty in all seven columns for a body that does not turn"
     cells |= {name: {"anyOf": [{"type": "number"}, empty], "description": f"[{units[name]}]{points}"} for name in COLUMNS[8:]}

@@ -1,5 +1,6 @@
 """refdem stress: scenes made harder rung by rung, until a code breaks."""
 
+import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -26,7 +27,7 @@ def command(
     out: Annotated[Path, typer.Option(help="Folder for stress.md, stress.html, stress.json.")] = Path("refdem-stress"),
     json: Annotated[bool, typer.Option("--json", help="Print the record as JSON.")] = False,
 ) -> None:
-    """Finds where methods break; exit 1 if a promised range breaks, 3 if only crashes and hangs break it.
+    """Finds where methods break; exit 1 if a promised range breaks, 3 if only crashes and hangs break it, 2 if nothing was judged.
 
     Example: refdem stress two-spheres --engine reference --engine refdem.toml --battery mass-ratio --battery frame
     """
@@ -55,9 +56,19 @@ def command(
 
 
 def status(record: "Record") -> int:
-    """1 if a rung that was due failed or could not be decided, 3 if engines only broke down on such rungs, else 0."""
+    """1 if a rung that was due failed or could not be decided, 3 if engines only broke down on such rungs, 2 if nothing was judged."""
+    from refdem.errors import UsageError
+    from refdem.stress.record import BROKEN
+
     ends = {climb.end.verdict for climb in record.climbs if climb.kept is False and climb.end is not None}
-    return 0 if not ends else 3 if ends == {"error"} else 1
+    if ends:
+        return 3 if ends == {"error"} else 1
+    verdicts = {rung.verdict for climb in record.climbs for rung in climb.rungs}
+    if not verdicts & {"pass", *BROKEN}:
+        for engine, ladder, reason in record.refused:
+            print(f"{engine}, {ladder}: {reason}", file=sys.stderr)
+        raise UsageError("nothing was judged: no method of the engines climbs a rung of these ladders")
+    return 0
 
 
 def written(out: Path, record: "Record", store: "Store | None" = None) -> None:

@@ -3,27 +3,49 @@
 from collections import Counter
 from collections.abc import Iterable
 
-from refdem.core.finding import BROKEN, FAILING, WORST_FIRST, CampaignSheet, Sheet, worst_first
+from refdem.core.finding import BROKEN, DECIDED, FAILING, WORST_FIRST, CampaignSheet, Record, Sheet, worst_first
 
 SHOWN = 20
+VOID = 2
+"""Exit status where nothing was judged: what was asked for cannot be judged, which is neither a pass nor a failure."""
 
 
 def exit_status(sheets: Iterable[Sheet]) -> int:
-    """1 if a check failed or a deviation is stale, else 3 if an engine broke, else 0."""
+    """1 if a check failed or a deviation is stale, else 3 if an engine broke, else 2 if nothing was judged, else 0."""
     outcomes = {finding.outcome for _, finding in worst_first(sheets)}
-    return 1 if outcomes & set(FAILING) else 3 if "error" in outcomes else 0
+    if outcomes & set(FAILING):
+        return 1
+    if "error" in outcomes:
+        return 3
+    return 0 if outcomes & set(DECIDED) else VOID
 
 
 def lines(sheets: list[Sheet]) -> list[str]:
-    """The summary, line by line."""
+    """The summary, line by line: errors first, then what failed, then engines that judged nothing, with their reasons."""
     every = worst_first(sheets)
     worst = [(record, finding) for record, finding in every if finding.outcome in BROKEN]
     shown = [f"{finding.outcome.upper():6} {record.id(finding)}\n       {finding.sentence}" for record, finding in worst[:SHOWN]]
     if len(worst) > SHOWN:
         shown.append(f"       ... and {len(worst) - SHOWN} more; the report has them all")
+    shown += unjudged(sheets)
     counts = Counter[str](finding.outcome for _, finding in every)
     shown.append(", ".join(f"{counts[name]} {name}" for name in WORST_FIRST if counts[name]) or "nothing was found")
     for sheet in sheets:
         if isinstance(sheet, CampaignSheet):
             shown.append(f"{sheet.runs_made} runs made, {sheet.runs_read} read from the store, {sheet.seconds:.1f} s")
+    if exit_status(sheets) == VOID:
+        shown.append("nothing was judged: `refdem explain CASE --engine ENGINE` says what would run, and what is left out and why")
     return shown
+
+
+def unjudged(sheets: Iterable[Sheet]) -> list[str]:
+    """Every engine of which nothing was judged, with the reason for each case and method, equal ones together."""
+    records = [sheet for sheet in sheets if isinstance(sheet, Record)]
+    judged = {record.engine for record in records for finding in record.findings if finding.outcome in (*DECIDED, *BROKEN)}
+    reasons: dict[tuple[str, str, str], list[str]] = {}
+    for record in records:
+        for finding in record.findings if record.engine not in judged else ():
+            reasons.setdefault((record.label, record.engine, finding.sentence), []).append(record.method)
+    told = [f"{label}/{engine} ({', '.join(methods)}): {says}" for (label, engine, says), methods in reasons.items()]
+    more = [f"... and {len(told) - SHOWN} more reasons; the report has them all"] if len(told) > SHOWN else []
+    return told[:SHOWN] + more

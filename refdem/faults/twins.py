@@ -1,23 +1,37 @@
-"""Diagnosis by twins: the transparent engine with one fault or another integrator on the same scene, laid beside a code's run."""
+"""Diagnosis by twins: the transparent engine with one fault or another integrator on the same scene, laid beside a code's run.
+
+A fault that is a matter of degree is fitted: its amplitude is solved for. It is named only where
+it explains the run to three digits, explains a thousand times more than the same twin without the
+fault, and, where the code has a run at another step as well, explains that one with the same amplitude.
+"""
 
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
-from math import inf, log10
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+from math import inf, isfinite, log10
 
 import numpy as np
+from numpy.typing import NDArray
 
 from refdem.core.case import Instance
 from refdem.core.engine import Engine
 from refdem.core.judgement import distances
 from refdem.core.problem import Request
 from refdem.core.trajectory import Trajectory
+from refdem.faults import fit
+from refdem.faults.acting import acts, listening
 from refdem.faults.catalogue import faults
-from refdem.faults.fault import Fault
+from refdem.faults.fault import Carrier, Fault
+from refdem.faults.knobs import Knob, continued, misread, paced
 from refdem.faults.settings import SETTINGS
 from refdem.faults.transparent import METHODS, Transparent
 
-NEAR = 0.03
-"""A twin explains a run if what is left between them is at most this part of what was between the run and the right one."""
+Array = NDArray[np.float64]
+
+LEAST_DIGITS = 3.0
+"""A twin that agrees to fewer digits of the scale explains nothing."""
+LEFT = 1e-3
+"""Part of the defect of its sound twin that a fault may leave unexplained: three digits of the defect."""
 FINER = 4
 """Steps of the best method in one of the code's: its run is then nearer to the motion itself, with the fault or without."""
 TOLD = ("euler", "verlet", "rk4")
@@ -26,19 +40,37 @@ MOST_STEPS = 600
 """Steps of the code's run that are looked at."""
 TELLING = 1e-11
 """A twin without any fault that is as near as this leaves nothing to explain."""
+SOUND = 1e-9
+"""A code that is farther from every twin without fault has more to it than another order of its sums."""
+ALIKE = 10.0
+"""Of two twins whose distances differ by less than this factor, neither is the better explanation."""
+FLOOR = 1e-12
+"""Distances below this are round-off, and alike."""
 SAME = 1e-9
 """A fault that changes a twin's distance by no more does not act on this scene."""
+HOPELESS = 10.0
+"""A method whose sound twin is so many times farther than the best is not the code's."""
+PROMISING = 0.3
+"""A known fault is followed to the end of the run if it leaves at most this part of the first defect."""
+FOLLOWED = 12
+"""Known faults that are followed, the nearest."""
 MOST_DIGITS = 16.0
 
 
 @dataclass(frozen=True, kw_only=True)
 class Twin:
-    """A twin's run beside the code's: the fault it has (None: none), its method, and the largest distance in units of each scale."""
+    """A twin's run beside the code's: what is wrong with it (no fault and no knob: nothing), its method, and the largest distance.
 
-    fault: Fault | None
+    `distance` is in units of each scale, `beside` that of the twin of the same method and step without the fault.
+    """
+
     method: str
     step: float
     distance: float
+    fault: Fault | None = None
+    knob: Knob | None = None
+    amplitude: float = 1.0
+    beside: float = inf
 
     @property
     def digits(self) -> float:
@@ -46,61 +78,122 @@ class Twin:
         return MOST_DIGITS if self.distance == 0 else max(0.0, min(MOST_DIGITS, -log10(self.distance)))
 
     @property
+    def name(self) -> str:
+        """The fault's; empty for a sound twin."""
+        if self.knob is not None:
+            return self.knob.name
+        return self.fault.name if self.fault else ""
+
+    @property
     def behaviour(self) -> str:
         """What a code does that behaves so."""
+        if self.knob is not None:
+            return f"{self.knob.name}: {self.knob.says(self.amplitude)} ({self.method})"
         if self.fault is None:
             return f"{self.method} without any fault"
         return f"{self.fault.name}: {self.fault.sentence.rstrip('.')} ({self.method})"
 
+    @property
+    def is_telling(self) -> bool:
+        """It agrees to three digits, and explains three digits of what is wrong with the same twin without the fault."""
+        is_near = self.digits >= LEAST_DIGITS
+        if not self.name:
+            return is_near and self.distance <= SOUND
+        return is_near and isfinite(self.beside) and self.distance <= LEFT * self.beside
+
 
 @dataclass(frozen=True, kw_only=True)
 class Diagnosis:
-    """All twins, nearest first, and the distance of the code's run from the right motion."""
+    """All twins that were followed to the end, nearest first, and the distance of the code's run from the right motion.
+
+    `refuted` are the names of faults that explain this run and not the code's run at another step.
+    """
 
     twins: tuple[Twin, ...]
     defect: float
+    refuted: frozenset[str] = field(default=frozenset())
+
+    @property
+    def _telling(self) -> list[Twin]:
+        """Twins that explain the run, nearest first."""
+        return [twin for twin in self.twins if twin.is_telling and twin.name not in self.refuted]
 
     @property
     def explanation(self) -> Twin | None:
-        """The nearest twin if it comes near: one without a fault where that is as near as any other."""
-        nearest = self.twins[0]
-        plain = next((twin for twin in self.twins if twin.fault is None and twin.distance <= 2 * nearest.distance), None)
-        found = plain or nearest
-        return found if found.distance <= NEAR * self.defect else None
+        """The nearest twin that explains the run: one without a fault where that is as near as any other, then a known fault as it is."""
+        telling = self._telling
+        if not telling:
+            return None
+        nearest = telling[0]
+        alike = [twin for twin in telling if _is_alike(twin, nearest)]
+        return min(alike, key=_complexity)
 
-    def _alike(self, found: Twin) -> list[str]:
+    @property
+    def alike(self) -> tuple[str, ...]:
         """Other faults that do the same on this scene."""
-        names = [twin.fault.name for twin in self.twins if twin.fault and twin.fault is not found.fault and twin.distance <= found.distance]
-        return list(dict.fromkeys(names))
+        found = self.explanation
+        if found is None or not found.name:
+            return ()
+        names = [twin.name for twin in self._telling if _is_alike(twin, self._telling[0]) and twin.name != found.name]
+        return tuple(dict.fromkeys(name for name in names if name))
 
     def sentence(self) -> str:
-        """What the run behaves as, or that nothing comes near."""
+        """What the run behaves as, or which twin is nearest and that it is no diagnosis."""
+        if not self.twins:
+            return "behaves as no twin: none can run this scene"
+        right = f"; the right motion is {_size(self.defect)} away" if np.isfinite(self.defect) else ""
         found = self.explanation
         if found is not None:
-            alike = "".join(f" (as does {name})" for name in self._alike(found))
-            return (
-                f"behaves as {found.behaviour}{alike}, agrees to {found.digits:.1f} digits; the right motion is {_size(self.defect)} away"
-            )
+            alike = "".join(f" (as does {name})" for name in self.alike)
+            return f"behaves as {found.behaviour}{alike}, agrees to {found.digits:.1f} digits{right}"
         nearest = self.twins[0]
         return (
-            f"behaves as no twin: the nearest of {len(self.twins)} is {nearest.behaviour}, {_size(nearest.distance)} away, "
-            f"and the right motion {_size(self.defect)}"
+            f"behaves as no twin; nearest: {nearest.behaviour}, at {nearest.digits:.1f} digits ({_size(nearest.distance)}): "
+            f"not a diagnosis{right}"
         )
 
 
-def diagnosis(instance: Instance, request: Request, run: Trajectory) -> Diagnosis:
-    """The twins of a run that answers `request`, nearest first."""
-    sound = {(twin.method, twin.step): twin for twin in _twins(instance, request, run, None)}
+def _complexity(twin: Twin) -> int:
+    """Of alike explanations: nothing wrong, a known fault as it is, a number misread by a factor, a known fault of another size."""
+    if not twin.name:
+        return 0
+    if twin.knob is None:
+        return 1
+    return 2 if twin.fault is None else 3
+
+
+def _is_alike(twin: Twin, nearest: Twin) -> bool:
+    """Round-off, or a factor of ten, does not tell one explanation from another."""
+    return twin.distance <= max(ALIKE * nearest.distance, FLOOR)
+
+
+def diagnosis(instance: Instance, request: Request, run: Trajectory, other: tuple[Request, Trajectory] | None = None) -> Diagnosis:
+    """The twins of a run that answers `request`, nearest first; `other` is a run of the code at another step, which confirms."""
+    beside = Beside(instance, request, run)
+    sound = beside.sound
+    if not sound:
+        return Diagnosis(twins=(), defect=inf)
     found = list(sound.values())
-    told = min((twin.distance for twin in found), default=inf) <= TELLING
-    for fault in () if told else faults():
-        for twin in _twins(instance, request, run, fault):
-            plain = sound.get((twin.method, twin.step))
-            if plain is None or abs(twin.distance - plain.distance) > SAME * plain.distance:
-                found.append(twin)
+    if min(twin.distance for twin in found) > TELLING:
+        found += beside.faulty()
     finest = [twin.distance for twin in sound.values() if twin.step < (request.step or inf)]
     found.sort(key=lambda twin: (twin.distance, _is_foreign(twin, instance)))
-    return Diagnosis(twins=tuple(found), defect=min(finest, default=inf))
+    refuted = _refuted(instance, [twin for twin in found if twin.name and twin.is_telling], other)
+    return Diagnosis(twins=tuple(found), defect=min(finest, default=inf), refuted=refuted)
+
+
+def _refuted(instance: Instance, twins: list[Twin], other: tuple[Request, Trajectory] | None) -> frozenset[str]:
+    """Faults that explain a run and, with the same amplitude, not the code's run at another step."""
+    if other is None or not twins:
+        return frozenset()
+    elsewhere = Beside(instance, *other)
+    ratio = (other[0].step or 1.0) / twins[0].step
+    explained: dict[str, bool] = {}
+    for twin in twins:
+        step = twin.step * ratio if twin.step == twins[0].step else (other[0].step or 1.0) / FINER
+        again = elsewhere.twin(twin, step)
+        explained[twin.name] = explained.get(twin.name, False) or (again is not None and again.is_telling)
+    return frozenset(name for name, is_explained in explained.items() if not is_explained)
 
 
 def _is_foreign(twin: Twin, instance: Instance) -> bool:
@@ -108,19 +201,161 @@ def _is_foreign(twin: Twin, instance: Instance) -> bool:
     return twin.fault is not None and instance.case.id not in {SETTINGS[name].case for name in twin.fault.on}
 
 
-def _twins(instance: Instance, request: Request, run: Trajectory, fault: Fault | None) -> Iterator[Twin]:
-    """The fault in every method at the code's own step, and in the best method at finer ones."""
-    engine: Engine = fault.carrier() if fault else Transparent()
-    methods = [method.name for method in METHODS if engine.refuses(request.problem, method) is None]
-    if fault is not None:
-        methods = [name for name in methods if name in TOLD or name == fault.method]
-    step = request.step or abs(request.problem.interval) / FINER
-    fine = next((name for name in ("rk4", "verlet", "suzuki") if name in methods), None)
-    asked = [(name, step) for name in methods if request.step is not None]
-    for name, size in (*asked, *([(fine, step / FINER)] if fine else [])):
-        twin = _run(engine, replace(request, method=name, step=size, tolerance=None))
-        if twin is not None and (away := distance(instance, run, twin)) is not None:
-            yield Twin(fault=fault, method=name, step=size, distance=away)
+class Beside:
+    """A run of a code, and twins that are laid beside it."""
+
+    def __init__(self, instance: Instance, request: Request, run: Trajectory) -> None:
+        self.instance, self.request, self.run = instance, request, run
+        self.step = request.step or abs(request.problem.interval) / FINER
+        self.like = fit.states(instance, run, run)
+        self.answers: dict[tuple[str, float | None, int], Trajectory] = {}
+        self.heard: dict[str, set[str]] = {}
+        self.plain: dict[tuple[str, float, int], Array | None] = {}
+
+    @cached_property
+    def sound(self) -> dict[tuple[str, float], Twin]:
+        """Twins without fault by method and step: every method at the code's own step, the best one at a finer step."""
+        engine = Transparent()
+        able = [method.name for method in METHODS if engine.refuses(self.request.problem, method) is None]
+        asked = [(name, self.step) for name in able if self.request.step is not None]
+        best = next((name for name in ("rk4", "verlet", "suzuki") if name in able), None)
+        if best is not None:
+            asked.append((best, self.step / FINER))
+        found = {}
+        for method, step in asked:
+            heard = self.heard.setdefault(method, set())
+            away = self.distance(self.ran(Transparent(listening(heard)), method, step))
+            if away is not None:
+                found[method, step] = Twin(method=method, step=step, distance=away)
+        return found
+
+    def ran(self, engine: Engine, method: str, step: float, samples: int | None = None) -> Trajectory | None:
+        """A twin's run over the first samples (none: all); None if its fault breaks it."""
+        motion = self.request.problem
+        asked = replace(self.request, method=method, step=step, tolerance=None).with_scene(motion.scene, motion.times[:samples])
+        try:
+            with np.errstate(all="ignore"):
+                if isinstance(engine, Carrier) and engine.fault.after is not None:
+                    return engine.fault.after(asked, self._answer(asked))
+                return engine.run(asked)[0]
+        except Exception:  # a fault may break anything; such a twin explains no run that went on to its end
+            return None
+
+    def _answer(self, asked: Request) -> Trajectory:
+        """The sound twin's run, kept for all faults that spoil the answer alone."""
+        key = (asked.method, asked.step, len(asked.problem.times))
+        if key not in self.answers:
+            self.answers[key] = Transparent().run(asked)[0]
+        return self.answers[key]
+
+    def distance(self, twin: Trajectory | None) -> float | None:
+        """Largest distance of a twin's run; None if there is none to compare."""
+        return None if twin is None else distance(self.instance, self.run, twin)
+
+    def twin(self, like: Twin, step: float) -> Twin | None:
+        """The same twin, with the same amplitude, beside this run."""
+        plain = self.sound.get((like.method, step))
+        if plain is None:
+            return None
+        away = self.distance(self.ran(_engine(like), like.method, step))
+        return None if away is None else replace(like, step=step, distance=away, beside=plain.distance)
+
+    @cached_property
+    def counts(self) -> list[int]:
+        """Samples of growing windows, the first as short as shows the defect of the nearest sound twin."""
+        nearest = min(self.sound.values(), key=lambda twin: twin.distance)
+        twin = self.ran(Transparent(), nearest.method, nearest.step)
+        assert twin is not None
+        return fit.windows(np.abs(fit.states(self.instance, twin, self.run) - self.like).max(axis=1))
+
+    def faulty(self) -> Iterator[Twin]:
+        """Known faults as they are, and faults of a fitted amplitude, in every method that may be the code's."""
+        first = {key: self._early(Transparent(), *key) for key in self.sound}
+        best = min(first.values())
+        # Own steps first: what does not act there need not be tried at the finer step, which costs most.
+        followed = sorted((key for key, away in first.items() if away <= HOPELESS * best), key=lambda key: -key[1])
+        yield from self._known(followed, first)
+        scene = self.request.problem.scene
+        knobs = [*misread(scene), *paced(), *(knob for fault in faults() if (knob := continued(fault)))]
+        for knob in knobs:
+            yield from self._fitted(knob, followed)
+
+    def _early(self, engine: Engine, method: str, step: float) -> float:
+        """Largest difference of states in the first window; infinite if the twin cannot run."""
+        off = self.difference(engine, method, step, self.counts[0])
+        return inf if off is None or not np.all(np.isfinite(off)) else float(np.abs(off).max())
+
+    def difference(self, engine: Engine, method: str, step: float, samples: int) -> Array | None:
+        """Twin less run (M,) over the first samples, in units of the scales; None if the twin cannot run."""
+        twin = self.ran(engine, method, step, samples)
+        if twin is None or twin.position.shape[1:] != self.run.position.shape[1:] or len(twin.t) != samples:
+            return None
+        short = Trajectory(**{name: getattr(self.run, name)[:samples] for name in ("t", "position", "velocity", "attitude", "omega")})
+        return np.asarray((fit.states(self.instance, twin, short) - self.like[:samples]).ravel())
+
+    def _tries(self, fault: Fault | None, followed: list[tuple[str, float]]) -> Iterator[tuple[str, float]]:
+        """Methods and steps in which a fault is tried: the common ones, its own, and the finer step."""
+        for method, step in followed:
+            is_usual = method in TOLD or step < self.step
+            is_own = fault is not None and method == fault.method
+            may_act = fault is None or acts(fault, replace(self.request, method=method), self.heard[method])
+            if (is_usual or is_own) and may_act:
+                yield method, step
+
+    def _known(self, followed: list[tuple[str, float]], first: dict[tuple[str, float], float]) -> Iterator[Twin]:
+        """Faults of the catalogue as they are, those first that are nearest in the first window."""
+        early = []
+        for number, fault in enumerate(faults()):
+            inert = set()
+            for method, step in self._tries(fault, followed):
+                if method in inert:
+                    continue
+                away = self._early(fault.carrier(), method, step)
+                plain = first[method, step]
+                if abs(away - plain) <= SAME * plain:
+                    inert.add(method)
+                elif away <= PROMISING * plain:
+                    early.append((away, number, fault, method, step))
+        for _, _, fault, method, step in sorted(early, key=lambda item: item[:2])[:FOLLOWED]:
+            whole = self.distance(self.ran(fault.carrier(), method, step))
+            if whole is not None:
+                yield Twin(fault=fault, method=method, step=step, distance=whole, beside=self.sound[method, step].distance)
+
+    def _fitted(self, knob: Knob, followed: list[tuple[str, float]]) -> Iterator[Twin]:
+        """The knob at the amplitude that the run shows, where it shows one, in each method."""
+        inert = set()
+        for method, step in self._tries(knob.fault, followed):
+            if method in inert:
+                continue
+            amplitude = fit.amplitude(self._differences(knob, method, step), self.counts)
+            if amplitude == 0.0:
+                inert.add(method)
+            if not amplitude:
+                continue
+            away = self.distance(self.ran(knob.carrier(amplitude), method, step))
+            if away is not None:
+                plain = self.sound[method, step].distance
+                yield Twin(fault=knob.fault, knob=knob, amplitude=amplitude, method=method, step=step, distance=away, beside=plain)
+
+    def _differences(self, knob: Knob, method: str, step: float) -> fit.Difference:
+        """Twin less run at an amplitude over so many samples; that of the sound twin is kept."""
+
+        def difference(amplitude: float, samples: int) -> Array | None:
+            if amplitude:
+                return self.difference(knob.carrier(amplitude), method, step, samples)
+            key = (method, step, samples)
+            if key not in self.plain:
+                self.plain[key] = self.difference(Transparent(), method, step, samples)
+            return self.plain[key]
+
+        return difference
+
+
+def _engine(twin: Twin) -> Engine:
+    """The twin's engine."""
+    if twin.knob is not None:
+        return twin.knob.carrier(twin.amplitude)
+    return twin.fault.carrier() if twin.fault else Transparent()
 
 
 def first_part(request: Request) -> Request:
@@ -130,15 +365,6 @@ def first_part(request: Request) -> Request:
         return request
     count = max(3, min(len(times), MOST_STEPS // request.stride + 1))
     return request.with_scene(request.problem.scene, times[:count])
-
-
-def _run(engine: Engine, request: Request) -> Trajectory | None:
-    """A twin's run; None if its fault breaks it."""
-    try:
-        with np.errstate(all="ignore"):
-            return engine.run(request)[0]
-    except Exception:  # a fault may break anything; such a twin explains no run that went on to its end
-        return None
 
 
 def distance(instance: Instance, run: Trajectory, twin: Trajectory) -> float | None:

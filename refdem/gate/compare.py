@@ -4,6 +4,7 @@ from collections.abc import Callable
 
 import msgspec
 
+from refdem.campaign.missing import with_missing
 from refdem.core.finding import DECIDED, Finding, Record
 from refdem.gate.baseline import Accepted
 
@@ -23,16 +24,13 @@ def size(finding: Finding) -> float | None:
 
 
 def compared(records: list[Record], baseline: dict[str, Accepted], noise: Noise) -> list[Record]:
-    """The records with findings turned worse or lost, and an absent one for every accepted finding that is gone."""
-    seen = {record.id(finding) for record in records for finding in record.findings}
+    """The records with findings turned worse or lost, and what is gone absent or under the error that explains it."""
     changed = [
         msgspec.structs.replace(record, findings=tuple(_compared(record, finding, baseline, noise) for finding in record.findings))
         for record in records
     ]
-    for name, entry in baseline.items():
-        if name not in seen and entry.outcome in DECIDED:
-            changed = _with_absent(changed, name, entry)
-    return changed
+    decided = [name for name, entry in baseline.items() if entry.outcome in DECIDED]
+    return with_missing(changed, decided, "the baseline")
 
 
 def _compared(record: Record, finding: Finding, baseline: dict[str, Accepted], noise: Noise) -> Finding:
@@ -65,29 +63,3 @@ def _is_quiet(finding: Finding) -> bool:
 
 def _times(now: float, before: float) -> str:
     return f"{now / before:.2g} times" if before > 0 else f"{now:.2g} against"
-
-
-def _with_absent(records: list[Record], name: str, entry: Accepted) -> list[Record]:
-    """The records with a finding for an accepted id that was not seen."""
-    label, engine, method, check, quantity = name.rsplit("/", 4)
-    gone = Finding(
-        check=check,
-        quantity=quantity,
-        outcome="absent",
-        sentence=f"The baseline has it ({entry.outcome}) and this run does not: it was removed, or could not be judged.",
-    )
-    for n, record in enumerate(records):
-        if (record.label, record.engine, record.method) == (label, engine, method):
-            return [*records[:n], msgspec.structs.replace(record, findings=(*record.findings, gone)), *records[n + 1 :]]
-    whole = Record(
-        case=label.partition("[")[0],
-        label=label,
-        parameters={},
-        engine=engine,
-        version="",
-        method=method,
-        is_reference=False,
-        runs=(),
-        findings=(gone,),
-    )
-    return [*records, whole]

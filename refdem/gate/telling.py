@@ -55,8 +55,12 @@ TELLING: Mapping[str, tuple[Mapping[str, str], ...]] = {
             **{"masses": "2,1", "radii": "1/2,1", "stiffness": "16", "damping": "1", "angle": "1/4", "spins": "0,0,1/2,0,0,1/4"},
             **{"friction": "1/2"},
         },
-        {  # spins about all axes: the slip leaves its plane, and torques are about no axis of their own
-            **{"masses": "1,3", "radii": "1/2,3/4", "angle": "1/3", "spins": "1,3,1,2,-1,3", "friction": "1/8"},
+        {  # spins about all axes: the slip leaves its plane, and torques are about no axis of their own; friction without damping
+            **{"masses": "1,3", "radii": "1/2,3/4", "angle": "1/3", "spins": "1,3,1,2,-1,3", "friction": "1/8", "damping": "0"},
+        },
+        {  # hardly any speed, a spring softer than 1, and no damping beside friction: nothing here is large enough to hide a threshold
+            **{"masses": "1,3", "radii": "1/2,3/4", "closing_speed": "1/1024", "angle": "1/2", "damping": "0"},
+            **{"stiffness": "2", "tangential_stiffness": "1/2", "friction": "1/4", "spins": "0,0,1/1024,0,0,-1/2048"},
         },
     ),
     "van-der-pol": ({"x0": "-1/2", "v0": "3/4"},),

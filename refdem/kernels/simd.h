@@ -11,8 +11,13 @@
 #include "double_double.h"
 
 /* Before a function: all that it calls becomes part of it, and the processor that it meets (AVX-512, AVX2 with FMA, or any) chooses
- * among its versions when the extension is loaded. Instrumented code cannot choose so early. */
-#if defined(__x86_64__) && defined(__ELF__) && defined(__GNUC__) && __GNUC__ >= 12 && !defined(__clang__) && \
+ * among its versions when the extension is loaded. Instrumented code cannot choose so early. REFDEM_ONE_CPU=x86-64-v3 builds one
+ * version alone, so that a test can hold each of them on one processor (ci/test-machines). */
+#ifdef REFDEM_ONE_CPU
+#define REFDEM_AS_TEXT(words) #words
+#define REFDEM_OF_ARCH(name) "arch=" REFDEM_AS_TEXT(name)
+#define REFDEM_EVERY_CPU __attribute__((target(REFDEM_OF_ARCH(REFDEM_ONE_CPU)), flatten))
+#elif defined(__x86_64__) && defined(__ELF__) && defined(__GNUC__) && __GNUC__ >= 12 && !defined(__clang__) && \
     !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
 #define REFDEM_EVERY_CPU __attribute__((target_clones("arch=x86-64-v4", "arch=x86-64-v3", "default"), flatten))
 #elif defined(__GNUC__)

@@ -1,6 +1,7 @@
 """The pages of the manual from cases, checks and the certified store."""
 
 from collections.abc import Iterator
+from fractions import Fraction
 from pathlib import Path
 
 from refdem.campaign import plan
@@ -95,7 +96,20 @@ def checks(instance: Instance) -> Iterator[CheckLine]:
         yield CheckLine(name=name, title=check.title, kills=check.kills, **known)
 
 
+def certified_time(instance: Instance) -> str:
+    """A time [s] at which the case has certified values, as text; empty if there is none (a mean over many starts has no states)."""
+    if not instance.quantities or len(instance.times) < 2:
+        return ""
+    time = f"{float(instance.times[1]):g}"
+    try:
+        instance.truth().at(Fraction(time))
+    except NotCertifiedError:
+        return ""
+    return time
+
+
 def reproduce(name: str, instance: Instance) -> tuple[str, ...]:
-    """Commands that show the same."""
-    at = f" --at {float(instance.times[1]):g}" if instance.quantities and len(instance.times) > 1 else ""
+    """Commands that show the same; every one of them ends well."""
+    time = certified_time(instance)
+    at = f" --at {time}" if time else ""
     return f"refdem truth {name}{at}", f"refdem truth --list {name}", f"refdem run {name}", f"refdem explain {name}"

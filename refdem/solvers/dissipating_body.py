@@ -21,6 +21,10 @@ class DissipatingBody(Solver):
         name="dissipating-body",
         summary="a body that loses energy inside: Taylor series of order 20, steps to round-off",
         control="exact",
+        derived={
+            "attitude": "the attitude is divided by its length when it is handed out, so that it is always 1",
+            "dissipated_work": "it is told as what the energy lacks, so that the balance always holds",
+        },
         conserves=frozenset({"momentum", "angular-momentum"}),
         backward=True,
         cost_rank=2,

@@ -29,6 +29,10 @@ class SpinningTop(Solver):
         name="spinning-top",
         summary="rigid body about a fixed point in gravity: Taylor series of order 20, steps to round-off",
         control="exact",
+        derived={
+            "attitude": "the attitude is divided by its length when it is handed out, so that it is always 1",
+            "ball_joint": "places are made of the attitude and the arm, so that the joint is always closed",
+        },
         conserves=frozenset({"energy", "constraint"}),
         reversible=True,
         symplectic=True,

@@ -34,6 +34,7 @@ class TumblingBody(Solver):
         name="tumbling-body",
         summary="convex body on a plane: Taylor series of order 20 from event to event of its corners, steps to round-off",
         control="exact",
+        derived={"attitude": "the attitude is divided by its length when it is handed out, so that it is always 1"},
         conserves=frozenset({"energy"}),
         cost_rank=6,
     )

@@ -39,6 +39,7 @@ def test_the_order_and_the_constant_of_a_power_law_are_found(order: int) -> None
     tau, duration = 0.5, 10.0
     levels = [0.1 / 4**k for k in range(4)]
     curve = points(*((h, 0.007 * (1 + duration / tau) * (h / tau) ** order, 1.0 / h) for h in levels))
+    # sharp: made-up numbers that involve no rounding of a run
     curve = [point for point in curve if point.error > 1e-12]
     assert precision.order(curve) == pytest.approx(order, rel=1e-9)
     assert precision.constant(curve, claimed=order, tau=tau, duration=duration) == pytest.approx(0.007, rel=1e-9)

@@ -241,7 +241,7 @@ def test_truth_starts_where_the_scene_starts(name: str, given: dict[str, str]) -
         difference = values[0] - float(true[quantity].mid)
         if instance.quantities[quantity].angle:
             difference = np.remainder(difference + np.pi, 2 * np.pi) - np.pi
-        assert abs(difference) <= 1e-15 * max(1.0, abs(values[0])) * 4, quantity
+        assert abs(difference) <= 1e-14 * max(1.0, abs(values[0])), quantity
 
 
 @pytest.mark.parametrize(("name", "given"), STARTS)

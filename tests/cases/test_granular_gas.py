@@ -98,7 +98,8 @@ def test_methods_decide_about_a_crowd_without_a_list_of_its_pairs():
 def test_a_crowd_travels_in_every_symmetry_that_it_is_shown_in(name):
     instance = CASE.at(n=str(MOST_LISTED + 1), boundary="walls")
     sent = of(instance, name).applied(instance.motion)
-    read = Request.unpacked(Request(problem=sent, method="gas", step=2.0**-12).packed())
+    step = abs(sent.interval) / 2**12
+    read = Request.unpacked(Request(problem=sent, method="gas", step=step).packed())
     assert np.array_equal(read.problem.scene.bodies.position, sent.scene.bodies.position)
     assert np.array_equal(read.problem.scene.bodies.radius, sent.scene.bodies.radius)
     assert len(sent.scene.bodies.shapes) == 1

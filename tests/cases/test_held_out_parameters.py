@@ -30,6 +30,13 @@ def outcomes(case, given, checks=()):
         ("quaternions", {"vector": "-1/2,1,2"}),
         ("quaternions", {"omega": "0,0,0", "vector": "0,0,0"}),
         ("two-spheres", {"friction": "1", "samples": "16"}),
+        (
+            "two-spheres",
+            {
+                **{"masses": "0.785,0.853", "radii": "0.627,0.558", "stiffness": "104", "damping": "1.08"},
+                **{"closing_speed": "1.39", "angle": "0.365", "duration": "0.2508", "samples": "16"},
+            },
+        ),
         ("two-spheres", {"friction": "3", "damping": "0.663", "closing_speed": "0.7", "samples": "16"}),
     ],
 )

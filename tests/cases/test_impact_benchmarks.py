@@ -1,5 +1,6 @@
 """The family of impact benchmarks: every member is found, held by the reference, and takes its own parameters alone."""
 
+import msgspec
 import pytest
 
 from refdem.campaign.in_process import record_of, task_of, truth_of
@@ -35,7 +36,9 @@ def test_the_reference_holds_every_member(member):
     instance = discovery.case("impact-benchmarks").at(member=member)
     method = REFERENCE.best(instance.problem).name
     assert method == METHODS.get(member, "contact-events")
-    findings = record_of(task_of(REFERENCE, method, instance, truth_of(instance), 1)).findings
+    record = record_of(task_of(REFERENCE, method, instance, truth_of(instance), 1))
+    assert msgspec.msgpack.encode(record)
+    findings = record.findings
     assert [f.sentence for f in findings if f.outcome not in ("pass", "unsupported")] == []
     assert sum(f.check == "error" for f in findings) == len(instance.quantities)
 

@@ -111,7 +111,7 @@ def test_a_periodic_force_alone_acts_along_its_axis_in_mujoco_and_is_gone_afterw
     body = Body(mass=2.0, position=(1.0, 0.0, 0.0), **shape)
     run = played("mujoco", "rk4", Scene.of([body], [force]), 2.0**-6)
     way = -3.0 / 8.0 * (np.cos(2 * run.t + 0.5) - np.cos(0.5)) - 0.75 * np.sin(0.5) * run.t
-    assert run.position[:, 0] == pytest.approx(np.stack([1 + 0 * way, 0.6 * way, 0.8 * way], axis=1), abs=1e-8)
+    assert run.position[:, 0] == pytest.approx(np.stack([1 + 0 * way, 0.6 * way, 0.8 * way], axis=1), abs=2e-8)
     after = played("mujoco", "rk4", Scene.of([body], []), 2.0**-6)
     assert np.ptp(after.position, axis=0).max() == 0
 
@@ -124,7 +124,7 @@ def test_springs_with_a_cube_and_a_square_are_those_of_the_reference():
     ):
         exact = played("reference", "taylor-oscillator", scene)
         run = played(engine, method, scene, step)
-        assert run.position == pytest.approx(exact.position, abs=1e-9 if step else 1e-13)
+        assert run.position == pytest.approx(exact.position, abs=2e-9 if step else 1e-13)
         assert np.ptp(exact.position[:, 0, 0]) > 1.0
 
 

@@ -1,7 +1,9 @@
 """Diagnosis by twins: a code with a known fault is told by it, a right one by its integrator, an unknown one by nothing."""
 
 import json
+import re
 from dataclasses import replace
+from math import inf
 
 import numpy as np
 import pytest
@@ -15,7 +17,7 @@ from refdem.core.trajectory import Trajectory
 from refdem.errors import UsageError
 from refdem.faults.catalogue import chosen
 from refdem.faults.transparent import Transparent
-from refdem.faults.twins import diagnosis, first_part
+from refdem.faults.twins import Diagnosis, Twin, diagnosis, first_part
 
 
 def asked(case, method, halvings, **given):
@@ -44,12 +46,12 @@ def test_a_code_with_a_known_fault_is_told_by_it(fault, case, method, given):
     assert f"behaves as {fault}" in found.sentence()
 
 
-def leapfrog(request, late=0.0):
-    """A code of another hand: the oscillator (m = k = 1) by positions alone, x(n+1) = 2 x(n) - x(n-1) - h^2 x(n) (Stoermer)."""
+def leapfrog(request, late=0.0, stiffness=1.0):
+    """A code of another hand: the oscillator (m = k = 1) by positions alone, x(n+1) = 2 x(n) - x(n-1) - h^2 k x(n) (Stoermer)."""
     h, count = request.step, request.stride * (len(request.problem.times) - 1)
-    x = [1.0, 1.0 - h * h / 2]
+    x = [1.0, 1.0 - stiffness * h * h / 2]
     while len(x) < count + 2:
-        x.append((2 - h * h) * x[-1] - x[-2])
+        x.append((2 - stiffness * h * h) * x[-1] - x[-2])
     x = np.array(x)
     v = np.concatenate([[0.0], (x[2:] - x[:-2]) / (2 * h)])
     rows = np.arange(0, count + 1, request.stride)
@@ -77,7 +79,62 @@ def test_a_fault_that_nobody_knows_is_not_given_a_name():
     instance, request = asked("harmonic-oscillator", "stoermer", 2, **SHORT)
     found = diagnosis(instance, request, leapfrog(request, late=0.05))
     assert found.explanation is None
-    assert found.sentence().startswith("behaves as no twin: the nearest of ")
+    assert found.sentence().startswith("behaves as no twin; nearest: ")
+    assert re.search(r", at \d\.\d digits \(\d\.\de-\d\d of its scale\): not a diagnosis", found.sentence())
+
+
+@pytest.mark.parametrize("factor", [0.731, 0.9987, 1.0137, 1.37])
+def test_the_amplitude_of_a_fault_is_solved_for(factor):
+    instance, request = asked("harmonic-oscillator", "stoermer", 2, **SHORT)
+    found = diagnosis(instance, request, leapfrog(request, stiffness=factor))
+    names = {found.explanation.name, *found.alike}
+    assert "spring-stiffness" in names
+    (twin,) = (twin for twin in found.twins if twin.name == "spring-stiffness" and twin.method == "verlet" and twin.step == request.step)
+    assert twin.amplitude == pytest.approx(factor - 1, rel=1e-9)
+    assert f"the stiffness of element 0 (spring) is {factor:.6g} times what was asked" in twin.behaviour
+
+
+def test_an_amplitude_that_changes_with_the_step_is_the_integrators_and_no_fault():
+    """Velocities of another definition, off by a part h^2/8 of themselves: at one step a factor, at another step another one."""
+    instance, request = asked("harmonic-oscillator", "stoermer", 2, **SHORT)
+    finer = replace(request, step=request.step / 2)
+
+    def averaged(request):
+        run = leapfrog(request)
+        return replace(run, velocity=run.velocity * (1 - request.step**2 / 8))
+
+    alone = diagnosis(instance, request, averaged(request))
+    assert alone.explanation is not None
+    both = diagnosis(instance, request, averaged(request), (finer, averaged(finer)))
+    assert both.explanation is None
+    assert alone.explanation.name in both.refuted
+
+
+def test_a_fault_is_confirmed_by_a_run_at_another_step():
+    instance, request = asked("harmonic-oscillator", "stoermer", 2, **SHORT)
+    finer = replace(request, step=request.step / 2)
+    runs = [leapfrog(one, stiffness=1.0137) for one in (request, finer)]
+    found = diagnosis(instance, request, runs[0], (finer, runs[1]))
+    assert "spring-stiffness" in {found.explanation.name, *found.alike}
+
+
+def twin(name, distance, beside):
+    """A twin of a catalogue fault at these distances."""
+    (fault,) = chosen([name])
+    return Twin(fault=fault, method="verlet", step=0.1, distance=distance, beside=beside)
+
+
+def test_no_fault_is_named_below_three_digits_or_without_a_sound_twin_beside_it():
+    for distance, beside in ((1.0, inf), (1e-5, inf), (2e-3, 10.0), (1e-5, 1e-3), (0.5, 0.6)):
+        found = Diagnosis(twins=(twin("percent", distance, beside),), defect=beside)
+        assert found.explanation is None, (distance, beside)
+        assert "not a diagnosis" in found.sentence()
+        assert "inf" not in found.sentence()
+    assert Diagnosis(twins=(twin("percent", 1e-5, 1e-1),), defect=0.1).explanation.name == "percent"
+
+
+def test_a_scene_that_no_twin_can_run_is_said_to_be_one():
+    assert Diagnosis(twins=(), defect=inf).sentence() == "behaves as no twin: none can run this scene"
 
 
 def test_only_the_first_part_of_a_long_run_is_looked_at():

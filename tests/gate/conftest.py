@@ -36,6 +36,7 @@ name = "spring"
 command = ["{sys.executable}", "spring.py", "{{request}}", "{{trajectory}}"]
 version_command = ["{sys.executable}", "-c", "print('spring 1.0')"]
 supports = ["spring", "dimension:1"]
+may_refuse = ["shifted"]
 timeout = 30
 [[engine.methods]]
 name = "leapfrog"

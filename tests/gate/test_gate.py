@@ -52,7 +52,9 @@ def test_a_method_that_can_no_longer_be_judged_is_lost(program):
     program.spoil("import json, sys\n", "import json, sys\nsys.exit(77)\n")
     done = program.gate()
     assert done.returncode == 1
-    assert "ABSENT" in done.stdout
+    assert done.stdout.count("LOST") == 1
+    assert "ABSENT" not in done.stdout
+    assert "it cannot (exit 77)" in done.stdout
 
 
 def test_an_accepted_finding_that_is_gone_is_absent(program):
@@ -79,10 +81,47 @@ def test_blessing_needs_a_reason_and_shows_what_it_changes(program):
 def test_a_crash_is_an_error_and_exit_3_while_nothing_failed(program):
     program.bless()
     program.spoil("import json, sys\n", "import json, sys\nimport os\nos.abort()\n")
+    done = program.gate("--markdown", "gate.md")
+    assert done.returncode == 3  # what the baseline has is gone, and follows from the crash
+    first, second, *_ = done.stdout.splitlines()
+    assert first.startswith("ERROR")
+    assert "signal 6" in second
+    assert "findings of the baseline could not be made" in second
+    assert "ABSENT" not in done.stdout
+    table = [line for line in (program.folder / "gate.md").read_text().splitlines() if line.startswith("| ")]
+    assert len(table) == 2
+    assert table[1].startswith("| error |")
+
+
+def test_what_fails_beside_a_crash_is_shown_after_the_crash(program):
+    program.bless()
+    program.spoil("x += h * v", "x -= h * v")
+    program.spoil("if times[1] < times[0]:\n", "if times[1] < times[0]:\n    sys.exit(5)\n")
     done = program.gate()
-    assert "ERROR" in done.stdout
-    assert "signal 6" in done.stdout
-    assert done.returncode == 1  # what the baseline has is gone
+    assert done.returncode == 1
+    assert done.stdout.startswith("ERROR")
+    assert "FAIL" in done.stdout
+
+
+def test_a_program_that_answers_77_in_part_is_an_error(program):
+    program.bless()
+    program.spoil("import json, sys\nrequest = json.load(open(sys.argv[1]))\n", "import json, sys\nrequest = json.load(open(sys.argv[1]))\n"
+                  "if request['step'] < 0.05:\n    sys.exit(print('too fine', file=sys.stderr) or 77)\n")  # fmt: skip
+    done = program.gate()
+    assert done.returncode == 3, done.stdout
+    assert "too fine" in done.stdout
+    assert "at every step and in every variant" in done.stdout
+
+
+def test_a_program_may_refuse_the_pictures_that_it_names_and_no_others(program):
+    text = (program.folder / "refdem.toml").read_text()
+    assert 'may_refuse = ["shifted"]' in text
+    done = program.gate("--out", "report")
+    assert "harmonic-oscillator/spring/leapfrog/symmetry/shifted" in (program.folder / "report" / "junit.xml").read_text()
+    (program.folder / "refdem.toml").write_text(text.replace('["shifted"]', '["rotated"]'))
+    done = program.gate()
+    assert "springs hang at the origin only" in done.stdout
+    assert done.stdout.startswith("ERROR")
 
 
 def test_what_crashes_cannot_be_accepted_and_leaves_the_baseline_alone(program):

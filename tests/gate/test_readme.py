@@ -31,7 +31,7 @@ def test_the_gate_of_the_readme_opens_and_closes_as_it_says(refdem, tmp_path):
     assert refdem("smoke", "refdem.toml").returncode == 0
     first = refdem("gate")
     assert first.returncode == 1
-    assert "15 pass" in first.stdout
+    assert "16 pass" in first.stdout
     assert refdem("gate", "--bless", "--why", "first baseline").returncode == 0
     assert refdem("gate").stdout.splitlines()[-1] == "the gate of springs is open"
     program = (tmp_path / "springs.py").read_text()
@@ -41,3 +41,16 @@ def test_the_gate_of_the_readme_opens_and_closes_as_it_says(refdem, tmp_path):
     assert closed.stdout.splitlines()[-1] == "the gate of springs is closed"
     for said in ("/error/x", "/energy/", "/order/state"):
         assert said in closed.stdout
+
+
+def test_a_clock_that_adds_up_its_steps_is_caught_first_and_told_to_count_them(refdem, tmp_path):
+    program = (tmp_path / "springs.py").read_text()
+    loop = "for _ in range(stride if n > 0 else 0):\n"
+    assert program.count(loop) == 1
+    clock = "t = start if n == 0 else t\n        while t < float(asked[f'times.{n}']):\n            t += h\n"
+    (tmp_path / "springs.py").write_text(program.replace(loop, clock))
+    told = refdem("smoke", "refdem.toml")
+    assert told.returncode == 1
+    first, *others = told.stdout.splitlines()
+    assert "count `stride` steps from each sample to the next and never compare times" in first
+    assert not [line for line in others if not line.startswith(("pass", "unsupported"))]

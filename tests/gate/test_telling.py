@@ -1,20 +1,72 @@
 """A gate that names no case runs also what the defaults of a case keep still."""
 
+from fractions import Fraction
+
+import numpy as np
 import pytest
 
+from refdem.campaign.in_process import record_of, task_of, truth_of
 from refdem.core import discovery
+from refdem.core.problem import Request
 from refdem.engines.reference import ENGINE
+from refdem.faults.change import of_bodies, of_elements
+from refdem.faults.fault import Carrier, Fault
+from refdem.faults.transparent import Transparent
 from refdem.gate.gate import supported
-from refdem.gate.telling import TELLING
+from refdem.gate.telling import TELLING, settings
+from refdem.scene.elements.contact import Contact
 
 
 @pytest.mark.parametrize(("case", "number"), [(case, k) for case, sets in TELLING.items() for k in range(len(sets))])
 def test_every_setting_is_one_that_a_case_knows_and_is_certified_to_the_end(case, number):
     instance = discovery.case(case).at(**TELLING[case][number])
-    last = instance.truth().at(instance.times[-1])
+    last = instance.truth().at(Fraction(float(instance.times[-1])))
     assert all(float(ball.radius) < 1e-12 for ball in last.values())
 
 
 def test_a_gate_of_all_cases_has_them_beside_the_defaults():
     entries = [entry for entry in supported(ENGINE) if entry.id == "two-spheres"]
     assert [entry.set for entry in entries] == [{}, *(dict(given) for given in TELLING["two-spheres"])]
+
+
+def contact(**changed):
+    """A fault that misreads the contact law of a scene."""
+    return of_elements(Contact, **changed)
+
+
+def at_rest_when_slow(request):
+    """What is slower than 1 cm/s is taken to be at rest."""
+    change = of_bodies(velocity=lambda v: np.where(np.linalg.norm(v, axis=1, keepdims=True) < 0.01, 0.0, v))
+    return change(request)
+
+
+def without_friction_where_nothing_is_damped(request):
+    """Friction is left out with the dashpot."""
+    (law,) = request.problem.scene.all(Contact)
+    return contact(friction=lambda mu: 0.0)(request) if law.damping == 0 else request
+
+
+SLOW_AND_SOFT = 6
+UNDAMPED = {5, SLOW_AND_SOFT}
+MISREADINGS = {
+    "a tangential spring of at least 1 N/m": (contact(tangential_stiffness=lambda k: max(k, 1.0) if k else k), {SLOW_AND_SOFT}),
+    "slow bodies at rest": (at_rest_when_slow, {SLOW_AND_SOFT}),
+    "no friction without damping": (without_friction_where_nothing_is_damped, UNDAMPED),
+}
+"""Faults of the question, and the numbers of the settings of two-spheres on which they act."""
+
+
+@pytest.mark.parametrize("name", MISREADINGS)
+def test_some_faults_act_only_on_the_settings_that_are_there_for_them_and_fail_there(name):
+    misread, seen = MISREADINGS[name]
+    instances = [discovery.case("two-spheres").at(**given) for given in settings("two-spheres")]
+    asked = [Request(problem=instance.problem, method="verlet", step=instance.problem.interval) for instance in instances]
+    frictional = {number for number in range(len(asked)) if instances[number].scene.all(Contact)[0].friction > 0}
+    acts_on = {number for number in range(len(asked)) if misread(asked[number]).to_json() != asked[number].to_json()}
+    assert acts_on & frictional == seen
+    fault = Fault(name="misread", kind="misread", sentence="", on=(), sees=("", ""), before=misread)
+    instance = instances[SLOW_AND_SOFT]
+    truth = truth_of(instance)
+    for engine, expected in ((Transparent(), False), (Carrier(Transparent(), fault), True)):
+        record = record_of(task_of(engine, "verlet", instance, truth, 5, ["error"]))
+        assert any(finding.outcome == "fail" for finding in record.findings) == expected

@@ -44,8 +44,8 @@ def test_overlap_and_force_are_those_of_the_damped_sine():
     overlap = np.sin(w * t) * np.exp(-b * t) / w
     force = 128.0 * overlap + 6.0 * np.exp(-b * t) * (np.cos(w * t) - b / w * np.sin(w * t))
     during = seen.t < np.pi / w
-    assert np.abs(seen.channels["overlap"] - overlap).max() < 4e-16
-    assert np.abs(seen.channels["contact_force"] - np.where(during, force, 0.0))[seen.t != 0].max() < 1e-13
+    assert np.abs(seen.channels["overlap"] - overlap).max() < 2e-15
+    assert np.abs(seen.channels["contact_force"] - np.where(during, force, 0.0))[seen.t != 0].max() < 2e-13
     assert np.array_equal(seen.channels["contacts"], during.astype(float))
 
 
@@ -55,7 +55,7 @@ def test_overlap_and_force_are_those_of_the_damped_sine():
     {"angle": "1.2", "friction": "0.1", "cutoff": "zero_force", "spins": "0,0,2,0,0,-5", "masses": "1,3", "radii": "1/2,4/5"},
 ], ids=["damped", "elastic, arm R", "spinning, zero force"])  # fmt: skip
 def test_gross_sliding_agrees_with_certified_truth(given, largest_error):
-    assert largest_error("two-spheres", solved(**given), STATE, **given) < 8e-15
+    assert largest_error("two-spheres", solved(**given), STATE, **given) < 3e-14
 
 
 @pytest.mark.parametrize("stiffness", [1e6, 1e8])
@@ -124,7 +124,7 @@ def test_a_slip_that_friction_stops_at_once_leaves_the_normal_velocity_alone():
     given |= {"friction": "100", "angle": "-0.54975"}
     instance = discovery.case("two-spheres").at(**given)
     seen = ENGINE.run(Request(problem=instance.problem, method="contact-events"))[0]
-    assert largest_gain(instance.scene, seen) < 1e-13
+    assert largest_gain(instance.scene, seen) < 4e-13
 
 
 def largest_gain(scene, seen):
@@ -161,14 +161,24 @@ def test_spheres_that_part_within_rounding_do_not_stick_and_slip_instead():
     assert np.abs(view.undone(other).omega - plain.omega).max() < 1e-13
 
 
+@pytest.mark.parametrize("stiffness", ["1/2", "1/64", "3"])
+def test_a_tangential_spring_of_any_stiffness_slips_the_way_it_pulls(stiffness):
+    """Below 1 N/m as above: a spring is a spring however soft it is."""
+    given = {"friction": "1/256", "angle": "1/2", "tangential_stiffness": stiffness, "samples": "8"}
+    problem = discovery.case("two-spheres").at(**given).problem
+    seen, series = (ENGINE.run(Request(problem=problem, method=name))[0] for name in ("contact-events", "oblique-contact"))
+    assert np.abs(seen.velocity - series.velocity).max() < 2e-13
+    assert np.abs(seen.omega - series.omega).max() < 2e-13
+
+
 @pytest.mark.parametrize("friction", ["1e6", "1e12"])
 @pytest.mark.parametrize("more", [{}, {"damping": "0"}, {"cutoff": "zero_force"}], ids=str)
 def test_friction_without_measure_ends_with_its_force(friction, more):
     """The last slip lasts 1e-8 s and less, and a step that goes on beyond it overflows: what is no number has not settled."""
     problem = discovery.case("two-spheres").at(friction=friction, angle="1/2", tangential_stiffness="64", samples="8", **more).problem
     seen, series = (ENGINE.run(Request(problem=problem, method=name))[0] for name in ("contact-events", "oblique-contact"))
-    assert np.abs(seen.velocity - series.velocity).max() < 4e-15
-    assert np.abs(seen.omega - series.omega).max() < 1e-14
+    assert np.abs(seen.velocity - series.velocity).max() < 2e-14
+    assert np.abs(seen.omega - series.omega).max() < 2e-14
 
 
 @pytest.mark.parametrize("far", [1e4, 1e8])
@@ -178,6 +188,7 @@ def test_far_from_the_origin_the_motion_is_the_same_from_its_own_middle(far):
     moved = problem.scene.with_state(position=problem.scene.bodies.position + away)
     near, seen = (ENGINE.run(Request(problem=Motion(scene, problem.times), method="contact-events"))[0] for scene in (problem.scene, moved))
     assert np.array_equal(seen.position[0], moved.bodies.position)
+    # sharp: the sum with the shift is rounded to half a unit far away, whatever the near motion is
     assert np.abs(seen.position - away - near.position).max() <= np.spacing(far)
     assert np.abs(seen.velocity - near.velocity).max() < 1e-15  # 7e-12 at 1e4 where places count from the origin, and far more steps
 

@@ -24,7 +24,7 @@ def solved(case, method, **given):
     ("wedge-collision", "exact-wedge", {"k1": "20", "closing_speed": "7", "samples": "300"}),
 ])  # fmt: skip
 def test_it_agrees_with_certified_truth(case, method, given, largest_error):
-    assert largest_error(case, solved(case, method, **given), STATE, **given) < 4e-15
+    assert largest_error(case, solved(case, method, **given), STATE, **given) < 3e-14
 
 
 def pressed(overlap, rate, times, inward=(7.0, 1.5), outward=(7.0, 1.5), mass=0.5):

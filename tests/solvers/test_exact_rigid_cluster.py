@@ -1,5 +1,7 @@
 """Points on rods as one rigid body: certified truth, RATTLE's forces, a dumb-bell cross by hand, redundant rods, refusals."""
 
+from fractions import Fraction
+
 import numpy as np
 import pytest
 
@@ -10,6 +12,7 @@ from refdem.scene import Scene
 from refdem.scene.elements.rod import Rod
 from refdem.scene.elements.uniform_gravity import UniformGravity
 
+ULP = np.finfo(float).eps
 T = np.linspace(0.0, 2.0, 5)
 TETRAHEDRON = {"masses": "1,1,1,1", "positions": "1,1,1,1,-1,-1,-1,1,-1,-1,-1,1"}
 SETS = [{}, TETRAHEDRON, {"masses": "1e-3,7,3,100", "positions": "3,1,4,1,5,9,2,6,5,3,5,8", "omega": "-3,1,40"}]
@@ -22,7 +25,12 @@ def cluster(**given):
 
 @pytest.mark.parametrize("given", SETS)
 def test_places_are_right_to_round_off(solved, largest_error, given):
-    assert largest_error("rigid-cluster", solved(cluster(**given), T, "exact-rigid-cluster"), QUANTITIES, **given) < 3e-14
+    # The rate of turning comes from rounded moments of inertia: its error grows with the angle that the body has turned.
+    omega = [float(Fraction(part)) for part in given.get("omega", "1/2,1,-1/4").split(",")]
+    angle = float(np.linalg.norm(omega)) * T[-1]
+    bound = 40 * ULP * (1 + angle)
+    run = solved(cluster(**given), T, "exact-rigid-cluster")
+    assert largest_error("rigid-cluster", run, QUANTITIES, **given) < bound
 
 
 def test_motion_and_forces_are_what_rattle_tends_to(solved):
@@ -39,7 +47,7 @@ def test_edges_of_a_spinning_tetrahedron_carry_what_keeps_its_corners_on_their_c
     scene = cluster(**TETRAHEDRON, omega="0,0,1")
     force = solved(scene, T, "exact-rigid-cluster").channels["rod_force"]
     flat = [abs(scene.bodies.position[rod.a, 2] - scene.bodies.position[rod.b, 2]) == 0 for rod in scene.all(Rod)]
-    assert force == pytest.approx(np.tile(np.where(flat, np.sqrt(2.0), 0.0), (5, 1)), abs=1e-14)
+    assert force == pytest.approx(np.tile(np.where(flat, np.sqrt(2.0), 0.0), (5, 1)), abs=2e-14)
 
 
 def test_a_rod_twice_shares_its_force(solved):

@@ -68,7 +68,7 @@ def test_power_laws_are_right_to_some_ulps_of_their_phase(solved, largest_error,
     times = SHORT * instance.scales.tau
     trajectory = solved(instance.scene, times, "exact-power" if exponent != "1" else "exact-harmonic")
     growth = max(instance.truth().sensitivities([Fraction(t) for t in times]))
-    assert largest_error("power-oscillator", trajectory, ("x", "v"), **given) < 4 * growth * ULPS
+    assert largest_error("power-oscillator", trajectory, ("x", "v"), **given) < 8 * growth * ULPS
 
 
 @pytest.mark.parametrize("exponent", [1.25, 1.5, 2.0, 3.0, 7.5])
@@ -83,7 +83,7 @@ def test_a_power_law_goes_on_from_any_of_its_states_and_back(solved, exponent):
     whole = from_state((1.25, 0.0, 0.0), (0.0, 0.0, 0.0), SHORT)
     for row in range(1, len(SHORT) - 1):
         rest = from_state(tuple(whole.position[row, 0]), tuple(whole.velocity[row, 0]), SHORT[row:])
-        assert rest.position == pytest.approx(whole.position[row:], abs=4e-14)
+        assert rest.position == pytest.approx(whole.position[row:], abs=5e-14)
         back = from_state(tuple(whole.position[row, 0]), tuple(whole.velocity[row, 0]), SHORT[: row + 1][::-1].copy())
         assert back.position[-1, 0] == pytest.approx((1.25, 0.0, 0.0), abs=4e-14)
         assert back.velocity[-1, 0] == pytest.approx((0.0, 0.0, 0.0), abs=1e-13)

@@ -46,8 +46,8 @@ def test_error_falls_with_order_two_in_place_and_rod_force(solved, largest_error
 def test_rods_keep_length_and_velocity_stays_across_them_over_1e5_steps(solved, pendulum):
     trajectory = solved(pendulum, np.arange(201) * 4.0, "rattle", 2.0**-7)
     r, v = trajectory.position[:, 0], trajectory.velocity[:, 0]
-    assert np.abs(np.linalg.norm(r, axis=1) - 1.0).max() < 1e-15
-    assert np.abs(np.sum(r * v, axis=1)).max() < 4e-15
+    assert np.abs(np.linalg.norm(r, axis=1) - 1.0).max() < 3e-15
+    assert np.abs(np.sum(r * v, axis=1)).max() < 5e-15
 
 
 def test_round_off_of_a_million_steps_does_not_hide_the_order(solved, largest_error, pendulum):

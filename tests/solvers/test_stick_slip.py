@@ -52,7 +52,7 @@ def test_events_are_those_of_truth_to_the_last_bits():
     for event in events:
         counts[event.kind] += 1
         ball = scalars[f"{event.kind}_{counts[event.kind]}"]
-        assert abs(event.time - float(ball.mid)) <= 6 * np.spacing(event.time)
+        assert abs(event.time - float(ball.mid)) <= 12 * np.spacing(event.time)
     assert len(events) == len(scalars) == 4
 
 

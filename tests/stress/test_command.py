@@ -20,19 +20,18 @@ PROGRAM = """
 import os, sys, time
 asked = dict(line.split(maxsplit=1) for line in open(sys.argv[1]))
 h, k = float(asked["step"]), float(asked["scene.elements.0.stiffness"])
-x, v, t = float(asked["scene.bodies.0.position.0"]), float(asked["scene.bodies.0.velocity.0"]), 0.0
-if k > 1e10:
+x, v = float(asked["scene.bodies.0.position.0"]), float(asked["scene.bodies.0.velocity.0"])
+if k > 1e7:
     os.abort()
 if k > 1e5:
-    time.sleep(60)
+    time.sleep(600)
 with open(sys.argv[2], "w") as out:
     print("t,body,x,y,z,vx,vy,vz,qw,qx,qy,qz,wx,wy,wz", file=out)
     for n in range(int(asked["times.count"])):
-        while t < float(asked[f"times.{n}"]) - h / 2:
+        for _ in range(int(asked["stride"]) if n else 0):
             v -= h / 2 * k * x
             x += h * v
             v -= h / 2 * k * x
-            t += h
         print(asked[f"times.{n}"].strip(), 0, x, 0, 0, v, 0, 0, *[""] * 7, sep=",", file=out)
 """
 TOML = f'''
@@ -41,7 +40,7 @@ name = "springs"
 command = ["{sys.executable}", "springs.py", "{{request_txt}}", "{{trajectory}}"]
 inputs = ["springs.py"]
 supports = ["spring"]
-timeout = 3
+timeout = 6
 [[engine.methods]]
 name = "verlet"
 order = 2
@@ -122,7 +121,15 @@ def test_exit_status(verdict: Any, expected: int) -> None:
     )
     record = Record(refdem="0", longest=1.0, batteries=[], climbs=[climb])
     assert status(record) == expected
-    assert status(msgspec.structs.replace(record, climbs=[msgspec.structs.replace(climb, kept=None)])) == 0
+
+
+@pytest.mark.parametrize("verdict", ["fail", "error", "pass"])
+def test_a_breaking_point_that_nobody_promised_is_no_failure(verdict: Any) -> None:
+    rungs = [Rung(rung="1", verdict=verdict)]
+    climb = Climb(
+        battery="b", ladder="l", label="c", along="x", engine="e", version="", method="m", is_reference=True, rungs=rungs, kept=None
+    )
+    assert status(Record(refdem="0", longest=1.0, batteries=[], climbs=[climb])) == 0
 
 
 def test_a_file_that_is_no_record_is_refused(tmp_path: Path) -> None:

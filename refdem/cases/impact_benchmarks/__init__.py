@@ -64,8 +64,8 @@ class ImpactBenchmarks(Case):
         return member(p.member).observe(member(p.member).values(p), trajectory)
 
     def meant(self, p: Parameters) -> dict[str, Any]:
-        """The member's own numbers, with what follows from them."""
-        return {"member": p["member"], **vars(member(p.member).values(p))}
+        """The member's own numbers as they are written; a witness derives the rest by itself."""
+        return {"member": p["member"], **member(p.member).written(p)}
 
     def truth(self, p: Parameters) -> Truth:
         """The member's: closed form, or proven from switch to switch."""

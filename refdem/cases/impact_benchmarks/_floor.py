@@ -6,8 +6,8 @@ from typing import Any, ClassVar
 
 import numpy as np
 
+from refdem.cases.impact_benchmarks._dashpot import dashpot_of
 from refdem.cases.impact_benchmarks._member import POSITIONS_ARE_ROUNDED, Member
-from refdem.cases.impact_benchmarks._numbers import damping
 from refdem.cases.impact_benchmarks._wall import linear
 from refdem.core.parameters import Parameters
 from refdem.core.quantity import Scales
@@ -26,9 +26,9 @@ class OnFloor(Member):
         v = super().values(p)
         v.effective = v.mass
         v.branch, v.cutoff, v.tangential_stiffness = "R", "zero_overlap", Fraction(0)
-        for name, missing in (("friction", 0), ("restitution", 1)):
-            v.__dict__.setdefault(name, Fraction(missing))
-        v.damping = damping(v.restitution, v.effective, v.stiffness, "zero_overlap")
+        v.__dict__.setdefault("friction", Fraction(0))
+        v.__dict__.setdefault("restitution", Fraction(1))
+        v.damping = dashpot_of(v, v.effective)
         return v
 
     def of(self, v: Any, bodies: list[Body], *planes: Plane) -> Scene:
@@ -42,7 +42,7 @@ class OnFloor(Member):
         return Floor(**{name: getattr(v, name) for name in ("mass", "radius", "stiffness", "damping", "gravity")})
 
 
-def ball(v: Any, mass: Fraction, height: Fraction, speed: Fraction = Fraction(0)) -> Body:
+def ball(v: Any, mass: Any, height: Fraction, speed: Fraction = Fraction(0)) -> Body:
     """A solid sphere over the origin."""
     m, r = float(mass), float(v.radius)
     return Body(mass=m, inertia=(0.4 * m * r * r,) * 3, shape=Sphere(radius=r), position=(0.0, float(height), 0.0),
@@ -67,9 +67,12 @@ class Bounce(OnFloor):
 
     def scales(self, v: Any) -> Scales:
         """tau = sqrt(m/k); the length that it falls in that time at the floor, but at least height/8."""
-        tau, drop = float(np.sqrt(float(v.mass / v.stiffness))), 2 * float(v.height - v.radius)
-        fall, e = float(np.sqrt(drop / float(v.gravity))), float(v.restitution)
-        lasts = fall * (1 + 2 * sum(e**n for n in range(1, self.bounces)) + e**self.bounces) + self.bounces * np.pi * tau
+        tau = float(np.sqrt(float(v.mass / v.stiffness)))
+        drop = 2 * float(v.height - v.radius)
+        fall = float(np.sqrt(drop / float(v.gravity)))
+        e = float(v.restitution)
+        flights = 1 + 2 * sum(e**n for n in range(1, self.bounces)) + e**self.bounces
+        lasts = fall * flights + self.bounces * np.pi * tau
         speed = float(np.sqrt(drop * float(v.gravity)))
         return Scales(max(speed * tau, float(v.height) / POSITIONS_ARE_ROUNDED), tau, float(lasts), float(v.mass))
 
@@ -77,4 +80,4 @@ class Bounce(OnFloor):
         """From bounce to bounce."""
         from refdem.truth.closed_forms.impact_benchmarks import floor
 
-        return floor.Bounce(scale, self.floor(v), height=v.height, until=Fraction(self.scales(v).duration))
+        return floor.Bounce(scale, self.floor(v), height=v.height, restitution=v.restitution, bounces=self.bounces)

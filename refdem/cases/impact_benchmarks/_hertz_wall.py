@@ -1,12 +1,10 @@
 """A sphere that touches a rigid wall, the plane x = 0, from the left: under Hertz's law, with Coulomb friction."""
 
 from collections.abc import Mapping
-from fractions import Fraction
 from typing import Any
 
 import numpy as np
 
-from refdem.cases.impact_benchmarks._numbers import hertz_stiffness
 from refdem.cases.impact_benchmarks._wall import Wall, of_impact, struck
 from refdem.core.quantity import Scales
 from refdem.core.truth import Truth
@@ -23,8 +21,10 @@ class HertzWall(Wall):
 
     def values(self, p: Any) -> Any:
         """With the stiffness of the material."""
+        from refdem.truth.contact_law import hertz_wall_stiffness
+
         v = super().values(p)
-        v.hertz = hertz_stiffness(v.modulus, v.poisson, v.radius, wall=True)
+        v.hertz = hertz_wall_stiffness(v.modulus, v.poisson, v.radius)
         return v
 
     def scene(self, v: Any) -> Scene:
@@ -42,5 +42,5 @@ class HertzWall(Wall):
         """Closed form."""
         from refdem.truth.closed_forms.impact_benchmarks.hertz_wall import HertzWallImpact
 
-        numbers = {name: Fraction(getattr(v, name)) for name in ("mass", "radius", "friction", "normal", "across", "spin")}
+        numbers = {name: getattr(v, name) for name in ("mass", "radius", "friction", "normal", "across", "spin")}
         return HertzWallImpact(scale, stiffness=v.hertz, **numbers)

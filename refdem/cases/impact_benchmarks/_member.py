@@ -10,7 +10,7 @@ from typing import Any, ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from refdem.cases.impact_benchmarks._numbers import MATERIALS, ball_mass
+from refdem.cases.impact_benchmarks._parameters import MATERIALS
 from refdem.core.parameters import Parameters
 from refdem.core.quantity import Quantity, Scales
 from refdem.core.trajectory import Trajectory
@@ -38,14 +38,29 @@ class Member(ABC):
         if alien:
             raise UsageError(f"parameter {alien[0]}: member {p['member']} has none; expected one of {', '.join(sorted(self.numbers))}")
 
+    def written(self, p: Parameters) -> dict[str, Any]:
+        """The member's own numbers as they are written: exact rationals, and names; with those of its material."""
+        found: dict[str, Any] = {}
+        for name, default in self.numbers.items():
+            is_given = p[name] not in (None, "own")
+            if is_given:
+                found[name] = p[name]
+            else:
+                found[name] = default if name in CHOSEN else Fraction(default)
+        if "material" in found:
+            found |= zip(("modulus", "poisson", "density"), map(Fraction, MATERIALS[found["material"]]), strict=True)
+        return found
+
     def values(self, p: Parameters) -> Any:
-        """The numbers, exact, and with the material its modulus, Poisson's ratio, and the `mass` of a sphere of that `radius`."""
-        texts: dict[str, Any] = {name: text if p[name] in (None, "own") else p[name] for name, text in self.numbers.items()}
-        found = SimpleNamespace(**{name: v if name in CHOSEN or isinstance(v, Fraction) else Fraction(v) for name, v in texts.items()})
-        if "material" in texts:
-            found.modulus, found.poisson, found.density = map(Fraction, MATERIALS[found.material])
+        """What is written, and what follows from it: the `mass` of a sphere of that `radius` and `density`.
+
+        What follows is no rounded number but a Real, which truth encloses at its own precision and a scene rounds once.
+        """
+        from refdem.truth.contact_law import sphere_mass
+
+        found = SimpleNamespace(**self.written(p))
         if hasattr(found, "density"):
-            found.mass = ball_mass(found.density, found.radius)
+            found.mass = sphere_mass(found.density, found.radius)
         return found
 
     @abstractmethod

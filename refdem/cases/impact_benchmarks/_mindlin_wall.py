@@ -1,13 +1,11 @@
 """A sphere that touches a rigid wall from the left: under Hertz's law with Mindlin's tangential stiffness, clipped at Coulomb's limit."""
 
 from collections.abc import Mapping
-from fractions import Fraction
 from typing import Any
 
 import numpy as np
 
 from refdem.cases.impact_benchmarks._hertz_wall import HERTZ_CONTACT, HertzWall
-from refdem.cases.impact_benchmarks._numbers import mindlin_stiffness
 from refdem.cases.impact_benchmarks._wall import of_impact, struck
 from refdem.core.quantity import Scales
 from refdem.core.truth import Truth
@@ -22,8 +20,11 @@ class MindlinWall(HertzWall):
 
     def values(self, p: Any) -> Any:
         """With both stiffnesses of the material."""
+        from refdem.truth.contact_law import hertz_modulus, mindlin_modulus, mindlin_wall_stiffness
+
         v = super().values(p)
-        v.mindlin = mindlin_stiffness(v.modulus, v.poisson, v.radius)
+        v.mindlin = mindlin_wall_stiffness(v.modulus, v.poisson, v.radius)
+        v.stiffness_ratio = mindlin_modulus(v.modulus, v.poisson) / hertz_modulus(v.modulus, v.poisson)
         if not v.friction:
             raise UsageError("parameter friction: got 0; expected more than 0: without it no tangential spring holds anything")
         return v
@@ -38,11 +39,11 @@ class MindlinWall(HertzWall):
         """tau by the faster of the two springs; two contacts."""
         depth = (1.25 * float(v.mass * v.normal**2 / v.hertz)) ** 0.4
         lasts = HERTZ_CONTACT * depth / float(v.normal)
-        return of_impact(v, tau=lasts / np.pi / max(1.0, np.sqrt(3.5 * float(v.mindlin / v.hertz))), lasts=lasts)
+        return of_impact(v, tau=lasts / np.pi / max(1.0, float(np.sqrt(3.5 * float(v.stiffness_ratio)))), lasts=lasts)
 
     def truth(self, v: Any, scale: Mapping[str, float]) -> Truth:
         """Closed form between proven switches."""
         from refdem.truth.closed_forms.impact_benchmarks.mindlin_wall import MindlinWallImpact
 
-        numbers = {name: Fraction(getattr(v, name)) for name in ("mass", "radius", "friction", "normal", "across", "spin")}
-        return MindlinWallImpact(scale, stiffness=v.hertz, tangential_stiffness=v.mindlin, **numbers)
+        numbers = {name: getattr(v, name) for name in ("mass", "radius", "friction", "normal", "across", "spin")}
+        return MindlinWallImpact(scale, stiffness=v.hertz, stiffness_ratio=v.stiffness_ratio, **numbers)

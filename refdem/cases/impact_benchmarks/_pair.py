@@ -8,7 +8,6 @@ import numpy as np
 
 from refdem.cases.impact_benchmarks._hertz_wall import HERTZ_CONTACT
 from refdem.cases.impact_benchmarks._member import POSITIONS_ARE_ROUNDED, Array, Member
-from refdem.cases.impact_benchmarks._numbers import hertz_stiffness
 from refdem.core.parameters import Parameters
 from refdem.core.quantity import Quantity, Scales
 from refdem.core.trajectory import Trajectory
@@ -22,8 +21,11 @@ class HertzPair(Member):
 
     def values(self, p: Parameters) -> Any:
         """With the effective mass and Hertz's stiffness."""
+        from refdem.truth.contact_law import hertz_pair_stiffness
+
         v = super().values(p)
-        v.effective, v.hertz = v.mass / 2, hertz_stiffness(v.modulus, v.poisson, v.radius, wall=False)
+        v.effective = v.mass / 2
+        v.hertz = hertz_pair_stiffness(v.modulus, v.poisson, v.radius)
         v.masses, v.radii, v.spins = (v.mass,) * 2, (v.radius,) * 2, (Fraction(0),) * 2
         return v
 

@@ -2,8 +2,17 @@
 
 from fractions import Fraction
 
-from refdem.cases.impact_benchmarks._numbers import MATERIALS
 from refdem.core.parameters import Parameter
+
+MATERIALS = {
+    "glass": ("4.8e10", "0.2", "2800"),
+    "limestone": ("2e10", "0.25", "2500"),
+    "aluminium-alloy": ("7e10", "0.3", "2699"),
+    "magnesium-alloy": ("4e10", "0.35", "1800"),
+    "aluminium-oxide": ("3.8e11", "0.23", "4000"),
+    "steel": ("2.08e11", "0.3", "7850"),
+}
+"""Young's modulus [Pa], Poisson's ratio and density [kg/m^3] (Chung and Ooi 2011, tables 1 to 8)."""
 
 LEVERS = {"R": Fraction(0), "R-d/2": Fraction(1, 2), "R-d": Fraction(1)}
 """The part of the overlap that the lever arm of friction is short of the radius."""

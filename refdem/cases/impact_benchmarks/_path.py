@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping
 from fractions import Fraction
+from math import isqrt
 from typing import Any
 
 import numpy as np
@@ -18,7 +19,15 @@ from refdem.scene import Body, Scene, Sphere
 
 HEAVY = Fraction(10**64)
 """[kg]: no force of the law moves it by more than rounding."""
-PLAIN = ((1, 0, 0), (0, 1, 0), (0, 0, 1))
+NONE, ONE = Fraction(0), Fraction(1)
+PLAIN = ((ONE, NONE, NONE), (NONE, ONE, NONE), (NONE, NONE, ONE))
+
+
+def short_root(square: Fraction) -> Fraction:
+    """A number of at most 21 bits that is at least sqrt(square) > 0, and above it by less than 2^-19 of it: exact, and in binary64."""
+    bits = (square.numerator.bit_length() - square.denominator.bit_length()) // 2
+    unit = Fraction(2) ** (bits - 20)
+    return (isqrt((square / unit**2).__floor__()) + 1) * unit
 
 
 class Path(Member):
@@ -26,15 +35,24 @@ class Path(Member):
 
     frame: Any = PLAIN
 
+    def written(self, p: Parameters) -> dict[str, Any]:
+        """With the path: it passes at `off`, the radii less the greatest overlap, and begins at -`begin`, where they are apart.
+
+        They touch at half a chord from the middle, sqrt(d (2 (R1 + R2) - d)) for the greatest overlap d; it begins 5/4 as far away.
+        """
+        found = super().written(p)
+        overlap = found["overlap"]
+        reach = found["radius"] + found["partner_radius"]
+        if not 0 < overlap < min(found["radius"], found["partner_radius"]):
+            raise UsageError(f"parameter overlap: got {float(overlap):g} m; expected it between 0 and the smaller radius")
+        chord = overlap * (2 * reach - overlap)
+        return {**found, "off": reach - overlap, "half_squared": chord, "begin": short_root(Fraction(25, 16) * chord)}
+
     def values(self, p: Parameters) -> Any:
-        """The path begins where they are apart; the smallest distance is the radii less `overlap`."""
+        """With `half` the length of the chord [m], rounded, for the scales."""
         v = super().values(p)
         v.damping, v.cutoff = Fraction(0), "zero_overlap"
-        v.off = v.radius + v.partner_radius - v.overlap
-        if not 0 < v.overlap < min(v.radius, v.partner_radius):
-            raise UsageError(f"parameter overlap: got {float(v.overlap):g} m; expected it between 0 and the smaller radius")
-        v.half = float(v.overlap * (2 * (v.radius + v.partner_radius) - v.overlap)) ** 0.5
-        v.begin = Fraction(1.25 * v.half).limit_denominator(1 << 20)
+        v.half = float(np.sqrt(float(v.half_squared)))
         return v
 
     def scene(self, v: Any) -> Scene:
@@ -73,5 +91,5 @@ class Path(Member):
         return ContactPath(scale, Passing(
             mass=HEAVY, radii=(v.radius, v.partner_radius), **{name: getattr(v, name) for name in names}, spin=v.partner_spin,
             lever=LEVERS[v.branch], start=(-v.begin, v.off, v.speed, Fraction(0)),
-            frame=tuple(tuple(Fraction(x) for x in row) for row in self.frame),
+            frame=self.frame,
         ))  # fmt: skip

@@ -8,13 +8,22 @@ import numpy as np
 
 from refdem.cases.impact_benchmarks._floor import OnFloor, ball
 from refdem.cases.impact_benchmarks._member import POSITIONS_ARE_ROUNDED
+from refdem.core.parameters import Parameters
 from refdem.core.quantity import Scales
 from refdem.core.truth import Truth
+from refdem.errors import UsageError
 from refdem.scene import Scene
 
 
 class Slide(OnFloor):
     """Thrown along x with `speed`, without spin, its overlap that of its weight; lasts twice as long as it slides."""
+
+    def values(self, p: Parameters) -> Any:
+        """With friction, for without it the sphere slides for ever."""
+        v = super().values(p)
+        if not v.friction:
+            raise UsageError("parameter friction: got 0; expected more than 0: without it the sphere never rolls")
+        return v
 
     def scene(self, v: Any) -> Scene:
         """In equilibrium along y."""

@@ -6,8 +6,8 @@ from typing import Any, ClassVar
 
 import numpy as np
 
+from refdem.cases.impact_benchmarks._dashpot import dashpot_of, linear_contact_time
 from refdem.cases.impact_benchmarks._member import POSITIONS_ARE_ROUNDED, Member
-from refdem.cases.impact_benchmarks._numbers import ball_mass, damping
 from refdem.cases.impact_benchmarks._pair import touching
 from refdem.cases.impact_benchmarks._parameters import LEVERS
 from refdem.cases.impact_benchmarks._wall import linear
@@ -24,10 +24,14 @@ class SpinningPair(Member):
 
     def values(self, p: Parameters) -> Any:
         """With masses, radii and spins of both, the effective mass, and the dashpot that makes the restitution."""
+        from refdem.truth.contact_law import sphere_mass
+
         v = super().values(p)
-        v.masses, v.radii = (v.mass, ball_mass(v.partner_density, v.partner_radius)), (v.radius, v.partner_radius)
-        v.spins, v.effective = (v.spin, v.partner_spin), v.masses[0] * v.masses[1] / sum(v.masses)
-        v.damping = damping(v.restitution, v.effective, v.stiffness, v.cutoff)
+        v.masses = (v.mass, sphere_mass(v.partner_density, v.partner_radius))
+        v.radii = (v.radius, v.partner_radius)
+        v.spins = (v.spin, v.partner_spin)
+        v.effective = v.masses[0] * v.masses[1] / sum(v.masses)
+        v.damping = dashpot_of(v, v.effective)
         return v
 
     def scene(self, v: Any) -> Scene:
@@ -36,12 +40,11 @@ class SpinningPair(Member):
 
     def scales(self, v: Any) -> Scales:
         """tau = 1/omega_max; two contacts."""
-        mass, b = float(v.effective), float(v.damping / (2 * v.effective))
-        rate = np.sqrt(float(v.stiffness) / mass)
-        lasts = (np.pi if v.cutoff == "zero_overlap" else 2 * np.arccos(b / rate)) / np.sqrt(rate * rate - b * b)
+        mass = float(v.effective)
+        lasts = linear_contact_time(v, v.effective)
         tau = float(np.sqrt(mass / max(float(v.stiffness), 3.5 * float(v.tangential_stiffness))))
         speed = float(v.speed + max(abs(r * spin) for r, spin in zip(v.radii, v.spins, strict=True)))
-        return Scales(max(speed * tau, float(max(v.radii)) / POSITIONS_ARE_ROUNDED), tau, float(2 * lasts), mass)
+        return Scales(max(speed * tau, float(max(v.radii)) / POSITIONS_ARE_ROUNDED), tau, 2 * lasts, mass)
 
     def truth(self, v: Any, scale: Mapping[str, float]) -> Truth:
         """That of two spheres."""

@@ -6,8 +6,8 @@ from typing import Any, ClassVar
 
 import numpy as np
 
+from refdem.cases.impact_benchmarks._dashpot import dashpot_of, linear_contact_time
 from refdem.cases.impact_benchmarks._member import POSITIONS_ARE_ROUNDED, Member
-from refdem.cases.impact_benchmarks._numbers import PI, ball_mass, damping, sine
 from refdem.cases.impact_benchmarks._parameters import LEVERS
 from refdem.cases.impact_benchmarks._wall import linear
 from refdem.core.parameters import Parameters
@@ -23,10 +23,14 @@ class Squeeze(Member):
 
     def values(self, p: Parameters) -> Any:
         """With the large spheres' mass, and the dashpot that makes the restitution of each against the small one, which stays."""
+        from refdem.truth.contact_law import sphere_mass
+        from refdem.truth.reals import cosine, sine
+
         v = super().values(p)
-        v.large = ball_mass(v.density, v.partner_radius)
-        v.damping = damping(v.restitution, v.large, v.stiffness, v.cutoff)
-        v.normal, v.across = v.speed * sine(v.angle + PI / 2), v.speed * sine(v.angle)
+        v.large = sphere_mass(v.density, v.partner_radius)
+        v.damping = dashpot_of(v, v.large)
+        v.normal = v.speed * cosine(v.angle)
+        v.across = v.speed * sine(v.angle)
         return v
 
     def scene(self, v: Any) -> Scene:
@@ -44,13 +48,12 @@ class Squeeze(Member):
 
     def scales(self, v: Any) -> Scales:
         """tau = 1/omega_max, that of the small sphere's turning; two contacts."""
-        mass, b = float(v.large), float(v.damping / (2 * v.large))
-        rate = np.sqrt(float(v.stiffness) / mass)
-        lasts = (np.pi if v.cutoff == "zero_overlap" else 2 * np.arccos(b / rate)) / np.sqrt(rate * rate - b * b)
+        mass = float(v.large)
+        lasts = linear_contact_time(v, v.large)
         turning = float(v.tangential_stiffness * (Fraction(7, 2) + 5 * v.large / v.mass))
         tau = float(np.sqrt(mass / max(float(v.stiffness), turning)))
         speed = float(v.speed + max(abs(v.radius * v.spin), abs(v.partner_radius * v.partner_spin)))
-        return Scales(max(speed * tau, float(v.partner_radius) / POSITIONS_ARE_ROUNDED), tau, float(2 * lasts), mass)
+        return Scales(max(speed * tau, float(v.partner_radius) / POSITIONS_ARE_ROUNDED), tau, 2 * lasts, mass)
 
     def truth(self, v: Any, scale: Mapping[str, float]) -> Truth:
         """A pair's, by symmetry."""

@@ -5,9 +5,9 @@ from typing import Any, ClassVar
 
 import numpy as np
 
+from refdem.cases.impact_benchmarks._dashpot import dashpot_of
 from refdem.cases.impact_benchmarks._floor import OnFloor, ball
 from refdem.cases.impact_benchmarks._member import POSITIONS_ARE_ROUNDED
-from refdem.cases.impact_benchmarks._numbers import ball_mass, damping
 from refdem.core.parameters import Parameters
 from refdem.core.quantity import Scales
 from refdem.core.truth import Truth
@@ -23,10 +23,12 @@ class Stack(OnFloor):
 
     def values(self, p: Parameters) -> Any:
         """The dashpot is that of the restitution of the two with each other."""
+        from refdem.truth.contact_law import sphere_mass
+
         v = super().values(p)
-        v.upper = ball_mass(v.partner_density, v.radius)
+        v.upper = sphere_mass(v.partner_density, v.radius)
         v.effective = v.mass * v.upper / (v.mass + v.upper)
-        v.damping = damping(v.restitution, v.effective, v.stiffness, "zero_overlap")
+        v.damping = dashpot_of(v, v.effective)
         if not v.height < 4 * v.radius:
             raise UsageError(f"parameter height: got {float(v.height):g} m; expected less than four radii, so that all contacts press")
         return v
@@ -38,7 +40,8 @@ class Stack(OnFloor):
 
     def scales(self, v: Any) -> Scales:
         """tau = sqrt(m/(3 k)) of the lighter one; 40 tau."""
-        tau = float(np.sqrt(float(min(v.mass, v.upper) / v.stiffness) / 3))
+        lighter = min(float(v.mass), float(v.upper))
+        tau = float(np.sqrt(lighter / float(v.stiffness) / 3))
         return Scales(float(v.height) / POSITIONS_ARE_ROUNDED, tau, 40 * tau, float(v.effective))
 
     def truth(self, v: Any, scale: Mapping[str, float]) -> Truth:

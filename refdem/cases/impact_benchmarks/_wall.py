@@ -6,8 +6,8 @@ from typing import Any
 
 import numpy as np
 
+from refdem.cases.impact_benchmarks._dashpot import dashpot_of, linear_contact_time
 from refdem.cases.impact_benchmarks._member import POSITIONS_ARE_ROUNDED, Member
-from refdem.cases.impact_benchmarks._numbers import PI, damping, root, sine
 from refdem.cases.impact_benchmarks._parameters import LEVERS
 from refdem.core.quantity import Scales
 from refdem.core.truth import Truth
@@ -21,17 +21,21 @@ class Wall(Member):
 
     def values(self, p: Any) -> Any:
         """With `normal`, `across` [m/s], `spin` [rad/s] and, without a stiffness, Hertz's `hertz`."""
+        from refdem.truth.reals import cosine, sine
+
         v = super().values(p)
-        for name, missing in (("spin", Fraction(0)), ("friction", Fraction(0)), ("angle", Fraction(0)), ("psi", Fraction(0))):
-            v.__dict__.setdefault(name, missing)
+        for name in ("spin", "friction", "angle", "psi"):
+            v.__dict__.setdefault(name, Fraction(0))
         v.__dict__.setdefault("branch", "R")
         v.__dict__.setdefault("cutoff", "zero_overlap")
         if hasattr(v, "normal_speed"):
-            v.normal, v.across = v.normal_speed, v.psi * v.friction * v.normal_speed
+            v.normal = v.normal_speed
+            v.across = v.psi * v.friction * v.normal_speed
         else:
-            v.normal, v.across = v.speed * (sine(v.angle + PI / 2) if v.angle else 1), v.speed * sine(v.angle)
+            v.normal = v.speed * cosine(v.angle)
+            v.across = v.speed * sine(v.angle)
         if hasattr(v, "stiffness"):
-            v.damping = damping(v.restitution, v.mass, v.stiffness, v.cutoff)
+            v.damping = dashpot_of(v, v.mass)
         return v
 
     def scene(self, v: Any) -> Scene:
@@ -40,18 +44,17 @@ class Wall(Member):
 
     def scales(self, v: Any) -> Scales:
         """tau = 1/omega_max; two contacts."""
-        rate = np.sqrt(float(v.stiffness / v.mass))
-        b = float(v.damping / (2 * v.mass))
-        lasts = (np.pi if v.cutoff == "zero_overlap" else 2 * np.arccos(b / rate)) / np.sqrt(rate * rate - b * b)
-        tau = 1 / np.sqrt(max(float(v.stiffness), 3.5 * float(v.tangential_stiffness * (v.friction > 0))) / float(v.mass))
-        return of_impact(v, tau=float(tau), lasts=float(lasts))
+        lasts = linear_contact_time(v, v.mass)
+        stiffest = max(float(v.stiffness), 3.5 * float(v.tangential_stiffness * (v.friction > 0)))
+        tau = np.sqrt(float(v.mass) / stiffest)
+        return of_impact(v, tau=float(tau), lasts=lasts)
 
     def truth(self, v: Any, scale: Mapping[str, float]) -> Truth:
         """From switch to switch."""
         from refdem.truth.closed_forms.impact_benchmarks.wall import WallImpact, WallPair
 
         names = ("mass", "radius", "stiffness", "damping", "tangential_stiffness", "friction", "normal", "across", "spin")
-        numbers = {name: Fraction(getattr(v, name)) for name in names}
+        numbers = {name: getattr(v, name) for name in names}
         return WallImpact(scale, WallPair(lever=LEVERS[v.branch], ends_with_overlap=v.cutoff == "zero_overlap", **numbers))
 
 
@@ -70,5 +73,5 @@ def linear(v: Any) -> Contact:
 
 def of_impact(v: Any, *, tau: float, lasts: float) -> Scales:
     """Length: the way in tau, but at least R/8."""
-    speed = float(root(v.normal**2 + v.across**2)) + abs(float(v.spin * v.radius))
+    speed = float(np.hypot(float(v.normal), float(v.across))) + abs(float(v.spin * v.radius))
     return Scales(length=max(speed * tau, float(v.radius) / POSITIONS_ARE_ROUNDED), tau=tau, duration=2 * lasts, mass=float(v.mass))

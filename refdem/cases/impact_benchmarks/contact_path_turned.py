@@ -6,11 +6,13 @@ from typing import Any
 from refdem.cases.impact_benchmarks._path import Path
 from refdem.cases.impact_benchmarks.contact_path import NUMBERS
 
+THIRD = Fraction(1, 3)
+
 
 class TurnedPath(Path):
     """Its axes are the columns."""
 
-    frame: Any = tuple(tuple(Fraction(x, 3) for x in row) for row in ((2, -1, 2), (2, 2, -1), (-1, 2, 2)))
+    frame: Any = tuple(tuple(THIRD * x for x in row) for row in ((2, -1, 2), (2, 2, -1), (-1, 2, 2)))
 
 
 MEMBER = TurnedPath("Prescribed path of a contact, turned", NUMBERS)

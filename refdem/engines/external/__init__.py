@@ -28,6 +28,7 @@ class External(ProgramEngine):
         self.name = self.title = table.name
         self.methods = tuple(method.method(table) for method in table.methods)
         self.time_limit, self.budget, self.expected = table.timeout, table.budget, tuple(self.description.expected)
+        self.may_refuse = frozenset(table.may_refuse)
         self.program = Program(table, self.path.parent)
 
     @property

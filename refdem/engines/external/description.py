@@ -12,6 +12,7 @@ from refdem.core.engine import Method
 from refdem.engines.external.sense import FEATURES, nonsense
 from refdem.errors import UsageError
 
+Picture = Literal["shifted", "rotated", "boosted", "mirrored", "relabelled", "rescaled", "delayed"]
 Law = Literal["energy", "momentum", "angular-momentum", "constraint"]
 
 Feature = Annotated[str, Meta(extra_json_schema={"enum": sorted(FEATURES)})]
@@ -30,7 +31,10 @@ class MethodTable(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fiel
     answers: Literal["motion", "solid"] = "motion"
     control: Annotated[
         Literal["step", "tolerance", "exact"],
-        said("what the request sets: the step [s], which divides the time between samples, or a tolerance"),
+        said(
+            "what the request sets: the step [s] with its `stride`, the number of steps from each sample "
+            "to the next, which the program counts (it never compares times), or a tolerance"
+        ),
     ] = "step"
     order: Annotated[int, said("claimed: errors fall as step**order")] = 0
     order_with: Annotated[dict[str, int], said("the lower order with a feature of the scene, such as contact = 1")] = {}
@@ -72,6 +76,9 @@ class EngineTable(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fiel
         Literal["synchronous", "minus-half-step"],
         said("minus-half-step: velocities and omegas of a row hold half a step before its t, at the first row too"),
     ] = "synchronous"
+    may_refuse: Annotated[
+        list[Picture], said("pictures of a scene that it may answer with 77 although it runs the scene itself; any other is an error")
+    ] = []
     timeout: Annotated[float, said("[s] a run may take")] = 60.0
     budget: Annotated[float, said("[s] a gate may take")] = 600.0
 

@@ -15,6 +15,10 @@ ALGEBRA = frozenset(
 )
 """Operations for which MuJoCo has a function."""
 
+COORDINATES = {
+    "rod": "MuJoCo's coordinate is the angle of a hinge, and the adapter puts the point at the rod's length from it",
+    "ball_joint": "MuJoCo's coordinate is the attitude about the joint, and the adapter puts the centre at the arm's end",
+}
 METHODS = (
     Method(
         name="rk4",
@@ -23,6 +27,7 @@ METHODS = (
         order=4,
         order_with=FIRST_ORDER,
         conserves=frozenset({"momentum", "constraint"}),
+        derived=COORDINATES,
         summed_clock=True,
         cost_rank=2,
     ),
@@ -32,6 +37,7 @@ METHODS = (
         control="step",
         order=1,
         conserves=frozenset({"momentum", "constraint"}),
+        derived=COORDINATES,
         summed_clock=True,
         cost_rank=1,
     ),
@@ -41,6 +47,7 @@ METHODS = (
         control="step",
         order=1,
         conserves=frozenset({"momentum", "constraint"}),
+        derived=COORDINATES,
         summed_clock=True,
         cost_rank=1,
     ),

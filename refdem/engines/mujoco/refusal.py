@@ -63,16 +63,27 @@ def _of_contact(scene: Scene) -> str | None:
         return None
     if len(found) > 1:
         return "this adapter says one contact law a scene"
-    law, shapes = found[0], scene.bodies.shape
+    law = found[0]
     if law.law == "rigid":
-        if law.restitution > 0:
-            return "no coefficient of restitution"
-        if any(isinstance(shape, Polyhedron) and box_sides(shape) is None for shape in shapes):
-            return "this adapter says boxes only, no other polyhedra"
-        return None
-    if law.law != "linear":
-        return f"no contact law {law.law}: its contacts are springs and dampers in the acceleration"
-    if any(isinstance(shape, Polyhedron) for shape in shapes):
+        return _of_rigid_contact(scene, law)
+    if law.law == "linear":
+        return _of_linear_contact(scene, law)
+    return f"no contact law {law.law}: its contacts are springs and dampers in the acceleration"
+
+
+def _of_rigid_contact(scene: Scene, law: Contact) -> str | None:
+    """MuJoCo keeps bodies apart; it has no law of how they rebound."""
+    if law.restitution > 0:
+        return "no coefficient of restitution"
+    solids = [shape for shape in scene.bodies.shape if isinstance(shape, Polyhedron)]
+    if any(box_sides(solid) is None for solid in solids):
+        return "this adapter says boxes only, no other polyhedra"
+    return None
+
+
+def _of_linear_contact(scene: Scene, law: Contact) -> str | None:
+    """Springs and dampers of one frictionless pair can be said in the acceleration, nothing more."""
+    if any(isinstance(shape, Polyhedron) for shape in scene.bodies.shape):
         return "no linear contact law for polyhedra"
     if law.friction > 0:
         return "no tangential contact spring with a Coulomb limit: its friction is a velocity constraint"

@@ -11,12 +11,18 @@ from refdem.core.trajectory import Cost, Trajectory
 from refdem.engines.pymunk.audit import AUDIT
 from refdem.engines.pymunk.refusal import reason
 
+POSITION_CORRECTION = {"angular-momentum": frozenset({"contact"})}
+"""Chipmunk moves bodies that overlap apart along their normal and leaves their velocities: p n x (v_a - v_b) is lost or won, in
+proportion to the overlap, and a friction impulse acts on the two surfaces, which an overlap holds apart."""
+UNIT_BY_ANGLE = {"attitude": "the adapter makes attitudes of Chipmunk's angles, so that their norm is always 1"}
 SEMI_IMPLICIT_EULER = Method(
     name="semi-implicit-euler",
     summary="Chipmunk's step: positions with the old velocities, forces there, then velocities with impulses for joints",
     control="step",
     order=1,
     conserves=frozenset({"momentum", "angular-momentum"}),
+    broken_with=POSITION_CORRECTION,
+    derived=UNIT_BY_ANGLE,
     symplectic=True,
 )
 TURNS = frozenset({"identity:plane-turn", "identity:complex-turn"})

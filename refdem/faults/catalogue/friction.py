@@ -159,9 +159,15 @@ FAULTS = (
         name="contact-limit-late",
         sentence="The limit of friction follows the normal force of the step before.",
         on=("scrape",),
-        levels=6,
-        sees=("order", "state"),
+        sees=("contact-impulse", "cone"),
         inside=_previous_normal,
+    ),
+    friction(
+        name="contact-limit-half-more",
+        sentence="The limit of friction is half as large again as it should be.",
+        on=("scrape",),
+        sees=("contact-impulse", "cone"),
+        before=of_elements(Contact, friction=scaled(1.5)),
     ),
     friction(
         name="contact-friction-viscous",

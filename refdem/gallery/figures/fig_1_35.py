@@ -4,9 +4,16 @@ import numpy as np
 
 from refdem.core.figure import Axis, Figure, Panel, Series
 from refdem.gallery.runs import seen
-from refdem.mechanics.stability import growth
+from refdem.mechanics.stability import Growth, growth
 
 APART = 1e-6
+
+
+def measured(name: str, found: Growth) -> dict[str, float]:
+    """How two neighbours part: an exponent where the growth is exponential, else the power of the time that it is."""
+    if not found.is_exponential():
+        return {f"{name}: power of the time": found.power}
+    return {f"{name}: exponent [1/s]": found.exponent, f"{name}: its standard error [1/s]": found.error}
 
 
 def figure() -> Figure:
@@ -24,7 +31,7 @@ def figure() -> Figure:
         panels.append(Panel(series=tuple(curves), x=Axis(title="t [s]"), y=Axis(title="angle [rad]"), title=name, size=(370, 220)))
         gap = np.hypot(angles[1] - angles[0], rates[1] - rates[0])
         gaps.append(Series(x=t, y=gap, ink=n, label=name))
-        numbers |= {f"{name}: exponent [1/s]": growth(t, gap).exponent, f"{name}: its standard error [1/s]": growth(t, gap).error}
+        numbers |= measured(name, growth(t, gap))
     gap_axis = Axis(title="distance in phase space", ends=(1e-7, 30.0), is_log=True)
     panels.append(Panel(series=tuple(gaps), x=Axis(title="t [s]"), y=gap_axis, size=(370, 220)))
     caption = (

@@ -1,4 +1,4 @@
-"""Up to 1e8 steps: nothing may creep."""
+"""As many steps as there is time for: nothing may creep."""
 
 from refdem.stress.ladder import Battery, Ladder
 from refdem.stress.measures.many_steps import ManySteps
@@ -8,7 +8,7 @@ BASIS = "a symplectic step keeps a quadratic form, and round-off of random sign 
 
 BATTERY = Battery(
     id="many-steps",
-    title="Up to 1e8 steps",
+    title="Many steps",
     question="For how many steps does the run keep what the method's own map keeps?",
     ladders=(
         Ladder(

@@ -1,12 +1,15 @@
 """Certified contact of a linear spring without loss: d'' = -w^2 d while d > 0, uniform motion before and after."""
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from fractions import Fraction
+from functools import partial
 
 from flint import arb
 
 from refdem.truth.balls import UndecidedError, arb_of
-from refdem.truth.closed_form import ClosedForm, Size
+from refdem.truth.closed_form import ClosedForm, Size, per_precision
+from refdem.truth.growth import Grows, Growth, Norm, Stretch, Times, narrow, smooth
+from refdem.truth.line_growth import linear
 
 
 class HalfSine(ClosedForm):
@@ -50,6 +53,21 @@ class HalfSine(ClosedForm):
         start = (d + amount, rate) if axis == 0 else (d, rate + amount)
         return HalfSine(self.square, start, self.scale, self.bodies)
 
-    def sensitivity(self, t: Fraction) -> float:
+    @per_precision
+    def growth(self) -> Grows:
         """That of one body times the number of bodies."""
-        return self.bodies * super().sensitivity(t)
+        rate = arb_of(self.square).sqrt()
+        return Times(Growth(self.stretches(), Norm([1, 1]), step=narrow(rate)), arb(self.bodies))
+
+    def stretches(self) -> Iterator[Stretch]:
+        """Uniform motion, contact, uniform motion; the force has no jump, and so errors have none."""
+        d, rate = self.start
+        ratio, w = arb_of(self.scale["overlap"] / self.scale["rate"]), arb_of(self.square).sqrt()
+        touch = arb_of(-d / rate if d < 0 else Fraction(0))
+        inside = Fraction(0) if d < 0 else d
+        free = partial(linear, arb(0), 0, ratio)
+        if d < 0:
+            yield smooth(arb(0), touch, free)
+        lasting = (arb.pi() - arb.atan2(arb_of(inside) * w, arb_of(rate))) / w
+        yield smooth(touch, lasting, partial(linear, arb_of(self.square), -1, ratio))
+        yield smooth(touch + lasting, None, free)

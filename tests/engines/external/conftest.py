@@ -27,10 +27,10 @@ if method == "silent":
 if method == "aborts":
     os.kill(os.getpid(), signal.SIGABRT)
 if method == "hangs":
-    subprocess.Popen([sys.executable, "-c", "import time; time.sleep(600)", "grandchild-of-refdem-test"])
+    subprocess.Popen([sys.executable, "-c", "import time; time.sleep(600)", "grandchild of " + os.path.abspath(__file__)])
     time.sleep(600)
 if method == "leaves":
-    subprocess.Popen([sys.executable, "-c", "import time; time.sleep(600)", "grandchild-of-refdem-test"])
+    subprocess.Popen([sys.executable, "-c", "import time; time.sleep(600)", "grandchild of " + os.path.abspath(__file__)])
 if method == "floods":
     signal.signal(signal.SIGXFSZ, signal.SIG_DFL)
     with open("big", "w") as file:
@@ -40,7 +40,7 @@ rate, x, v = spring["stiffness"] / body["mass"], body["position"][0], body["velo
 anchor = spring["anchor_b"][0]
 rows = []
 for n, t in enumerate(times):
-    for _ in range(round(abs(times[1] - times[0]) / h) if n else 0):
+    for _ in range(asked["stride"] if n else 0):
         v -= 0.5 * h * rate * (x - anchor)
         x += h * v
         v -= 0.5 * h * rate * (x - anchor)
@@ -82,7 +82,7 @@ def described(folder: Path, *, command: str = "", more: str = "", methods: "list
         f'[[engine.methods]]\nname = "{name}"\norder = 2\nsymplectic = true\nreversible = true\nconserves = ["momentum"]\n'
         for name in methods
     ]
-    text = f'[engine]\nname = "small"\ncommand = {words}\nsupports = ["spring", "dimension:1"]\ntimeout = 5\n{more}\n'
+    text = f'[engine]\nname = "small"\ncommand = {words}\nsupports = ["spring", "dimension:1"]\ntimeout = 600\n{more}\n'
     path = folder / "refdem.toml"
     path.write_text(text + "\n".join(tables))
     return path

@@ -124,7 +124,7 @@ FIELDS = ("name", "command", "inputs", "supports", "precision", "velocity_time",
 
 
 @given(st.text(max_size=200) | st.dictionaries(st.sampled_from(FIELDS), VALUES, max_size=4))
-@settings(max_examples=300, deadline=None, derandomize=True)
+@settings(max_examples=300)
 def test_no_text_and_no_values_are_worse_than_an_error(tmp_path_factory: pytest.TempPathFactory, made: "str | dict[str, object]") -> None:
     import json
 

@@ -28,7 +28,7 @@ def findings(folder: Path, toml: Path, **more: object) -> tuple[Finding, ...]:
 
 def test_the_programs_own_limit_comes_before_the_workers(small: Path, tmp_path: Path) -> None:
     toml = small / "refdem.toml"
-    toml.write_text(toml.read_text().replace("timeout = 5", "timeout = 1"))
+    toml.write_text(toml.read_text().replace("timeout = 600", "timeout = 1"))
     (finding,) = findings(tmp_path, toml, method="hangs", timeout=0.5)
     assert finding.outcome == "error"
     assert "still running after 1 s and was ended (request and output are kept in" in finding.sentence
@@ -36,7 +36,7 @@ def test_the_programs_own_limit_comes_before_the_workers(small: Path, tmp_path: 
 
 def test_runs_after_the_budget_is_spent_are_errors_that_say_so(small: Path, tmp_path: Path) -> None:
     toml = small / "refdem.toml"
-    toml.write_text(toml.read_text().replace("timeout = 5", "timeout = 5\nbudget = 1e-6"))
+    toml.write_text(toml.read_text().replace("timeout = 600", "timeout = 600\nbudget = 1e-6"))
     (finding,) = findings(tmp_path, toml, method="good")
     assert finding.outcome == "error"
     assert "(budget)" in finding.sentence

@@ -26,7 +26,7 @@ def ran(folder: Path, method: str) -> Trajectory:
 
 def gone(word: str) -> bool:
     """No process of that word is there any more; one that was killed takes a moment to go."""
-    deadline = time.monotonic() + 5
+    deadline = time.monotonic() + 60
     while processes(word) and time.monotonic() < deadline:
         time.sleep(0.02)
     return not processes(word)
@@ -84,15 +84,15 @@ def test_exit_status_77_is_a_refusal_with_the_last_line_of_stderr(small: Path) -
 
 def test_a_program_that_hangs_is_ended_with_its_children(small: Path) -> None:
     toml = small / "refdem.toml"
-    toml.write_text(toml.read_text().replace("timeout = 5", "timeout = 0.5"))
+    toml.write_text(toml.read_text().replace("timeout = 600", "timeout = 0.5"))
     with pytest.raises(EngineError, match=r"still running after 0\.5 s and was ended"):
         ran(small, "hangs")
-    assert gone("grandchild-of-refdem-test")
+    assert gone(f"grandchild of {small / 'program.py'}")
 
 
 def test_children_left_behind_by_a_run_that_worked_are_ended(small: Path) -> None:
     ran(small, "leaves")
-    assert gone("grandchild-of-refdem-test")
+    assert gone(f"grandchild of {small / 'program.py'}")
 
 
 def test_a_program_that_floods_the_disk_is_stopped_and_little_of_it_is_kept(small: Path, monkeypatch: pytest.MonkeyPatch) -> None:

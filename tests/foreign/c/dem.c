@@ -10,6 +10,13 @@ static int bodies, elements;
 
 static double number(const char *name, int i) { return atof(text("scene.elements.%d.%s", i, name)); }
 
+/* Only springs between centres are known here: an anchor elsewhere would make a torque. */
+static int is_off_centre(int i, const char *anchor) {
+    double at[3];
+    vector(at, 3, "elements", i, anchor);
+    return at[0] != 0 || at[1] != 0 || at[2] != 0;
+}
+
 static void read_scene(void) {
     bodies = atoi(text("scene.bodies.count")), elements = atoi(text("scene.elements.count"));
     if (bodies > MOST || elements > MOST) unsupported("more than 16 bodies or elements");
@@ -25,6 +32,7 @@ static void read_scene(void) {
         e->k = number("stiffness", i), e->n = number("exponent", i), e->length = number("length", i);
         e->damping = number("damping", i), e->friction = number("friction", i);
         vector(e->end, 3, "elements", i, e->kind == 's' ? "anchor_b" : "g");
+        if (is_off_centre(i, "anchor_a") || (e->b >= 0 && is_off_centre(i, "anchor_b"))) unsupported("anchors off the centre");
         if (number("tangential_stiffness", i) > 0) unsupported("tangential springs");
         if (e->kind == 'c' && strcmp(text("scene.elements.%d.branch", i), "R-d/2")) unsupported("lever arms other than R-d/2");
         if (e->kind == 'c' && strcmp(text("scene.elements.%d.cutoff", i), "zero_overlap")) unsupported("a force that may not pull");
@@ -114,7 +122,7 @@ int main(int argc, char **argv) {
     fprintf(events, "time,kind,body\n");
     fprintf(out, "t,body,x,y,z,vx,vy,vz,qw,qx,qy,qz,wx,wy,wz\n");
     double t0 = atof(text("times.0")), interval = atof(text("times.1")) - t0, w[3];
-    long stride = lround(fabs(interval) / atof(text("step"))), samples = atol(text("times.count"));
+    long stride = atol(text("stride")), samples = atol(text("times.count"));
     for (int i = 0; i < bodies; i++) turned(w, body[i].q, body[i].w, -1), memcpy(body[i].w, w, sizeof w);
     forces();
     for (long n = 0; n < samples; n++) {

@@ -63,7 +63,7 @@ int run(const Request& r, const char* path) {
     State s;
     const Scene of = scene(r, s);
     const double start = number(r, "times.0"), interval = number(r, "times.1") - start;
-    const long stride = std::lround(std::abs(interval) / number(r, "step")), samples = std::lround(number(r, "times.count"));
+    const long stride = std::lround(number(r, "stride")), samples = std::lround(number(r, "times.count"));
     std::FILE* out = std::fopen(path, "w");
     std::fputs("t,body,x,y,z,vx,vy,vz,qw,qx,qy,qz,wx,wy,wz\n", out);
     for (long n = 0; n < samples; n++) {

@@ -41,6 +41,9 @@ inline Scene scene(const Request& r, State& state) {
     for (int i = 0; i < number(r, "scene.elements.count"); i++) {
         const std::string e = "scene.elements." + std::to_string(i) + ".", kind = r.at(e + "kind");
         auto value = [&](const char* name) { return number(r, e + name); };
+        // Only springs between centres are known here: an anchor elsewhere would make a torque.
+        const Vector off_a = vector(r, e + "anchor_a"), off_b = value("b") < 0 ? Vector{} : vector(r, e + "anchor_b");
+        if (dot(off_a, off_a) + dot(off_b, off_b) > 0) throw Unsupported{"anchors off the centre"};
         if (kind == "spring")
             found.springs.push_back({int(value("a")), int(value("b")), vector(r, e + "anchor_b"), value("stiffness"), value("length"), value("exponent")});
         if (kind == "uniform_gravity") found.gravity = found.gravity + vector(r, e + "g");

@@ -26,6 +26,7 @@ contains
       s(11:13, i) = turned(s(7:10, i), vector('bodies', i, 'omega', 3), -1)
     end do
     do i = 1, size(elements)
+      if (is_off_centre(i)) call unsupported('anchors off the centre')
       if (number(item('elements', i, 'friction')) > 0) call unsupported('friction')
       if (text(item('elements', i, 'cutoff')) == 'zero_force') call unsupported('a force that may not pull')
       elements(i) = element(text(item('elements', i, 'kind')), int(number(item('elements', i, 'a'))) + 1, &
@@ -34,6 +35,12 @@ contains
         number(item('elements', i, 'damping')), number(item('elements', i, 'friction')))
     end do
   end subroutine
+
+  logical function is_off_centre(i)   ! an anchor in a body elsewhere than at its centre would make a torque
+    integer, intent(in) :: i
+    is_off_centre = any(vector('elements', i, 'anchor_a', 3) /= 0)
+    if (number(item('elements', i, 'b')) >= 0) is_off_centre = is_off_centre .or. any(vector('elements', i, 'anchor_b', 3) /= 0)
+  end function
 
   pure function cross(a, b)
     real(real64), intent(in) :: a(3), b(3)

@@ -14,7 +14,7 @@ program main
   write (out, '(a)') 't,body,x,y,z,vx,vy,vz,qw,qx,qy,qz,wx,wy,wz'
   start = number('times.0')
   interval = number('times.1') - start
-  stride = nint(abs(interval)/number('step'))
+  stride = nint(number('stride'))
   h = interval/stride
   do n = 0, int(number('times.count')) - 1
     do k = 1, merge(stride, 0, n > 0)

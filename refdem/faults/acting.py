@@ -1,0 +1,80 @@
+"""Which faults can act on a run at all: those that change its question or its answer, or a part that the run calls."""
+
+from collections.abc import Callable, Iterator
+from dataclasses import fields, is_dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from refdem.core.problem import Request
+from refdem.faults.fault import Fault
+from refdem.faults.parts import SOUND, Parts
+
+CONSTANTS = {"suzuki": ("suzuki", "verlet_kicks"), "rk4": ("rk4_nodes", "rk4_weights")}
+"""Numbers that a method uses; what begins with verlet uses those of Verlet's step."""
+MEMORY = "fresh"
+"""The part that makes others forget the run before; it changes nothing by itself."""
+
+
+def listening(heard: set[str]) -> Parts:
+    """The sound parts; each notes its name when it is called."""
+    found: Parts = _listening(SOUND, "", heard)
+    return found
+
+
+def _listening(parts: Any, prefix: str, heard: set[str]) -> Any:
+    """A record of parts whose functions note their names."""
+    changed = {}
+    for name, part in _items(parts):
+        if is_dataclass(part):
+            changed[name] = _listening(part, f"{prefix}{name}.", heard)
+        elif callable(part):
+            changed[name] = _noting(part, prefix + name, heard)
+    return replace(parts, **changed)
+
+
+def _noting(part: Callable[..., Any], name: str, heard: set[str]) -> Callable[..., Any]:
+    """The function, which notes its name when it is called."""
+
+    def noting(*arguments: Any, **named: Any) -> Any:
+        heard.add(name)
+        return part(*arguments, **named)
+
+    return noting
+
+
+def _items(parts: Any) -> Iterator[tuple[str, Any]]:
+    """Every part of a record by name."""
+    return ((f.name, getattr(parts, f.name)) for f in fields(parts))
+
+
+def replaced(fault: Fault) -> frozenset[str]:
+    """Names of the parts that a fault replaces; empty for one that is not inside."""
+    if fault.inside is None:
+        return frozenset()
+    return frozenset(_replaced(SOUND.with_(**fault.inside(SOUND)), SOUND, "")) - {MEMORY}
+
+
+def _replaced(faulty: Any, sound: Any, prefix: str) -> Iterator[str]:
+    """Names of the parts of a record that are others than the sound ones."""
+    for name, part in _items(faulty):
+        right = getattr(sound, name)
+        if is_dataclass(part):
+            yield from _replaced(part, right, f"{prefix}{name}.")
+        elif part is not right and part != right:
+            yield prefix + name
+
+
+def acts(fault: Fault, request: Request, heard: set[str]) -> bool:
+    """Whether a fault can change the run of a request that calls the parts `heard`."""
+    if fault.after is not None:
+        return True
+    if fault.before is not None:
+        try:
+            with np.errstate(all="ignore"):
+                return fault.before(request).to_json() != request.to_json()
+        except Exception:  # a fault may make a question that is none
+            return False
+    method = "verlet" if request.method.startswith("verlet") else request.method
+    numbers = CONSTANTS.get(method, ("verlet_kicks",))
+    return not replaced(fault).isdisjoint({*heard, *numbers})

@@ -1,0 +1,106 @@
+"""The amplitude of a fault that a run shows: least squares over the states, on a window that grows with the run."""
+
+from collections.abc import Callable
+from math import inf
+
+import numpy as np
+from numpy.typing import NDArray
+
+from refdem.core.case import Instance
+from refdem.core.trajectory import Trajectory
+
+Array = NDArray[np.float64]
+Difference = Callable[[float, int], Array | None]
+"""Twin less run (M,) at an amplitude over so many samples; None if such a twin cannot run."""
+
+PROBE = 1e-4
+"""The amplitude whose effect gives the direction in which a fault moves a run."""
+ALIGNED = 0.9
+"""A fault whose effect and the run's defect have a smaller cosine is not followed further."""
+UNEXPLAINED = 0.3
+"""Part of the defect of a window; a fault that leaves more of it is none of the code's."""
+ROUNDS = 6
+"""Of the secant on each window."""
+SETTLED = 1e-13
+"""A change of the amplitude, relative to it, that no longer matters."""
+LARGEST = 1e3
+"""An amplitude beyond this times the fault of the catalogue is no amplitude of it."""
+
+
+def states(instance: Instance, run: Trajectory, like: Trajectory) -> Array:
+    """Position, velocity, attitude and omega (T, M) of a run in their scales; attitudes with the sign that is nearer to `like`."""
+    scales = instance.scales
+    count = len(run.t)
+    columns = [run.position / scales.length, run.velocity / scales.speed]
+    if "rotation" in instance.scene.features:
+        nearer = np.where(np.sum(run.attitude * like.attitude, axis=-1, keepdims=True) < 0, -1.0, 1.0)
+        columns += [run.attitude * nearer, run.omega * scales.tau]
+    return np.concatenate([column.reshape(count, -1) for column in columns], axis=1)
+
+
+def windows(defect: Array) -> list[int]:
+    """Numbers of samples, growing: from where the defect (T,) first shows clearly to the whole run."""
+    whole = len(defect)
+    shown = np.flatnonzero(defect >= 0.02 * defect.max(initial=0.0))
+    count = max(3, int(shown[0]) + 2) if len(shown) else whole
+    found = []
+    while count < whole:
+        found.append(count)
+        count *= 2
+    return [*found, whole]
+
+
+def amplitude(difference: Difference, counts: list[int]) -> float | None:
+    """The amplitude at which a twin comes nearest to the run; 0 if the fault does not act, None if it does not move the twin there."""
+    plain = difference(0.0, counts[0])
+    probe, moved = _probed(difference, counts[0])
+    if plain is None or moved is None:
+        return None
+    effect = (moved - plain) / probe
+    if not np.any(effect):
+        return 0.0
+    size, defect = float(np.linalg.norm(effect)), float(np.linalg.norm(plain))
+    if defect == 0 or abs(float(effect @ plain)) < ALIGNED * size * defect:
+        return None
+    found = -float(effect @ plain) / size**2
+    for count in counts:
+        found = _refined(difference, count, found)
+        if not abs(found) <= LARGEST or not _explains(difference, count, found):
+            return None
+    return found
+
+
+def _explains(difference: Difference, count: int, found: float) -> bool:
+    """Whether the amplitude leaves little of the defect over so many samples: what does not is not followed to the end of the run."""
+    plain, left = difference(0.0, count), difference(found, count)
+    if plain is None or left is None:
+        return False
+    return float(np.linalg.norm(left)) <= UNEXPLAINED * float(np.linalg.norm(plain))
+
+
+def _probed(difference: Difference, count: int) -> tuple[float, Array | None]:
+    """A small amplitude and its twin less the run; of the other sign where a larger number makes no scene."""
+    upwards = difference(PROBE, count)
+    if upwards is not None:
+        return PROBE, upwards
+    return -PROBE, difference(-PROBE, count)
+
+
+def _refined(difference: Difference, count: int, start: float) -> float:
+    """The amplitude of least squares over `count` samples, by secants from one that is near; `inf` if it is lost."""
+    before, last = start * (1.0 - 1e-3), start
+    old, new = difference(before, count), difference(last, count)
+    for _ in range(ROUNDS):
+        if old is None or new is None or last == before:
+            return inf if old is None or new is None else last
+        slope = (new - old) / (last - before)
+        steepness = float(slope @ slope)
+        if steepness == 0 or not np.isfinite(steepness):
+            return last
+        step = -float(slope @ new) / steepness
+        before, old = last, new
+        last = last + step
+        if abs(step) <= SETTLED * abs(last):
+            return last
+        new = difference(last, count)
+    return last

@@ -1,0 +1,207 @@
+"""Faults with an amplitude: a parameter that is misread by a factor, and every known fault made smaller or larger.
+
+At amplitude 0 nothing is wrong; a fault of the catalogue has amplitude 1. Between the two, numbers of
+the question, of the answer or of a part's result are mixed: sound + amplitude (faulty - sound).
+"""
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, fields, is_dataclass, replace
+from typing import Any
+
+import msgspec
+import numpy as np
+
+from refdem.core.engine import Engine
+from refdem.core.problem import Request
+from refdem.core.trajectory import STATE, Trajectory
+from refdem.faults.fault import Carrier, Fault
+from refdem.faults.parts import SOUND
+from refdem.faults.transparent import Transparent
+from refdem.scene import Scene, Sphere
+
+NOT_FACTORS = frozenset({"a", "b", "axis", "normal"})
+"""Fields of elements that name bodies or directions."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Knob:
+    """A fault of any amplitude: its name, what it does at an amplitude, and an engine that has it.
+
+    `fault` is the one of the catalogue that it continues, if it does.
+    """
+
+    name: str
+    says: Callable[[float], str]
+    carrier: Callable[[float], Engine]
+    fault: Fault | None = None
+
+
+def misread(scene: Scene) -> Iterator[Knob]:
+    """Every number of a scene that may be taken a little too large or too small: amplitude a is a factor of 1 + a."""
+    for number, element in enumerate(scene.elements):
+        for name in element.__struct_fields__:
+            value = getattr(element, name)
+            if name not in NOT_FACTORS and _is_numeric(value) and np.any(value):
+                kind = element.kind.replace("_", "-")
+                yield _misread(f"{kind}-{name}", f"{name} of element {number} ({kind})", _field(number, name))
+    for name in ("mass", "inertia", "velocity", "omega"):
+        if np.any(getattr(scene.bodies, name)):
+            yield _misread(f"body-{name}", f"{name} of the bodies", _column(name, ...))
+    if np.any(scene.bodies.inertia):
+        for axis in range(3):
+            yield _misread(f"inertia-{axis + 1}", f"moment of inertia {axis + 1}", _column("inertia", (slice(None), axis)))
+    for body in range(len(scene.bodies)) if len(scene.bodies) == 2 else ():
+        yield _misread(f"mass-of-body-{body}", f"mass of body {body}", _column("mass", body))
+    if any(isinstance(shape, Sphere) for shape in scene.bodies.shapes):
+        yield _misread("radius", "radius of the spheres", _radii)
+
+
+Misreading = Callable[[Request, float], Request]
+
+
+def _misread(name: str, what: str, change: Misreading) -> Knob:
+    """The knob of one misread number."""
+
+    def carrier(amplitude: float) -> Engine:
+        fault = Fault(
+            name=name,
+            kind="misread",
+            sentence="",
+            on=(),
+            sees=("", ""),
+            before=lambda request: change(request, 1.0 + amplitude),
+        )
+        return Carrier(Transparent(), fault)
+
+    return Knob(name=name, says=lambda amplitude: f"the {what} is {1.0 + amplitude:.6g} times what was asked", carrier=carrier)
+
+
+def _field(number: int, name: str) -> Misreading:
+    """A field of one element times a factor."""
+
+    def change(request: Request, factor: float) -> Request:
+        scene = request.problem.scene
+        elements = list(scene.elements)
+        value = getattr(elements[number], name)
+        scaled = tuple(factor * x for x in value) if isinstance(value, tuple) else factor * value
+        elements[number] = msgspec.structs.replace(elements[number], **{name: scaled})
+        return request.with_scene(Scene(scene.bodies, tuple(elements)))
+
+    return change
+
+
+def _column(name: str, where: Any) -> Misreading:
+    """Part of a column of the bodies times a factor."""
+
+    def change(request: Request, factor: float) -> Request:
+        scene = request.problem.scene
+        column = np.array(getattr(scene.bodies, name), float)
+        column[where] *= factor
+        changed: dict[str, Any] = {name: column}
+        bodies = replace(scene.bodies, **changed)
+        return request.with_scene(Scene(bodies, scene.elements))
+
+    return change
+
+
+def _radii(request: Request, factor: float) -> Request:
+    """All radii times a factor."""
+    scene = request.problem.scene
+    shapes = tuple(Sphere(radius=factor * shape.radius) if isinstance(shape, Sphere) else shape for shape in scene.bodies.shape)
+    bodies = replace(scene.bodies, shape=shapes)
+    return request.with_scene(Scene(bodies, scene.elements))
+
+
+def _is_numeric(value: Any) -> bool:
+    """A float, or a tuple of floats."""
+    return isinstance(value, float) or (isinstance(value, tuple) and all(isinstance(x, float) for x in value))
+
+
+def paced() -> Iterator[Knob]:
+    """Steps of positions, velocities or attitudes that are a little longer or shorter than asked: amplitude a is a factor of 1 + a."""
+    steps: dict[str, Callable[[float], dict[str, Any]]] = {
+        "drift": lambda pace: {"drifted": lambda r, v, h: SOUND.drifted(r, v, pace * h)},
+        "kick": lambda pace: {"kicked": lambda v, force, mass, h: SOUND.kicked(v, force, mass, pace * h)},
+        "turn": lambda pace: {
+            "axis_turn": lambda axis, inertia, omega, q, h: SOUND.axis_turn(axis, inertia, omega, q, pace * h),
+            "turn_rate": lambda q, omega: tuple(pace * x for x in SOUND.turn_rate(q, omega)),
+        },
+    }
+    steps["step"] = lambda pace: {**steps["drift"](pace), **steps["kick"](pace), **steps["turn"](pace)}
+    for name, parts in steps.items():
+        yield _paced(name, parts)
+
+
+def _paced(name: str, parts: Callable[[float], dict[str, Any]]) -> Knob:
+    """The knob of one kind of step."""
+    return Knob(
+        name=f"{name}-length",
+        says=lambda amplitude: f"every {name} is {1.0 + amplitude:.6g} times as long as asked",
+        carrier=lambda amplitude: Transparent(SOUND.with_(**parts(1.0 + amplitude))),
+    )
+
+
+def continued(fault: Fault) -> Knob | None:
+    """The fault of any amplitude; None for one that misreads the question: `misread` has all of those that are a matter of degree."""
+    if fault.before is not None:
+        return None
+
+    def carrier(amplitude: float) -> Engine:
+        if fault.inside is not None:
+            return Transparent(SOUND.with_(**_parts(fault, amplitude)))
+        return Carrier(Transparent(), replace(fault, after=_answer(fault, amplitude)))
+
+    def says(amplitude: float) -> str:
+        return f"{fault.sentence.rstrip('.')}, {amplitude:.6g} times as much"
+
+    return Knob(name=fault.name, says=says, carrier=carrier, fault=fault)
+
+
+def _answer(fault: Fault, amplitude: float) -> Callable[[Request, Trajectory], Trajectory]:
+    """The trajectory, moved towards what the fault makes of it."""
+    spoil = fault.after
+    assert spoil is not None
+
+    def after(request: Request, run: Trajectory) -> Trajectory:
+        spoiled = spoil(request, run)
+        columns: Any = {name: _mixed(getattr(run, name), getattr(spoiled, name), amplitude) for name in ("t", *STATE)}
+        return replace(run, **columns)
+
+    return after
+
+
+def _parts(fault: Fault, amplitude: float) -> dict[str, Any]:
+    """The fault's parts, each mixed with the sound one."""
+    assert fault.inside is not None
+    return {
+        name: part if name == "fresh" else _part(getattr(SOUND, name), part, amplitude)
+        for name, part in fault.inside(SOUND).items()
+    }  # fmt: skip
+
+
+def _part(sound: Any, faulty: Any, amplitude: float) -> Any:
+    """A part between the sound and the faulty one, or several such parts in one record."""
+    if is_dataclass(sound) and not isinstance(sound, type):
+        changed = {f.name: _part(getattr(sound, f.name), getattr(faulty, f.name), amplitude) for f in fields(sound)}
+        return replace(sound, **changed)
+    if sound is faulty:
+        return sound
+    if not callable(sound):
+        return _mixed(sound, faulty, amplitude)
+    return lambda *arguments: _mixed(sound(*arguments), faulty(*arguments), amplitude)
+
+
+def _mixed(sound: Any, faulty: Any, amplitude: float) -> Any:
+    """sound + amplitude (faulty - sound), number by number; raises TypeError for what is no number and not the same."""
+    if isinstance(sound, np.ndarray) and sound.shape == np.shape(faulty):
+        return sound + amplitude * (faulty - sound)
+    if isinstance(sound, tuple | list):
+        return type(sound)(_mixed(x, y, amplitude) for x, y in zip(sound, faulty, strict=True))
+    if is_dataclass(sound) and not isinstance(sound, type):
+        changed = {f.name: _mixed(getattr(sound, f.name), getattr(faulty, f.name), amplitude) for f in fields(sound)}
+        return replace(sound, **changed)
+    if isinstance(sound, int | float | np.floating) and not isinstance(sound, bool):
+        return sound + amplitude * (faulty - sound)
+    if sound is faulty or sound == faulty:
+        return sound
+    raise TypeError(f"{type(sound).__name__} has no amplitude")
