@@ -81,7 +81,7 @@ class TwoSpheres(HybridFlow):
 
     def forecast(self, t: Fraction, digits: int) -> float:
         """That of the contact, half a period of its spring, which the scalars ask for whatever t is; what comes after it costs nothing."""
-        if getattr(self.spheres, "is_head_on", False):
+        if self.spheres.is_head_on:
             return 0.0
         half_period = Fraction(pi / sqrt(float(self.phases.k)))
         return super().forecast(half_period, digits)

@@ -48,6 +48,11 @@ class WallPair:
         return self.mass
 
     @property
+    def is_head_on(self) -> bool:
+        """Never taken for it: nothing is lost by integrating."""
+        return False
+
+    @property
     def slip(self) -> Number:
         """Velocity of the surface against the wall along -y at touch [m/s]."""
         return -self.across - self.radius * self.spin
