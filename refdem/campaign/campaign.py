@@ -29,6 +29,8 @@ from refdem.errors import UsageError
 
 GRACE = 30.0
 """Seconds beyond an engine's own time limit before its worker is killed: to start, to read the trajectory, to keep what failed."""
+Answer = tuple[worker.Reply, Trajectory | None]
+"""What a run came to: its reply, and the trajectory unless it failed."""
 Progress = Callable[[str, int, int], None]
 """Told the stage, how many of its jobs are done, and how many there are."""
 
@@ -122,15 +124,16 @@ class Campaign:
                 keys.setdefault(request.key(tasks[n].engine.name, self._fingerprint(tasks[n])), []).append((n, variant))
         jobs = []
         for key, places in keys.items():
-            data = self.store.get("run", key) if self.use_store else None
-            if data is not None:
+            known = self.store.read("run", key, answer_of) if self.use_store else None
+            if known is not None:
                 self.read += 1
-                self._keep(tasks, requests, key, places, data, from_store=True)
+                self._hand_on(tasks, requests, key, places, known, from_store=True)
             else:
                 jobs.append(self._job(key, tasks[places[0][0]].engine, requests[places[0]]))
         for done, (job, result) in enumerate(schedule.results(jobs), 1):
             self.made += 1
-            self._keep(tasks, requests, job.key, keys[job.key], result, from_store=False)
+            answer = self._kept(job.key, result)
+            self._hand_on(tasks, requests, job.key, keys[job.key], answer, from_store=False)
             self.progress(stage, done, len(jobs))
 
     def _job(self, key: str, engine: Engine, request: Request) -> Job:
@@ -162,23 +165,30 @@ class Campaign:
         base = self.runs[n, variant.base].trajectory
         return None if base is None else plan.request(task, variant, base)
 
-    def _keep(
+    def _kept(self, key: str, result: bytes | Failure) -> Answer:
+        """How a run ended; it goes to the store unless it crashed or hung, which is tried again next time."""
+        if isinstance(result, Failure):
+            self.lasting = False
+            return worker.Reply(failure=result), None
+        reply, trajectory = answer_of(result)
+        lasting = reply.failure is None or reply.failure.kind == "unsupported"
+        self.lasting &= lasting
+        if lasting:
+            self.store.put("run", key, result)
+        return reply, trajectory
+
+    def _hand_on(
         self,
         tasks: list[Task],
         requests: Mapping[tuple[int, Variant], Request],
         key: str,
         places: Iterable[tuple[int, Variant]],
-        result: bytes | Failure,
+        answer: Answer,
         *,
         from_store: bool,
     ) -> None:
-        """Writes a finished run to the store (a crash or a hang is tried again next time) and hands it to all who need it."""
-        reply = worker.Reply(failure=result) if isinstance(result, Failure) else msgspec.msgpack.decode(result, type=worker.Reply)
-        lasting = reply.failure is None or reply.failure.kind == "unsupported"
-        self.lasting &= lasting
-        if not from_store and lasting and isinstance(result, bytes):
-            self.store.put("run", key, result)
-        trajectory = Trajectory.from_bytes(reply.trajectory) if reply.failure is None else None
+        """Hands a run to all who need it."""
+        reply, trajectory = answer
         for n, variant in places:
             self.runs[n, variant] = Run(
                 key=key,
@@ -199,6 +209,14 @@ class Campaign:
             runs = {variant: self.runs[n, variant] for variant in task.variants if (n, variant) in self.runs}
             found.append(judging.record(task, self._version(task.engine), runs, deviations[task.engine.name]))
         return found
+
+
+def answer_of(data: bytes) -> Answer:
+    """The reply of a worker and its trajectory; raises ValueError for bytes that are neither."""
+    reply = msgspec.msgpack.decode(data, type=worker.Reply)
+    if reply.failure is not None:
+        return reply, None
+    return reply, Trajectory.from_bytes(reply.trajectory)
 
 
 def _refuse_namesakes(engines: list[Engine]) -> None:

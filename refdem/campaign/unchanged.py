@@ -33,8 +33,7 @@ def _of_engine(engine: Engine) -> list[object]:
 
 def kept(store: Store, key: str) -> list[Sheet] | None:
     """The sheets kept under a key, or None."""
-    data = store.get("sheets", key)
-    return _DECODER.decode(data) if data else None
+    return store.read("sheets", key, _DECODER.decode)
 
 
 def keep(store: Store, key: str, sheets: list[Sheet]) -> None:

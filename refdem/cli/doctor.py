@@ -23,8 +23,10 @@ def command() -> None:
     try:
         families = sorted(path.name.split(".")[0][1:] for path in kernels.folder().glob("_*.so"))
         print(f"kernels: {', '.join(family for family in families if kernels.fingerprint(family)) or 'none: run `make develop`'}")
-        Store(default_path()).close()
-        print(f"store: {default_path()}")
+        store = Store(default_path())
+        healthy = store.is_usable
+        store.close()
+        print(f"store: {default_path()}" + ("" if healthy else " cannot be used: every run is made anew"))
     except RefdemError as error:
         healthy = False
         print(f"PROBLEM: {error}")

@@ -1,27 +1,68 @@
-"""The store: one SQLite file of finished runs, truths and charts; only the parent process writes it."""
+"""The store: one SQLite file of finished runs, truths and charts; only the parent process writes it.
 
+It is a cache. Whatever is wrong with it costs time and a line on standard error, never a campaign: an
+entry whose digest does not match, or which does not decode, is dropped and made again; a file that is
+no database is moved aside; a disk that is full or cannot be written keeps nothing more.
+"""
+
+import hashlib
 import os
 import sqlite3
+import sys
+import time
 import weakref
+from collections.abc import Callable
+from contextlib import closing, suppress
+from dataclasses import dataclass
 from pathlib import Path
+from typing import TypeVar
 
 import msgspec
 
 from refdem.core.truth import SampledTruth
-from refdem.errors import StoreError
+from refdem.errors import RefdemError
 
-FORMAT = 1
+T = TypeVar("T")
+
+FORMAT = 2
 MOST = 250_000_000
 """Bytes of an entry, at most; SQLite takes 1e9."""
-_TABLES = "CREATE TABLE IF NOT EXISTS entries (kind TEXT, key TEXT, data BLOB NOT NULL, PRIMARY KEY (kind, key)) WITHOUT ROWID"
+PATIENCE = 30.0
+"""Seconds for which another process may hold the file."""
+PAUSE = 0.05
+"""Seconds between attempts to open a file that another process is making."""
+UNREADABLE = (ValueError, KeyError, TypeError, RefdemError)
+"""What reading an entry raises that another version of refdem wrote."""
+_TABLE = (
+    "CREATE TABLE IF NOT EXISTS entries "
+    "(kind TEXT, key TEXT, digest BLOB NOT NULL, data BLOB NOT NULL, PRIMARY KEY (kind, key)) WITHOUT ROWID"
+)
 
 
 def default_path() -> Path:
     """$REFDEM_STORE, or store.sqlite in the user's cache folder."""
     if "REFDEM_STORE" in os.environ:
         return Path(os.environ["REFDEM_STORE"])
-    cache = os.environ.get("XDG_CACHE_HOME") or str(Path.home() / ".cache")
+    cache = os.environ.get("XDG_CACHE_HOME") or os.path.expanduser("~/.cache")
     return Path(cache) / "refdem" / "store.sqlite"
+
+
+def digest_of(kind: str, key: str, data: bytes) -> bytes:
+    """What an entry is recognised by; an entry under another key is another one."""
+    return hashlib.blake2b(f"{kind}\0{key}\0".encode() + data, digest_size=16).digest()
+
+
+class _UnfitError(Exception):
+    """The file has another format; it is left as it is."""
+
+
+@dataclass
+class _Tally:
+    """What is told when the store is closed."""
+
+    path: Path
+    connection: sqlite3.Connection | None = None
+    damaged: int = 0
 
 
 class Store:
@@ -29,49 +70,167 @@ class Store:
 
     def __init__(self, path: Path) -> None:
         self.path = path
-        try:
-            path.parent.mkdir(parents=True, exist_ok=True)
-            self._connection = sqlite3.connect(path, timeout=30, isolation_level=None)
-            weakref.finalize(self, self._connection.close)  # Python 3.13 warns of a connection that nobody closed
-            self._connection.execute("PRAGMA journal_mode=WAL")
-            self._connection.execute("PRAGMA synchronous=NORMAL")
-            (version,) = self._connection.execute("PRAGMA user_version").fetchone()
-            if version not in (0, FORMAT):
-                raise StoreError(f"store {path} has format {version}; expected {FORMAT}. Move it away or set REFDEM_STORE.")
-            self._connection.execute(_TABLES)
-            self._connection.execute(f"PRAGMA user_version={FORMAT}")
-        except (sqlite3.Error, OSError) as error:
-            raise self._unusable(error) from None
+        self._tally = _Tally(path)
+        # Python 3.13 warns of a connection that nobody closed.
+        self._finish = weakref.finalize(self, _finished, self._tally)
+        self._open()
 
-    def _unusable(self, error: Exception) -> StoreError:
-        return StoreError(f"store {self.path} cannot be used: {error}. Move the file away (it can be made again) or set REFDEM_STORE.")
+    @property
+    def damaged(self) -> int:
+        """How many entries were dropped because they were not what had been written."""
+        return self._tally.damaged
+
+    @property
+    def is_usable(self) -> bool:
+        """Whether entries are read and kept; if not, everything is made anew."""
+        return self._tally.connection is not None
 
     def get(self, kind: str, key: str) -> bytes | None:
         """The bytes kept under (kind, key), or None."""
+        connection = self._tally.connection
+        if connection is None:
+            return None
         try:
-            row = self._connection.execute("SELECT data FROM entries WHERE kind=? AND key=?", (kind, key)).fetchone()
+            asked = connection.execute("SELECT digest, data FROM entries WHERE kind=? AND key=?", (kind, key))
+            row = asked.fetchone()
         except sqlite3.Error as error:
-            raise self._unusable(error) from None
-        return row[0] if row else None
+            self._failed(error)
+            return None
+        if row is None:
+            return None
+        digest, data = row
+        if not isinstance(data, bytes) or digest != digest_of(kind, key, data):
+            self._drop(kind, key)
+            return None
+        return data
+
+    def read(self, kind: str, key: str, decode: Callable[[bytes], T]) -> T | None:
+        """What `decode` makes of the bytes under (kind, key); None if there are none, or if they do not decode."""
+        data = self.get(kind, key)
+        if data is None:
+            return None
+        try:
+            return decode(data)
+        except UNREADABLE:
+            self._drop(kind, key)
+            return None
 
     def put(self, kind: str, key: str, data: bytes) -> None:
         """Keeps bytes under (kind, key), unless there are too many of them: those are made again when they are asked for."""
-        if len(data) > MOST:
+        connection = self._tally.connection
+        if connection is None or len(data) > MOST:
             return
+        entry = (kind, key, digest_of(kind, key, data), data)
         try:
-            self._connection.execute("INSERT OR REPLACE INTO entries VALUES (?, ?, ?)", (kind, key, data))
+            connection.execute("INSERT OR REPLACE INTO entries VALUES (?, ?, ?, ?)", entry)
         except sqlite3.Error as error:
-            raise self._unusable(error) from None
+            self._failed(error)
 
     def truth(self, key: str) -> SampledTruth | None:
         """The sampled truth kept under a key, or None."""
-        data = self.get("truth", key)
-        return msgspec.msgpack.decode(data, type=SampledTruth) if data else None
+        return self.read("truth", key, msgspec.msgpack.Decoder(SampledTruth).decode)
 
     def put_truth(self, key: str, truth: SampledTruth) -> None:
         """Keeps a sampled truth."""
         self.put("truth", key, msgspec.msgpack.encode(truth))
 
     def close(self) -> None:
-        """Closes the file."""
-        self._connection.close()
+        """Closes the file, and tells what was found damaged."""
+        self._finish()
+
+    def _open(self) -> None:
+        """Opens the file or makes it; a file that is no database is moved aside first."""
+        try:
+            self._tally.connection = _connected(self.path)
+        except (_UnfitError, sqlite3.OperationalError, OSError) as error:
+            _say(f"store {self.path} cannot be used: {error}. Nothing is kept; correct that, or set REFDEM_STORE to another file")
+        except sqlite3.DatabaseError as error:
+            self._renew(error)
+
+    def _failed(self, error: sqlite3.Error) -> None:
+        """Goes on with a new file where this one is damaged, and without a store where nothing can be written."""
+        connection = self._tally.connection
+        self._tally.connection = None
+        if connection is not None:
+            with suppress(sqlite3.Error):
+                connection.close()
+        # Errors of the system (locked, full, read-only) are OperationalErrors; a damaged file is a DatabaseError itself.
+        if isinstance(error, sqlite3.OperationalError):
+            _say(f"store {self.path} cannot be used any more: {error}. What is made from now on is not kept")
+        else:
+            self._renew(error)
+
+    def _renew(self, error: sqlite3.Error) -> None:
+        """Moves a damaged file aside and opens a new one."""
+        aside = self.path.with_name(f"{self.path.name}.damaged")
+        try:
+            os.replace(self.path, aside)
+            for suffix in ("-wal", "-shm"):
+                self.path.with_name(self.path.name + suffix).unlink(missing_ok=True)
+            self._tally.connection = _connected(self.path)
+        except (_UnfitError, sqlite3.Error, OSError) as second:
+            _say(f"store {self.path} is damaged ({error}) and cannot be made anew: {second}. Nothing is kept")
+            return
+        _say(f"store {self.path} was damaged ({error}); it is now {aside.name}, and what it held is made again")
+
+    def _drop(self, kind: str, key: str) -> None:
+        """Takes an entry away."""
+        self._tally.damaged += 1
+        if self._tally.connection is not None:
+            with suppress(sqlite3.Error):
+                self._tally.connection.execute("DELETE FROM entries WHERE kind=? AND key=?", (kind, key))
+
+
+def _connected(path: Path) -> sqlite3.Connection:
+    """The open file with its table. Raises OSError, sqlite3.Error, or _UnfitError for another format.
+
+    SQLite does not wait for a process that is just making the same file, so this does.
+    """
+    path.parent.mkdir(parents=True, exist_ok=True)
+    until = time.monotonic() + PATIENCE
+    while True:
+        connection = sqlite3.connect(path, timeout=PATIENCE, isolation_level=None)
+        try:
+            _prepare(connection)
+        except sqlite3.OperationalError as error:
+            connection.close()
+            is_busy = "locked" in str(error) or "busy" in str(error)
+            if not is_busy or time.monotonic() > until:
+                raise
+            time.sleep(PAUSE)
+        except BaseException:
+            connection.close()
+            raise
+        else:
+            return connection
+
+
+def _prepare(connection: sqlite3.Connection) -> None:
+    """Makes the table; entries of an older format are dropped."""
+    connection.execute("PRAGMA journal_mode=WAL")
+    connection.execute("PRAGMA synchronous=NORMAL")
+    (version,) = connection.execute("PRAGMA user_version").fetchone()
+    if version > FORMAT:
+        raise _UnfitError(f"it has format {version}, of a newer refdem or another program; expected {FORMAT}")
+    connection.execute("BEGIN IMMEDIATE")
+    if version < FORMAT:
+        connection.execute("DROP TABLE IF EXISTS entries")
+    connection.execute(_TABLE)
+    connection.execute(f"PRAGMA user_version={FORMAT}")
+    connection.execute("COMMIT")
+
+
+def _finished(tally: _Tally) -> None:
+    """Closes the connection and says in one line how many entries were damaged."""
+    if tally.connection is not None:
+        with closing(tally.connection):
+            tally.connection = None
+    if tally.damaged:
+        _say(f"store {tally.path}: {tally.damaged} damaged entries were dropped and made again")
+
+
+def _say(text: str) -> None:
+    """One line on standard error, if there is one."""
+    if sys.stderr is not None:
+        with suppress(OSError, ValueError):
+            print(f"refdem: {text}", file=sys.stderr)

@@ -24,8 +24,7 @@ class _State(msgspec.Struct):
 
 def stands(folder: Path, sheets: Sequence[Sheet], store: Store) -> bool:
     """True if the report in the folder was made of these sheets (how long they took apart) and nobody has touched it since."""
-    data = store.get("report", str(folder.resolve()))
-    state = msgspec.json.decode(data, type=_State) if data else None
+    state = store.read("report", str(folder.resolve()), msgspec.json.Decoder(_State).decode)
     return state is not None and state.made_of == _made_of(folder, sheets) and state.files == _files(folder)
 
 
