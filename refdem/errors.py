@@ -13,6 +13,13 @@ class UsageError(RefdemError):
     """The caller asked for something that does not exist or is out of bounds."""
 
 
+class OutOfRangeError(UsageError, ValueError):
+    """A field of a file or an option is well typed and makes no sense.
+
+    As a ValueError it is what msgspec turns into its own error, with the place in the file.
+    """
+
+
 class SceneError(RefdemError):
     """A scene is not physical or not well formed."""
 

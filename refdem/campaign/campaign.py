@@ -84,7 +84,7 @@ class Campaign:
     def _made(self, engines: list[Engine]) -> list[Sheet]:
         """The sheets of engines, cases and records."""
         instances = plan.instances(self.specification)
-        self.deadlines = {engine.name: time.time() + engine.budget for engine in engines if engine.budget is not None}
+        self.deadlines = {engine.name: time.monotonic() + engine.budget for engine in engines if engine.budget is not None}
         with Schedule(self.jobs, self.specification.timeout) if self.jobs else InProcess() as schedule:
             truths = self._truths(schedule, [(instance, self._delays(instance, engines)) for instance, _ in instances])
             tasks = [

@@ -1,14 +1,13 @@
 """Expected deviations: values known to be out of bounds, each with its range, reason and link; they go stale when they hold."""
 
-import tomllib
-
 import msgspec
 
 from refdem.campaign.specification import validation_folder
 from refdem.core.deviation import Deviation
 from refdem.core.engine import Engine
 from refdem.core.finding import Finding, Record
-from refdem.errors import UsageError
+from refdem.core.outside import one_line
+from refdem.core.reading import toml_as
 
 
 class _File(msgspec.Struct, forbid_unknown_fields=True):
@@ -23,10 +22,7 @@ def of_engine(engine: Engine) -> list[Deviation]:
     path = validation_folder() / "expected" / f"{engine.name}.toml"
     if engine.address != engine.name or not path.exists():
         return []
-    try:
-        return msgspec.convert(tomllib.loads(path.read_text()), _File).expected
-    except (tomllib.TOMLDecodeError, msgspec.ValidationError) as error:
-        raise UsageError(f"{path}: {error}") from None
+    return toml_as(_File, path, "expected deviations of an engine").expected
 
 
 def applied(record: Record, deviations: list[Deviation]) -> Record:
@@ -38,7 +34,7 @@ def _applied(record: Record, finding: Finding, deviations: list[Deviation]) -> F
     deviation = next((d for d in deviations if d.covers(record, finding)), None)
     if deviation is None or finding.outcome not in ("pass", "fail") or finding.value is None:
         return finding
-    why = deviation.reason + (f" ({deviation.link})" if deviation.link else "")
+    why = one_line(deviation.reason + (f" ({deviation.link})" if deviation.link else ""))
     if finding.outcome == "pass":
         says = f"{finding.sentence} A deviation was expected here and is stale: {why}"
         return msgspec.structs.replace(finding, outcome="stale", sentence=says)

@@ -21,6 +21,7 @@ from refdem.core.answer_csv import read_answer
 from refdem.core.engine import Engine, Method
 from refdem.core.finding import Sheet
 from refdem.core.problem import Motion, Request
+from refdem.core.reading import content, json_as
 from refdem.core.request_text import request_text
 from refdem.core.store import Store
 from refdem.core.trajectory import Cost, Trajectory
@@ -33,10 +34,14 @@ REFUSED = "unsupported.txt"
 """What a run's folder holds in place of a trajectory where the program ended with 77: why."""
 
 
+FORMAT = 1
+"""Of a manifest."""
+
+
 class Manifest(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """What was exported: by which refdem, what is to be judged, and the version of each program at that time."""
 
-    format: int = 1
+    format: int = FORMAT
     refdem: str
     case: list[Entry]
     levels: int
@@ -133,12 +138,9 @@ def judged(folder: Path, store: Store, progress: Progress) -> list[Sheet]:
 def read(folder: Path) -> Manifest:
     """The manifest of an export; raises UsageError if there is none, or if another refdem wrote it."""
     path = folder / MANIFEST
-    try:
-        manifest = msgspec.json.decode(path.read_bytes(), type=Manifest)
-    except OSError:
-        raise UsageError(f"{path} is not there; expected a folder that `refdem export` wrote") from None
-    except msgspec.MsgspecError as error:
-        raise UsageError(f"{path}: {error}") from None
+    manifest = json_as(Manifest, content(path, "a folder that `refdem export` wrote"), str(path))
+    if manifest.format != FORMAT:
+        raise UsageError(f"{path} has format {manifest.format}; expected {FORMAT}: export again")
     if not manifest.case or not manifest.versions:
         raise UsageError(f"{path} names no {'program' if manifest.case else 'case'}, so there is nothing to judge; export again")
     if manifest.refdem != refdem.__version__:

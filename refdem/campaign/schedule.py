@@ -16,6 +16,7 @@ from itertools import islice
 from typing import Any
 
 from refdem.core.engine import Stages, Waiting
+from refdem.core.outside import one_line
 from refdem.core.run import Failure
 
 READ_HERE = 25_000
@@ -206,4 +207,4 @@ def limited(limit: float, function: Callable[..., bytes], *arguments: Any) -> by
 
 
 def _failure(error: Exception) -> Failure:
-    return Failure(kind="exception", sentence=f"{type(error).__name__}: {error}")
+    return Failure(kind="exception", sentence=one_line(f"{type(error).__name__}: {error}"))

@@ -1,12 +1,17 @@
 """What a campaign is: a TOML file that names cases with parameters, engines, levels and limits."""
 
-import tomllib
+from math import isfinite
 from pathlib import Path
 
 import msgspec
 
-from refdem.errors import UsageError
+from refdem.core.outside import one_line
+from refdem.core.parameters import nearest
+from refdem.core.reading import is_file, toml_as
+from refdem.errors import OutOfRangeError, UsageError
 
+YEAR = 366 * 86400.0
+"""Seconds."""
 _HERE = Path(__file__).resolve().parents[1]
 
 
@@ -15,6 +20,12 @@ class Entry(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
 
     id: str
     set: dict[str, str] = {}
+
+    @property
+    def label(self) -> str:
+        """As people write it: `pendulum[theta0=2]`."""
+        inside = " ".join(f"{name}={value}" for name, value in self.set.items())
+        return f"{self.id}[{inside}]" if inside else self.id
 
 
 class Specification(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
@@ -41,6 +52,25 @@ class Specification(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fi
     required: str = ""
     is_part: bool = False
 
+    def __post_init__(self) -> None:
+        """Refuses numbers without sense and what is listed twice; msgspec makes an error with the place of it."""
+        ranges = {
+            "levels": (self.levels, 1, 10),
+            "most_steps": (self.most_steps, 1, 1e12),
+            "timeout": (self.timeout, 1e-3, YEAR),
+            "step": (self.step, 1e-300, 1e300),
+            "steps_per_tau": (self.steps_per_tau, 1e-6, 1e12),
+            "perturbed_ulps": (self.perturbed_ulps, 0, 2**40),
+        }
+        for name, (value, least, most) in ranges.items():
+            if value is not None and not (isfinite(value) and least <= value <= most):
+                raise OutOfRangeError(f"{name} is {value:g}; expected a finite number from {least:g} to {most:g}")
+        if self.step is not None and self.steps_per_tau is not None:
+            raise OutOfRangeError("step and steps_per_tau are both there; expected at most one of them")
+        twice = [entry.label for n, entry in enumerate(self.case) if entry in self.case[:n]]
+        if twice:
+            raise OutOfRangeError(f"{twice[0]} is listed twice; take one away")
+
 
 def validation_folder() -> Path:
     """The folder of campaigns, expected deviations and baselines: inside the installed package, or beside the source."""
@@ -56,13 +86,11 @@ def named(name: str, above: tuple[Path, ...] = ()) -> Specification:
     path = Path(name) if name.endswith(".toml") else validation_folder() / "campaigns" / f"{name}.toml"
     if path in above:
         raise UsageError(f"{path} includes itself; take it out of `include`")
-    try:
-        found = msgspec.convert({"name": path.stem, **tomllib.loads(path.read_text())}, Specification)
-    except FileNotFoundError:
-        known = sorted(p.stem for p in (validation_folder() / "campaigns").glob("*.toml"))
-        raise UsageError(f"no campaign {name!r}; known: {', '.join(known)}, or a file that ends in .toml") from None
-    except (OSError, UnicodeDecodeError, tomllib.TOMLDecodeError, msgspec.ValidationError) as error:
-        raise UsageError(f"{path}: {error}") from None
+    if not is_file(path):
+        known = {p.stem for p in (validation_folder() / "campaigns").glob("*.toml")}
+        hint = nearest(name, known)
+        raise UsageError(f"no campaign {one_line(name)!r}; {hint} It is one of those, or a file that ends in .toml")
+    found = toml_as(Specification, path, "a campaign", {"name": path.stem})
     inside = [entry for name in found.include for entry in named(str(path.with_name(f"{name}.toml")), above=(*above, path)).case]
     entries = inside + [entry for entry in found.case if entry not in inside]
     if not entries:

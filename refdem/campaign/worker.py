@@ -7,6 +7,7 @@ import msgspec
 
 from refdem.core import discovery
 from refdem.core.engine import ProgramEngine, Stages, finished
+from refdem.core.outside import one_line
 from refdem.core.problem import Request
 from refdem.core.run import Failure
 from refdem.core.trajectory import Cost
@@ -41,13 +42,13 @@ def sampled_truth(case: str, given: dict[str, str], delays: tuple[float, ...] = 
 
 
 def run(engine: str, request: bytes, deadline: float = math.inf) -> bytes:
-    """One run of an engine, as MessagePack of Reply; none any more once the clock [s since 1970] has passed the deadline."""
+    """One run of an engine, as MessagePack of Reply; none any more once the monotonic clock [s] has passed the deadline."""
     return finished(stages(engine, request, deadline))
 
 
 def stages(engine: str, request: bytes, deadline: float = math.inf) -> Stages[bytes]:
     """The same in stages."""
-    if time.time() > deadline:
+    if time.monotonic() > deadline:  # of the system, the same in all its processes
         failure = Failure(kind="budget", sentence="the time budget of the campaign was spent; raise engine.budget or run fewer cases")
         return msgspec.msgpack.encode(Reply(failure=failure))
     return msgspec.msgpack.encode((yield from _reply(engine, Request.unpacked(request))))
@@ -60,9 +61,10 @@ def _reply(engine: str, request: Request) -> Stages[Reply]:
         trajectory, cost = (yield from found.stages(request)) if isinstance(found, ProgramEngine) else found.run(request)
         request.refuse_misaligned(trajectory.t, found.method(request.method).round_off)
     except UnsupportedError as error:
-        return Reply(failure=Failure(kind="unsupported", sentence=str(error)))
+        return Reply(failure=Failure(kind="unsupported", sentence=one_line(str(error))))
     except RefdemError as error:
-        return Reply(failure=Failure(kind="contract", sentence=str(error)))
+        return Reply(failure=Failure(kind="contract", sentence=one_line(str(error))))
     except Exception as error:
-        return Reply(failure=Failure(kind="exception", sentence=f"{engine} raised {type(error).__name__}: {error}"))
+        told = one_line(f"{engine} raised {type(error).__name__}: {error}")
+        return Reply(failure=Failure(kind="exception", sentence=told))
     return Reply(trajectory=trajectory.to_bytes(), cost=cost)

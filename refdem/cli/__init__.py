@@ -1,6 +1,13 @@
 """The command line: one command a file; errors are one clear sentence and an exit status."""
 
+import errno
+import os
+import signal
 import sys
+import threading
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
+from types import FrameType
 
 from refdem.errors import RefdemError
 
@@ -8,20 +15,108 @@ INTERRUPTED = 130
 """128 + SIGINT; typer turns an interrupt into this status and says nothing."""
 UNREAD = 141
 """128 + SIGPIPE, as a shell says of any program whose reader went away: neither "all held" nor "a check failed"."""
+BAD_INPUT = 2
+BROKEN = 70
+"""refdem itself broke (EX_SOFTWARE of sysexits.h): no verdict on anything."""
+ENDING = ("SIGTERM", "SIGHUP")
+"""Signals by which batch systems, `timeout` and a closed terminal end a program; they end refdem as Ctrl-C does."""
+OF_THE_SYSTEM = {
+    errno.ENOSPC, errno.EDQUOT, errno.EROFS, errno.EACCES, errno.EPERM, errno.ELOOP, errno.ENAMETOOLONG, errno.ENOTDIR, errno.EISDIR,
+    errno.EIO, errno.EMFILE, errno.ENFILE, errno.EBADF,
+}  # fmt: skip
+"""Errors of files that are not refdem's own fault."""
 
 
 def main() -> None:
-    """Runs the command; exit 0 all held, 1 a check failed, 2 bad input, 3 an engine broke, 130 interrupted, 141 unread."""
+    """Runs the command.
+
+    Exit status: 0 all held, 1 a check failed, 2 bad input, 3 an engine broke, 70 refdem itself broke, 130 interrupted (143 and 129
+    by SIGTERM and SIGHUP), 141 unread.
+    """
     from refdem.cli.app import app
 
+    # Whoever closed them does not want to read them.
+    sys.stdout = sys.stdout or open(os.devnull, "w")  # noqa: SIM115
+    sys.stderr = sys.stderr or open(os.devnull, "w")  # noqa: SIM115
+    heard: list[int] = []
     try:
-        app()
-    except SystemExit as end:
-        if end.code == INTERRUPTED:
-            print("refdem: interrupted; what was finished is kept and will not be run again", file=sys.stderr)
-        if type(sys.stdout).__name__ == "PacifyFlushWrapper":  # what typer puts there, with status 1, when nobody reads any more
-            sys.exit(UNREAD)
-        raise
+        try:
+            with _listening(heard):
+                app()
+        except SystemExit as end:
+            if type(sys.stdout).__name__ == "PacifyFlushWrapper":  # what typer puts there, with status 1, when nobody reads any more
+                sys.exit(UNREAD)
+            if end.code == INTERRUPTED:
+                _tell("interrupted; what was finished is kept and will not be run again")
+                sys.exit(128 + heard[0] if heard else INTERRUPTED)
+            # What is still in a buffer is written here, where it can fail with a sentence.
+            sys.stdout.flush()
+            raise
     except RefdemError as error:
-        print(f"refdem: {error}", file=sys.stderr)
+        _tell(str(error))
         sys.exit(error.exit_status)
+    except OSError as error:
+        if error.errno not in OF_THE_SYSTEM:
+            _broken(error)
+        place = f"{error.filename}: " if error.filename else "standard output or a file: "
+        _tell(f"{place}{error.strerror}; nothing can be written or read there")
+        _silence()
+        sys.exit(BAD_INPUT)
+    except Exception as error:
+        _broken(error)
+
+
+@contextmanager
+def _listening(heard: list[int]) -> Iterator[None]:
+    """Turns signals that end a program into an interrupt, and notes which one it was."""
+
+    def interrupt(number: int, _: FrameType | None) -> None:
+        heard.append(number)
+        raise KeyboardInterrupt
+
+    # A shell that says `nohup` wants the signal ignored, and another thread than the first cannot ask for any.
+    is_first = threading.current_thread() is threading.main_thread()
+    numbers = [getattr(signal, name) for name in ENDING if is_first]
+    ending = [number for number in numbers if signal.getsignal(number) is signal.SIG_DFL]
+    for number in ending:
+        signal.signal(number, interrupt)
+    try:
+        yield
+    finally:
+        for number in ending:
+            signal.signal(number, signal.SIG_DFL)
+
+
+def _broken(error: Exception) -> None:
+    """Ends with a status that is no verdict; where the details are is said in one sentence."""
+    import traceback
+
+    from refdem.core.store import default_path
+
+    text = "".join(traceback.format_exception(error))
+    place = default_path().with_name("refdem-broke.txt")
+    try:
+        place.parent.mkdir(parents=True, exist_ok=True)
+        place.write_text(text, encoding="utf-8", errors="replace")
+        where = f"the details are in {place}"
+    except OSError:
+        with suppress(OSError, ValueError):
+            print(text, file=sys.stderr)
+        where = "the details are above"
+    what = f"{type(error).__name__}: {error}"
+    _tell(f"refdem itself broke ({what}); this is no verdict. Please report it: {where}")
+    sys.exit(BROKEN)
+
+
+def _tell(text: str) -> None:
+    """One line on standard error, if there is one."""
+    from refdem.core.outside import one_line
+
+    with suppress(OSError, ValueError, AttributeError):
+        print(f"refdem: {one_line(text)}", file=sys.stderr)
+
+
+def _silence() -> None:
+    """Lets Python's own last flush of a standard output that cannot be written say nothing."""
+    with suppress(OSError, ValueError, AttributeError):
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())

@@ -43,7 +43,7 @@ def command(
     from refdem.bench.record import read
     from refdem.bench.session import Bench
     from refdem.campaign.specification import Entry
-    from refdem.cli.run import refuse_unwritable
+    from refdem.cli.outputs import refuse_unwritable
     from refdem.core.parameters import labelled, settings
 
     given = settings(set or [])

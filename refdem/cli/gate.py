@@ -27,6 +27,7 @@ def command(
 
     Example: refdem gate --junit gate.xml --markdown gate.md
     """
+    from refdem.cli.outputs import refuse_unwritable, refuse_unwritable_file
     from refdem.cli.progress import Progress
     from refdem.cli.run import workers
     from refdem.cli.summary import exit_status, lines
@@ -36,7 +37,13 @@ def command(
 
     if bless and not why.strip():
         raise UsageError("--bless came without --why; say in a few words why these findings are right")
+    refuse_unwritable_file(junit, "--junit")
+    refuse_unwritable_file(markdown, "--markdown")
+    if out is not None:
+        refuse_unwritable(out)
     gate = of_program(toml, baseline, workers(jobs), Progress())
+    if bless:
+        refuse_unwritable_file(gate.baseline, "--baseline")
     sheets = gate.sheets()
     if bless:
         _bless(gate, sheets, why)

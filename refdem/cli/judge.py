@@ -15,8 +15,8 @@ def command(
     Example: refdem judge to-run --out report
     """
     from refdem.campaign.exchange import judged
+    from refdem.cli.outputs import refuse_unwritable
     from refdem.cli.progress import Progress
-    from refdem.cli.run import refuse_unwritable
     from refdem.cli.summary import exit_status, lines
     from refdem.core.store import Store, default_path
     from refdem.report import write_report

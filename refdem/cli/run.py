@@ -38,6 +38,7 @@ def command(
     import msgspec
 
     from refdem.campaign.campaign import Campaign
+    from refdem.cli.outputs import refuse_unwritable
     from refdem.cli.progress import Progress
     from refdem.cli.summary import exit_status, lines
     from refdem.core.store import Store, default_path
@@ -48,7 +49,9 @@ def command(
         raise UsageError("--step and --steps-per-tau both came; expected at most one of them")
     base = asked_for(case or [], set or [], campaign)
     refuse_partial(base, bless, method or step or steps_per_tau)
-    overruled = {"engines": engine or base.engines, "method": method, "step": step, "steps_per_tau": steps_per_tau}
+    # What is not given here stays as the campaign has it.
+    given = {"engines": engine, "method": method, "step": step, "steps_per_tau": steps_per_tau}
+    overruled = {name: value for name, value in given.items() if value not in (None, "", [])}
     specification = msgspec.structs.replace(base, **overruled)
     count = workers(jobs)
     refuse_unwritable(out)
@@ -116,16 +119,3 @@ def workers(jobs: int | None) -> int:
     if jobs is not None and jobs < 1:
         raise UsageError(f"--jobs is {jobs}; expected a number >= 1")
     return jobs or os.cpu_count() or 1
-
-
-def refuse_unwritable(folder: Path) -> None:
-    """Raises StoreError before any work is done if the report cannot be written."""
-    from refdem.errors import StoreError
-
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
-        probe = folder / ".refdem-probe"
-        probe.write_text("")
-        probe.unlink()
-    except OSError as error:
-        raise StoreError(f"folder {folder} cannot be written: {error.strerror}. Choose another with --out.") from None

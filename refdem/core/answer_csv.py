@@ -36,9 +36,7 @@ def read_answer(problem: "Problem", path: Path, events: Path | None = None) -> T
 def read_solids(path: Path, problem: Solid) -> Trajectory:
     """Mass properties by `<solid>.<property>`; an empty cell is what the program cannot say."""
     names = [piece.name for piece in problem.content.solids]
-    if not path.is_file():
-        raise EngineError(f"the program ended and wrote no {path.name}; expected a CSV file with columns {','.join(SOLID_COLUMNS)}")
-    lines = csv_lines(path, len(names) + 2)
+    lines = list(csv_lines(path, len(names) + 2, SOLID_COLUMNS))
     header = tuple(cell.strip() for cell in lines[0][1]) if lines else ()
     if header != SOLID_COLUMNS:
         raise EngineError(f"{path.name} line 1 is {','.join(header)[:200]!r}; expected {','.join(SOLID_COLUMNS)}")

@@ -1,13 +1,17 @@
 """A trajectory as a CSV file, the way programs of any language hand it back."""
 
 import csv
+import io
+from collections.abc import Iterator
 from itertools import islice
+from math import isfinite
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from refdem.core.outside import one_line, opened
 from refdem.core.trajectory import CHANNELS, Event, Trajectory
 from refdem.errors import EngineError
 
@@ -27,16 +31,23 @@ def read_trajectory(path: Path, samples: int, bodies: int, events: Path | None =
     A channel's numbers stand in the rows of a sample, the k-th element's in body k's row; cells that are empty in every sample
     are no element's.
     """
-    if not path.is_file():
-        raise EngineError(f"the program ended and wrote no {path.name}; expected a CSV file with columns {','.join(COLUMNS)}")
-    lines = csv_lines(path, samples * bodies + 2)
-    header = [name.strip() for name in lines[0][1]] if lines else []
+    wanted = samples * bodies
+    lines = csv_lines(path, wanted + 2, COLUMNS)
+    _, first = next(lines, (1, []))
+    header = [name.strip() for name in first]
     channels = _channels(header, path.name)
-    rows = [_row(line, header, number, path.name) for number, line in lines[1:]]
-    if len(rows) != samples * bodies:
-        came = f"{len(rows)} rows" if len(rows) < samples * bodies else "more rows"
-        raise EngineError(f"{path.name} has {came}; expected {samples * bodies}: {samples} samples of {bodies} bodies")
-    table = np.array(rows).reshape(samples, bodies, -1)
+    # Row by row into one array, so that a file takes little more memory than its numbers.
+    rows = np.empty((wanted, len(header)))
+    count = 0
+    for number, line in lines:
+        row = _row(line, header, number, path.name)
+        if count < wanted:
+            rows[count] = row
+        count += 1
+    if count != wanted:
+        came = f"{count} rows" if count < wanted else "more rows"
+        raise EngineError(f"{path.name} has {came}; expected {wanted}: {samples} samples of {bodies} bodies")
+    table = rows.reshape(samples, bodies, -1)
     _refuse_disorder(table, bodies, path.name)
     columns = {"t": table[:, 0, 0], "position": table[:, :, 2:5], "velocity": table[:, :, 5:8]}
     columns |= {"attitude": table[:, :, 8:12], "omega": table[:, :, 12:15]}
@@ -45,12 +56,15 @@ def read_trajectory(path: Path, samples: int, bodies: int, events: Path | None =
     return Trajectory(channels=shown, events=_events(events, bodies), **arrays)
 
 
-def csv_lines(path: Path, most: int) -> list[tuple[int, list[str]]]:
+def csv_lines(path: Path, most: int, columns: tuple[str, ...]) -> Iterator[tuple[int, list[str]]]:
     """The first `most` lines that are not empty, with their numbers; raises EngineError if it is no CSV file."""
+    binary = opened(path)
+    if binary is None:
+        raise EngineError(f"the program ended and wrote no {path.name}; expected a CSV file with columns {','.join(columns)}")
     try:
-        with path.open(newline="", encoding="utf-8", errors="replace") as file:
+        with io.TextIOWrapper(binary, newline="", encoding="utf-8", errors="replace") as file:
             reader = csv.reader(file)
-            return list(islice(((reader.line_num, line) for line in reader if line), most))
+            yield from islice(((reader.line_num, line) for line in reader if line), most)
     except (OSError, csv.Error) as error:
         raise EngineError(f"{path.name} cannot be read as CSV: {error}") from None
 
@@ -60,7 +74,7 @@ def _channels(header: list[str], name: str) -> list[str]:
     extra = header[STATES:]
     if tuple(header[:STATES]) != COLUMNS or not set(extra) <= set(CHANNELS) or len(set(extra)) < len(extra):
         raise EngineError(
-            f"{name} line 1 is {','.join(header)[:200]!r}; expected {','.join(COLUMNS)} and channels of {', '.join(CHANNELS)}"
+            f"{name} line 1 is {one_line(','.join(header), 200)!r}; expected {','.join(COLUMNS)} and channels of {', '.join(CHANNELS)}"
         )
     return extra
 
@@ -71,14 +85,30 @@ def _row(line: list[str], header: list[str], number: int, name: str) -> list[flo
         raise EngineError(f"{name} line {number} has {len(line)} columns; expected {len(header)}")
     if not any(cell.strip() for cell in line[8:STATES]):
         line = [*line[:8], *POINT, *line[STATES:]]
+    found = plain_numbers(line)
+    if found is not None:
+        return found
     found = []
     for column, cell in zip(header, line, strict=True):
         empty = column in CHANNELS and not cell.strip()
         value = np.nan if empty else number_in(cell)
         if value is None or not (empty or np.isfinite(value)):
-            raise EngineError(f"{name} line {number}: {column} is {cell[:40]!r}; expected a finite number")
+            raise EngineError(f"{name} line {number}: {column} is {one_line(cell, 40)!r}; expected a finite number")
         found.append(value)
     return found
+
+
+def plain_numbers(line: list[str]) -> list[float] | None:
+    """The numbers of a line that has nothing but finite numbers in Python's form, which is almost every line; else None."""
+    text = "".join(line)
+    # float() takes more than numbers: 1_000, digits of other scripts, nan.
+    if not text.isascii() or "_" in text:
+        return None
+    try:
+        found = list(map(float, line))
+    except ValueError:
+        return None
+    return found if all(map(isfinite, found)) else None
 
 
 def number_in(cell: str) -> float | None:
@@ -112,12 +142,13 @@ def _refuse_disorder(table: Any, bodies: int, name: str) -> None:
 
 def _events(path: Path | None, bodies: int) -> tuple[Event, ...]:
     """The events in a CSV file `time,kind,body`, if there is one."""
-    if path is None or not path.is_file():
+    if path is None or not path.exists():
         return ()
-    lines = csv_lines(path, MOST_EVENTS + 2)
+    lines = list(csv_lines(path, MOST_EVENTS + 2, EVENT_COLUMNS))
     header = tuple(cell.strip() for cell in lines[0][1]) if lines else ()
     if header != EVENT_COLUMNS or len(lines) > MOST_EVENTS + 1:
-        raise EngineError(f"{path.name} line 1 is {','.join(header)[:200]!r}; expected time,kind,body and at most {MOST_EVENTS} events")
+        came = one_line(",".join(header), 200)
+        raise EngineError(f"{path.name} line 1 is {came!r}; expected time,kind,body and at most {MOST_EVENTS} events")
     return tuple(_event(line, number, path.name, bodies) for number, line in lines[1:])
 
 
@@ -125,5 +156,6 @@ def _event(line: list[str], number: int, name: str, bodies: int) -> Event:
     """One event; raises EngineError if it is none."""
     time, body = (number_in(line[0]), number_in(line[2])) if len(line) == len(EVENT_COLUMNS) else (None, None)
     if time is None or not np.isfinite(time) or body is None or body not in range(bodies):
-        raise EngineError(f"{name} line {number} is {','.join(line)[:80]!r}; expected a time, a kind and a body of 0..{bodies - 1}")
-    return Event(time, line[1].strip(), int(body))
+        came = one_line(",".join(line), 80)
+        raise EngineError(f"{name} line {number} is {came!r}; expected a time, a kind and a body of 0..{bodies - 1}")
+    return Event(time, one_line(line[1], 40), int(body))

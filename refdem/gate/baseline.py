@@ -5,9 +5,13 @@ from pathlib import Path
 import msgspec
 
 from refdem.core.finding import DECIDED, Finding, Outcome, Record
+from refdem.core.outside import one_line
+from refdem.core.reading import content, json_as
 from refdem.errors import StoreError, UsageError
 
 FORMAT = 1
+PARTS = 5
+"""Of an id: case, engine, method, check, quantity."""
 
 
 class Accepted(msgspec.Struct, frozen=True, kw_only=True):
@@ -42,12 +46,16 @@ def read(path: Path) -> tuple[Header, dict[str, Accepted]]:
     """Header and findings by id; raises UsageError, saying how to make one, if the file is missing or broken."""
     if not path.is_file():
         raise UsageError(f'no baseline {path}; look at the findings, then accept them with: refdem gate --bless --why "first baseline"')
-    try:
-        first, *rest = path.read_bytes().splitlines()
-        header = msgspec.json.decode(first, type=Header)
-        found = [msgspec.json.decode(line, type=Accepted) for line in rest]
-    except (ValueError, msgspec.MsgspecError) as error:
-        raise UsageError(f"baseline {path} cannot be read: {error}; restore it from version control") from None
+    lines = content(path, "a baseline that `refdem gate --bless` wrote").splitlines()
+    if not lines:
+        raise UsageError(f"baseline {path} is empty; restore it from version control")
+    header = json_as(Header, lines[0], f"baseline {path}, line 1")
+    found = [json_as(Accepted, line, f"baseline {path}, line {number}") for number, line in enumerate(lines[1:], 2)]
+    for number, entry in enumerate(found, 2):
+        if entry.id.count("/") < PARTS - 1:
+            raise UsageError(
+                f"baseline {path}, line {number}: id is {one_line(entry.id, 80)!r}; expected case/engine/method/check/quantity"
+            )
     if header.format != FORMAT:
         raise UsageError(f"baseline {path} has format {header.format}; expected {FORMAT}: bless it anew")
     return header, {entry.id: entry for entry in found}

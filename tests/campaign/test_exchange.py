@@ -120,7 +120,7 @@ def test_a_folder_of_another_export_is_not_mixed_up(toml: Path, tmp_path: Path) 
         written(toml, tmp_path / "to-run", "harmonic-oscillator", "pendulum")
 
 
-@pytest.mark.parametrize(("text", "says"), [(None, "is not there"), ("{}", "missing required field"), ("[", "manifest")])
+@pytest.mark.parametrize(("text", "says"), [(None, "No such file"), ("{}", "missing required field"), ("[", "manifest")])
 def test_a_folder_without_a_good_manifest_is_refused(toml: Path, tmp_path: Path, text: str | None, says: str) -> None:
     folder = tmp_path / "other"
     folder.mkdir()

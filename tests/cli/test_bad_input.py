@@ -51,7 +51,14 @@ def _own_store(tmp_path, monkeypatch):
         (["truth", "pendulum", "--set", "mass=1e-400"], "between 1e-100 and 1e100"),
         (["smoke", ""], "no engine"),
         (["run", "--set", "mass=1"], "without a case"),
-        (["run", "--campaign", "mian"], "known: "),
+        (["run", "--campaign", "mian"], "did you mean 'main'?"),
+        (["run", "--campaign", "x" * 300 + ".toml"], "no campaign"),
+        (["run", "--campaign", "a\0b.toml"], "no campaign"),
+        (["gate", "x" * 300], "File name too long"),
+        (["run", "pendulum", "--campaign", "nope"], "no campaign 'nope'"),
+        (["certify", "--check", "pendulm"], "did you mean 'pendulum'"),
+        (["gate", "--markdown", "nowhere/gate.md"], "--markdown cannot be written"),
+        (["gate", "--junit", "nowhere/gate.xml"], "--junit cannot be written"),
         (["run", "--campaign", "mine/of/mine.toml"], "no campaign 'mine/of/mine.toml'"),
         (["run", "pendulum; rm -rf /"], "is not a name"),
         (["truth", "pendulum", "--at", "-1"], "--at"),
@@ -80,13 +87,13 @@ def test_an_engine_that_is_not_installed_is_named_with_what_to_install(tmp_path)
     assert "pip install" in done.stderr
 
 
-def test_a_corrupt_store_is_said_so_and_left_alone(command_line, tmp_path):
+def test_a_corrupt_store_costs_a_line_and_nothing_of_it_is_lost(command_line, tmp_path):
     store = tmp_path / "store.sqlite"
     store.write_bytes(b"garbage" * 1000)
-    done = command_line("run", "harmonic-oscillator", "--engine", "reference")
-    assert done.returncode == 2
-    assert "Move the file away" in done.stderr
-    assert store.read_bytes() == b"garbage" * 1000
+    done = command_line("run", "harmonic-oscillator", "--engine", "reference", "--out", str(tmp_path / "report"))
+    assert done.returncode == 0, done.stderr
+    assert "was damaged" in done.stderr
+    assert (tmp_path / "store.sqlite.damaged").read_bytes() == b"garbage" * 1000
 
 
 def test_a_folder_that_cannot_be_written_is_said_so_before_any_work(command_line, tmp_path):

@@ -1,6 +1,5 @@
 """refdem.toml: what a program says of itself, its claims and its gate."""
 
-import tomllib
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
@@ -9,6 +8,8 @@ from msgspec import Meta
 
 from refdem.core.deviation import Deviation
 from refdem.core.engine import Method
+from refdem.core.outside import one_line
+from refdem.core.reading import toml_as
 from refdem.engines.external.sense import FEATURES, nonsense
 from refdem.errors import UsageError
 
@@ -52,6 +53,8 @@ class MethodTable(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fiel
         """The method as the checks know it; a staggered one cannot go on from its end state, and mass properties have no step."""
         fields = msgspec.structs.asdict(self)
         fields["conserves"] = frozenset(self.conserves)
+        fields["summary"] = one_line(self.summary)
+        fields["constant_reason"] = one_line(self.constant_reason)
         fields["complete_state"] = self.complete_state and engine.velocity_time == "synchronous"
         if self.answers == "solid":
             fields |= {"control": "exact", "knows": frozenset(name for name in engine.supports if name.startswith("solid:"))}
@@ -81,6 +84,7 @@ class EngineTable(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fiel
     ] = []
     timeout: Annotated[float, said("[s] a run may take")] = 60.0
     budget: Annotated[float, said("[s] a gate may take")] = 600.0
+    memory: Annotated[float | None, said("[GB] a process of a run may take; without it all that the machine has")] = None
 
 
 class GateTable(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
@@ -103,13 +107,7 @@ class Description(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fiel
 
 def read(path: Path) -> Description:
     """The description in a refdem.toml; raises UsageError that names the fault."""
-    try:
-        text = path.read_text(encoding="utf-8")
-        found = msgspec.convert(tomllib.loads(text), Description)
-    except OSError as error:
-        raise UsageError(f"{path}: {error.strerror}; expected a refdem.toml that describes a program") from None
-    except (tomllib.TOMLDecodeError, UnicodeDecodeError, msgspec.ValidationError) as error:
-        raise UsageError(f"{path}: {error}") from None
+    found = toml_as(Description, path, "a refdem.toml that describes a program")
     for name, came, expected in nonsense(found.engine, found.gate):
         raise UsageError(f"{path}: {name} is {came!r}; expected {expected}")
     return found

@@ -1,86 +1,153 @@
-"""A process of its own group, with limits on its time and on the size of what it writes."""
+"""A program under limits: its time, its memory, the size of what it writes, and that nothing of it stays.
+
+Every thread that runs programs has a supervisor (supervisor.py), a small process that starts them one
+after another and ends what they leave, also when this process is killed.
+"""
 
 import contextlib
+import json
 import os
 import signal
+import socket
 import subprocess
+import sys
 import threading
+from dataclasses import dataclass
 from pathlib import Path
-from time import perf_counter
+from typing import Any, BinaryIO
 
+from refdem.core.outside import one_line
+from refdem.engines.external.folders import home
 from refdem.errors import EngineError, UnsupportedError
 
 NOT_SUPPORTED = 77
 SHOWN = 300
-_RUNNING: set[int] = set()
-"""Process groups under way, of all threads."""
+"""Characters of what a program said that an error shows."""
+SUPERVISOR = Path(__file__).with_name("supervisor.py")
+_LOCAL = threading.local()
+_BUSY: set["Supervised"] = set()
+"""Supervisors whose programs are under way, of all threads."""
 
 
-def ended(command: list[str], folder: Path, *, name: str, timeout: float, most_bytes: int) -> float:
-    """Runs the command in `folder`, its output in stdout.txt and stderr.txt there, and then ends its whole process group.
+@dataclass(frozen=True, kw_only=True)
+class Limits:
+    """Of a run: time [s], bytes of each file that it writes, bytes of memory of each of its processes."""
 
-    Returns the seconds that it took. Raises UnsupportedError for exit status 77, EngineError if it cannot start, does not end
-    within `timeout` [s] or ends with another status.
-    """
-    began = perf_counter()
-    with (folder / "stdout.txt").open("wb") as out, (folder / "stderr.txt").open("wb") as err:
+    timeout: float
+    file_bytes: int
+    memory: int
+
+
+@dataclass(frozen=True)
+class Ended:
+    """How a program ended: its exit status, None if its time was up; seconds; how many processes it left running."""
+
+    status: int | None
+    seconds: float
+    left: int
+
+
+def machine_memory() -> int:
+    """Bytes of memory that this machine has."""
+    return os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES")
+
+
+class Supervised:
+    """The supervisor of one thread."""
+
+    def __init__(self) -> None:
+        self.socket, theirs = socket.socketpair()
+        # -I and -S: neither the user's settings nor the installed packages are read.
+        command = [sys.executable, "-I", "-S", str(SUPERVISOR), str(home())]
+        with theirs:
+            self.process = subprocess.Popen(command, stdin=theirs.fileno(), start_new_session=True)
+        self.said = self.socket.makefile("rb")
+
+    def ended(self, request: dict[str, Any], out: BinaryIO, err: BinaryIO) -> Ended:
+        """Runs what is asked for; raises EngineError if it cannot be started or if the supervisor itself was ended."""
+        _BUSY.add(self)
         try:
-            process = subprocess.Popen(command, cwd=folder, stdin=subprocess.DEVNULL, stdout=out, stderr=err, start_new_session=True)
-        except (OSError, ValueError) as error:
-            raise EngineError(f"{command[0]} cannot be started: {error}") from None
-        overdue, status = _status_of(process, timeout, most_bytes)
-    seconds = perf_counter() - began
-    if overdue:
-        raise EngineError(f"{name} was still running after {timeout:g} s and was ended")
-    says = _last_lines(folder / "stderr.txt")
-    if status == NOT_SUPPORTED:
-        raise UnsupportedError(says.splitlines()[-1] if says else "the program says it cannot (exit 77)")
-    if status != 0:
-        raise EngineError(f"{name} ended with {_status(status)}: {says or 'it said nothing on stderr'}")
-    return seconds
+            text = json.dumps(request).encode() + b"\n"
+            socket.send_fds(self.socket, [text], [out.fileno(), err.fileno()])
+            line = self.said.readline()
+        except OSError:
+            line = b""
+        finally:
+            _BUSY.discard(self)
+        if not line:
+            self.close()
+            raise EngineError(f"{request['command'][0]} was ended from outside, with the process that watched over it")
+        answer = json.loads(line)
+        if "problem" in answer:
+            raise EngineError(f"{request['command'][0]} cannot be started: {one_line(answer['problem'])}")
+        return Ended(answer["status"], answer["seconds"], answer["left"])
+
+    def stop(self) -> None:
+        """Ends what it runs, from any thread."""
+        with contextlib.suppress(OSError):
+            self.socket.shutdown(socket.SHUT_RDWR)
+
+    def close(self) -> None:
+        """Ends it, and what it runs."""
+        self.stop()
+        self.said.close()
+        self.socket.close()
+        self.process.wait()
+
+    def __del__(self) -> None:
+        self.close()
 
 
-def _status_of(process: subprocess.Popen[bytes], timeout: float, most_bytes: int) -> tuple[bool, int]:
-    """True if the process was ended for its time, and its exit status; a clock of its own ends it, so that nothing is polled."""
-    overdue = threading.Event()
+def supervised() -> Supervised:
+    """The supervisor of this thread, which is started where there is none."""
+    found: Supervised | None = getattr(_LOCAL, "supervised", None)
+    if found is None or found.process.poll() is not None:
+        found = _LOCAL.supervised = Supervised()
+    return found
 
-    def end() -> None:
-        overdue.set()
-        _end(process.pid)
 
-    clock = threading.Timer(timeout, end)
-    clock.daemon = True
-    _RUNNING.add(process.pid)
-    try:
-        _limit_files(process.pid, most_bytes)
-        clock.start()
-        status = process.wait()
-        return overdue.is_set(), status
-    finally:
-        clock.cancel()
-        _end(process.pid)
-        process.wait()
-        _RUNNING.discard(process.pid)
+def run(command: list[str], folder: Path, out: BinaryIO, err: BinaryIO, limits: Limits) -> Ended:
+    """Runs a command in a folder, without input."""
+    request = {
+        "command": command,
+        "folder": str(folder),
+        "environment": {},
+        "timeout": limits.timeout,
+        "bytes": limits.file_bytes,
+        "memory": limits.memory,
+    }
+    return supervised().ended(request, out, err)
+
+
+def ended(command: list[str], folder: Path, *, name: str, limits: Limits) -> float:
+    """Runs the command in `folder`, its output in stdout.txt and stderr.txt there, and then ends all that it has started.
+
+    Returns the seconds that it took. Raises UnsupportedError for exit status 77, EngineError if it cannot start, does not end in
+    time, ends with another status, or leaves processes behind.
+    """
+    # What it said is read from the descriptor: in its folder a program may put anything at that name.
+    with (folder / "stdout.txt").open("wb") as out, (folder / "stderr.txt").open("w+b") as err:
+        found = run(command, folder, out, err, limits)
+        says = _last_lines(err)
+    if found.status is None:
+        raise EngineError(f"{name} was still running after {limits.timeout:g} s and was ended")
+    if found.status == NOT_SUPPORTED:
+        raise UnsupportedError(one_line(says[-1]) if says else "the program says it cannot (exit 77)")
+    if found.status != 0:
+        told = one_line(" / ".join(says))[-SHOWN:]
+        raise EngineError(f"{name} ended with {_status(found.status)}: {told or 'it said nothing on stderr'}")
+    if found.left:
+        raise EngineError(
+            f"{name} ended and left {found.left} of its processes running, which were ended; "
+            "expected a program that waits for what it starts"
+        )
+    return found.seconds
 
 
 def end_all() -> None:
     """Ends every program that any thread waits for."""
-    for group in tuple(_RUNNING):
-        _end(group)
-
-
-def _end(group: int) -> None:
-    """Ends a process and what it has started, if they are there."""
-    with contextlib.suppress(ProcessLookupError):
-        os.killpg(group, signal.SIGKILL)
-
-
-def _limit_files(pid: int, most_bytes: int) -> None:
-    """No file of the process may grow beyond this; Linux only, and no harm where a process has ended already."""
-    import resource
-
-    with contextlib.suppress(AttributeError, OSError):
-        resource.prlimit(pid, resource.RLIMIT_FSIZE, (most_bytes, most_bytes))
+    for supervisor in tuple(_BUSY):
+        supervisor.stop()
 
 
 def _status(status: int) -> str:
@@ -93,17 +160,8 @@ def _status(status: int) -> str:
     return f"signal {-status}"
 
 
-def _last_lines(path: Path) -> str:
-    """The end of what the program said, printable."""
-    try:
-        with path.open("rb") as file:
-            file.seek(max(0, path.stat().st_size - 4 * SHOWN))
-            text = file.read().decode(errors="replace").strip()
-    except OSError:
-        return ""
-    return printable(text)[-SHOWN:]
-
-
-def printable(text: str) -> str:
-    """The text with a question mark for what a terminal would obey."""
-    return "".join(c if c.isprintable() or c == "\n" else "?" for c in text)
+def _last_lines(file: BinaryIO) -> list[str]:
+    """The lines at the end of what the program said."""
+    size = os.fstat(file.fileno()).st_size
+    text = os.pread(file.fileno(), 4 * SHOWN, max(0, size - 4 * SHOWN))
+    return text.decode(errors="replace").strip().splitlines()

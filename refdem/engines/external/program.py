@@ -1,21 +1,21 @@
 """The program of a refdem.toml: where it is, what belongs to it, and one run of it in an empty folder."""
 
-import contextlib
 import shutil
-import subprocess
 import tempfile
 from functools import partial
 from pathlib import Path
-from time import time
+from typing import BinaryIO
 
 from refdem.core.answer_csv import most_rows, read_answer
 from refdem.core.engine import Stages
+from refdem.core.outside import one_line
 from refdem.core.problem import Request
 from refdem.core.request_text import request_text
 from refdem.core.trajectory import Cost, Trajectory
 from refdem.engines.external.description import EngineTable
+from refdem.engines.external.folders import run_folder
 from refdem.engines.external.kept import kept
-from refdem.engines.external.process import ended, printable
+from refdem.engines.external.process import Limits, ended, machine_memory, run
 from refdem.errors import EngineError, UsageError
 from refdem.scene import bodies_file
 
@@ -24,9 +24,9 @@ ROW = 1024
 """Bytes that a row of the CSV file may take; 15 numbers and 5 channels of 17 digits take 500."""
 SPARE = 2**26
 """Bytes that a program may write into one file however few rows are asked for: it may talk."""
-
-CLOCK_SLACK = 2.0
-"""Seconds by which a file system's clock may be coarse."""
+VERSION_LIMITS = Limits(timeout=10.0, file_bytes=2**20, memory=2**32)
+"""Of a command that says a version."""
+GIGABYTE = 10**9
 
 
 class Program:
@@ -62,16 +62,18 @@ class Program:
         if not self.table.version_command:
             return ""
         command = [self._placed(word) for word in self.table.version_command]
-        with contextlib.suppress(OSError, subprocess.SubprocessError):
-            done = subprocess.run(command, cwd=self.home, capture_output=True, text=True, timeout=10, errors="replace")
-            lines = (done.stdout or done.stderr).strip().splitlines()
-            return printable(lines[0])[:80] if lines and done.returncode == 0 else ""
-        return ""
+        with tempfile.TemporaryFile() as out, tempfile.TemporaryFile() as err:
+            try:
+                status = run(command, self.home, out, err, VERSION_LIMITS).status
+            except EngineError:
+                return ""
+            said = [_beginning(file) for file in (out, err)]
+        lines = (said[0] or said[1]).splitlines()
+        return one_line(lines[0], 80) if lines and status == 0 else ""
 
     def stages(self, request: Request) -> Stages[tuple[Trajectory, Cost]]:
         """One run; what it wrote is kept where something went wrong, and the error says where."""
-        with tempfile.TemporaryDirectory(prefix="refdem-run-", ignore_cleanup_errors=True) as name:
-            folder = Path(name)
+        with run_folder() as folder:
             try:
                 return (yield from self._stages(request, folder))
             except EngineError as error:
@@ -84,13 +86,19 @@ class Program:
         paths["request_txt"].write_text(request_text(request))
         if (file := request.bodies_file) is not None:
             (folder / bodies_file.NAME).write_bytes(file)
-        began_at = time()
-        command, most = [self._filled(word, paths) for word in self.table.command], SPARE + ROW * most_rows(request.problem)
-        result = yield partial(ended, command, folder, name=self.table.name, timeout=self.table.timeout, most_bytes=most)
+        command = [self._filled(word, paths) for word in self.table.command]
+        most_bytes = SPARE + ROW * most_rows(request.problem)
+        limits = Limits(timeout=self.table.timeout, file_bytes=most_bytes, memory=self._memory())
+        result = yield partial(ended, command, folder, name=self.table.name, limits=limits)
         seconds = result()
-        _refuse_stale(paths["trajectory"], began_at)
         trajectory = read_answer(request.problem, paths["trajectory"], paths["events"])
         return trajectory, Cost(seconds=seconds, steps=request.stride * (len(request.problem.times) - 1) if request.step else 0)
+
+    def _memory(self) -> int:
+        """Bytes that a process of a run may take: what its author says, else what the machine has."""
+        if self.table.memory is None:
+            return machine_memory()
+        return int(self.table.memory * GIGABYTE)
 
     def _filled(self, word: str, paths: dict[str, Path]) -> str:
         """A word of the command with its placeholders filled in and its relative path resolved."""
@@ -104,7 +112,7 @@ class Program:
         return str(path) if not Path(word).is_absolute() and path.is_file() else word
 
 
-def _refuse_stale(path: Path, began: float) -> None:
-    """Raises EngineError for a file that is older than the run: a link to, or a copy of, another run's."""
-    if path.is_file() and path.stat().st_mtime < began - CLOCK_SLACK:
-        raise EngineError(f"{path.name} is older than the run itself; expected a file that this run wrote")
+def _beginning(file: BinaryIO) -> str:
+    """The first text that a command said."""
+    file.seek(0)
+    return file.read(4096).decode(errors="replace").strip()

@@ -1,5 +1,6 @@
 """What the fields of a refdem.toml may say beyond their types."""
 
+import difflib
 import re
 from collections.abc import Iterator
 from pathlib import PurePath
@@ -29,6 +30,11 @@ FEATURES = {
     *(f"contact:{law}" for law in get_args(get_type_hints(Contact)["law"])),
 }
 """What `supports` and `order_with` may name."""
+YEAR = 366 * 86400.0
+"""Seconds."""
+PLACEHOLDERS = ("request", "request_txt", "trajectory", "events")
+"""Names in braces that stand for files in a command."""
+PLACEHOLDER = re.compile(r"\{(\w+)\}")
 NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9._+-]{0,63}")
 
 
@@ -37,7 +43,9 @@ def nonsense(engine: "EngineTable", gate: "GateTable") -> Iterator[tuple[str, ob
     names = [m.name for m in engine.methods]
     strange = sorted({*engine.supports, *(feature for m in engine.methods for feature in m.order_with)} - FEATURES)
     mute = [m.name for m in engine.methods if m.answers == "solid" and not SOLIDS & set(engine.supports)]
-    away = [pattern for pattern in engine.inputs if not pattern or PurePath(pattern).is_absolute()]
+    away = [pattern for pattern in engine.inputs if not is_pattern_below(pattern)]
+    slips = [word for word in engine.command for name in PLACEHOLDER.findall(word) if is_slip(name)]
+    twice = sorted({label for label in gate.cases if gate.cases.count(label) > 1})
     faults: list[tuple[str, object, bool, str]] = [
         ("engine.name", engine.name, bool(NAME.fullmatch(engine.name)), "letters, digits, dots, dashes"),
         ("engine.command", engine.command, all(engine.command[:1]) and bool(engine.command), "the program and its arguments"),
@@ -47,13 +55,30 @@ def nonsense(engine: "EngineTable", gate: "GateTable") -> Iterator[tuple[str, ob
         ("engine.supports or order_with", strange, not strange, f"features of {', '.join(sorted(FEATURES))}"),
         ("engine.supports", engine.supports, not mute, f"some of {', '.join(sorted(SOLIDS))} for method {', '.join(mute)}"),
         ("gate.levels", gate.levels, 1 <= gate.levels <= 10, "a number of refinement levels, 1 to 10"),
-        ("engine.inputs", away, not away, "patterns below the folder of refdem.toml"),
+        ("engine.inputs", away, not away, "patterns below the folder of refdem.toml, with ** only between slashes"),
+        ("engine.command", slips, not slips, f"{{name}} of a file: {', '.join(PLACEHOLDERS)}"),
+        ("gate.cases", twice, not twice, "each case once; these are there twice"),
     ]
     limits = {"timeout": engine.timeout, "budget": engine.budget}
-    faults += [(f"engine.{name}", limit, 0 < limit < float("inf"), "seconds > 0") for name, limit in limits.items()]
+    faults += [(f"engine.{name}", limit, 0 < limit <= YEAR, "seconds > 0, at most a year") for name, limit in limits.items()]
+    if engine.memory is not None:
+        faults.append(("engine.memory", engine.memory, 0.001 <= engine.memory <= 1e6, "gigabytes, at least 0.001"))
     for m in engine.methods:
         faults += _claims(m)
     yield from ((name, came, expected) for name, came, holds, expected in faults if not holds)
+
+
+def is_pattern_below(pattern: str) -> bool:
+    """Whether `inputs` may have it: a pattern of pathlib's, below the folder."""
+    if not pattern.strip() or "\0" in pattern:
+        return False
+    path = PurePath(pattern)
+    return not path.is_absolute() and all("**" not in part or part == "**" for part in path.parts)
+
+
+def is_slip(name: str) -> bool:
+    """Whether a word in braces is not known and looks like one that is; other words in braces are the program's own."""
+    return name not in PLACEHOLDERS and bool(difflib.get_close_matches(name, PLACEHOLDERS, 1, 0.5))
 
 
 def _claims(m: "MethodTable") -> list[tuple[str, object, bool, str]]:

@@ -65,13 +65,50 @@ if method == "binary":
     sys.exit(0)
 with open(trajectory, "w") as file:
     file.write("\\n".join([header, *rows]) + "\\n")
-if method == "stale":
-    os.utime(trajectory, (1e9, 1e9))
+if method in ("symbolic-link", "hard-link"):
+    os.rename(trajectory, "elsewhere.csv")
+    (os.symlink if method == "symbolic-link" else os.link)("elsewhere.csv", trajectory)
+if method == "pipe":
+    os.remove(trajectory)
+    os.mkfifo(trajectory)
+if method == "silent-pipe":
+    os.remove("stderr.txt")
+    os.mkfifo("stderr.txt")
+    sys.exit("a pipe in the place of stderr.txt")
+SLEEPS = [sys.executable, "-c", "import time; time.sleep(600)", "grandchild of " + os.path.abspath(__file__)]
+if method == "session":
+    for _ in range(3):
+        subprocess.Popen(SLEEPS, start_new_session=True, cwd="/", env={})
+if method == "forks":
+    for _ in range(3):
+        if os.fork() == 0:
+            os.setsid()
+            if os.fork() == 0:
+                os.execv(sys.executable, SLEEPS)
+            os._exit(0)
+if method == "breeds":
+    SLEEPS[2] = "import os, time; [os.setsid() for _ in range(6) if os.fork() == 0]; time.sleep(600)"
+    subprocess.Popen(SLEEPS)
+if method == "deep":
+    for _ in range(3000):
+        os.mkdir("d")
+        os.chdir("d")
+if method == "locked":
+    os.makedirs("locked/inside")
+    os.chmod("locked", 0)
+if method == "kills-its-parent":
+    os.kill(os.getppid(), signal.SIGKILL)
+    time.sleep(600)
+if method == "devours":
+    kept = []
+    while True:
+        kept.append(bytearray(2**24))
 with open(events, "w") as file:
     file.write("time,kind,body\\n0.5,turn,0\\n" + ("soon,turn,0\\n" if method == "bad-event" else ""))
 """
 
-MISBEHAVIOURS = """refuses fails silent aborts hangs leaves floods short long nan words late other-body no-header stale binary bad-event"""
+MISBEHAVIOURS = """refuses fails silent aborts hangs leaves floods short long nan words late other-body no-header
+symbolic-link hard-link pipe silent-pipe session forks breeds deep locked kills-its-parent devours binary bad-event"""
 METHODS = ("good", *MISBEHAVIOURS.split())
 
 

@@ -1,7 +1,14 @@
 """A program as an engine: what it says is read, and whatever it does wrong is one clear error."""
 
+import os
+import re
 import shutil
+import subprocess
+import sys
 import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -10,6 +17,7 @@ import pytest
 from refdem.core import discovery
 from refdem.core.problem import Request
 from refdem.core.trajectory import Event, Trajectory
+from refdem.engines.external.folders import remove
 from refdem.engines.external.kept import MOST_BYTES, MOST_FOLDERS
 from refdem.errors import EngineError, UnsupportedError, UsageError
 
@@ -64,7 +72,11 @@ def test_what_a_program_writes_is_its_trajectory(small: Path) -> None:
         ("words", "line 7 has 1 columns; expected 15"),
         ("other-body", r"row 5 is body 1 at t = 1; expected body 0"),
         ("no-header", "line 1 is '0.0,0,1.0"),
-        ("stale", "older than the run itself"),
+        ("symbolic-link", r"trajectory.csv cannot be read: .*; expected a plain file that this run wrote"),
+        ("hard-link", "trajectory.csv is a link, a pipe"),
+        ("pipe", "trajectory.csv is a link, a pipe"),
+        ("silent-pipe", "ended with exit status 1: a pipe in the place of stderr.txt"),
+        ("kills-its-parent", "was ended from outside"),
         ("binary", "trajectory.csv"),
         ("bad-event", "events.csv line 3 is 'soon,turn,0'"),
     ],
@@ -90,8 +102,73 @@ def test_a_program_that_hangs_is_ended_with_its_children(small: Path) -> None:
     assert gone(f"grandchild of {small / 'program.py'}")
 
 
-def test_children_left_behind_by_a_run_that_worked_are_ended(small: Path) -> None:
-    ran(small, "leaves")
+@pytest.mark.parametrize(("method", "count"), [("leaves", "1"), ("session", "3"), ("forks", "3"), ("breeds", r"\d+")])
+def test_what_a_program_leaves_running_is_ended_and_said(small: Path, method: str, count: str) -> None:
+    with pytest.raises(EngineError, match=f"left {count} of its processes running, which were ended"):
+        ran(small, method)
+    assert not processes(f"grandchild of {small / 'program.py'}")
+
+
+@contextmanager
+def made_in(place: Path) -> Iterator[Path]:
+    """The folder of a run at another place."""
+    folder = place / "run"
+    folder.mkdir()
+    try:
+        yield folder
+    finally:
+        remove(folder)
+
+
+@pytest.mark.parametrize("method", ["deep", "locked"])
+def test_folders_that_are_hard_to_take_away_are_taken_away(small: Path, method: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    own = small.parent / "temporary"
+    own.mkdir()
+    monkeypatch.setattr("refdem.engines.external.program.run_folder", partial(made_in, own))
+    ran(small, method)
+    assert list(own.iterdir()) == []
+
+
+def test_a_program_that_takes_all_memory_is_ended_before_the_machine_is(small: Path) -> None:
+    toml = small / "refdem.toml"
+    toml.write_text(toml.read_text().replace("timeout = 600", "timeout = 600\nmemory = 0.5"))
+    with pytest.raises(EngineError, match="MemoryError"):
+        ran(small, "devours")
+
+
+def test_a_program_dies_with_the_process_that_runs_it_and_leaves_no_folder(small: Path, tmp_path: Path) -> None:
+    own = tmp_path / "temporary"
+    own.mkdir()
+    code = (
+        "import sys; from refdem.core import discovery; from refdem.core.problem import Request; "
+        "problem = discovery.case('harmonic-oscillator').at(samples='8').problem; "
+        "discovery.engine(sys.argv[1]).run(Request(problem=problem, method='hangs', step=problem.interval / 16))"
+    )
+    environment = os.environ | {"TMPDIR": str(own)}
+    running = subprocess.Popen([sys.executable, "-c", code, str(small / "refdem.toml")], env=environment)
+    deadline = time.monotonic() + 60
+    while not processes(f"grandchild of {small / 'program.py'}"):
+        assert time.monotonic() < deadline
+        time.sleep(0.02)
+    running.kill()
+    running.wait()
+    assert gone(f"grandchild of {small / 'program.py'}")
+    while list(own.iterdir()):
+        assert time.monotonic() < deadline
+        time.sleep(0.02)
+
+
+def test_a_version_command_has_limits_too(small: Path) -> None:
+    toml = small / "refdem.toml"
+    toml.write_text(re.sub(r"version_command = .*", 'version_command = ["yes"]', toml.read_text()))
+    assert discovery.engine(str(toml)).version().startswith("files ")
+
+
+def test_children_left_behind_by_a_run_that_fails_are_ended(small: Path) -> None:
+    toml = small / "refdem.toml"
+    toml.write_text(toml.read_text().replace("timeout = 600", "timeout = 0.5"))
+    with pytest.raises(EngineError):
+        ran(small, "hangs")
     assert gone(f"grandchild of {small / 'program.py'}")
 
 

@@ -1,0 +1,79 @@
+"""The folders of runs: empty at their begin, taken away at their end, whatever a program has left in them.
+
+All that a process makes lie in one folder, which it holds by a lock, so that others see when it is gone;
+its supervisors (supervisor.py) take that folder away if it is killed.
+"""
+
+import atexit
+import fcntl
+import os
+import shutil
+import stat
+import subprocess
+import tempfile
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager, suppress
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+PREFIX = "refdem-run-"
+"""Of the folder of a process that holds it; one that is just being made has another name."""
+
+
+@contextmanager
+def run_folder() -> Iterator[Path]:
+    """An empty folder for one run."""
+    folder = Path(tempfile.mkdtemp(dir=home()))
+    try:
+        yield folder
+    finally:
+        remove(folder)
+
+
+@cache
+def home() -> Path:
+    """The folder of this process; those of processes that are gone are taken away first."""
+    sweep()
+    made = Path(tempfile.mkdtemp(prefix="refdem-new-"))
+    # The lock lasts as long as the process does; nobody takes the folder for a stale one before it has it.
+    holding = os.open(made, os.O_RDONLY | os.O_CLOEXEC)
+    fcntl.flock(holding, fcntl.LOCK_SH)
+    held = made.rename(made.with_name(made.name.replace("refdem-new-", PREFIX)))
+    atexit.register(remove, held)
+    return held
+
+
+def sweep() -> None:
+    """Takes away the folders of processes that are gone."""
+    for folder in Path(tempfile.gettempdir()).glob(f"{PREFIX}*"):
+        with suppress(OSError):
+            trying = os.open(folder, os.O_RDONLY | os.O_NOFOLLOW | os.O_DIRECTORY | os.O_CLOEXEC)
+            try:
+                fcntl.flock(trying, fcntl.LOCK_EX | fcntl.LOCK_NB)
+                remove(folder)
+            finally:
+                os.close(trying)
+
+
+def remove(folder: Path) -> None:
+    """Takes a folder away with all that is in it; what cannot be taken away stays."""
+    try:
+        shutil.rmtree(folder, onerror=_opened_up)
+    except RecursionError:
+        # Folders in folders, thousands deep: rm does not recurse.
+        command = ["rm", "-rf", "--", str(folder)]
+        subprocess.run(command, stdin=subprocess.DEVNULL, capture_output=True, check=False)
+
+
+def _opened_up(function: Callable[..., Any], path: str, _: object) -> None:
+    """Tries once more where a program has taken the rights to a folder away."""
+    there = Path(path)
+    with suppress(OSError):
+        for place in (there.parent, there):
+            if place.is_dir() and not place.is_symlink():
+                place.chmod(stat.S_IRWXU)
+        if there.is_dir() and not there.is_symlink():
+            shutil.rmtree(there, ignore_errors=True)
+        else:
+            function(path)

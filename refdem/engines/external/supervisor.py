@@ -1,0 +1,243 @@
+"""Runs programs one after another for the process that started it, and ends all that they start.
+
+A script with the standard library alone, started by process.py as `python -I -S supervisor.py FOLDER`. Its
+standard input is a socket: a line of JSON with the descriptors of the program's output comes in, a
+line of JSON goes out. It adopts orphans (PR_SET_CHILD_SUBREAPER), so that every process that a program
+has started, in whatever session, is a descendant of it; and when the socket is closed, because refdem
+has ended in whatever way, it ends them and itself. The folder is that of all runs of the process, which
+it takes away if that process was killed.
+"""
+
+import contextlib
+import ctypes
+import json
+import os
+import resource
+import select
+import shutil
+import signal
+import socket
+import sys
+import time
+from typing import Any
+
+PR_SET_PDEATHSIG = 1
+PR_SET_CHILD_SUBREAPER = 36
+GRACE = 1.0
+"""Seconds in which what a program has started may end after it."""
+PAUSE = 0.01
+"""Seconds between looks at processes that are ending."""
+MOST_ASKED = 2**20
+"""Bytes of a line that asks for a run."""
+
+
+class AbandonedError(Exception):
+    """Nobody waits for the run any more."""
+
+
+class Supervisor:
+    """Answers what comes over a socket until it is closed."""
+
+    def __init__(self, asked: socket.socket) -> None:
+        self.asked = asked
+        self.woken, waking = os.pipe()
+        os.set_blocking(self.woken, False)
+        os.set_blocking(waking, False)
+        # The end of a child writes a byte into the pipe, so that one `select` waits for it and for the socket.
+        signal.signal(signal.SIGCHLD, lambda *_: None)
+        signal.set_wakeup_fd(waking)
+
+    def answers(self) -> None:
+        """Runs what is asked for until nobody asks any more."""
+        while True:
+            received = self.received()
+            if received is None:
+                return
+            request, descriptors = received
+            answer = self.answer(request, descriptors)
+            self.asked.sendall(json.dumps(answer).encode() + b"\n")
+
+    def received(self) -> "tuple[dict[str, Any], list[int]] | None":
+        """The next request with its descriptors, or None."""
+        text = b""
+        descriptors: list[int] = []
+        while not text.endswith(b"\n"):
+            part, more, _, _ = socket.recv_fds(self.asked, MOST_ASKED, 2)
+            if not part:
+                return None
+            text += part
+            descriptors += more
+        request: dict[str, Any] = json.loads(text)
+        return request, descriptors
+
+    def answer(self, request: "dict[str, Any]", descriptors: "list[int]") -> "dict[str, Any]":
+        """How a run ended."""
+        began = time.monotonic()
+        program, problem = started(request, descriptors)
+        for descriptor in descriptors:
+            os.close(descriptor)
+        if program is None:
+            return {"problem": problem}
+        status = self.waited(program, began + request["timeout"])
+        seconds = time.monotonic() - began
+        left = 0 if status is None else lingering()
+        end_descendants()
+        return {"status": status, "seconds": seconds, "left": left}
+
+    def waited(self, program: int, until: float) -> "int | None":
+        """The exit status of the program, None if it was still running `until` then; raises AbandonedError."""
+        while True:
+            statuses = reaped()
+            if program in statuses:
+                return os.waitstatus_to_exitcode(statuses[program])
+            left = until - time.monotonic()
+            if left <= 0:
+                return None
+            asked = self.asked.fileno()
+            ready, _, _ = select.select([asked, self.woken], [], [], left)
+            if asked in ready and not self.asked.recv(1, socket.MSG_PEEK):
+                raise AbandonedError
+            with contextlib.suppress(BlockingIOError):
+                os.read(self.woken, 4096)
+
+
+def started(request: "dict[str, Any]", descriptors: "list[int]") -> "tuple[int | None, str]":
+    """The process of a program in a session of its own, or None and why it cannot be started."""
+    told, telling = os.pipe()
+    program = os.fork()
+    if program == 0:
+        try:
+            become(request, descriptors)
+        except BaseException as error:
+            os.write(telling, str(error).encode(errors="replace")[:1000])
+        os._exit(127)
+    os.close(telling)
+    # The pipe closes by itself when the program begins.
+    problem = b""
+    while part := os.read(told, 4096):
+        problem += part
+    os.close(told)
+    if problem:
+        os.waitpid(program, 0)
+        return None, problem.decode(errors="replace")
+    return program, ""
+
+
+def become(request: "dict[str, Any]", descriptors: "list[int]") -> None:
+    """Turns this child into the program; returns only by an exception."""
+    os.setsid()
+    control(PR_SET_PDEATHSIG, signal.SIGKILL)
+    signal.set_wakeup_fd(-1)
+    for number in (signal.SIGCHLD, signal.SIGPIPE, signal.SIGXFSZ, signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
+        signal.signal(number, signal.SIG_DFL)
+    out, err = descriptors
+    nothing = os.open(os.devnull, os.O_RDONLY)
+    for source, target in ((nothing, 0), (out, 1), (err, 2)):
+        os.dup2(source, target)
+    limited(resource.RLIMIT_FSIZE, request["bytes"])
+    limited(resource.RLIMIT_DATA, request["memory"])
+    limited(resource.RLIMIT_CORE, 0)
+    os.chdir(request["folder"])
+    command = request["command"]
+    os.execvpe(command[0], command, os.environ | request["environment"])
+
+
+def limited(kind: int, most: int) -> None:
+    """No more of something than `most`, or than was allowed before."""
+    _, allowed = resource.getrlimit(kind)
+    if allowed != resource.RLIM_INFINITY:
+        most = min(most, allowed)
+    resource.setrlimit(kind, (most, most))
+
+
+def reaped() -> "dict[int, int]":
+    """The wait statuses of all children that have ended."""
+    found = {}
+    with contextlib.suppress(ChildProcessError):
+        while True:
+            process, status = os.waitpid(-1, os.WNOHANG)
+            if process == 0:
+                break
+            found[process] = status
+    return found
+
+
+def lingering() -> int:
+    """How many processes of a program that has ended are still there after a while."""
+    until = time.monotonic() + GRACE
+    while True:
+        reaped()
+        left = len(descendants())
+        if left == 0 or time.monotonic() > until:
+            return left
+        time.sleep(PAUSE)
+
+
+def end_descendants() -> None:
+    """Ends all that this process has started or adopted. They are stopped first, so that none starts another meanwhile."""
+    while True:
+        reaped()
+        there = descendants()
+        if not there:
+            return
+        for number in (signal.SIGSTOP, signal.SIGKILL):
+            for process in there:
+                with contextlib.suppress(ProcessLookupError, PermissionError):
+                    os.kill(process, number)
+        time.sleep(PAUSE)
+
+
+def descendants() -> "list[int]":
+    """All processes below this one that have not ended."""
+    children: dict[int, list[int]] = {}
+    if not os.path.isdir("/proc/self"):  # not Linux
+        return []
+    for name in os.listdir("/proc"):
+        if not name.isdigit():
+            continue
+        with contextlib.suppress(OSError):
+            with open(f"/proc/{name}/stat", "rb") as file:
+                text = file.read()
+            # The name of the program, in brackets, may hold anything: what follows the last bracket counts.
+            state, parent = text[text.rindex(b")") + 1 :].split()[:2]
+            if state not in (b"Z", b"X"):
+                children.setdefault(int(parent), []).append(int(name))
+    found: list[int] = []
+    waiting = [os.getpid()]
+    while waiting:
+        for process in children.get(waiting.pop(), []):
+            found.append(process)
+            waiting.append(process)
+    return found
+
+
+def control(option: int, value: int) -> None:
+    """prctl(option, value); Linux only."""
+    if sys.platform == "linux":
+        ctypes.CDLL(None, use_errno=True).prctl(option, value, 0, 0, 0)
+
+
+def main() -> None:
+    """Answers over standard input."""
+    # A program must not be able to answer for itself: it gets neither this descriptor nor this standard input.
+    asked = socket.socket(fileno=os.dup(0))
+    nothing = os.open(os.devnull, os.O_RDWR)
+    for target in (0, 1):
+        os.dup2(nothing, target)
+    for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
+        # What ends refdem closes the socket.
+        signal.signal(number, signal.SIG_IGN)
+    control(PR_SET_CHILD_SUBREAPER, 1)
+    parent = os.getppid()
+    try:
+        with contextlib.suppress(OSError, AbandonedError):
+            Supervisor(asked).answers()
+    finally:
+        end_descendants()
+        # An orphan has another parent: refdem was killed, and could not take its folder away.
+        if os.getppid() != parent:
+            shutil.rmtree(sys.argv[1], ignore_errors=True)
+
+
+if __name__ == "__main__":
+    main()

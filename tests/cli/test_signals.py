@@ -1,0 +1,76 @@
+"""However refdem is ended, what it started ends with it, and its exit status says which way it was."""
+
+import os
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import pytest
+
+PROGRAM = """
+import os, subprocess, sys, time
+subprocess.Popen([sys.executable, "-c", "import time; time.sleep(600)", "{mark}"], start_new_session=True)
+open("{mark}", "a").close()
+time.sleep(600)
+"""
+TOML = """
+[engine]
+name = "sleeper"
+command = ["{python}", "program.py", "{{request}}", "{{trajectory}}"]
+inputs = ["program.py"]
+supports = ["spring"]
+timeout = 300
+[[engine.methods]]
+name = "sleeps"
+order = 2
+[gate]
+cases = ["harmonic-oscillator"]
+"""
+PATIENCE = 120.0
+"""Seconds within which processes begin and end, on any machine."""
+
+
+def marked(mark: str) -> list[str]:
+    """Processes that have a word in their command line."""
+    found = []
+    for path in Path("/proc").glob("[0-9]*/cmdline"):
+        try:
+            words = path.read_bytes().split(b"\0")
+        except OSError:
+            continue
+        if mark.encode() in words:
+            found.append(path.parent.name)
+    return found
+
+
+def eventually(holds: object, what: str) -> None:
+    """Waits until something holds."""
+    until = time.monotonic() + PATIENCE
+    while not holds():  # type: ignore[operator]
+        assert time.monotonic() < until, what
+        time.sleep(0.05)
+
+
+@pytest.mark.parametrize(("number", "status"), [(signal.SIGINT, 130), (signal.SIGTERM, 143), (signal.SIGHUP, 129), (signal.SIGKILL, -9)])
+def test_a_gate_that_is_ended_leaves_no_process_and_no_folder(tmp_path: Path, number: signal.Signals, status: int) -> None:
+    mark = str(tmp_path / "begun")
+    (tmp_path / "program.py").write_text(PROGRAM.format(mark=mark))
+    (tmp_path / "refdem.toml").write_text(TOML.format(python=sys.executable))
+    own = tmp_path / "temporary"
+    own.mkdir()
+    environment = os.environ | {"TMPDIR": str(own), "REFDEM_STORE": str(tmp_path / "store.sqlite")}
+    command = [sys.executable, "-c", "from refdem.cli import main; main()", "gate", "--jobs", "2"]
+
+    def as_by_a_shell() -> None:
+        signal.signal(signal.SIGINT, signal.default_int_handler)
+
+    with subprocess.Popen(command, cwd=tmp_path, env=environment, stderr=subprocess.PIPE, preexec_fn=as_by_a_shell) as gate:
+        eventually(lambda: Path(mark).exists() and marked(mark), "the program has begun")
+        gate.send_signal(number)
+        _, said = gate.communicate(timeout=PATIENCE)
+    assert gate.returncode == status
+    assert b"Traceback" not in said
+    eventually(lambda: not marked(mark), "what the program started has ended")
+    eventually(lambda: not list(own.glob("refdem-run-*")), "the folders of runs are gone")
