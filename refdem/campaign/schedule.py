@@ -3,10 +3,13 @@
 Programs are processes already: a few runs of them are waited for in threads, and no worker is started for that.
 """
 
+import ctypes
 import math
 import multiprocessing
+import os
 import resource
 import signal
+import sys
 import time
 from collections.abc import Callable, Iterator
 from concurrent.futures import FIRST_COMPLETED, Future, ThreadPoolExecutor, wait
@@ -23,6 +26,7 @@ READ_HERE = 25_000
 """Rows of answers that this process reads in no more CPU time than a worker takes to start."""
 RUN = 250
 """Rows that take as long to read as all else that this process does for a run."""
+PR_SET_PDEATHSIG = 1
 PAUSE = 0.02
 """Seconds between looks at programs that are being ended."""
 
@@ -153,7 +157,13 @@ class Schedule:
             from pebble import ProcessPool  # slow to import, and not needed for programs
 
             self._dismiss()
-            self._size, self._pool = workers, ProcessPool(max_workers=workers, context=multiprocessing.get_context("spawn"))
+            self._size = workers
+            self._pool = ProcessPool(
+                max_workers=workers,
+                context=multiprocessing.get_context("spawn"),
+                initializer=end_with,
+                initargs=(os.getpid(),),
+            )
 
     def _dismiss(self) -> None:
         """Ends the workers, whatever they are doing."""
@@ -183,6 +193,15 @@ class Schedule:
             return Failure(kind="crash", sentence=f"its process died with exit code {error.exitcode}")
         except Exception as error:
             return _failure(error)
+
+
+def end_with(parent: int) -> None:
+    """Lets this worker process end when its parent does, in whatever way that ends (Linux)."""
+    if sys.platform == "linux":
+        ctypes.CDLL(None).prctl(PR_SET_PDEATHSIG, signal.SIGKILL, 0, 0, 0)
+    # It may have ended before this was asked for.
+    if os.getppid() != parent:
+        os._exit(1)
 
 
 def guarded(function: Callable[..., bytes], *arguments: Any) -> bytes | Failure:

@@ -74,3 +74,37 @@ def test_a_gate_that_is_ended_leaves_no_process_and_no_folder(tmp_path: Path, nu
     assert b"Traceback" not in said
     eventually(lambda: not marked(mark), "what the program started has ended")
     eventually(lambda: not list(own.glob("refdem-run-*")), "the folders of runs are gone")
+
+
+def test_worker_processes_end_with_a_run_that_is_killed(tmp_path: Path) -> None:
+    store = str(tmp_path / "store.sqlite")
+    environment = os.environ | {"REFDEM_STORE": store}
+    case = "intermediate-axis[duration=100]"  # takes its worker many seconds
+    command = [sys.executable, "-c", "from refdem.cli import main; main()", "run", case, "--engine", "mujoco", "--jobs", "1"]
+    with subprocess.Popen(command, cwd=tmp_path, env=environment, stderr=subprocess.PIPE, start_new_session=True) as run:
+        eventually(lambda: children(run.pid), "a worker has begun")
+        workers = children(run.pid)
+        run.kill()
+    eventually(lambda: not [pid for pid in workers if is_running(pid)], "the workers have ended")
+
+
+def children(parent: int) -> list[str]:
+    """The worker processes of a process: those that Python has spawned."""
+    found = []
+    for path in Path("/proc").glob("[0-9]*/status"):
+        try:
+            is_child = f"PPid:\t{parent}\n" in path.read_text()
+            is_worker = b"spawn_main" in (path.parent / "cmdline").read_bytes()
+        except OSError:
+            continue
+        if is_child and is_worker:
+            found.append(path.parent.name)
+    return found
+
+
+def is_running(pid: str) -> bool:
+    """Whether a process is there and has not ended."""
+    try:
+        return "\nState:\tZ" not in Path(f"/proc/{pid}/status").read_text()
+    except OSError:
+        return False
