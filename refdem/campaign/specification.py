@@ -60,7 +60,7 @@ class Specification(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fi
             "timeout": (self.timeout, 1e-3, YEAR),
             "step": (self.step, 1e-300, 1e300),
             "steps_per_tau": (self.steps_per_tau, 1e-6, 1e12),
-            "perturbed_ulps": (self.perturbed_ulps, 0, 2**40),
+            "perturbed_ulps": (self.perturbed_ulps, -(2**40), 2**40),
         }
         for name, (value, least, most) in ranges.items():
             if value is not None and not (isfinite(value) and least <= value <= most):

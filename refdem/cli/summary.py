@@ -4,6 +4,7 @@ from collections import Counter
 from collections.abc import Iterable
 
 from refdem.core.finding import BROKEN, DECIDED, FAILING, WORST_FIRST, CampaignSheet, Record, Sheet, worst_first
+from refdem.core.outside import one_line
 
 SHOWN = 20
 VOID = 2
@@ -24,7 +25,11 @@ def lines(sheets: list[Sheet]) -> list[str]:
     """The summary, line by line: errors first, then what failed, then engines that judged nothing, with their reasons."""
     every = worst_first(sheets)
     worst = [(record, finding) for record, finding in every if finding.outcome in BROKEN]
-    shown = [f"{finding.outcome.upper():6} {record.id(finding)}\n       {finding.sentence}" for record, finding in worst[:SHOWN]]
+    # Records may come from a file: each of the two is a line of its own again.
+    shown = [
+        f"{finding.outcome.upper():6} {one_line(record.id(finding))}\n       {one_line(finding.sentence)}"
+        for record, finding in worst[:SHOWN]
+    ]
     if len(worst) > SHOWN:
         shown.append(f"       ... and {len(worst) - SHOWN} more; the report has them all")
     shown += unjudged(sheets)
@@ -46,6 +51,6 @@ def unjudged(sheets: Iterable[Sheet]) -> list[str]:
     for record in records:
         for finding in record.findings if record.engine not in judged else ():
             reasons.setdefault((record.label, record.engine, finding.sentence), []).append(record.method)
-    told = [f"{label}/{engine} ({', '.join(methods)}): {says}" for (label, engine, says), methods in reasons.items()]
+    told = [one_line(f"{label}/{engine} ({', '.join(methods)}): {says}") for (label, engine, says), methods in reasons.items()]
     more = [f"... and {len(told) - SHOWN} more reasons; the report has them all"] if len(told) > SHOWN else []
     return told[:SHOWN] + more

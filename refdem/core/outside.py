@@ -5,6 +5,7 @@ that reads logs. Where it goes on to (HTML, CSV, Markdown) it is escaped once mo
 """
 
 import os
+import re
 import stat
 from pathlib import Path
 from typing import BinaryIO
@@ -28,6 +29,45 @@ def one_line(text: str, most: int = MOST) -> str:
     if printable.startswith("::"):
         printable = f": {printable[1:]}"
     return printable if len(printable) <= most else printable[: most - 4] + " ..."
+
+
+def printable(text: str) -> str:
+    """The text with "?" for characters that do not print; lines stay lines."""
+    if text.isprintable():
+        return text
+    return "".join(c if c.isprintable() or c in "\n\t" else "?" for c in text)
+
+
+MARKED = re.compile(r"[\\`*_{}\[\]#|~$]")
+"""Characters by which Markdown makes more of a text than it says."""
+SPOKEN_TO = re.compile(r"@(?=\w)|://|(?<=www)\.|#(?=\d)", re.IGNORECASE)
+"""Where GitHub makes a mention, a link, or a reference to an issue of bare text."""
+NOTHING = "&#8203;"
+"""A space of no width, which ends a name and a link."""
+
+
+def markdown_text(text: str) -> str:
+    """The text as Markdown shows it: one line, no markup, no HTML, no end of a table's cell, nobody mentioned, no link."""
+    line = " ".join(printable(text).split())
+    parts = [line]
+    for found in reversed(list(SPOKEN_TO.finditer(line))):
+        before, after = parts[0][: found.start() + 1], parts[0][found.start() + 1 :]
+        parts[:1] = [before, after]
+    return NOTHING.join(_marked(part) for part in parts)
+
+
+def _marked(text: str) -> str:
+    """The text with what Markdown and HTML would read written so that it is shown."""
+    shown = text.replace("&", "&amp;").replace("<", "&lt;").replace(">", "&gt;")
+    return MARKED.sub(r"\\\g<0>", shown)
+
+
+def cell(value: object) -> object:
+    """A cell of a CSV file; a text that a spreadsheet would take for a formula begins with an apostrophe."""
+    if not isinstance(value, str):
+        return value
+    text = printable(value)
+    return f"'{text}" if text.startswith(("=", "+", "-", "@", "\t")) else text
 
 
 def opened(path: Path) -> BinaryIO | None:

@@ -3,10 +3,10 @@
 from collections import Counter
 
 from refdem.core.finding import BROKEN, WORST_FIRST, CaseSheet, Finding, Record, Sheet, worst_first
+from refdem.core.outside import markdown_text, one_line
 
 SHOWN = 20
 LONGEST = 300
-ENTITIES = {ord(character): f"&#{ord(character)};" for character in "&\\`*_[]<>|#~"}
 
 
 def markdown(engine: str, sheets: list[Sheet]) -> str:
@@ -15,7 +15,7 @@ def markdown(engine: str, sheets: list[Sheet]) -> str:
     counts = Counter[str](finding.outcome for _, finding in pairs)
     broken = [(record, finding) for record, finding in pairs if finding.outcome in BROKEN]
     verdict = "closed" if broken else "open"
-    lines = [f"## refdem: the gate of {escaped(engine)} is {verdict}", ""]
+    lines = [f"## refdem: the gate of {markdown_text(engine)} is {verdict}", ""]
     lines += [", ".join(f"{counts[name]} {name}" for name in WORST_FIRST if counts[name]) or "nothing was found", ""]
     if broken:
         lines += ["| outcome | finding | why |", "|---|---|---|", *(_row(*pair) for pair in broken[:SHOWN])]
@@ -27,9 +27,9 @@ def markdown(engine: str, sheets: list[Sheet]) -> str:
 
 
 def _row(record: Record, finding: Finding) -> str:
-    name = escaped(record.id(finding))
+    name = markdown_text(record.id(finding))
     says = finding.sentence if len(finding.sentence) <= LONGEST else f"{finding.sentence[:LONGEST]} ..."
-    return f"| {finding.outcome} | {name} | {escaped(says)} |"
+    return f"| {finding.outcome} | {name} | {markdown_text(says)} |"
 
 
 def _commands(sheets: list[Sheet], broken: list[Record]) -> list[str]:
@@ -37,11 +37,6 @@ def _commands(sheets: list[Sheet], broken: list[Record]) -> list[str]:
     how = {sheet.label: sheet.reproduce for sheet in sheets if isinstance(sheet, CaseSheet)}
     labels = list(dict.fromkeys(record.label for record in broken))
     return [f"{how[label]} --engine refdem.toml" for label in labels if label in how][:10]
-
-
-def escaped(text: str) -> str:
-    """Text that stays text in a Markdown table."""
-    return " ".join(text.translate(ENTITIES).split())
 
 
 def annotations(sheets: list[Sheet]) -> list[str]:
@@ -52,6 +47,7 @@ def annotations(sheets: list[Sheet]) -> list[str]:
 
 def _data(text: str, more: str = "") -> str:
     """Text as a workflow command takes it."""
-    for character in "%\r\n" + more:
+    text = one_line(text)
+    for character in "%" + more:
         text = text.replace(character, f"%{ord(character):02X}")
     return text

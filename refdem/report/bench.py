@@ -6,11 +6,12 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
+from refdem.core.outside import markdown_text
 from refdem.report.chart_data import ChartData
 from refdem.report.figures import equip, picture, specification
 from refdem.report.files import written
 from refdem.report.html import environment
-from refdem.report.markdown import plain, table
+from refdem.report.markdown import table
 from refdem.report.numbers import rounded
 from refdem.report.palette import ENGINES, REFERENCE, SHAPES
 
@@ -68,7 +69,7 @@ def markdown(title: str, words: str, tables: Sequence[Cells], sections: Sequence
 
 def _markdown(cells: Cells) -> str:
     title, header, rows = cells
-    return f"{title}:\n\n{table(list(header), [[plain(cell) for cell in row] for row in rows])}"
+    return f"{title}:\n\n{table(list(header), [[markdown_text(cell) for cell in row] for row in rows])}"
 
 
 def page(title: str, words: str, tables: Sequence[Cells], sections: Sequence[Section]) -> str:

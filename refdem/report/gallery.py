@@ -8,11 +8,12 @@ from pathlib import Path
 from markupsafe import Markup
 
 from refdem.core.figure import Figure, file_name
+from refdem.core.outside import markdown_text
 from refdem.core.store import Store
 from refdem.report import figures
 from refdem.report.files import removed, written
 from refdem.report.html import environment
-from refdem.report.markdown import plain, table
+from refdem.report.markdown import table
 from refdem.report.numbers import two
 from refdem.report.panels import specification
 
@@ -64,10 +65,10 @@ def merged(order: Sequence[str], before: Mapping[str, str], made: Mapping[str, s
 def chapter(figure: Figure) -> str:
     """A figure in Markdown."""
     parts = [
-        f"## Figure {figure.id}: {plain(figure.title)}",
-        f"![Figure {figure.id}: {plain(figure.title)}]({figure.name}.svg)",
-        plain(figure.caption),
-        *([table(["measured in it", "value"], [[plain(k), two(v)] for k, v in figure.numbers.items()])] if figure.numbers else []),
+        f"## Figure {figure.id}: {markdown_text(figure.title)}",
+        f"![Figure {figure.id}: {markdown_text(figure.title)}]({figure.name}.svg)",
+        markdown_text(figure.caption),
+        *([table(["measured in it", "value"], [[markdown_text(k), two(v)] for k, v in figure.numbers.items()])] if figure.numbers else []),
         "```\n" + "\n".join(figure.commands) + "\n```",
     ]
     return "\n\n".join(parts) + "\n"

@@ -9,6 +9,7 @@ from jinja2 import Environment, FileSystemLoader, StrictUndefined
 from markupsafe import Markup
 
 from refdem.core.finding import WORST_FIRST, EngineSheet, Finding, Record
+from refdem.core.outside import printable
 from refdem.report.contents import Contents, advice, anchor, page
 from refdem.report.mathml import equations
 from refdem.report.numbers import ABSENT, decades, two
@@ -114,12 +115,17 @@ def environment() -> Environment:
     """The environment: undefined names are errors, everything is escaped."""
     templates = Environment(
         loader=FileSystemLoader(Path(__file__).with_name("templates")),
-        autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True,
+        autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True, finalize=shown,
     )  # fmt: skip
     functions = (two, decades, page, anchor, script_json, shade, step, target, worst_first, refusals, span)
     templates.filters |= {function.__name__: function for function in functions}
     templates.tests["joined"] = lambda row: row.quantity == WORST
     return templates
+
+
+def shown(value: Any) -> Any:
+    """Text without characters that do not print; what is markup already stays."""
+    return printable(value) if type(value) is str else value
 
 
 def script_json(text: str) -> Markup:

@@ -1,17 +1,23 @@
 """Records as JSON lines: a sheet a line, finite numbers only."""
 
 import math
+import re
 from collections.abc import Iterable
 from pathlib import Path
+from typing import Any
 
 import msgspec
 
 from refdem.core.finding import Finding, Record, Series, Sheet
+from refdem.core.outside import printable
+from refdem.core.reading import UNREADABLE, said
 from refdem.errors import StoreError, UsageError
 
 RECORDS = "records.jsonl"
 NUMBERS = ("value", "bound", "order_seen", "order_claimed", "constant_seen", "sharpness")
 """The numbers of a finding."""
+CONTROL = re.compile(rb"\\u|\\[bfr]|\x7f")
+"""How JSON in ASCII writes characters that may not print."""
 _DECODER: msgspec.json.Decoder[Sheet] = msgspec.json.Decoder(Sheet)
 
 
@@ -34,10 +40,29 @@ def sheets_in(folder: Path) -> list[Sheet]:
         if not line.strip():
             continue
         try:
-            sheets.append(_DECODER.decode(line))
-        except (msgspec.DecodeError, UnicodeDecodeError) as error:
-            raise UsageError(f"{path}, line {number}: {error}. Expected one sheet of the schema of `refdem schema records`.") from None
+            sheets.append(_DECODER.decode(_printable(line)))
+        except UNREADABLE as error:
+            told = said(error, Record)
+            raise UsageError(f"{path}, line {number}: {told}. Expected one sheet of the schema of `refdem schema records`.") from None
     return sheets
+
+
+def _printable(line: bytes) -> bytes:
+    """The line with "?" for what does not print in its texts: records may come from a stranger."""
+    if line.isascii() and not CONTROL.search(line):
+        return line
+    return msgspec.json.encode(_cleaned(msgspec.json.decode(line)))
+
+
+def _cleaned(part: Any) -> Any:
+    """A part of a document with texts that print."""
+    if isinstance(part, str):
+        return printable(part)
+    if isinstance(part, list):
+        return [_cleaned(item) for item in part]
+    if isinstance(part, dict):
+        return {printable(name): _cleaned(item) for name, item in part.items()}
+    return part
 
 
 def finite(sheet: Sheet) -> Sheet:

@@ -4,9 +4,10 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from refdem.core.manual import CheckLine, ManualPage, QuantityLine
+from refdem.core.outside import markdown_text
 from refdem.report.files import removed, written
 from refdem.report.html import environment
-from refdem.report.markdown import plain, table
+from refdem.report.markdown import table
 from refdem.report.mathml import equations
 from refdem.report.numbers import two
 
@@ -39,11 +40,11 @@ def write_pages(folder: Path, pages: Sequence[ManualPage], *, version: str) -> N
 def markdown(page: ManualPage) -> str:
     """The page of one case as Markdown."""
     parts = [
-        f"# {plain(page.title)} (`{page.case}`)",
-        plain(page.statement),
+        f"# {markdown_text(page.title)} (`{page.case}`)",
+        markdown_text(page.statement),
         f"$$\n{page.latex}\n$$",
-        f"Source: {plain(page.source)}. Convention: {plain(page.convention)}",
-        f"It asks for {plain(page.kind)}: {plain(', '.join(page.features))}.",
+        f"Source: {markdown_text(page.source)}. Convention: {markdown_text(page.convention)}",
+        f"It asks for {markdown_text(page.kind)}: {markdown_text(', '.join(page.features))}.",
         "## Parameters\n\nExact in truth; engines run them rounded to binary64.\n\n" + table(*parameters(page)),
         "## Quantities\n\n" + quantities(page.quantities),
         *(["## Scalars at the defaults\n\n" + scalars(page.scalars)] if page.scalars else []),
@@ -58,7 +59,14 @@ def markdown(page: ManualPage) -> str:
 def parameters(page: ManualPage) -> tuple[list[str], list[list[str]]]:
     """Head and lines of the table of parameters."""
     lines = [
-        [f"`{p.name}`", plain(p.default) or "(the case decides)", plain(p.unit), plain(p.bounds), plain(p.doc)] for p in page.parameters
+        [
+            f"`{p.name}`",
+            markdown_text(p.default) or "(the case decides)",
+            markdown_text(p.unit),
+            markdown_text(p.bounds),
+            markdown_text(p.doc),
+        ]
+        for p in page.parameters
     ]
     return ["parameter", "default", "unit", "bounds", "what"], lines
 
@@ -67,7 +75,9 @@ def quantities(found: Sequence[QuantityLine]) -> str:
     """A table, or a list of names where they are many."""
     if len(found) > FEW:
         return f"{len(found)} values: {', '.join(f'`{q.name}`' for q in found)}."
-    return table(["quantity", "unit", "size against which an error counts"], [[f"`{q.name}`", plain(q.unit), two(q.scale)] for q in found])
+    return table(
+        ["quantity", "unit", "size against which an error counts"], [[f"`{q.name}`", markdown_text(q.unit), two(q.scale)] for q in found]
+    )
 
 
 def scalars(found: Sequence[QuantityLine]) -> str:
@@ -83,20 +93,20 @@ def truth(page: ManualPage) -> str:
     digits = "exactly" if t.sets and t.digits is None else f"to {t.digits} decimal places"
     kept = f"{t.values} values of {t.sets} parameter sets, all proved {digits}" if t.sets else "none yet"
     lines = [
-        f"- Method: {plain(t.method)}.",
-        f"- Witness when it is proved: {plain(t.witness) if t.witness != 'none' else 'none'}.{said}",
-        f"- Witness in the tests: {plain(t.own_witness) if t.own_witness not in ('', 'none') else 'none'}.",
+        f"- Method: {markdown_text(t.method)}.",
+        f"- Witness when it is proved: {markdown_text(t.witness) if t.witness != 'none' else 'none'}.{said}",
+        f"- Witness in the tests: {markdown_text(t.own_witness) if t.own_witness not in ('', 'none') else 'none'}.",
         f"- In the certified store: {kept}.",
         *([f"- {NOBODY}."] if t.has_no_witness else []),
-        *(f"- Not certified: {plain(label)} at {t_}: {plain(reason)}" for label, t_, reason in t.not_certified),
+        *(f"- Not certified: {markdown_text(label)} at {t_}: {markdown_text(reason)}" for label, t_, reason in t.not_certified),
     ]
     return "\n".join(lines)
 
 
 def checks(found: Sequence[CheckLine]) -> str:
     """Those that apply with what they kill, then those that do not with the reason."""
-    lines = [[plain(c.name), plain(c.title), plain(c.kills)] for c in found if not c.left_out]
-    others = "\n".join(f"- {plain(c.name)}: {plain(c.left_out)}" for c in found if c.left_out)
+    lines = [[markdown_text(c.name), markdown_text(c.title), markdown_text(c.kills)] for c in found if not c.left_out]
+    others = "\n".join(f"- {markdown_text(c.name)}: {markdown_text(c.left_out)}" for c in found if c.left_out)
     return table(["check", "what it judges", "what it kills"], lines) + (
         f"\n\nNot for this case at its defaults:\n\n{others}" if others else ""
     )
@@ -105,8 +115,8 @@ def checks(found: Sequence[CheckLine]) -> str:
 def slips(page: ManualPage) -> list[str]:
     """What the source says, what holds, and the numbers."""
     return [
-        f"**{plain(slip.where)}** Said: {plain(slip.says)}. Holds: {plain(slip.holds)}.\n\n"
-        + table(["measured", "value"], [[plain(what), plain(value)] for what, value in slip.measured])
+        f"**{markdown_text(slip.where)}** Said: {markdown_text(slip.says)}. Holds: {markdown_text(slip.holds)}.\n\n"
+        + table(["measured", "value"], [[markdown_text(what), markdown_text(value)] for what, value in slip.measured])
         for slip in page.slips
     ]
 
@@ -118,9 +128,9 @@ def index_markdown(pages: Sequence[ManualPage]) -> str:
             f"[{page.case}]({page.case}.md)",
             str(page.truth.sets),
             str(page.truth.values),
-            plain(page.truth.method),
-            plain(page.truth.witness) + (f" ({page.truth.witnessed} values)" if page.truth.witnessed else ""),
-            NOBODY if page.truth.has_no_witness else plain(page.truth.own_witness),
+            markdown_text(page.truth.method),
+            markdown_text(page.truth.witness) + (f" ({page.truth.witnessed} values)" if page.truth.witnessed else ""),
+            NOBODY if page.truth.has_no_witness else markdown_text(page.truth.own_witness),
         ]
         for page in pages
     ]

@@ -1,8 +1,7 @@
 """validation.md: what is committed, so no times, dates or hosts, and two significant digits."""
 
-import re
-
-from refdem.core.finding import WORST_FIRST, Record
+from refdem.core.finding import WORST_FIRST, EngineSheet, Record
+from refdem.core.outside import markdown_text
 from refdem.report.contents import Contents, advice, page
 from refdem.report.html import MARKS, grouped, span, step, target
 from refdem.report.numbers import ABSENT, two
@@ -21,11 +20,17 @@ def validation(contents: Contents, rows: dict[str, list[Row]], pictures: set[str
     return "\n\n".join(part for part in parts if part) + "\n"
 
 
+def _named(sheet: EngineSheet) -> str:
+    """Name and version."""
+    role = " (the reference)" if sheet.is_reference else ""
+    return f"{markdown_text(sheet.engine)} {markdown_text(sheet.version)}{role}"
+
+
 def _head(contents: Contents) -> str:
     counts = contents.counts()
     listed = ", ".join(f"**{number} {outcome}**" for outcome, number in counts.items())
-    engines = ", ".join(f"{plain(s.engine)} {plain(s.version)}{' (the reference)' if s.is_reference else ''}" for s in contents.engines)
-    return f"# Validation: {plain(contents.campaign.name)}\n\n{listed or 'no findings'}. {advice(counts)}\n\nEngines: {engines}."
+    engines = ", ".join(_named(sheet) for sheet in contents.engines)
+    return f"# Validation: {markdown_text(contents.campaign.name)}\n\n{listed or 'no findings'}. {advice(counts)}\n\nEngines: {engines}."
 
 
 def _tolerance(contents: Contents, rows: dict[str, list[Row]]) -> str:
@@ -42,9 +47,9 @@ def _tolerance(contents: Contents, rows: dict[str, list[Row]]) -> str:
 
 def _tolerance_line(row: Row) -> list[str]:
     order = f"{two(row.order_seen)} / {two(row.order_claimed)}" if row.control == "step" else row.control
-    apart = f"{plain(row.apart[0])}: {span(row.apart)}" if row.apart else ABSENT
+    apart = f"{markdown_text(row.apart[0])}: {span(row.apart)}" if row.apart else ABSENT
     steps = [step(row, index) for index in range(len(TARGETS))]
-    run = [plain(row.record.label), _engine(row.record), plain(row.record.method)]
+    run = [markdown_text(row.record.label), _engine(row.record), markdown_text(row.record.method)]
     return [*run, two(row.bound_held), *steps, order, two(row.constant), apart]
 
 
@@ -54,7 +59,7 @@ def _engine(record: Record) -> str:
 
 def _tagged(engine: str, is_reference: bool) -> str:
     """The engine, said to be the reference if its name does not say so."""
-    return plain(engine) + (" (reference)" if is_reference and engine != "reference" else "")
+    return markdown_text(engine) + (" (reference)" if is_reference and engine != "reference" else "")
 
 
 def _matrix(contents: Contents, rows: dict[str, list[Row]]) -> str:
@@ -67,7 +72,7 @@ def _matrix(contents: Contents, rows: dict[str, list[Row]]) -> str:
             + (("exact" if c.digits == float("inf") else f"{c.digits:.0f}") if c.digits is not None else (c.worst or ABSENT))
             for c in cells
         ]
-        lines.append([plain(sheet.label), *texts])
+        lines.append([markdown_text(sheet.label), *texts])
     head = ["case", *(_tagged(engine.engine, engine.is_reference) for engine in contents.engines)]
     note = "The decimal logarithm of 1 / error at the finest level: the worst quantity, the best method of each engine."
     return f"## Correct digits\n\n{note}\n\n{table(head, lines)}" if lines else ""
@@ -85,28 +90,17 @@ def _findings(contents: Contents) -> str:
 
 def _group(sentence: str, places: list[str]) -> str:
     more = f" and {len(places) - MOST_PLACES} more" if len(places) > MOST_PLACES else ""
-    return f"- {plain(sentence)}  \n  {', '.join(map(plain, places[:MOST_PLACES]))}{more}"
+    return f"- {markdown_text(sentence)}  \n  {', '.join(map(markdown_text, places[:MOST_PLACES]))}{more}"
 
 
 def _case(label: str, title: str, method: str, reproduce: str, pictures: set[str]) -> str:
     name = f"{page(label)}.svg"
-    picture = f"\n\n![Error against step: {plain(label)}](figures/{name})" if name in pictures else ""
-    truth = f"Truth: {plain(method)}. " if method else ""
-    again = f"Again: {plain(reproduce)}." if reproduce else ""
-    return f"## {plain(label)}\n\n{plain(title)}. {truth}{again}{picture}"
+    picture = f"\n\n![Error against step: {markdown_text(label)}](figures/{name})" if name in pictures else ""
+    truth = f"Truth: {markdown_text(method)}. " if method else ""
+    again = f"Again: {markdown_text(reproduce)}." if reproduce else ""
+    return f"## {markdown_text(label)}\n\n{markdown_text(title)}. {truth}{again}{picture}"
 
 
 def table(head: list[str], lines: list[list[str]]) -> str:
     """A Markdown table of cells that are escaped already."""
     return "\n".join("| " + " | ".join(line) + " |" for line in (head, ["---"] * len(head), *lines))
-
-
-def plain(text: str) -> str:
-    """Text that Markdown shows as it is: one line, no markup, no HTML, no end of a table's cell."""
-    return "".join(_escaped(character) for character in re.sub(r"\s+", " ", text).strip())
-
-
-def _escaped(character: str) -> str:
-    if character in "<>&":
-        return {"<": "&lt;", ">": "&gt;", "&": "&amp;"}[character]
-    return "\\" + character if character in "\\`*_{}[]#|~$" else character

@@ -7,12 +7,13 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
+from refdem.core.outside import markdown_text
 from refdem.core.store import Store
 from refdem.report.chart_data import ChartData
 from refdem.report.figures import equip, picture, specification
 from refdem.report.files import written
 from refdem.report.html import environment
-from refdem.report.markdown import plain, table
+from refdem.report.markdown import table
 from refdem.report.numbers import rounded
 from refdem.report.palette import ENGINES, REFERENCE, SHAPES
 
@@ -94,7 +95,7 @@ def markdown(title: str, words: str, tables: Sequence[Cells], sections: Sequence
     """The report as Markdown; `pictures` is the folder of its figures, none if empty."""
     parts = [f"# {title}", words, *map(_markdown, tables)]
     for section in sections:
-        parts += [f"## {section.title}", plain(section.question)]
+        parts += [f"## {section.title}", markdown_text(section.question)]
         if pictures and section.points:
             parts.append(f"![{CAPTION}]({pictures}/stress-{section.id}.svg)")
         parts += map(_markdown, section.tables)
@@ -103,7 +104,7 @@ def markdown(title: str, words: str, tables: Sequence[Cells], sections: Sequence
 
 def _markdown(cells: Cells) -> str:
     title, header, rows = cells
-    return f"{title}:\n\n{table(list(header), [[plain(cell) for cell in row] for row in rows])}"
+    return f"{title}:\n\n{table(list(header), [[markdown_text(cell) for cell in row] for row in rows])}"
 
 
 def page(title: str, words: str, tables: Sequence[Cells], sections: Sequence[Section], drawn: Sequence[str | None]) -> str:

@@ -6,6 +6,7 @@ from collections.abc import Iterable, Sequence
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from refdem.core.finding import Sheet
+from refdem.core.outside import cell
 from refdem.report.contents import Contents, contents_of
 from refdem.report.tolerance import TARGETS, Row, rows_of
 
@@ -84,5 +85,5 @@ def csv_text(columns: Sequence[str], rows: Iterable[Sequence[Any]]) -> str:
     out = io.StringIO()
     writer = csv.writer(out, lineterminator="\n")
     writer.writerow(columns)
-    writer.writerows(rows)
+    writer.writerows([cell(value) for value in row] for row in rows)
     return out.getvalue()

@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from refdem.core.outside import MOST, one_line, opened
+from refdem.core.outside import MOST, cell, markdown_text, one_line, opened, printable
 from refdem.errors import EngineError
 
 
@@ -57,3 +57,33 @@ def test_only_a_plain_file_of_ones_own_is_opened(tmp_path: Path) -> None:
     (tmp_path / "folder.csv").mkdir()
     with pytest.raises(EngineError, match="plain file"):
         opened(tmp_path / "folder.csv")
+
+
+@pytest.mark.parametrize(
+    ("text", "markdown"),
+    [
+        ("a | b\nc", r"a \| b c"),
+        ("<script>alert(1)</script>&amp;", "&lt;script&gt;alert(1)&lt;/script&gt;&amp;amp;"),
+        ("ask @someone", "ask @&#8203;someone"),
+        ("see https://example.org", "see https:&#8203;//example.org"),
+        ("see www.example.org", "see www.&#8203;example.org"),
+        ("like #12 and # 12", r"like \#&#8203;12 and \# 12"),
+        ("[a](javascript:b)", r"\[a\](javascript:b)"),
+        ("\x1b[31m", r"?\[31m"),
+    ],
+)
+def test_a_text_in_markdown_is_text(text: str, markdown: str) -> None:
+    assert markdown_text(text) == markdown
+
+
+@pytest.mark.parametrize("text", ["=HYPERLINK(1)", "+1", "-cmd", "@SUM(A1)", "\t=1"])
+def test_a_formula_in_a_cell_is_text(text: str) -> None:
+    assert cell(text) == f"'{text}"
+
+
+def test_numbers_and_names_in_cells_stay_as_they_are() -> None:
+    assert [cell(value) for value in (-1.5, None, 3, "pendulum[a=-1]")] == [-1.5, None, 3, "pendulum[a=-1]"]
+
+
+def test_lines_stay_lines_where_only_what_does_not_print_goes() -> None:
+    assert printable("a\n\x1bb\u202ec") == "a\n?b?c"

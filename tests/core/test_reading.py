@@ -173,7 +173,7 @@ def test_a_slip_in_a_description_is_said_with_what_was_expected(before: bytes, a
         ("step = -inf", "step is -inf"),
         ("steps_per_tau = 0", "steps_per_tau is 0"),
         ("step = 1\nsteps_per_tau = 4", "at most one"),
-        ("perturbed_ulps = -1", "perturbed_ulps is -1"),
+        ("perturbed_ulps = 2_000_000_000_000", "perturbed_ulps is 2e+12"),
         ("levls = 3", "did you mean 'levels'"),
         ('[[case]]\nid = "pendulum"\n[[case]]\nid = "pendulum"', "listed twice"),
     ],

@@ -3,8 +3,6 @@
 import json
 import xml.etree.ElementTree as ElementTree
 
-from refdem.gate.markdown import escaped
-
 
 def test_without_a_baseline_the_gate_is_closed_and_says_how_to_bless(program):
     done = program.gate()
@@ -132,30 +130,3 @@ def test_what_crashes_cannot_be_accepted_and_leaves_the_baseline_alone(program):
     assert done.returncode == 2
     assert "nothing was decided" in done.stderr
     assert (program.folder / "refdem-baseline.jsonl").read_bytes() == before
-
-
-def test_text_stays_text_in_a_markdown_table():
-    assert escaped("rod_force | <b> & #1") == "rod&#95;force &#124; &#60;b&#62; &#38; &#35;1"
-
-
-def test_findings_are_shown_beside_the_change_on_github(program):
-    program.bless()
-    program.spoil("x += h * v", "x -= h * v")
-    assert "::error title=harmonic-oscillator/spring" in program.gate(GITHUB_ACTIONS="true").stdout
-
-
-def test_a_broken_baseline_is_said_so_and_left_alone(program):
-    program.bless()
-    (program.folder / "refdem-baseline.jsonl").write_text("not json\n")
-    done = program.gate()
-    assert done.returncode == 2
-    assert "version control" in done.stderr
-    assert (program.folder / "refdem-baseline.jsonl").read_text() == "not json\n"
-
-
-def test_a_toml_with_a_fault_is_one_clear_sentence(program):
-    (program.folder / "refdem.toml").write_text("[engine]\nname = 3\n")
-    done = program.gate()
-    assert done.returncode == 2
-    assert "refdem.toml" in done.stderr
-    assert "Traceback" not in done.stderr

@@ -7,6 +7,7 @@ import pytest
 from refdem.core.finding import Finding, Level, Record, Series
 from refdem.errors import StoreError, UsageError
 from refdem.report import read_records, records, write_records, write_report
+from refdem.report.jsonl import RECORDS, lines, sheets_in
 
 
 def record(finding):
@@ -95,3 +96,17 @@ def test_the_public_name_reads_a_report(folder):
     import refdem
 
     assert len(refdem.records(folder).tolerance) > 0
+
+
+def test_records_of_a_stranger_move_no_cursor(tmp_path):
+    text = lines([record(Finding(check="error", quantity="x", outcome="pass", sentence="held"))])
+    (tmp_path / RECORDS).write_bytes(text.replace(b'"sentence":"', b'"sentence":"\\u001b[31m\\u202e::'))
+    found = [finding for sheet in sheets_in(tmp_path) if isinstance(sheet, Record) for finding in sheet.findings]
+    assert found
+    assert all(finding.sentence.startswith("?[31m?::") for finding in found)
+
+
+def test_records_that_nest_without_end_are_refused_in_one_sentence(tmp_path):
+    (tmp_path / RECORDS).write_bytes(b"[" * 100_000)
+    with pytest.raises(UsageError, match="line 1"):
+        sheets_in(tmp_path)
