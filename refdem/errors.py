@@ -38,6 +38,10 @@ class EngineError(RefdemError):
     exit_status = 3
 
 
+class HangError(EngineError):
+    """An engine did not end in its time."""
+
+
 class UnsupportedError(RefdemError):
     """An engine cannot say the scene; the message names the missing feature."""
 

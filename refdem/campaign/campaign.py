@@ -4,6 +4,7 @@ import math
 import time
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field
+from functools import partial
 
 import msgspec
 
@@ -29,6 +30,8 @@ from refdem.errors import UsageError
 
 GRACE = 30.0
 """Seconds beyond an engine's own time limit before its worker is killed: to start, to read the trajectory, to keep what failed."""
+ENOUGH = 2
+"""Steps at which a method did not end in its time, after which it is not tried at others."""
 Answer = tuple[worker.Reply, Trajectory | None]
 """What a run came to: its reply, and the trajectory unless it failed."""
 Progress = Callable[[str, int, int], None]
@@ -52,6 +55,7 @@ class Campaign:
     runs: dict[tuple[int, Variant], Run] = field(default_factory=dict)
     known: dict[tuple[str, ...], str] = field(default_factory=dict)
     deadlines: dict[str, float] = field(default_factory=dict)
+    hung: dict[tuple[str, str, str], set[float]] = field(default_factory=dict)
     lasting: bool = True
 
     def sheets(self) -> list[Sheet]:
@@ -129,21 +133,38 @@ class Campaign:
                 self.read += 1
                 self._hand_on(tasks, requests, key, places, known, from_store=True)
             else:
-                jobs.append(self._job(key, tasks[places[0][0]].engine, requests[places[0]]))
+                jobs.append(self._job(key, tasks[places[0][0]], requests[places[0]]))
         for done, (job, result) in enumerate(schedule.results(jobs), 1):
             self.made += 1
             answer = self._kept(job.key, result)
+            place = keys[job.key][0]
+            self._note_hang(tasks[place[0]], requests[place], answer[0])
             self._hand_on(tasks, requests, job.key, keys[job.key], answer, from_store=False)
             self.progress(stage, done, len(jobs))
 
-    def _job(self, key: str, engine: Engine, request: Request) -> Job:
+    def _note_hang(self, task: Task, request: Request, reply: worker.Reply) -> None:
+        """Remembers the steps with which a method did not end on a case."""
+        if reply.failure is not None and reply.failure.kind == "hang":
+            self.hung.setdefault(_method_on_case(task), set()).add(abs(request.step or 0.0))
+
+    def _given_up(self, task: Task, request: Request) -> Failure | None:
+        """Why a run is not begun any more, or None: smaller steps take longer, and what hangs at two steps hangs at all."""
+        steps = self.hung.get(_method_on_case(task), set())
+        takes_longer = any(abs(request.step or 0.0) <= step for step in steps)
+        if not takes_longer and len(steps) < ENOUGH:
+            return None
+        return Failure(kind="hang", sentence="it was not begun: another run of this method on this case did not end in its time")
+
+    def _job(self, key: str, task: Task, request: Request) -> Job:
         """A run in a worker; a time limit that an engine keeps itself comes before the worker's."""
+        engine = task.engine
         limit = None if engine.time_limit is None else max(self.specification.timeout, engine.time_limit + GRACE)
         deadline = self.deadlines.get(engine.name, math.inf)
         asked = (engine.address, request.packed(), deadline)
         if not isinstance(engine, ProgramEngine):
-            return Job(key, worker.run, asked, limit)
-        return Job(key, worker.run, asked, limit, stages=worker.stages, rows=most_rows(request.problem))
+            return Job(key, worker.run, asked, limit, given_up=partial(self._given_up, task, request))
+        rows = most_rows(request.problem)
+        return Job(key, worker.run, asked, limit, stages=worker.stages, rows=rows, given_up=partial(self._given_up, task, request))
 
     def _version(self, engine: Engine) -> str:
         """The engine's version, asked for once."""
@@ -209,6 +230,11 @@ class Campaign:
             runs = {variant: self.runs[n, variant] for variant in task.variants if (n, variant) in self.runs}
             found.append(judging.record(task, self._version(task.engine), runs, deviations[task.engine.name]))
         return found
+
+
+def _method_on_case(task: Task) -> tuple[str, str, str]:
+    """Engine, method and case with its parameters."""
+    return task.engine.name, task.method.name, task.trial.instance.label
 
 
 def answer_of(data: bytes) -> Answer:

@@ -47,6 +47,8 @@ class Job:
     computes: bool = False
     stages: Callable[..., Stages[bytes]] | None = None
     rows: int = 0
+    given_up: Callable[[], Failure | None] = lambda: None
+    """Asked just before it begins: why it is not run any more, or None."""
 
 
 class InProcess:
@@ -61,7 +63,7 @@ class InProcess:
     def results(self, jobs: list[Job]) -> Iterator[tuple[Job, bytes | Failure]]:
         """Every job once with its bytes, in order."""
         for job in jobs:
-            yield job, job.function(*job.arguments)
+            yield job, job.given_up() or job.function(*job.arguments)
 
 
 class Programs:
@@ -77,8 +79,14 @@ class Programs:
         fresh, going = iter(jobs), list[tuple[Job, Stages[bytes], Waiting | None]]()
         while True:
             # One more than can run is begun, so that no program waits for what is done here.
-            going += [(job, job.stages(*job.arguments), None) for job in islice(fresh, self._most + 1 - len(self._running)) if job.stages]
-            if not going and not self._running:
+            begun = list(islice(fresh, self._most + 1 - len(self._running)))
+            for job in begun:
+                failure = job.given_up()
+                if failure is not None:
+                    yield job, failure
+                elif job.stages is not None:
+                    going.append((job, job.stages(*job.arguments), None))
+            if not begun and not going and not self._running:
                 return
             for job, stages, result in going:
                 ended = self._gone_on(job, stages, result)
@@ -141,6 +149,10 @@ class Schedule:
         waiting, running = iter(jobs), dict[Any, Job]()
         while True:
             for job in waiting:
+                failure = job.given_up()
+                if failure is not None:
+                    yield job, failure
+                    continue
                 running[self._begun(job)] = job
                 if len(running) >= 4 * self._size:
                     break

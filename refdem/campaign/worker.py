@@ -11,7 +11,7 @@ from refdem.core.outside import one_line
 from refdem.core.problem import Request
 from refdem.core.run import Failure
 from refdem.core.trajectory import Cost
-from refdem.errors import NotCertifiedError, RefdemError, UnsupportedError
+from refdem.errors import HangError, NotCertifiedError, RefdemError, UnsupportedError
 
 
 class Reply(msgspec.Struct, frozen=True, kw_only=True):
@@ -62,6 +62,8 @@ def _reply(engine: str, request: Request) -> Stages[Reply]:
         request.refuse_misaligned(trajectory.t, found.method(request.method).round_off)
     except UnsupportedError as error:
         return Reply(failure=Failure(kind="unsupported", sentence=one_line(str(error))))
+    except HangError as error:
+        return Reply(failure=Failure(kind="hang", sentence=one_line(str(error))))
     except RefdemError as error:
         return Reply(failure=Failure(kind="contract", sentence=one_line(str(error))))
     except Exception as error:

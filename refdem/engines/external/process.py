@@ -18,7 +18,7 @@ from typing import Any, BinaryIO
 
 from refdem.core.outside import one_line
 from refdem.engines.external.folders import home
-from refdem.errors import EngineError, UnsupportedError
+from refdem.errors import EngineError, HangError, UnsupportedError
 
 NOT_SUPPORTED = 77
 SHOWN = 300
@@ -130,7 +130,7 @@ def ended(command: list[str], folder: Path, *, name: str, limits: Limits) -> flo
         found = run(command, folder, out, err, limits)
         says = _last_lines(err)
     if found.status is None:
-        raise EngineError(f"{name} was still running after {limits.timeout:g} s and was ended")
+        raise HangError(f"{name} was still running after {limits.timeout:g} s and was ended")
     if found.status == NOT_SUPPORTED:
         raise UnsupportedError(one_line(says[-1]) if says else "the program says it cannot (exit 77)")
     if found.status != 0:

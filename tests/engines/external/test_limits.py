@@ -10,13 +10,15 @@ from refdem.core.finding import CampaignSheet, Finding, Record
 from refdem.core.store import Store
 from refdem.errors import UsageError
 
+WORKERS = 2
+
 
 def sheets(folder: Path, *tomls: Path, method: str = "", timeout: float = 60.0) -> list:  # type: ignore[type-arg]
     specification = Specification(
         name="test", case=[Entry("harmonic-oscillator")], engines=[str(toml) for toml in tomls], levels=3, method=method, timeout=timeout
     )
     store = Store(folder / "store.sqlite")
-    found = Campaign(specification, store, jobs=2).sheets()
+    found = Campaign(specification, store, jobs=WORKERS).sheets()
     store.close()
     return found
 
@@ -32,6 +34,14 @@ def test_the_programs_own_limit_comes_before_the_workers(small: Path, tmp_path: 
     (finding,) = findings(tmp_path, toml, method="hangs", timeout=0.5)
     assert finding.outcome == "error"
     assert "still running after 1 s and was ended (request and output are kept in" in finding.sentence
+
+
+def test_a_program_that_hangs_costs_its_time_once_and_not_at_every_step(small: Path, tmp_path: Path) -> None:
+    toml = small / "refdem.toml"
+    toml.write_text(toml.read_text().replace("timeout = 600", "timeout = 1"))
+    (finding,) = findings(tmp_path, toml, method="hangs")
+    assert finding.outcome == "error"
+    assert len(list((tmp_path / "kept" / "failed-runs").iterdir())) <= 2 * WORKERS
 
 
 def test_runs_after_the_budget_is_spent_are_errors_that_say_so(small: Path, tmp_path: Path) -> None:
