@@ -162,6 +162,11 @@ class Schedule:
             for future in done:
                 job = running.pop(future)
                 yield job, self._result(future, job)
+            # What the last results say is not worth waiting for any more is taken back.
+            vain = [(future, failure) for future, job in running.items() if (failure := job.given_up()) is not None]
+            for future, failure in vain:
+                future.cancel()
+                yield running.pop(future), failure
 
     def _employ(self, workers: int) -> None:
         """Starts so many workers, unless there are as many."""

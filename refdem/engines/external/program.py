@@ -78,7 +78,7 @@ class Program:
                 return (yield from self._stages(request, folder))
             except EngineError as error:
                 place = kept(folder, self.table.name)
-                raise EngineError(f"{error} (request and output are kept in {place})" if place else str(error)) from None
+                raise type(error)(f"{error} (request and output are kept in {place})" if place else str(error)) from None
 
     def _stages(self, request: Request, folder: Path) -> Stages[tuple[Trajectory, Cost]]:
         paths = {name: folder / file for name, file in FILES.items()}
