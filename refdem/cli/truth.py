@@ -108,7 +108,11 @@ def times_of(one: Any) -> str:
 
 
 def warn(seconds: float) -> None:
-    """Says on stderr what the work will cost if that is more than DEAR seconds."""
+    """Says on stderr what the work will cost if that is more than DEAR seconds; raises UsageError if nobody can wait for it."""
+    from refdem.truth.forecast import HOPELESS
+
+    if seconds > HOPELESS:
+        raise UsageError(f"the proof would take about {seconds / HOPELESS:.2g} days of CPU; ask for an earlier time, or for fewer digits")
     if seconds > DEAR:
         typer.echo(f"the proof will take about {seconds:.0f} s of CPU; fewer digits or an earlier time take less", err=True)
 

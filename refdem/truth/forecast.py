@@ -23,6 +23,9 @@ TOO_LARGE = -24.0
 TRIES = 8
 """Precisions that are looked at."""
 
+HOPELESS = 86400.0
+"""Seconds, a day: nobody waits so long for a proof, so that a forecast of more need not be sharp."""
+
 NextBits = Callable[[int, float | None], int | None]
 """The bits after those that did not suffice, from how many are lacking (None: the motion was not followed to its end); None if none."""
 
@@ -115,5 +118,8 @@ def follow(
     while course.marks[-1].time < t and step():
         course.marks.append(mark())
         made = course.marks[-1].pieces - course.marks[0].pieces
-        if made >= PIECES and made * SHARE >= work():
+        if made < PIECES:
+            continue
+        left = work()
+        if made * SHARE >= left or course.seconds_for(left) > HOPELESS:
             break
