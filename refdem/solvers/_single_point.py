@@ -1,5 +1,7 @@
 """What the methods for one point in a field or on one link share: reasons to refuse, and the scene's gravity."""
 
+from math import inf, log2
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -9,6 +11,8 @@ from refdem.scene.elements.spring import Spring
 from refdem.scene.elements.uniform_gravity import UniformGravity
 
 Array = NDArray[np.float64]
+ORDINARY = 2.0**20
+"""Seconds, 12 days: motions of up to such times, and down to a microsecond, are told in seconds."""
 
 
 def gravity(scene: Scene) -> Array:
@@ -38,6 +42,17 @@ def turning(scene: Scene) -> str | None:
 def is_linear(spring: Spring) -> bool:
     """Its force is proportional to its stretch."""
     return spring.exponent == 1 and not spring.quadratic and not spring.cubic
+
+
+def time_unit(times: list[float]) -> float:
+    """A power of two [s] near the shortest of the times of a motion; 1 where that is neither very short nor very long.
+
+    The n-th coefficient of a Taylor series in seconds is as t^-n: at order 20, times below 1e-15 s or above 1e15 s leave binary64.
+    Multiplied by powers of two, all numbers of a motion keep their digits.
+    """
+    found = [time for time in times if 0.0 < time < inf]
+    shortest = min(found, default=1.0)
+    return 1.0 if 1.0 / ORDINARY <= shortest <= ORDINARY else 2.0 ** round(log2(shortest))
 
 
 def anchor(link: Link) -> Array:

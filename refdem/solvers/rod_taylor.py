@@ -1,8 +1,10 @@
 """A point on a rod to the world, in space, in Cartesian coordinates with its constraint force (kernels/rod_taylor.c)."""
 
+from math import inf, sqrt
 from time import perf_counter
 
 import numpy as np
+from numpy.typing import NDArray
 
 from refdem.core.engine import Method
 from refdem.core.problem import Motion, Request
@@ -13,6 +15,7 @@ from refdem.scene.elements.rod import Rod
 from refdem.solvers import _single_point as single
 from refdem.solvers.solver import Solver
 
+Array = NDArray[np.float64]
 FITS = 1e-9
 """Part of a length, or of a speed, by which the start may miss what a rigid rod allows: rounding."""
 
@@ -52,17 +55,32 @@ class RodTaylor(Solver):
         begun = perf_counter()
         scene, t = request.problem.scene, request.problem.times
         rod, mass = scene.all(Rod)[0], float(scene.bodies.mass[0])
-        given = (single.gravity(scene), single.anchor(rod), scene.bodies.position[0].copy(), scene.bodies.velocity[0].copy())
+        gravity, speed = single.gravity(scene), scene.bodies.velocity[0]
+        unit = single.time_unit([swing_time(rod.length, gravity), turn_time(rod.length, speed)])
+        given = (gravity * unit**2, single.anchor(rod), scene.bodies.position[0].copy(), speed * unit)
+        clock = np.ascontiguousarray(t / unit)
         position, velocity, force = np.empty((len(t), 1, 3)), np.empty((len(t), 1, 3)), np.empty((len(t), 1))
         columns = [pointer("rod_taylor", column) for column in given]
         out = [pointer("rod_taylor", column, output=True) for column in (position, velocity, force)]
-        arguments = (mass, rod.length, *columns, float(t[0]), len(t), pointer("rod_taylor", t), *out)
+        arguments = (mass, rod.length, *columns, float(clock[0]), len(t), pointer("rod_taylor", clock), *out)
         started = perf_counter()
         seconds = timed(load("rod_taylor").lib.refdem_rod_taylor, *arguments)
         cost = Cost(seconds=seconds, setup=started - begun)
         if not np.isfinite(force).all():
             raise EngineError("rod-taylor: the series do not reach the last sample; expected a motion of finite speed")
-        return Trajectory.of_points(t, position, velocity, channels={"rod_force": force}), cost
+        return Trajectory.of_points(t, position, velocity / unit, channels={"rod_force": force / unit**2}), cost
+
+
+def swing_time(length: float, gravity: Array) -> float:
+    """sqrt(l/g) [s]; infinite without gravity."""
+    size = float(np.linalg.norm(gravity))
+    return sqrt(length / size) if size > 0 else inf
+
+
+def turn_time(length: float, velocity: Array) -> float:
+    """l/|v| [s]; infinite at rest."""
+    size = float(np.linalg.norm(velocity))
+    return length / size if size > 0 else inf
 
 
 METHOD = RodTaylor()

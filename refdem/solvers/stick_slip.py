@@ -1,5 +1,6 @@
 """A point on a spring and a slider, at rest or on a moving belt, by Coulomb's or Stribeck's law, driven or not (kernels/stick_slip.c)."""
 
+from math import sqrt
 from time import perf_counter
 from typing import Any
 
@@ -65,19 +66,32 @@ class StickSlip(Solver):
         axis, anchor = np.array(scene.all(Slider)[0].axis), single.anchor(scene.all(Spring)[0])
         start = [float(axis @ vector) for vector in (scene.bodies.position[0] - anchor, scene.bodies.velocity[0])]
         out, told = np.empty((len(t), 3)), np.empty((MOST_EVENTS, 2))
-        law = belt_law(scene)
+        unit = law_time_unit(scene)
+        law = belt_law(scene, unit)
+        start[1] *= unit
+        clock = np.ascontiguousarray(t / unit)
         buffers = [pointer(FAMILY, array, output=True) for array in (told, out)]
         lib = load(FAMILY).lib
         started = perf_counter()
-        count = lib.refdem_stick_slip(law, *start, t[0], len(t), pointer(FAMILY, t), len(told), *buffers)
+        count = lib.refdem_stick_slip(law, *start, clock[0], len(t), pointer(FAMILY, clock), len(told), *buffers)
         cost = Cost(seconds=perf_counter() - started, setup=started - begun)
-        events = tuple(Event(time=float(time), kind=KINDS[int(kind)], body=0) for time, kind in told[:count] if time <= t[-1])
-        position, velocity = anchor + out[:, :1, None] * axis, out[:, 1:2, None] * axis
+        events = tuple(Event(time=float(time * unit), kind=KINDS[int(kind)], body=0) for time, kind in told[:count] if time <= clock[-1])
+        position, velocity = anchor + out[:, :1, None] * axis, out[:, 1:2, None] / unit * axis
         return Trajectory.of_points(t, position, velocity, channels={"dissipated_work": out[:, 2].copy()}, events=events), cost
 
 
-def belt_law(scene: Scene) -> Any:
-    """The scene in the kernel's words; places count from the spring's anchor."""
+def law_time_unit(scene: Scene) -> float:
+    """The unit of time [s] in which the kernel is told the motion."""
+    stiffness, mass = scene.all(Spring)[0].stiffness, float(scene.bodies.mass[0])
+    turns = [force.frequency for force in scene.all(Force) if force.frequency > 0]
+    return single.time_unit([sqrt(mass / stiffness), *(1.0 / turn for turn in turns)])
+
+
+def belt_law(scene: Scene, unit: float = 1.0) -> Any:
+    """The scene in the kernel's words; places count from the spring's anchor.
+
+    In another unit of time forces and work stay what they are if masses are divided by its square.
+    """
     slider, spring = scene.all(Slider)[0], scene.all(Spring)[0]
     axis, mass = np.array(slider.axis), float(scene.bodies.mass[0])
     plain = slider.law == "coulomb"
@@ -85,17 +99,21 @@ def belt_law(scene: Scene) -> Any:
     names = ("mu0", "mu1", "lambda0", "lambda1")
     law = {name: getattr(slider, name) for name in names} if not plain else dict.fromkeys(names, 0.0)
     law |= {"mu0": slider.friction, "mu1": slider.friction} if plain else {}
+    by_speed = ("lambda0", "lambda1") if slider.law == "stribeck_linear" else ("lambda0",)
+    law |= {name: law[name] / unit for name in by_speed}
+    if "lambda1" not in by_speed:
+        law["lambda1"] /= unit**2
     return load(FAMILY).ffi.new(
         "refdem_belt *",
         law
         | {
-            "mass": mass,
+            "mass": mass / unit**2,
             "stiffness": spring.stiffness,
             "weight": mass * float(axis @ single.gravity(scene)),
             "normal_force": slider.normal_force,
-            "belt": slider.belt_velocity,
+            "belt": slider.belt_velocity * unit,
             "amplitude": force.amplitude * float(axis @ np.array(force.axis)),
-            "frequency": force.frequency,
+            "frequency": force.frequency * unit,
             "phase": force.phase,
             "linear": slider.law == "stribeck_linear",
         },
