@@ -230,3 +230,21 @@ def test_other_units_make_another_needle_of_a_needle_and_nobody_is_to_blame(monk
     assert (rescaled.outcome, rescaled.value > 1e-10) == ("pass", True)
     slow = found("free-rigid-body", method, lambda run, request: replace(run, omega=run.omega * (1 + 1e-3 * run.t[-1] % 1)))["rescaled"]
     assert slow.outcome == "fail"
+
+
+def turns_with_the_axes(size, order):
+    """An attitude that is off by `size` h^order, as much as the turn of space says: its error knows the axes of space."""
+
+    def fault(run, request):
+        first = request.problem.scene.bodies.attitude[0, 0] ** 2
+        turn = np.array([1.0, 0.0, size * request.step**order * first, 0.0])
+        off = product(turn / np.linalg.norm(turn), run.attitude)
+        return replace(run, attitude=np.where((run.t > 0)[:, None, None], off, run.attitude))
+
+    return fault
+
+
+@pytest.mark.parametrize(("size", "order", "outcome"), [(1e-2, 2, "pass"), (1e-2, 1, "pass"), (1e-6, 0, "fail")])
+def test_a_truncation_error_may_know_the_axes_of_space_where_a_rounding_decides_too(size, order, outcome):
+    finding = found_in_first_order(turns_with_the_axes(size, order))["rotated"]
+    assert finding.outcome == outcome, finding.sentence
