@@ -23,6 +23,10 @@ ROOM_OF_CUTS = 16.0
 """The same of a method that cuts its steps at kinks: what is left to chance is the length of the last piece."""
 
 
+COURSE = 10.0
+"""A bound above this many scales says that the motion may have taken another course, in which steps may agree by chance."""
+
+
 class Error(Check):
     """Every quantity stays within its bound at every level."""
 
@@ -106,17 +110,29 @@ class Error(Check):
 
 
 def _bounds(trial: Trial, runs: Mapping[Variant, Outcome]) -> dict[float, Array]:
-    """The bound of every level that can be judged (count,), up to the horizon; of the finest the smaller of two."""
+    """The bound of every level that can be judged (count,), up to the horizon; of the finest the smaller of two.
+
+    The bound on the state multiplies the largest error constant that is allowed by S, and soon passes the horizon where the order
+    is 1 and contacts are stiff. What the last halvings of the step leave is measured, and goes on beyond it.
+    """
     found: dict[float, Array] = {}
     for level in trial.levels:
         allowed = trial.bound(level)
+        if level == trial.levels[-1]:
+            allowed = _sharpened(allowed, _settling(trial, runs))
         count = scored(allowed)
         if count >= min(2, len(allowed)):
             found[level] = allowed[:count]
-    finest = trial.levels[-1]
-    if finest in found and (change := _settling(trial, runs)) is not None:
-        count = min(len(change), len(found[finest]))
-        found[finest] = np.concatenate([np.minimum(found[finest][:count], change[:count]), found[finest][count:]])
+    return found
+
+
+def _sharpened(allowed: Array, settled: Array | None) -> Array:
+    """The smaller of the bound on the state and of what has settled (count,), as long as the motion cannot have changed its course."""
+    if settled is None:
+        return allowed
+    beyond = np.flatnonzero(allowed > COURSE)
+    course = int(beyond[0]) if len(beyond) else len(allowed)
+    found: Array = np.concatenate([np.minimum(allowed, settled)[:course], allowed[course:]])
     return found
 
 
@@ -128,11 +144,9 @@ def _settling(trial: Trial, runs: Mapping[Variant, Outcome]) -> Array | None:
     step to step, an error is still part of the change to either side of it, but may be nearly the same at both steps.
     """
     method, instance = trial.method, trial.instance
-    if method.control != "step" or len(trial.levels) < 3:
+    if method.control != "step" or len(trial.levels) < 3 or trial.truth is None:
         return None
-    count = scored(trial.bound(trial.levels[-3]))
-    if count < 2 or trial.truth is None:
-        return None
+    count = trial.truth.until
     order = trial.order
     coarse, middle, fine = (instance.observe(runs[Variant(level)].trajectory) for level in trial.levels[-3:])
     before, last = _changes(instance, coarse, middle, count), _changes(instance, middle, fine, count)
