@@ -155,7 +155,23 @@ def _settling(trial: Trial, runs: Mapping[Variant, Outcome]) -> Array | None:
     if kinked(instance):
         room = ROOM_OF_CUTS if method.locates_events else ROOM_OF_KINKS
     rounding = COUNTING_FLOOR * trial.noise(trial.levels[-1]) * trial.truth.growth()[:count]
-    return room * change + rounding
+    cut = _straddled(instance, fine, count) * trial.levels[-1] if kinked(instance) and not method.locates_events else 0.0
+    return room * change + rounding + ROOM * cut
+
+
+def _straddled(instance: Instance, run: Mapping[str, Array], count: int) -> Array:
+    """The fastest that any quantity has changed so far [1/s] (count,), in its scale, from sample to sample to either side.
+
+    A step that straddles a kink goes on for the rest of it with the force of before, and is off by that much a second. Halved
+    steps end where the long ones do, so that every one that is longer than this rest is off by the same.
+    """
+    fastest = np.zeros(len(instance.times) - 1)
+    for name, quantity in instance.quantities.items():
+        if name in run and not quantity.angle:
+            fastest = np.maximum(fastest, np.abs(np.diff(run[name])) / quantity.scale)
+    beside = np.maximum(np.append(0.0, fastest), np.append(fastest, 0.0))
+    so_far: Array = np.maximum.accumulate(beside)[:count] / abs(instance.problem.interval)
+    return so_far
 
 
 def _changes(instance: Instance, coarse: Mapping[str, Array], fine: Mapping[str, Array], count: int) -> Array:
