@@ -163,8 +163,8 @@ def round_off(trial: Trial, view: symmetry.Symmetry) -> float:
 
 
 def allowed(trial: Trial, view: symmetry.Symmetry, growth: Array) -> Array:
-    """Round-off of both runs (T,), and truncation where a branch may flip: for pictures of which no moved starts are run."""
-    truncation = trial.truncation(level_for(trial)) if _decides(trial) else 0.0
+    """Round-off of both runs (T,), and their truncation where a branch may flip: for pictures of which no moved starts are run."""
+    truncation = 2 * trial.truncation(level_for(trial)) if _decides(trial) else 0.0
     found: Array = (round_off(trial, view) + truncation) * growth
     return found
 
@@ -176,7 +176,7 @@ def _draws(trial: Trial, level: float) -> tuple[Variant, ...]:
 
 
 def _decided_by_rounding(trial: Trial, runs: Mapping[Variant, Outcome], growth: Array) -> Array:
-    """What may differ (T,) because a rounding decided otherwise: no more than moved starts show, nor than truncation.
+    """What may differ (T,) because a rounding decided otherwise: no more than moved starts show, nor than truncation of both runs.
 
     A contact that begins, or a body that sticks, in this step or in the next hangs on the last bit where it falls on the end of a
     step. Both outcomes are right then, and a start moved by a few roundings has the other one. Where no moved start shows it,
@@ -186,7 +186,7 @@ def _decided_by_rounding(trial: Trial, runs: Mapping[Variant, Outcome], growth: 
     if not _decides(trial):
         return np.zeros(len(growth))
     level = level_for(trial)
-    truncation: Array = trial.truncation(level) * growth
+    truncation: Array = 2 * trial.truncation(level) * growth
     draws = [runs[variant].trajectory for variant in _moved(trial, level) if variant in runs]
     iterates = trial.method.control != "step" or "contact:rigid" in trial.instance.scene.features
     if iterates or not draws:

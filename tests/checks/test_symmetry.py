@@ -1,6 +1,7 @@
 """The symmetry check passes the reference and is failed, in the symmetry that is broken, by a code that breaks it."""
 
 from dataclasses import replace
+from itertools import count
 
 import msgspec
 import numpy as np
@@ -248,3 +249,22 @@ def turns_with_the_axes(size, order):
 def test_a_truncation_error_may_know_the_axes_of_space_where_a_rounding_decides_too(size, order, outcome):
     finding = found_in_first_order(turns_with_the_axes(size, order))["rotated"]
     assert finding.outcome == outcome, finding.sentence
+
+
+
+def test_two_runs_that_a_rounding_parts_may_each_be_off_by_the_truncation_error():
+    """The plain run is to one side of the right motion, and those that a rounding moves are to the other, each within its bound."""
+    calls = count()
+
+    def fault(run, request):
+        side = 1.0 if next(calls) == 0 else -1.0  # the plain run is asked for first
+        instance = discovery.case("two-spheres").at(**CASES["two-spheres"])
+        tau, length = instance.scales.tau, instance.scales.length
+        within = 0.9 * (1.0 + np.abs(run.t - run.t[0]) / tau) * request.step / tau
+        position = np.array(run.position)
+        position[1:, 1, 0] += side * within[1:] * length
+        return replace(run, position=position)
+
+    found = found_in_first_order(fault)
+    assert found["delayed"].outcome == "pass", found["delayed"].sentence
+    assert found["delayed"].value > found["delayed"].bound / 4
