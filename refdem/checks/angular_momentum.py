@@ -8,7 +8,7 @@ from refdem.core.balance import angular, angular_scale, torque_reason
 from refdem.core.check import Check, Outcome, Trial
 from refdem.core.finding import Finding
 from refdem.core.judgement import Array, certified, left_at_finest, no_truth, undecided, worst
-from refdem.core.refinement import COUNTING_FLOOR, sweeping
+from refdem.core.refinement import COUNTING_FLOOR, sweeping, turning
 from refdem.core.trajectory import Trajectory
 from refdem.core.truth import SampledTruth
 from refdem.core.variant import Variant
@@ -48,15 +48,16 @@ class AngularMomentum(Check):
         variant = Variant(trial.levels[0]) if free else _judged_level(trial)
         allowed: Array | float
         if free:
-            allowed = trial.round_off(variant.level)
-            basis = "nothing acts, and every method moves on in a straight line, so only round-off c u sqrt(n) may change it"
+            allowed = trial.noise(variant.level)
+            basis = "nothing acts, and every method moves on in a straight line, so only round-off c u sqrt(n), and u n of equal terms, may change it"
         else:
             allowed, basis = trial.kept("angular-momentum", variant.level)
             sweeps = trial.round_off(variant.level) * (sweeping(trial.instance, trial.method) - 1.0)
-            allowed = allowed + sweeps
+            allowed = allowed + sweeps + turning(trial.instance, trial.method, variant.level)
         if variant != Variant(trial.levels[0]) and len(trial.levels) > 2:
             coarse = self._changes(trial, runs[Variant(trial.levels[0])], name)
-            fallen = left_at_finest(trial, coarse) + COUNTING_FLOOR * trial.round_off(variant.level)
+            rounding = trial.round_off(variant.level) + turning(trial.instance, trial.method, variant.level)
+            fallen = left_at_finest(trial, coarse) + COUNTING_FLOOR * rounding
             if np.any(fallen < allowed):
                 basis = "what the order leaves of the change at the coarsest step"
             allowed = np.minimum(allowed, fallen)

@@ -23,6 +23,10 @@ ROOM_OF_CUTS = 16.0
 """The same of a method that cuts its steps at kinks: what is left to chance is the length of the last piece."""
 
 
+COURSE = 10.0
+"""A bound above this many scales says that the motion may have taken another course, in which steps may agree by chance."""
+
+
 class Error(Check):
     """Every quantity stays within its bound at every level."""
 
@@ -106,17 +110,29 @@ class Error(Check):
 
 
 def _bounds(trial: Trial, runs: Mapping[Variant, Outcome]) -> dict[float, Array]:
-    """The bound of every level that can be judged (count,), up to the horizon; of the finest the smaller of two."""
+    """The bound of every level that can be judged (count,), up to the horizon; of the finest the smaller of two.
+
+    The bound on the state multiplies the largest error constant that is allowed by S, and soon passes the horizon where the order
+    is 1 and contacts are stiff. What the last halvings of the step leave is measured, and goes on beyond it.
+    """
     found: dict[float, Array] = {}
     for level in trial.levels:
         allowed = trial.bound(level)
+        if level == trial.levels[-1]:
+            allowed = _sharpened(allowed, _settling(trial, runs))
         count = scored(allowed)
         if count >= min(2, len(allowed)):
             found[level] = allowed[:count]
-    finest = trial.levels[-1]
-    if finest in found and (change := _settling(trial, runs)) is not None:
-        count = min(len(change), len(found[finest]))
-        found[finest] = np.concatenate([np.minimum(found[finest][:count], change[:count]), found[finest][count:]])
+    return found
+
+
+def _sharpened(allowed: Array, settled: Array | None) -> Array:
+    """The smaller of the bound on the state and of what has settled (count,), as long as the motion cannot have changed its course."""
+    if settled is None:
+        return allowed
+    beyond = np.flatnonzero(allowed > COURSE)
+    course = int(beyond[0]) if len(beyond) else len(allowed)
+    found: Array = np.concatenate([np.minimum(allowed, settled)[:course], allowed[course:]])
     return found
 
 
@@ -128,11 +144,9 @@ def _settling(trial: Trial, runs: Mapping[Variant, Outcome]) -> Array | None:
     step to step, an error is still part of the change to either side of it, but may be nearly the same at both steps.
     """
     method, instance = trial.method, trial.instance
-    if method.control != "step" or len(trial.levels) < 3:
+    if method.control != "step" or len(trial.levels) < 3 or trial.truth is None:
         return None
-    count = scored(trial.bound(trial.levels[-3]))
-    if count < 2 or trial.truth is None:
-        return None
+    count = trial.truth.until
     order = trial.order
     coarse, middle, fine = (instance.observe(runs[Variant(level)].trajectory) for level in trial.levels[-3:])
     before, last = _changes(instance, coarse, middle, count), _changes(instance, middle, fine, count)
@@ -141,7 +155,23 @@ def _settling(trial: Trial, runs: Mapping[Variant, Outcome]) -> Array | None:
     if kinked(instance):
         room = ROOM_OF_CUTS if method.locates_events else ROOM_OF_KINKS
     rounding = COUNTING_FLOOR * trial.noise(trial.levels[-1]) * trial.truth.growth()[:count]
-    return room * change + rounding
+    cut = _straddled(instance, fine, count) * trial.levels[-1] if kinked(instance) and not method.locates_events else 0.0
+    return room * change + rounding + ROOM * cut
+
+
+def _straddled(instance: Instance, run: Mapping[str, Array], count: int) -> Array:
+    """The fastest that any quantity has changed so far [1/s] (count,), in its scale, from sample to sample to either side.
+
+    A step that straddles a kink goes on for the rest of it with the force of before, and is off by that much a second. Halved
+    steps end where the long ones do, so that every one that is longer than this rest is off by the same.
+    """
+    fastest = np.zeros(len(instance.times) - 1)
+    for name, quantity in instance.quantities.items():
+        if name in run and not quantity.angle:
+            fastest = np.maximum(fastest, np.abs(np.diff(run[name])) / quantity.scale)
+    beside = np.maximum(np.append(0.0, fastest), np.append(fastest, 0.0))
+    so_far: Array = np.maximum.accumulate(beside)[:count] / abs(instance.problem.interval)
+    return so_far
 
 
 def _changes(instance: Instance, coarse: Mapping[str, Array], fine: Mapping[str, Array], count: int) -> Array:

@@ -40,14 +40,18 @@ class Symmetry(Check):
         return [name for name in names if trial.refusal(symmetry.picture(trial.instance, name)[1]) is None]
 
     def needs(self, trial: Trial) -> tuple[Variant, ...]:
-        """One level, as it is, in every symmetry, and with the start moved a little: by several amounts where a rounding decides."""
+        """One level, as it is, in every symmetry, and with the start moved a little: by several amounts where a rounding decides.
+
+        Where a truncation error may know the axes of space, the scene turned at a second level too: such an error falls.
+        """
         level = level_for(trial)
         shown = tuple(Variant(level, name) for name in self._shown(trial))  # type: ignore[arg-type]
         other: tuple[Variant, ...] = ()
         if _has_axes(trial) and Variant(level, "rotated") in shown:
-            other = (trial.finest, Variant(trial.levels[-1], "rotated"))
-        elif _decides(trial) and trial.method.control == "step":
-            other = _draws(trial, level)
+            beside = _beside(trial)
+            other = (Variant(beside), Variant(beside, "rotated"))
+        if _decides(trial) and trial.method.control == "step":
+            other = (*other, *_draws(trial, level))
         return (Variant(level), Variant(level, "perturbed", perturbation(trial.method)), *shown, *other)
 
     def judge(self, trial: Trial, runs: Mapping[Variant, Outcome]) -> list[Finding]:
@@ -69,7 +73,7 @@ class Symmetry(Check):
                 continue
             apart = distances(trial.instance, view.undone(runs[variant].trajectory), base)
             if variant.change == "rotated" and _has_axes(trial) and np.any(apart[:count] > bounds[:count]):
-                found.append(self._rotated(trial, runs, apart, growth))
+                found.append(self._rotated(trial, runs, growth, decided))
                 continue
             found.append(
                 worst(
@@ -85,12 +89,17 @@ class Symmetry(Check):
             )
         return found or [undecided(self.name, "any", "the code refused every symmetry of the scene when it ran")]
 
-    def _rotated(self, trial: Trial, runs: Mapping[Variant, Outcome], coarse: Array, growth: Array) -> Finding:
-        """A method may put attitudes in coordinates with axes of their own: then what differs is truncation, and falls with the step."""
-        level, finest = level_for(trial), trial.levels[-1]
+    def _rotated(self, trial: Trial, runs: Mapping[Variant, Outcome], growth: Array, decided: Array) -> Finding:
+        """A method may put attitudes in coordinates with axes of their own: then what differs is truncation, and falls with the step.
+
+        What a rounding decides need not fall: `decided` (T,) is allowed beside it.
+        """
+        coarsest, finest = trial.levels[0], trial.levels[-1]
         view = symmetry.of(trial.instance, "rotated")
-        fine = distances(trial.instance, view.undone(runs[Variant(finest, "rotated")].trajectory), runs[trial.finest].trajectory)
-        order, octaves = trial.order, np.log2(level / finest)
+        turned = {level: view.undone(runs[Variant(level, "rotated")].trajectory) for level in (coarsest, finest)}
+        coarse = distances(trial.instance, turned[coarsest], runs[Variant(coarsest)].trajectory)
+        fine = distances(trial.instance, turned[finest], runs[Variant(finest)].trajectory)
+        order, octaves = trial.order, np.log2(coarsest / finest)
         allowed = (2 * trial.truncation(finest)) * growth
         count = scored(allowed)
         largest, falls = float(np.max(fine)), float(np.max(coarse)) / 2.0 ** (octaves * (order - 0.5))
@@ -101,17 +110,23 @@ class Symmetry(Check):
             quantity="rotated",
             t=trial.instance.times[:count],
             values=fine[:count],
-            allowed=np.minimum(allowed, falling)[:count],
+            allowed=(np.minimum(allowed, falling) + decided)[:count],
             unit="1",
             basis=f"it is more than round-off, so it must be a truncation error of order {order} at both steps and fall with it",
-            what=f"{what} ({largest:.2g} there, {float(np.max(coarse)):.2g} at {level / finest:.0f} times the step)",
+            what=f"{what} ({largest:.2g} there, {float(np.max(coarse)):.2g} at {coarsest / finest:.0f} times the step)",
         )
 
 
 def _has_axes(trial: Trial) -> bool:
     """Attitudes, which a method with steps may put in coordinates whose truncation error knows the axes of space."""
     turns = "rotation" in trial.instance.scene.features
-    return turns and trial.method.control == "step" and len(trial.levels) > 1 and not _decides(trial)
+    return turns and trial.method.control == "step" and len(trial.levels) > 1
+
+
+def _beside(trial: Trial) -> float:
+    """The level to compare with that of `level_for`: the other end of the ladder."""
+    is_finest = level_for(trial) == trial.levels[-1]
+    return trial.levels[0] if is_finest else trial.levels[-1]
 
 
 def level_for(trial: Trial) -> float:
@@ -148,8 +163,8 @@ def round_off(trial: Trial, view: symmetry.Symmetry) -> float:
 
 
 def allowed(trial: Trial, view: symmetry.Symmetry, growth: Array) -> Array:
-    """Round-off of both runs (T,), and truncation where a branch may flip: for pictures of which no moved starts are run."""
-    truncation = trial.truncation(level_for(trial)) if _decides(trial) else 0.0
+    """Round-off of both runs (T,), and their truncation where a branch may flip: for pictures of which no moved starts are run."""
+    truncation = 2 * trial.truncation(level_for(trial)) if _decides(trial) else 0.0
     found: Array = (round_off(trial, view) + truncation) * growth
     return found
 
@@ -161,7 +176,7 @@ def _draws(trial: Trial, level: float) -> tuple[Variant, ...]:
 
 
 def _decided_by_rounding(trial: Trial, runs: Mapping[Variant, Outcome], growth: Array) -> Array:
-    """What may differ (T,) because a rounding decided otherwise: no more than moved starts show, nor than truncation.
+    """What may differ (T,) because a rounding decided otherwise: no more than moved starts show, nor than truncation of both runs.
 
     A contact that begins, or a body that sticks, in this step or in the next hangs on the last bit where it falls on the end of a
     step. Both outcomes are right then, and a start moved by a few roundings has the other one. Where no moved start shows it,
@@ -171,7 +186,7 @@ def _decided_by_rounding(trial: Trial, runs: Mapping[Variant, Outcome], growth: 
     if not _decides(trial):
         return np.zeros(len(growth))
     level = level_for(trial)
-    truncation: Array = trial.truncation(level) * growth
+    truncation: Array = 2 * trial.truncation(level) * growth
     draws = [runs[variant].trajectory for variant in _moved(trial, level) if variant in runs]
     iterates = trial.method.control != "step" or "contact:rigid" in trial.instance.scene.features
     if iterates or not draws:

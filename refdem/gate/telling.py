@@ -11,7 +11,10 @@ TURNED = {"attitude": "1,2,-1,1/2"}
 TELLING: Mapping[str, tuple[Mapping[str, str], ...]] = {
     "asymmetric-field": ({"mass": "2", "k1": "3", "x1": "-3/4", "x2": "5/8", "x0": "-3/2", "v0": "3/2"},),
     "captured-mass": ({"mass": "2", "speed": "3/2", "radius": "3/4"},),
-    "coulomb-oscillator": ({"mass": "2", "stiffness": "3", "friction_force": "1/4", "x0": "-5/4", "v0": "3/4"},),
+    "coulomb-oscillator": (
+        {"mass": "2", "stiffness": "3", "friction_force": "1/4", "x0": "-5/4", "v0": "3/4"},
+        {"friction_force": "1/8192", "x0": "-3/2048", "v0": "1/2048"},  # nothing is large enough to hide a threshold
+    ),
     "dissipating-body": ({**TURNED, "omega_body": "1/2,-1,5/4"},),
     "double-pendulum": (  # the force in the upper rod hangs on both masses
         {"masses": "1,3", "lengths": "5/4,3/4", "thetadot0": "1/2,-1", "duration": "1", "samples": "16"},
@@ -28,6 +31,13 @@ TELLING: Mapping[str, tuple[Mapping[str, str], ...]] = {
         },
     ),
     "hertz-spheres": ({"effective_mass": "3/4", "stiffness": "400", "closing_speed": "3/2"},),
+    "impact-benchmarks": (
+        {"member": "co-6"},  # a sphere that spins hits a wall, and its tangential spring holds and slips
+        {"member": "co-6", "spin": "-3", "friction": "1/20", "branch": "R-d"},  # it turns the other way, at another lever
+        {"member": "dem-05-hertz", "angle": "0.3"},  # friction under Hertz's law
+        {"member": "dem-05-mindlin"},  # a tangential spring that stiffens with its load
+        {"member": "three-spheres"},  # a body in two contacts at once
+    ),
     "intermediate-axis": ({**TURNED, "inertia": "3,2,1", "direction": "3", "duration": "24"},),
     "kapitza-pendulum": ({"length": "5/4", "gravity": "3/2", "thetadot0": "1/4", "duration": "6"},),
     "neglected-gyroscopic": (TURNED,),
@@ -61,6 +71,10 @@ TELLING: Mapping[str, tuple[Mapping[str, str], ...]] = {
         {  # hardly any speed, a spring softer than 1, and no damping beside friction: nothing here is large enough to hide a threshold
             **{"masses": "1,3", "radii": "1/2,3/4", "closing_speed": "1/1024", "angle": "1/2", "damping": "0"},
             **{"stiffness": "2", "tangential_stiffness": "1/2", "friction": "1/4", "spins": "0,0,1/1024,0,0,-1/2048"},
+        },
+        {  # sliding that comes to rest, so slowly that a speed below which friction fades would be seen
+            **{"masses": "2,1", "radii": "1/2,1", "closing_speed": "1/1024", "stiffness": "16", "damping": "1", "angle": "1/4"},
+            **{"spins": "0,0,1/2048,0,0,1/4096", "friction": "1/2"},
         },
     ),
     "van-der-pol": ({"x0": "-1/2", "v0": "3/4"},),

@@ -1,6 +1,7 @@
 """The symmetry check passes the reference and is failed, in the symmetry that is broken, by a code that breaks it."""
 
 from dataclasses import replace
+from itertools import count
 
 import msgspec
 import numpy as np
@@ -230,3 +231,40 @@ def test_other_units_make_another_needle_of_a_needle_and_nobody_is_to_blame(monk
     assert (rescaled.outcome, rescaled.value > 1e-10) == ("pass", True)
     slow = found("free-rigid-body", method, lambda run, request: replace(run, omega=run.omega * (1 + 1e-3 * run.t[-1] % 1)))["rescaled"]
     assert slow.outcome == "fail"
+
+
+def turns_with_the_axes(size, order):
+    """An attitude that is off by `size` h^order, as much as the turn of space says: its error knows the axes of space."""
+
+    def fault(run, request):
+        first = request.problem.scene.bodies.attitude[0, 0] ** 2
+        turn = np.array([1.0, 0.0, size * request.step**order * first, 0.0])
+        off = product(turn / np.linalg.norm(turn), run.attitude)
+        return replace(run, attitude=np.where((run.t > 0)[:, None, None], off, run.attitude))
+
+    return fault
+
+
+@pytest.mark.parametrize(("size", "order", "outcome"), [(1e-2, 2, "pass"), (1e-2, 1, "pass"), (1e-6, 0, "fail")])
+def test_a_truncation_error_may_know_the_axes_of_space_where_a_rounding_decides_too(size, order, outcome):
+    finding = found_in_first_order(turns_with_the_axes(size, order))["rotated"]
+    assert finding.outcome == outcome, finding.sentence
+
+
+
+def test_two_runs_that_a_rounding_parts_may_each_be_off_by_the_truncation_error():
+    """The plain run is to one side of the right motion, and those that a rounding moves are to the other, each within its bound."""
+    calls = count()
+
+    def fault(run, request):
+        side = 1.0 if next(calls) == 0 else -1.0  # the plain run is asked for first
+        instance = discovery.case("two-spheres").at(**CASES["two-spheres"])
+        tau, length = instance.scales.tau, instance.scales.length
+        within = 0.9 * (1.0 + np.abs(run.t - run.t[0]) / tau) * request.step / tau
+        position = np.array(run.position)
+        position[1:, 1, 0] += side * within[1:] * length
+        return replace(run, position=position)
+
+    found = found_in_first_order(fault)
+    assert found["delayed"].outcome == "pass", found["delayed"].sentence
+    assert found["delayed"].value > found["delayed"].bound / 4

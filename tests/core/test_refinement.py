@@ -106,3 +106,29 @@ def test_roundings_of_equal_terms_add_up_step_by_step():
     assert drift > random  # of equal terms: more than roundings of random sign would leave
     assert drift < 2.0**-24 * steps
     assert claimed == pytest.approx(2.0**-24 * spheres.times[-1] / h)
+
+
+def rubbed(real, steps):
+    """Where velocity Verlet, which subtracts dry friction from the velocity by itself, leaves an oscillator after 16 s."""
+    h = real(16) / real(steps)
+    rub, pull = real(0.06) * h / real(2), h / real(2) * real(1.5)
+    x, v = real(-0.75), real(0.5)
+    for _ in range(steps):
+        for half in (0, 1):
+            v = v - pull * x
+            v = real(0) if abs(v) <= rub else v - np.copysign(rub, v)
+            x = x if half else x + h * v
+    return np.array([x, v], float)
+
+
+def test_dry_friction_of_constant_size_rounds_alike_step_by_step():
+    from refdem.core.refinement import flight, round_off
+
+    step = Method(name="m", summary="", control="step", order=2, precision="single")
+    instance = discovery.case("coulomb-oscillator").at(duration="16", samples="16")
+    steps = 16384
+    strayed = float(np.abs(rubbed(np.float32, steps) - rubbed(np.float64, steps)).max())
+    claimed = flight(instance, step, 16 / steps)
+    assert claimed == pytest.approx(2.0**-24 * steps)
+    assert strayed > 2 * round_off(instance, step, steps)  # more than roundings of random sign would leave
+    assert strayed < claimed

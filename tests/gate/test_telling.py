@@ -47,10 +47,11 @@ def without_friction_where_nothing_is_damped(request):
 
 
 SLOW_AND_SOFT = 6
+SLOW = {SLOW_AND_SOFT, 7}
 UNDAMPED = {5, SLOW_AND_SOFT}
 MISREADINGS = {
     "a tangential spring of at least 1 N/m": (contact(tangential_stiffness=lambda k: max(k, 1.0) if k else k), {SLOW_AND_SOFT}),
-    "slow bodies at rest": (at_rest_when_slow, {SLOW_AND_SOFT}),
+    "slow bodies at rest": (at_rest_when_slow, SLOW),
     "no friction without damping": (without_friction_where_nothing_is_damped, UNDAMPED),
 }
 """Faults of the question, and the numbers of the settings of two-spheres on which they act."""

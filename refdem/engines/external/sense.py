@@ -26,6 +26,7 @@ FEATURES = {
     *("slider:stribeck", "slider:belt", "spring:exponent", "spring:quadratic", "spring:cubic", "dashpot:van_der_pol"),
     "contact:damping",
     "contact:friction",
+    "contact:mindlin",
     "bodies_file",
     *(f"contact:{law}" for law in get_args(get_type_hints(Contact)["law"])),
 }

@@ -113,6 +113,9 @@ def test_every_feature_that_a_case_needs_can_be_named() -> None:
 
     cases = [discovery.case(name) for name in discovery.names("cases")]
     problems = [case.at().problem for case in cases if not isinstance(case, Selection)]
+    family = discovery.case("impact-benchmarks")
+    (member,) = (parameter for parameter in family.parameters if parameter.name == "member")
+    problems += [family.at(member=name).problem for name in member.choices]
     needed = {feature for problem in problems if isinstance(problem, Motion | Solid) for feature in problem.features}
     assert {feature for feature in needed if not feature.startswith("dimension:")} <= FEATURES
 
