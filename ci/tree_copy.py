@@ -1,0 +1,200 @@
+"""A copy of the tree in which files are spoiled and kernels built, one at a time; the tree itself is never touched.
+
+A copy is kept in build/ from run to run. `refreshed` makes it equal to the tree again, whatever a run
+that was killed left there, and meson builds only the kernels whose sources changed.
+"""
+
+import contextlib
+import json
+import os
+import resource
+import shlex
+import shutil
+import signal
+import subprocess
+import sys
+import tempfile
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parents[1]
+KERNELS = Path("refdem/kernels")
+COMMAND = ("-P", "-m", "pytest", "-q", "-p", "no:cacheprovider", "-p", "no:xdist", "--no-header", "--tb=no")
+MEMORY = 16 * 2**30
+"""[bytes] that a process of tests may ask for: a planted error may ask for all there is."""
+NEW_SECOND = 1_000_000_000
+"""[s since 1970] of the first file written: Python tells versions of a file by whole seconds and size."""
+
+
+@dataclass(frozen=True)
+class Ended:
+    """How a process of tests ended: its status, None if it ran out of time, and the tests that failed or crashed."""
+
+    status: int | None
+    failed: tuple[str, ...]
+
+    @property
+    def is_red(self) -> bool:
+        """True unless every test passed or was skipped."""
+        return self.status != 0
+
+
+@dataclass
+class TreeCopy:
+    """The copy at `place`; `flags` are more options of the compiler, for kernels built by `built_kernel`."""
+
+    place: Path
+    flags: tuple[str, ...] = ()
+    _written: int = NEW_SECOND
+    _commands: dict[str, list[str]] = field(default_factory=dict)
+    _includes: dict[str, set[str]] = field(default_factory=dict)
+
+    def refreshed(self) -> "TreeCopy":
+        """Makes all files, and the kernels, what the tree's sources say; raises RuntimeError if they do not build."""
+        self.place.mkdir(parents=True, exist_ok=True)
+        wanted = _listed(ROOT)
+        for name in sorted(_listed(self.place) - wanted if (self.place / ".git").exists() else ()):
+            (self.place / name).unlink(missing_ok=True)
+        for name in sorted(wanted):
+            self._copied(name)
+        if not (self.place / ".git").exists():
+            subprocess.run(["git", "init", "--quiet"], cwd=self.place, check=True)
+        command = [str(self.place / "ci/build-in-place"), sys.executable]
+        done = subprocess.run(command, cwd=self.place, capture_output=True, text=True)
+        if done.returncode:
+            raise RuntimeError(f"the kernels of the tree do not build: {done.stdout[-2000:]}{done.stderr[-2000:]}")
+        listed = json.loads((self.place / "build/dev/compile_commands.json").read_text())
+        commands = [shlex.split(entry["command"]) for entry in listed]
+        self._commands = {Path(command[-1]).name: command for command in commands}
+        return self
+
+    def _copied(self, name: str) -> None:
+        """Copies one file unless it is the same already; links and rights stay what they are."""
+        source, target = ROOT / name, self.place / name
+        if target.exists() and target.read_bytes() == source.read_bytes():
+            return
+        target.parent.mkdir(parents=True, exist_ok=True)
+        shutil.copy(source, target)
+
+    def written(self, name: str, text: bytes) -> None:
+        """Writes one file of the copy; no compiled Python of another version is taken for it."""
+        path = self.place / name
+        path.write_bytes(text)
+        self._written += 1
+        os.utime(path, (self._written, self._written))
+
+    def families_of(self, name: str) -> list[str]:
+        """The kernels that a source file of C is part of: its own, or all that include it."""
+        header = Path(name).name
+        families = sorted(path.stem for path in (ROOT / KERNELS).glob("*.c"))
+        return [family for family in families if header in self._reached(f"{family}.c")]
+
+    def _reached(self, file: str) -> set[str]:
+        """A file of C and all that it includes."""
+        if file not in self._includes:
+            text = (ROOT / KERNELS / file).read_text()
+            lines = [line.split('"')[1] for line in text.splitlines() if line.startswith('#include "')]
+            inside = [self._reached(line) for line in lines if (ROOT / KERNELS / line).exists()]
+            self._includes[file] = {file}.union(*inside)
+        return self._includes[file]
+
+    def built_kernel(self, family: str) -> bool:
+        """True if one kernel compiles as its source is now; it takes the place of the one that meson built."""
+        scratch = self.place / "build/planted"
+        scratch.mkdir(parents=True, exist_ok=True)
+        objects = [scratch / f"{family}.o", scratch / f"_{family}_glue.o"]
+        for target in objects:
+            if not self._compiled(family, target):
+                return False
+        made = scratch / f"_{family}.so"
+        link = [self._commands[f"{family}.c"][0], "-shared", "-fPIC", *self.flags, *map(str, objects), "-lm", "-pthread", "-o", str(made)]
+        if subprocess.run(link, capture_output=True).returncode:
+            return False
+        made.replace(self.place / KERNELS / self._extension(family).name)
+        return True
+
+    def _compiled(self, family: str, target: Path) -> bool:
+        """True if one object is made; the glue, which no one spoils, is made once."""
+        is_glue = target.stem.endswith("_glue")
+        if is_glue and target.exists() and not self.flags:
+            return True
+        command = self._commands[f"_{family}_glue.c" if is_glue else f"{family}.c"]
+        given = command[: command.index("-MD")]
+        line = [*given, *self.flags, "-o", str(target), "-c", command[-1]]
+        return subprocess.run(line, cwd=self.place / "build/dev", capture_output=True).returncode == 0
+
+    def _extension(self, family: str) -> Path:
+        """The kernel that meson built."""
+        (found,) = (self.place / "build/dev").glob(f"_{family}.*so")
+        return found
+
+    def pristine_kernel(self, family: str) -> None:
+        """Puts back the kernel that meson built."""
+        source = self._extension(family)
+        new = self.place / KERNELS / ".new"
+        shutil.copy(source, new)
+        new.replace(self.place / KERNELS / source.name)
+
+    def environment(self) -> dict[str, str]:
+        """What tests see: the copy's sources and its own store; what they leave behind stays in the copy."""
+        temporary = self.place / "build/tmp"
+        temporary.mkdir(parents=True, exist_ok=True)
+        paths = [str(self.place), str(self.place / "ci"), os.environ.get("PYTHONPATH", "")]
+        more = {
+            "PYTHONPATH": os.pathsep.join(filter(None, paths)),
+            "REFDEM_STORE": str(self.place / "build/store.sqlite"),
+            "TMPDIR": str(temporary),
+        }
+        return os.environ | more
+
+    def tested(self, tests: Sequence[str], limit: float, more: Sequence[str] = ("-x",), also: dict[str, str] | None = None) -> Ended:
+        """Runs tests in this order until one fails; nothing that they started is left, and nothing that they wrote to TMPDIR."""
+        environment = self.environment() | (also or {})
+        with tempfile.TemporaryDirectory(dir=environment["TMPDIR"]) as nest:
+            environment["TMPDIR"] = nest
+            environment["REFDEM_CURRENT_TEST"] = str(Path(nest) / "current")
+            command = [sys.executable, *COMMAND, "-p", "current_test", "-rfE", *more, *tests]
+            with tempfile.TemporaryFile("w+") as said:
+                status = _finished(command, self.place, environment, said, limit)
+                said.seek(0)
+                failed = [line.split(" ", 1)[1] for line in said if line.startswith(("FAILED ", "ERROR "))]
+            current = Path(environment["REFDEM_CURRENT_TEST"])
+            if status not in (0, 1) and current.exists():
+                failed.append(current.read_text())
+        names = [name.split(" - ")[0].strip() for name in failed]
+        return Ended(status, tuple(filter(None, names)))
+
+
+def _finished(command: list[str], place: Path, environment: dict[str, str], said: "object", limit: float) -> int | None:
+    """The status of a command, None if it ran longer than its limit [s]; its whole group of processes ends with it."""
+    process = subprocess.Popen(
+        command,
+        cwd=place,
+        env=environment,
+        stdout=said,  # type: ignore[call-overload]
+        stderr=subprocess.STDOUT,
+        start_new_session=True,
+        preexec_fn=_bounded,
+    )
+    try:
+        return process.wait(limit)
+    except subprocess.TimeoutExpired:
+        return None
+    finally:
+        with contextlib.suppress(ProcessLookupError):
+            os.killpg(process.pid, signal.SIGKILL)
+        process.wait()
+
+
+def _bounded() -> None:
+    """Bounds the memory of a process before it begins, and lets no crash leave a file of its memory."""
+    resource.setrlimit(resource.RLIMIT_AS, (MEMORY, MEMORY))
+    resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
+
+
+def _listed(tree: Path) -> set[str]:
+    """Files of a tree that git knows or could know, without what it is told to ignore."""
+    command = ["git", "ls-files", "-z", "--cached", "--others", "--exclude-standard"]
+    done = subprocess.run(command, cwd=tree, check=True, capture_output=True, text=True)
+    return {name for name in done.stdout.split("\0") if name and (tree / name).is_file()}
