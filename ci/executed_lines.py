@@ -9,6 +9,7 @@ import gzip
 import hashlib
 import json
 import shutil
+import signal
 import subprocess
 import sys
 import tempfile
@@ -23,7 +24,7 @@ LONGEST = 1500.0
 """[s] of one file of tests."""
 PARTS = ("kernels", "solvers", "engines", "checks", "core", "campaign", "faults", "mechanics", "cases", "gate", "stress")
 ROWS = "ci/campaign_rows.py"
-FLAGS = ("-O1", "--coverage", "-DREFDEM_ONE_CPU=x86-64", "-include", str(ROOT / "ci/kept_lines.h"))
+FLAGS = ("-O0", "--coverage", "-DREFDEM_ONE_CPU=x86-64", "-include", str(ROOT / "ci/kept_lines.h"))
 """Counted lines have one version for all processors: each of its clones would be a function of its own."""
 
 
@@ -187,6 +188,7 @@ def main(given: Sequence[str]) -> int:
     parser.add_argument("file", nargs="*", help="files of tests; none: all that the mutants are shown")
     parser.add_argument("--again", action="store_true", help="also those that are known")
     chosen = parser.parse_args(given)
+    signal.signal(signal.SIGTERM, lambda number, frame: sys.exit(128 + number))
     files = chosen.file or files_of_tests()
     if chosen.again:
         for file in files:

@@ -20,14 +20,17 @@ import contextlib
 import datetime
 import hashlib
 import json
+import platform
 import random
 import signal
 import sys
+import threading
 import time
 import tomllib
 from collections.abc import Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import asdict, dataclass, field
+from pathlib import Path
 from queue import Queue
 
 import executed_lines
@@ -48,6 +51,14 @@ START = 60.0
 """[s] to start a process of tests and to collect them, on a busy machine."""
 WHOLE = 60.0
 """[s] of a file of tests that is shown whole, because its tests may share what the first of them made."""
+
+
+def quick_flags() -> tuple[str, ...]:
+    """Options that build a kernel in a moment: one version of it, for this processor, to the same bits as all of them."""
+    info = Path("/proc/cpuinfo")
+    words = set(info.read_text().split()) if info.exists() else set()
+    level = "x86-64-v3" if {"avx2", "fma"} <= words else "x86-64"
+    return ("-O1", f"-DREFDEM_ONE_CPU={level}") if platform.machine() == "x86_64" else ("-O1",)
 
 
 @dataclass(frozen=True)
@@ -139,6 +150,7 @@ class Judge:
         lots = self.lots(site, text)
         with planted(copy, site.path, site.planted(text)) as is_sound:
             if not is_sound:
+                self._check_builds(copy, site, text)
                 return "not compiled", ""
             if not lots:
                 return "not executed", ""
@@ -147,6 +159,12 @@ class Judge:
                 if killer:
                     return "killed", killer
         return "survived", ""
+
+    def _check_builds(self, copy: TreeCopy, site: Site, text: bytes) -> None:
+        """Raises RuntimeError if the file does not compile without the mutant either."""
+        with planted(copy, site.path, text) as is_sound:
+            if not is_sound:
+                raise RuntimeError(f"{site.path} does not compile in {copy.place} with nothing planted")
 
     def _killer(self, copy: TreeCopy, site: Site, text: bytes, lot: list[Executed]) -> str:
         """The first test of a lot that fails with the mutant, fails again, and passes without it; empty if there is none."""
@@ -290,14 +308,16 @@ def key_of(site: Site) -> tuple[str, str, int, str]:
 def run(wanted: Sequence[tuple[Site, Group]], count: int, seed: int, jobs: int, until: float) -> None:
     """Keeps verdicts on mutants until `count` of them compiled or the time [s since 1970] is over, some copies at a time."""
     judge = Judge(executed_lines.executed(), known_equivalent(), seed)
+    all_copies = [TreeCopy(ROOT / "build" / f"planted-{number}", quick_flags()).refreshed() for number in range(jobs)]
     copies: Queue[TreeCopy] = Queue()
-    for number in range(jobs):
-        copies.put(TreeCopy(ROOT / "build" / f"planted-{number}").refreshed())
+    for copy in all_copies:
+        copies.put(copy)
     done = 0
+    is_over = threading.Event()
 
     def one(pair: tuple[Site, Group]) -> None:
         nonlocal done
-        if done >= count or time.time() > until:
+        if done >= count or time.time() > until or is_over.is_set():
             return
         site, group = pair
         copy = copies.get()
@@ -305,13 +325,21 @@ def run(wanted: Sequence[tuple[Site, Group]], count: int, seed: int, jobs: int, 
             verdict = judge.verdict(copy, site, group.name)
         finally:
             copies.put(copy)
+        if is_over.is_set():
+            return
         done += verdict.outcome != "not compiled"
         with KEPT.open("a") as kept:
             kept.write(json.dumps(asdict(verdict)) + "\n")
         print(f"{verdict.outcome:13}{verdict.path}:{verdict.line}  {verdict.shown}  {verdict.note}", flush=True)
 
     with ThreadPoolExecutor(jobs) as threads:
-        list(threads.map(one, wanted))
+        try:
+            list(threads.map(one, wanted))
+        finally:
+            # Of a run that was interrupted nothing goes on, and no verdict is kept of what it was at.
+            is_over.set()
+            for copy in all_copies:
+                copy.stop()
 
 
 def report(found: Sequence[Verdict]) -> str:
@@ -354,6 +382,7 @@ def options() -> argparse.Namespace:
     parser.add_argument("--jobs", type=int, default=2)
     parser.add_argument("--seed", type=int, default=datetime.date.today().toordinal())
     parser.add_argument("--minutes", type=float, default=float("inf"), help="no mutant is begun after so many")
+    parser.add_argument("--known", action="store_true", help="show mutants only to tests whose lines are known already")
     parser.add_argument("--survivors", action="store_true", help="judge again what is kept as survived or not executed")
     parser.add_argument("--report", action="store_true", help="write reports/mutants.md of all that is kept, and plant nothing")
     return parser.parse_args()
@@ -380,7 +409,8 @@ def main() -> int:
     if not given.report:
         print(f"seed {given.seed}", flush=True)
         until = time.time() + 60 * given.minutes
-        executed_lines.measure_all(executed_lines.files_of_tests())
+        if not given.known:
+            executed_lines.measure_all(executed_lines.files_of_tests())
         KEPT.parent.mkdir(exist_ok=True)
         wanted, count = asked(given)
         run(wanted, count, given.seed, given.jobs, until)

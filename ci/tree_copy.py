@@ -16,7 +16,9 @@ import sys
 import tempfile
 from collections.abc import Sequence
 from dataclasses import dataclass, field
+from itertools import takewhile
 from pathlib import Path
+from typing import IO
 
 ROOT = Path(__file__).resolve().parents[1]
 KERNELS = Path("refdem/kernels")
@@ -49,6 +51,7 @@ class TreeCopy:
     _written: int = NEW_SECOND
     _commands: dict[str, list[str]] = field(default_factory=dict)
     _includes: dict[str, set[str]] = field(default_factory=dict)
+    _process: "subprocess.Popen[bytes] | None" = None
 
     def refreshed(self) -> "TreeCopy":
         """Makes all files, and the kernels, what the tree's sources say; raises RuntimeError if they do not build."""
@@ -64,6 +67,7 @@ class TreeCopy:
         done = subprocess.run(command, cwd=self.place, capture_output=True, text=True)
         if done.returncode:
             raise RuntimeError(f"the kernels of the tree do not build: {done.stdout[-2000:]}{done.stderr[-2000:]}")
+        shutil.rmtree(self.place / "build/planted", ignore_errors=True)
         listed = json.loads((self.place / "build/dev/compile_commands.json").read_text())
         commands = [shlex.split(entry["command"]) for entry in listed]
         self._commands = {Path(command[-1]).name: command for command in commands}
@@ -108,7 +112,9 @@ class TreeCopy:
             if not self._compiled(family, target):
                 return False
         made = scratch / f"_{family}.so"
-        link = [self._commands[f"{family}.c"][0], "-shared", "-fPIC", *self.flags, *map(str, objects), "-lm", "-pthread", "-o", str(made)]
+        # The compiler may be called through another program, as ccache is.
+        compiler = takewhile(lambda word: not word.startswith("-"), self._commands[f"{family}.c"])
+        link = [*compiler, "-shared", "-fPIC", *self.flags, *map(str, objects), "-lm", "-pthread", "-o", str(made)]
         if subprocess.run(link, capture_output=True).returncode:
             return False
         made.replace(self.place / KERNELS / self._extension(family).name)
@@ -117,7 +123,7 @@ class TreeCopy:
     def _compiled(self, family: str, target: Path) -> bool:
         """True if one object is made; the glue, which no one spoils, is made once."""
         is_glue = target.stem.endswith("_glue")
-        if is_glue and target.exists() and not self.flags:
+        if is_glue and target.exists():
             return True
         command = self._commands[f"_{family}_glue.c" if is_glue else f"{family}.c"]
         given = command[: command.index("-MD")]
@@ -156,7 +162,7 @@ class TreeCopy:
             environment["REFDEM_CURRENT_TEST"] = str(Path(nest) / "current")
             command = [sys.executable, *COMMAND, "-p", "current_test", "-rfE", *more, *tests]
             with tempfile.TemporaryFile("w+") as said:
-                status = _finished(command, self.place, environment, said, limit)
+                status = self._finished(command, environment, said, limit)
                 said.seek(0)
                 failed = [line.split(" ", 1)[1] for line in said if line.startswith(("FAILED ", "ERROR "))]
             current = Path(environment["REFDEM_CURRENT_TEST"])
@@ -165,26 +171,31 @@ class TreeCopy:
         names = [name.split(" - ")[0].strip() for name in failed]
         return Ended(status, tuple(filter(None, names)))
 
+    def _finished(self, command: list[str], environment: dict[str, str], said: IO[str], limit: float) -> int | None:
+        """The status of a command, None if it ran longer than its limit [s]; its whole group of processes ends with it."""
+        self._process = subprocess.Popen(
+            command,
+            cwd=self.place,
+            env=environment,
+            stdout=said,
+            stderr=subprocess.STDOUT,
+            start_new_session=True,
+            preexec_fn=_bounded,
+        )
+        try:
+            return self._process.wait(limit)
+        except subprocess.TimeoutExpired:
+            return None
+        finally:
+            self.stop()
 
-def _finished(command: list[str], place: Path, environment: dict[str, str], said: "object", limit: float) -> int | None:
-    """The status of a command, None if it ran longer than its limit [s]; its whole group of processes ends with it."""
-    process = subprocess.Popen(
-        command,
-        cwd=place,
-        env=environment,
-        stdout=said,  # type: ignore[call-overload]
-        stderr=subprocess.STDOUT,
-        start_new_session=True,
-        preexec_fn=_bounded,
-    )
-    try:
-        return process.wait(limit)
-    except subprocess.TimeoutExpired:
-        return None
-    finally:
+    def stop(self) -> None:
+        """Ends what runs in this copy now, with all that it started."""
+        if self._process is None:
+            return
         with contextlib.suppress(ProcessLookupError):
-            os.killpg(process.pid, signal.SIGKILL)
-        process.wait()
+            os.killpg(self._process.pid, signal.SIGKILL)
+        self._process.wait()
 
 
 def _bounded() -> None:
