@@ -94,7 +94,10 @@ def executed() -> list[Executed]:
 
 def counting_copy() -> TreeCopy:
     """A copy of the tree whose kernels count their lines."""
-    copy = TreeCopy(ROOT / "build/counting", flags=FLAGS).refreshed()
+    copy = TreeCopy(ROOT / "build/counting", flags=FLAGS)
+    if not copy.locked():
+        raise SystemExit(f"another run asks the tests in {copy.place}; wait for it, or end it")
+    copy.refreshed()
     for source in sorted((ROOT / KERNELS).glob("*.c")):
         if not copy.built_kernel(source.stem):
             raise RuntimeError(f"{source.name} does not build with {' '.join(FLAGS)}")

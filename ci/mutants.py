@@ -29,7 +29,7 @@ import time
 import tomllib
 from collections.abc import Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import asdict, dataclass, field
+from dataclasses import asdict, dataclass, field, replace
 from pathlib import Path
 from queue import Queue
 
@@ -49,6 +49,9 @@ SLOWER = 10.0
 """How much longer than alone a test may take on a busy machine."""
 START = 60.0
 """[s] to start a process of tests and to collect them, on a busy machine."""
+SANITIZED = ("tests/kernels", "tests/solvers", "tests/engines")
+"""What ci/sanitized runs."""
+MOST_COPIES = 64
 WHOLE = 60.0
 """[s] of a file of tests that is shown whole, because its tests may share what the first of them made."""
 
@@ -58,7 +61,13 @@ def quick_flags() -> tuple[str, ...]:
     info = Path("/proc/cpuinfo")
     words = set(info.read_text().split()) if info.exists() else set()
     level = "x86-64-v3" if {"avx2", "fma"} <= words else "x86-64"
-    return ("-O1", f"-DREFDEM_ONE_CPU={level}") if platform.machine() == "x86_64" else ("-O1",)
+    own = (f"-DREFDEM_ONE_CPU={level}",) if platform.machine() == "x86_64" else ()
+    return ("-O1", *own)
+
+
+def sanitized(copy: TreeCopy) -> TreeCopy:
+    """The same copy, its kernels built as ci/sanitized builds them."""
+    return replace(copy, flags=("-O1", "-fsanitize=address,undefined", "-fno-sanitize-recover=all"), scratch="sanitized")
 
 
 @dataclass(frozen=True)
@@ -115,7 +124,7 @@ class Judge:
     tests: list[Executed]
     reasons: dict[tuple[str, str, str], str]
     seed: int
-    green: set[str] = field(default_factory=set)
+    green: set[tuple[str, tuple[str, ...]]] = field(default_factory=set)
     spoiled: set[str] = field(default_factory=set)
 
     def verdict(self, copy: TreeCopy, site: Site, group: str) -> Verdict:
@@ -158,7 +167,18 @@ class Judge:
                 killer = self._killer(copy, site, text, lot)
                 if killer:
                     return "killed", killer
-        return "survived", ""
+        if site.path.endswith(".py"):
+            return "survived", ""
+        return self._tried_sanitized(sanitized(copy), site, text, lots[0])
+
+    def _tried_sanitized(self, copy: TreeCopy, site: Site, text: bytes, lot: list[Executed]) -> tuple[str, str]:
+        """The outcome with the sanitizers, under which CI runs the tests of kernels, solvers and engines too."""
+        shown = [test for test in lot if test.file.startswith(SANITIZED)]
+        if not shown:
+            return "survived", ""
+        with planted(copy, site.path, site.planted(text)) as is_sound:
+            killer = self._killer(copy, site, text, shown) if is_sound else ""
+        return ("killed", f"{killer} (sanitizers)") if killer else ("survived", "")
 
     def _check_builds(self, copy: TreeCopy, site: Site, text: bytes) -> None:
         """Raises RuntimeError if the file does not compile without the mutant either."""
@@ -189,12 +209,12 @@ class Judge:
 
     def _is_green(self, copy: TreeCopy, site: Site, text: bytes, name: str, limit: float) -> bool:
         """True if a test passes with nothing planted; the mutant is planted again afterwards."""
-        if name in self.green:
+        if (name, copy.flags) in self.green:
             return True
         with planted(copy, site.path, text, then=site.planted(text)):
             is_green = not copy.tested([name], limit).is_red
         if is_green:
-            self.green.add(name)
+            self.green.add((name, copy.flags))
         return is_green
 
     def lots(self, site: Site, text: bytes) -> list[list[Executed]]:
@@ -308,7 +328,7 @@ def key_of(site: Site) -> tuple[str, str, int, str]:
 def run(wanted: Sequence[tuple[Site, Group]], count: int, seed: int, jobs: int, until: float) -> None:
     """Keeps verdicts on mutants until `count` of them compiled or the time [s since 1970] is over, some copies at a time."""
     judge = Judge(executed_lines.executed(), known_equivalent(), seed)
-    all_copies = [TreeCopy(ROOT / "build" / f"planted-{number}", quick_flags()).refreshed() for number in range(jobs)]
+    all_copies = [copy_of_its_own().refreshed() for _ in range(jobs)]
     copies: Queue[TreeCopy] = Queue()
     for copy in all_copies:
         copies.put(copy)
@@ -340,6 +360,15 @@ def run(wanted: Sequence[tuple[Site, Group]], count: int, seed: int, jobs: int, 
             is_over.set()
             for copy in all_copies:
                 copy.stop()
+
+
+def copy_of_its_own() -> TreeCopy:
+    """The first copy in build/ that no other run has."""
+    for number in range(MOST_COPIES):
+        copy = TreeCopy(ROOT / "build" / f"planted-{number}", quick_flags())
+        if copy.locked():
+            return copy
+    raise RuntimeError(f"{MOST_COPIES} copies in {ROOT / 'build'} are in use")
 
 
 def report(found: Sequence[Verdict]) -> str:

@@ -5,6 +5,7 @@ that was killed left there, and meson builds only the kernels whose sources chan
 """
 
 import contextlib
+import fcntl
 import json
 import os
 import resource
@@ -44,13 +45,15 @@ class Ended:
 
 @dataclass
 class TreeCopy:
-    """The copy at `place`; `flags` are more options of the compiler, for kernels built by `built_kernel`."""
+    """The copy at `place`; `flags` are more options of the compiler, for kernels built by `built_kernel` in build/`scratch`."""
 
     place: Path
     flags: tuple[str, ...] = ()
+    scratch: str = "planted"
     _written: int = NEW_SECOND
     _commands: dict[str, list[str]] = field(default_factory=dict)
     _includes: dict[str, set[str]] = field(default_factory=dict)
+    _lock: IO[str] | None = None
     _process: "subprocess.Popen[bytes] | None" = None
 
     def refreshed(self) -> "TreeCopy":
@@ -67,11 +70,23 @@ class TreeCopy:
         done = subprocess.run(command, cwd=self.place, capture_output=True, text=True)
         if done.returncode:
             raise RuntimeError(f"the kernels of the tree do not build: {done.stdout[-2000:]}{done.stderr[-2000:]}")
-        shutil.rmtree(self.place / "build/planted", ignore_errors=True)
+        shutil.rmtree(self.place / "build" / self.scratch, ignore_errors=True)
         listed = json.loads((self.place / "build/dev/compile_commands.json").read_text())
         commands = [shlex.split(entry["command"]) for entry in listed]
         self._commands = {Path(command[-1]).name: command for command in commands}
         return self
+
+    def locked(self) -> bool:
+        """True if the copy now belongs to this process, which keeps it to its end."""
+        self.place.parent.mkdir(parents=True, exist_ok=True)
+        lock = self.place.with_suffix(".lock").open("w")
+        try:
+            fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except BlockingIOError:
+            lock.close()
+            return False
+        self._lock = lock
+        return True
 
     def _copied(self, name: str) -> None:
         """Copies one file unless it is the same already; links and rights stay what they are."""
@@ -105,7 +120,7 @@ class TreeCopy:
 
     def built_kernel(self, family: str) -> bool:
         """True if one kernel compiles as its source is now; it takes the place of the one that meson built."""
-        scratch = self.place / "build/planted"
+        scratch = self.place / "build" / self.scratch
         scratch.mkdir(parents=True, exist_ok=True)
         objects = [scratch / f"{family}.o", scratch / f"_{family}_glue.o"]
         for target in objects:
@@ -152,7 +167,12 @@ class TreeCopy:
             "REFDEM_STORE": str(self.place / "build/store.sqlite"),
             "TMPDIR": str(temporary),
         }
-        return os.environ | more
+        return os.environ | more | (sanitizers() if self.is_sanitized else {})
+
+    @property
+    def is_sanitized(self) -> bool:
+        """True if kernels are built with the address sanitizer."""
+        return any(flag.startswith("-fsanitize=address") for flag in self.flags)
 
     def tested(self, tests: Sequence[str], limit: float, more: Sequence[str] = ("-x",), also: dict[str, str] | None = None) -> Ended:
         """Runs tests in this order until one fails; nothing that they started is left, and nothing that they wrote to TMPDIR."""
@@ -160,7 +180,8 @@ class TreeCopy:
         with tempfile.TemporaryDirectory(dir=environment["TMPDIR"]) as nest:
             environment["TMPDIR"] = nest
             environment["REFDEM_CURRENT_TEST"] = str(Path(nest) / "current")
-            command = [sys.executable, *COMMAND, "-p", "current_test", "-rfE", *more, *tests]
+            capture = ("--capture=sys",) if self.is_sanitized else ()
+            command = [sys.executable, *COMMAND, *capture, "-p", "current_test", "-rfE", *more, *tests]
             with tempfile.TemporaryFile("w+") as said:
                 status = self._finished(command, environment, said, limit)
                 said.seek(0)
@@ -180,7 +201,7 @@ class TreeCopy:
             stdout=said,
             stderr=subprocess.STDOUT,
             start_new_session=True,
-            preexec_fn=_bounded,
+            preexec_fn=None if self.is_sanitized else _bounded,
         )
         try:
             return self._process.wait(limit)
@@ -196,6 +217,27 @@ class TreeCopy:
         with contextlib.suppress(ProcessLookupError):
             os.killpg(self._process.pid, signal.SIGKILL)
         self._process.wait()
+        for number in _marked(self.place):
+            with contextlib.suppress(ProcessLookupError):
+                os.kill(number, signal.SIGKILL)
+
+
+def _marked(place: Path) -> list[int]:
+    """Processes that were started with the environment of tests in a copy: those that left their group too."""
+    found = []
+    marker = f"REFDEM_CURRENT_TEST={place}/".encode()
+    for folder in Path("/proc").glob("[0-9]*"):
+        with contextlib.suppress(OSError):
+            if marker in (folder / "environ").read_bytes():
+                found.append(int(folder.name))
+    return found
+
+
+def sanitizers() -> dict[str, str]:
+    """What Python needs to load kernels with sanitizers: as in ci/sanitized."""
+    names = ("libasan.so", "libubsan.so")
+    found = [subprocess.run(["gcc", f"-print-file-name={name}"], capture_output=True, text=True, check=True).stdout for name in names]
+    return {"LD_PRELOAD": " ".join(path.strip() for path in found), "ASAN_OPTIONS": "detect_leaks=0", "PYTHONMALLOC": "malloc"}
 
 
 def _bounded() -> None:
