@@ -190,29 +190,30 @@ class Judge:
         """The first test of a lot that fails with the mutant, fails again, and passes without it; empty if there is none."""
         seconds = {test.test: test.seconds for test in lot}
         while names := [name for name in seconds if name not in self.spoiled]:
-            ended = copy.tested(names, START + SLOWER * sum(seconds.values()))
+            ended = copy.tested(names, START + SLOWER * sum(seconds.values()), seconds=seconds)
             if not ended.is_red:
                 return ""
             if not ended.failed:
-                raise RuntimeError(f"tests of {site.path} ended with status {ended.status} and name no test that failed")
+                raise RuntimeError(f"tests of {site.path} ended with status {ended.status} and name no test that failed:\n{ended.said}")
             name = ended.failed[0]
             if ended.status is None:
                 return f"{name} (time)"
-            limit = START + SLOWER * seconds.get(name, FIRST)
-            is_red_again = copy.tested([name], limit).is_red
-            if is_red_again and self._is_green(copy, site, text, name, limit):
+            own = {name: seconds.get(name, FIRST)}
+            is_red_again = copy.tested([name], START + SLOWER * own[name], seconds=own).is_red
+            if is_red_again and self._is_green(copy, site, text, own):
                 return name
             self.spoiled.add(name)
             seconds.pop(name, None)
-            print(f"{name} fails without any error planted, or only sometimes: it kills nothing", flush=True)
+            print(f"{name} fails without any error planted, or only sometimes: it kills nothing\n{ended.said}", flush=True)
         return ""
 
-    def _is_green(self, copy: TreeCopy, site: Site, text: bytes, name: str, limit: float) -> bool:
-        """True if a test passes with nothing planted; the mutant is planted again afterwards."""
+    def _is_green(self, copy: TreeCopy, site: Site, text: bytes, own: dict[str, float]) -> bool:
+        """True if a test, here with its seconds, passes with nothing planted; the mutant is planted again afterwards."""
+        ((name, seconds),) = own.items()
         if (name, copy.flags) in self.green:
             return True
         with planted(copy, site.path, text, then=site.planted(text)):
-            is_green = not copy.tested([name], limit).is_red
+            is_green = not copy.tested([name], START + SLOWER * seconds, seconds=own).is_red
         if is_green:
             self.green.add((name, copy.flags))
         return is_green

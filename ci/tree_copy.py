@@ -15,6 +15,7 @@ import signal
 import subprocess
 import sys
 import tempfile
+import time
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from itertools import takewhile
@@ -23,19 +24,24 @@ from typing import IO
 
 ROOT = Path(__file__).resolve().parents[1]
 KERNELS = Path("refdem/kernels")
-COMMAND = ("-P", "-m", "pytest", "-q", "-p", "no:cacheprovider", "-p", "no:xdist", "--no-header", "--tb=no")
+COMMAND = ("-P", "-m", "pytest", "-q", "-p", "no:cacheprovider", "-p", "no:xdist", "--no-header", "--tb=line")
 MEMORY = 16 * 2**30
 """[bytes] that a process of tests may ask for: a planted error may ask for all there is."""
+LAST = 12
+"""Lines of what a process says that are kept."""
+MOMENT = 0.01
+"""[s] in which a process that was killed is gone."""
 NEW_SECOND = 1_000_000_000
 """[s since 1970] of the first file written: Python tells versions of a file by whole seconds and size."""
 
 
 @dataclass(frozen=True)
 class Ended:
-    """How a process of tests ended: its status, None if it ran out of time, and the tests that failed or crashed."""
+    """How a process of tests ended: its status, None if it ran out of time, the tests that failed or crashed, its last words."""
 
     status: int | None
     failed: tuple[str, ...]
+    said: str = ""
 
     @property
     def is_red(self) -> bool:
@@ -174,23 +180,36 @@ class TreeCopy:
         """True if kernels are built with the address sanitizer."""
         return any(flag.startswith("-fsanitize=address") for flag in self.flags)
 
-    def tested(self, tests: Sequence[str], limit: float, more: Sequence[str] = ("-x",), also: dict[str, str] | None = None) -> Ended:
-        """Runs tests in this order until one fails; nothing that they started is left, and nothing that they wrote to TMPDIR."""
+    def tested(
+        self,
+        tests: Sequence[str],
+        limit: float,
+        more: Sequence[str] = ("-x",),
+        also: dict[str, str] | None = None,
+        seconds: dict[str, float] | None = None,
+    ) -> Ended:
+        """Runs tests in this order until one fails; nothing that they started is left, and nothing that they wrote to TMPDIR.
+
+        A test that takes ten times its `seconds` of the processor has crashed.
+        """
         environment = self.environment() | (also or {})
         with tempfile.TemporaryDirectory(dir=environment["TMPDIR"]) as nest:
             environment["TMPDIR"] = nest
             environment["REFDEM_CURRENT_TEST"] = str(Path(nest) / "current")
+            environment["REFDEM_SECONDS"] = str(Path(nest) / "seconds")
+            Path(environment["REFDEM_SECONDS"]).write_text(json.dumps(seconds or {}))
             capture = ("--capture=sys",) if self.is_sanitized else ()
             command = [sys.executable, *COMMAND, *capture, "-p", "current_test", "-rfE", *more, *tests]
             with tempfile.TemporaryFile("w+") as said:
                 status = self._finished(command, environment, said, limit)
                 said.seek(0)
-                failed = [line.split(" ", 1)[1] for line in said if line.startswith(("FAILED ", "ERROR "))]
+                lines = said.readlines()
+                failed = [line.split(" ", 1)[1] for line in lines if line.startswith(("FAILED ", "ERROR "))]
             current = Path(environment["REFDEM_CURRENT_TEST"])
             if status not in (0, 1) and current.exists():
                 failed.append(current.read_text())
         names = [name.split(" - ")[0].strip() for name in failed]
-        return Ended(status, tuple(filter(None, names)))
+        return Ended(status, tuple(filter(None, names)), "".join(lines[-LAST:]))
 
     def _finished(self, command: list[str], environment: dict[str, str], said: IO[str], limit: float) -> int | None:
         """The status of a command, None if it ran longer than its limit [s]; its whole group of processes ends with it."""
@@ -217,9 +236,11 @@ class TreeCopy:
         with contextlib.suppress(ProcessLookupError):
             os.killpg(self._process.pid, signal.SIGKILL)
         self._process.wait()
-        for number in _marked(self.place):
-            with contextlib.suppress(ProcessLookupError):
-                os.kill(number, signal.SIGKILL)
+        while left := _marked(self.place):
+            for number in left:
+                with contextlib.suppress(ProcessLookupError):
+                    os.kill(number, signal.SIGKILL)
+            time.sleep(MOMENT)
 
 
 def _marked(place: Path) -> list[int]:
