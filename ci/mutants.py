@@ -11,7 +11,7 @@ day unless it is given: the same seed draws the same mutants of the same tree.
 
   ci/mutants.py                               600 mutants of all parts, and the report
   ci/mutants.py --part kernels --count 40 --seed 7
-  ci/mutants.py --part gas.c:120              all mutants of a file or a line
+  ci/mutants.py --look --part gas.c:120       all mutants of a file or a line, kept out of the report
   ci/mutants.py --survivors                   what no test saw, shown to the tests again
 """
 
@@ -30,6 +30,7 @@ import tomllib
 from collections.abc import Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import asdict, dataclass, field, replace
+from functools import cache
 from pathlib import Path
 from queue import Queue
 
@@ -129,7 +130,7 @@ class Judge:
 
     def verdict(self, copy: TreeCopy, site: Site, group: str) -> Verdict:
         """Plants one mutant in a copy, and puts the file and its kernels back."""
-        text = (ROOT / site.path).read_bytes()
+        text = text_of(site.path)
         line = site.line(text)
         shown = site.shown(text)
         whole = text.split(b"\n")[line - 1].decode().strip()
@@ -253,6 +254,12 @@ def _split(ordered: Sequence[Executed]) -> tuple[list[Executed], list[Executed]]
     return begin, rest
 
 
+@cache
+def text_of(path: str) -> bytes:
+    """A file of the tree as it was when it was first asked for: what is written there meanwhile belongs to the next run."""
+    return (ROOT / path).read_bytes()
+
+
 @contextlib.contextmanager
 def planted(copy: TreeCopy, path: str, text: bytes, then: bytes | None = None) -> Iterator[bool]:
     """A file of the copy as `text`, its kernels built; True if it compiles. Afterwards it is `then`, or what the tree says."""
@@ -261,7 +268,7 @@ def planted(copy: TreeCopy, path: str, text: bytes, then: bytes | None = None) -
         copy.written(path, text)
         yield _is_sound(copy, path, text, families)
     finally:
-        copy.written(path, (ROOT / path).read_bytes() if then is None else then)
+        copy.written(path, text_of(path) if then is None else then)
         for family in families:
             if then is None:
                 copy.pristine_kernel(family)
@@ -309,7 +316,7 @@ def is_wanted(only: Sequence[str], group: Group, file: str) -> bool:
 def on_line(only: Sequence[str], site: Site) -> bool:
     """True unless other lines of its file were asked for."""
     lines = [int(word.partition(":")[2]) for word in only if ":" in word and site.path.endswith(word.partition(":")[0])]
-    return not lines or site.line((ROOT / site.path).read_bytes()) in lines
+    return not lines or site.line(text_of(site.path)) in lines
 
 
 def read_kept() -> dict[tuple[str, str, int, str], Verdict]:
@@ -322,14 +329,16 @@ def read_kept() -> dict[tuple[str, str, int, str], Verdict]:
 
 def key_of(site: Site) -> tuple[str, str, int, str]:
     """The key of a mutant of the tree as it is now."""
-    digest = hashlib.sha256((ROOT / site.path).read_bytes()).hexdigest()
+    digest = hashlib.sha256(text_of(site.path)).hexdigest()
     return site.path, digest, site.begin, site.instead.decode()
 
 
-def run(wanted: Sequence[tuple[Site, Group]], count: int, seed: int, jobs: int, until: float) -> None:
+def run(wanted: Sequence[tuple[Site, Group]], count: int, given: argparse.Namespace) -> None:
     """Keeps verdicts on mutants until `count` of them compiled or the time [s since 1970] is over, some copies at a time."""
-    judge = Judge(executed_lines.executed(), known_equivalent(), seed)
-    all_copies = [copy_of_its_own().refreshed() for _ in range(jobs)]
+    judge = Judge(executed_lines.executed(), known_equivalent(), given.seed)
+    until = time.time() + 60 * given.minutes
+    keeps = not given.look
+    all_copies = [copy_of_its_own().refreshed() for _ in range(given.jobs)]
     copies: Queue[TreeCopy] = Queue()
     for copy in all_copies:
         copies.put(copy)
@@ -349,11 +358,12 @@ def run(wanted: Sequence[tuple[Site, Group]], count: int, seed: int, jobs: int, 
         if is_over.is_set():
             return
         done += verdict.outcome != "not compiled"
-        with KEPT.open("a") as kept:
-            kept.write(json.dumps(asdict(verdict)) + "\n")
+        if keeps:
+            with KEPT.open("a") as kept:
+                kept.write(json.dumps(asdict(verdict)) + "\n")
         print(f"{verdict.outcome:13}{verdict.path}:{verdict.line}  {verdict.shown}  {verdict.note}", flush=True)
 
-    with ThreadPoolExecutor(jobs) as threads:
+    with ThreadPoolExecutor(given.jobs) as threads:
         try:
             list(threads.map(one, wanted))
         finally:
@@ -414,6 +424,7 @@ def options() -> argparse.Namespace:
     parser.add_argument("--minutes", type=float, default=float("inf"), help="no mutant is begun after so many")
     parser.add_argument("--known", action="store_true", help="show mutants only to tests whose lines are known already")
     parser.add_argument("--survivors", action="store_true", help="judge again what is kept as survived or not executed")
+    parser.add_argument("--look", action="store_true", help="keep no verdict: what was not drawn at random is no sample")
     parser.add_argument("--report", action="store_true", help="write reports/mutants.md of all that is kept, and plant nothing")
     return parser.parse_args()
 
@@ -438,12 +449,11 @@ def main() -> int:
     signal.signal(signal.SIGTERM, lambda number, frame: sys.exit(128 + number))
     if not given.report:
         print(f"seed {given.seed}", flush=True)
-        until = time.time() + 60 * given.minutes
         if not given.known:
             executed_lines.measure_all(executed_lines.files_of_tests())
         KEPT.parent.mkdir(exist_ok=True)
         wanted, count = asked(given)
-        run(wanted, count, given.seed, given.jobs, until)
+        run(wanted, count, given)
     text = report(list(read_kept().values()))
     if given.report or not given.part:
         REPORT.write_text(text)
