@@ -24,6 +24,8 @@ LONGEST = 1500.0
 """[s] of one file of tests."""
 PARTS = ("kernels", "solvers", "engines", "checks", "core", "campaign", "faults", "mechanics", "cases", "gate", "stress")
 ROWS = "ci/campaign_rows.py"
+UNKNOWN = -1
+"""Stands for all lines of a source."""
 FLAGS = ("-O0", "--coverage", "-DREFDEM_ONE_CPU=x86-64", "-include", str(ROOT / "ci/kept_lines.h"))
 """Counted lines have one version for all processors: each of its clones would be a function of its own."""
 
@@ -74,7 +76,7 @@ def read_kept(path: Path) -> dict[str, "object"]:
 def executed() -> list[Executed]:
     """All tests that are known, without those whose file changed or is gone, and those that failed.
 
-    Lines of a source that changed since are unknown, and left out.
+    Of a source that changed since, any line may be one that they run: UNKNOWN.
     """
     found: list[Executed] = []
     sources: dict[str, str] = {}
@@ -86,8 +88,8 @@ def executed() -> list[Executed]:
             known = {}
             for name, lines in test["lines"].items():
                 sources.setdefault(name, digest(name))
-                if sources[name] == entry["sources"][name]:  # type: ignore[index]
-                    known[name] = set(lines)
+                is_same = sources[name] == entry["sources"][name]  # type: ignore[index]
+                known[name] = set(lines) if is_same else {UNKNOWN}
             found.append(Executed(test["name"], test["seconds"], known))
     return found
 

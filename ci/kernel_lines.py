@@ -7,7 +7,7 @@ import argparse
 import sys
 
 import executed_lines
-from executed_lines import ROWS, countable, executed
+from executed_lines import ROWS, UNKNOWN, countable, executed
 from tree_copy import ROOT, TreeCopy
 
 GOAL = 0.98
@@ -24,12 +24,20 @@ def spans(lines: set[int]) -> str:
     return ", ".join(str(begin) if begin == end else f"{begin}-{end}" for begin, end in found)
 
 
+def is_kernel(name: str) -> bool:
+    """True for a source of a kernel."""
+    return name.endswith((".c", ".h"))
+
+
 def run_by_rows() -> dict[str, set[int]]:
     """Lines of C that some row runs, by file."""
     found: dict[str, set[int]] = {}
     for test in executed():
         if test.file == ROWS:
-            for name, lines in test.lines.items():
+            for name in filter(is_kernel, test.lines):
+                lines = test.lines[name]
+                if UNKNOWN in lines:
+                    raise SystemExit(f"{name} changed since the campaign ran: measure it again, without --kept")
                 found.setdefault(name, set()).update(lines)
     return found
 

@@ -35,7 +35,7 @@ from pathlib import Path
 from queue import Queue
 
 import executed_lines
-from executed_lines import Executed
+from executed_lines import UNKNOWN, Executed
 from mutant_sites import Site, sites
 from tree_copy import ROOT, TreeCopy
 
@@ -225,7 +225,7 @@ class Judge:
         What a test runs may have been kept from an earlier one of its file: small files are shown whole at the end.
         """
         first = text[: site.statement].count(b"\n") + 1
-        span = set(range(first, site.line(text) + 1))
+        span = {UNKNOWN, *range(first, site.line(text) + 1)}
         if site.is_inside:
             telling = [test for test in self.tests if not span.isdisjoint(test.lines.get(site.path, ()))]
         else:

@@ -1,4 +1,4 @@
-"""What is fixed stays where it is to the last bit, whatever falls on it and pulls at it, in every method that takes the scene."""
+"""Bodies that do not feel each other: a fixed one stays to the last bit, and of many in one field each moves as if alone."""
 
 import numpy as np
 import pytest
@@ -6,6 +6,7 @@ import pytest
 from refdem.core.problem import Motion, Request
 from refdem.engines.reference import ENGINE
 from refdem.scene import Body, Scene, Sphere
+from refdem.scene.elements.central_field import CentralField
 from refdem.scene.elements.contact import Contact
 from refdem.scene.elements.spring import Spring
 from refdem.scene.elements.uniform_gravity import UniformGravity
@@ -44,3 +45,20 @@ def test_a_fixed_body_does_not_move_and_the_other_does(name):
             start = getattr(scene.bodies, column)[1]
             assert np.array_equal(getattr(run, column)[:, 1], np.tile(start, (len(TIMES), 1))), f"{method.name}: {column}"
         assert np.ptp(run.position[:, 0], axis=0).min() > 1e-3, method.name
+
+
+def test_points_in_one_central_field_move_as_each_does_alone():
+    points = [
+        Body(mass=1.0, position=(1.0, 0.0, 0.0), velocity=(0.0, 1.0, 0.25)),
+        Body(mass=2.0, position=(0.0, -2.0, 0.5), velocity=(0.5, 0.0, 0.25)),
+        Body(mass=3.0, position=(0.0, 0.25, 4.0), velocity=(0.5, 0.125, 0.0)),
+    ]
+    field = CentralField(gm=1.0)
+    together = Motion(Scene.of(points, [field]), TIMES)
+    methods = [method for method in ENGINE.methods if ENGINE.refusal(together, method) is None and method.control == "step"]
+    assert {method.name for method in methods} >= {"velocity-verlet", "rk4"}
+    for method in methods:
+        run, _ = ENGINE.run(Request(problem=together, method=method.name, step=1 / 64))
+        for number, point in enumerate(points):
+            alone, _ = ENGINE.run(Request(problem=Motion(Scene.of([point], [field]), TIMES), method=method.name, step=1 / 64))
+            assert np.array_equal(run.position[:, number], alone.position[:, 0]), method.name
