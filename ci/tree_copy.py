@@ -206,7 +206,8 @@ class TreeCopy:
                 lines = said.readlines()
                 failed = [line.split(" ", 1)[1] for line in lines if line.startswith(("FAILED ", "ERROR "))]
             current = Path(environment["REFDEM_CURRENT_TEST"])
-            if status not in (0, 1) and current.exists():
+            # A crash, a sanitizer's abort among them, or a hang that the limit ended names no test itself.
+            if status != 0 and not failed and current.exists():
                 failed.append(current.read_text())
         names = [name.split(" - ")[0].strip() for name in failed]
         return Ended(status, tuple(filter(None, names)), "".join(lines[-LAST:]))
