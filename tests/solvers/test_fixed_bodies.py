@@ -8,8 +8,10 @@ from refdem.engines.reference import ENGINE
 from refdem.scene import Body, Scene, Sphere
 from refdem.scene.elements.central_field import CentralField
 from refdem.scene.elements.contact import Contact
+from refdem.scene.elements.plane import Plane
 from refdem.scene.elements.spring import Spring
 from refdem.scene.elements.uniform_gravity import UniformGravity
+from refdem.solvers._particles import pairs
 
 TIMES = np.linspace(0.0, 1.0, 9)
 GRAVITY = UniformGravity(g=(0.25, 0.5, -8.0))
@@ -62,3 +64,9 @@ def test_points_in_one_central_field_move_as_each_does_alone():
         for number, point in enumerate(points):
             alone, _ = ENGINE.run(Request(problem=Motion(Scene.of([point], [field]), TIMES), method=method.name, step=1 / 64))
             assert np.array_equal(run.position[:, number], alone.position[:, 0]), method.name
+
+
+def test_pairs_are_of_what_moves_with_what_stands_and_of_no_two_that_stand():
+    spheres = [sphere((2.0 * number, 0.0, 0.0), fixed=number != 1) for number in range(3)]
+    found = pairs(Scene.of(spheres, [SOFT, Plane()]))
+    assert found.tolist() == [[0, 1], [1, 2], [1, -1]]
