@@ -1,7 +1,8 @@
 # Two commands for everyone: `make validate` and `make test`. They need Python 3.11+ with headers, a C11 compiler, make, and
 # a package index; no root. Everything goes into .venv and build/; unchanged sources install nothing.
 .DELETE_ON_ERROR:
-.PHONY: validate test test-all test-elsewhere test-touched test-machines sanitized certify certify-sample nightly mutants manual lint
+.PHONY: validate test test-all test-elsewhere test-touched test-machines sanitized certify certify-sample nightly mutants
+.PHONY: kernel-lines manual lint
 .PHONY: develop codes lock clean help
 
 PYTHON ?= python3
@@ -29,6 +30,7 @@ help:
 	@echo 'make test-machines  the tests as on other processors, on a busy machine, in another order'
 	@echo 'make nightly    all of that, every fault at every seed, the full campaign, mutants'
 	@echo 'make mutants    plant small errors in the code and count those that no test sees'
+	@echo 'make kernel-lines  the lines of the kernels that campaign main runs'
 	@echo 'make certify    prove the certified truth again where its code changed; killed, it resumes'
 	@echo 'make manual     write the verification manual, a page a case, into reports/manual'
 	@echo 'make codes      DEM codes that the gates in validation/codes run, in .venv-codes'
@@ -65,10 +67,14 @@ nightly: test test-all
 	$(BIN)/pytest $(MATRIX) -n $(JOBS) $(TIMES) --dist loadfile
 	$(BIN)/refdem run --campaign full --out build/nightly
 	$(MAKE) test-machines
+	$(MAKE) kernel-lines
 	$(MAKE) mutants
 
 mutants: .venv/refdem .venv/for-mutants
 	PATH="$(CURDIR)/$(BIN):$$PATH" $(BIN)/python ci/mutants.py --jobs $(JOBS)
+
+kernel-lines: .venv/refdem .venv/for-mutants
+	PATH="$(CURDIR)/$(BIN):$$PATH" $(BIN)/python ci/kernel_lines.py
 
 certify: .venv/refdem
 	$(BIN)/refdem certify --folder validation/truth --jobs $(JOBS)

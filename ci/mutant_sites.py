@@ -22,7 +22,10 @@ KINDS = {"<": "comparison", ">": "comparison", "=": "comparison", "!": "comparis
 
 @dataclass(frozen=True)
 class Site:
-    """One possible mutant: bytes begin..end of a file become `instead`; `statement` is where the statement around it begins."""
+    """One possible mutant: bytes begin..end of a file become `instead`; `statement` is where the statement around it begins.
+
+    `is_inside` a function: what stands outside runs once, when its module is imported.
+    """
 
     path: str
     kind: str
@@ -30,6 +33,7 @@ class Site:
     end: int
     instead: bytes
     statement: int
+    is_inside: bool = True
 
     def planted(self, text: bytes) -> bytes:
         """The file with the error."""
@@ -122,6 +126,7 @@ class _Python(ast.NodeVisitor):
         self.lines = [0, *(at + 1 for at, byte in enumerate(text) if byte == ord("\n"))]
         self.found: list[Site] = []
         self.statement = 0
+        self.depth = 0
 
     def at(self, line: int, column: int) -> int:
         """The byte of a line and column of the parser."""
@@ -133,7 +138,7 @@ class _Python(ast.NodeVisitor):
 
     def note(self, kind: str, begin: int, end: int, instead: str) -> None:
         """One more site."""
-        self.found.append(Site(self.path, kind, begin, end, instead.encode(), self.statement))
+        self.found.append(Site(self.path, kind, begin, end, instead.encode(), self.statement, self.depth > 0))
 
     def between(self, left: ast.AST, right: ast.AST, operator: str) -> None:
         """An operator between two operands becomes another one."""
@@ -151,8 +156,10 @@ class _Python(ast.NodeVisitor):
         super().visit(node)
 
     def visit_FunctionDef(self, node: ast.FunctionDef) -> None:
+        self.depth += 1
         for part in node.body:
             self.visit(part)
+        self.depth -= 1
 
     def visit_AnnAssign(self, node: ast.AnnAssign) -> None:
         if node.value:

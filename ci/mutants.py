@@ -1,210 +1,290 @@
-"""Plants small errors in refdem, one at a time, and counts those that no test sees: `make mutants`, or ci/mutants.py [OPTIONS].
+"""Plants small errors in refdem, one at a time, and counts those that no test sees: ci/mutants.py [OPTIONS].
 
-Each mutant is planted in a copy of the tree, its kernel is built there, and the tests that are about its part run until one fails. What
-survives is looked at again: with an abort before its statement, a mutant that is still unseen stands where no test comes. Those that
-change nothing are listed, each with its reason, in ci/equivalent_mutants.toml. The seed is that of the day unless it is given, and is
-printed: the same seed plants the same errors in the same tree. The table goes to reports/mutants.md.
+Each mutant is planted in a copy of the tree, and the one kernel that it is in is built there. Of all
+tests, those that run its line (ci/executed_lines.py knows them) are shown to it, the fastest first,
+until one fails. It has killed the mutant if it fails once more, and passes without the mutant.
+Mutants that change nothing are listed, each with its reason, in ci/equivalent_mutants.toml.
+
+What was found is kept in build/mutants.jsonl: the same command goes on where it was killed, and
+reports/mutants.md is the table of all that is kept for the seeds asked for. The seed is that of the
+day unless it is given: the same seed draws the same mutants of the same tree.
+
+  ci/mutants.py                               600 mutants of all parts, and the report
+  ci/mutants.py --part kernels --count 40 --seed 7
+  ci/mutants.py --look --part gas.c:120       all mutants of a file or a line, kept out of the report
+  ci/mutants.py --survivors                   what no test saw, shown to the tests again
 """
 
 import argparse
+import contextlib
 import datetime
-import os
+import hashlib
+import json
+import platform
 import random
-import shutil
-import subprocess
+import signal
 import sys
-import tempfile
+import threading
+import time
 import tomllib
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass, field, replace
+from functools import cache
 from pathlib import Path
 from queue import Queue
 
+import executed_lines
+from executed_lines import UNKNOWN, Executed
 from mutant_sites import Site, sites
+from tree_copy import ROOT, TreeCopy
 
-ROOT = Path(__file__).parents[1]
 EQUIVALENT = ROOT / "ci" / "equivalent_mutants.toml"
-LONGEST = 600.0
-"""[s] of the tests of one mutant; a mutant that hangs is seen."""
-SHARE = 3
-"""Of a fixed seed's draw, at most so many times as many sites are tried as mutants are wanted: some do not compile."""
+KEPT = ROOT / "build" / "mutants.jsonl"
+REPORT = ROOT / "reports" / "mutants.md"
+MOST = 300.0
+"""[s] that the tests of one mutant take when nothing is planted; what would take longer is not shown to it."""
+FIRST = 8.0
+"""[s] of the tests that a mutant is shown at once before the others are collected."""
+SLOWER = 10.0
+"""How much longer than alone a test may take on a busy machine."""
+START = 60.0
+"""[s] to start a process of tests and to collect them, on a busy machine."""
+SANITIZED = ("tests/kernels", "tests/solvers", "tests/engines")
+"""What ci/sanitized runs."""
+MOST_COPIES = 64
+WHOLE = 60.0
+"""[s] of a file of tests that is shown whole, because its tests may share what the first of them made."""
+
+
+def quick_flags() -> tuple[str, ...]:
+    """Options that build a kernel in a moment: one version of it, for this processor, to the same bits as all of them."""
+    info = Path("/proc/cpuinfo")
+    words = set(info.read_text().split()) if info.exists() else set()
+    level = "x86-64-v3" if {"avx2", "fma"} <= words else "x86-64"
+    own = (f"-DREFDEM_ONE_CPU={level}",) if platform.machine() == "x86_64" else ()
+    return ("-O1", *own)
+
+
+def sanitized(copy: TreeCopy) -> TreeCopy:
+    """The same copy, its kernels built as ci/sanitized builds them."""
+    return replace(copy, flags=("-O1", "-fsanitize=address,undefined", "-fno-sanitize-recover=all"), scratch="sanitized")
 
 
 @dataclass(frozen=True)
 class Group:
-    """A part of refdem: its files, the share that its tests should see, and these tests, the most telling first."""
+    """A part of refdem: its files, and the share of their mutants that the tests should kill."""
 
     name: str
     files: str
     goal: float
-    tests: tuple[str, ...]
 
 
 GROUPS = (
-    Group("kernels", "refdem/kernels/*.[ch]", 0.95, ("tests/kernels", "tests/solvers", "tests/engines/test_reference.py", "tests/checks")),
-    Group("solvers", "refdem/solvers/*.py", 0.85, ("tests/solvers", "tests/kernels", "tests/engines/test_reference.py")),
-    Group("adapters", "refdem/engines/*/*.py", 0.95, ("tests/engines", "tests/campaign/test_smoke.py")),
-    Group("checks", "refdem/checks/*.py", 0.90, ("tests/checks", "tests/faults/test_kill_matrix.py", "tests/core")),
-    Group("judgement", "refdem/core/[jrsf]*.py", 0.90, ("tests/core", "tests/checks", "tests/gate", "tests/campaign/test_campaign.py")),
+    Group("kernels", "refdem/kernels/*.[ch]", 0.95),
+    Group("solvers", "refdem/solvers/*.py", 0.85),
+    Group("adapters", "refdem/engines/*/*.py", 0.95),
+    Group("checks", "refdem/checks/*.py", 0.90),
+    Group("judgement", "refdem/core/[jrsf]*.py", 0.90),
 )
 
 
 @dataclass(frozen=True)
 class Verdict:
-    """What became of a mutant: killed, timed out, equivalent, not executed, survived, or not compiled."""
+    """What became of a mutant: killed, equivalent, not executed, survived, or not compiled; `note` has the test or the line."""
 
-    site: Site
+    seed: int
     group: str
+    path: str
     line: int
+    kind: str
+    begin: int
+    instead: str
+    source: str
     shown: str
     outcome: str
-    note: str = ""
+    note: str
+
+    @property
+    def key(self) -> tuple[str, str, int, str]:
+        """The mutant, as long as its file is what it was."""
+        return self.path, self.source, self.begin, self.instead
 
     @property
     def row(self) -> str:
         """Its line in the report."""
         change = self.shown.replace("|", "\\|")
-        return f"| {self.site.path}:{self.line} | {self.site.kind} | `{change}` | {self.note} |"
+        note = self.note.replace("|", "\\|")
+        return f"| {self.path}:{self.line} | {self.kind} | `{change}` | {note} |"
 
 
-def copied(place: Path) -> Path:
-    """A copy of what the tests need, with kernels; those that stand in place here are taken, and else they are built there."""
-    listed = subprocess.run(["git", "ls-files"], cwd=ROOT, check=True, capture_output=True, text=True).stdout.split()
-    for name in listed:
-        (place / name).parent.mkdir(parents=True, exist_ok=True)
-        shutil.copy(ROOT / name, place / name)
-    subprocess.run(["git", "init", "--quiet"], cwd=place, check=True)
-    ready = list((ROOT / "refdem" / "kernels").glob("*.so"))
-    for kernel in ready:
-        shutil.copy(kernel, place / "refdem" / "kernels")
-    if not ready:
-        built(place)
-    return place
+@dataclass
+class Judge:
+    """Plants mutants and shows them to tests; `green` are tests seen to pass with nothing planted, `spoiled` those that do not."""
+
+    tests: list[Executed]
+    reasons: dict[tuple[str, str, str], str]
+    seed: int
+    green: set[tuple[str, tuple[str, ...]]] = field(default_factory=set)
+    spoiled: set[str] = field(default_factory=set)
+
+    def verdict(self, copy: TreeCopy, site: Site, group: str) -> Verdict:
+        """Plants one mutant in a copy, and puts the file and its kernels back."""
+        text = text_of(site.path)
+        line = site.line(text)
+        shown = site.shown(text)
+        whole = text.split(b"\n")[line - 1].decode().strip()
+        reason = self.reasons.get((site.path, whole, shown))
+        outcome = "equivalent"
+        note = reason or ""
+        if reason is None:
+            outcome, note = self._tried(copy, site, text)
+            if outcome != "killed":
+                note = f"`{whole}`"
+        return Verdict(
+            seed=self.seed,
+            group=group,
+            path=site.path,
+            line=line,
+            kind=site.kind,
+            begin=site.begin,
+            instead=site.instead.decode(),
+            source=hashlib.sha256(text).hexdigest(),
+            shown=shown,
+            outcome=outcome,
+            note=note,
+        )
+
+    def _tried(self, copy: TreeCopy, site: Site, text: bytes) -> tuple[str, str]:
+        """The outcome of a mutant that is not known to be equivalent, and the test that killed it."""
+        lots = self.lots(site, text)
+        with planted(copy, site.path, site.planted(text)) as is_sound:
+            if not is_sound:
+                self._check_builds(copy, site, text)
+                return "not compiled", ""
+            if not lots:
+                return "not executed", ""
+            for lot in lots:
+                killer = self._killer(copy, site, text, lot)
+                if killer:
+                    return "killed", killer
+        if site.path.endswith(".py"):
+            return "survived", ""
+        return self._tried_sanitized(sanitized(copy), site, text, lots[0])
+
+    def _tried_sanitized(self, copy: TreeCopy, site: Site, text: bytes, lot: list[Executed]) -> tuple[str, str]:
+        """The outcome with the sanitizers, under which CI runs the tests of kernels, solvers and engines too."""
+        shown = [test for test in lot if test.file.startswith(SANITIZED)]
+        if not shown:
+            return "survived", ""
+        with planted(copy, site.path, site.planted(text)) as is_sound:
+            killer = self._killer(copy, site, text, shown) if is_sound else ""
+        return ("killed", f"{killer} (sanitizers)") if killer else ("survived", "")
+
+    def _check_builds(self, copy: TreeCopy, site: Site, text: bytes) -> None:
+        """Raises RuntimeError if the file does not compile without the mutant either."""
+        with planted(copy, site.path, text) as is_sound:
+            if not is_sound:
+                raise RuntimeError(f"{site.path} does not compile in {copy.place} with nothing planted")
+
+    def _killer(self, copy: TreeCopy, site: Site, text: bytes, lot: list[Executed]) -> str:
+        """The first test of a lot that fails with the mutant, fails again, and passes without it; empty if there is none."""
+        seconds = {test.test: test.seconds for test in lot}
+        while names := [name for name in seconds if name not in self.spoiled]:
+            ended = copy.tested(names, START + SLOWER * sum(seconds.values()), seconds=seconds)
+            if not ended.is_red:
+                return ""
+            if not ended.failed:
+                raise RuntimeError(f"tests of {site.path} ended with status {ended.status} and name no test that failed:\n{ended.said}")
+            name = ended.failed[0]
+            if ended.status is None:
+                return f"{name} (time)"
+            own = {name: seconds.get(name, FIRST)}
+            is_red_again = copy.tested([name], START + SLOWER * own[name], seconds=own).is_red
+            if is_red_again and self._is_green(copy, site, text, own):
+                return name
+            self.spoiled.add(name)
+            seconds.pop(name, None)
+            print(f"{name} fails without any error planted, or only sometimes: it kills nothing\n{ended.said}", flush=True)
+        return ""
+
+    def _is_green(self, copy: TreeCopy, site: Site, text: bytes, own: dict[str, float]) -> bool:
+        """True if a test, here with its seconds, passes with nothing planted; the mutant is planted again afterwards."""
+        ((name, seconds),) = own.items()
+        if (name, copy.flags) in self.green:
+            return True
+        with planted(copy, site.path, text, then=site.planted(text)):
+            is_green = not copy.tested([name], START + SLOWER * seconds, seconds=own).is_red
+        if is_green:
+            self.green.add((name, copy.flags))
+        return is_green
+
+    def lots(self, site: Site, text: bytes) -> list[list[Executed]]:
+        """Tests that run the line of a site, in lots that are shown one after the other, the fastest first.
+
+        What a test runs may have been kept from an earlier one of its file: small files are shown whole at the end.
+        """
+        first = text[: site.statement].count(b"\n") + 1
+        span = {UNKNOWN, *range(first, site.line(text) + 1)}
+        if site.is_inside:
+            telling = [test for test in self.tests if not span.isdisjoint(test.lines.get(site.path, ()))]
+        else:
+            telling = [test for test in self.tests if test.lines.get(site.path)]
+        ordered = sorted(telling, key=lambda test: test.seconds)
+        files = {test.file for test in telling}
+        others = [test for test in self.tests if test.file in files and test not in telling and self._seconds(test.file) < WHOLE]
+        return [lot for lot in (*_split(ordered), others) if lot]
+
+    def _seconds(self, file: str) -> float:
+        """How long a file of tests takes."""
+        return sum(test.seconds for test in self.tests if test.file == file)
 
 
-def built(place: Path) -> bool:
-    """True if the kernels of a copy are built; what has not changed is not built again."""
-    done = subprocess.run([str(place / "ci/build-in-place"), sys.executable], cwd=place, capture_output=True)
-    return done.returncode == 0
+def _split(ordered: Sequence[Executed]) -> tuple[list[Executed], list[Executed]]:
+    """The tests that take FIRST seconds together, at least one, and the others up to MOST."""
+    begin: list[Executed] = []
+    rest: list[Executed] = []
+    spent = 0.0
+    for test in ordered:
+        spent += test.seconds
+        if spent <= FIRST or not begin:
+            begin.append(test)
+        elif spent <= MOST:
+            rest.append(test)
+    return begin, rest
 
 
-def tests_of(site: Site, group: Group) -> list[str]:
-    """Files of tests: first those that speak of the file or of its method, then the others of the group."""
-    stem = Path(site.path).stem.lstrip("_")
-    words = {stem, stem.replace("_", "-")}
-    listed: list[str] = []
-    for place in group.tests:
-        path = ROOT / place
-        listed += [str(file.relative_to(ROOT)) for file in ([path] if path.suffix else sorted(path.rglob("test_*.py")))]
-    near = [file for file in listed if any(word in (ROOT / file).read_text() or word in file for word in words)]
-    return [*near, *(file for file in listed if file not in near)]
+@cache
+def text_of(path: str) -> bytes:
+    """A file of the tree as it was when it was first asked for: what is written there meanwhile belongs to the next run."""
+    return (ROOT / path).read_bytes()
 
 
-def is_red(place: Path, tests: Sequence[str], spoiled: Sequence[str] = ()) -> tuple[bool, str]:
-    """True if a test fails, crashes or hangs in the copy, and which; `spoiled` are left out."""
-    environment = os.environ | {
-        "PYTHONPATH": os.pathsep.join([str(place), os.environ.get("PYTHONPATH", "")]),
-        "PYTHONDONTWRITEBYTECODE": "1",
-    }
-    environment["REFDEM_STORE"] = str(place / "store.sqlite")
-    command = [
-        sys.executable,
-        "-P",
-        "-m",
-        "pytest",
-        "-q",
-        "-x",
-        "-p",
-        "no:cacheprovider",
-        "-p",
-        "no:xdist",
-        "--no-header",
-        "--tb=no",
-        *tests,
-    ]
-    with tempfile.TemporaryFile("w+") as said:
-        process = subprocess.Popen(command, cwd=place, env=environment, stdout=said, stderr=subprocess.STDOUT, start_new_session=True)
-        try:
-            status = process.wait(LONGEST)
-        except subprocess.TimeoutExpired:
-            os.killpg(process.pid, 9)
-            process.wait()
-            return True, "time"
-        said.seek(0)
-        failed = [line.split(" - ")[0].removeprefix("FAILED ") for line in said if line.startswith(("FAILED", "ERROR"))]
-    return status != 0, failed[0].strip() if failed else f"status {status}"
-
-
-def judged(place: Path, site: Site, group: Group, reasons: dict[tuple[str, str, str], str]) -> Verdict:
-    """Plants one mutant in a copy, and puts the file back."""
-    path = place / site.path
-    text = path.read_bytes()
-    line, shown = site.line(text), site.shown(text)
-    whole = text.split(b"\n")[line - 1].decode().strip()
-
-    def verdict(outcome: str, note: str = "") -> Verdict:
-        return Verdict(site, group.name, line, shown, outcome, note)
-
-    reason = reasons.get((site.path, whole, shown))
-    if reason:
-        return verdict("equivalent", reason)
-    tests = tests_of(site, group)
+@contextlib.contextmanager
+def planted(copy: TreeCopy, path: str, text: bytes, then: bytes | None = None) -> Iterator[bool]:
+    """A file of the copy as `text`, its kernels built; True if it compiles. Afterwards it is `then`, or what the tree says."""
+    families = copy.families_of(path) if not path.endswith(".py") else []
     try:
-        path.write_bytes(site.planted(text))
-        if not is_sound(place, path):
-            return verdict("not compiled")
-        red, by = is_red(place, tests, SPOILED)
-        while red and not is_green(place, path, site.planted(text), text, by):
-            SPOILED.append(by)
-            red, by = is_red(place, tests, SPOILED)
-        if red:
-            return verdict("killed", by)
-        path.write_bytes(aborting(site, text))
-        if is_sound(place, path) and not is_red(place, tests, SPOILED)[0]:
-            return verdict("not executed", f"`{whole}`")
-        return verdict("survived", f"`{whole}`")
+        copy.written(path, text)
+        yield _is_sound(copy, path, text, families)
     finally:
-        path.write_bytes(text)
-        is_sound(place, path)
+        copy.written(path, text_of(path) if then is None else then)
+        for family in families:
+            if then is None:
+                copy.pristine_kernel(family)
+            else:
+                copy.built_kernel(family)
 
 
-GREEN: set[str] = set()
-SPOILED: list[str] = []
-"""Tests that pass without any error planted, and those that do not: what fails anyway has killed nothing."""
-
-
-def is_green(place: Path, path: Path, planted: bytes, text: bytes, test: str) -> bool:
-    """True if a test that failed passes without the error, or is no single test: a crash, a hang."""
-    if "::" not in test or test in GREEN:
-        return True
-    path.write_bytes(text)
-    if is_sound(place, path) and is_red(place, [test])[0]:
-        path.write_bytes(planted)
-        is_sound(place, path)
-        return False
-    GREEN.add(test)
-    return True
-
-
-def is_sound(place: Path, path: Path) -> bool:
+def _is_sound(copy: TreeCopy, path: str, text: bytes, families: list[str]) -> bool:
     """True if a file compiles: the kernels that hold it, or the module itself."""
-    if path.suffix != ".py":
-        return built(place)
+    if families:
+        return all(copy.built_kernel(family) for family in families)
     try:
-        compile(path.read_bytes(), path.name, "exec")
+        compile(text, path, "exec")
     except (SyntaxError, ValueError):
         return False
     return True
-
-
-def aborting(site: Site, text: bytes) -> bytes:
-    """The file with an abort before the statement of a site."""
-    begin = text.rfind(b"\n", 0, site.statement) + 1
-    if site.path.endswith(".py"):
-        indent = text[begin : len(text) - len(text[begin:].lstrip(b" "))]
-        return text[:begin] + indent + b'__import__("os")._exit(86)\n' + text[begin:]
-    return text[: site.statement] + b"__builtin_trap(); " + text[site.statement :]
 
 
 def known_equivalent() -> dict[tuple[str, str, str], str]:
@@ -215,17 +295,17 @@ def known_equivalent() -> dict[tuple[str, str, str], str]:
     return {(one["file"], one["line"], one["change"]): one["reason"] for one in listed}
 
 
-def drawn(only: Sequence[str], count: int, seed: int) -> list[tuple[Site, Group]]:
-    """Sites in a random order, every group in its turn; `only` has groups, files or file:line."""
+def drawn(only: Sequence[str], seed: int) -> list[tuple[Site, Group]]:
+    """All sites in a random order, every group in its turn; `only` has groups, files or file:line."""
     pools: list[list[tuple[Site, Group]]] = []
-    dice = random.Random(seed)
     for group in GROUPS:
         files = sorted(str(path.relative_to(ROOT)) for path in ROOT.glob(group.files))
-        pool = [(site, group) for file in files if is_wanted(only, group, file) for site in sites(ROOT, file) if on_line(only, site)]
-        dice.shuffle(pool)
+        wanted = [file for file in files if is_wanted(only, group, file)]
+        pool = [(site, group) for file in wanted for site in sites(ROOT, file) if on_line(only, site)]
+        random.Random(f"{seed} {group.name}").shuffle(pool)
         pools.append(pool)
-    turns = [pool[number] for number in range(max(map(len, pools))) for pool in pools if number < len(pool)]
-    return turns[: SHARE * count]
+    longest = max(map(len, pools))
+    return [pool[number] for number in range(longest) for pool in pools if number < len(pool)]
 
 
 def is_wanted(only: Sequence[str], group: Group, file: str) -> bool:
@@ -236,70 +316,147 @@ def is_wanted(only: Sequence[str], group: Group, file: str) -> bool:
 def on_line(only: Sequence[str], site: Site) -> bool:
     """True unless other lines of its file were asked for."""
     lines = [int(word.partition(":")[2]) for word in only if ":" in word and site.path.endswith(word.partition(":")[0])]
-    return not lines or site.line((ROOT / site.path).read_bytes()) in lines
+    return not lines or site.line(text_of(site.path)) in lines
 
 
-def run(wanted: list[tuple[Site, Group]], count: int, jobs: int) -> list[Verdict]:
-    """Verdicts on `count` mutants that compile, some copies at a time."""
-    reasons = known_equivalent()
-    found: list[Verdict] = []
-    with tempfile.TemporaryDirectory(prefix="refdem-mutants-") as nest:
-        copies: Queue[Path] = Queue()
-        for number in range(jobs):
-            copies.put(copied(Path(nest) / str(number)))
+def read_kept() -> dict[tuple[str, str, int, str], Verdict]:
+    """The last verdict on every mutant that is kept."""
+    if not KEPT.exists():
+        return {}
+    verdicts = [Verdict(**json.loads(line)) for line in KEPT.read_text().splitlines()]
+    return {verdict.key: verdict for verdict in verdicts}
 
-        def one(pair: tuple[Site, Group]) -> None:
-            if sum(verdict.outcome != "not compiled" for verdict in found) >= count:
-                return
-            place = copies.get()
-            try:
-                verdict = judged(place, *pair, reasons)
-            finally:
-                copies.put(place)
-            found.append(verdict)
-            print(f"{verdict.outcome:13}{verdict.site.path}:{verdict.line}  {verdict.shown}  {verdict.note}", flush=True)
 
-        with ThreadPoolExecutor(jobs) as threads:
+def key_of(site: Site) -> tuple[str, str, int, str]:
+    """The key of a mutant of the tree as it is now."""
+    digest = hashlib.sha256(text_of(site.path)).hexdigest()
+    return site.path, digest, site.begin, site.instead.decode()
+
+
+def run(wanted: Sequence[tuple[Site, Group]], count: int, given: argparse.Namespace) -> None:
+    """Keeps verdicts on mutants until `count` of them compiled or the time [s since 1970] is over, some copies at a time."""
+    judge = Judge(executed_lines.executed(), known_equivalent(), given.seed)
+    until = time.time() + 60 * given.minutes
+    keeps = not given.look
+    all_copies = [copy_of_its_own().refreshed() for _ in range(given.jobs)]
+    copies: Queue[TreeCopy] = Queue()
+    for copy in all_copies:
+        copies.put(copy)
+    done = 0
+    is_over = threading.Event()
+
+    def one(pair: tuple[Site, Group]) -> None:
+        nonlocal done
+        if done >= count or time.time() > until or is_over.is_set():
+            return
+        site, group = pair
+        copy = copies.get()
+        try:
+            verdict = judge.verdict(copy, site, group.name)
+        finally:
+            copies.put(copy)
+        if is_over.is_set():
+            return
+        done += verdict.outcome != "not compiled"
+        if keeps:
+            with KEPT.open("a") as kept:
+                kept.write(json.dumps(asdict(verdict)) + "\n")
+        print(f"{verdict.outcome:13}{verdict.path}:{verdict.line}  {verdict.shown}  {verdict.note}", flush=True)
+
+    with ThreadPoolExecutor(given.jobs) as threads:
+        try:
             list(threads.map(one, wanted))
-    return found
+        finally:
+            # Of a run that was interrupted nothing goes on, and no verdict is kept of what it was at.
+            is_over.set()
+            for copy in all_copies:
+                copy.stop()
 
 
-def report(found: Sequence[Verdict], seed: int) -> str:
+def copy_of_its_own() -> TreeCopy:
+    """The first copy in build/ that no other run has."""
+    for number in range(MOST_COPIES):
+        copy = TreeCopy(ROOT / "build" / f"planted-{number}", quick_flags())
+        if copy.locked():
+            return copy
+    raise RuntimeError(f"{MOST_COPIES} copies in {ROOT / 'build'} are in use")
+
+
+def report(found: Sequence[Verdict]) -> str:
     """The page: a row a group, and what no test saw."""
-    planted = [verdict for verdict in found if verdict.outcome != "not compiled"]
+    planted_ones = [verdict for verdict in found if verdict.outcome != "not compiled"]
+    seeds = ", ".join(str(seed) for seed in sorted({verdict.seed for verdict in planted_ones}))
+    total = len(planted_ones)
     head = ("part", "planted", "killed", "equivalent", "not executed", "survived", "killed of what is not equivalent", "goal")
-    lines = ["# Mutants", "", f"Made by `make mutants`: {len(planted)} small errors, drawn with seed {seed}, one at a time.", ""]
-    lines += [f"| {' | '.join(head)} |", f"|{' --- |' * len(head)}"]
+    lines = [
+        "# Mutants",
+        "",
+        f"Made by `make mutants`: {total} small errors, planted one at a time in a copy of the tree; seeds: {seeds}.",
+        "",
+        "An error is another operator, comparison, sign or constant, or a statement that is gone, drawn at random from all places of",
+        "a part. It is shown to the tests that run its line, and to the rows of campaign `main`, the fastest first. It counts as",
+        "killed if a test fails, fails again, and passes without it. *Not executed*: no test runs its line.",
+        "*Equivalent*: it changes nothing that anyone can see, for the reason given in `ci/equivalent_mutants.toml`.",
+        "",
+        f"| {' | '.join(head)} |",
+        f"|{' --- |' * len(head)}",
+    ]
     for group in GROUPS:
-        outcomes = [verdict.outcome for verdict in planted if verdict.group == group.name]
+        outcomes = [verdict.outcome for verdict in planted_ones if verdict.group == group.name]
         counts = [outcomes.count(name) for name in ("killed", "equivalent", "not executed", "survived")]
         able = len(outcomes) - counts[1]
         share = f"{counts[0] / able:.0%}" if able else "none"
         lines.append(f"| {group.name} | {len(outcomes)} | {' | '.join(map(str, counts))} | {share} | {group.goal:.0%} |")
     for outcome, title in (("survived", "Survived"), ("not executed", "Not executed"), ("equivalent", "Equivalent")):
-        rows = sorted(verdict.row for verdict in planted if verdict.outcome == outcome)
+        rows = sorted(verdict.row for verdict in planted_ones if verdict.outcome == outcome)
         if rows:
             lines += ["", f"## {title}", "", "| place | kind | change | line, or reason |", "| --- | --- | --- | --- |", *rows]
     return "\n".join(lines) + "\n"
 
 
-def main() -> int:
-    """Exit status 0: the table says how it went; the goals are for people."""
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--count", type=int, default=600)
-    parser.add_argument("--only", nargs="*", default=[], help="groups, files, or file:line")
+def options() -> argparse.Namespace:
+    """What was asked for."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--count", type=int, default=600, help="mutants that compile, those that are kept already counted")
+    parser.add_argument("--part", nargs="*", default=[], help="groups, files, or file:line")
     parser.add_argument("--jobs", type=int, default=2)
     parser.add_argument("--seed", type=int, default=datetime.date.today().toordinal())
-    parser.add_argument("--out", type=Path, help="where the table goes; of all parts, reports/mutants.md")
-    given = parser.parse_args()
-    print(f"seed {given.seed}", flush=True)
-    wanted = drawn(given.only, given.count, given.seed)
-    if not wanted:
-        parser.error(f"nothing to plant in {given.only}; expected {', '.join(group.name for group in GROUPS)}, or a file of theirs")
-    text = report(run(wanted, given.count, given.jobs), given.seed)
-    out = given.out or (None if given.only else ROOT / "reports" / "mutants.md")
-    if out:
-        out.write_text(text)
+    parser.add_argument("--minutes", type=float, default=float("inf"), help="no mutant is begun after so many")
+    parser.add_argument("--known", action="store_true", help="show mutants only to tests whose lines are known already")
+    parser.add_argument("--survivors", action="store_true", help="judge again what is kept as survived or not executed")
+    parser.add_argument("--look", action="store_true", help="keep no verdict: what was not drawn at random is no sample")
+    parser.add_argument("--report", action="store_true", help="write reports/mutants.md of all that is kept, and plant nothing")
+    return parser.parse_args()
+
+
+def asked(given: argparse.Namespace) -> tuple[list[tuple[Site, Group]], int]:
+    """The mutants to plant, in order, and how many of them."""
+    kept = read_kept()
+    order = drawn(given.part, given.seed)
+    if given.survivors:
+        seen = [(site, group) for site, group in order if key_of(site) in kept]
+        missed = [pair for pair in seen if kept[key_of(pair[0])].outcome in ("survived", "not executed")]
+        return missed, len(missed)
+    begun = [verdict for verdict in kept.values() if verdict.seed == given.seed and verdict.outcome != "not compiled"]
+    chosen = {site.path for site, _ in order}
+    had = sum(verdict.path in chosen for verdict in begun)
+    return [pair for pair in order if key_of(pair[0]) not in kept], max(0, given.count - had)
+
+
+def main() -> int:
+    """Exit status 0: the table says how it went; the goals are for people."""
+    given = options()
+    signal.signal(signal.SIGTERM, lambda number, frame: sys.exit(128 + number))
+    if not given.report:
+        print(f"seed {given.seed}", flush=True)
+        if not given.known:
+            executed_lines.measure_all(executed_lines.files_of_tests())
+        KEPT.parent.mkdir(exist_ok=True)
+        wanted, count = asked(given)
+        run(wanted, count, given)
+    text = report(list(read_kept().values()))
+    if given.report or not given.part:
+        REPORT.write_text(text)
     print(text)
     return 0
 

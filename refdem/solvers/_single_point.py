@@ -21,7 +21,10 @@ def gravity(scene: Scene) -> Array:
 
 
 def refusal(scene: Scene, *kinds: type[Element]) -> str | None:
-    """None if one body that does not turn is acted on by exactly one element of each kind, and by gravity where it may be."""
+    """None if one body that does not turn is acted on by exactly one element of each kind, and by gravity where it may be.
+
+    Every link of one body is then one to the world: a scene has no link from a body to itself.
+    """
     others = [element.kind for element in scene.elements if not isinstance(element, (*kinds, UniformGravity))]
     if others:
         return f"{others[0]} is more than the closed form has"

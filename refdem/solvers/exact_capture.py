@@ -36,7 +36,7 @@ class ExactCapture(Solver):
         reason = single.refusal(scene, Catch)
         if reason:
             return reason
-        if scene.all(UniformGravity) or scene.all(Catch)[0].b >= 0 or scene.bodies.fixed.any():
+        if scene.all(UniformGravity) or scene.bodies.fixed.any():
             return "the point does not fly freely past a hook of the world"
         if problem.interval < 0:
             return "backwards in time the hook would have to let go, and nothing says where"

@@ -37,7 +37,7 @@ class ExactCoulomb(Solver):
         if reason:
             return reason
         spring, slider = scene.all(Spring)[0], scene.all(Slider)[0]
-        if spring.b >= 0 or slider.b >= 0 or scene.bodies.fixed.any():
+        if scene.bodies.fixed.any():
             return "spring and slider do not tie a body to the world"
         if spring.length or not single.is_linear(spring) or not spring.stiffness > 0:
             return "the spring is not linear from natural length 0"

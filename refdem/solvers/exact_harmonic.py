@@ -35,7 +35,7 @@ class ExactHarmonic(Solver):
         if reason:
             return reason
         spring = scene.all(Spring)[0]
-        if spring.b >= 0 or scene.bodies.fixed.any():
+        if scene.bodies.fixed.any():
             return "the spring does not pull towards a place in the world"
         if spring.length or not single.is_linear(spring) or not spring.stiffness > 0:
             return "the spring is not linear from natural length 0"

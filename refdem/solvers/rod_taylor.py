@@ -42,7 +42,7 @@ class RodTaylor(Solver):
         if reason:
             return reason
         rod = scene.all(Rod)[0]
-        if rod.b >= 0 or scene.bodies.fixed.any():
+        if scene.bodies.fixed.any():
             return "the rod does not hang from the world"
         arm, velocity = scene.bodies.position[0] - single.anchor(rod), scene.bodies.velocity[0]
         if abs(float(np.linalg.norm(arm)) - rod.length) > FITS * rod.length:

@@ -48,7 +48,7 @@ class SpinningTop(Solver):
         if others or len(scene.all(BallJoint)) != 1 or len(scene.bodies) != 1 or scene.bodies.fixed.any():
             return f"{others[0]} beside a ball joint" if others else "not one free body on one ball joint"
         joint = scene.all(BallJoint)[0]
-        if joint.b >= 0 or np.count_nonzero(joint.anchor_a) > 1:
+        if np.count_nonzero(joint.anchor_a) > 1:
             return "the joint is not one of the world on a principal axis of the body"
         if not _about_joint(scene).all():
             return "no inertia about one of the axes through the joint"

@@ -49,7 +49,7 @@ class StickSlip(Solver):
         springs, sliders = scene.all(Spring), scene.all(Slider)
         if (len(scene.bodies), len(springs), len(sliders)) != (1, 1, 1) or len(scene.all(Force)) > 1:
             return "expected one body, one spring, one slider and at most one force"
-        if springs[0].b >= 0 or sliders[0].b >= 0 or scene.bodies.fixed.any():
+        if scene.bodies.fixed.any():
             return "spring and slider do not tie a body to the world"
         if springs[0].length or not single.is_linear(springs[0]) or not springs[0].stiffness > 0:
             return "the spring is not linear from natural length 0"

@@ -113,3 +113,12 @@ def test_of_two_terms_each_may_be_off_by_the_bound_on_the_state(judge):
     instance = discovery.case("harmonic-oscillator").at()
     method = Method(name="exact", summary="", control="exact", conserves=frozenset({"energy"}))
     assert found.bound == pytest.approx(2 * Trial(instance, method, (0.0,), None).round_off(0.0), rel=1e-12)
+
+
+def test_the_bound_of_a_balance_is_two_errors_of_the_state():
+    """Kinetic and potential energy each err by what the state may: the bound at a sample is twice that, and no more."""
+    instance = discovery.case("harmonic-oscillator").at()
+    task = task_of(Transparent(), "verlet", instance, truth_of(instance), 3, ("energy",))
+    found = {finding.quantity: finding for finding in record_of(task).findings}
+    allowed, _ = task.trial.kept("energy", task.trial.levels[0])
+    assert np.isclose(2.0 * allowed, found["balance"].bound, rtol=1e-12, atol=0.0).sum() == 1

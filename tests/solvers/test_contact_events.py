@@ -85,6 +85,22 @@ def test_it_is_the_cheapest_method_for_an_oblique_collision_and_refuses_what_can
     assert ENGINE.refusal(discovery.case("harmonic-oscillator").at().problem, ENGINE.method("contact-events"))
 
 
+@pytest.mark.parametrize("part", np.linspace(0.1, 0.9, 17))
+def test_spheres_that_graze_within_a_step_meet_wherever_in_it_they_do(part):
+    """Between samples a second apart they touch for 0.09 s, in the same way as between samples 1/64 s apart."""
+    spheres = [
+        Body(mass=1.0, inertia=(0.1, 0.1, 0.1), position=(-part, 0.999, 0.0), velocity=(1.0, 0.0, 0.0), shape=Sphere(radius=0.5)),
+        Body(mass=2.0, inertia=(0.2, 0.2, 0.2), shape=Sphere(radius=0.5)),
+    ]
+    scene = Scene.of(spheres, [Contact(law="linear", stiffness=128.0, damping=0.25)])
+    wide = ENGINE.run(Request(problem=Motion(scene, np.arange(3.0)), method="contact-events"))[0]
+    fine = ENGINE.run(Request(problem=Motion(scene, np.arange(129) / 64), method="contact-events"))[0]
+    assert [event.kind for event in wide.events] == ["contact", "release"]
+    assert [event.time for event in wide.events] == pytest.approx([event.time for event in fine.events], abs=1e-13)
+    assert np.abs(wide.velocity[-1] - fine.velocity[-1]).max() < 1e-14
+    assert np.abs(wide.velocity[-1] - wide.velocity[0]).max() > 1e-4
+
+
 @pytest.mark.parametrize(("method", "allowed"), [("contact-events", 2e-15), ("rk4", 2e-15), ("velocity-verlet", 2e-15)])
 def test_a_sliding_sphere_starts_to_roll_when_its_slip_ends_and_rolls_for_ever(method, allowed):
     """t = 2 v0/(7 mu g), then v = omega R = 5/7 v0: mu = 1/4, g = 8, v0 = 7/2, R = 1/2; pressed in by exactly m g/k."""
@@ -102,6 +118,18 @@ def test_a_sliding_sphere_starts_to_roll_when_its_slip_ends_and_rolls_for_ever(m
     assert np.ptp(seen.position[:, 0, 2]) == 0.0
     lost = 0.5 * (3.5**2 - 2.5**2) - 0.5 * 0.1 * 5.0**2
     assert seen.channels["dissipated_work"][-1] == pytest.approx(lost, rel=1e-14 if method != "velocity-verlet" else 1e-3)
+
+
+@pytest.mark.parametrize("method", ["contact-events", "rk4", "velocity-verlet"])
+def test_a_ball_on_a_steep_slope_slips_from_rest_the_way_it_is_pulled(method):
+    """v = (g sin a - mu g cos a) t and omega = mu m g cos a R/J t: without a tangential spring, g = (0, 4, -8), mu = 1/8."""
+    ball = Body(mass=1.0, inertia=(0.1,) * 3, position=(0.0, 0.0, 0.5 - 2.0**-7), shape=Sphere(radius=0.5))
+    law = Contact(law="linear", stiffness=1024.0, friction=0.125, branch="R")
+    scene = Scene.of([ball], [Plane(), UniformGravity(g=(0.0, 4.0, -8.0)), law])
+    times = np.arange(9) * 2.0**-3
+    seen = ENGINE.run(Request(problem=Motion(scene, times), method=method, step=None if method == "contact-events" else 2.0**-7))[0]
+    np.testing.assert_allclose(seen.velocity[:, 0], times[:, None] * [0.0, 3.0, 0.0], atol=1e-13)
+    np.testing.assert_allclose(seen.omega[:, 0], times[:, None] * [-5.0, 0.0, 0.0], atol=1e-13)
 
 
 def test_a_ball_on_a_slope_held_by_its_tangential_spring_swings_about_the_static_stretch():

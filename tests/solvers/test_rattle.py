@@ -156,6 +156,9 @@ def test_step_that_no_multiplier_can_hold_is_an_error_of_the_run(solved, pendulu
         solved(pendulum, (0.0, 4.0), "rattle", 4.0)
 
 
+HUNG = Body(mass=1.0, position=(1.0, 0.0, 0.0))
+
+
 @pytest.mark.parametrize(
     ("scene", "reason"),
     [
@@ -165,6 +168,8 @@ def test_step_that_no_multiplier_can_hold_is_an_error_of_the_run(solved, pendulu
             "slider is not",
         ),
         (Scene.of([Body(mass=1.0, inertia=(1.0, 1.0, 1.0), omega=(0.0, 0.0, 1.0))], [Rod(a=0, length=1.0)]), "rotation"),
+        (Scene.of([HUNG], [Rod(a=0, length=1.0), Spring(a=0, stiffness=1.0, quadratic=0.5)]), "a square or a cube"),
+        (Scene.of([HUNG], [Rod(a=0, length=1.0), Spring(a=0, stiffness=1.0, cubic=0.5)]), "a square or a cube"),
     ],
 )
 def test_scene_that_is_more_than_points_on_rods_is_refused(scene, reason):

@@ -15,6 +15,8 @@ from refdem.scene.elements.uniform_gravity import UniformGravity
 TIMES = np.linspace(0.0, 1.0, 9)
 GRAVITY = UniformGravity(g=(1.0, -2.0, -8.0))
 
+PAIR = [Body(mass=1.0, inertia=(1.0, 1.0, 1.0), position=(float(k), 0.0, 0.0)) for k in range(2)]
+
 
 def top(**changed):
     """A body that is not symmetric, from some attitude, on a joint away from the origin; its centre on its second axis."""
@@ -45,6 +47,7 @@ def test_motion_is_that_of_the_reference(engine):
         (top(position=(0.0, 0.0, 0.0)), "open"),
         (Scene(top().bodies, (*top().elements, Rod(a=0, length=0.5, anchor_b=(1.0, 2.0, 3.0)))), "plane only"),
         (Scene(top().bodies, (*top().elements, top().elements[0])), "one a body"),
+        (Scene.of([*PAIR], [BallJoint(a=1, b=0, anchor_a=(-1.0, 0.0, 0.0))]), "of the world only"),
     ],
 )
 def test_what_is_no_top_is_refused(scene, reason):

@@ -1,0 +1,86 @@
+"""The tools that plant errors: what they plant, whom they blame, and what they leave behind."""
+
+import signal
+import sys
+from pathlib import Path
+
+import pytest
+
+CI = Path(__file__).parents[2] / "ci"
+
+MODULE = """
+LIMIT = 2.0
+
+def inside(x):
+    return 0.0 < x and x < LIMIT
+"""
+
+
+@pytest.fixture(scope="module")
+def tools():
+    """The modules of ci/ that need nothing beyond what the tests need."""
+    sys.path.insert(0, str(CI))
+    try:
+        import mutant_sites
+        import tree_copy
+    finally:
+        sys.path.remove(str(CI))
+    return mutant_sites, tree_copy
+
+
+@pytest.fixture
+def copy(tools, tmp_path):
+    """A copy with nothing in it but what runs the tests, and a way to write one."""
+    place = tmp_path / "copy"
+    (place / "ci").mkdir(parents=True)
+    (place / "ci" / "current_test.py").write_text((CI / "current_test.py").read_text())
+
+    def tested(text, seconds=None):
+        (place / "test_own.py").write_text(text)
+        return tools[1].TreeCopy(place).tested(["test_own.py"], 60.0, seconds=seconds)
+
+    return tested
+
+
+def test_every_operator_comparison_and_constant_is_a_site(tools, tmp_path):
+    (tmp_path / "module.py").write_text(MODULE)
+    text = MODULE.encode()
+    found = {(site.shown(text), site.is_inside) for site in tools[0].sites(tmp_path, "module.py")}
+    assert found == {("2.0 -> 3.0", False), ("0.0 -> 1.0", True), ("< -> <=", True), ("and -> or", True)}
+
+
+def test_a_failure_has_the_name_of_its_test(copy):
+    ended = copy("def test_good():\n    pass\n\ndef test_bad():\n    assert False\n")
+    assert ended.status == 1
+    assert ended.failed == ("test_own.py::test_bad",)
+
+
+def test_a_crash_has_the_name_of_its_test(copy):
+    ended = copy("import os\n\ndef test_crash():\n    os.abort()\n")
+    assert ended.status == -signal.SIGABRT
+    assert ended.failed == ("test_own.py::test_crash",)
+
+
+def test_a_test_that_never_ends_is_ended_by_its_own_use_of_the_processor(copy):
+    ended = copy("def test_hang():\n    while True:\n        pass\n", seconds={"test_own.py::test_hang": -0.99})
+    assert ended.status == -signal.SIGPROF
+    assert ended.failed == ("test_own.py::test_hang",)
+
+
+def test_what_tests_pass_is_green(copy):
+    assert not copy("def test_good():\n    pass\n").is_red
+
+
+def test_no_process_is_left_even_of_those_that_left_their_group(copy, tmp_path):
+    told = tmp_path / "child"
+    lines = [
+        "import subprocess",
+        "def test_child():",
+        "    child = subprocess.Popen(['sleep', '600'], start_new_session=True)",
+        f"    open({str(told)!r}, 'w').write(str(child.pid))",
+        "    assert False",
+    ]
+    assert copy("\n".join(lines)).is_red
+    state = Path("/proc") / told.read_text() / "stat"
+    # What is dead may still wait for the process that adopted it to look.
+    assert not state.exists() or state.read_text().rpartition(")")[2].split()[0] == "Z"
