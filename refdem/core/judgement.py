@@ -239,6 +239,14 @@ def followed(trial: Trial, level: float, run: Trajectory, truth: SampledTruth, w
     return int(beyond[0]) if len(beyond) else len(largest)
 
 
+def largest_so_far(trial: Trial, level: float, run: Trajectory, truth: SampledTruth) -> Array:
+    """The largest error of any quantity against truth up to each sample (until,), in units of the scales."""
+    off = errors(trial.instance, run, truth, trial.method.delay(level))
+    largest = np.maximum.reduce([np.zeros(truth.until), *off.values()])
+    so_far: Array = np.maximum.accumulate(largest)
+    return so_far
+
+
 def signed(trial: Trial, run: Trajectory, truth: SampledTruth, count: int) -> Array:
     """Differences (parts, count) from truth with their signs, in units of their scales; angles modulo 2 pi.
 

@@ -230,3 +230,37 @@ def test_other_units_make_another_needle_of_a_needle_and_nobody_is_to_blame(monk
     assert (rescaled.outcome, rescaled.value > 1e-10) == ("pass", True)
     slow = found("free-rigid-body", method, lambda run, request: replace(run, omega=run.omega * (1 + 1e-3 * run.t[-1] % 1)))["rescaled"]
     assert slow.outcome == "fail"
+
+
+def found_in(engine, method, case, given, fault):
+    """Findings of an engine at four levels, with truth; runs of pictures are spoiled by `fault(run)`, and no others."""
+    instance = discovery.case(case).at(**given)
+    truth = truth_of(instance)
+    specification = msgspec.structs.replace(SPECIFICATION, levels=4, method=method)
+    (task,) = plan.tasks(specification, instance, ("symmetry",), discovery.engine(engine), truth)
+    runs = {}
+    for variant in task.variants:
+        run, cost = task.engine.run(plan.request(task, variant))
+        shown = variant.change in symmetry.NAMES
+        runs[variant] = Outcome(fault(run) if shown else run, cost)
+    return {finding.quantity: finding for finding in Symmetry().judge(task.trial, runs)}
+
+
+def off_by(part):
+    """A code that puts bodies a part of the distance from the origin away from where they are."""
+    return lambda run: replace(run, position=run.position * (1.0 + part))
+
+
+CHOSEN = ("rebound", "bs", "harmonic-oscillator", {})
+RESTING = ("mujoco", "euler", "newtons-first-law", {"member": "block", "duration": "9/4"})
+
+
+@pytest.mark.parametrize(("where", "part", "least"), [(CHOSEN, 1e-10, 1e-10), (RESTING, 1e-8, 1e-9)])
+def test_pictures_are_as_near_as_steps_that_are_chosen_and_iterations_over_contacts_allow(where, part, least):
+    """A tolerance of 1e-10, and contacts that are solved to round-off, leave less than their truncation errors may be."""
+    sound = found_in(*where, lambda run: run)
+    spoiled = found_in(*where, off_by(part))
+    assert {name: f.sentence for name, f in sound.items() if f.outcome != "pass"} == {}
+    for name in ("shifted", "rotated"):
+        assert sound[name].bound < least
+        assert spoiled[name].outcome == "fail", spoiled[name].sentence
