@@ -8,19 +8,12 @@ import numpy as np
 from refdem.core.case import Instance
 from refdem.core.check import Check, Outcome, Trial
 from refdem.core.finding import Finding, Level
-from refdem.core.judgement import MIXED, ROOM, Array, Sight, certified, curve, errors, judged, movements, no_truth, sharpest, undecided
+from refdem.core.judgement import MIXED, Array, Sight, certified, curve, errors, judged, movements, no_truth, room_of, sharpest, undecided
 from refdem.core.problem import Problem
 from refdem.core.refinement import COUNTING_FLOOR, kinked, scored
 from refdem.core.statics import Static
 from refdem.core.truth import SampledTruth
 from refdem.core.variant import Variant
-
-ROOM_OF_KINKS = 64.0
-"""ROOM over the whole change where kinks scatter the error: two steps whose errors are alike to 1/64 by chance, and alike to
-1/64 of 2^p to those of the step before, are one in ten thousand if the scatter is an octave."""
-
-ROOM_OF_CUTS = 16.0
-"""The same of a method that cuts its steps at kinks: what is left to chance is the length of the last piece."""
 
 
 class Error(Check):
@@ -137,9 +130,9 @@ def _settling(trial: Trial, runs: Mapping[Variant, Outcome]) -> Array | None:
     coarse, middle, fine = (instance.observe(runs[Variant(level)].trajectory) for level in trial.levels[-3:])
     before, last = _changes(instance, coarse, middle, count), _changes(instance, middle, fine, count)
     change = np.maximum.accumulate(np.maximum(before / 2.0**order, last))
-    room = ROOM / (2.0**order - 1.0)
-    if kinked(instance):
-        room = ROOM_OF_CUTS if method.locates_events else ROOM_OF_KINKS
+    room = room_of(trial)
+    if not kinked(instance):
+        room /= 2.0**order - 1.0
     rounding = COUNTING_FLOOR * trial.noise(trial.levels[-1]) * trial.truth.growth()[:count]
     return room * change + rounding
 
