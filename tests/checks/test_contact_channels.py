@@ -76,3 +76,11 @@ def of_velocities(steps):
 @pytest.mark.parametrize(("steps", "outcome"), [(0.0, "pass"), (0.5, "pass"), (1.0, "fail"), (-0.5, "fail")])
 def test_a_dashpot_may_have_the_velocities_of_half_a_step_before_as_a_leapfrog_has(steps, outcome):
     assert outcomes("two-spheres", of_velocities(steps), "velocity-verlet", **DAMPED)["contact_force"] == outcome
+
+
+def test_a_force_that_a_truncation_error_would_hide_is_seen():
+    """In steps too it is a number of its row: a stiffness that is a billionth too large where it is written."""
+    found = outcomes(
+        "hertz-spheres", lambda channels: {**channels, "contact_force": channels["contact_force"] * (1 + 1e-9)}, "velocity-verlet"
+    )
+    assert found["contact_force"] == "fail"
