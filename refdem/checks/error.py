@@ -119,9 +119,12 @@ def _settling(trial: Trial, runs: Mapping[Variant, Outcome]) -> Array | None:
     With an error e(h) = C h^p the run changes by (2^p - 1) e(h/2) from h to h/2. So e(h/2) is at most ROOM times the change over
     2^p - 1, whatever C is, or 2^-p of that of the pair before, where terms of the last pair cancel. Where kinks scatter C from
     step to step, an error is still part of the change to either side of it, but may be nearly the same at both steps.
+
+    An error falls with a tolerance as well, in stairs. Where no tolerance changes the run, as where samples leave no room for
+    longer steps, it says nothing.
     """
     method, instance = trial.method, trial.instance
-    if method.control != "step" or len(trial.levels) < 3:
+    if method.control == "exact" or len(trial.levels) < 3:
         return None
     count = scored(trial.bound(trial.levels[-3]))
     if count < 2 or trial.truth is None:
@@ -129,11 +132,18 @@ def _settling(trial: Trial, runs: Mapping[Variant, Outcome]) -> Array | None:
     order = trial.order
     coarse, middle, fine = (instance.observe(runs[Variant(level)].trajectory) for level in trial.levels[-3:])
     before, last = _changes(instance, coarse, middle, count), _changes(instance, middle, fine, count)
-    change = np.maximum.accumulate(np.maximum(before / 2.0**order, last))
-    room = room_of(trial)
-    if not kinked(instance):
-        room /= 2.0**order - 1.0
     rounding = COUNTING_FLOOR * trial.noise(trial.levels[-1]) * trial.truth.growth()[:count]
+    room = room_of(trial)
+    falls = 2.0**order
+    if method.control == "tolerance":
+        falls = trial.levels[-2] / trial.levels[-1]
+        if not np.any(before > rounding):
+            return None
+    elif not kinked(instance):
+        room /= falls - 1.0
+    change = np.maximum.accumulate(np.maximum(before / falls, last))
+    if method.control == "tolerance":
+        change = np.full(count, change[-1])  # where orders are chosen as well, that of a few steps says little
     return room * change + rounding
 
 
@@ -197,6 +207,8 @@ def _constant_seen(trial: Trial, levels: list[Level]) -> float | None:
 
 def _basis(trial: Trial, level: float, *, settled: bool) -> str:
     """Where the bound comes from, in words; `settled` if it is what the run still changed by."""
+    if settled and trial.method.control == "tolerance":
+        return "what an error may be that falls with the tolerance if the run still changed by so little with the last"
     if settled:
         order = trial.order
         return f"what an error of order {order} may be if the run still changed by so little when the step was halved"
