@@ -154,8 +154,11 @@ def _reached(trial: Trial, level: float) -> float:
 def _shown(trial: Trial, runs: Mapping[Variant, Outcome], level: float) -> float:
     """What the defect may be, as the error of the way there shows it against truth; infinite where nobody knows.
 
-    The way back goes by the same places and its errors grow between them as on the way there, for D and D^-1 have the same
-    singular values. Round-off adds to it: an error may be small by chance, as where no number has to be rounded.
+    The way back goes by the same places, and D and D^-1 have the same singular values: errors of no particular kind grow as much
+    there as on the way there, within a factor of the columns. Those of equal steps may be of a kind that does not grow on the way
+    there, but does on the way back: symplectic Euler's is that of another start (Hairer, Lubich and Wanner 2006, chapter IX), and
+    the way back starts elsewhere. They are given all of S. Round-off adds to it: an error may be small by chance, as where no
+    number has to be rounded.
     """
     truth = certified(trial)
     assert truth is not None
@@ -164,8 +167,9 @@ def _shown(trial: Trial, runs: Mapping[Variant, Outcome], level: float) -> float
         return math.inf
     room = ROOM if trial.method.control == "tolerance" else room_of(trial)
     own = room * float(largest_so_far(trial, telling, runs[Variant(telling)].trajectory, truth)[-1])
-    rounding = COUNTING_FLOOR * trial.noise(level)
-    return _there_and_back(trial, own + rounding * _unbent(trial), own + rounding)
+    reached = own + COUNTING_FLOOR * trial.noise(level)
+    grown = float(truth.growth()[-1]) if trial.method.control == "step" else _unbent(trial)
+    return _there_and_back(trial, reached * grown, reached)
 
 
 def _telling(trial: Trial, level: float) -> float:
