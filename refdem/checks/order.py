@@ -8,7 +8,7 @@ import numpy as np
 
 from refdem.core.check import Check, Outcome, Trial
 from refdem.core.finding import Finding
-from refdem.core.judgement import MIXED, Array, certified, errors, judged, no_truth, predictable, signed, undecided
+from refdem.core.judgement import MIXED, SMALL, Array, certified, errors, judged, no_truth, predictable, signed, undecided
 from refdem.core.refinement import COUNTING_FLOOR, SCATTER, kinked, order_levels, scored, smoothness
 from refdem.core.smoothness import singularities
 from refdem.core.truth import SampledTruth
@@ -84,7 +84,9 @@ class Order(Check):
         shown = [h for h, error, low in zip(counting, seen, floor, strict=True) if error > low][-3:]
         # An error b that is rounded by a part r of itself is off by r/ln 2 octaves, and so is the one before, by less.
         rounded = max(low / COUNTING_FLOOR / b for (_, b), low in pairs if b > low)
-        expected = expected_lack(orders, trial.order) + 2 * rounded / float(np.log(2.0))
+        before = [_largest(found[h], common) for h in trial.levels if h > counting[0]]
+        earlier = [float(np.log2(a / b)) for a, b in pairwise([*before, seen[0]]) if b > 0 and a < SMALL]
+        expected = expected_lack([*earlier, *orders], trial.order) + 2 * rounded / float(np.log(2.0))
         return self._deficit(trial, orders, expected, _misfits(trial, runs, truth, shown, common))
 
     def _growth(self, trial: Trial, found: Seen) -> list[Finding]:
