@@ -17,6 +17,7 @@ from refdem.core.judgement import (
     growth_shown,
     largest_so_far,
     perturbation,
+    room_of,
     undecided,
     worst,
 )
@@ -32,8 +33,8 @@ DRAWS = (-64, 16, -16, 1, -1)
 What a rounding decides lies within a rounding of a threshold, so of two starts moved to either side of it by more than a
 rounding one decides otherwise. The small ones stand for motions that grow so fast that large ones no longer show it.
 """
-REORDERED = frozenset({"mirrored", "relabelled", "rescaled"})
-"""Pictures in which iterations over contacts begin elsewhere: another contact comes first, or a tolerance is in other units."""
+REORDERED = frozenset({"rotated", "mirrored", "relabelled", "rescaled"})
+"""Pictures in which iterations over contacts begin elsewhere: others are found or come first, or a tolerance is in other units."""
 
 
 class Symmetry(Check):
@@ -215,7 +216,8 @@ def _decided_by_rounding(trial: Trial, runs: Mapping[Variant, Outcome], growth: 
 def _left_by_iterations(trial: Trial, runs: Mapping[Variant, Outcome], growth: Array, picture: str) -> Array:
     """What iterations over contacts of rigid bodies may leave in a picture (T,).
 
-    Many roundings, and a part of the truncation error where the picture puts contacts in another order or in other units.
+    Many roundings, and what the step still changes where the picture puts contacts in another order or in other units. Measured:
+    a stack that is turned has other points of contact in MuJoCo and moves by 1.2 times as much as when the step is doubled.
     """
     level = level_for(trial)
     rounding: Array = _many_roundings(trial, picture) * growth
@@ -225,7 +227,7 @@ def _left_by_iterations(trial: Trial, runs: Mapping[Variant, Outcome], growth: A
     if not coarser or coarser[0] not in runs:
         return np.full(len(growth), np.inf)
     change = distances(trial.instance, runs[coarser[0]].trajectory, runs[Variant(level)].trajectory)
-    return rounding + ROOM * np.maximum.accumulate(change)
+    return rounding + room_of(trial) * np.maximum.accumulate(change)
 
 
 def _many_roundings(trial: Trial, picture: str) -> float:
