@@ -5,60 +5,126 @@ from statistics import median
 
 import pytest
 
+from refdem.core import discovery
 from refdem.pytest_plugin import campaign_records
 from refdem.report.margins import groups, margins_by_check
 
 GROUPS = groups(campaign_records("main"))
-MOST = 1.6
-"""Decades: the median margin of bounds above round-off is less. It was 1.46 before S was a supremum, and is 1.50 since; the goal is 1.5."""
+MOST = 1.5
+"""Decades: the median margin of bounds above round-off is less."""
+NEARLY = 2.5
+"""Decades: a reason is needed while a group that it is for is this far inside its bounds; on another processor it may be more."""
 
-ROUNDINGS = "c u sqrt(n) S holds for roundings of the worst signs, on any processor; "
-AT_ROUND_OFF = {
-    "angular-momentum": ROUNDINGS + "a tolerance of 1e-10 is met with digits to spare",
-    "apsides": ROUNDINGS + "closed forms add up nothing from sample to sample",
-    "energy": ROUNDINGS + "closed forms add up nothing from sample to sample",
-    "energy-return": ROUNDINGS + "closed forms add up nothing from sample to sample",
-    "error": ROUNDINGS + "where the motion is a closed form, at rest or hardly moves, few of them reach a quantity",
-    "event-times": ROUNDINGS + "an event of a closed form is rounded once",
-    "flight": ROUNDINGS + "a step of free flight is one addition",
-    "limit": ROUNDINGS + "a body that flies straight has no other error",
-    "momentum": ROUNDINGS + "of ten thousand bodies the roundings cancel in the sum",
-    "order": "20 c u sqrt(n) S is where truncation ends; these errors are a few roundings",
-    "rest": ROUNDINGS + "what a contact solver leaves of a balance is a part of gravity, not of the scale",
-    "reversal": ROUNDINGS + "on the way back they undo each other, and closed forms add up nothing",
-    "second-integral": ROUNDINGS + "the integral has eight factors, each of which may be rounded",
-    "stop": ROUNDINGS + "closed forms add up nothing from sample to sample",
-    "symmetry": ROUNDINGS + "a picture whose numbers are multiplied by powers of 2, or where a motion is one-dimensional, keeps them",
-}
-"""Why bounds of round-off may lie more than the two decades above what is measured that other processors need, by check."""
+STILL = "nothing moves or turns but by an amount that is added again and again, or not at all, so that few roundings reach a quantity"
+CLOSED = "c u sqrt(n) S holds for roundings of the worst signs; a closed form or an event is rounded once, and adds up nothing"
+UNDONE = "c u sqrt(n) S, there and back, holds for roundings of the worst signs; on the way back most of them undo each other"
+TINY = "roundings are bounded by the scale of the case, and this motion is a small part of it"
+PICTURED = "c u sqrt(n) S holds for roundings of the worst signs; along one line few of them meet"
+TOUCHED = "c u T/tau is for a stiffness that acts all the time, and this one acts while spheres touch"
+CROWD = "of ten thousand bodies the roundings cancel in the sum; the bound is for one sign"
+TOLERATED = "a tolerance of 1e-10 is met with digits to spare, for samples are closer than the steps that it allows"
+AT_ROUND_OFF = (
+    ("angular-momentum", "free-rigid-body*", "rebound", TOLERATED),
+    ("angular-momentum", "intermediate-axis*", "rebound", TOLERATED),
+    ("angular-momentum", "neglected-gyroscopic", "rebound", TOLERATED),
+    ("energy", "driven-duffing*", "reference", TINY),
+    ("energy", "impact-benchmarks*dem-02*", "reference", TOUCHED),
+    ("energy", "intermediate-axis*", "rebound", TOLERATED),
+    ("energy", "neglected-gyroscopic", "rebound", TOLERATED),
+    ("energy", "neglected-gyroscopic*slope*", "reference", TINY),
+    ("energy-return", "wedge-collision", "reference", CLOSED),
+    ("energy-return", "asymmetric-field", "reference", CLOSED),
+    ("error", "billiards", "reference", CLOSED),
+    ("error", "block-on-slope*", "pymunk", STILL),
+    ("error", "free-rigid-body*omega_body=0,0,1 *", "mujoco", STILL),
+    ("error", "kapitza-pendulum*", "reference", TINY),
+    ("error", "driven-duffing*", "reference", TINY),
+    ("error", "logistic*", "reference", CLOSED),
+    ("error", "newtons-first-law", "mujoco", STILL),
+    ("error", "newtons-first-law*velocity=0*", "mujoco", STILL),
+    ("error", "pendulum-equilibria*", "rebound", TINY),
+    ("event-times", "impact-benchmarks*dem-05-hertz*", "reference", CLOSED),
+    ("limit", "newtons-first-law*", "mujoco", STILL),
+    ("limit", "free-rigid-body*omega_body=0,0,1 *", "mujoco", STILL),
+    ("momentum", "granular-gas*n=10000*", "reference", CROWD),
+    ("order", "block-on-slope*", "pymunk", STILL),
+    ("order", "free-rigid-body*inertia=1,1,2*", "reference", "a symmetric top turns steadily about two axes, which is done without steps"),
+    ("order", "free-rigid-body*omega_body=0,0,1 *", "*", STILL),
+    ("order", "newtons-first-law", "*", STILL),
+    ("order", "newtons-first-law*velocity=0*", "*", STILL),
+    ("rest", "block-on-slope*", "pymunk", "what a contact solver leaves of a balance is a part of gravity, not of the scale"),
+    ("reversal", "asymmetric-field", "reference", UNDONE),
+    ("reversal", "double-pendulum*", "reference", UNDONE),
+    ("reversal", "duffing*", "rebound", UNDONE),
+    ("reversal", "free-rigid-body*omega_body=0,0,1 *", "*", STILL),
+    ("reversal", "heavy-top*", "reference", UNDONE),
+    ("reversal", "hertz-spheres", "reference", UNDONE),
+    ("reversal", "intermediate-axis*", "reference", UNDONE),
+    ("reversal", "neglected-gyroscopic", "rebound", TOLERATED),
+    ("reversal", "newtons-first-law", "*", STILL),
+    ("reversal", "newtons-first-law*velocity=0*", "*", STILL),
+    ("reversal", "pendulum", "*", UNDONE),
+    ("reversal", "pendulum[theta0=0 *", "*", UNDONE),
+    ("reversal", "pendulum-equilibria*", "*", TINY),
+    ("reversal", "pendulum-wheel-mass*", "reference", UNDONE),
+    ("reversal", "power-oscillator*", "reference", UNDONE),
+    ("reversal", "power-oscillator*exponent=3*", "rebound", UNDONE),
+    ("reversal", "rigid-cluster*", "reference", UNDONE),
+    ("reversal", "two-spheres*damping=0*", "reference", UNDONE),
+    ("reversal", "wedge-collision", "reference", UNDONE),
+    ("second-integral", "pendulum-wheel-mass*", "reference", "the integral has eight factors, each of which may be rounded"),
+    ("symmetry", "block-on-slope*", "reference", STILL),
+    ("symmetry", "driven-duffing*", "*", TINY),
+    ("symmetry", "driven-oscillator*", "mujoco", PICTURED),
+    ("symmetry", "free-rigid-body*", "rebound", TOLERATED),
+    ("symmetry", "impact-benchmarks*friction=0*", "mujoco", PICTURED),
+    ("symmetry", "impact-benchmarks*dem-02*", "reference", TOUCHED),
+    ("symmetry", "intermediate-axis*", "*", "S is thousands, and the picture that came nearest is turned about the axis of the motion"),
+    ("symmetry", "newtons-first-law*velocity=0*", "*", STILL),
+    ("symmetry", "two-spheres*cutoff=zero_force*", "mujoco", PICTURED),
+    ("symmetry", "two-body-orbit", "reference", "S is a thousand after a close passage, which roundings before it need not meet"),
+)  # fmt: skip
+"""Groups whose bounds of round-off are more than the two decades that other processors need above what is measured, with the reason."""
 
-TOLERANCE = "bs must land on every sample, and the samples of a body that turns are closer than the steps that its tolerance allows"
+SAMPLED = "bs must land on every sample, and the samples of a body that turns are closer than the steps that its tolerance allows"
+STRAIGHT = "what an order lacks is 0 but for the term after next, on which no bound is known; a term of lower order makes the lack double"
+SCATTERED = "kinks scatter an order by half of itself, and where they happen to fall on steps alike it lacks nothing"
 DRAWS = "which spheres of a gas meet hangs on roundings, and neighbours part as fast as the moved start shows"
 RESTS = "which corner of a body that rests carries it hangs on roundings, and moved starts show how much that may change"
+THERE = "the error at a tolerance a hundred times looser is allowed, for steps and orders are chosen anew on the way back"
 LOOSE = (
-    ("angular-momentum", "two-spheres*", "mujoco", "MuJoCo keeps it in a contact of spheres and does not claim to"),
-    ("error", "billiards*", "reference", "S counts every rounding of a million bounces in the direction that grows most"),
-    ("error", "driven-duffing*", "rebound", TOLERANCE),
+    ("angular-momentum", "two-spheres*damping=0*", "mujoco", "it keeps it in a contact of spheres and does not claim to"),
+    ("error", "billiards*n=1000000*", "reference", "S counts every rounding of a million bounces in the direction that grows most"),
+    ("error", "driven-duffing*", "rebound", SAMPLED),
+    ("error", "free-rigid-body*omega_body=0,0,1 *", "rebound", SAMPLED),
     ("error", "intermediate-axis*", "rebound", "near the middle axis S is thousands, and this motion starts where it grows least"),
-    ("error", "neglected-gyroscopic*", "*", "S counts errors made just before an impact, in the direction that the impact turns most"),
-    ("error", "newtons-first-law*", "rebound", TOLERANCE),
+    ("error", "neglected-gyroscopic", "rebound", SAMPLED),
+    ("error", "newtons-first-law", "rebound", SAMPLED),
+    ("error", "newtons-first-law*velocity=0*", "rebound", SAMPLED),
     ("error", "moments-of-inertia", "mujoco", "vertices are kept in single precision, and those of most solids have few binary digits"),
-    ("order", "*", "*", "what an order lacks at small steps is 0 up to the next term; the bound is 0.15, or 0.5 with kinks, for all"),
-    ("reversal", "*", "rebound", "a tolerance says nothing of the way back, whose errors undo those of the way there"),
-    ("reversal", "intermediate-axis*", "*", "the way back undoes the growth near the axis of the middle moment, which S cannot know"),
-    ("reversal", "power-oscillator*", "mujoco", "semi-implicit Euler undoes its first-order error on the way back"),
-    ("symmetry", "*", "rebound", "step sizes that are chosen hang on roundings, so that two pictures may differ by the tolerance"),
+    ("order", "block-on-slope*friction=0.5*", "pymunk", "Euler's error under a steady force is h v, without a next term"),
+    ("order", "driven-duffing*", "mujoco", STRAIGHT),
+    ("order", "driven-oscillator*mass=2*", "pymunk", STRAIGHT),
+    ("order", "harmonic-oscillator", "pymunk", STRAIGHT),
+    ("order", "pendulum[theta0=0 *", "mujoco", STRAIGHT),
+    ("order", "quadratic-response*eps=0*", "pymunk", STRAIGHT),
+    ("order", "two-body-orbit*stiffness=1*", "pymunk", STRAIGHT),
+    ("order", "power-oscillator*exponent=3*", "reference", SCATTERED),
+    ("order", "stick-slip*mu1=0.4*", "pymunk", SCATTERED),
+    ("reversal", "free-rigid-body*", "rebound", THERE),
+    ("reversal", "intermediate-axis*", "rebound", THERE),
+    ("reversal", "newtons-first-law", "rebound", THERE),
+    ("reversal", "power-oscillator*", "rebound", THERE),
+    ("reversal", "intermediate-axis*", "mujoco", "the way back undoes the growth near the axis of the middle moment, which S cannot know"),
     ("symmetry", "block-on-slope*", "mujoco", RESTS),
-    ("symmetry", "newtons-first-law*", "mujoco", RESTS),
+    ("symmetry", "intermediate-axis*", "rebound", "S is thousands near the middle axis, and nobody tells how many steps are chosen"),
     ("symmetry", "granular-gas*", "reference", DRAWS),
 )  # fmt: skip
 """Groups above round-off that are far inside their bounds, by patterns of check, case and engine, with the reason."""
 
 
 def has_reason(group):
-    if group.is_at_round_off and group.check in AT_ROUND_OFF:
-        return True
-    return any(_matches(group, row) for row in LOOSE)
+    return any(_matches(group, row) for row in (AT_ROUND_OFF if group.is_at_round_off else LOOSE))
 
 
 def _matches(group, row):
@@ -70,9 +136,21 @@ def test_no_group_is_far_inside_its_bounds_without_a_reason():
     assert [group.line for group in GROUPS if group.is_loose and not has_reason(group)] == []
 
 
-@pytest.mark.parametrize("row", LOOSE, ids=lambda row: "/".join(row[:3]))
-def test_a_reason_belongs_to_a_group_of_the_campaign(row):
-    assert any(_matches(group, row) for group in GROUPS)
+ROWS = [(row, True) for row in AT_ROUND_OFF] + [(row, False) for row in LOOSE]
+
+
+@pytest.mark.parametrize(("row", "at_round_off"), ROWS, ids=lambda value: "/".join(value[:3]) if isinstance(value, tuple) else "")
+def test_a_reason_belongs_to_a_group_that_needs_it(row, at_round_off):
+    ours = [group for group in GROUPS if _matches(group, row) and group.is_at_round_off == at_round_off]
+    assert max((min(group.margins) for group in ours), default=0.0) > NEARLY
+
+
+@pytest.mark.parametrize("row", [*AT_ROUND_OFF, *LOOSE], ids=lambda row: "/".join(row[:3]))
+def test_a_reason_is_for_groups_of_one_case(row):
+    """A row that excuses a check, or an engine, throughout would excuse what nobody has looked at."""
+    case = row[1].partition("[")[0].partition("*")[0]
+    assert row[0] != "*"
+    assert case in discovery.names("cases")
 
 
 def test_bounds_above_round_off_are_near_what_is_measured():

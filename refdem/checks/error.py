@@ -8,20 +8,26 @@ import numpy as np
 from refdem.core.case import Instance
 from refdem.core.check import Check, Outcome, Trial
 from refdem.core.finding import Finding, Level
-from refdem.core.judgement import MIXED, ROOM, Array, Sight, certified, curve, errors, judged, movements, no_truth, sharpest, undecided
+from refdem.core.judgement import (
+    MIXED,
+    ROOM,
+    Array,
+    Sight,
+    certified,
+    curve,
+    errors,
+    judged,
+    movements,
+    no_truth,
+    room_of,
+    sharpest,
+    undecided,
+)
 from refdem.core.problem import Problem
 from refdem.core.refinement import COUNTING_FLOOR, kinked, scored
 from refdem.core.statics import Static
 from refdem.core.truth import SampledTruth
 from refdem.core.variant import Variant
-
-ROOM_OF_KINKS = 64.0
-"""ROOM over the whole change where kinks scatter the error: two steps whose errors are alike to 1/64 by chance, and alike to
-1/64 of 2^p to those of the step before, are one in ten thousand if the scatter is an octave."""
-
-ROOM_OF_CUTS = 16.0
-"""The same of a method that cuts its steps at kinks: what is left to chance is the length of the last piece."""
-
 
 COURSE = 10.0
 """A bound above this many scales says that the motion may have taken another course, in which steps may agree by chance."""
@@ -132,7 +138,8 @@ def _sharpened(allowed: Array, settled: Array | None) -> Array:
         return allowed
     beyond = np.flatnonzero(allowed > COURSE)
     course = int(beyond[0]) if len(beyond) else len(allowed)
-    found: Array = np.concatenate([np.minimum(allowed, settled)[:course], allowed[course:]])
+    known = min(course, len(settled))
+    found: Array = np.concatenate([np.minimum(allowed[:known], settled[:known]), allowed[known:]])
     return found
 
 
@@ -142,20 +149,36 @@ def _settling(trial: Trial, runs: Mapping[Variant, Outcome]) -> Array | None:
     With an error e(h) = C h^p the run changes by (2^p - 1) e(h/2) from h to h/2. So e(h/2) is at most ROOM times the change over
     2^p - 1, whatever C is, or 2^-p of that of the pair before, where terms of the last pair cancel. Where kinks scatter C from
     step to step, an error is still part of the change to either side of it, but may be nearly the same at both steps.
+
+    An error falls with a tolerance as well, in stairs. Where no tolerance changes the run, as where samples leave no room for
+    longer steps, it says nothing.
     """
     method, instance = trial.method, trial.instance
-    if method.control != "step" or len(trial.levels) < 3 or trial.truth is None:
+    if method.control == "exact" or len(trial.levels) < 3 or trial.truth is None:
+        return None
+    count = trial.truth.until
+    if method.control == "tolerance":
+        count = scored(trial.bound(trial.levels[-3]))
+    if count < 2:
         return None
     count = trial.truth.until
     order = trial.order
     coarse, middle, fine = (instance.observe(runs[Variant(level)].trajectory) for level in trial.levels[-3:])
     before, last = _changes(instance, coarse, middle, count), _changes(instance, middle, fine, count)
-    change = np.maximum.accumulate(np.maximum(before / 2.0**order, last))
-    room = ROOM / (2.0**order - 1.0)
-    if kinked(instance):
-        room = ROOM_OF_CUTS if method.locates_events else ROOM_OF_KINKS
     rounding = COUNTING_FLOOR * trial.noise(trial.levels[-1]) * trial.truth.growth()[:count]
-    cut = _straddled(instance, fine, count) * trial.levels[-1] if kinked(instance) and not method.locates_events else 0.0
+    room = room_of(trial)
+    falls = 2.0**order
+    if method.control == "tolerance":
+        falls = trial.levels[-2] / trial.levels[-1]
+        if not np.any(before > rounding):
+            return None
+    elif not kinked(instance):
+        room /= falls - 1.0
+    change = np.maximum.accumulate(np.maximum(before / falls, last))
+    if method.control == "tolerance":
+        change = np.full(count, change[-1])  # where orders are chosen as well, that of a few steps says little
+    is_cut = method.control == "step" and kinked(instance) and not method.locates_events
+    cut = _straddled(instance, fine, count) * trial.levels[-1] if is_cut else 0.0
     return room * change + rounding + ROOM * cut
 
 
@@ -234,6 +257,8 @@ def _constant_seen(trial: Trial, levels: list[Level]) -> float | None:
 
 def _basis(trial: Trial, level: float, *, settled: bool) -> str:
     """Where the bound comes from, in words; `settled` if it is what the run still changed by."""
+    if settled and trial.method.control == "tolerance":
+        return "what an error may be that falls with the tolerance if the run still changed by so little with the last"
     if settled:
         order = trial.order
         return f"what an error of order {order} may be if the run still changed by so little when the step was halved"

@@ -9,8 +9,9 @@ import numpy as np
 from refdem.checks._crossings import Crossing, Crossings, crossings, has_crossings
 from refdem.core.check import Array, Check, Outcome, Trial
 from refdem.core.finding import Finding
-from refdem.core.judgement import Sight, certified, judged, no_truth, undecided
-from refdem.core.refinement import HORIZON, ROUND_OFF_FACTOR, scored, steps_at
+from refdem.core.judgement import Sight, certified, judged, largest_so_far, no_truth, room_of, undecided
+from refdem.core.refinement import COUNTING_FLOOR, HORIZON, ROUND_OFF_FACTOR, scored, steps_at
+from refdem.core.trajectory import Trajectory
 from refdem.core.truth import SampledTruth
 from refdem.core.variant import Variant
 
@@ -26,8 +27,9 @@ class EventTimes(Check):
     """At the finest level: every certified event is told, and every event told is certified, each within its bound.
 
     An error E of the state, in units of its scales, moves a zero of g by E/|g'|, and a little more where g'' bends g back: the time t is
-    bounded by |g'| t - |g''| t^2/2 = E, and an event with g'^2 <= 2 |g''| E, which grazes, need not happen at all. Runs that report no
-    events are not judged.
+    bounded by |g'| t - |g''| t^2/2 = E, and an event with g'^2 <= 2 |g''| E, which grazes, need not happen at all. E is what the claims
+    allow, or what the run is seen to be off by where that is less; then a code may still tell where a chord between two steps
+    crosses zero. Runs that report no events are not judged.
     """
 
     name = "event-times"
@@ -49,12 +51,13 @@ class EventTimes(Check):
     def judge(self, trial: Trial, runs: Mapping[Variant, Outcome]) -> list[Finding]:
         """One finding for each kind of event that the run reports."""
         told: dict[str, list[float]] = {}
-        for event in runs[trial.finest].trajectory.events:
+        run = runs[trial.finest].trajectory
+        for event in run.events:
             told.setdefault(event.kind, []).append(event.time)
         truth = certified(trial)
         if truth is None:
             return [undecided(self.name, kind, no_truth(trial)) for kind in KINDS if kind in told]
-        scored = predicted(trial, truth, crossings(trial, truth))
+        scored = predicted(trial, truth, crossings(trial, truth), run)
         return [self._finding(trial, kind, np.array(told[kind]), scored) for kind in KINDS if kind in told and kind in scored.events]
 
     def _finding(self, trial: Trial, kind: str, told: Array, scored: "Predicted") -> Finding:
@@ -100,13 +103,14 @@ def nearest(time: float, known: Judged, whole: float) -> tuple[float, float, flo
     return found
 
 
-def predicted(trial: Trial, truth: SampledTruth, known: Crossings) -> Predicted:
+def predicted(trial: Trial, truth: SampledTruth, known: Crossings, run: Trajectory) -> Predicted:
     """Events up to the horizon of the motion, or up to the first that comes too slowly.
 
     Of a belt nothing is known of what comes after the last event, which may be told too early; all else parts or stops once.
     """
     bound, times, tau = trial.bound(trial.levels[-1]), trial.instance.times[: truth.until], trial.instance.scales.tau
     end, last = float(times[max(0, scored(bound) - 1)]), float(times[0])
+    seen = seen_bound(trial, truth, run)
     events: dict[str, Judged] = {kind: [] for kind in known}
     for one, kind in sorted(((one, name) for name, ones in known.items() for one in ones), key=lambda pair: pair[0].time):
         error = error_at(one, bound, times)
@@ -114,7 +118,8 @@ def predicted(trial: Trial, truth: SampledTruth, known: Crossings) -> Predicted:
         if moved > HORIZON * tau:
             slow = f"the event at t = {one.time:.6g} s comes so slowly that an error of {error:.2g} moves it by more than tau/10"
             return Predicted(events, last, last, slow)
-        allowed = moved + one.radius + ticks(trial, one.time)
+        moved_as_seen = shift(error_at(one, seen, times), one) + interpolated(trial, one)
+        allowed = min(moved, moved_as_seen) + one.radius + ticks(trial, one.time)
         if one.time > end:
             return Predicted(events, end, min(end, one.time - allowed), truth.reason)
         events[kind].append((one, allowed))
@@ -126,6 +131,28 @@ def error_at(one: Crossing, bound: Array, times: Array) -> float:
     """The bound on the state at an event: that of the next sample, and what an error may grow by since the last one."""
     following = min(int(np.searchsorted(times, one.time)), len(bound) - 1)
     return float(bound[following]) * exp(min(one.growth * max(0.0, one.time - float(times[max(0, following - 1)])), MOST_GROWTH))
+
+
+def seen_bound(trial: Trial, truth: SampledTruth, run: Trajectory) -> Array:
+    """What the run may be off by at each sample (until,) and since the last: what it is seen to be off by so far, with room."""
+    level = trial.levels[-1]
+    rounding: Array = COUNTING_FLOOR * trial.noise(level) * truth.growth()
+    return room_of(trial) * largest_so_far(trial, level, run, truth) + rounding
+
+
+def interpolated(trial: Trial, one: Crossing) -> float:
+    """How far [s] the zero of g between two steps may be from its own: of a chord |g''| h^2/8 over |g'|, less for higher orders.
+
+    A method of order p that claims to tell events at their own times finds them between its steps to that order too.
+    """
+    if trial.method.control != "step":
+        return 0.0
+    if one.rate == 0:
+        return inf
+    level = trial.levels[-1]
+    of_chord = one.bend * level**2 / (8 * one.rate)
+    further = max(0.0, trial.order - 2.0)
+    return of_chord * float((level / trial.instance.scales.tau) ** further)
 
 
 def shift(error: float, one: Crossing) -> float:

@@ -7,7 +7,7 @@ import numpy as np
 
 from refdem.core.check import Check, Outcome, Trial
 from refdem.core.finding import Finding
-from refdem.core.judgement import ROOM, certified, judged, no_truth, undecided
+from refdem.core.judgement import ROOM, certified, judged, largest_so_far, no_truth, room_of, undecided
 from refdem.core.refinement import COUNTING_FLOOR, HORIZON, clock, flight, kinked
 from refdem.core.trajectory import Trajectory
 from refdem.core.variant import Change, Variant
@@ -37,7 +37,8 @@ class Reversal(Check):
         """A level, reversed, and backward where the method can; the two finest of the trial where the defect has an order."""
         changes: tuple[Change, ...] = ("reversed", "backward") if trial.method.backward else ("reversed",)
         level, pair = _level(trial), trial.levels[-2:] if _has_order(trial) else ()
-        shown = (Variant(level), *(Variant(level, change) for change in changes), *(Variant(h, "reversed") for h in pair))
+        told = Variant(_telling(trial, level))
+        shown = (Variant(level), told, *(Variant(level, change) for change in changes), *(Variant(h, "reversed") for h in pair))
         return tuple(dict.fromkeys(shown))
 
     def judge(self, trial: Trial, runs: Mapping[Variant, Outcome]) -> list[Finding]:
@@ -56,6 +57,10 @@ class Reversal(Check):
                 undecided(self.name, "return", "the bound on the return passes a tenth of the scale: predictability ends before")
             ]
         fallen = _fallen(trial, runs, level, growth)
+        shown = _shown(trial, runs, level)
+        if shown < size:
+            size = shown
+            basis = "the way back adds as much as the way there is seen to be off by"
         return order + [
             judged(
                 check=self.name,
@@ -110,23 +115,68 @@ def _is_exact(trial: Trial) -> bool:
 
 
 def _size(trial: Trial, level: float) -> float:
-    """What the defect of the way back may be at a level; needs truth.
+    """What the defect of the way back may be at a level, as the claims say; needs truth.
 
     With the flow's Jacobian D, what is wrong by e after a time s is wrong by D(T) D(s)^-1 e at the end, and the way back takes
-    that to D(s)^-1 e: to first order it undoes the growth on the way there, and S counts once. D^-1 of a reversible scene is D
-    transposed and put in another order (D is symplectic), so that in the maximum norm it is at most S times the number of
-    columns. To second order what is wrong at the end, e S, bends the way back by (e S)^2, which grows by S.
+    that to D(s)^-1 e: to first order it undoes the growth on the way there, and S counts once.
+    """
+    reached = _reached(trial, level)
+    return _there_and_back(trial, reached * _unbent(trial), reached)
+
+
+def _unbent(trial: Trial) -> float:
+    """How many times S the growth on the way back may be, or S times at most.
+
+    D^-1 of a reversible scene is D transposed and put in another order (D is symplectic), so that in the maximum norm it is at
+    most S times the number of columns.
     """
     assert trial.truth is not None
-    growth = float(trial.truth.growth()[-1])
-    summed = clock(trial.instance, trial.method, level) + flight(trial.instance, trial.method, level)
-    made = math.sqrt(2.0) * trial.round_off(level) + summed
-    if not _is_exact(trial):
-        made = float(trial.bound(level)[-1]) / growth
     bodies = trial.instance.scene.bodies
     columns = 2 * bodies.position.size * (2 if "rotation" in trial.instance.scene.features else 1)
-    linear = made * growth * min(float(columns), growth)
-    return 2 * (linear + (made * growth) ** 2 * growth)
+    return min(float(columns), float(trial.truth.growth()[-1]))
+
+
+def _there_and_back(trial: Trial, each: float, reached: float) -> float:
+    """The defect where each way adds `each`, and what is wrong at the end by `reached` bends the way back by its square, grown by S."""
+    assert trial.truth is not None
+    return 2 * (each + reached**2 * float(trial.truth.growth()[-1]))
+
+
+def _reached(trial: Trial, level: float) -> float:
+    """What the way there may be off by, as its claims say: an error made early, times S."""
+    assert trial.truth is not None
+    if not _is_exact(trial):
+        return float(trial.bound(level)[-1])
+    summed = clock(trial.instance, trial.method, level) + flight(trial.instance, trial.method, level)
+    return (math.sqrt(2.0) * trial.round_off(level) + summed) * float(trial.truth.growth()[-1])
+
+
+def _shown(trial: Trial, runs: Mapping[Variant, Outcome], level: float) -> float:
+    """What the defect may be, as the error of the way there shows it against truth; infinite where nobody knows.
+
+    The way back goes by the same places, and D and D^-1 have the same singular values: errors of no particular kind grow as much
+    there as on the way there, within a factor of the columns. Those of equal steps may be of a kind that does not grow on the way
+    there, but does on the way back: symplectic Euler's is that of another start (Hairer, Lubich and Wanner 2006, chapter IX), and
+    the way back starts elsewhere. They are given all of S. Round-off adds to it: an error may be small by chance, as where no
+    number has to be rounded.
+    """
+    truth = certified(trial)
+    assert truth is not None
+    telling = _telling(trial, level)
+    if truth.until < len(trial.instance.times) or (trial.method.control == "tolerance" and telling == level):
+        return math.inf
+    room = ROOM if trial.method.control == "tolerance" else room_of(trial)
+    own = room * float(largest_so_far(trial, telling, runs[Variant(telling)].trajectory, truth)[-1])
+    reached = own + COUNTING_FLOOR * trial.noise(level)
+    grown = float(truth.growth()[-1]) if trial.method.control == "step" else _unbent(trial)
+    return _there_and_back(trial, reached * grown, reached)
+
+
+def _telling(trial: Trial, level: float) -> float:
+    """The level whose error is taken for that of the way back: of chosen steps a looser one, for they may be others on the way back."""
+    if trial.method.control == "tolerance" and len(trial.levels) > 1:
+        return trial.levels[-2]
+    return level
 
 
 def _level(trial: Trial) -> float:

@@ -35,6 +35,11 @@ ATTITUDE = tuple(f"attitude.{axis}" for axis in "wxyz")
 ROOM = 4.0
 """An error may be so many times what its order makes of it at another step. A pair of steps shows an error to within a few per cent
 where it falls with order p; with ROOM a motion passes whose last pair shows an order as low as 0.3, 0.8 and 2.2 for p = 1, 2, 4."""
+ROOM_OF_KINKS = 64.0
+"""ROOM where kinks scatter the error: two steps whose errors are alike to 1/64 by chance, and alike to 1/64 of 2^p to those of the
+step before, are one in ten thousand if the scatter is an octave."""
+ROOM_OF_CUTS = 16.0
+"""The same of a method that cuts its steps at kinks: what is left to chance is the length of the last piece."""
 SHARP = 0.1
 """A bound above this part of the signal decides nothing: a body that never moves would pass it."""
 
@@ -237,6 +242,21 @@ def followed(trial: Trial, level: float, run: Trajectory, truth: SampledTruth, w
     largest = np.maximum.reduce([np.zeros(truth.until), *off.values()])
     beyond = np.flatnonzero(~(largest <= within))
     return int(beyond[0]) if len(beyond) else len(largest)
+
+
+def largest_so_far(trial: Trial, level: float, run: Trajectory, truth: SampledTruth) -> Array:
+    """The largest error of any quantity against truth up to each sample (until,), in units of the scales."""
+    off = errors(trial.instance, run, truth, trial.method.delay(level))
+    largest = np.maximum.reduce([np.zeros(truth.until), *off.values()])
+    so_far: Array = np.maximum.accumulate(largest)
+    return so_far
+
+
+def room_of(trial: Trial) -> float:
+    """How many times an error may be what it is at another step: ROOM, and more where kinks scatter it."""
+    if not kinked(trial.instance):
+        return ROOM
+    return ROOM_OF_CUTS if trial.method.locates_events else ROOM_OF_KINKS
 
 
 def signed(trial: Trial, run: Trajectory, truth: SampledTruth, count: int) -> Array:

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from refdem.campaign.in_process import record_of, task_of, truth_of
-from refdem.checks.order import lack, mean_order
+from refdem.checks.order import expected_lack, lack, mean_order
 from refdem.core import discovery
 from refdem.core.engine import Method
 from refdem.core.refinement import order as smooth_order
@@ -132,6 +132,32 @@ def test_one_pair_above_round_off_decides_only_what_lacks_a_whole_order(judge, e
 
     finding = judge("order", "harmonic-oscillator", "second", fault=fault)["state"]
     assert finding.outcome == outcome, finding.sentence
+
+
+@pytest.mark.parametrize(("lower", "outcome"), [(0.0, "pass"), (3e-3, "fail"), (1e-2, "fail")])
+def test_a_small_term_of_lower_order_is_seen_by_a_lack_that_grows(judge, lower, outcome):
+    """The order lacks 0.03 or less of 2 at the finest pair."""
+    levels = []
+
+    def fault(run, level):
+        levels.append(level)
+        part = level / max(levels)
+        position = run.position.copy()
+        position[1:, 0, 0] += 1e-3 * (part**2 + 0.003 * part**3 + lower * part)
+        return replace(run, position=position)
+
+    finding = judge("order", "harmonic-oscillator", "second", fault=fault)["state"]
+    assert finding.outcome == outcome, finding.sentence
+    assert finding.value < 0.15
+
+
+def test_a_lack_may_pass_through_nothing_where_two_terms_cancel():
+    """Of all lacks a h + b h^2 at three steps, none is more than the two before it allow."""
+    for angle in np.linspace(0.0, np.pi, 1001):
+        a = 0.3 * np.cos(angle)
+        b = 0.3 * np.sin(angle)
+        orders = [2.0 - (a * h + b * h * h) for h in (1.0, 0.5, 0.25)]
+        assert abs(2.0 - orders[-1]) <= expected_lack(orders, 2.0)
 
 
 def test_errors_that_are_round_off_below_the_coarsest_level_have_no_order_to_show(judge):

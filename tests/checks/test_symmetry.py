@@ -251,7 +251,6 @@ def test_a_truncation_error_may_know_the_axes_of_space_where_a_rounding_decides_
     assert finding.outcome == outcome, finding.sentence
 
 
-
 def test_two_runs_that_a_rounding_parts_may_each_be_off_by_the_truncation_error():
     """The plain run is to one side of the right motion, and those that a rounding moves are to the other, each within its bound."""
     calls = count()
@@ -268,3 +267,36 @@ def test_two_runs_that_a_rounding_parts_may_each_be_off_by_the_truncation_error(
     found = found_in_first_order(fault)
     assert found["delayed"].outcome == "pass", found["delayed"].sentence
     assert found["delayed"].value > found["delayed"].bound / 4
+
+
+def found_in(engine, method, case, given, fault):
+    """Findings of an engine at four levels, with truth; runs of pictures are spoiled by `fault(run)`, and no others."""
+    instance = discovery.case(case).at(**given)
+    truth = truth_of(instance)
+    specification = msgspec.structs.replace(SPECIFICATION, levels=4, method=method)
+    (task,) = plan.tasks(specification, instance, ("symmetry",), discovery.engine(engine), truth)
+    runs = {}
+    for variant in task.variants:
+        run, cost = task.engine.run(plan.request(task, variant))
+        shown = variant.change in symmetry.NAMES
+        runs[variant] = Outcome(fault(run) if shown else run, cost)
+    return {finding.quantity: finding for finding in Symmetry().judge(task.trial, runs)}
+
+
+def off_by(part):
+    """A code that puts bodies a part of the distance from the origin away from where they are."""
+    return lambda run: replace(run, position=run.position * (1.0 + part))
+
+
+CHOSEN = ("rebound", "bs", "harmonic-oscillator", {})
+RESTING = ("mujoco", "euler", "newtons-first-law", {"member": "block", "duration": "9/4"})
+
+
+@pytest.mark.parametrize(("where", "part", "least"), [(CHOSEN, 1e-10, 1e-10), (RESTING, 1e-8, 1e-9)])
+def test_pictures_are_as_near_as_steps_that_are_chosen_and_iterations_over_contacts_allow(where, part, least):
+    """A tolerance of 1e-10, and contacts that are solved to round-off, leave less than their truncation errors may be."""
+    sound = found_in(*where, lambda run: run)
+    spoiled = found_in(*where, off_by(part))
+    assert {name: f.sentence for name, f in sound.items() if f.outcome != "pass"} == {}
+    assert sound["shifted"].bound < least
+    assert spoiled["shifted"].outcome == "fail", spoiled["shifted"].sentence
