@@ -23,6 +23,18 @@ class Jacobi:
         _, theta2, theta3, theta4 = (x.real for x in acb.modular_theta(acb(0), self.tau))
         self._sn, self._cn, self._dn = theta3 / theta2, theta4 / theta2, theta4 / theta3
 
+    def complete_e(self) -> arb:
+        """Legendre's complete integral E = 2 R_G(0, 1 - m, 1) (DLMF 19.25.1)."""
+        return 2 * acb.elliptic_rg(acb(0), acb(self.m1), acb(1)).real
+
+    def epsilon(self, u: arb) -> arb:
+        """Jacobi's epsilon function, the integral of dn^2 from 0 to u: Z(u) + (E/K) u, Z = Theta'/Theta (DLMF 22.16.32)."""
+        half_turns = nearest_integer(u / (2 * self.k))
+        v = acb((u - 2 * self.k * half_turns) / (2 * self.k))
+        slope = acb.modular_theta(v, self.tau, 1)[3].real
+        value = acb.modular_theta(v, self.tau)[3].real
+        return slope / value / (2 * self.k) + self.complete_e() / self.k * u
+
     def sn_cn_dn(self, u: arb) -> tuple[arb, arb, arb]:
         """sn u, cn u, dn u."""
         u = u - 4 * self.k * nearest_integer(u / (4 * self.k))
