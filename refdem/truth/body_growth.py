@@ -34,7 +34,7 @@ A steady spin has W = 0: J d across M obeys an equation of constant coefficients
 """
 
 from abc import ABC, abstractmethod
-from bisect import bisect_right
+from bisect import bisect_left, bisect_right
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
@@ -134,9 +134,14 @@ class BodyGrowth(ABC):
         self.inverse = doubles(inverse(tensor))
         self.cells: list[Cell] = []
 
-    @abstractmethod
     def at(self, t: Fraction) -> float:
-        """S(t) >= 1."""
+        """S(t) >= 1; BOUNDLESS where doubles end."""
+        with np.errstate(over="ignore", invalid="ignore"):
+            return bounded(self.found_at(t))
+
+    @abstractmethod
+    def found_at(self, t: Fraction) -> float:
+        """S(t), or what is not finite."""
 
     def read(self, t: Fraction, frame: Array, omega: Sequence[arb], length: float) -> Array:
         """What is read (9, 6) of psi and J d/L along the axes of `frame`, in scales: the turn, omega in body axes and in space."""
@@ -172,17 +177,16 @@ class BodyGrowth(ABC):
         turns = np.zeros((len(sources), 7))
         spins = np.zeros((len(sources), 7))
         lost = 0.0
-        with np.errstate(over="ignore", invalid="ignore"):
-            for part in parts:
-                by_turn, by_spin = self.made(read @ part, sources)
-                turns = turns + row_norms(by_turn)
-                spins = spins + row_norms(by_spin)
-                sizes = [np.linalg.norm(block, axis=(-2, -1)).max(initial=0.0) for block in self.made(part, sources)]
-                lost += ROUNDED * float(np.linalg.norm(read)) * (float(sizes[0]) + float(sizes[1]))
-            # The theorem about cells.
-            grown = np.exp(self.scales.quick * halves)[:, None]
-            sheared = halves[:, None] * self.scales.shear * grown
-            found = float((turns * (1 + sheared) + spins * grown).max(initial=0.0)) * UPWARDS
+        for part in parts:
+            by_turn, by_spin = self.made(read @ part, sources)
+            turns = turns + row_norms(by_turn)
+            spins = spins + row_norms(by_spin)
+            sizes = [np.linalg.norm(block, axis=(-2, -1)).max(initial=0.0) for block in self.made(part, sources)]
+            lost += ROUNDED * float(np.linalg.norm(read)) * (float(sizes[0]) + float(sizes[1]))
+        # The theorem about cells.
+        grown = np.exp(self.scales.quick * halves)[:, None]
+        sheared = halves[:, None] * self.scales.shear * grown
+        found = float((turns * (1 + sheared) + spins * grown).max(initial=0.0)) * UPWARDS
         if not isfinite(found):
             return inf
         if lost > LOST * found:
@@ -266,8 +270,7 @@ class Tumbling(BodyGrowth):
             self.instants.append(self.instant(arb_of(middle)))
         return self.instants[:count]
 
-    def at(self, t: Fraction) -> float:
-        """S(t) >= 1."""
+    def found_at(self, t: Fraction) -> float:
         time = arb_of(t)
         periods = 0
         since = time
@@ -275,7 +278,7 @@ class Tumbling(BodyGrowth):
             periods = int(ball_of(time / self.period).mid)
             since = time - periods * self.period
         elif self.has_parted(time):
-            return BOUNDLESS
+            return inf
         now = self.instant(since)
         read = self.read(t, now.frame, self.body.omega(since), self.length)
         passed = upper(since)
@@ -287,7 +290,7 @@ class Tumbling(BodyGrowth):
         found = max(found, self.grown(read, now, since, ended, 0))
         if periods:
             found = max(found, self.of_earlier(read, now, since, periods))
-        return bounded(found)
+        return found
 
     def has_parted(self, time: arb) -> bool:
         """Whether neighbours of a motion without a period have parted by more than doubles can say."""
@@ -302,8 +305,9 @@ class Tumbling(BodyGrowth):
     def of_earlier(self, read: Array, now: Instant, since: arb, periods: int) -> float:
         """The growth of errors made in all earlier periods."""
         assert self.period is not None
-        self.cover(upper(self.period))
-        count = len(self.cells)
+        end = upper(self.period)
+        self.cover(end)
+        count = 1 + bisect_left([cell.high for cell in self.cells], end)
         recent = range(1, min(periods, RECENT - 1) + 1)
         found = [self.grown(read, now, since, count, n) for n in recent]
         if periods >= RECENT:
@@ -322,8 +326,7 @@ class Tumbling(BodyGrowth):
         across = np.array([instant.across for instant in instants])
         angles = np.array([instant.angle for instant in instants])
         q = angles * np.conj(now.angle * self.swing**periods)
-        with np.errstate(over="ignore", invalid="ignore"):
-            changed = self.changed(now.across, across, times, leads)
+        changed = self.changed(now.across, across, times, leads)
         turned = rotating(q)
         parts = [changed, turned] if is_far else [changed + turned]
         frames = np.array([instant.frame for instant in instants])
@@ -377,8 +380,7 @@ class Spinning(BodyGrowth):
         self.square = known(arb_of(swinging(tensor, moment)) * rate * rate)
         self.followed = Fraction(float(2 * arb.pi() * TURNS / rate))
 
-    def at(self, t: Fraction) -> float:
-        """S(t) >= 1."""
+    def found_at(self, t: Fraction) -> float:
         read = self.read(t, self.frame, self.omega, self.length)
         near = min(t, self.followed)
         self.cover(near)
@@ -392,7 +394,7 @@ class Spinning(BodyGrowth):
         found = self.largest(read, [kept + swung + turned], self.spread(len(times)), halves)
         if t > near:
             found = max(found, self.later(read, float(t)))
-        return bounded(found)
+        return found
 
     def later(self, read: Array, t: float) -> float:
         """The growth from TURNS to t: by what is linear in time at both ends, and by the rest at its largest."""
@@ -433,8 +435,7 @@ class Spinning(BodyGrowth):
             return np.ones_like(times), times
         if self.square > 0:
             return np.cos(root * times), np.sin(root * times) / root
-        with np.errstate(over="ignore"):
-            return np.cosh(root * times), np.sinh(root * times) / root
+        return np.cosh(root * times), np.sinh(root * times) / root
 
     def most(self, t: float) -> tuple[float, float]:
         """Bounds of |x| and |y| up to t."""

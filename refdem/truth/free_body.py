@@ -276,7 +276,8 @@ class Elliptic(Nodal):
         momentum = self.momentum(t)
         omega = [x / arb_of(j) for x, j in zip(momentum, self.inertia, strict=True)]
         rate = cross(momentum, omega)
-        return along + dot_exact([changed[i] for i in AXES], rate) / dot_exact(rate, rate)
+        ahead: arb = dot_exact([changed[i] for i in AXES], rate) / dot_exact(rate, rate)
+        return along + ahead
 
 
 def steady_lead(along: arb, twice_energy: arb, length: arb, square: arb) -> arb:

@@ -531,24 +531,6 @@ class Retimed:
 
 
 @dataclass(frozen=True)
-class InProportion:
-    """S of a motion on tori, where errors drift apart in proportion to time: followed up to `known` [s], and extrapolated beyond.
-
-    What is extrapolated is no bound that was proved: S(known) t/known is that of a drift which goes on as it began.
-    """
-
-    first: Grows
-    known: Fraction
-
-    def at(self, t: Fraction) -> float:
-        """S(t) >= 1."""
-        if t <= self.known:
-            return self.first.at(t)
-        followed = self.first.at(self.known)
-        return bounded(followed * float(t / self.known))
-
-
-@dataclass(frozen=True)
 class Times:
     """S of a motion whose errors are larger by a factor than those of another."""
 
