@@ -48,7 +48,22 @@ from numpy.typing import NDArray
 from refdem.truth import rotation
 from refdem.truth.balls import arb_of, ball_of
 from refdem.truth.free_body import FreeBody, dot_exact
-from refdem.truth.growth import BOUNDLESS, LOST, UPWARDS, WIDEST, Grows, Told, UnsharpError, bounded, spectral, upper
+from refdem.truth.growth import (
+    BOUNDLESS,
+    KNOWN,
+    LOST,
+    ROUNDED,
+    UPWARDS,
+    WIDEST,
+    Grows,
+    Told,
+    UnsharpError,
+    bounded,
+    known,
+    rounded,
+    spectral,
+    upper,
+)
 from refdem.truth.reals import Number
 
 Array = NDArray[np.float64]
@@ -63,18 +78,12 @@ TURN, SPIN = slice(0, 3), slice(3, 6)
 BODY, SPACE = slice(3, 6), slice(6, 9)
 """Rows that are read besides the turn: each component of omega in body axes and in space."""
 
-BODY_BITS = (128, 256, 512, 1024, 2048, 4096)
-"""Working precisions for S: near a separatrix W and k lose as many digits as the start is off it."""
 RECENT = 4
 """Periods between an error and its effect that are taken one by one."""
 TURNS = 16
 """Turns of a steady spin that are followed cell by cell, before its drift exceeds all that turns."""
 SHARE = Fraction(1, 16)
 """Width of a cell as part of its time: a change of omega made at 0 turns the body 16 times as much as one made in the cell."""
-KNOWN = arb(2) ** -50
-"""Part by which a number may be uncertain before it is rounded to a double."""
-ROUNDED = 2.0**-44
-"""Part of the product of their sizes by which a product of three matrices of six rows, made of such doubles, is off at most."""
 
 
 @dataclass(frozen=True)
@@ -535,25 +544,9 @@ def row_norms(matrices: Array) -> Array:
     return np.concatenate([turn[:, None], others], axis=1)
 
 
-def known(value: arb, size: float = 0.0) -> float:
-    """The double of a ball that is known to KNOWN of itself, or of `size`; UnsharpError if it is not."""
-    middle = value.mid()
-    if not (value.is_finite() and value.rad() <= KNOWN * arb.max(abs(middle), arb(size))):
-        raise UnsharpError("the motion of a body is not known well enough at this precision")
-    return float(middle)
-
-
 def doubles(matrix: Balls, size: float = 0.0) -> Array:
     """The doubles of a matrix of balls."""
     return np.array([[known(x, size) for x in row] for row in matrix])
-
-
-def rounded(values: Sequence[arb]) -> tuple[Array, float]:
-    """Midpoints as doubles, and the largest radius; UnsharpError if one is not finite."""
-    if not all(value.is_finite() for value in values):
-        raise UnsharpError("the motion of a body is not known at this precision")
-    radii = max(float(value.rad()) for value in values)
-    return np.array([float(value.mid()) for value in values]), radii
 
 
 def inverse(tensor: Sequence[Sequence[Any]]) -> list[list[Any]]:

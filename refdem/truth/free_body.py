@@ -245,8 +245,7 @@ class Elliptic(Nodal):
     def lead(self, t: arb) -> arb:
         """M(E, t) at fixed |M| is differentiated by E: dM/dE = p + K M', and k = K + p . M'/|M'|^2.
 
-        By the parameter m the functions change as d sn/dm = sn cn^2/(2 m1) + kappa sn', d cn/dm = -sn^2 cn/(2 m1) + kappa cn',
-        d dn/dm = -sn^2 dn/(2 m1) + kappa dn', kappa = (u/m - E(u)/(m m1))/2 (Byrd and Friedman 710.51 to 710.53).
+        How the functions change by the parameter m is told at Jacobi.kappa.
         """
         u = self.rate * t + self.shift
         sn, cn, dn = self.jacobi.sn_cn_dn(u)
@@ -263,8 +262,7 @@ class Elliptic(Nodal):
         log_rate_slope = a2_slope / (2 * a2) + c2_slope / (2 * c2) - b2_slope / (2 * b2)
 
         # K: what moves all functions along the motion.
-        kappa = (u / m - self.jacobi.epsilon(u) / (m * m1)) / 2
-        along = log_rate_slope * t + m_slope * kappa / self.rate
+        along = log_rate_slope * t + m_slope * self.jacobi.kappa(u) / self.rate
 
         # p: what changes their sizes.
         swell = m_slope / (2 * m1)

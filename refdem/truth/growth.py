@@ -49,11 +49,19 @@ DIFFERENCE_BITS = (384, 768, 1536, 3072)
 BOUNDLESS = 1e300
 """An S that is larger is not told apart from this: no double has had a digit left for long."""
 
+KNOWN = arb(2) ** -50
+"""Part by which a number of a closed form may be uncertain before it is rounded to a double."""
+ROUNDED = 2.0**-44
+"""Part of the product of their sizes by which a product of three matrices of six rows, made of such doubles, is off at most."""
+CLOSED_BITS = (128, 256, 512, 1024, 2048, 4096)
+"""Working precisions for S in closed form: near a separatrix its numbers lose as many digits as the start is off it."""
+
 
 class UnsharpError(UndecidedError):
     """How errors grow is not known well enough at this precision."""
 
-    code = "precision"
+    def __init__(self, message: str) -> None:
+        super().__init__(message, code="precision")
 
 
 class Grows(Protocol):
@@ -556,6 +564,22 @@ def doubles(matrix: arb_mat) -> tuple[Array, float]:
     if not (np.isfinite(found).all() and isfinite(off)):
         raise UnsharpError("how errors grow is not known at this precision")
     return found, (off + 2.0**-52 * float(np.abs(found).max(initial=0.0))) * max(1, found.shape[1])
+
+
+def known(value: arb, size: float = 0.0) -> float:
+    """The double of a ball that is known to KNOWN of itself, or of `size`; UnsharpError if it is not."""
+    middle = value.mid()
+    if not (value.is_finite() and value.rad() <= KNOWN * arb.max(abs(middle), arb(size))):
+        raise UnsharpError("the motion is not known well enough at this precision")
+    return float(middle)
+
+
+def rounded(values: Sequence[arb]) -> tuple[Array, float]:
+    """Midpoints as doubles, and the largest radius; UnsharpError if one is not finite."""
+    if not all(value.is_finite() for value in values):
+        raise UnsharpError("the motion is not known at this precision")
+    radii = max(float(value.rad()) for value in values)
+    return np.array([float(value.mid()) for value in values]), radii
 
 
 def exactly(matrix: Array) -> arb_mat:

@@ -41,6 +41,12 @@ class Jacobi:
         one, two, three, four = (x.real for x in acb.modular_theta(acb(u / (2 * self.k)), self.tau))
         return self._sn * one / four, self._cn * two / four, self._dn * three / four
 
+    def kappa(self, u: arb) -> arb:
+        """(u/m - E(u)/(m m1))/2: by m at fixed u, sn changes as sn cn^2/(2 m1) + kappa sn', cn as -sn^2 cn/(2 m1) + kappa cn', dn as
+        -sn^2 dn/(2 m1) + kappa dn', am as sn cn/(2 m1) + kappa am' (Byrd and Friedman 710.51 to 710.53).
+        """
+        return (u / self.m - self.epsilon(u) / (self.m * self.m1)) / 2
+
     def amplitude(self, u: arb) -> arb:
         """am u, continuous: d am/du = dn u, am 0 = 0."""
         half_turns = nearest_integer(u / (2 * self.k))

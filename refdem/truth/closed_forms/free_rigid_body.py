@@ -10,10 +10,10 @@ from refdem.core.parameters import Parameters
 from refdem.core.truth import Truth
 from refdem.truth import rotation
 from refdem.truth.balls import arb_of
-from refdem.truth.body_growth import BODY_BITS, diagonal, steady_growth, tumbling_growth
+from refdem.truth.body_growth import diagonal, steady_growth, tumbling_growth
 from refdem.truth.closed_form import Size, per_precision
 from refdem.truth.free_body import Exact3, FreeBody, Steady, kind
-from refdem.truth.growth import Grows
+from refdem.truth.growth import CLOSED_BITS, Grows
 from refdem.truth.smooth_flow import SmoothFlow
 
 AXES = "xyz"
@@ -90,7 +90,7 @@ class FreeRigidBody(SmoothFlow):
         return tumbling_growth(diagonal(balls), self.body(), turn, spin, self.turned)
 
     def growth_bits(self) -> Sequence[int]:
-        return BODY_BITS
+        return CLOSED_BITS
 
     def scaled_changes(self, axis: int, t: arb) -> list[arb]:
         plus, minus = self.pair(axis)
