@@ -56,7 +56,9 @@ def test_s_is_at_most_twice_the_largest_growth_and_not_below_it(case, given, per
         # Impulses during the first two periods, and late ones.
         early = [Fraction(x) * 2 * period for x in rng.random(STRUCK)]
         late = [(periods - 1 + 2 * Fraction(x)) * period for x in rng.random(STRUCK)]
-        struck = sorted({Fraction(0), *early, *late})
+        # A comet is near the centre for a short while, about whole periods.
+        near = [(n + Fraction(1, 2**k)) * period for n in (0, 1, periods) for k in range(4, 20)]
+        struck = sorted({Fraction(0), *early, *late, *near})
         count = len(truth.state)
         back = [arb_mat(truth.jacobian(s).table()[:count]).inv() for s in struck]
         for x in rng.random(LOOKS):
