@@ -199,7 +199,7 @@ class BodyGrowth(ABC):
         if not isfinite(found):
             return inf
         if lost > LOST * found:
-            raise UnsharpError("rounding has a larger part in how errors of a body grow than doubles allow")
+            raise UnsharpError("rounding has a larger part in how errors of a body grow than doubles allow", final=True)
         return found + lost
 
     def cover(self, until: Fraction) -> None:

@@ -168,5 +168,5 @@ class EnergyGrowth:
         if not isfinite(largest):
             return inf
         if lost > LOST * largest:
-            raise UnsharpError("rounding has a larger part in how errors grow than doubles allow")
+            raise UnsharpError("rounding has a larger part in how errors grow than doubles allow", final=True)
         return float(largest) + lost

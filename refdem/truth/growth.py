@@ -60,8 +60,8 @@ CLOSED_BITS = (128, 256, 512, 1024, 2048, 4096)
 class UnsharpError(UndecidedError):
     """How errors grow is not known well enough at this precision."""
 
-    def __init__(self, message: str) -> None:
-        super().__init__(message, code="precision")
+    def __init__(self, message: str, *, final: bool = False) -> None:
+        super().__init__(message, code="precision", final=final)
 
 
 class Grows(Protocol):
