@@ -157,6 +157,8 @@ class ClosedForm(GuardedTruth):
                 except (UndecidedError, NotCertifiedError) as error:
                     # An integration to few bits may end where one to more goes on.
                     code, why = getattr(error, "code", "separatrix"), str(error)
+                    if getattr(error, "final", False):
+                        break
         told = f"no sensitivity at t = {float(t):.17g} s: {code}: {why}"
         raise NotCertifiedError(told, code=code, time=0.0, state=self.at_start(t))
 

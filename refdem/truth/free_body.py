@@ -47,6 +47,22 @@ class FreeBody(ABC):
         """Period of omega [s] and elliptic parameter, where there are any."""
         return {}
 
+    def period(self) -> arb | None:
+        """Time [s] after which omega repeats in body axes; None where it never does."""
+        return self.constants().get("period")
+
+    def fastest(self) -> arb:
+        """Bound of |omega| [rad/s] at all times."""
+        return arb_of(dot_exact(self.start, self.start)).sqrt()
+
+    def lead(self, t: arb) -> arb:
+        """Time [s/J] by which a motion with the same |M| and more energy is ahead at t, per energy, up to a constant.
+
+        With M the momentum, w the unit vector of omega across M, W its length there and b that of M x omega, the motion that has more
+        energy is displaced by w/W + k M', and k' = (w J^-1 w - b J^-1 b)/W^2 (refdem/truth/body_growth.py); this is k.
+        """
+        raise UndecidedError("a body that spins about its momentum has no motion beside it of more energy and the same momentum")
+
 
 class Steady(FreeBody):
     """omega is parallel to M (or zero): it stays."""
@@ -83,6 +99,11 @@ class Axisymmetric(FreeBody):
 
     def constants(self) -> dict[str, arb]:
         return {"period": 2 * arb.pi() / abs(self.rate), "elliptic_m": arb(0)}
+
+    def lead(self, t: arb) -> arb:
+        twice_energy = arb_of(dot_exact(self.momentum0, self.start))
+        square = arb_of(dot_exact(self.start, self.start))
+        return steady_lead(arb_of(self.inertia[self.axis]), twice_energy, self.length, square) * t
 
 
 class Nodal(FreeBody):
@@ -141,6 +162,24 @@ class Separatrix(Nodal):
     def constants(self) -> dict[str, arb]:
         return {"elliptic_m": arb(1)}
 
+    def fastest(self) -> arb:
+        """|omega|^2 = g_2^2 L^2 + (terms that fall as sech^2), g = 1/J: it is largest at u = 0."""
+        squares = [(self.length * share / arb_of(self.inertia[i])) ** 2 for i, share in self.shares.items()]
+        middle = (self.length / arb_of(self.inertia[self.axis])) ** 2
+        return (squares[0] + squares[1] + middle).sqrt()
+
+    def lead(self, t: arb) -> arb:
+        """Here b J^-1 b = g_2 and W = L v sech u with v^2 = (s_1 s_3 (g_1 - g_3))^2, so that k' = (g_1 + g_3 - 2 g_2)/(L v)^2 cosh^2 u."""
+        low, high = self.shares
+        g_low = 1 / arb_of(self.inertia[low])
+        g_high = 1 / arb_of(self.inertia[high])
+        g_mid = 1 / arb_of(self.inertia[self.axis])
+        across = self.length * self.shares[low] * self.shares[high] * (g_low - g_high)
+        u = self.rate * t + self.shift
+        # The integral of cosh^2 u over t.
+        integral = t / 2 + (2 * u).sinh() / (4 * self.rate)
+        return (g_low + g_high - 2 * g_mid) / across**2 * integral
+
 
 class Elliptic(Nodal):
     """M_a = A cn u, M_2 = +-B sn u, M_c = +-C dn u: c is the axis of largest or smallest J that M goes about."""
@@ -195,6 +234,56 @@ class Elliptic(Nodal):
 
     def constants(self) -> dict[str, arb]:
         return {"period": 4 * self.jacobi.k / self.rate, "elliptic_m": self.jacobi.m}
+
+    def fastest(self) -> arb:
+        """|omega|^2 is linear in sn^2: it is largest where sn^2 is 0 or 1."""
+        other, mid, axis = (arb_of(self.inertia[i]) for i in (self.other, self.mid, self.axis))
+        without = arb_of(self.a2) / other**2 + arb_of(self.c2) / axis**2
+        within = arb_of(self.b2) / mid**2 + arb_of(self.l2 - self.b2) / axis**2
+        return arb.max(without, within).sqrt()
+
+    def lead(self, t: arb) -> arb:
+        """M(E, t) at fixed |M| is differentiated by E: dM/dE = p + K M', and k = K + p . M'/|M'|^2.
+
+        How the functions change by the parameter m is told at Jacobi.kappa.
+        """
+        u = self.rate * t + self.shift
+        sn, cn, dn = self.jacobi.sn_cn_dn(u)
+        a, b, c = self.sizes
+        a2, b2, c2 = (arb_of(square) for square in (self.a2, self.b2, self.c2))
+        m, m1 = self.jacobi.m, self.jacobi.m1
+        g_other, g_mid, g_axis = (1 / arb_of(self.inertia[i]) for i in (self.other, self.mid, self.axis))
+
+        # Derivatives by the energy of the squared sizes, of m = (b2 - a2)/c2 and of ln rate, rate ~ a c/b.
+        a2_slope = 2 / (g_other - g_axis)
+        b2_slope = 2 / (g_mid - g_axis)
+        c2_slope = -a2_slope
+        m_slope = (b2_slope - a2_slope - m * c2_slope) / c2
+        log_rate_slope = a2_slope / (2 * a2) + c2_slope / (2 * c2) - b2_slope / (2 * b2)
+
+        # K: what moves all functions along the motion.
+        along = log_rate_slope * t + m_slope * self.jacobi.kappa(u) / self.rate
+
+        # p: what changes their sizes.
+        swell = m_slope / (2 * m1)
+        changed = {
+            self.other: cn * (a2_slope / (2 * a) - a * swell * sn * sn),
+            self.mid: self.sign_b * sn * (b2_slope / (2 * b) + b * swell * cn * cn),
+            self.axis: self.sign_c * dn * (c2_slope / (2 * c) - c * swell * sn * sn),
+        }
+        momentum = self.momentum(t)
+        omega = [x / arb_of(j) for x, j in zip(momentum, self.inertia, strict=True)]
+        rate = cross(momentum, omega)
+        ahead: arb = dot_exact([changed[i] for i in AXES], rate) / dot_exact(rate, rate)
+        return along + ahead
+
+
+def steady_lead(along: arb, twice_energy: arb, length: arb, square: arb) -> arb:
+    """The rate k' [1/J] of `lead` with two equal moments J1 and `along` = J3: there b J^-1 b = 1/J1, W is constant, and
+    w J^-1 w = 1/J1 + 1/J3 - 2 E/L^2, as the trace of J^-1 says; `square` is |omega|^2.
+    """
+    across = square - (twice_energy / length) ** 2
+    return (1 / along - twice_energy / length**2) / across
 
 
 def kind(inertia: Exact3, omega: Exact3) -> type[FreeBody]:

@@ -16,7 +16,7 @@ from bisect import bisect_right
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
-from math import expm1, frexp, isfinite
+from math import expm1, frexp, inf, isfinite
 from typing import Protocol
 
 import numpy as np
@@ -49,11 +49,19 @@ DIFFERENCE_BITS = (384, 768, 1536, 3072)
 BOUNDLESS = 1e300
 """An S that is larger is not told apart from this: no double has had a digit left for long."""
 
+KNOWN = arb(2) ** -50
+"""Part by which a number of a closed form may be uncertain before it is rounded to a double."""
+ROUNDED = 2.0**-44
+"""Part of the product of their sizes by which a product of three matrices of six rows, made of such doubles, is off at most."""
+CLOSED_BITS = (128, 256, 512, 1024, 2048, 4096)
+"""Working precisions for S in closed form: near a separatrix its numbers lose as many digits as the start is off it."""
+
 
 class UnsharpError(UndecidedError):
     """How errors grow is not known well enough at this precision."""
 
-    code = "precision"
+    def __init__(self, message: str, *, final: bool = False) -> None:
+        super().__init__(message, code="precision", final=final)
 
 
 class Grows(Protocol):
@@ -154,12 +162,18 @@ def spans(parts: Sequence[int]) -> list[slice]:
 def spectral(block: Array) -> Array:
     """Upper bounds of the largest singular values of blocks (..., rows, columns).
 
-    The lesser of the Frobenius norm and of the geometric mean of the largest sums of a row and of a column.
+    The lesser of the geometric mean of the largest sums of a row and of a column, and of |(B^T B)^8|^(1/16) in Frobenius' norm, which is
+    at most the 32nd root of the number of columns too large.
     """
-    sizes = np.abs(block)
-    frobenius = np.sqrt((sizes * sizes).sum(axis=(-2, -1)))
+    largest = np.abs(block).max(axis=(-2, -1), keepdims=True)
+    unit = block / np.where(largest > 0, largest, 1.0)
+    sizes = np.abs(unit)
     mean = np.sqrt(sizes.sum(axis=-1).max(axis=-1) * sizes.sum(axis=-2).max(axis=-1))
-    found: Array = np.minimum(frobenius, mean) * UPWARDS
+    power = np.swapaxes(unit, -1, -2) @ unit
+    for _ in range(3):
+        power = power @ power
+    sharper = np.sqrt((power * power).sum(axis=(-2, -1))) ** (1 / 16)
+    found: Array = largest[..., 0, 0] * np.minimum(sharper, mean) * UPWARDS
     return found
 
 
@@ -171,6 +185,12 @@ class Cell:
     high: Fraction
     inverse: Array
     slack: float
+    fine: arb_mat | None = None
+
+    @property
+    def exact(self) -> arb_mat:
+        """X: the doubles of `inverse`, or, where doubles do not suffice, what they are rounded from."""
+        return exactly(self.inverse) if self.fine is None else self.fine
 
 
 class Element:
@@ -213,24 +233,42 @@ class Element:
         try:
             inverse: Array = np.asarray(np.linalg.inv(middle), dtype=np.float64)
         except np.linalg.LinAlgError:
-            raise UnsharpError("a matrix of solutions that is not regular") from None
+            inverse = np.zeros_like(middle)
         if not np.isfinite(inverse).all():
-            raise UnsharpError("a matrix of solutions that is not regular")
+            inverse = np.zeros_like(middle)
+        exact = exactly(inverse)
+        off = self.off_one(centre, exact)
+        fine = None
+        if not off < WIDEST / 4:
+            # An M whose columns are nearly alike: its inverse asks for more digits than doubles have.
+            exact = fine = fine_inverse(centre)
+            off = self.off_one(centre, exact)
+            inverse, _ = doubles(exact)
         times = arb_of(low).union(arb_of(high))
         if self.stretch.quickness is None:
-            delta = self.off_one(self.stretch.fundamental(times), inverse)
+            delta = self.off_one(self.stretch.fundamental(times), exact)
         else:
             # M(middle) M(s)^-1 is at most exp(q |s - middle|) in norm, and, q being the norm itself, 1 to less than that - 1 (Gronwall).
             moved = expm1(min(1.0, self.stretch.quickness(times) * float(high - low) / 2))
-            off = self.off_one(centre, inverse)
             delta = (moved + off + moved * off) * UPWARDS
         if not delta <= WIDEST:
             raise UnsharpError("a cell that is too wide")
-        return Cell(low, high, inverse, delta / (1 - delta))
+        return Cell(low, high, inverse, delta / (1 - delta), fine)
 
-    def off_one(self, matrix: arb_mat, inverse: Array) -> float:
+    def until(self, now: Fraction) -> list[Cell]:
+        """The cells that end by a time since the begin, and what of the last one lies before it."""
+        self.cover(now)
+        cells = self.cells[: bisect_right([cell.high for cell in self.cells], now)]
+        begun = cells[-1].high if cells else Fraction(0)
+        return [*cells, self.cell(begun, max(begun, now))]
+
+    def from_begin(self) -> arb_mat:
+        """M(0)^-1 in balls."""
+        return inverted(self.stretch.fundamental(arb(0)))
+
+    def off_one(self, matrix: arb_mat, inverse: arb_mat) -> float:
         """|M X - 1|."""
-        product, count = matrix * exactly(inverse), len(inverse)
+        product, count = matrix * inverse, inverse.nrows()
         apart = np.array([[float((product[i, j] - int(i == j)).abs_upper()) for j in range(count)] for i in range(count)])
         return float(self.size(apart)) * UPWARDS
 
@@ -254,8 +292,36 @@ class Front:
     count: int = 0
 
 
+@dataclass(frozen=True)
+class Wide:
+    """The same in balls: M X (q, n cells) of all cells side by side (None: there are none) with their slack, what the state at the
+    start has become, and in doubles what is read of an error made now.
+    """
+
+    own: Array
+    carried: arb_mat | None
+    slack: Array
+    whole: arb_mat
+
+    @property
+    def answers(self) -> arb_mat:
+        """M X of all cells, at least one."""
+        assert self.carried is not None
+        return self.carried
+
+
+def followed(own: Array, matrix: arb_mat, front: Wide, element: Element, cells: Sequence[Cell]) -> Wide:
+    """What was carried to the begin of an element, and the errors of its cells, followed by M there."""
+    first = matrix * element.from_begin()
+    parts = [matrix * beside([cell.exact for cell in cells])]
+    if front.carried is not None:
+        parts.insert(0, first * front.carried)
+    slack = np.concatenate([front.slack, [cell.slack for cell in cells]])
+    return Wide(own, beside(parts), slack, first * front.whole)
+
+
 class Growth:
-    """S along a motion that is told stretch by stretch.
+    """S along a motion that is told stretch by stretch: by products of doubles, and of balls where those lose too much.
 
     `readings(t)` gives the derivative of what is read at t by the state, both in scales; without it the state itself is read.
     `made` has the numbers of the coordinates in which errors are made: by default all of them.
@@ -273,6 +339,8 @@ class Growth:
         self.size, self.readings, self.made, self.step = size, readings, made, step
         self.elements: list[Element] = []
         self.front: Front | None = None
+        self.wide: Wide | None = None
+        self.wide_count = 0
 
     def at(self, t: Fraction) -> float:
         """S(t) >= 1; UndecidedError where it is not known at this precision."""
@@ -287,8 +355,52 @@ class Growth:
         own = self.size.read(now)
         told = max(float(sizes.max(initial=0.0)), float(own))
         if lost > LOST * told:
-            raise UnsharpError("rounding has a larger part in how errors grow than this precision allows")
+            return self.read_wide(time, readings)
         return bounded(told + lost)
+
+    def read_wide(self, time: arb, readings: arb_mat | None) -> float:
+        """The same by products of balls, which more bits make as sharp as need be."""
+        wide = self.wide_at(time, readings)
+        own = float(self.size.read(wide.own))
+        return bounded(max(own, self.largest(wide.answers, wide.slack)))
+
+    def largest(self, answers: arb_mat, slack: Array) -> float:
+        """The largest growth by M X (q, n cells) of all cells side by side."""
+        middles, radii = split(answers, len(slack))
+        sizes = self.size.read(middles)
+        off = self.size.read(radii)
+        told = float(((sizes + off) * (1 + slack)).max(initial=0.0)) * UPWARDS
+        if not float(off.max(initial=0.0)) <= LOST * told:
+            raise UnsharpError("how errors grow is not known well enough at this precision")
+        return told
+
+    def wide_at(self, time: arb, readings: arb_mat | None) -> "Wide":
+        """All errors up to a time, as they are read there, in balls."""
+        number = self.number(time)
+        element = self.elements[number]
+        if self.made is not None or any(one.stretch.felt is not None for one in self.elements[: number + 1]):
+            raise UnsharpError("rounding has a larger part in how errors grow than this precision allows")
+        since = time - element.stretch.begin
+        now = element.stretch.fundamental(since)
+        count = now.nrows()
+        own = np.eye(count) if readings is None else doubles(readings)[0]
+        matrix = now if readings is None else readings * now
+        front = self.wide_front_at(number, count)
+        return followed(own, matrix, front, element, element.until(upper(since)))
+
+    def wide_front_at(self, number: int, count: int) -> "Wide":
+        """All errors made before an element, at its begin, in balls."""
+        if self.wide is None or self.wide_count > number:
+            one = arb_mat(count, count, [int(i == j) for i in range(count) for j in range(count)])
+            self.wide = Wide(np.eye(count), None, np.zeros(0), one)
+            self.wide_count = 0
+        while self.wide_count < number:
+            element = self.elements[self.wide_count]
+            assert element.end is not None
+            element.cover(element.end)
+            self.wide = followed(np.eye(count), element.stretch.handover(), self.wide, element, element.cells)
+            self.wide_count += 1
+        return self.wide
 
     def errors_at(self, time: arb, readings: arb_mat | None) -> Errors:
         """Of all errors up to a time, as they are read there.
@@ -300,11 +412,7 @@ class Growth:
         element, front = self.elements[number], self.front_at(number)
         since = time - element.stretch.begin
         now = upper(since)
-        element.cover(now)
-        cells = element.cells[: bisect_right([cell.high for cell in element.cells], now)]
-        # Of the last cell, what lies before the time.
-        begun = cells[-1].high if cells else Fraction(0)
-        cells.append(element.cell(begun, max(begun, now)))
+        cells = element.until(now)
         matrix = element.stretch.fundamental(since)
         read, unread = doubles(matrix if readings is None else readings * matrix)
         own = np.eye(matrix.nrows()) if readings is None else doubles(readings)[0]
@@ -411,6 +519,7 @@ class PeriodicGrowth:
     def __init__(self, first: Growth, period: arb) -> None:
         self.first, self.period = first, period
         self.year: Errors | None = None
+        self.wide_year: Wide | None = None
 
     def at(self, t: Fraction) -> float:
         """S(t) >= 1."""
@@ -422,23 +531,45 @@ class PeriodicGrowth:
         if not since >= 0:
             # Balls do not tell whether the period is over: all that is within them is meant.
             since = arb(0).union(arb(since.abs_upper()))
+        readings = None if self.first.readings is None else self.first.readings(time)
+        found = self.first.read(since, readings)
+        earlier, lost = self.of_earlier(since, readings, turns)
+        if lost > LOST * max(found, earlier):
+            return bounded(max(found, self.of_earlier_wide(since, readings, turns)))
+        return bounded(max(found, earlier + lost))
+
+    def of_earlier(self, since: arb, readings: arb_mat | None, turns: int) -> tuple[float, float]:
+        """The growth of errors made in earlier periods by products of doubles, and what those have lost at most."""
         growth, size = self.first, self.first.size
-        readings = None if growth.readings is None else growth.readings(time)
         if self.year is None:
             self.year = growth.errors_at(self.period, None)
         _, lost, answers, carried, slack, whole = self.year
         _, lost_now, _, _, _, now = growth.errors_at(since, readings)
         largest = bounded(float((size(answers) + size(carried) * slack).max()) + lost)
         drift = whole - np.eye(len(whole))
-        found = growth.read(since, readings)
+        found = 0.0
+        most = 0.0
         for n in {0, turns - 1}:
             later = now @ (np.eye(len(whole)) + n * drift)
             sizes = size.read(later @ answers) + size.read(later @ carried) * slack
             # What D(tau) (1 + n N) may be off, times S; and what the growth up to the end of the period may be off.
             wrong = lost_now * (1 + n * float(size(drift))) + float(size.read(now)) * n * lost
             wrong += ROUNDING * float(size.read(now)) * (1 + n * float(size(drift)))
-            found = max(found, float(sizes.max()) + wrong * largest + float(size.read(later)) * lost)
-        return bounded(found)
+            found = max(found, float(sizes.max()))
+            most = max(most, wrong * largest + float(size.read(later)) * lost)
+        return found, most
+
+    def of_earlier_wide(self, since: arb, readings: arb_mat | None, turns: int) -> float:
+        """The same by products of balls."""
+        growth = self.first
+        if self.wide_year is None:
+            self.wide_year = growth.wide_at(self.period, None)
+        year = self.wide_year
+        now = growth.wide_at(since, readings).whole
+        count = year.whole.nrows()
+        one = arb_mat(count, count, [int(i == j) for i in range(count) for j in range(count)])
+        drift = year.whole - one
+        return max(growth.largest(now * (one + n * drift) * year.answers, year.slack) for n in {0, turns - 1})
 
 
 class SteadyGrowth:
@@ -483,6 +614,8 @@ class SteadyGrowth:
     def norm(self, elapsed: arb) -> float:
         """The largest norm on a ball of times elapsed."""
         table = self.propagator(elapsed).table()
+        if not all(entry.is_finite() for row in table for entry in row):
+            return inf
         return float(self.size.read(np.array([[float(entry.abs_upper()) for entry in row] for row in table])))
 
 
@@ -525,24 +658,6 @@ class Retimed:
 
 
 @dataclass(frozen=True)
-class InProportion:
-    """S of a motion on tori, where errors drift apart in proportion to time: followed up to `known` [s], and extrapolated beyond.
-
-    What is extrapolated is no bound that was proved: S(known) t/known is that of a drift which goes on as it began.
-    """
-
-    first: Grows
-    known: Fraction
-
-    def at(self, t: Fraction) -> float:
-        """S(t) >= 1."""
-        if t <= self.known:
-            return self.first.at(t)
-        followed = self.first.at(self.known)
-        return bounded(followed * float(t / self.known))
-
-
-@dataclass(frozen=True)
 class Times:
     """S of a motion whose errors are larger by a factor than those of another."""
 
@@ -560,6 +675,16 @@ def narrow(rate: arb) -> Fraction:
     return Fraction(2) ** (-4 - frexp(size)[1]) if size > 0 else Fraction(1, 8)
 
 
+def most(values: Iterable[arb]) -> float:
+    """The largest that any of the balls may be; infinite where one is not finite: Python's max passes nan over."""
+    found = 0.0
+    for value in values:
+        if not value.is_finite():
+            return inf
+        found = max(found, float(value.upper()))
+    return found
+
+
 def doubles(matrix: arb_mat) -> tuple[Array, float]:
     """The midpoints as doubles, and the largest that an entry may be off, rounded up; UndecidedError if an entry is not finite."""
     table = matrix.table()
@@ -568,6 +693,52 @@ def doubles(matrix: arb_mat) -> tuple[Array, float]:
     if not (np.isfinite(found).all() and isfinite(off)):
         raise UnsharpError("how errors grow is not known at this precision")
     return found, (off + 2.0**-52 * float(np.abs(found).max(initial=0.0))) * max(1, found.shape[1])
+
+
+def known(value: arb, size: float = 0.0) -> float:
+    """The double of a ball that is known to KNOWN of itself, or of `size`; UnsharpError if it is not."""
+    middle = value.mid()
+    if not (value.is_finite() and value.rad() <= KNOWN * arb.max(abs(middle), arb(size))):
+        raise UnsharpError("the motion is not known well enough at this precision")
+    return float(middle)
+
+
+def rounded(values: Sequence[arb]) -> tuple[Array, float]:
+    """Midpoints as doubles, and the largest radius; UnsharpError if one is not finite."""
+    if not all(value.is_finite() for value in values):
+        raise UnsharpError("the motion is not known at this precision")
+    radii = max(float(value.rad()) for value in values)
+    return np.array([float(value.mid()) for value in values]), radii
+
+
+def beside(matrices: Sequence[arb_mat]) -> arb_mat:
+    """Matrices of the same number of rows side by side."""
+    tables = [matrix.table() for matrix in matrices]
+    return arb_mat([[entry for table in tables for entry in table[i]] for i in range(len(tables[0]))])
+
+
+def split(matrix: arb_mat, count: int) -> tuple[Array, Array]:
+    """Midpoints and radii of so many matrices that stand side by side, (count, rows, columns) each; UnsharpError if not finite."""
+    table = matrix.table()
+    middles = np.array([[float(entry.mid()) for entry in row] for row in table])
+    radii = np.array([[float(entry.rad()) for entry in row] for row in table])
+    if not (np.isfinite(middles).all() and np.isfinite(radii).all()):
+        raise UnsharpError("how errors grow is not known at this precision")
+    shape = (matrix.nrows(), count, matrix.ncols() // count)
+    return middles.reshape(shape).swapaxes(0, 1), radii.reshape(shape).swapaxes(0, 1)
+
+
+def inverted(matrix: arb_mat) -> arb_mat:
+    """The inverse in balls; UnsharpError where they hold a matrix that has none."""
+    try:
+        return matrix.inv()
+    except ZeroDivisionError:
+        raise UnsharpError("a matrix of solutions that is not regular") from None
+
+
+def fine_inverse(matrix: arb_mat) -> arb_mat:
+    """An exact matrix near the inverse."""
+    return inverted(matrix).mid()
 
 
 def exactly(matrix: Array) -> arb_mat:

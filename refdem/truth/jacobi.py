@@ -23,11 +23,29 @@ class Jacobi:
         _, theta2, theta3, theta4 = (x.real for x in acb.modular_theta(acb(0), self.tau))
         self._sn, self._cn, self._dn = theta3 / theta2, theta4 / theta2, theta4 / theta3
 
+    def complete_e(self) -> arb:
+        """Legendre's complete integral E = 2 R_G(0, 1 - m, 1) (DLMF 19.25.1)."""
+        return 2 * acb.elliptic_rg(acb(0), acb(self.m1), acb(1)).real
+
+    def epsilon(self, u: arb) -> arb:
+        """Jacobi's epsilon function, the integral of dn^2 from 0 to u: Z(u) + (E/K) u, Z = Theta'/Theta (DLMF 22.16.32)."""
+        half_turns = nearest_integer(u / (2 * self.k))
+        v = acb((u - 2 * self.k * half_turns) / (2 * self.k))
+        slope = acb.modular_theta(v, self.tau, 1)[3].real
+        value = acb.modular_theta(v, self.tau)[3].real
+        return slope / value / (2 * self.k) + self.complete_e() / self.k * u
+
     def sn_cn_dn(self, u: arb) -> tuple[arb, arb, arb]:
         """sn u, cn u, dn u."""
         u = u - 4 * self.k * nearest_integer(u / (4 * self.k))
         one, two, three, four = (x.real for x in acb.modular_theta(acb(u / (2 * self.k)), self.tau))
         return self._sn * one / four, self._cn * two / four, self._dn * three / four
+
+    def kappa(self, u: arb) -> arb:
+        """(u/m - E(u)/(m m1))/2: by m at fixed u, sn changes as sn cn^2/(2 m1) + kappa sn', cn as -sn^2 cn/(2 m1) + kappa cn', dn as
+        -sn^2 dn/(2 m1) + kappa dn', am as sn cn/(2 m1) + kappa am' (Byrd and Friedman 710.51 to 710.53).
+        """
+        return (u / self.m - self.epsilon(u) / (self.m * self.m1)) / 2
 
     def amplitude(self, u: arb) -> arb:
         """am u, continuous: d am/du = dn u, am 0 = 0."""

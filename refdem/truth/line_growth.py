@@ -5,6 +5,8 @@ Errors are counted in scales; `ratio` [s] is the scale of x over that of v.
 
 from flint import arb, arb_mat
 
+from refdem.truth.growth import most
+
 
 def linear(stiffness: arb, sense: int, ratio: arb, t: arb) -> arb_mat:
     """exp(J t) of x'' = sense * stiffness * x, sense being -1 for a spring, 1 for its opposite, 0 for free flight."""
@@ -29,4 +31,4 @@ def homogeneous(x: arb, v: arb, a: arb, since: arb, power: arb, ratio: arb) -> a
 
 def steepness(slope: arb, ratio: arb) -> float:
     """The norm of the Jacobian of x'' = f(x) with |f'| <= slope."""
-    return max(float((1 / ratio).upper()), float((slope * ratio).upper()))
+    return most([1 / ratio, slope * ratio])

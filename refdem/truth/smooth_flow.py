@@ -1,6 +1,7 @@
 """Closed forms of smooth flows, whose derivative by the start is known by differences, and whose S is that of their equation."""
 
 from abc import abstractmethod
+from collections.abc import Sequence
 from fractions import Fraction
 from typing import TYPE_CHECKING
 
@@ -8,7 +9,8 @@ from flint import arb, arb_mat
 
 from refdem.truth.balls import arb_of
 from refdem.truth.closed_form import DISPLACEMENT, ClosedForm, per_precision
-from refdem.truth.growth import Grows, PeriodicGrowth
+from refdem.truth.energy_growth import EnergyGrowth, Line
+from refdem.truth.growth import CLOSED_BITS, Grows, PeriodicGrowth
 
 if TYPE_CHECKING:
     from refdem.truth.validated_flow import ValidatedFlow
@@ -30,7 +32,7 @@ class SmoothFlow(ClosedForm):
 
 
 class OfAnEquation(SmoothFlow):
-    """A closed form whose S comes from the equation of motion that it solves, integrated to a low precision."""
+    """A closed form whose S comes from motions beside it, or from the equation that it solves, integrated to a low precision."""
 
     @abstractmethod
     def equation(self) -> "ValidatedFlow":
@@ -40,7 +42,22 @@ class OfAnEquation(SmoothFlow):
         """The time after which the motion repeats, if errors then drift apart in proportion to time (PeriodicGrowth)."""
         return self.constants().get("period")
 
+    def line(self) -> Line | None:
+        """The motion and those beside it in closed form; None where S comes from the equation."""
+        return None
+
+    def steepest(self) -> arb:
+        """Bound of |f'| along the motion, if it has a `line`."""
+        raise NotImplementedError
+
+    def growth_bits(self) -> Sequence[int]:
+        return CLOSED_BITS
+
     @per_precision
     def growth(self) -> Grows:
+        line = self.line()
+        if line is not None:
+            place, speed = (self.scale[name] for name in self.state)
+            return EnergyGrowth(line, place, speed, self.steepest(), self.equation().readings_at)
         first, period = self.equation().growth(), self.period()
         return first if period is None else PeriodicGrowth(first, period)

@@ -139,7 +139,11 @@ class ValidatedFlow(SmoothFlow):
 
     def scaled_slopes(self, t: arb) -> arb_mat:
         """d quantity_i(t)/scale_i over d y_j(t), with `state` as the first rows."""
-        slopes = self.slopes.run(self.integration().at(t))
+        return self.scaled_slopes_at(self.integration().at(t))
+
+    def scaled_slopes_at(self, y: Sequence[arb]) -> arb_mat:
+        """The same by a state y."""
+        slopes = self.slopes.run(y)
         rows = dict(zip(self.names, np.array(slopes, dtype=object).reshape(len(self.names), -1), strict=True))
         order = [*self.state, *(name for name in self.names if name not in self.state)]
         return arb_mat([[entry / arb_of(self.scale[name]) for entry in rows[name]] for name in order])
@@ -175,8 +179,12 @@ class ValidatedFlow(SmoothFlow):
 
     def readings(self, t: arb) -> arb_mat:
         """d quantity_i(t)/scale_i over d state_j(t)/scale_j."""
+        return self.readings_at(self.integration().at(t))
+
+    def readings_at(self, y: Sequence[arb]) -> arb_mat:
+        """The same by a state y."""
         sizes = self.sizes()
-        return arb_mat([[row[j] * size for j, size in sizes] for row in self.scaled_slopes(t).table()])
+        return arb_mat([[row[j] * size for j, size in sizes] for row in self.scaled_slopes_at(y).table()])
 
     def forecast(self, t: Fraction, digits: int) -> float:
         """CPU seconds that `at(t)` to so many digits is about to cost; what is followed for it is kept."""

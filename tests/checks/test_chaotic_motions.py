@@ -69,13 +69,29 @@ def test_a_comet_that_passes_close_by_is_regular_all_the_same(eccentricity):
     assert found.value > 2  # what samples near the last passage show
 
 
-@pytest.mark.parametrize(("early", "outcome"), [(1e7, "pass"), (1e5, "fail"), (1.0, "fail")])
-def test_neighbours_that_part_faster_than_any_power_are_held_to_s_where_the_true_motion_is_unstable_for_a_while(early, outcome):
+@pytest.fixture(scope="module")
+def turning_over():
+    """A body that turns over twice, its truth, and the runs of its closed form."""
     instance = discovery.case("intermediate-axis").at(offset="1e-06", direction="3", duration="100", samples="160")
     truth = truth_of(instance)
+    task = task_of(ENGINE, "exact-free-body", instance, truth, 3, ("lyapunov",))
+    return instance, truth, {v: run_of(ENGINE, plan.request(task, v)) for v in task.variants}
+
+
+def test_a_body_that_turns_over_has_s_at_all_its_samples(turning_over):
+    _, truth, _ = turning_over
+    assert truth.until == len(truth.t) == len(truth.sensitivity)
+    assert 1e12 < max(truth.sensitivity) < 1e13
+
+
+@pytest.mark.parametrize(("early", "outcome"), [(1e7, "pass"), (1e5, "fail"), (1.0, "fail")])
+def test_neighbours_that_part_faster_than_any_power_are_held_to_s_where_the_true_motion_is_unstable_for_a_while(
+    turning_over, early, outcome
+):
+    instance, truth, plain_runs = turning_over
     grows_early = msgspec.structs.replace(truth, sensitivity=[1.0] * 20 + [early] * (len(truth.sensitivity) - 20))
     task = task_of(ENGINE, "exact-free-body", instance, grows_early, 3, ("lyapunov",))
-    runs = {v: run_of(ENGINE, plan.request(task, v)) for v in task.variants}
+    runs = dict(plain_runs)
     beside = next(v for v in runs if v.change == "perturbed")
     plain, run = (runs[v].trajectory for v in (task.trial.finest, beside))
     grown = 1 + 5e5 * (np.arange(len(run.t)) / len(run.t)) ** 4  # the fourth power of the time

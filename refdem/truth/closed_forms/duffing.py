@@ -18,6 +18,7 @@ from refdem.core.truth import Truth
 from refdem.errors import NotCertifiedError
 from refdem.truth.balls import arb_of
 from refdem.truth.closed_form import per_precision
+from refdem.truth.energy_growth import Line, Neighbour
 from refdem.truth.exact import numbers
 from refdem.truth.from_rest import FromRest
 from refdem.truth.jacobi import Jacobi
@@ -26,15 +27,30 @@ from refdem.truth.validated_flow import ValidatedFlow
 
 Shape = Callable[[arb], tuple[arb, arb]]
 """x/A and its derivative at the phase u."""
+Change = tuple[arb, arb]
+"""How a shape changes by m, and its derivative by u, both but for kappa times their own derivatives (Jacobi.kappa)."""
+Elliptic = Callable[[Jacobi, arb], tuple[tuple[arb, arb], Change]]
+"""A shape with its derivative, and its change."""
+
+
+@dataclass(frozen=True)
+class Family:
+    """Motions from rest beside one: x = A shape(rate t | m), with derivatives of m and of ln rate by A."""
+
+    jacobi: Jacobi
+    shape: Elliptic
+    m_slope: arb
+    log_rate_slope: arb
 
 
 @dataclass(frozen=True)
 class Motion:
-    """x = A shape(rate t); a period [s], if there is one."""
+    """x = A shape(rate t); a period [s], if there is one; those beside it, where they are elliptic."""
 
     shape: Shape
     rate: arb
     period: arb | None
+    family: Family | None = None
 
 
 class Duffing(FromRest, OfAnEquation):
@@ -56,22 +72,28 @@ class Duffing(FromRest, OfAnEquation):
         """The kind of motion, decided in exact rationals; raises NotCertifiedError where it goes to infinity."""
         square = self.beta * self.amplitude**2
         c, h = self.alpha + square, self.alpha + square / 2
+        # Half the derivative of beta A^2 by A.
+        pull = self.beta * self.amplitude
         if c == 0:
             return Motion(lambda u: (arb(1), arb(0)), arb(0), None)
         if self.beta == 0 and self.alpha > 0:
             rate = arb_of(self.alpha).sqrt()
             return Motion(lambda u: (u.cos(), -u.sin()), rate, 2 * arb.pi() / rate)
         if self.beta > 0 and h > 0:
-            return _elliptic(_cn, arb_of(c).sqrt(), square / (2 * c), h / c, 4)
+            m_slope = self.alpha * pull / c**2
+            return _elliptic(_cn, arb_of(c).sqrt(), square / (2 * c), h / c, 4, m_slope, pull / c)
         if self.beta > 0 and h == 0:
             return Motion(lambda u: (1 / u.cosh(), -u.tanh() / u.cosh()), arb_of(-self.alpha).sqrt(), None)
         if self.beta > 0 and c > 0:
-            return _elliptic(_dn, arb_of(square / 2).sqrt(), 2 * c / square, -2 * h / square, 2)
+            m_slope = -4 * self.alpha / (square * self.amplitude)
+            return _elliptic(_dn, arb_of(square / 2).sqrt(), 2 * c / square, -2 * h / square, 2, m_slope, 1 / self.amplitude)
         if self.beta > 0:
             farther = -2 * self.alpha - square
-            return _elliptic(_nd, arb_of(farther / 2).sqrt(), -2 * c / farther, square / farther, 2)
+            m_slope = 4 * self.alpha * pull / farther**2
+            return _elliptic(_nd, arb_of(farther / 2).sqrt(), -2 * c / farther, square / farther, 2, m_slope, -pull / farther)
         if self.beta < 0 and c > 0:
-            return _elliptic(_cd, arb_of(h).sqrt(), -square / (2 * h), c / h, 4)
+            m_slope = -self.alpha * pull / h**2
+            return _elliptic(_cd, arb_of(h).sqrt(), -square / (2 * h), c / h, 4, m_slope, pull / (2 * h))
         if self.beta == 0:
             # x'' = -alpha x with alpha < 0 grows for ever and is never infinite.
             return Motion(lambda u: (u.cosh(), u.sinh()), arb_of(-self.alpha).sqrt(), None)
@@ -99,35 +121,79 @@ class Duffing(FromRest, OfAnEquation):
         start = [self.amplitude, Fraction(0)]
         return ValidatedFlow(field, start, lambda y: dict(zip(self.state, y, strict=True)), self.scale, state=self.state, moved=(0, 1))
 
+    def line(self) -> Line | None:
+        motion = self.motion()
+        family = motion.family
+        if family is None:
+            return None
+
+        def state(t: arb) -> tuple[arb, arb]:
+            found = self.evaluate(t)
+            return found["x"], found["v"]
+
+        return Line(state, self.acceleration, lambda t: self.neighbour(motion, family, t), motion.period)
+
+    def neighbour(self, motion: Motion, family: Family, t: arb) -> Neighbour:
+        """How x = A S(rate t | m) and v = A rate S' change by A; H' = c A."""
+        u = motion.rate * t
+        (shape, slope), (change, change_rate) = family.shape(family.jacobi, u)
+        reach = arb_of(self.amplitude)
+        dn = family.jacobi.sn_cn_dn(u)[2]
+        m, m1 = family.jacobi.m, family.jacobi.m1
+        # S' changes by m as (change)' + kappa' S' + kappa S''.
+        kappa_rate = (1 / m - dn * dn / (m * m1)) / 2
+        by_m = change_rate + kappa_rate * slope
+        place = shape + reach * family.m_slope * change
+        speed = motion.rate * (slope * (1 + reach * family.log_rate_slope) + reach * family.m_slope * by_m)
+        along = family.log_rate_slope * t + family.m_slope * family.jacobi.kappa(u) / motion.rate
+        return Neighbour(place, speed, along, -self.acceleration(reach))
+
+    def steepest(self) -> arb:
+        """alpha + 3 beta x^2 at 0 and at either turning point of a well."""
+        square = self.beta * self.amplitude**2
+        slopes = [self.alpha, self.alpha + 3 * square, self.alpha + 3 * (-2 * self.alpha - square)]
+        return arb_of(max(abs(slope) for slope in slopes))
+
     def constants(self) -> dict[str, arb]:
         period = self.motion().period
         return {} if period is None else {"period": period}
 
 
-def _elliptic(shape: Callable[[Jacobi, arb], tuple[arb, arb]], rate: arb, m: Fraction, m1: Fraction, quarters: int) -> Motion:
-    """x = A shape(rate t | m), m1 = 1 - m, whose period is so many K."""
+def _elliptic(shape: Elliptic, rate: arb, m: Fraction, m1: Fraction, quarters: int, m_slope: Fraction, log_rate_slope: Fraction) -> Motion:
+    """x = A shape(rate t | m), m1 = 1 - m, whose period is so many K; m and ln rate change by A as told."""
     jacobi = Jacobi(arb_of(m), arb_of(m1))
-    return Motion(lambda u: shape(jacobi, u), rate, quarters * jacobi.k / rate)
+    family = Family(jacobi, shape, arb_of(m_slope), arb_of(log_rate_slope))
+    return Motion(lambda u: shape(jacobi, u)[0], rate, quarters * jacobi.k / rate, family)
 
 
-def _cn(j: Jacobi, u: arb) -> tuple[arb, arb]:
+def _cn(j: Jacobi, u: arb) -> tuple[tuple[arb, arb], Change]:
     sn, cn, dn = j.sn_cn_dn(u)
-    return cn, -sn * dn
+    swell = 1 / (2 * j.m1)
+    change = -swell * sn * sn * cn
+    rate = -swell * sn * dn * (2 * cn * cn - sn * sn)
+    return (cn, -sn * dn), (change, rate)
 
 
-def _dn(j: Jacobi, u: arb) -> tuple[arb, arb]:
+def _dn(j: Jacobi, u: arb) -> tuple[tuple[arb, arb], Change]:
     sn, cn, dn = j.sn_cn_dn(u)
-    return dn, -j.m * sn * cn
+    swell = 1 / (2 * j.m1)
+    change = -swell * sn * sn * dn
+    rate = -swell * sn * cn * (2 * dn * dn - j.m * sn * sn)
+    return (dn, -j.m * sn * cn), (change, rate)
 
 
-def _nd(j: Jacobi, u: arb) -> tuple[arb, arb]:
+def _nd(j: Jacobi, u: arb) -> tuple[tuple[arb, arb], Change]:
     sn, cn, dn = j.sn_cn_dn(u)
-    return 1 / dn, j.m * sn * cn / (dn * dn)
+    swell = 1 / (2 * j.m1)
+    change = swell * sn * sn / dn
+    rate = swell * sn * cn * (2 * dn * dn + j.m * sn * sn) / (dn * dn)
+    return (1 / dn, j.m * sn * cn / (dn * dn)), (change, rate)
 
 
-def _cd(j: Jacobi, u: arb) -> tuple[arb, arb]:
+def _cd(j: Jacobi, u: arb) -> tuple[tuple[arb, arb], Change]:
+    """cd changes by m along itself alone."""
     sn, cn, dn = j.sn_cn_dn(u)
-    return cn / dn, -j.m1 * sn / (dn * dn)
+    return (cn / dn, -j.m1 * sn / (dn * dn)), (arb(0), arb(0))
 
 
 def truth(p: Parameters, scale: Mapping[str, float]) -> Truth:

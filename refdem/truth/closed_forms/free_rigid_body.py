@@ -1,6 +1,6 @@
 """Certified free rigid body: omega by Jacobi's elliptic functions, attitude by theta functions (refdem/truth/free_body.py)."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from fractions import Fraction
 from typing import Any
 
@@ -10,10 +10,10 @@ from refdem.core.parameters import Parameters
 from refdem.core.truth import Truth
 from refdem.truth import rotation
 from refdem.truth.balls import arb_of
-from refdem.truth.body_growth import body_growth, diagonal
+from refdem.truth.body_growth import diagonal, steady_growth, tumbling_growth
 from refdem.truth.closed_form import Size, per_precision
-from refdem.truth.free_body import Exact3, FreeBody, kind
-from refdem.truth.growth import Grows
+from refdem.truth.free_body import Exact3, FreeBody, Steady, kind
+from refdem.truth.growth import CLOSED_BITS, Grows
 from refdem.truth.smooth_flow import SmoothFlow
 
 AXES = "xyz"
@@ -84,7 +84,13 @@ class FreeRigidBody(SmoothFlow):
     @per_precision
     def growth(self) -> Grows:
         turn, spin = self.scale["attitude.w"], self.scale["omega.x"]
-        return body_growth(diagonal(self.inertia), self.omega, turn, spin, self.turned)
+        if self.kind is Steady:
+            return steady_growth(diagonal(self.inertia), self.omega, turn, spin, self.turned)
+        balls = [arb_of(moment) for moment in self.inertia]
+        return tumbling_growth(diagonal(balls), self.body(), turn, spin, self.turned)
+
+    def growth_bits(self) -> Sequence[int]:
+        return CLOSED_BITS
 
     def scaled_changes(self, axis: int, t: arb) -> list[arb]:
         plus, minus = self.pair(axis)

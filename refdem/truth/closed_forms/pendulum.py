@@ -16,6 +16,7 @@ from refdem.core.parameters import Parameters
 from refdem.core.truth import Truth
 from refdem.truth.balls import UndecidedError, arb_of, nearest_integer
 from refdem.truth.closed_form import per_precision
+from refdem.truth.energy_growth import Line, Neighbour
 from refdem.truth.jacobi import Jacobi
 from refdem.truth.smooth_flow import OfAnEquation
 from refdem.truth.validated_flow import ValidatedFlow
@@ -56,6 +57,19 @@ class Swing(Motion):
         sn, cn, dn = self.jacobi.sn_cn_dn(self.w0 * t + self.shift)
         return arb.atan2(self.k * sn, dn), 2 * self.k * self.w0 * cn
 
+    def neighbour(self, t: arb) -> Neighbour:
+        """By m = k^2 = 1/2 + H/(2 w0^2)."""
+        u = self.w0 * t + self.shift
+        sn, cn, dn = self.jacobi.sn_cn_dn(u)
+        m_slope = 1 / (2 * self.w0 * self.w0)
+        k_slope = m_slope / (2 * self.k)
+        swell = self.k * m_slope / (2 * self.jacobi.m1)
+        # cos(theta/2) = dn.
+        place = 2 * sn * (k_slope + swell * cn * cn) / dn
+        speed = 2 * self.w0 * cn * (k_slope - swell * sn * sn)
+        along = m_slope * self.jacobi.kappa(u) / self.w0
+        return Neighbour(place, speed, along, arb(1))
+
     def period(self) -> arb:
         return 4 * self.jacobi.k / self.w0
 
@@ -70,6 +84,20 @@ class Revolution(Motion):
     def state(self, t: arb) -> tuple[arb, arb]:
         u = self.k * self.w0 * t + self.shift
         return self.sense * self.jacobi.amplitude(u), 2 * self.sense * self.k * self.w0 * self.jacobi.sn_cn_dn(u)[2]
+
+    def neighbour(self, t: arb) -> Neighbour:
+        """By k^2 = 1/2 + H/(2 w0^2), the parameter being 1/k^2."""
+        rate = self.k * self.w0
+        u = rate * t + self.shift
+        sn, cn, dn = self.jacobi.sn_cn_dn(u)
+        square_slope = 1 / (2 * self.w0 * self.w0)
+        k_slope = square_slope / (2 * self.k)
+        m_slope = -square_slope * self.jacobi.m * self.jacobi.m
+        swell = m_slope / (2 * self.jacobi.m1)
+        place = 2 * self.sense * swell * sn * cn
+        speed = 2 * self.sense * self.w0 * dn * (k_slope - self.k * swell * sn * sn)
+        along = (k_slope / self.k) * t + m_slope * self.jacobi.kappa(u) / rate
+        return Neighbour(place, speed, along, arb(1))
 
     def period(self) -> arb:
         return 2 * self.jacobi.k / (self.k * self.w0)
@@ -166,6 +194,21 @@ class Pendulum(OfAnEquation):
 
     def period(self) -> arb | None:
         return self.motion().period()
+
+    def line(self) -> Line | None:
+        motion = self.motion()
+        if not isinstance(motion, Swing | Revolution):
+            return None
+        stiffness = arb_of(self.gravity / self.length)
+
+        def state(t: arb) -> tuple[arb, arb]:
+            half, rate = motion.state(t)
+            return 2 * half, rate
+
+        return Line(state, lambda theta: -stiffness * theta.sin(), motion.neighbour, motion.period())
+
+    def steepest(self) -> arb:
+        return arb_of(self.gravity / self.length)
 
     def constants(self) -> dict[str, arb]:
         period = self.motion().period()

@@ -17,11 +17,11 @@ from refdem.core.truth import Truth
 from refdem.errors import NotCertifiedError
 from refdem.truth import rotation
 from refdem.truth.balls import UndecidedError, arb_of, precision
-from refdem.truth.body_growth import body_growth
+from refdem.truth.body_growth import diagonal, steady_growth, tumbling_growth
 from refdem.truth.closed_form import FIRST_BITS, Size, per_precision
 from refdem.truth.closed_forms.free_rigid_body import ATTITUDE, BODY_OMEGA, OMEGA, FreeRigidBody
 from refdem.truth.exact import vector
-from refdem.truth.free_body import Elliptic, FreeBody, Separatrix, Steady, dot_exact
+from refdem.truth.free_body import Elliptic, FreeBody, Separatrix, Steady, dot_exact, steady_lead
 from refdem.truth.growth import Grows, Times
 from refdem.truth.smooth_flow import SmoothFlow
 
@@ -42,12 +42,20 @@ class AboutAxis(FreeBody):
         momentum = [across * w + (along - across) * about * x for w, x in zip(self.start, self.axis, strict=True)]
         self.length = rotation.dot(momentum, momentum).sqrt()
         self.along, self.across, self.rate = [m / self.length for m in momentum], across, about * (1 - along / across)
+        self.moment, self.twice_energy = along, rotation.dot(momentum, self.start)
 
     def omega(self, t: arb) -> list[arb]:
         return rotation.applied(rotation.matrix(rotation.turn(self.axis, -self.rate * t)), self.start)
 
     def turn(self, t: arb) -> list[arb]:
         return rotation.times(rotation.turn(self.along, self.length / self.across * t), rotation.turn(self.axis, self.rate * t))
+
+    def constants(self) -> dict[str, arb]:
+        return {"period": 2 * arb.pi() / abs(self.rate)}
+
+    def lead(self, t: arb) -> arb:
+        square = rotation.dot(self.start, self.start)
+        return steady_lead(self.moment, self.twice_energy, self.length, square) * t
 
 
 class RigidCluster(FreeRigidBody):
@@ -109,6 +117,12 @@ class RigidCluster(FreeRigidBody):
         first, second = (self.axis(moment) for moment, _ in self.moments()[:2])
         return [first, second, rotation.cross(first, second)]
 
+    @property
+    def is_steady(self) -> bool:
+        """Whether the momentum is along omega, but for the shift."""
+        momentum = [dot_exact(row, self.omega) for row in self.tensor]
+        return not any(cross(momentum, self.omega))
+
     @per_precision
     def body(self) -> FreeBody:
         """The motion in those axes."""
@@ -116,7 +130,7 @@ class RigidCluster(FreeRigidBody):
         moments = [moment for moment, _ in self.moments()]
         momentum = [dot_exact(row, self.omega) for row in self.tensor]
         energy2, momentum2 = dot_exact(momentum, self.omega), dot_exact(momentum, momentum)
-        steady, at_rest = not any(cross(momentum, self.omega)), not any(self.shift)
+        steady, at_rest = self.is_steady, not any(self.shift)
         if len(moments) < 3:
             once = next((moment for moment, count in self.moments() if count == 1), moments[0])
             twice = next(moment for moment, count in self.moments() if count > 1)
@@ -164,7 +178,14 @@ class RigidCluster(FreeRigidBody):
     @per_precision
     def growth(self) -> Grows:
         moments = [moment for moment, _ in self.moments()]
-        body = body_growth(self.tensor, self.omega, self.scale["attitude.w"], self.scale["omega.x"], self.in_own_axes)
+        turn, spin = self.scale["attitude.w"], self.scale["omega.x"]
+        if self.is_steady:
+            body = steady_growth(self.tensor, self.omega, turn, spin, self.in_own_axes)
+        elif len(moments) < 3:
+            tensor = [[arb_of(x) for x in row] for row in self.tensor]
+            body = tumbling_growth(tensor, self.body(), turn, spin, self.in_own_axes)
+        else:
+            body = tumbling_growth(diagonal(moments), self.body(), turn, spin, self.turned)
         return Times(body, 1 + moments[-1] / moments[0])
 
     def in_own_axes(self, t: arb) -> list[arb]:

@@ -8,17 +8,14 @@ from bisect import bisect_right
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
-from itertools import pairwise
 
-import numpy as np
 from flint import arb, arb_mat
-from numpy.typing import NDArray
 
 from refdem.truth.balls import Guarded, UndecidedError, arb_of, ball_of, precision
 from refdem.truth.events.crossing import SwitchError
 from refdem.truth.events.phase import Phase
 from refdem.truth.events.system import Entry, State, Traced
-from refdem.truth.validated_ivp.integration import GUARD, Piece, Steps
+from refdem.truth.validated_ivp.integration import GUARD, Steps
 from refdem.truth.validated_ivp.moved import Spread, at_start, identity
 
 THIN = 2.0**-100
@@ -140,29 +137,6 @@ class Motion(Guarded):
             state = phase.at(since) if phase.pieces else phase.entered
         return error.at(state, thin=all(radius < THIN for radius in phase.spread.radii()))
 
-    def transfer(self, first: arb, second: arb) -> NDArray[np.float64]:
-        """The derivative of the state at time `second` by that at `first`, to rounding: no errors are in it."""
-        a, b = self.phase(first), self.phase(second)
-        since, until = (t - phase.entered[-1] for t, phase in ((first, a), (second, b)))
-        whole = np.linalg.inv(_floats(a.moved_by(*_within(a, since))))
-        for one, other in pairwise(self.phases[self.phases.index(a) : self.phases.index(b) + 1]):
-            whole = _floats(one.exit) @ self.along(one, since, None) @ whole
-            since = other.entered[-1] * 0
-        whole = _floats(b.moved_by(*_within(b, until))) @ self.along(b, since, until) @ whole
-        return _floats(at_fixed_time(b, b.at(until))) @ whole
-
-    def along(self, phase: Phase, since: arb, until: arb | None) -> NDArray[np.float64]:
-        """The derivative from the begin of the piece at `since` to the begin of that at `until` (None: that of the event)."""
-        if until is None:
-            assert phase.ends is not None
-            until = phase.ends[1]
-        begin, end = (phase.piece(t).begin for t in (since, until))
-        whole = np.eye(phase.mode.size)
-        for piece in phase.pieces:
-            if begin <= piece.begin < end:
-                whole = _floats(phase.flows[piece.begin]) @ whole
-        return whole
-
 
 def first_entry(first: Callable[[State], Entry], start: State) -> Entry:
     """The entry from a start, which is the last certified state where balls cannot tell it."""
@@ -176,12 +150,3 @@ def at_fixed_time(phase: Phase, state: Sequence[arb]) -> arb_mat:
     """1 - f e_clock: what turns changes at a time since each motion's own entry into changes at a given time."""
     rates, size = phase.field.run(state), phase.mode.size
     return identity(size) - arb_mat(size, size, [rate if j == size - 1 else arb(0) for rate in rates for j in range(size)])
-
-
-def _within(phase: Phase, since: arb) -> tuple[Piece, arb]:
-    piece = phase.piece(since)
-    return piece, since - arb_of(piece.begin)
-
-
-def _floats(matrix: arb_mat) -> NDArray[np.float64]:
-    return np.array([[float(x.mid()) for x in row] for row in matrix.table()])

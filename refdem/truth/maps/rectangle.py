@@ -15,7 +15,7 @@ from refdem.core.truth import Ball
 from refdem.errors import NotCertifiedError
 from refdem.truth.balls import GuardedTruth, arb_of, ball_of, refined
 from refdem.truth.closed_form import Size
-from refdem.truth.growth import bounded
+from refdem.truth.growth import bounded, most
 from refdem.truth.maps.iterated import whole
 
 HALF = Fraction(1, 2)
@@ -148,4 +148,4 @@ class Rectangle(GuardedTruth):
     def sensitivity(self, t: Fraction) -> float:
         """S: the largest sum of a row; the flight from an earlier bounce is shorter, so that an error made there grows less."""
         rows = self.jacobian(t).table()
-        return bounded(max(float(sum((abs(x) for x in row), arb(0)).upper()) for row in rows))
+        return bounded(most(sum((abs(x) for x in row), arb(0)) for row in rows))

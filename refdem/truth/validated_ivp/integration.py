@@ -11,9 +11,7 @@ from dataclasses import dataclass
 from fractions import Fraction
 from math import ceil, log2
 
-import numpy as np
 from flint import arb, arb_mat, arb_poly
-from numpy.typing import NDArray
 
 from refdem.truth.balls import Guarded, UndecidedError, arb_of, ball_of, largest, outward, precision
 from refdem.truth.traced_field import Field, Program, traced
@@ -104,18 +102,6 @@ class Integration(Guarded):
         piece = self.piece(t)
         with precision(self.bits + GUARD):
             return self.moved_by(piece, t - arb_of(piece.begin)) * piece.spread.jacobian()
-
-    def between(self, s: Fraction, t: Fraction) -> NDArray[np.float64]:
-        """The derivative of the state at t by that at s <= t, in doubles: products of those of the pieces."""
-        first, last = (self.pieces.index(self.piece(arb_of(time))) for time in (s, t))
-        whole = np.linalg.inv(self.floats(first, s - self.begins[first]))
-        for k in range(first, last):
-            whole = self.floats(k, self.pieces[k].length) @ whole
-        return self.floats(last, t - self.begins[last]) @ whole
-
-    def floats(self, k: int, since: Fraction) -> NDArray[np.float64]:
-        """The flow Jacobian from the begin of the k-th piece in doubles."""
-        return np.array([[float(x.mid()) for x in row] for row in self.moved_by(self.pieces[k], arb_of(since)).table()])
 
     @property
     def end(self) -> Fraction:

@@ -16,7 +16,7 @@ from flint import arb, arb_mat
 from refdem.core.truth import Ball
 from refdem.truth.balls import UndecidedError, arb_of
 from refdem.truth.closed_form import Size, per_precision
-from refdem.truth.growth import Grows, Growth, Norm, Stretch, narrow, smooth
+from refdem.truth.growth import Grows, Growth, Norm, Stretch, most, narrow, smooth
 from refdem.truth.line_growth import homogeneous
 from refdem.truth.power_contact import PowerContact, touching
 from refdem.truth.reals import Number
@@ -93,7 +93,7 @@ class HertzWallImpact(SmoothFlow):
         rates = [steepest / arb_of(self.scale["v.x"]), rub * steepest / arb_of(self.scale["v.y"])]
         rates.append(rub * steepest * arb_of(Fraction(5, 2) / self.radius) / arb_of(self.scale["omega.z"]))
         rates += [arb_of(self.scale["v.x"] / self.scale["r.x"]), arb_of(self.scale["v.y"] / self.scale["r.y"])]
-        return max(float(rate.upper()) for rate in rates)
+        return most(rates)
 
     def errors(self, rubs: int) -> Callable[[arb], arb_mat]:
         """Five independent errors, as columns, by the time since the start: two of the normal motion, y, v_y and omega."""
