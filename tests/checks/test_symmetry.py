@@ -251,7 +251,6 @@ def test_a_truncation_error_may_know_the_axes_of_space_where_a_rounding_decides_
     assert finding.outcome == outcome, finding.sentence
 
 
-
 def test_two_runs_that_a_rounding_parts_may_each_be_off_by_the_truncation_error():
     """The plain run is to one side of the right motion, and those that a rounding moves are to the other, each within its bound."""
     calls = count()
