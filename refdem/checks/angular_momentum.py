@@ -49,7 +49,8 @@ class AngularMomentum(Check):
         allowed: Array | float
         if free:
             allowed = trial.noise(variant.level)
-            basis = "nothing acts, and every method moves on in a straight line, so only round-off c u sqrt(n), and u n of equal terms, may change it"
+            moved = "nothing acts, and every method moves on in a straight line"
+            basis = f"{moved}, so only round-off c u sqrt(n), and u n of equal terms, may change it"
         else:
             allowed, basis = trial.kept("angular-momentum", variant.level)
             sweeps = trial.round_off(variant.level) * (sweeping(trial.instance, trial.method) - 1.0)

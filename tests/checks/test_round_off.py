@@ -86,3 +86,19 @@ def rounded(digits):
         return replace(run, position=position, velocity=velocity)
 
     return fault
+
+
+@pytest.mark.parametrize(("roundings", "expected"), [(0.8, "pass"), (8.0, "fail")])
+def test_a_sphere_that_spins_steadily_in_single_precision_is_stretched_alike_at_every_step(roundings, expected):
+    """Measured: 0.8 roundings a step, all of one sign."""
+    steps = 4096
+    single = Method(name="m", summary="", control="step", order=2, precision="single", conserves=frozenset({"angular-momentum"}))
+    given = {"inertia": "1,1,1", "omega_body": "0.3,0.5,0.7"}
+    instance, engine = discovery.case("free-rigid-body").at(**given), discovery.engine("reference")
+    level = float(instance.times[-1]) / steps
+    run, _ = engine.run(Request(problem=instance.problem, method="exact-free-body"))
+    stretched_by = 1 + roundings * 2.0**-24 * steps * run.t / run.t[-1]
+    run = replace(run, omega=run.omega * stretched_by[:, None, None])
+    trial = Trial(instance, single, (level,), None)
+    found = discovery.check("angular-momentum").judge(trial, {Variant(level): Outcome(run, Cost(seconds=0.0))})
+    assert {finding.quantity: finding.outcome for finding in found}["spin"] == expected

@@ -132,3 +132,30 @@ def test_dry_friction_of_constant_size_rounds_alike_step_by_step():
     assert claimed == pytest.approx(2.0**-24 * steps)
     assert strayed > 2 * round_off(instance, step, steps)  # more than roundings of random sign would leave
     assert strayed < claimed
+
+
+def spun(steps):
+    """Length of an angular velocity that single precision turns about the three axes of a sphere, as a symmetric splitting does."""
+    w = np.array([0.3, 0.5, 0.7], np.float32)
+    h = np.float32(20.0 / steps)
+    for _ in range(steps):
+        for axis, part in ((2, 0.5), (1, 0.5), (0, 1.0), (1, 0.5), (2, 0.5)):
+            j, k = (axis + 1) % 3, (axis + 2) % 3
+            angle = np.float32(part) * h * w[axis]
+            c, s = np.cos(angle), np.sin(angle)
+            turned = c * w[j] + s * w[k], c * w[k] - s * w[j]
+            w[j], w[k] = turned
+    return float(np.linalg.norm(w.astype(float)))
+
+
+def test_turns_by_equal_angles_stretch_alike_step_by_step():
+    from refdem.core.refinement import round_off, turning
+
+    step = Method(name="m", summary="", control="step", order=2, precision="single")
+    sphere, swings = (discovery.case(name).at(duration="20", samples="16") for name in ("free-rigid-body", "harmonic-oscillator"))
+    steps = 4096
+    start = float(np.linalg.norm(np.array([0.3, 0.5, 0.7], np.float32).astype(float)))
+    strayed = abs(spun(steps) / start - 1.0)
+    claimed = turning(sphere, step, 20 / steps)
+    assert turning(swings, step, 20 / steps) == 0.0
+    assert round_off(sphere, step, steps) / 2 < strayed < claimed / 3
