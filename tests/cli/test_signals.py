@@ -73,7 +73,7 @@ def test_a_gate_that_is_ended_leaves_no_process_and_no_folder(tmp_path: Path, nu
     assert gate.returncode == status
     assert b"Traceback" not in said
     eventually(lambda: not marked(mark), "what the program started has ended")
-    eventually(lambda: not list(own.glob("refdem-run-*")), "the folders of runs are gone")
+    eventually(lambda: not list(own.glob("refdem-runs-*")), "the folders of runs are gone")
 
 
 def test_worker_processes_end_with_a_run_that_is_killed(tmp_path: Path) -> None:

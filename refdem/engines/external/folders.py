@@ -17,7 +17,7 @@ from functools import cache
 from pathlib import Path
 from typing import Any
 
-PREFIX = "refdem-run-"
+PREFIX = "refdem-runs-"
 """Of the folder of a process that holds it; one that is just being made has another name."""
 
 
