@@ -327,6 +327,12 @@ def read_kept() -> dict[tuple[str, str, int, str], Verdict]:
     return {verdict.key: verdict for verdict in verdicts}
 
 
+def is_of_now(verdict: Verdict) -> bool:
+    """True if the file of a mutant is the one that it was planted in."""
+    path = ROOT / verdict.path
+    return path.exists() and hashlib.sha256(path.read_bytes()).hexdigest() == verdict.source
+
+
 def key_of(site: Site) -> tuple[str, str, int, str]:
     """The key of a mutant of the tree as it is now."""
     digest = hashlib.sha256(text_of(site.path)).hexdigest()
@@ -397,6 +403,8 @@ def report(found: Sequence[Verdict]) -> str:
         "a part. It is shown to the tests that run its line, and to the rows of campaign `main`, the fastest first. It counts as",
         "killed if a test fails, fails again, and passes without it. *Not executed*: no test runs its line.",
         "*Equivalent*: it changes nothing that anyone can see, for the reason given in `ci/equivalent_mutants.toml`.",
+        "Errors that survived are shown to the tests again after the tests were mended (`ci/mutants.py --survivors`).",
+        "Errors of a file that changed since are left out.",
         "",
         f"| {' | '.join(head)} |",
         f"|{' --- |' * len(head)}",
@@ -454,7 +462,7 @@ def main() -> int:
         KEPT.parent.mkdir(exist_ok=True)
         wanted, count = asked(given)
         run(wanted, count, given)
-    text = report(list(read_kept().values()))
+    text = report([verdict for verdict in read_kept().values() if is_of_now(verdict)])
     if given.report or not given.part:
         REPORT.write_text(text)
     print(text)
