@@ -51,7 +51,6 @@ from refdem.truth.free_body import FreeBody, dot_exact
 from refdem.truth.growth import (
     BOUNDLESS,
     KNOWN,
-    LOST,
     ROUNDED,
     UPWARDS,
     WIDEST,
@@ -78,6 +77,9 @@ TURN, SPIN = slice(0, 3), slice(3, 6)
 BODY, SPACE = slice(3, 6), slice(6, 9)
 """Rows that are read besides the turn: each component of omega in body axes and in space."""
 
+DOUBLED = 1.0
+"""Part of S that what is lost by rounding may have. Only needles lose so much: J^-1 of one with 1e-12 of the other moments cancels
+twelve digits of sixteen, and the bound of the loss is larger than the loss. S is at most twice what it bounds then."""
 RECENT = 4
 """Periods between an error and its effect that are taken one by one."""
 TURNS = 16
@@ -198,7 +200,7 @@ class BodyGrowth(ABC):
         found = float((turns * (1 + sheared) + spins * grown).max(initial=0.0)) * UPWARDS
         if not isfinite(found):
             return inf
-        if lost > LOST * found:
+        if lost > DOUBLED * found:
             raise UnsharpError("rounding has a larger part in how errors of a body grow than doubles allow", final=True)
         return found + lost
 

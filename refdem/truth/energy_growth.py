@@ -22,14 +22,14 @@ larger of both coordinates: |D(t, s)| <= |D(t, c)| exp(quick h) for |s - c| <= h
 from collections.abc import Callable
 from dataclasses import dataclass
 from fractions import Fraction
-from math import inf, isfinite
+from math import frexp, inf, isfinite
 
 import numpy as np
 from flint import arb, arb_mat
 from numpy.typing import NDArray
 
 from refdem.truth.balls import arb_of, ball_of
-from refdem.truth.growth import KNOWN, LOST, ROUNDED, UPWARDS, WIDEST, UnsharpError, bounded, known, narrow, rounded, upper
+from refdem.truth.growth import KNOWN, LOST, ROUNDED, UPWARDS, WIDEST, UnsharpError, bounded, known, rounded, upper
 
 Array = NDArray[np.float64]
 
@@ -80,8 +80,9 @@ class EnergyGrowth:
         quick = arb.max(1 / ratio, ratio * steepest)
         self.quick = float(quick.upper()) * UPWARDS
         # Cells of a width at whose ends an error has changed by the part WIDEST, at most.
-        self.half = narrow(quick) * 2
-        assert self.quick * float(self.half) <= WIDEST
+        # A power of two between WIDEST/2 and WIDEST over `quick`, which is m 2^e with 1/2 <= m < 1.
+        exponent = frexp(self.quick)[1]
+        self.half = Fraction(WIDEST) * Fraction(2) ** -exponent
         self.instants: list[Instant] = []
         self.gained = arb(0)
         if line.period is not None:

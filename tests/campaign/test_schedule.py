@@ -12,7 +12,7 @@ from refdem.campaign.truths import sampled_truths
 from refdem.core import discovery
 from refdem.core.engine import Stages
 from refdem.core.run import Failure
-from refdem.engines.external.process import ended
+from refdem.engines.external.process import Limits, ended
 
 
 class LocalError(ValueError):
@@ -97,10 +97,13 @@ def test_a_program_that_cannot_be_run_costs_its_own_job() -> None:
     assert found[False] == Failure(kind="exception", sentence="LocalError: no analytic point")
 
 
+LIMITS = Limits(timeout=600, file_bytes=4096, memory=2**33)
+
+
 def sleeps(folder: str, until: str) -> Stages[bytes]:
     """A program that says its number in `pid` and goes on until there is a file `until`."""
     command = ["sh", "-c", f"echo $$ >new; mv new pid; while [ ! -e {until} ]; do sleep 0.05; done"]
-    (yield lambda: ended(command, Path(folder), name="sleeper", timeout=600, most_bytes=4096))()
+    (yield lambda: ended(command, Path(folder), name="sleeper", limits=LIMITS))()
     return b"done"
 
 

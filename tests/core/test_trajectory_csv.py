@@ -113,7 +113,7 @@ def test_wrong_events_are_refused(tmp_path: Path, events: str) -> None:
 
 def test_a_folder_in_place_of_the_file_is_no_trajectory(tmp_path: Path) -> None:
     (tmp_path / "a.csv").mkdir()
-    with pytest.raises(EngineError, match="wrote no"):
+    with pytest.raises(EngineError, match="a folder; expected a plain file"):
         read_trajectory(tmp_path / "a.csv", 2, 2)
 
 
