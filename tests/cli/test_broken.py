@@ -1,4 +1,7 @@
-"""What nobody caught is never a verdict, and a place that cannot be written is bad input."""
+"""What nobody caught is never a verdict, and a place that cannot be written is bad input.
+
+Commands run in another folder than that of the sources, whose kernels need not be built.
+"""
 
 import os
 import subprocess
@@ -36,9 +39,8 @@ def test_a_full_disk_under_standard_output_is_bad_input(arguments: list[str]) ->
 def test_a_closed_standard_error_changes_no_verdict(tmp_path: Path) -> None:
     command = [sys.executable, "-c", "from refdem.cli import main; main()", "run", "harmonic-oscillator", "--engine", "reference"]
     environment = os.environ | {"REFDEM_STORE": str(tmp_path / "store.sqlite")}
-    done = subprocess.run(
-        ["sh", "-c", 'exec "$@" 2>&-', "sh", *command, "--out", str(tmp_path / "out")], env=environment, capture_output=True, check=False
-    )
+    closed = ["sh", "-c", 'exec "$@" 2>&-', "sh", *command, "--out", str(tmp_path / "out")]
+    done = subprocess.run(closed, cwd=tmp_path, env=environment, capture_output=True, check=False)
     assert done.returncode == 0, done.stdout
 
 
@@ -46,6 +48,7 @@ def test_without_a_home_folder_the_store_is_elsewhere_or_nowhere(tmp_path: Path)
     command = [sys.executable, "-c", "from refdem.cli import main; main()", "run", "harmonic-oscillator", "--engine", "reference"]
     environment = {name: value for name, value in os.environ.items() if name not in ("XDG_CACHE_HOME", "REFDEM_STORE")}
     environment |= {"HOME": "/proc/nowhere"}
-    done = subprocess.run([*command, "--out", str(tmp_path / "out")], env=environment, capture_output=True, text=True, check=False)
+    there = [*command, "--out", str(tmp_path / "out")]
+    done = subprocess.run(there, cwd=tmp_path, env=environment, capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stderr
     assert "cannot be used" in done.stderr
