@@ -5,8 +5,8 @@ import shlex
 import subprocess
 from collections.abc import Callable, Iterator
 from pathlib import Path
+from typing import Any
 
-import click
 import pytest
 import typer
 
@@ -20,7 +20,7 @@ from refdem.stress.selection import names as batteries
 
 ROOT = Path(__file__).parents[2]
 Answered = Callable[..., "subprocess.CompletedProcess[str]"]
-COMMANDS: dict[str, click.Command] = typer.main.get_command(app).commands  # type: ignore[attr-defined]
+COMMANDS: dict[str, Any] = typer.main.get_command(app).commands  # type: ignore[attr-defined]
 CONTRIBUTED = "hop"
 """The engine that CONTRIBUTING writes; its own test puts it in place."""
 PLACEHOLDER = re.compile(r"\b[A-Z]{3,}\b|\.toml\b|\.\.\.")
