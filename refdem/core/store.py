@@ -62,6 +62,8 @@ class _Tally:
 
     path: Path
     connection: sqlite3.Connection | None = None
+    file: int | None = None
+    """The inode that was opened: another process may have moved it aside since."""
     damaged: int = 0
 
 
@@ -141,11 +143,16 @@ class Store:
     def _open(self) -> None:
         """Opens the file or makes it; a file that is no database is moved aside first."""
         try:
-            self._tally.connection = _connected(self.path)
+            self._connect()
         except (_UnfitError, sqlite3.OperationalError, OSError) as error:
             _say(f"store {self.path} cannot be used: {error}. Nothing is kept; correct that, or set REFDEM_STORE to another file")
         except sqlite3.DatabaseError as error:
             self._renew(error)
+
+    def _connect(self) -> None:
+        """Opens the file; raises what `_connected` raises."""
+        self._tally.connection = _connected(self.path)
+        self._tally.file = _inode(self.path)
 
     def _failed(self, error: sqlite3.Error) -> None:
         """Goes on with a new file where this one is damaged, and without a store where nothing can be written."""
@@ -161,15 +168,20 @@ class Store:
             self._renew(error)
 
     def _renew(self, error: sqlite3.Error) -> None:
-        """Moves a damaged file aside and opens a new one."""
+        """Moves a damaged file aside and opens a new one, unless another process already has."""
         aside = self.path.with_name(f"{self.path.name}.damaged")
+        found = _inode(self.path)
+        is_renewed = self._tally.file is not None and found != self._tally.file
         try:
-            os.replace(self.path, aside)
-            for suffix in ("-wal", "-shm"):
-                self.path.with_name(self.path.name + suffix).unlink(missing_ok=True)
-            self._tally.connection = _connected(self.path)
+            if not is_renewed:
+                os.replace(self.path, aside)
+                for suffix in ("-wal", "-shm"):
+                    self.path.with_name(self.path.name + suffix).unlink(missing_ok=True)
+            self._connect()
         except (_UnfitError, sqlite3.Error, OSError) as second:
             _say(f"store {self.path} is damaged ({error}) and cannot be made anew: {second}. Nothing is kept")
+            return
+        if is_renewed:
             return
         _say(f"store {self.path} was damaged ({error}); it is now {aside.name}, and what it held is made again")
 
@@ -205,14 +217,25 @@ def _connected(path: Path) -> sqlite3.Connection:
             return connection
 
 
+def _inode(path: Path) -> int | None:
+    """What the file system calls the file that has this name now; None if there is none."""
+    try:
+        return path.stat().st_ino
+    except OSError:
+        return None
+
+
 def _prepare(connection: sqlite3.Connection) -> None:
     """Makes the table; entries of an older format are dropped."""
     connection.execute("PRAGMA journal_mode=WAL")
     connection.execute("PRAGMA synchronous=NORMAL")
+    connection.execute("BEGIN IMMEDIATE")
+    # The format is read within the transaction: before it, another process that is making the same
+    # file may still have to write it, and what that process kept meanwhile would be dropped.
     (version,) = connection.execute("PRAGMA user_version").fetchone()
     if version > FORMAT:
+        connection.execute("ROLLBACK")
         raise _UnfitError(f"it has format {version}, of a newer refdem or another program; expected {FORMAT}")
-    connection.execute("BEGIN IMMEDIATE")
     if version < FORMAT:
         connection.execute("DROP TABLE IF EXISTS entries")
     connection.execute(_TABLE)

@@ -9,7 +9,7 @@ from contextlib import closing
 import msgspec
 import pytest
 
-from refdem.core.store import FORMAT, Store, digest_of
+from refdem.core.store import FORMAT, Store, _prepare, digest_of
 
 
 def test_what_is_put_is_read_by_another_connection(tmp_path):
@@ -143,3 +143,33 @@ def test_many_processes_may_make_one_store_at_once(tmp_path):
     assert said == [b""] * 8
     store = Store(tmp_path / "new" / "s.sqlite")
     assert [store.get("run", str(n)) for n in range(8)] == [b"data"] * 8
+
+
+def test_what_another_process_kept_while_both_made_the_file_stays(tmp_path):
+    path = tmp_path / "s.sqlite"
+
+    class Overtaken(sqlite3.Connection):
+        """A connection that another process overtakes just before its transaction."""
+
+        def execute(self, sql, *parameters):
+            if sql == "BEGIN IMMEDIATE":
+                other = Store(path)
+                other.put("run", "a", b"data")
+                other.close()
+            return super().execute(sql, *parameters)
+
+    with closing(sqlite3.connect(path, isolation_level=None, factory=Overtaken)) as connection:
+        _prepare(connection)
+    assert Store(path).get("run", "a") == b"data"
+
+
+def test_a_file_that_another_process_made_anew_is_not_moved_aside(tmp_path, capfd):
+    path = tmp_path / "s.sqlite"
+    stores = [Store(path), Store(path)]
+    damage = sqlite3.DatabaseError("database disk image is malformed")
+    stores[0]._failed(damage)
+    stores[0].put("run", "a", b"data")
+    stores[1]._failed(damage)
+    assert stores[1].get("run", "a") == b"data"
+    assert stores[0].get("run", "a") == b"data"
+    assert capfd.readouterr().err.count("was damaged") == 1
