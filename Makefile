@@ -34,7 +34,7 @@ help:
 	@echo 'make certify    prove the certified truth again where its code changed; killed, it resumes'
 	@echo 'make manual     write the verification manual, a page a case, into reports/manual'
 	@echo 'make codes      DEM codes that the gates in validation/codes run, in .venv-codes'
-	@echo 'make lint       ruff, mypy, import-linter'
+	@echo 'make lint       ruff, clang-format, mypy, import-linter'
 	@echo 'make develop    build the kernels beside their sources and run from the tree'
 	@echo 'make lock       pin the newest versions in requirements.lock'
 
@@ -87,6 +87,7 @@ codes: .venv-codes/made
 lint: .venv/for-all
 	$(BIN)/ruff check
 	$(BIN)/ruff format --check
+	$(BIN)/clang-format --dry-run --Werror $$(git ls-files '*.c' '*.h')
 	$(BIN)/mypy
 	$(BIN)/lint-imports
 

@@ -1,6 +1,7 @@
 """Writes the goals of reports/bench.md from the tables below them: ci/bench_goals.py [--check].
 
-One work has one number: what a table of the bench shows is read from there, and never measured a second time for the goals.
+One work has one number: what a table of the bench shows is read from there, and never measured a
+second time for the goals.
 `--check` changes nothing, and ends with 1 where the page says something else than its tables.
 """
 
@@ -19,8 +20,10 @@ HEAD = "| work | goal | measured | met |\n| --- | --- | --- | --- |\n"
 class Goal:
     """A work of the bench: its section, our method, and what is wanted of it.
 
-    `ratios` has how many times faster than the best peer at which error (0: shown, and no goal). `error` is the largest that is allowed,
-    `part` the same as a part of that of the peer `beside`. `rival` is another engine and how many times faster than it.
+    `ratios` has how many times faster than the best peer at which error (0: shown, and no goal).
+    `error` is the largest that is allowed,
+    `part` the same as a part of that of the peer `beside`. `rival` is another engine and how many
+    times faster than it.
     """
 
     work: str
@@ -41,22 +44,55 @@ class Goal:
         if self.error:
             parts.append(f"error {self.error:g}")
         if self.part:
-            parts.append(f"error 1/{1 / self.part:g} of that of {self.beside}" if self.part < 1 else f"error of {self.beside}")
+            parts.append(
+                f"error 1/{1 / self.part:g} of that of {self.beside}"
+                if self.part < 1
+                else f"error of {self.beside}"
+            )
         return ", ".join(parts)
 
 
 GOALS = (
-    Goal("free rigid body at t = 100", "free-rigid-body[duration=100 samples=2]", "exact-free-body",
-         {"1e-3": 12, "1e-12": 50}, "heyoka taylor"),
-    Goal("the same, 1e-4 from the unstable axis", "free-rigid-body[omega_body=0.0001,1,0.0001 duration=100 samples=2]", "exact-free-body",
-         {"1e-3": 0, "1e-9": 0}, "heyoka taylor", part=1 / 40),
-    Goal("pendulum, 100 periods", "pendulum[duration=214.5 samples=2]", "exact-pendulum",
-         {"1e-3": 700, "1e-12": 1400}, "heyoka taylor", error=1e-14),
-    Goal("Coulomb, 32 periods, heyoka's events", "coulomb-oscillator[friction_force=0.01 duration=200 samples=2]", "exact-coulomb",
-         {"1e-3": 100, "1e-12": 100}, "heyoka taylor-events"),
-    Goal("Kepler, 100 orbits", "two-body-orbit[duration=628.3 samples=2]", "exact-kepler",
-         {"1e-3": 1000, "1e-9": 1000}, "rebound ias15", part=1, rival=("rebound whfast", 1.5)),
-)  # fmt: skip
+    Goal(
+        "free rigid body at t = 100",
+        "free-rigid-body[duration=100 samples=2]",
+        "exact-free-body",
+        {"1e-3": 12, "1e-12": 50},
+        "heyoka taylor",
+    ),
+    Goal(
+        "the same, 1e-4 from the unstable axis",
+        "free-rigid-body[omega_body=0.0001,1,0.0001 duration=100 samples=2]",
+        "exact-free-body",
+        {"1e-3": 0, "1e-9": 0},
+        "heyoka taylor",
+        part=1 / 40,
+    ),
+    Goal(
+        "pendulum, 100 periods",
+        "pendulum[duration=214.5 samples=2]",
+        "exact-pendulum",
+        {"1e-3": 700, "1e-12": 1400},
+        "heyoka taylor",
+        error=1e-14,
+    ),
+    Goal(
+        "Coulomb, 32 periods, heyoka's events",
+        "coulomb-oscillator[friction_force=0.01 duration=200 samples=2]",
+        "exact-coulomb",
+        {"1e-3": 100, "1e-12": 100},
+        "heyoka taylor-events",
+    ),
+    Goal(
+        "Kepler, 100 orbits",
+        "two-body-orbit[duration=628.3 samples=2]",
+        "exact-kepler",
+        {"1e-3": 1000, "1e-9": 1000},
+        "rebound ias15",
+        part=1,
+        rival=("rebound whfast", 1.5),
+    ),
+)
 
 
 def cells(page: str, section: str, title: str, method: str) -> dict[str, str]:
@@ -82,7 +118,10 @@ def row(page: str, goal: Goal) -> str:
     ours = cells(page, goal.section, "Time to an error", f"reference {goal.method}")
     theirs = cells(page, goal.section, "Time to an error", goal.beside)
     found = [faster[f"to {level}"] for level in goal.ratios]
-    is_met = [float(cell.split("x")[0]) >= ratio for cell, ratio in zip(found, goal.ratios.values(), strict=True)]
+    is_met = [
+        float(cell.split("x")[0]) >= ratio
+        for cell, ratio in zip(found, goal.ratios.values(), strict=True)
+    ]
     error, other = float(ours["least error"]), float(theirs["least error"])
     if goal.error:
         is_met.append(error <= goal.error)
@@ -91,11 +130,16 @@ def row(page: str, goal: Goal) -> str:
     parts = [f"{cell} at {level}" for cell, level in zip(found, goal.ratios, strict=True)]
     rival, wanted = goal.rival
     if rival:
-        ratio = seconds(cells(page, goal.section, "Time to an error", rival)["to 1e-3"]) / seconds(ours["to 1e-3"])
+        ratio = seconds(cells(page, goal.section, "Time to an error", rival)["to 1e-3"]) / seconds(
+            ours["to 1e-3"]
+        )
         is_met.append(ratio >= wanted)
         parts.append(f"{ratio:.2g}x {rival}")
     seen = ", ".join(parts)
-    measured = f"{seen}; {ours['to 1e-3'].split(' (')[0]}; error {ours['least error']}, of {goal.beside} {theirs['least error']}"
+    measured = (
+        f"{seen}; {ours['to 1e-3'].split(' (')[0]}; error {ours['least error']}, of {goal.beside}"
+        f" {theirs['least error']}"
+    )
     return f"| {goal.work} | {goal.words} | {measured} | {'yes' if all(is_met) else 'no'} |\n"
 
 

@@ -1,4 +1,6 @@
-"""Prints what refdem needs, one requirement a line: its build, its dependencies and the extras named as arguments."""
+"""Prints what refdem needs, one requirement a line: its build, its dependencies and the extras
+named as arguments.
+"""
 
 import sys
 import tomllib

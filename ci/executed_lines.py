@@ -1,7 +1,8 @@
 """Which lines of refdem each test runs, and how long it takes: ci/executed_lines.py [FILE...].
 
 Every file of tests runs once in a copy of the tree whose kernels count their lines (gcov) and whose
-Python is followed (coverage.py). What a file runs is kept in build/executed/ until the file changes.
+Python is followed (coverage.py). What a file runs is kept in build/executed/ until the file
+changes.
 """
 
 import argparse
@@ -22,12 +23,26 @@ from tree_copy import KERNELS, ROOT, TreeCopy
 PLACE = ROOT / "build/executed"
 LONGEST = 1500.0
 """[s] of one file of tests."""
-PARTS = ("kernels", "solvers", "engines", "checks", "core", "campaign", "faults", "mechanics", "cases", "gate", "stress")
+PARTS = (
+    "kernels",
+    "solvers",
+    "engines",
+    "checks",
+    "core",
+    "campaign",
+    "faults",
+    "mechanics",
+    "cases",
+    "gate",
+    "stress",
+)
 ROWS = "ci/campaign_rows.py"
 UNKNOWN = -1
 """Stands for all lines of a source."""
 FLAGS = ("-O0", "--coverage", "-DREFDEM_ONE_CPU=x86-64", "-include", str(ROOT / "ci/kept_lines.h"))
-"""Counted lines have one version for all processors: each of its clones would be a function of its own."""
+"""Counted lines have one version for all processors: each of its clones would be a function of its
+own.
+"""
 
 
 @dataclass(frozen=True)
@@ -114,7 +129,9 @@ def measure(copy: TreeCopy, file: str) -> None:
         ended = copy.tested([file], LONGEST, more=("-p", "lines_plugin"), also=also)
         kept_tests = out / "tests.json"
         if not kept_tests.exists():
-            print(f"  {file}: no answer, status {ended.status} {' '.join(ended.failed)}", flush=True)
+            print(
+                f"  {file}: no answer, status {ended.status} {' '.join(ended.failed)}", flush=True
+            )
             return
         tests = json.loads(kept_tests.read_text())
         for number, test in enumerate(tests):
@@ -138,11 +155,16 @@ def lines_of_kernels(copy: TreeCopy, counters: Path) -> dict[str, list[int]]:
     if not counters.is_dir():
         return {}
     lines = counted(copy, counters)
-    return {file: sorted(line for line, count in counts.items() if count) for file, counts in lines.items()}
+    return {
+        file: sorted(line for line, count in counts.items() if count)
+        for file, counts in lines.items()
+    }
 
 
 def counted(copy: TreeCopy, counters: Path) -> dict[str, dict[int, int]]:
-    """How often lines of C ran, by file, from a folder of gcov's counters; 0 is a line that could have."""
+    """How often lines of C ran, by file, from a folder of gcov's counters; 0 is a line that could
+    have.
+    """
     found: dict[str, dict[int, int]] = {}
     for data in sorted(counters.glob("*.gcda")):
         if data.stem.endswith("_glue"):
@@ -190,7 +212,9 @@ def measure_all(files: Iterable[str]) -> None:
 def main(given: Sequence[str]) -> int:
     """Exit status 0."""
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("file", nargs="*", help="files of tests; none: all that the mutants are shown")
+    parser.add_argument(
+        "file", nargs="*", help="files of tests; none: all that the mutants are shown"
+    )
     parser.add_argument("--again", action="store_true", help="also those that are known")
     chosen = parser.parse_args(given)
     signal.signal(signal.SIGTERM, lambda number, frame: sys.exit(128 + number))

@@ -1,4 +1,5 @@
-/* Lets ci/lines_plugin.py keep and forget the counters of one kernel: included before instrumented sources alone. */
+/* Lets ci/lines_plugin.py keep and forget the counters of one kernel: included before instrumented
+ * sources alone. */
 void __gcov_dump(void);
 void __gcov_reset(void);
 

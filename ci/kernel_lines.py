@@ -1,4 +1,5 @@
-"""The share of the kernels' lines that campaign `main` runs, and the lines that it does not: ci/kernel_lines.py [--kept].
+"""The share of the kernels' lines that campaign `main` runs, and the lines that it does not:
+ci/kernel_lines.py [--kept].
 
 CI runs this campaign on every change. Exit status 1 if it runs less than GOAL of the lines.
 """
@@ -37,7 +38,9 @@ def run_by_rows() -> dict[str, set[int]]:
             for name in filter(is_kernel, test.lines):
                 lines = test.lines[name]
                 if UNKNOWN in lines:
-                    raise SystemExit(f"{name} changed since the campaign ran: measure it again, without --kept")
+                    raise SystemExit(
+                        f"{name} changed since the campaign ran: measure it again, without --kept"
+                    )
                 found.setdefault(name, set()).update(lines)
     return found
 
@@ -45,7 +48,9 @@ def run_by_rows() -> dict[str, set[int]]:
 def main() -> int:
     """Prints a line a file that is not run whole, and the share of all."""
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--kept", action="store_true", help="take what was measured last, and run nothing")
+    parser.add_argument(
+        "--kept", action="store_true", help="take what was measured last, and run nothing"
+    )
     if not parser.parse_args().kept:
         executed_lines.main([ROWS, "--again"])
     can_run = countable(TreeCopy(ROOT / "build/counting"))

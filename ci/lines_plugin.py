@@ -65,7 +65,8 @@ def pytest_sessionfinish() -> None:
                 here = lines.setdefault(name, {})
                 here.setdefault(str(Path(file).relative_to(ROOT)), []).append(line)
     tests = [
-        {"name": name, "seconds": seconds, "failed": name in _failed, "lines": lines.get(name, {})} for name, seconds in _seconds.items()
+        {"name": name, "seconds": seconds, "failed": name in _failed, "lines": lines.get(name, {})}
+        for name, seconds in _seconds.items()
     ]
     (OUT / "tests.json").write_text(json.dumps(tests))
 

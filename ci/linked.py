@@ -1,4 +1,6 @@
-"""Installs refdem as a link to a tree: a path file, the command, and the metadata by which pip and entry points know it."""
+"""Installs refdem as a link to a tree: a path file, the command, and the metadata by which pip and
+entry points know it.
+"""
 
 import sys
 import sysconfig
@@ -22,16 +24,23 @@ def installed(tree: Path) -> None:
     site, scripts = Path(sysconfig.get_path("purelib")), Path(sysconfig.get_path("scripts"))
     info = site / f"{project['name']}-{project['version']}.dist-info"
     groups = {"console_scripts": project["scripts"], **project.get("entry-points", {})}
-    sections = [f"[{group}]\n" + "".join(f"{name} = {target}\n" for name, target in points.items()) for group, points in groups.items()]
+    sections = [
+        f"[{group}]\n" + "".join(f"{name} = {target}\n" for name, target in points.items())
+        for group, points in groups.items()
+    ]
     files = {
         site / "refdem-tree.pth": f"{tree}\n",
-        info / "METADATA": f"Metadata-Version: 2.1\nName: {project['name']}\nVersion: {project['version']}\n",
+        info / "METADATA": (
+            f"Metadata-Version: 2.1\nName: {project['name']}\nVersion: {project['version']}\n"
+        ),
         info / "entry_points.txt": "\n".join(sections),
         info / "INSTALLER": "refdem\n",
     }
     for name, target in project["scripts"].items():
         module, _, function = target.partition(":")
-        files[scripts / name] = COMMAND.format(python=sys.executable, module=module, function=function)
+        files[scripts / name] = COMMAND.format(
+            python=sys.executable, module=module, function=function
+        )
     info.mkdir(exist_ok=True)
     for path, text in files.items():
         path.write_text(text)

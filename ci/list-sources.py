@@ -1,9 +1,25 @@
-"""Prints the files that belong in the wheel, one a line: all of one folder but what a build left there."""
+"""Prints the files that belong in the wheel, one a line: all of one folder but what a build left
+there.
+"""
 
 import sys
 from pathlib import Path
 
-KINDS = {".py", ".c", ".h", ".toml", ".csv", ".json", ".jsonl", ".html", ".css", ".js", ".md", ".txt", ".typed"}
+KINDS = {
+    ".py",
+    ".c",
+    ".h",
+    ".toml",
+    ".csv",
+    ".json",
+    ".jsonl",
+    ".html",
+    ".css",
+    ".js",
+    ".md",
+    ".txt",
+    ".typed",
+}
 
 if __name__ == "__main__":
     for path in sorted(Path(sys.argv[1]).rglob("*")):

@@ -1,8 +1,11 @@
-"""A pytest plugin that writes how close every comparison with a small tolerance came to it: `-p margins`, with ci on PYTHONPATH.
+"""A pytest plugin that writes how close every comparison with a small tolerance came to it: `-p
+margins`, with ci on PYTHONPATH.
 
-It rewrites each `a < b` of a test, a fixture or a helper that pytest loads, and each comparison with `pytest.approx`, and watches the
-comparisons of numpy and math. A line of JSON for each place goes to the file named by REFDEM_MARGINS: where, the largest part of its
-tolerance that was used, that tolerance, and what was measured there. Tolerances of `LARGEST` and above are not about rounding.
+It rewrites each `a < b` of a test, a fixture or a helper that pytest loads, and each comparison
+with `pytest.approx`, and watches the comparisons of numpy and math. A line of JSON for each place
+goes to the file named by REFDEM_MARGINS: where, the largest part of its tolerance that was used,
+that tolerance, and what was measured there. Tolerances of `LARGEST` and above are not about
+rounding.
 """
 
 import ast
@@ -19,7 +22,13 @@ import numpy as np
 
 LARGEST = 1e-6
 NAME = "__refdem_margin__"
-SHAPES = {ast.Lt: operator.lt, ast.LtE: operator.le, ast.Gt: operator.gt, ast.GtE: operator.ge, ast.Eq: operator.eq}
+SHAPES = {
+    ast.Lt: operator.lt,
+    ast.LtE: operator.le,
+    ast.Gt: operator.gt,
+    ast.GtE: operator.ge,
+    ast.Eq: operator.eq,
+}
 places: dict[str, dict[str, float]] = {}
 
 
@@ -43,7 +52,9 @@ def _number(value: Any) -> np.ndarray | None:
 
 
 def _below(place: str, small: Any, large: Any) -> None:
-    """Notes `small < large`: an error below its bound, or a bound below an effect that must be seen."""
+    """Notes `small < large`: an error below its bound, or a bound below an effect that must be
+    seen.
+    """
     low, high = _number(small), _number(large)
     if low is None or high is None or low.dtype.kind == "c" or high.dtype.kind == "c":
         return
@@ -72,9 +83,13 @@ def _close(place: str, actual: Any, expected: Any, relative: float, absolute: fl
     if relative >= LARGEST or not (tolerance > 0).any():
         return
     off = np.abs(found - wanted)
-    used = np.where((tolerance > 0) & (off <= tolerance), off / np.where(tolerance > 0, tolerance, 1.0), 0.0)
+    used = np.where(
+        (tolerance > 0) & (off <= tolerance), off / np.where(tolerance > 0, tolerance, 1.0), 0.0
+    )
     worst = int(np.argmax(used))
-    if used.flat[worst] > 0 and tolerance.flat[worst] < LARGEST * max(1.0, float(np.abs(wanted.flat[worst]))):
+    if used.flat[worst] > 0 and tolerance.flat[worst] < LARGEST * max(
+        1.0, float(np.abs(wanted.flat[worst]))
+    ):
         _note(place, float(used.flat[worst]), float(tolerance.flat[worst]), float(off.flat[worst]))
 
 
@@ -111,7 +126,9 @@ class _Noted(ast.NodeTransformer):
         self.path = path
 
     def visit_Compare(self, node: ast.Compare) -> ast.AST:
-        """A chain `a < b < c` is taken apart where its middle is a name or a number, which costs nothing to say twice."""
+        """A chain `a < b < c` is taken apart where its middle is a name or a number, which costs
+        nothing to say twice.
+        """
         self.generic_visit(node)
         operands = [node.left, *node.comparators]
         if not all(type(shape) in SHAPES for shape in node.ops):
@@ -121,7 +138,12 @@ class _Noted(ast.NodeTransformer):
         place = f"{self.path}:{node.lineno}"
         calls: list[ast.expr] = []
         for number, shape in enumerate(node.ops):
-            arguments = [ast.Constant(place), ast.Constant(type(shape).__name__), operands[number], operands[number + 1]]
+            arguments = [
+                ast.Constant(place),
+                ast.Constant(type(shape).__name__),
+                operands[number],
+                operands[number + 1],
+            ]
             calls.append(ast.Call(ast.Name(NAME, ast.Load()), arguments, []))
         whole = calls[0] if len(calls) == 1 else ast.BoolOp(ast.And(), calls)
         return ast.fix_missing_locations(ast.copy_location(whole, node))
@@ -131,13 +153,19 @@ def _from_here() -> str | None:
     """The place in a test from which numpy or math was called."""
     frame = sys._getframe(2)
     path = frame.f_code.co_filename
-    return f"{_short(path)}:{frame.f_lineno}" if "/tests/" in path or "/validation/" in path else None
+    return (
+        f"{_short(path)}:{frame.f_lineno}" if "/tests/" in path or "/validation/" in path else None
+    )
 
 
 def _another_seed(seed: int) -> None:
-    """Gives every generator of numpy that a test asks for other numbers than the seed in the test alone would."""
+    """Gives every generator of numpy that a test asks for other numbers than the seed in the test
+    alone would.
+    """
     real = np.random.default_rng
-    np.random.default_rng = lambda first=None: real(None if first is None else [*np.atleast_1d(first).tolist(), seed])
+    np.random.default_rng = lambda first=None: real(
+        None if first is None else [*np.atleast_1d(first).tolist(), seed]
+    )
 
 
 def _short(path: str) -> str:
@@ -148,7 +176,9 @@ def _short(path: str) -> str:
         return path
 
 
-def _watch(module: Any, name: str, relative: float, absolute: float, rel_name: str, abs_name: str) -> None:
+def _watch(
+    module: Any, name: str, relative: float, absolute: float, rel_name: str, abs_name: str
+) -> None:
     """Notes calls of a comparison of numpy or math that come from a test."""
     real = getattr(module, name)
 
@@ -156,7 +186,13 @@ def _watch(module: Any, name: str, relative: float, absolute: float, rel_name: s
         place = _from_here()
         if place:
             tolerances = dict(zip((rel_name, abs_name), more, strict=False)) | options
-            _close(place, actual, expected, float(tolerances.get(rel_name, relative)), float(tolerances.get(abs_name, absolute)))
+            _close(
+                place,
+                actual,
+                expected,
+                float(tolerances.get(rel_name, relative)),
+                float(tolerances.get(abs_name, absolute)),
+            )
         return real(actual, expected, *more, **options)
 
     setattr(module, name, noted)
@@ -165,7 +201,9 @@ def _watch(module: Any, name: str, relative: float, absolute: float, rel_name: s
 _real = rewrite.rewrite_asserts
 
 
-def _rewritten(mod: ast.Module, source: bytes, module_path: str | None = None, config: Any = None) -> None:
+def _rewritten(
+    mod: ast.Module, source: bytes, module_path: str | None = None, config: Any = None
+) -> None:
     """Notes the comparisons of tests, and then does what pytest does with assertions."""
     path = _short(module_path or "?")
     if path.startswith(("tests/", "validation/")):
@@ -178,7 +216,9 @@ def pytest_sessionfinish() -> None:
     if "REFDEM_MARGINS" not in os.environ:
         return
     with Path(os.environ["REFDEM_MARGINS"]).open("a") as file:
-        file.writelines(json.dumps({"place": place, **noted}) + "\n" for place, noted in sorted(places.items()))
+        file.writelines(
+            json.dumps({"place": place, **noted}) + "\n" for place, noted in sorted(places.items())
+        )
 
 
 if "REFDEM_SEED" in os.environ:

@@ -1,7 +1,8 @@
-"""Where a small error can be planted: operators, comparisons, signs, constants, conditions and statements of C and of Python.
+"""Where a small error can be planted: operators, comparisons, signs, constants, conditions and
+statements of C and of Python.
 
-A site is a span of bytes and what stands there instead. C is read by tree-sitter, Python by its own parser; text, annotations, imports and
-preprocessor lines are left alone.
+A site is a span of bytes and what stands there instead. C is read by tree-sitter, Python by its own
+parser; text, annotations, imports and preprocessor lines are left alone.
 """
 
 import ast
@@ -10,19 +11,53 @@ from dataclasses import dataclass
 from pathlib import Path
 
 SWAPPED = {
-    "+": "-", "-": "+", "*": "/", "/": "*", "<": "<=", "<=": "<", ">": ">=", ">=": ">", "==": "!=", "!=": "==",
-    "&&": "||", "||": "&&", "+=": "-=", "-=": "+=", "*=": "/=", "/=": "*=", "and": "or", "or": "and",
-}  # fmt: skip
+    "+": "-",
+    "-": "+",
+    "*": "/",
+    "/": "*",
+    "<": "<=",
+    "<=": "<",
+    ">": ">=",
+    ">=": ">",
+    "==": "!=",
+    "!=": "==",
+    "&&": "||",
+    "||": "&&",
+    "+=": "-=",
+    "-=": "+=",
+    "*=": "/=",
+    "/=": "*=",
+    "and": "or",
+    "or": "and",
+}
 PYTHON = {
-    ast.Add: "+", ast.Sub: "-", ast.Mult: "*", ast.Div: "/", ast.Lt: "<", ast.LtE: "<=", ast.Gt: ">", ast.GtE: ">=",
-    ast.Eq: "==", ast.NotEq: "!=", ast.And: "and", ast.Or: "or",
-}  # fmt: skip
-KINDS = {"<": "comparison", ">": "comparison", "=": "comparison", "!": "comparison", "&": "condition", "|": "condition"}
+    ast.Add: "+",
+    ast.Sub: "-",
+    ast.Mult: "*",
+    ast.Div: "/",
+    ast.Lt: "<",
+    ast.LtE: "<=",
+    ast.Gt: ">",
+    ast.GtE: ">=",
+    ast.Eq: "==",
+    ast.NotEq: "!=",
+    ast.And: "and",
+    ast.Or: "or",
+}
+KINDS = {
+    "<": "comparison",
+    ">": "comparison",
+    "=": "comparison",
+    "!": "comparison",
+    "&": "condition",
+    "|": "condition",
+}
 
 
 @dataclass(frozen=True)
 class Site:
-    """One possible mutant: bytes begin..end of a file become `instead`; `statement` is where the statement around it begins.
+    """One possible mutant: bytes begin..end of a file become `instead`; `statement` is where the
+    statement around it begins.
 
     `is_inside` a function: what stands outside runs once, when its module is imported.
     """
@@ -66,7 +101,10 @@ def kind_of(operator: str) -> str:
 
 
 def other_number(text: str) -> str | None:
-    """Another number: 0 for 1, one more for an integer, half as much again for what has a point; None for what is not decimal."""
+    """Another number: 0 for 1, one more for an integer, half as much again for what has a point;
+
+    None for what is not decimal.
+    """
     try:
         value = float(text)
     except ValueError:
@@ -85,9 +123,16 @@ def of_c(path: str, text: bytes) -> Iterator[Site]:
     waiting = [(tree.root_node, -1, False)]
     while waiting:
         node, statement, is_within = waiting.pop()
-        if node.type.startswith("preproc_") and node.type not in ("preproc_ifdef", "preproc_if", "preproc_else"):
+        if node.type.startswith("preproc_") and node.type not in (
+            "preproc_ifdef",
+            "preproc_if",
+            "preproc_else",
+        ):
             continue
-        is_statement = node.type.endswith("_statement") and node.type not in ("compound_statement", "case_statement")
+        is_statement = node.type.endswith("_statement") and node.type not in (
+            "compound_statement",
+            "case_statement",
+        )
         if is_statement or (node.type == "declaration" and is_within):
             statement = node.start_byte
         if statement >= 0:
@@ -138,7 +183,9 @@ class _Python(ast.NodeVisitor):
 
     def note(self, kind: str, begin: int, end: int, instead: str) -> None:
         """One more site."""
-        self.found.append(Site(self.path, kind, begin, end, instead.encode(), self.statement, self.depth > 0))
+        self.found.append(
+            Site(self.path, kind, begin, end, instead.encode(), self.statement, self.depth > 0)
+        )
 
     def between(self, left: ast.AST, right: ast.AST, operator: str) -> None:
         """An operator between two operands becomes another one."""
@@ -148,7 +195,9 @@ class _Python(ast.NodeVisitor):
             self.note(kind_of(operator), place, place + len(operator), SWAPPED[operator])
 
     def visit(self, node: ast.AST) -> None:
-        """Knows the statement, and leaves annotations, imports, text and the heads of definitions alone."""
+        """Knows the statement, and leaves annotations, imports, text and the heads of definitions
+        alone.
+        """
         if isinstance(node, ast.Import | ast.ImportFrom | ast.JoinedStr):
             return
         if isinstance(node, ast.stmt):

@@ -1,9 +1,10 @@
-"""Plants small errors in refdem, one at a time, and counts those that no test sees: ci/mutants.py [OPTIONS].
+"""Plants small errors in refdem, one at a time, and counts those that no test sees: ci/mutants.py
+[OPTIONS].
 
-Each mutant is planted in a copy of the tree, and the one kernel that it is in is built there. Of all
-tests, those that run its line (ci/executed_lines.py knows them) are shown to it, the fastest first,
-until one fails. It has killed the mutant if it fails once more, and passes without the mutant.
-Mutants that change nothing are listed, each with its reason, in ci/equivalent_mutants.toml.
+Each mutant is planted in a copy of the tree, and the one kernel that it is in is built there. Of
+all tests, those that run its line (ci/executed_lines.py knows them) are shown to it, the fastest
+first, until one fails. It has killed the mutant if it fails once more, and passes without the
+mutant. Mutants that change nothing are listed, each with its reason, in ci/equivalent_mutants.toml.
 
 What was found is kept in build/mutants.jsonl: the same command goes on where it was killed, and
 reports/mutants.md is the table of all that is kept for the seeds asked for. The seed is that of the
@@ -11,8 +12,8 @@ day unless it is given: the same seed draws the same mutants of the same tree.
 
   ci/mutants.py                               600 mutants of all parts, and the report
   ci/mutants.py --part kernels --count 40 --seed 7
-  ci/mutants.py --look --part gas.c:120       all mutants of a file or a line, kept out of the report
-  ci/mutants.py --survivors                   what no test saw, shown to the tests again
+  ci/mutants.py --look --part gas.c:120       all mutants of a file or a line, kept out of the
+  report ci/mutants.py --survivors                   what no test saw, shown to the tests again
 """
 
 import argparse
@@ -43,7 +44,9 @@ EQUIVALENT = ROOT / "ci" / "equivalent_mutants.toml"
 KEPT = ROOT / "build" / "mutants.jsonl"
 REPORT = ROOT / "reports" / "mutants.md"
 MOST = 300.0
-"""[s] that the tests of one mutant take when nothing is planted; what would take longer is not shown to it."""
+"""[s] that the tests of one mutant take when nothing is planted; what would take longer is not
+shown to it.
+"""
 FIRST = 8.0
 """[s] of the tests that a mutant is shown at once before the others are collected."""
 SLOWER = 10.0
@@ -54,11 +57,15 @@ SANITIZED = ("tests/kernels", "tests/solvers", "tests/engines")
 """What ci/sanitized runs."""
 MOST_COPIES = 64
 WHOLE = 60.0
-"""[s] of a file of tests that is shown whole, because its tests may share what the first of them made."""
+"""[s] of a file of tests that is shown whole, because its tests may share what the first of them
+made.
+"""
 
 
 def quick_flags() -> tuple[str, ...]:
-    """Options that build a kernel in a moment: one version of it, for this processor, to the same bits as all of them."""
+    """Options that build a kernel in a moment: one version of it, for this processor, to the same
+    bits as all of them.
+    """
     info = Path("/proc/cpuinfo")
     words = set(info.read_text().split()) if info.exists() else set()
     level = "x86-64-v3" if {"avx2", "fma"} <= words else "x86-64"
@@ -68,7 +75,11 @@ def quick_flags() -> tuple[str, ...]:
 
 def sanitized(copy: TreeCopy) -> TreeCopy:
     """The same copy, its kernels built as ci/sanitized builds them."""
-    return replace(copy, flags=("-O1", "-fsanitize=address,undefined", "-fno-sanitize-recover=all"), scratch="sanitized")
+    return replace(
+        copy,
+        flags=("-O1", "-fsanitize=address,undefined", "-fno-sanitize-recover=all"),
+        scratch="sanitized",
+    )
 
 
 @dataclass(frozen=True)
@@ -91,7 +102,10 @@ GROUPS = (
 
 @dataclass(frozen=True)
 class Verdict:
-    """What became of a mutant: killed, equivalent, not executed, survived, or not compiled; `note` has the test or the line."""
+    """What became of a mutant: killed, equivalent, not executed, survived, or not compiled;
+
+    `note` has the test or the line.
+    """
 
     seed: int
     group: str
@@ -120,7 +134,10 @@ class Verdict:
 
 @dataclass
 class Judge:
-    """Plants mutants and shows them to tests; `green` are tests seen to pass with nothing planted, `spoiled` those that do not."""
+    """Plants mutants and shows them to tests;
+
+    `green` are tests seen to pass with nothing planted, `spoiled` those that do not.
+    """
 
     tests: list[Executed]
     reasons: dict[tuple[str, str, str], str]
@@ -156,7 +173,9 @@ class Judge:
         )
 
     def _tried(self, copy: TreeCopy, site: Site, text: bytes) -> tuple[str, str]:
-        """The outcome of a mutant that is not known to be equivalent, and the test that killed it."""
+        """The outcome of a mutant that is not known to be equivalent, and the test that killed
+        it.
+        """
         lots = self.lots(site, text)
         with planted(copy, site.path, site.planted(text)) as is_sound:
             if not is_sound:
@@ -172,8 +191,12 @@ class Judge:
             return "survived", ""
         return self._tried_sanitized(sanitized(copy), site, text, lots[0])
 
-    def _tried_sanitized(self, copy: TreeCopy, site: Site, text: bytes, lot: list[Executed]) -> tuple[str, str]:
-        """The outcome with the sanitizers, under which CI runs the tests of kernels, solvers and engines too."""
+    def _tried_sanitized(
+        self, copy: TreeCopy, site: Site, text: bytes, lot: list[Executed]
+    ) -> tuple[str, str]:
+        """The outcome with the sanitizers, under which CI runs the tests of kernels, solvers and
+        engines too.
+        """
         shown = [test for test in lot if test.file.startswith(SANITIZED)]
         if not shown:
             return "survived", ""
@@ -185,17 +208,24 @@ class Judge:
         """Raises RuntimeError if the file does not compile without the mutant either."""
         with planted(copy, site.path, text) as is_sound:
             if not is_sound:
-                raise RuntimeError(f"{site.path} does not compile in {copy.place} with nothing planted")
+                raise RuntimeError(
+                    f"{site.path} does not compile in {copy.place} with nothing planted"
+                )
 
     def _killer(self, copy: TreeCopy, site: Site, text: bytes, lot: list[Executed]) -> str:
-        """The first test of a lot that fails with the mutant, fails again, and passes without it; empty if there is none."""
+        """The first test of a lot that fails with the mutant, fails again, and passes without it;
+        empty if there is none.
+        """
         seconds = {test.test: test.seconds for test in lot}
         while names := [name for name in seconds if name not in self.spoiled]:
             ended = copy.tested(names, START + SLOWER * sum(seconds.values()), seconds=seconds)
             if not ended.is_red:
                 return ""
             if not ended.failed:
-                raise RuntimeError(f"tests of {site.path} ended with status {ended.status} and name no test that failed:\n{ended.said}")
+                raise RuntimeError(
+                    f"tests of {site.path} ended with status {ended.status} and name no test that"
+                    f" failed:\n{ended.said}"
+                )
             name = ended.failed[0]
             if ended.status is None:
                 return f"{name} (time)"
@@ -205,11 +235,17 @@ class Judge:
                 return name
             self.spoiled.add(name)
             seconds.pop(name, None)
-            print(f"{name} fails without any error planted, or only sometimes: it kills nothing\n{ended.said}", flush=True)
+            print(
+                f"{name} fails without any error planted, or only sometimes: it kills"
+                f" nothing\n{ended.said}",
+                flush=True,
+            )
         return ""
 
     def _is_green(self, copy: TreeCopy, site: Site, text: bytes, own: dict[str, float]) -> bool:
-        """True if a test, here with its seconds, passes with nothing planted; the mutant is planted again afterwards."""
+        """True if a test, here with its seconds, passes with nothing planted; the mutant is planted
+        again afterwards.
+        """
         ((name, seconds),) = own.items()
         if (name, copy.flags) in self.green:
             return True
@@ -220,19 +256,27 @@ class Judge:
         return is_green
 
     def lots(self, site: Site, text: bytes) -> list[list[Executed]]:
-        """Tests that run the line of a site, in lots that are shown one after the other, the fastest first.
+        """Tests that run the line of a site, in lots that are shown one after the other, the
+        fastest first.
 
-        What a test runs may have been kept from an earlier one of its file: small files are shown whole at the end.
+        What a test runs may have been kept from an earlier one of its file: small files are shown
+        whole at the end.
         """
         first = text[: site.statement].count(b"\n") + 1
         span = {UNKNOWN, *range(first, site.line(text) + 1)}
         if site.is_inside:
-            telling = [test for test in self.tests if not span.isdisjoint(test.lines.get(site.path, ()))]
+            telling = [
+                test for test in self.tests if not span.isdisjoint(test.lines.get(site.path, ()))
+            ]
         else:
             telling = [test for test in self.tests if test.lines.get(site.path)]
         ordered = sorted(telling, key=lambda test: test.seconds)
         files = {test.file for test in telling}
-        others = [test for test in self.tests if test.file in files and test not in telling and self._seconds(test.file) < WHOLE]
+        others = [
+            test
+            for test in self.tests
+            if test.file in files and test not in telling and self._seconds(test.file) < WHOLE
+        ]
         return [lot for lot in (*_split(ordered), others) if lot]
 
     def _seconds(self, file: str) -> float:
@@ -256,13 +300,18 @@ def _split(ordered: Sequence[Executed]) -> tuple[list[Executed], list[Executed]]
 
 @cache
 def text_of(path: str) -> bytes:
-    """A file of the tree as it was when it was first asked for: what is written there meanwhile belongs to the next run."""
+    """A file of the tree as it was when it was first asked for: what is written there meanwhile
+    belongs to the next run.
+    """
     return (ROOT / path).read_bytes()
 
 
 @contextlib.contextmanager
 def planted(copy: TreeCopy, path: str, text: bytes, then: bytes | None = None) -> Iterator[bool]:
-    """A file of the copy as `text`, its kernels built; True if it compiles. Afterwards it is `then`, or what the tree says."""
+    """A file of the copy as `text`, its kernels built;
+
+    True if it compiles. Afterwards it is `then`, or what the tree says.
+    """
     families = copy.families_of(path) if not path.endswith(".py") else []
     try:
         copy.written(path, text)
@@ -296,12 +345,17 @@ def known_equivalent() -> dict[tuple[str, str, str], str]:
 
 
 def drawn(only: Sequence[str], seed: int) -> list[tuple[Site, Group]]:
-    """All sites in a random order, every group in its turn; `only` has groups, files or file:line."""
+    """All sites in a random order, every group in its turn;
+
+    `only` has groups, files or file:line.
+    """
     pools: list[list[tuple[Site, Group]]] = []
     for group in GROUPS:
         files = sorted(str(path.relative_to(ROOT)) for path in ROOT.glob(group.files))
         wanted = [file for file in files if is_wanted(only, group, file)]
-        pool = [(site, group) for file in wanted for site in sites(ROOT, file) if on_line(only, site)]
+        pool = [
+            (site, group) for file in wanted for site in sites(ROOT, file) if on_line(only, site)
+        ]
         random.Random(f"{seed} {group.name}").shuffle(pool)
         pools.append(pool)
     longest = max(map(len, pools))
@@ -310,12 +364,18 @@ def drawn(only: Sequence[str], seed: int) -> list[tuple[Site, Group]]:
 
 def is_wanted(only: Sequence[str], group: Group, file: str) -> bool:
     """True if nothing, the group or the file was asked for."""
-    return not only or any(group.name == word or file.endswith(word.partition(":")[0]) for word in only)
+    return not only or any(
+        group.name == word or file.endswith(word.partition(":")[0]) for word in only
+    )
 
 
 def on_line(only: Sequence[str], site: Site) -> bool:
     """True unless other lines of its file were asked for."""
-    lines = [int(word.partition(":")[2]) for word in only if ":" in word and site.path.endswith(word.partition(":")[0])]
+    lines = [
+        int(word.partition(":")[2])
+        for word in only
+        if ":" in word and site.path.endswith(word.partition(":")[0])
+    ]
     return not lines or site.line(text_of(site.path)) in lines
 
 
@@ -340,7 +400,9 @@ def key_of(site: Site) -> tuple[str, str, int, str]:
 
 
 def run(wanted: Sequence[tuple[Site, Group]], count: int, given: argparse.Namespace) -> None:
-    """Keeps verdicts on mutants until `count` of them compiled or the time [s since 1970] is over, some copies at a time."""
+    """Keeps verdicts on mutants until `count` of them compiled or the time [s since 1970] is over,
+    some copies at a time.
+    """
     judge = Judge(executed_lines.executed(), known_equivalent(), given.seed)
     until = time.time() + 60 * given.minutes
     keeps = not given.look
@@ -367,13 +429,17 @@ def run(wanted: Sequence[tuple[Site, Group]], count: int, given: argparse.Namesp
         if keeps:
             with KEPT.open("a") as kept:
                 kept.write(json.dumps(asdict(verdict)) + "\n")
-        print(f"{verdict.outcome:13}{verdict.path}:{verdict.line}  {verdict.shown}  {verdict.note}", flush=True)
+        print(
+            f"{verdict.outcome:13}{verdict.path}:{verdict.line}  {verdict.shown}  {verdict.note}",
+            flush=True,
+        )
 
     with ThreadPoolExecutor(given.jobs) as threads:
         try:
             list(threads.map(one, wanted))
         finally:
-            # Of a run that was interrupted nothing goes on, and no verdict is kept of what it was at.
+            # Of a run that was interrupted nothing goes on, and no verdict is kept of what it was
+            # at.
             is_over.set()
             for copy in all_copies:
                 copy.stop()
@@ -393,17 +459,44 @@ def report(found: Sequence[Verdict]) -> str:
     planted_ones = [verdict for verdict in found if verdict.outcome != "not compiled"]
     seeds = ", ".join(str(seed) for seed in sorted({verdict.seed for verdict in planted_ones}))
     total = len(planted_ones)
-    head = ("part", "planted", "killed", "equivalent", "not executed", "survived", "killed of what is not equivalent", "goal")
+    head = (
+        "part",
+        "planted",
+        "killed",
+        "equivalent",
+        "not executed",
+        "survived",
+        "killed of what is not equivalent",
+        "goal",
+    )
     lines = [
         "# Mutants",
         "",
-        f"Made by `make mutants`: {total} small errors, planted one at a time in a copy of the tree; seeds: {seeds}.",
+        (
+            f"Made by `make mutants`: {total} small errors, planted one at a time in a copy of the"
+            f" tree; seeds: {seeds}."
+        ),
         "",
-        "An error is another operator, comparison, sign or constant, or a statement that is gone, drawn at random from all places of",
-        "a part. It is shown to the tests that run its line, and to the rows of campaign `main`, the fastest first. It counts as",
-        "killed if a test fails, fails again, and passes without it. *Not executed*: no test runs its line.",
-        "*Equivalent*: it changes nothing that anyone can see, for the reason given in `ci/equivalent_mutants.toml`.",
-        "Errors that survived are shown to the tests again after the tests were mended (`ci/mutants.py --survivors`).",
+        (
+            "An error is another operator, comparison, sign or constant, or a statement that is"
+            " gone, drawn at random from all places of"
+        ),
+        (
+            "a part. It is shown to the tests that run its line, and to the rows of campaign"
+            " `main`, the fastest first. It counts as"
+        ),
+        (
+            "killed if a test fails, fails again, and passes without it. *Not executed*: no test"
+            " runs its line."
+        ),
+        (
+            "*Equivalent*: it changes nothing that anyone can see, for the reason given in"
+            " `ci/equivalent_mutants.toml`."
+        ),
+        (
+            "Errors that survived are shown to the tests again after the tests were mended"
+            " (`ci/mutants.py --survivors`)."
+        ),
         "Errors of a file that changed since are left out.",
         "",
         f"| {' | '.join(head)} |",
@@ -411,29 +504,70 @@ def report(found: Sequence[Verdict]) -> str:
     ]
     for group in GROUPS:
         outcomes = [verdict.outcome for verdict in planted_ones if verdict.group == group.name]
-        counts = [outcomes.count(name) for name in ("killed", "equivalent", "not executed", "survived")]
+        counts = [
+            outcomes.count(name) for name in ("killed", "equivalent", "not executed", "survived")
+        ]
         able = len(outcomes) - counts[1]
         share = f"{counts[0] / able:.0%}" if able else "none"
-        lines.append(f"| {group.name} | {len(outcomes)} | {' | '.join(map(str, counts))} | {share} | {group.goal:.0%} |")
-    for outcome, title in (("survived", "Survived"), ("not executed", "Not executed"), ("equivalent", "Equivalent")):
+        lines.append(
+            f"| {group.name} | {len(outcomes)} | {' | '.join(map(str, counts))} | {share} |"
+            f" {group.goal:.0%} |"
+        )
+    for outcome, title in (
+        ("survived", "Survived"),
+        ("not executed", "Not executed"),
+        ("equivalent", "Equivalent"),
+    ):
         rows = sorted(verdict.row for verdict in planted_ones if verdict.outcome == outcome)
         if rows:
-            lines += ["", f"## {title}", "", "| place | kind | change | line, or reason |", "| --- | --- | --- | --- |", *rows]
+            lines += [
+                "",
+                f"## {title}",
+                "",
+                "| place | kind | change | line, or reason |",
+                "| --- | --- | --- | --- |",
+                *rows,
+            ]
     return "\n".join(lines) + "\n"
 
 
 def options() -> argparse.Namespace:
     """What was asked for."""
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--count", type=int, default=600, help="mutants that compile, those that are kept already counted")
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+    parser.add_argument(
+        "--count",
+        type=int,
+        default=600,
+        help="mutants that compile, those that are kept already counted",
+    )
     parser.add_argument("--part", nargs="*", default=[], help="groups, files, or file:line")
     parser.add_argument("--jobs", type=int, default=2)
     parser.add_argument("--seed", type=int, default=datetime.date.today().toordinal())
-    parser.add_argument("--minutes", type=float, default=float("inf"), help="no mutant is begun after so many")
-    parser.add_argument("--known", action="store_true", help="show mutants only to tests whose lines are known already")
-    parser.add_argument("--survivors", action="store_true", help="judge again what is kept as survived or not executed")
-    parser.add_argument("--look", action="store_true", help="keep no verdict: what was not drawn at random is no sample")
-    parser.add_argument("--report", action="store_true", help="write reports/mutants.md of all that is kept, and plant nothing")
+    parser.add_argument(
+        "--minutes", type=float, default=float("inf"), help="no mutant is begun after so many"
+    )
+    parser.add_argument(
+        "--known",
+        action="store_true",
+        help="show mutants only to tests whose lines are known already",
+    )
+    parser.add_argument(
+        "--survivors",
+        action="store_true",
+        help="judge again what is kept as survived or not executed",
+    )
+    parser.add_argument(
+        "--look",
+        action="store_true",
+        help="keep no verdict: what was not drawn at random is no sample",
+    )
+    parser.add_argument(
+        "--report",
+        action="store_true",
+        help="write reports/mutants.md of all that is kept, and plant nothing",
+    )
     return parser.parse_args()
 
 
@@ -443,9 +577,15 @@ def asked(given: argparse.Namespace) -> tuple[list[tuple[Site, Group]], int]:
     order = drawn(given.part, given.seed)
     if given.survivors:
         seen = [(site, group) for site, group in order if key_of(site) in kept]
-        missed = [pair for pair in seen if kept[key_of(pair[0])].outcome in ("survived", "not executed")]
+        missed = [
+            pair for pair in seen if kept[key_of(pair[0])].outcome in ("survived", "not executed")
+        ]
         return missed, len(missed)
-    begun = [verdict for verdict in kept.values() if verdict.seed == given.seed and verdict.outcome != "not compiled"]
+    begun = [
+        verdict
+        for verdict in kept.values()
+        if verdict.seed == given.seed and verdict.outcome != "not compiled"
+    ]
     chosen = {site.path for site, _ in order}
     had = sum(verdict.path in chosen for verdict in begun)
     return [pair for pair in order if key_of(pair[0]) not in kept], max(0, given.count - had)

@@ -1,7 +1,9 @@
-"""Prints the faults of the kill matrix that the files changed since a commit can touch: ci/touched_faults.py [COMMIT].
+"""Prints the faults of the kill matrix that the files changed since a commit can touch:
+ci/touched_faults.py [COMMIT].
 
-`all` where the change can touch every one of them, nothing where it can touch none, else their names, separated by commas. Without a commit
-it is the point at which this branch left the main one; where nobody knows that, everything may have changed.
+`all` where the change can touch every one of them, nothing where it can touch none, else their
+names, separated by commas. Without a commit it is the point at which this branch left the main one;
+where nobody knows that, everything may have changed.
 """
 
 import subprocess
@@ -15,7 +17,9 @@ JUDGES = ("campaign", "core", "errors.py", "faults", "mechanics", "scene", "trut
 
 
 def base() -> str:
-    """The commit at which this branch left the main one; empty on the main branch itself, which may hold many commits at once."""
+    """The commit at which this branch left the main one; empty on the main branch itself, which may
+    hold many commits at once.
+    """
     head = answer("rev-parse", "HEAD")
     for branch in MAIN:
         left = answer("merge-base", branch, "HEAD")
@@ -42,13 +46,17 @@ def touched(changed: list[str]) -> set[str] | None:
             continue
         folder, stem = parts[1], PurePosixPath(file).stem
         if parts[1:3] == ("faults", "catalogue") and stem != "__init__":
-            names |= {fault.name for fault in import_module(f"refdem.faults.catalogue.{stem}").FAULTS}
+            names |= {
+                fault.name for fault in import_module(f"refdem.faults.catalogue.{stem}").FAULTS
+            }
         elif folder == "checks" and not stem.startswith("_"):
             # A check is named with hyphens, its file with underscores.
             names |= {fault.name for fault in faults() if fault.sees[0].replace("-", "_") == stem}
         elif folder == "cases":
             settings = {
-                name for name, setting in SETTINGS.items() if setting.case.replace("-", "_") in parts or in_file(setting.case, stem)
+                name
+                for name, setting in SETTINGS.items()
+                if setting.case.replace("-", "_") in parts or in_file(setting.case, stem)
             }
             names |= {fault.name for fault in faults() if settings & set(fault.on)}
         elif folder in JUDGES or folder == "checks":

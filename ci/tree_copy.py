@@ -1,7 +1,8 @@
-"""A copy of the tree in which files are spoiled and kernels built, one at a time; the tree itself is never touched.
+"""A copy of the tree in which files are spoiled and kernels built, one at a time; the tree itself
+is never touched.
 
-A copy is kept in build/ from run to run. `refreshed` makes it equal to the tree again, whatever a run
-that was killed left there, and meson builds only the kernels whose sources changed.
+A copy is kept in build/ from run to run. `refreshed` makes it equal to the tree again, whatever a
+run that was killed left there, and meson builds only the kernels whose sources changed.
 """
 
 import contextlib
@@ -24,7 +25,18 @@ from typing import IO
 
 ROOT = Path(__file__).resolve().parents[1]
 KERNELS = Path("refdem/kernels")
-COMMAND = ("-P", "-m", "pytest", "-q", "-p", "no:cacheprovider", "-p", "no:xdist", "--no-header", "--tb=line")
+COMMAND = (
+    "-P",
+    "-m",
+    "pytest",
+    "-q",
+    "-p",
+    "no:cacheprovider",
+    "-p",
+    "no:xdist",
+    "--no-header",
+    "--tb=line",
+)
 MEMORY = 16 * 2**30
 """[bytes] that a process of tests may ask for: a planted error may ask for all there is."""
 LAST = 12
@@ -32,12 +44,16 @@ LAST = 12
 MOMENT = 0.01
 """[s] in which a process that was killed is gone."""
 NEW_SECOND = 1_000_000_000
-"""[s since 1970] of the first file written: Python tells versions of a file by whole seconds and size."""
+"""[s since 1970] of the first file written: Python tells versions of a file by whole seconds and
+size.
+"""
 
 
 @dataclass(frozen=True)
 class Ended:
-    """How a process of tests ended: its status, None if it ran out of time, the tests that failed or crashed, its last words."""
+    """How a process of tests ended: its status, None if it ran out of time, the tests that failed
+    or crashed, its last words.
+    """
 
     status: int | None
     failed: tuple[str, ...]
@@ -51,7 +67,11 @@ class Ended:
 
 @dataclass
 class TreeCopy:
-    """The copy at `place`; `flags` are more options of the compiler, for kernels built by `built_kernel` in build/`scratch`."""
+    """The copy at `place`;
+
+    `flags` are more options of the compiler, for kernels built by `built_kernel` in
+    build/`scratch`.
+    """
 
     place: Path
     flags: tuple[str, ...] = ()
@@ -63,7 +83,9 @@ class TreeCopy:
     _process: "subprocess.Popen[bytes] | None" = None
 
     def refreshed(self) -> "TreeCopy":
-        """Makes all files, and the kernels, what the tree's sources say; raises RuntimeError if they do not build."""
+        """Makes all files, and the kernels, what the tree's sources say; raises RuntimeError if
+        they do not build.
+        """
         self.place.mkdir(parents=True, exist_ok=True)
         wanted = _listed(ROOT)
         for name in sorted(_listed(self.place) - wanted if (self.place / ".git").exists() else ()):
@@ -75,7 +97,9 @@ class TreeCopy:
         command = [str(self.place / "ci/build-in-place"), sys.executable]
         done = subprocess.run(command, cwd=self.place, capture_output=True, text=True)
         if done.returncode:
-            raise RuntimeError(f"the kernels of the tree do not build: {done.stdout[-2000:]}{done.stderr[-2000:]}")
+            raise RuntimeError(
+                f"the kernels of the tree do not build: {done.stdout[-2000:]}{done.stderr[-2000:]}"
+            )
         shutil.rmtree(self.place / "build" / self.scratch, ignore_errors=True)
         listed = json.loads((self.place / "build/dev/compile_commands.json").read_text())
         commands = [shlex.split(entry["command"]) for entry in listed]
@@ -119,13 +143,17 @@ class TreeCopy:
         """A file of C and all that it includes."""
         if file not in self._includes:
             text = (ROOT / KERNELS / file).read_text()
-            lines = [line.split('"')[1] for line in text.splitlines() if line.startswith('#include "')]
+            lines = [
+                line.split('"')[1] for line in text.splitlines() if line.startswith('#include "')
+            ]
             inside = [self._reached(line) for line in lines if (ROOT / KERNELS / line).exists()]
             self._includes[file] = {file}.union(*inside)
         return self._includes[file]
 
     def built_kernel(self, family: str) -> bool:
-        """True if one kernel compiles as its source is now; it takes the place of the one that meson built."""
+        """True if one kernel compiles as its source is now; it takes the place of the one that
+        meson built.
+        """
         scratch = self.place / "build" / self.scratch
         scratch.mkdir(parents=True, exist_ok=True)
         objects = [scratch / f"{family}.o", scratch / f"_{family}_glue.o"]
@@ -135,7 +163,17 @@ class TreeCopy:
         made = scratch / f"_{family}.so"
         # The compiler may be called through another program, as ccache is.
         compiler = takewhile(lambda word: not word.startswith("-"), self._commands[f"{family}.c"])
-        link = [*compiler, "-shared", "-fPIC", *self.flags, *map(str, objects), "-lm", "-pthread", "-o", str(made)]
+        link = [
+            *compiler,
+            "-shared",
+            "-fPIC",
+            *self.flags,
+            *map(str, objects),
+            "-lm",
+            "-pthread",
+            "-o",
+            str(made),
+        ]
         if subprocess.run(link, capture_output=True).returncode:
             return False
         made.replace(self.place / KERNELS / self._extension(family).name)
@@ -149,7 +187,9 @@ class TreeCopy:
         command = self._commands[f"_{family}_glue.c" if is_glue else f"{family}.c"]
         given = command[: command.index("-MD")]
         line = [*given, *self.flags, "-o", str(target), "-c", command[-1]]
-        return subprocess.run(line, cwd=self.place / "build/dev", capture_output=True).returncode == 0
+        return (
+            subprocess.run(line, cwd=self.place / "build/dev", capture_output=True).returncode == 0
+        )
 
     def _extension(self, family: str) -> Path:
         """The kernel that meson built."""
@@ -164,7 +204,9 @@ class TreeCopy:
         new.replace(self.place / KERNELS / source.name)
 
     def environment(self) -> dict[str, str]:
-        """What tests see: the copy's sources and its own store; what they leave behind stays in the copy."""
+        """What tests see: the copy's sources and its own store; what they leave behind stays in the
+        copy.
+        """
         temporary = self.place / "build/tmp"
         temporary.mkdir(parents=True, exist_ok=True)
         paths = [str(self.place), str(self.place / "ci"), os.environ.get("PYTHONPATH", "")]
@@ -188,7 +230,8 @@ class TreeCopy:
         also: dict[str, str] | None = None,
         seconds: dict[str, float] | None = None,
     ) -> Ended:
-        """Runs tests in this order until one fails; nothing that they started is left, and nothing that they wrote to TMPDIR.
+        """Runs tests in this order until one fails; nothing that they started is left, and nothing
+        that they wrote to TMPDIR.
 
         A test that takes ten times its `seconds` of the processor has crashed.
         """
@@ -199,21 +242,39 @@ class TreeCopy:
             environment["REFDEM_SECONDS"] = str(Path(nest) / "seconds")
             Path(environment["REFDEM_SECONDS"]).write_text(json.dumps(seconds or {}))
             capture = ("--capture=sys",) if self.is_sanitized else ()
-            command = [sys.executable, *COMMAND, *capture, "-p", "current_test", "-rfE", *more, *tests]
+            command = [
+                sys.executable,
+                *COMMAND,
+                *capture,
+                "-p",
+                "current_test",
+                "-rfE",
+                *more,
+                *tests,
+            ]
             with tempfile.TemporaryFile("w+") as said:
                 status = self._finished(command, environment, said, limit)
                 said.seek(0)
                 lines = said.readlines()
-                failed = [line.split(" ", 1)[1] for line in lines if line.startswith(("FAILED ", "ERROR "))]
+                failed = [
+                    line.split(" ", 1)[1]
+                    for line in lines
+                    if line.startswith(("FAILED ", "ERROR "))
+                ]
             current = Path(environment["REFDEM_CURRENT_TEST"])
-            # A crash, a sanitizer's abort among them, or a hang that the limit ended names no test itself.
+            # A crash, a sanitizer's abort among them, or a hang that the limit ended names no test
+            # itself.
             if status != 0 and not failed and current.exists():
                 failed.append(current.read_text())
         names = [name.split(" - ")[0].strip() for name in failed]
         return Ended(status, tuple(filter(None, names)), "".join(lines[-LAST:]))
 
-    def _finished(self, command: list[str], environment: dict[str, str], said: IO[str], limit: float) -> int | None:
-        """The status of a command, None if it ran longer than its limit [s]; its whole group of processes ends with it."""
+    def _finished(
+        self, command: list[str], environment: dict[str, str], said: IO[str], limit: float
+    ) -> int | None:
+        """The status of a command, None if it ran longer than its limit [s]; its whole group of
+        processes ends with it.
+        """
         self._process = subprocess.Popen(
             command,
             cwd=self.place,
@@ -245,7 +306,9 @@ class TreeCopy:
 
 
 def _marked(place: Path) -> list[int]:
-    """Processes that were started with the environment of tests in a copy: those that left their group too."""
+    """Processes that were started with the environment of tests in a copy: those that left their
+    group too.
+    """
     found = []
     marker = f"REFDEM_CURRENT_TEST={place}/".encode()
     for folder in Path("/proc").glob("[0-9]*"):
@@ -258,12 +321,23 @@ def _marked(place: Path) -> list[int]:
 def sanitizers() -> dict[str, str]:
     """What Python needs to load kernels with sanitizers: as in ci/sanitized."""
     names = ("libasan.so", "libubsan.so")
-    found = [subprocess.run(["gcc", f"-print-file-name={name}"], capture_output=True, text=True, check=True).stdout for name in names]
-    return {"LD_PRELOAD": " ".join(path.strip() for path in found), "ASAN_OPTIONS": "detect_leaks=0", "PYTHONMALLOC": "malloc"}
+    found = [
+        subprocess.run(
+            ["gcc", f"-print-file-name={name}"], capture_output=True, text=True, check=True
+        ).stdout
+        for name in names
+    ]
+    return {
+        "LD_PRELOAD": " ".join(path.strip() for path in found),
+        "ASAN_OPTIONS": "detect_leaks=0",
+        "PYTHONMALLOC": "malloc",
+    }
 
 
 def _bounded() -> None:
-    """Bounds the memory of a process before it begins, and lets no crash leave a file of its memory."""
+    """Bounds the memory of a process before it begins, and lets no crash leave a file of its
+    memory.
+    """
     resource.setrlimit(resource.RLIMIT_AS, (MEMORY, MEMORY))
     resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
 

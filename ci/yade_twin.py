@@ -1,7 +1,9 @@
-"""The twin of YADE's exactAsphericalRot of reports/findings.md: prints its rows, steps and errors [rad] with both attitudes.
+"""The twin of YADE's exactAsphericalRot of reports/findings.md: prints its rows, steps and errors
+[rad] with both attitudes.
 
-Free body J = (1, 2, 3), omega_body = (0.9, 1.1, 1.3), T = 20/|omega|. The momentum of the middle of a step is taken into the body by the
-attitude at its beginning, as YADE does, or by that of the half step, which makes the method of second order.
+Free body J = (1, 2, 3), omega_body = (0.9, 1.1, 1.3), T = 20/|omega|. The momentum of the middle of
+a step is taken into the body by the attitude at its beginning, as YADE does, or by that of the half
+step, which makes the method of second order.
 """
 
 import numpy as np
@@ -44,7 +46,9 @@ def angle(q: np.ndarray, other: np.ndarray) -> float:
 def rows() -> list[tuple[str, str, str]]:
     """Steps, error with the attitude at the beginning and with that of the half step, as text."""
     scene = Scene.of([Body(mass=1.0, inertia=tuple(J), omega=tuple(OMEGA))])
-    exact, _ = ENGINE.run(Request(problem=Motion(scene, np.array([0.0, T])), method="exact-free-body"))
+    exact, _ = ENGINE.run(
+        Request(problem=Motion(scene, np.array([0.0, T])), method="exact-free-body")
+    )
     right = exact.attitude[1, 0]
     found = []
     for steps in STEPS:
@@ -54,4 +58,9 @@ def rows() -> list[tuple[str, str, str]]:
 
 
 if __name__ == "__main__":
-    print("\n".join(f"| {steps} | {first} | agrees with YADE to 15 digits | {second} |" for steps, first, second in rows()))
+    print(
+        "\n".join(
+            f"| {steps} | {first} | agrees with YADE to 15 digits | {second} |"
+            for steps, first, second in rows()
+        )
+    )

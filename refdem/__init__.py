@@ -1,4 +1,6 @@
-"""refdem: verification and validation of rigid-body and discrete element codes against certified truth."""
+"""refdem: verification and validation of rigid-body and discrete element codes against certified
+truth.
+"""
 
 from importlib import import_module
 from typing import Any

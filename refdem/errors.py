@@ -1,10 +1,15 @@
-"""What can go wrong, one class per party at fault; `exit_status` is what the command line returns."""
+"""What can go wrong, one class per party at fault;
+
+`exit_status` is what the command line returns.
+"""
 
 from collections.abc import Mapping
 
 
 class RefdemError(Exception):
-    """Base of every error that refdem raises on purpose: says where, what came, what was expected, what to do."""
+    """Base of every error that refdem raises on purpose: says where, what came, what was expected,
+    what to do.
+    """
 
     exit_status = 2
 
@@ -49,8 +54,8 @@ class UnsupportedError(RefdemError):
 class NotCertifiedError(RefdemError):
     """A truth value cannot be proved; the message says up to where it can.
 
-    Where a motion can be followed no further, `time` [s] is up to when it is certified, `state` has the balls there, by name, and `code`
-    says which end it is:
+    Where a motion can be followed no further, `time` [s] is up to when it is certified, `state` has
+    the balls there, by name, and `code` says which end it is:
 
     singular    the motion is proved to be infinite, or not analytic, at a finite time;
     end         the motion itself is over, by its own rules;
@@ -62,6 +67,13 @@ class NotCertifiedError(RefdemError):
     time        the steps, or the time, that are followed are used up: the motion goes on.
     """
 
-    def __init__(self, message: str, *, code: str = "", time: float | None = None, state: Mapping[str, object] | None = None) -> None:
+    def __init__(
+        self,
+        message: str,
+        *,
+        code: str = "",
+        time: float | None = None,
+        state: Mapping[str, object] | None = None,
+    ) -> None:
         super().__init__(message)
         self.code, self.time, self.state = code, time, dict(state or {})

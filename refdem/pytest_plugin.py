@@ -1,4 +1,6 @@
-"""For pytest: a refdem.toml is collected as a test file, a gate for engines in process, and campaigns run once a session."""
+"""For pytest: a refdem.toml is collected as a test file, a gate for engines in process, and
+campaigns run once a session.
+"""
 
 import fcntl
 import os
@@ -15,19 +17,31 @@ if TYPE_CHECKING:
     from refdem.core.finding import Finding, Record, Sheet
 
 _SESSION = uuid4().hex
-"""This process's own session: a process number may come back, and with it another session's records."""
+"""This process's own session: a process number may come back, and with it another session's
+records.
+"""
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:
-    """A refdem.toml runs programs, so that it is collected only where the project's settings or the caller say so."""
-    parser.addoption("--refdem", action="store_true", help="collect every refdem.toml: run its program's gate")
-    parser.addini("refdem", "collect every refdem.toml: run its program's gate", type="bool", default=False)
+    """A refdem.toml runs programs, so that it is collected only where the project's settings or the
+    caller say so.
+    """
+    parser.addoption(
+        "--refdem", action="store_true", help="collect every refdem.toml: run its program's gate"
+    )
+    parser.addini(
+        "refdem", "collect every refdem.toml: run its program's gate", type="bool", default=False
+    )
 
 
 def pytest_collect_file(file_path: Path, parent: pytest.Collector) -> pytest.Collector | None:
     """A refdem.toml as a file of tests."""
     wanted = parent.config.getoption("--refdem") or parent.config.getini("refdem")
-    return RefdemFile.from_parent(parent, path=file_path) if wanted and file_path.name == "refdem.toml" else None
+    return (
+        RefdemFile.from_parent(parent, path=file_path)
+        if wanted and file_path.name == "refdem.toml"
+        else None
+    )
 
 
 class RefdemFile(pytest.File):
@@ -57,10 +71,14 @@ class RefdemItem(pytest.Item):
         self.findings = findings
 
     def runtest(self) -> None:
-        """Fails with the sentences of what is broken; skips with the reason where nothing was decided."""
+        """Fails with the sentences of what is broken; skips with the reason where nothing was
+        decided.
+        """
         decide(self.findings)
 
-    def repr_failure(self, excinfo: pytest.ExceptionInfo[BaseException], *style: Any, **more: Any) -> str:
+    def repr_failure(
+        self, excinfo: pytest.ExceptionInfo[BaseException], *style: Any, **more: Any
+    ) -> str:
         """The sentences alone: there is no code of the project to show."""
         return str(excinfo.value)
 
@@ -71,7 +89,9 @@ class RefdemItem(pytest.Item):
 
 @pytest.fixture
 def refdem_gate() -> "Callable[..., list[Record]]":
-    """`refdem_gate(engine, cases=(), levels=4)`: judges an engine object in process; fails the test if its gate is closed."""
+    """`refdem_gate(engine, cases=(), levels=4)`: judges an engine object in process; fails the test
+    if its gate is closed.
+    """
 
     def judge(engine: "Engine", cases: Iterable[str] = (), *, levels: int = 4) -> "list[Record]":
         from refdem.core.finding import DECIDED
@@ -105,12 +125,16 @@ def decide(findings: "Iterable[Finding]") -> None:
 
 
 def campaign_records(name: str) -> "list[Record]":
-    """The records of a campaign of refdem's own; the first process of a session runs it, the others wait and read."""
+    """The records of a campaign of refdem's own; the first process of a session runs it, the others
+    wait and read.
+    """
     return once(f"campaign {name}", lambda: _campaign(name))
 
 
 def once(what: str, sheets: "Callable[[], list[Sheet]]") -> "list[Record]":
-    """The records of `sheets()`, called by the first process of the test session that asks for `what`."""
+    """The records of `sheets()`, called by the first process of the test session that asks for
+    `what`.
+    """
     from hashlib import sha256
 
     from refdem.core.finding import Record
@@ -134,7 +158,9 @@ def by_check(records: "Iterable[Record]") -> "dict[str, list[Finding]]":
         for finding in record.findings:
             if finding.outcome == "unsupported":
                 continue
-            found.setdefault(f"{record.label}/{record.engine}/{record.method}/{finding.check}", []).append(finding)
+            found.setdefault(
+                f"{record.label}/{record.engine}/{record.method}/{finding.check}", []
+            ).append(finding)
     return found
 
 

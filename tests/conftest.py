@@ -1,4 +1,6 @@
-"""The command line in this process: what it prints and its exit status, without the cost of another interpreter."""
+"""The command line in this process: what it prints and its exit status, without the cost of another
+interpreter.
+"""
 
 import contextlib
 import io
@@ -16,28 +18,37 @@ from hypothesis import HealthCheck, settings
 
 from refdem.cli import main
 
-# Examples depend on no clock (a busy machine is slow) and are the same in every run; `ci/test-machines` asks for others.
-settings.register_profile("refdem", deadline=None, derandomize=True, suppress_health_check=[HealthCheck.too_slow])
+# Examples depend on no clock (a busy machine is slow) and are the same in every run;
+# `ci/test-machines` asks for others.
+settings.register_profile(
+    "refdem", deadline=None, derandomize=True, suppress_health_check=[HealthCheck.too_slow]
+)
 settings.register_profile("another-seed", settings.get_profile("refdem"), derandomize=False)
 settings.load_profile("refdem")
 
 
 @pytest.fixture(scope="session")
 def command_line() -> "Callable[..., subprocess.CompletedProcess[str]]":
-    """`command_line(*arguments, cwd=None, env=None)` as subprocess.run of `refdem` with captured text; tests of signals, pipes and
-    of the code itself being replaced start a process."""
+    """`command_line(*arguments, cwd=None, env=None)` as subprocess.run of `refdem` with captured
+    text; tests of signals, pipes and of the code itself being replaced start a process."""
 
-    def called(*arguments: str, cwd: Path | None = None, env: dict[str, str] | None = None) -> "subprocess.CompletedProcess[str]":
+    def called(
+        *arguments: str, cwd: Path | None = None, env: dict[str, str] | None = None
+    ) -> "subprocess.CompletedProcess[str]":
         out, err = io.StringIO(), io.StringIO()
         with contextlib.ExitStack() as stack:
             stack.enter_context(mock.patch.object(sys, "argv", ["refdem", *arguments]))
-            stack.enter_context(mock.patch.dict(os.environ, {} if env is None else env, clear=env is not None))
+            stack.enter_context(
+                mock.patch.dict(os.environ, {} if env is None else env, clear=env is not None)
+            )
             stack.enter_context(contextlib.chdir(cwd or Path.cwd()))
             stack.enter_context(contextlib.redirect_stdout(out))
             stack.enter_context(contextlib.redirect_stderr(err))
             stack.enter_context(warnings.catch_warnings())
             warnings.simplefilter("ignore", ResourceWarning)  # as in a process of its own
-            return subprocess.CompletedProcess(["refdem", *arguments], _status(), out.getvalue(), err.getvalue())
+            return subprocess.CompletedProcess(
+                ["refdem", *arguments], _status(), out.getvalue(), err.getvalue()
+            )
 
     return called
 

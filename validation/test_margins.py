@@ -1,4 +1,6 @@
-"""Bounds of the campaign `main` lie near what is measured: every group of findings that is far inside its bounds has a reason here."""
+"""Bounds of the campaign `main` lie near what is measured: every group of findings that is far
+inside its bounds has a reason here.
+"""
 
 from fnmatch import fnmatch
 from statistics import median
@@ -13,16 +15,32 @@ GROUPS = groups(campaign_records("main"))
 MOST = 1.5
 """Decades: the median margin of bounds above round-off is less."""
 NEARLY = 2.5
-"""Decades: a reason is needed while a group that it is for is this far inside its bounds; on another processor it may be more."""
+"""Decades: a reason is needed while a group that it is for is this far inside its bounds; on
+another processor it may be more.
+"""
 
-STILL = "nothing moves or turns but by an amount that is added again and again, or not at all, so that few roundings reach a quantity"
-CLOSED = "c u sqrt(n) S holds for roundings of the worst signs; a closed form or an event is rounded once, and adds up nothing"
-UNDONE = "c u sqrt(n) S, there and back, holds for roundings of the worst signs; on the way back most of them undo each other"
+STILL = (
+    "nothing moves or turns but by an amount that is added again and again, or not at all, so that"
+    " few roundings reach a quantity"
+)
+CLOSED = (
+    "c u sqrt(n) S holds for roundings of the worst signs; a closed form or an event is rounded"
+    " once, and adds up nothing"
+)
+UNDONE = (
+    "c u sqrt(n) S, there and back, holds for roundings of the worst signs; on the way back most of"
+    " them undo each other"
+)
 TINY = "roundings are bounded by the scale of the case, and this motion is a small part of it"
 PICTURED = "c u sqrt(n) S holds for roundings of the worst signs; along one line few of them meet"
-TOUCHED = "c u T/tau is for a stiffness that acts all the time, and this one acts while spheres touch"
+TOUCHED = (
+    "c u T/tau is for a stiffness that acts all the time, and this one acts while spheres touch"
+)
 CROWD = "of ten thousand bodies the roundings cancel in the sum; the bound is for one sign"
-TOLERATED = "a tolerance of 1e-10 is met with digits to spare, for samples are closer than the steps that it allows"
+TOLERATED = (
+    "a tolerance of 1e-10 is met with digits to spare, for samples are closer than the steps that"
+    " it allows"
+)
 AT_ROUND_OFF = (
     ("angular-momentum", "free-rigid-body*", "rebound", TOLERATED),
     ("angular-momentum", "intermediate-axis*", "rebound", TOLERATED),
@@ -54,13 +72,28 @@ AT_ROUND_OFF = (
     ("limit", "free-rigid-body*omega_body=0,0,1 *", "mujoco", STILL),
     ("momentum", "granular-gas*n=10000*", "reference", CROWD),
     ("order", "block-on-slope*", "pymunk", STILL),
-    ("order", "free-rigid-body*inertia=1,1,2*", "reference", "a symmetric top turns steadily about two axes, which is done without steps"),
+    (
+        "order",
+        "free-rigid-body*inertia=1,1,2*",
+        "reference",
+        "a symmetric top turns steadily about two axes, which is done without steps",
+    ),
     ("order", "free-rigid-body*omega_body=0,0,1 *", "*", STILL),
     ("order", "newtons-first-law", "*", STILL),
     ("order", "newtons-first-law*velocity=0*", "*", STILL),
     ("order", "pendulum-equilibria*delta=0*", "*", STILL),
-    ("quaternion-norm", "granular-gas*friction=0.2*", "reference", "of ten thousand quaternions each is made unity after every step"),
-    ("rest", "block-on-slope*", "pymunk", "what a contact solver leaves of a balance is a part of gravity, not of the scale"),
+    (
+        "quaternion-norm",
+        "granular-gas*friction=0.2*",
+        "reference",
+        "of ten thousand quaternions each is made unity after every step",
+    ),
+    (
+        "rest",
+        "block-on-slope*",
+        "pymunk",
+        "what a contact solver leaves of a balance is a part of gravity, not of the scale",
+    ),
     ("reversal", "asymmetric-field", "reference", UNDONE),
     ("reversal", "double-pendulum*", "reference", UNDONE),
     ("reversal", "duffing*", "rebound", UNDONE),
@@ -81,7 +114,12 @@ AT_ROUND_OFF = (
     ("reversal", "rigid-cluster*", "reference", UNDONE),
     ("reversal", "two-spheres*damping=0*", "reference", UNDONE),
     ("reversal", "wedge-collision", "reference", UNDONE),
-    ("second-integral", "pendulum-wheel-mass*", "reference", "the integral has eight factors, each of which may be rounded"),
+    (
+        "second-integral",
+        "pendulum-wheel-mass*",
+        "reference",
+        "the integral has eight factors, each of which may be rounded",
+    ),
     ("symmetry", "block-on-slope*", "reference", STILL),
     ("symmetry", "coulomb-oscillator", "mujoco", PICTURED),
     ("symmetry", "pendulum-equilibria*delta=0*", "*", STILL),
@@ -92,34 +130,102 @@ AT_ROUND_OFF = (
     ("symmetry", "free-rigid-body*", "rebound", TOLERATED),
     ("symmetry", "impact-benchmarks*friction=0*", "mujoco", PICTURED),
     ("symmetry", "impact-benchmarks*dem-02*", "reference", TOUCHED),
-    ("symmetry", "intermediate-axis*", "*", "S is thousands, and the picture that came nearest is turned about the axis of the motion"),
+    (
+        "symmetry",
+        "intermediate-axis*",
+        "*",
+        "S is thousands, and the picture that came nearest is turned about the axis of the motion",
+    ),
     ("symmetry", "newtons-first-law*velocity=0*", "*", STILL),
-    ("symmetry", "newtons-first-law*member=*", "mujoco", "iterations over contacts may round hundreds of times a step, and here few do"),
+    (
+        "symmetry",
+        "newtons-first-law*member=*",
+        "mujoco",
+        "iterations over contacts may round hundreds of times a step, and here few do",
+    ),
     ("symmetry", "two-spheres*cutoff=zero_force*", "mujoco", PICTURED),
-    ("symmetry", "two-body-orbit", "reference", "S is a thousand after a close passage, which roundings before it need not meet"),
-)  # fmt: skip
-"""Groups whose bounds of round-off are more than the two decades that other processors need above what is measured, with the reason."""
+    (
+        "symmetry",
+        "two-body-orbit",
+        "reference",
+        "S is a thousand after a close passage, which roundings before it need not meet",
+    ),
+)
+"""Groups whose bounds of round-off are more than the two decades that other processors need above
+what is measured, with the reason.
+"""
 
-SAMPLED = "bs must land on every sample, and the samples of a body that turns are closer than the steps that its tolerance allows"
-STRAIGHT = "what an order lacks is 0 but for the term after next, on which no bound is known; a term of lower order makes the lack double"
-SCATTERED = "kinks scatter an order by half of itself, and where they happen to fall on steps alike it lacks nothing"
-DRAWS = "which spheres of a gas meet hangs on roundings, and neighbours part as fast as the moved start shows"
-RESTS = "which corner of a body that rests carries it hangs on roundings, and moved starts show how much that may change"
-THERE = "the error at a tolerance a hundred times looser is allowed, for steps and orders are chosen anew on the way back"
-LATE = "a leapfrog takes a dashpot's velocities half a step before, which of more than two spheres are known to what that changes"
+SAMPLED = (
+    "bs must land on every sample, and the samples of a body that turns are closer than the steps"
+    " that its tolerance allows"
+)
+STRAIGHT = (
+    "what an order lacks is 0 but for the term after next, on which no bound is known; a term of"
+    " lower order makes the lack double"
+)
+SCATTERED = (
+    "kinks scatter an order by half of itself, and where they happen to fall on steps alike it"
+    " lacks nothing"
+)
+DRAWS = (
+    "which spheres of a gas meet hangs on roundings, and neighbours part as fast as the moved start"
+    " shows"
+)
+RESTS = (
+    "which corner of a body that rests carries it hangs on roundings, and moved starts show how"
+    " much that may change"
+)
+THERE = (
+    "the error at a tolerance a hundred times looser is allowed, for steps and orders are chosen"
+    " anew on the way back"
+)
+LATE = (
+    "a leapfrog takes a dashpot's velocities half a step before, which of more than two spheres are"
+    " known to what that changes"
+)
 LOOSE = (
-    ("angular-momentum", "two-spheres*damping=0*", "mujoco", "it keeps it in a contact of spheres and does not claim to"),
+    (
+        "angular-momentum",
+        "two-spheres*damping=0*",
+        "mujoco",
+        "it keeps it in a contact of spheres and does not claim to",
+    ),
     ("contact-channels", "impact-benchmarks*three-spheres*", "reference", LATE),
-    ("event-times", "impact-benchmarks*three-spheres*", "reference", "they part so slowly that the error of the state moves that much"),
-    ("error", "billiards*n=1000000*", "reference", "S counts every rounding of a million bounces in the direction that grows most"),
+    (
+        "event-times",
+        "impact-benchmarks*three-spheres*",
+        "reference",
+        "they part so slowly that the error of the state moves that much",
+    ),
+    (
+        "error",
+        "billiards*n=1000000*",
+        "reference",
+        "S counts every rounding of a million bounces in the direction that grows most",
+    ),
     ("error", "driven-duffing*", "rebound", SAMPLED),
     ("error", "free-rigid-body*omega_body=0,0,1 *", "rebound", SAMPLED),
-    ("error", "intermediate-axis*", "rebound", "near the middle axis S is thousands, and this motion starts where it grows least"),
+    (
+        "error",
+        "intermediate-axis*",
+        "rebound",
+        "near the middle axis S is thousands, and this motion starts where it grows least",
+    ),
     ("error", "neglected-gyroscopic", "rebound", SAMPLED),
     ("error", "newtons-first-law", "rebound", SAMPLED),
     ("error", "newtons-first-law*velocity=0*", "rebound", SAMPLED),
-    ("error", "moments-of-inertia", "mujoco", "vertices are kept in single precision, and those of most solids have few binary digits"),
-    ("order", "block-on-slope*friction=0.5*", "pymunk", "Euler's error under a steady force is h v, without a next term"),
+    (
+        "error",
+        "moments-of-inertia",
+        "mujoco",
+        "vertices are kept in single precision, and those of most solids have few binary digits",
+    ),
+    (
+        "order",
+        "block-on-slope*friction=0.5*",
+        "pymunk",
+        "Euler's error under a steady force is h v, without a next term",
+    ),
     ("order", "driven-duffing*", "mujoco", STRAIGHT),
     ("order", "driven-oscillator*delta=2*", "mujoco", STRAIGHT),
     ("order", "viscous-oscillator*delta=3*", "mujoco", STRAIGHT),
@@ -134,12 +240,24 @@ LOOSE = (
     ("reversal", "intermediate-axis*", "rebound", THERE),
     ("reversal", "newtons-first-law", "rebound", THERE),
     ("reversal", "power-oscillator*", "rebound", THERE),
-    ("reversal", "intermediate-axis*", "mujoco", "the way back undoes the growth near the axis of the middle moment, which S cannot know"),
+    (
+        "reversal",
+        "intermediate-axis*",
+        "mujoco",
+        "the way back undoes the growth near the axis of the middle moment, which S cannot know",
+    ),
     ("symmetry", "block-on-slope*", "mujoco", RESTS),
-    ("symmetry", "intermediate-axis*", "rebound", "S is thousands near the middle axis, and nobody tells how many steps are chosen"),
+    (
+        "symmetry",
+        "intermediate-axis*",
+        "rebound",
+        "S is thousands near the middle axis, and nobody tells how many steps are chosen",
+    ),
     ("symmetry", "granular-gas*", "reference", DRAWS),
-)  # fmt: skip
-"""Groups above round-off that are far inside their bounds, by patterns of check, case and engine, with the reason."""
+)
+"""Groups above round-off that are far inside their bounds, by patterns of check, case and engine,
+with the reason.
+"""
 
 
 def has_reason(group):
@@ -148,7 +266,11 @@ def has_reason(group):
 
 def _matches(group, row):
     check, case, engine, _ = row
-    return group.check == check and fnmatch(group.label, case.replace("[", "[[]")) and fnmatch(group.engine, engine)
+    return (
+        group.check == check
+        and fnmatch(group.label, case.replace("[", "[[]"))
+        and fnmatch(group.engine, engine)
+    )
 
 
 def test_no_group_is_far_inside_its_bounds_without_a_reason():
@@ -158,20 +280,32 @@ def test_no_group_is_far_inside_its_bounds_without_a_reason():
 ROWS = [(row, True) for row in AT_ROUND_OFF] + [(row, False) for row in LOOSE]
 
 
-@pytest.mark.parametrize(("row", "at_round_off"), ROWS, ids=lambda value: "/".join(value[:3]) if isinstance(value, tuple) else "")
+@pytest.mark.parametrize(
+    ("row", "at_round_off"),
+    ROWS,
+    ids=lambda value: "/".join(value[:3]) if isinstance(value, tuple) else "",
+)
 def test_a_reason_belongs_to_a_group_that_needs_it(row, at_round_off):
-    ours = [group for group in GROUPS if _matches(group, row) and group.is_at_round_off == at_round_off]
+    ours = [
+        group for group in GROUPS if _matches(group, row) and group.is_at_round_off == at_round_off
+    ]
     assert max((min(group.margins) for group in ours), default=0.0) > NEARLY
 
 
 @pytest.mark.parametrize("row", [*AT_ROUND_OFF, *LOOSE], ids=lambda row: "/".join(row[:3]))
 def test_a_reason_is_for_groups_of_one_case(row):
-    """A row that excuses a check, or an engine, throughout would excuse what nobody has looked at."""
+    """A row that excuses a check, or an engine, throughout would excuse what nobody has looked
+    at.
+    """
     case = row[1].partition("[")[0].partition("*")[0]
     assert row[0] != "*"
     assert case in discovery.names("cases")
 
 
 def test_bounds_above_round_off_are_near_what_is_measured():
-    margins = [margin for margins in margins_by_check(GROUPS, at_round_off=False).values() for margin in margins]
+    margins = [
+        margin
+        for margins in margins_by_check(GROUPS, at_round_off=False).values()
+        for margin in margins
+    ]
     assert median(margins) < MOST

@@ -1,1 +1,3 @@
-"""Run time against error: engines and peers on one case, timed in interleaved rounds, judged by certified truth."""
+"""Run time against error: engines and peers on one case, timed in interleaved rounds, judged by
+certified truth.
+"""

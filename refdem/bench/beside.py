@@ -1,4 +1,6 @@
-"""Another installation that runs the same levels in turns with this one: the weather of the machine then falls on both alike."""
+"""Another installation that runs the same levels in turns with this one: the weather of the machine
+then falls on both alike.
+"""
 
 import subprocess
 from collections.abc import Sequence
@@ -20,8 +22,15 @@ class Beside:
         self.reasons: list[str | None] = []
 
     def __enter__(self) -> "Beside":
-        command = [str(self._python), "-P", "-m", "refdem.bench.turns"]  # -P: what is installed there, not a checkout that we stand in
-        self._process = subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True)
+        command = [
+            str(self._python),
+            "-P",
+            "-m",
+            "refdem.bench.turns",
+        ]  # -P: what is installed there, not a checkout that we stand in
+        self._process = subprocess.Popen(
+            command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True
+        )
         return self
 
     def __exit__(self, *_: object) -> None:
@@ -50,6 +59,7 @@ class Beside:
             answer = ""
         if not answer:
             raise UsageError(
-                f"{self._python} does not run refdem.bench.turns; expected the Python of an installation of refdem that has it"
+                f"{self._python} does not run refdem.bench.turns; expected the Python of an"
+                " installation of refdem that has it"
             )
         return msgspec.json.decode(answer)

@@ -1,7 +1,8 @@
-"""Two codes compared through their noise, slower or faster only beyond doubt: in turns on one machine, or by two records.
+"""Two codes compared through their noise, slower or faster only beyond doubt: in turns on one
+machine, or by two records.
 
-In turns each round gives a pair, and what the machine does falls on both. Rounds of two records are in units of the yardstick of
-their round.
+In turns each round gives a pair, and what the machine does falls on both. Rounds of two records are
+in units of the yardstick of their round.
 """
 
 import math
@@ -29,8 +30,9 @@ class Change(msgspec.Struct, frozen=True, kw_only=True):
 def compared(now: Record, then: Record) -> list[Change]:
     """The curves that both records have, at the levels that both have.
 
-    Slower: every round now is slower than every round then, and the medians differ by more than CHANGE. For n rounds each of equal
-    codes, without drift, that happens once in C(2n, n): 1/252 for 5.
+    Slower: every round now is slower than every round then, and the medians differ by more than
+    CHANGE. For n rounds each of equal codes, without drift, that happens once in C(2n, n): 1/252
+    for 5.
     """
     before = {curve.key: curve for curve in then.curves}
     found = []
@@ -41,32 +43,50 @@ def compared(now: Record, then: Record) -> list[Change]:
             continue
         a, b = rounds_of(now, curve, levels), rounds_of(then, other, levels)
         errors = {point.level: point.error for point in other.points}
-        worst = max((p.error / errors[p.level] for p in curve.points if p.level in levels and errors[p.level] > 0), default=1.0)
+        worst = max(
+            (
+                p.error / errors[p.level]
+                for p in curve.points
+                if p.level in levels and errors[p.level] > 0
+            ),
+            default=1.0,
+        )
         factor = math.exp(statistics.median(a) - statistics.median(b))
-        found.append(Change(key=curve.key, factor=factor, verdict=verdict(a, b), error_factor=worst))
+        found.append(
+            Change(key=curve.key, factor=factor, verdict=verdict(a, b), error_factor=worst)
+        )
     return found
 
 
 def compared_in_turns(record: Record) -> list[Change]:
     """The curves that another installation ran in turns with this one.
 
-    Slower: slower in every pair, and by more than CHANGE in the median. For equal codes a side happens at most once in 2^n for n
-    pairs: 1/32 for 5, 1/128 for 7, and less by what CHANGE asks.
+    Slower: slower in every pair, and by more than CHANGE in the median. For equal codes a side
+    happens at most once in 2^n for n pairs: 1/32 for 5, 1/128 for 7, and less by what CHANGE asks.
     """
     found = []
     for curve in record.curves:
         pairs = ratios_of(curve)
         if pairs:
             factor = math.exp(statistics.median(pairs))
-            found.append(Change(key=curve.key, factor=factor, verdict=verdict_of_pairs(pairs), error_factor=None))
+            found.append(
+                Change(
+                    key=curve.key, factor=factor, verdict=verdict_of_pairs(pairs), error_factor=None
+                )
+            )
     return found
 
 
 def ratios_of(curve: Curve) -> list[float]:
     """The mean over levels of log(seconds here / seconds there), pair by pair."""
-    chosen = [point for point in curve.points if point.beside and min(*point.beside, *point.rounds) > 0]
+    chosen = [
+        point for point in curve.points if point.beside and min(*point.beside, *point.rounds) > 0
+    ]
     count = min((min(len(point.rounds), len(point.beside)) for point in chosen), default=0)
-    return [statistics.fmean(math.log(point.rounds[k] / point.beside[k]) for point in chosen) for k in range(count)]
+    return [
+        statistics.fmean(math.log(point.rounds[k] / point.beside[k]) for point in chosen)
+        for k in range(count)
+    ]
 
 
 def verdict_of_pairs(pairs: Sequence[float]) -> str:
@@ -94,7 +114,10 @@ def rounds_of(record: Record, curve: Curve, levels: set[float]) -> list[float]:
 
 
 def verdict(now: Sequence[float], then: Sequence[float]) -> str:
-    """`slower`, `faster` or `same` from logarithms of times; `same` if there are less than 4 rounds."""
+    """`slower`, `faster` or `same` from logarithms of times;
+
+    `same` if there are less than 4 rounds.
+    """
     if min(len(now), len(then)) < 4:
         return "same"
     change = statistics.median(now) - statistics.median(then)
@@ -106,10 +129,16 @@ def verdict(now: Sequence[float], then: Sequence[float]) -> str:
 
 
 def false_alarm_rate(record: Record) -> float | None:
-    """Part of comparisons of a code with itself that call it slower or faster: every split of its rounds in two; None below 8 rounds."""
+    """Part of comparisons of a code with itself that call it slower or faster: every split of its
+    rounds in two; None below 8 rounds.
+    """
     alarms = total = 0
     for curve in record.curves:
-        series = rounds_of(record, curve, {point.level for point in curve.points}) if curve.points else []
+        series = (
+            rounds_of(record, curve, {point.level for point in curve.points})
+            if curve.points
+            else []
+        )
         half = len(series) // 2
         if half < 4:
             continue

@@ -1,4 +1,6 @@
-"""What a body and a step cost in a gas of many spheres, beside codes made for such: interleaved rounds, medians, one thread."""
+"""What a body and a step cost in a gas of many spheres, beside codes made for such: interleaved
+rounds, medians, one thread.
+"""
 
 import statistics
 from collections.abc import Callable, Sequence
@@ -20,7 +22,10 @@ LAWS = {"smooth": {"friction": "0"}, "rough": {"friction": "1/2"}}
 
 @dataclass(frozen=True)
 class Cost:
-    """Nanoseconds a body and step in each round; `beside` are those of the reference in the same rounds, in the same gas."""
+    """Nanoseconds a body and step in each round;
+
+    `beside` are those of the reference in the same rounds, in the same gas.
+    """
 
     n: int
     law: str
@@ -33,10 +38,14 @@ class Cost:
     @property
     def ratio(self) -> float:
         """How many times as dear as the reference: the median of the rounds."""
-        return statistics.median(own / other for own, other in zip(self.rounds, self.beside, strict=True))
+        return statistics.median(
+            own / other for own, other in zip(self.rounds, self.beside, strict=True)
+        )
 
 
-def costs(sizes: Sequence[int], rounds: int = 5, progress: Callable[[str], None] = lambda told: None) -> list[Cost]:
+def costs(
+    sizes: Sequence[int], rounds: int = 5, progress: Callable[[str], None] = lambda told: None
+) -> list[Cost]:
     """The cost of every gas of so many spheres in every code that is installed and can move it."""
     found = []
     for n in sizes:
@@ -44,8 +53,12 @@ def costs(sizes: Sequence[int], rounds: int = 5, progress: Callable[[str], None]
             for boundary in ("periodic", "walls"):
                 progress(f"{n} spheres, {law}, {boundary}")
                 instance = discovery.case("granular-gas").at(n=str(n), boundary=boundary, **given)
-                gas = Gas(instance, float(2.0 ** np.floor(np.log2(instance.scales.tau / STEPS_PER_TAU))))
-                found += _of_gas(gas, law, [crowd for crowd in crowds() if crowd.refusal(gas) is None], rounds)
+                gas = Gas(
+                    instance, float(2.0 ** np.floor(np.log2(instance.scales.tau / STEPS_PER_TAU)))
+                )
+                found += _of_gas(
+                    gas, law, [crowd for crowd in crowds() if crowd.refusal(gas) is None], rounds
+                )
     return found
 
 

@@ -1,4 +1,6 @@
-"""One method of one engine on one instance: it runs a level and says how wrong and how long it was."""
+"""One method of one engine on one instance: it runs a level and says how wrong and how long it
+was.
+"""
 
 from dataclasses import dataclass
 from typing import Any
@@ -18,7 +20,9 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True, eq=False)
 class Entrant:
-    """An engine's method with the levels that it is run at; a peer is an engine that only the bench knows."""
+    """An engine's method with the levels that it is run at; a peer is an engine that only the bench
+    knows.
+    """
 
     instance: Instance
     engine: Engine
@@ -29,7 +33,9 @@ class Entrant:
     def request(self, level: float, problem: Problem | None = None) -> Request:
         """The request of a level, also of another problem."""
         asked = self.instance.problem if problem is None else problem
-        control: dict[str, Any] = {} if self.method.control == "exact" else {self.method.control: level}
+        control: dict[str, Any] = (
+            {} if self.method.control == "exact" else {self.method.control: level}
+        )
         return Request(problem=asked, method=self.method.name, **control)
 
     def run(self, level: float) -> tuple[Trajectory, Cost]:

@@ -8,14 +8,18 @@ TOLERANCES = (1e-3, 1e-5, 1e-7, 1e-9, 1e-11, 1e-13, 1e-14)
 
 
 def levels(instance: Instance, method: Method, *, most_steps: float) -> tuple[float, ...]:
-    """Steps [s] from the first that can be judged, each a whole fraction of the one before; tolerances; or 0 for exact methods.
+    """Steps [s] from the first that can be judged, each a whole fraction of the one before;
+    tolerances; or 0 for exact methods.
 
-    Halves for order 3 and more, quarters below: about a decade of error each. None if even tau is too short a step.
+    Halves for order 3 and more, quarters below: about a decade of error each. None if even tau is
+    too short a step.
     """
     if method.control == "exact":
         return (0.0,)
     if method.control == "tolerance":
-        return tuple(level for level in TOLERANCES if level > refinement.COUNTING_FLOOR * method.round_off)
+        return tuple(
+            level for level in TOLERANCES if level > refinement.COUNTING_FLOOR * method.round_off
+        )
     first = refinement.levels(instance, method, 1, most_steps)
     if not first:
         return ()

@@ -1,4 +1,6 @@
-"""Refinement until a method has no more to show, then all of its levels again and again, interleaved with those of the others."""
+"""Refinement until a method has no more to show, then all of its levels again and again,
+interleaved with those of the others.
+"""
 
 import gc
 import hashlib
@@ -18,10 +20,13 @@ from refdem.kernels import repeated
 ENOUGH = 1e-14
 """An error that no refinement improves."""
 SHORT, MOST_INNER = 2e-3, 15
-"""Runs shorter than this [s] are repeated within a round, as a clock and a cache that is cold would be seen; the median counts."""
+"""Runs shorter than this [s] are repeated within a round, as a clock and a cache that is cold would
+be seen; the median counts.
+"""
 BRIEF, MOST_REPEATS = 1e-4, 100
-"""Runs shorter than this [s] are repeated within one reading of the clock too, where the engine allows it, until they have taken as long:
-what Python does between two runs leaves caches cold, which would cost a run of a microsecond as much again."""
+"""Runs shorter than this [s] are repeated within one reading of the clock too, where the engine
+allows it, until they have taken as long: what Python does between two runs leaves caches cold,
+which would cost a run of a microsecond as much again."""
 WORK = b"\0" * (1 << 20)
 Other = Callable[[int], float | None]
 
@@ -39,9 +44,18 @@ class Measured:
 
     @property
     def compiled(self) -> float:
-        """Seconds that the first set-up cost beyond the median of later ones: compilation, imports, tables."""
+        """Seconds that the first set-up cost beyond the median of later ones: compilation, imports,
+        tables.
+        """
         later = [cost.setup for costs in self.rounds.values() for cost in costs]
-        return max(0.0, max((c.setup for c in self.first.values()), default=0.0) - statistics.median(later)) if later else 0.0
+        return (
+            max(
+                0.0,
+                max((c.setup for c in self.first.values()), default=0.0) - statistics.median(later),
+            )
+            if later
+            else 0.0
+        )
 
     def points(self, names: set[str]) -> list[Point]:
         """One point a level, coarse to fine; the error is the largest among `names`."""
@@ -60,9 +74,11 @@ class Measured:
 
 
 def refined(entrant: Entrant, truth: SampledTruth, *, longest: float) -> Measured:
-    """Runs level by level until the error is ENOUGH, has stopped to fall, or a run takes more than `longest` [s].
+    """Runs level by level until the error is ENOUGH, has stopped to fall, or a run takes more than
+    `longest` [s].
 
-    A coarse level at which the engine breaks down is left out; if it breaks at all of them, the last reason is the refusal.
+    A coarse level at which the engine breaks down is left out; if it breaks at all of them, the
+    last reason is the refusal.
     """
     found, best = Measured(entrant), float("inf")
     risen = 0
@@ -85,11 +101,16 @@ def refined(entrant: Entrant, truth: SampledTruth, *, longest: float) -> Measure
 
 
 def interleaved(
-    entrants: Iterable[Measured], rounds: int, told: Callable[[int], None] = lambda done: None, other: Other | None = None
+    entrants: Iterable[Measured],
+    rounds: int,
+    told: Callable[[int], None] = lambda done: None,
+    other: Other | None = None,
 ) -> list[float]:
-    """Times every level of every entrant once a round, from another one on in each; returns the yardstick [s] round by round.
+    """Times every level of every entrant once a round, from another one on in each; returns the
+    yardstick [s] round by round.
 
-    `other` times the same place of another installation, by its number, right before or right after: in turns. None where it cannot.
+    `other` times the same place of another installation, by its number, right before or right
+    after: in turns. None where it cannot.
     """
     places = [(measured, level) for measured in entrants for level in measured.errors]
     yardstick = []
@@ -121,7 +142,9 @@ def _beside(measured: Measured, level: float, other: Other | None, place: int) -
 
 
 def median_cost(run: Callable[[], Cost], first: float) -> Cost:
-    """The cost of one run; of short ones, which took `first` seconds once, the run with the median time."""
+    """The cost of one run; of short ones, which took `first` seconds once, the run with the median
+    time.
+    """
     inner = 1 if first > SHORT else min(MOST_INNER, int(SHORT / max(first, 1e-7)) + 1)
     with repeated(min(MOST_REPEATS, int(BRIEF / max(first, 1e-7)) + 1)):
         costs = sorted((run() for _ in range(inner)), key=lambda cost: cost.seconds)
@@ -129,7 +152,9 @@ def median_cost(run: Callable[[], Cost], first: float) -> Cost:
 
 
 def _yardstick() -> float:
-    """Seconds of a fixed piece of work, the median of 5: what this machine is worth at this moment."""
+    """Seconds of a fixed piece of work, the median of 5: what this machine is worth at this
+    moment.
+    """
     times = []
     for _ in range(5):
         started = perf_counter()

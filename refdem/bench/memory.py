@@ -13,9 +13,11 @@ STATUS, RESET = Path("/proc/self/status"), Path("/proc/self/clear_refs")
 
 
 def peaks(asked: Sequence[tuple[str, bool, Request, Request]]) -> list[int | None]:
-    """Bytes by which each finest run lifts the peak of resident memory, after the coarsest has loaded everything.
+    """Bytes by which each finest run lifts the peak of resident memory, after the coarsest has
+    loaded everything.
 
-    For (address of the engine, is it a peer, coarsest, finest request); None where the system does not say, or the run fails there.
+    For (address of the engine, is it a peer, coarsest, finest request); None where the system does
+    not say, or the run fails there.
     """
     jobs = [(engine, peer, coarse.packed(), fine.packed()) for engine, peer, coarse, fine in asked]
     if not jobs or not RESET.exists():
@@ -26,7 +28,9 @@ def peaks(asked: Sequence[tuple[str, bool, Request, Request]]) -> list[int | Non
 
 
 def _peak(name: str, is_peer: bool, coarse: bytes, fine: bytes) -> int | None:
-    engine: Engine = next(peer for peer in peers() if peer.name == name) if is_peer else discovery.engine(name)
+    engine: Engine = (
+        next(peer for peer in peers() if peer.name == name) if is_peer else discovery.engine(name)
+    )
     try:
         engine.run(Request.unpacked(coarse))
         request = Request.unpacked(fine)

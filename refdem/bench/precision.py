@@ -9,7 +9,9 @@ from refdem.bench.record import Growth, Point, Reach
 from refdem.core.trajectory import Cost
 
 CLEAR = 30.0
-"""A pair of levels shows truncation if the finer error is so many times the least error of the curve."""
+"""A pair of levels shows truncation if the finer error is so many times the least error of the
+curve.
+"""
 ROUND_OFF = 1e-12
 """And if it is above this: what round-off adds up to in runs as long as those of a bench."""
 
@@ -27,8 +29,8 @@ def seconds_of(costs: Sequence[Cost]) -> float:
 def reach(points: Sequence[Point], target: float) -> Reach | None:
     """Seconds to an error of `target`; None if no point is as good.
 
-    On a straight line in logarithms between the first point that meets it and the one before, round by round; a first point, and
-    one that is not dearer than the one before it, stands for itself.
+    On a straight line in logarithms between the first point that meets it and the one before, round
+    by round; a first point, and one that is not dearer than the one before it, stands for itself.
     """
     meets = next((k for k, point in enumerate(points) if point.error <= target), None)
     if meets is None:
@@ -51,7 +53,10 @@ def _crossing(points: Sequence[Point], meets: int, target: float, number: int) -
 
 
 def order(points: Sequence[Point]) -> float | None:
-    """The order between the finest two levels whose errors are truncation; None if there are none."""
+    """The order between the finest two levels whose errors are truncation;
+
+    None if there are none.
+    """
     seen = _truncating(points)
     if not seen:
         return None
@@ -77,10 +82,21 @@ def _truncating(points: Sequence[Point]) -> list[tuple[Point, Point]]:
 
 
 def growth(by: str, sizes: Sequence[float], times: Sequence[float]) -> Growth:
-    """Seconds against sizes; the exponent is the median over all pairs of sizes of the slope in logarithms (Theil and Sen)."""
-    pairs = [(a, b) for a, b in combinations(zip(sizes, times, strict=True), 2) if a[0] != b[0] and min(a[1], b[1]) > 0]
+    """Seconds against sizes; the exponent is the median over all pairs of sizes of the slope in
+    logarithms (Theil and Sen).
+    """
+    pairs = [
+        (a, b)
+        for a, b in combinations(zip(sizes, times, strict=True), 2)
+        if a[0] != b[0] and min(a[1], b[1]) > 0
+    ]
     slopes = [math.log(b[1] / a[1]) / math.log(b[0] / a[0]) for a, b in pairs]
-    return Growth(by=by, sizes=list(sizes), seconds=list(times), exponent=statistics.median(slopes) if slopes else None)
+    return Growth(
+        by=by,
+        sizes=list(sizes),
+        seconds=list(times),
+        exponent=statistics.median(slopes) if slopes else None,
+    )
 
 
 def per_step(points: Sequence[Point]) -> float | None:

@@ -1,4 +1,6 @@
-"""What a bench finds: points on a curve of error and time, a curve a method, a record of all of them."""
+"""What a bench finds: points on a curve of error and time, a curve a method, a record of all of
+them.
+"""
 
 from pathlib import Path
 
@@ -11,7 +13,8 @@ TARGETS = (1e-3, 1e-6, 1e-9, 1e-12)
 
 
 class Point(msgspec.Struct, frozen=True, kw_only=True):
-    """One level: largest error over the run, seconds in the engine's own loop round by round, set-up [s], steps (0: unknown).
+    """One level: largest error over the run, seconds in the engine's own loop round by round,
+    set-up [s], steps (0: unknown).
 
     `beside`: seconds of another installation, each taken in turn with that of the same round here.
     """
@@ -33,7 +36,9 @@ class Reach(msgspec.Struct, frozen=True, kw_only=True):
 
 
 class Growth(msgspec.Struct, frozen=True, kw_only=True):
-    """Seconds against a number (steps, or a parameter of the case), and the exponent of the power that they follow."""
+    """Seconds against a number (steps, or a parameter of the case), and the exponent of the power
+    that they follow.
+    """
 
     by: str
     sizes: list[float]
@@ -44,8 +49,9 @@ class Growth(msgspec.Struct, frozen=True, kw_only=True):
 class Curve(msgspec.Struct, frozen=True, kw_only=True):
     """One method on one instance; `refusal` in place of points if it cannot run it.
 
-    `compiled` [s]: what the first set-up cost beyond later ones. `memory` [bytes]: the peak of the finest run beyond what was held
-    before it. `limit`: largest stable step as a multiple of 2/omega; infinite if none was found too large.
+    `compiled` [s]: what the first set-up cost beyond later ones. `memory` [bytes]: the peak of the
+    finest run beyond what was held before it. `limit`: largest stable step as a multiple of
+    2/omega; infinite if none was found too large.
     """
 
     label: str
@@ -73,11 +79,14 @@ class Curve(msgspec.Struct, frozen=True, kw_only=True):
 
 
 class Record(msgspec.Struct, frozen=True, kw_only=True):
-    """All curves of one session. `yardstick` [s]: a fixed piece of work, timed once in every round; `load`: of the machine, 1 minute.
+    """All curves of one session. `yardstick` [s]: a fixed piece of work, timed once in every round;
+    `load`: of the machine, 1 minute.
 
-    Refinement ended with a run of more than `longest` [s] or `most_steps`: what was not reached by then may be reached later.
+    Refinement ended with a run of more than `longest` [s] or `most_steps`: what was not reached by
+    then may be reached later.
 
-    `compared` names, for each instance, the quantities that every run shows: errors are the largest among these.
+    `compared` names, for each instance, the quantities that every run shows: errors are the largest
+    among these.
     """
 
     format: int = 1
@@ -96,6 +105,9 @@ def read(path: Path) -> Record:
     try:
         return msgspec.json.decode(path.read_bytes(), type=Record)
     except OSError as error:
-        raise UsageError(f"{path} cannot be read: {error.strerror}; expected a bench.json that `refdem bench` wrote") from None
+        raise UsageError(
+            f"{path} cannot be read: {error.strerror}; expected a bench.json that `refdem bench`"
+            " wrote"
+        ) from None
     except msgspec.MsgspecError as error:
         raise UsageError(f"{path} is not a record of a bench: {error}") from None

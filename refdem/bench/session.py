@@ -1,4 +1,7 @@
-"""A bench from cases and engines to a record. It reads no stored run; truth, which no engine touches, may be kept."""
+"""A bench from cases and engines to a record.
+
+It reads no stored run; truth, which no engine touches, may be kept.
+"""
 
 import os
 from collections.abc import Callable, Mapping
@@ -29,10 +32,12 @@ from refdem.errors import RefdemError, UsageError
 
 @dataclass
 class Bench:
-    """What to run: `rounds` of everything, no run longer than `longest` [s] or of more than `most_steps` steps.
+    """What to run: `rounds` of everything, no run longer than `longest` [s] or of more than
+    `most_steps` steps.
 
-    `grow` names a parameter of the cases and its values: the time at the finest level is measured at each. `beside` is the Python of
-    another installation, which runs everything in turns with this one.
+    `grow` names a parameter of the cases and its values: the time at the finest level is measured
+    at each. `beside` is the Python of another installation, which runs everything in turns with
+    this one.
     """
 
     cases: list[Entry]
@@ -50,7 +55,9 @@ class Bench:
 
     def record(self) -> Record:
         """Everything measured; raises UsageError if no method can run any of the cases."""
-        specification = Specification(name="bench", case=self.cases, engines=self.engines, method=self.method)
+        specification = Specification(
+            name="bench", case=self.cases, engines=self.engines, method=self.method
+        )
         engines, _ = plan.engines(specification)
         measured = [self._of(instance, engines) for instance, _ in plan.instances(specification)]
         if not any(entrant.errors for found in measured for entrant in found):
@@ -58,8 +65,13 @@ class Bench:
             raise UsageError("nothing could be run: " + "; ".join(reasons))
         everything = [entrant for found in measured for entrant in found]
         yardstick = self._timed(everything)
-        compared = {found[0].entrant.instance.label: sorted(_common(found)) for found in measured if found}
-        curves = [self._curve(entrant, set(compared[entrant.entrant.instance.label])) for entrant in everything]
+        compared = {
+            found[0].entrant.instance.label: sorted(_common(found)) for found in measured if found
+        }
+        curves = [
+            self._curve(entrant, set(compared[entrant.entrant.instance.label]))
+            for entrant in everything
+        ]
         return Record(
             refdem=refdem.__version__,
             rounds=self.rounds,
@@ -72,24 +84,37 @@ class Bench:
         )
 
     def _of(self, instance: Instance, engines: list[Engine]) -> list[Measured]:
-        """Every method refined on one instance; refusals stay, but for the reference's methods and peers made for other scenes."""
+        """Every method refined on one instance; refusals stay, but for the reference's methods and
+        peers made for other scenes.
+        """
         self.progress(f"{instance.label}: refining")
         found = []
         for engine, is_peer in [(e, False) for e in engines] + [(p, True) for p in self._peers()]:
             silent = is_peer or engine.is_reference
             for method in engine.methods:
-                if (self.method and not is_peer and method.name != self.method) or method.answers != instance.problem.kind:
+                if (
+                    self.method and not is_peer and method.name != self.method
+                ) or method.answers != instance.problem.kind:
                     continue
                 refusal = engine.refuses(instance.problem, method) or ""
                 chosen = () if refusal else levels(instance, method, most_steps=self.most_steps)
                 if refusal and silent:
                     continue
                 entrant = Entrant(instance, engine, method, chosen, is_peer)
-                found.append(Measured(entrant, refusal=refusal or ("" if chosen else f"more than {self.most_steps:g} steps")))
+                found.append(
+                    Measured(
+                        entrant,
+                        refusal=refusal
+                        or ("" if chosen else f"more than {self.most_steps:g} steps"),
+                    )
+                )
         able = [measured for measured in found if not measured.refusal]
         truth = sampled_truth(instance, [measured.entrant for measured in able])
         refused = [measured for measured in found if measured.refusal]
-        return [*(refined(measured.entrant, truth, longest=self.longest) for measured in able), *refused]
+        return [
+            *(refined(measured.entrant, truth, longest=self.longest) for measured in able),
+            *refused,
+        ]
 
     def _timed(self, everything: list[Measured]) -> list[float]:
         """All rounds, alone or in turns; the yardstick of each."""
@@ -100,8 +125,15 @@ class Bench:
         if self.beside is None:
             return interleaved(everything, self.rounds, told)
         with Beside(self.beside) as other:
-            other.begin([place(measured, level) for measured in everything for level in measured.errors])
-            return interleaved(everything, self.rounds, told, lambda k: None if other.reasons[k] else other.seconds(k))
+            other.begin(
+                [place(measured, level) for measured in everything for level in measured.errors]
+            )
+            return interleaved(
+                everything,
+                self.rounds,
+                told,
+                lambda k: None if other.reasons[k] else other.seconds(k),
+            )
 
     def _peers(self) -> list[Engine]:
         return peers() if self.with_peers else []
@@ -111,15 +143,22 @@ class Bench:
         entrant = measured.entrant
         instance, method = entrant.instance, entrant.method
         bare = Curve(
-            label=instance.label, engine=entrant.engine.name, method=method.name, control=method.control, refusal=measured.refusal,
-            is_reference=entrant.engine.is_reference, is_peer=entrant.is_peer,
-        )  # fmt: skip
+            label=instance.label,
+            engine=entrant.engine.name,
+            method=method.name,
+            control=method.control,
+            refusal=measured.refusal,
+            is_reference=entrant.engine.is_reference,
+            is_peer=entrant.is_peer,
+        )
         points = measured.points(names)
         if not points:
             return bare
         claimed = method.order_for(instance.problem.features) if method.control == "step" else 0
         scales = instance.scales
-        constant = precision.constant(points, claimed=claimed, tau=scales.tau, duration=scales.duration)
+        constant = precision.constant(
+            points, claimed=claimed, tau=scales.tau, duration=scales.duration
+        )
         limit, limited = stability_limit(entrant) if self.with_stability else (None, "")
         return msgspec.structs.replace(
             bare,
@@ -137,7 +176,11 @@ class Bench:
     def _growth(self, measured: Measured) -> list[Growth]:
         """Time against steps, and against the parameter asked for at the finest level."""
         entrant, level = measured.entrant, next(reversed(measured.errors))
-        counted = [(cost.steps, precision.seconds_of(measured.rounds[h])) for h, cost in measured.first.items() if cost.steps]
+        counted = [
+            (cost.steps, precision.seconds_of(measured.rounds[h]))
+            for h, cost in measured.first.items()
+            if cost.steps
+        ]
         stepped = entrant.method.control == "step" and len(counted) > 1
         found = [precision.growth("steps", *zip(*counted, strict=True))] if stepped else []
         for name, values in self.grow.items():
@@ -145,7 +188,9 @@ class Bench:
             for value in values:
                 grown = entrant.instance.case.at(**(dict(entrant.instance.p.given) | {name: value}))
                 if entrant.engine.refuses(grown.problem, entrant.method) is None:
-                    one = Measured(Entrant(grown, entrant.engine, entrant.method, (level,), entrant.is_peer))
+                    one = Measured(
+                        Entrant(grown, entrant.engine, entrant.method, (level,), entrant.is_peer)
+                    )
                     try:
                         one.errors, one.first = {level: {}}, {level: one.entrant.run(level)[1]}
                     except RefdemError:
@@ -164,7 +209,14 @@ class Bench:
         asked = []
         for k in places:
             entrant, run = measured[k].entrant, list(measured[k].errors)
-            asked.append((entrant.engine.address, entrant.is_peer, entrant.request(run[0]), entrant.request(run[-1])))
+            asked.append(
+                (
+                    entrant.engine.address,
+                    entrant.is_peer,
+                    entrant.request(run[0]),
+                    entrant.request(run[-1]),
+                )
+            )
         for k, peak in zip(places, peaks(asked), strict=True):
             curves[k] = msgspec.structs.replace(curves[k], memory=peak)
         return curves
@@ -179,16 +231,25 @@ def place(measured: Measured, level: float) -> Place:
 
 def sampled_truth(instance: Instance, entrants: list[Entrant]) -> SampledTruth:
     """The certified samples; raises UsageError if there are none to measure errors against."""
-    delays = tuple(sorted({delay for e in entrants for level in e.levels if (delay := e.method.delay(level))}))
+    delays = tuple(
+        sorted({delay for e in entrants for level in e.levels if (delay := e.method.delay(level))})
+    )
     truth = None if delays else kept_truth(instance)
     if truth is None:
-        truth = msgspec.msgpack.decode(worker.sampled_truth(instance.case.id, dict(instance.p.given), delays), type=SampledTruth)
+        truth = msgspec.msgpack.decode(
+            worker.sampled_truth(instance.case.id, dict(instance.p.given), delays),
+            type=SampledTruth,
+        )
     if truth.until < min(2, len(instance.times)):
-        raise UsageError(f"{instance.label} has no certified truth to measure errors against: {truth.reason}")
+        raise UsageError(
+            f"{instance.label} has no certified truth to measure errors against: {truth.reason}"
+        )
     return truth
 
 
 def _common(found: list[Measured]) -> set[str]:
-    """Names of the quantities that every run of an instance shows; all that any shows if there are none."""
+    """Names of the quantities that every run of an instance shows; all that any shows if there are
+    none.
+    """
     shown = [set(errors) for measured in found for errors in measured.errors.values()]
     return set.intersection(*shown) or set.union(*shown) if shown else set()

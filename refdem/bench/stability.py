@@ -13,7 +13,8 @@ BISECTIONS = 12
 
 
 def stability_limit(entrant: Entrant) -> tuple[float | None, str]:
-    """The limit as a multiple of 2/omega = 2 tau and a note; infinite if no step up to LAST is unstable; None where it is not asked.
+    """The limit as a multiple of 2/omega = 2 tau and a note; infinite if no step up to LAST is
+    unstable; None where it is not asked.
 
     Where the shortest multiple is unstable already the limit is 0.
     """
@@ -34,7 +35,9 @@ def stability_limit(entrant: Entrant) -> tuple[float | None, str]:
 
 
 def _is_stable(entrant: Entrant, multiple: float) -> bool:
-    """Whether many steps of multiple * 2 tau stay within BEYOND times the scales; an engine that gives up is not stable."""
+    """Whether many steps of multiple * 2 tau stay within BEYOND times the scales; an engine that
+    gives up is not stable.
+    """
     problem = probe(entrant.instance, multiple)
     try:
         with np.errstate(all="ignore"):

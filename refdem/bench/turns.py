@@ -1,6 +1,8 @@
-"""The other side of a paired comparison: `python -m refdem.bench.turns` in another installation runs what it is told, when it is told.
+"""The other side of a paired comparison: `python -m refdem.bench.turns` in another installation
+runs what it is told, when it is told.
 
-Lines of JSON: first a list of places, answered by null or a reason not to run for each; then the number of a place, answered by seconds.
+Lines of JSON: first a list of places, answered by null or a reason not to run for each; then the
+number of a place, answered by seconds.
 """
 
 import sys
@@ -17,7 +19,9 @@ from refdem.errors import RefdemError
 
 
 class Place(msgspec.Struct, frozen=True):
-    """One level of one method: address of its engine, whether that is a peer, the request, and what its first run took [s]."""
+    """One level of one method: address of its engine, whether that is a peer, the request, and what
+    its first run took [s].
+    """
 
     engine: str
     is_peer: bool
@@ -26,7 +30,11 @@ class Place(msgspec.Struct, frozen=True):
 
     def runnable(self) -> tuple[Engine, Request]:
         """The engine as it is here, and the request; raises RefdemError if there is none."""
-        found = next((p for p in peers() if p.name == self.engine), None) if self.is_peer else discovery.engine(self.engine)
+        found = (
+            next((p for p in peers() if p.name == self.engine), None)
+            if self.is_peer
+            else discovery.engine(self.engine)
+        )
         if found is None:
             raise RefdemError(f"{self.engine} is not installed there")
         return found, Request.from_json(bytes(self.request))

@@ -1,4 +1,6 @@
-"""A campaign from specification to sheets: truths, then runs, then what goes on from them, then judging."""
+"""A campaign from specification to sheets: truths, then runs, then what goes on from them, then
+judging.
+"""
 
 import math
 import time
@@ -29,7 +31,9 @@ from refdem.core.variant import Variant
 from refdem.errors import UsageError
 
 GRACE = 30.0
-"""Seconds beyond an engine's own time limit before its worker is killed: to start, to read the trajectory, to keep what failed."""
+"""Seconds beyond an engine's own time limit before its worker is killed: to start, to read the
+trajectory, to keep what failed.
+"""
 ENOUGH = 2
 """Steps at which a method did not end in its time, after which it is not tried at others."""
 Answer = tuple[worker.Reply, Trajectory | None]
@@ -59,7 +63,9 @@ class Campaign:
     lasting: bool = True
 
     def sheets(self) -> list[Sheet]:
-        """Everything that a report is made of; kept, unless something ended in a way that it may not end in next time."""
+        """Everything that a report is made of; kept, unless something ended in a way that it may
+        not end in next time.
+        """
         start = time.perf_counter()
         engines, _ = plan.engines(self.specification)
         _refuse_namesakes(engines)
@@ -88,36 +94,69 @@ class Campaign:
     def _made(self, engines: list[Engine]) -> list[Sheet]:
         """The sheets of engines, cases and records."""
         instances = plan.instances(self.specification)
-        self.deadlines = {engine.name: time.monotonic() + engine.budget for engine in engines if engine.budget is not None}
-        with Schedule(self.jobs, self.specification.timeout) if self.jobs else InProcess() as schedule:
-            truths = self._truths(schedule, [(instance, self._delays(instance, engines)) for instance, _ in instances])
+        self.deadlines = {
+            engine.name: time.monotonic() + engine.budget
+            for engine in engines
+            if engine.budget is not None
+        }
+        with (
+            Schedule(self.jobs, self.specification.timeout) if self.jobs else InProcess()
+        ) as schedule:
+            truths = self._truths(
+                schedule, [(instance, self._delays(instance, engines)) for instance, _ in instances]
+            )
             tasks = [
                 task
                 for (instance, only), truth in zip(instances, truths, strict=True)
                 for engine in engines
-                for task in plan.judged(plan.tasks(self.specification, instance, only, engine, truth, truth.reason))
+                for task in plan.judged(
+                    plan.tasks(self.specification, instance, only, engine, truth, truth.reason)
+                )
             ]
             wanted = [(n, variant) for n, task in enumerate(tasks) for variant in task.variants]
             self._run(schedule, tasks, [(n, v) for n, v in wanted if not v.goes_on], "runs")
             self._run(schedule, tasks, [(n, v) for n, v in wanted if v.goes_on], "runs that go on")
         records = self._records(tasks)
-        cases = {i.label: sheets.case_sheet(i, truth) for (i, _), truth in zip(instances, truths, strict=True)}
+        cases = {
+            i.label: sheets.case_sheet(i, truth)
+            for (i, _), truth in zip(instances, truths, strict=True)
+        }
         return [*(sheets.engine_sheet(engine) for engine in engines), *cases.values(), *records]
 
     def _delays(self, instance: Instance, engines: list[Engine]) -> tuple[float, ...]:
         """By how much [s] the velocities of some method lag at one of its levels."""
-        staggered = [engine for engine in engines if any(m.velocity_time != "synchronous" for m in engine.methods)]
-        trials = [trial for engine in staggered for trial, _ in plan.trials(self.specification, instance, engine)]
-        levels = ((trial.method, level) for trial in trials for level in order_levels(instance, trial.levels))
+        staggered = [
+            engine
+            for engine in engines
+            if any(m.velocity_time != "synchronous" for m in engine.methods)
+        ]
+        trials = [
+            trial
+            for engine in staggered
+            for trial, _ in plan.trials(self.specification, instance, engine)
+        ]
+        levels = (
+            (trial.method, level)
+            for trial in trials
+            for level in order_levels(instance, trial.levels)
+        )
         return tuple(sorted({delay for method, level in levels if (delay := method.delay(level))}))
 
-    def _truths(self, schedule: Schedule | InProcess, instances: list[tuple[Instance, tuple[float, ...]]]) -> list[SampledTruth]:
+    def _truths(
+        self, schedule: Schedule | InProcess, instances: list[tuple[Instance, tuple[float, ...]]]
+    ) -> list[SampledTruth]:
         """The sampled truth of every instance."""
         found = sampled_truths(schedule, self.store, instances, self.progress)
         self.lasting &= not any(truth.reason.startswith(FAILED) for truth in found)
         return found
 
-    def _run(self, schedule: Schedule | InProcess, tasks: list[Task], wanted: list[tuple[int, Variant]], stage: str) -> None:
+    def _run(
+        self,
+        schedule: Schedule | InProcess,
+        tasks: list[Task],
+        wanted: list[tuple[int, Variant]],
+        stage: str,
+    ) -> None:
         """Runs what is wanted: equal runs once, unchanged ones read from the store."""
         requests: dict[tuple[int, Variant], Request] = {}
         keys: dict[str, list[tuple[int, Variant]]] = {}
@@ -125,7 +164,9 @@ class Campaign:
             request = self._request(tasks[n], n, variant)
             if request is not None:
                 requests[n, variant] = request
-                keys.setdefault(request.key(tasks[n].engine.name, self._fingerprint(tasks[n])), []).append((n, variant))
+                keys.setdefault(
+                    request.key(tasks[n].engine.name, self._fingerprint(tasks[n])), []
+                ).append((n, variant))
         jobs = []
         for key, places in keys.items():
             known = self.store.read("run", key, answer_of) if self.use_store else None
@@ -148,23 +189,44 @@ class Campaign:
             self.hung.setdefault(_method_on_case(task), set()).add(abs(request.step or 0.0))
 
     def _given_up(self, task: Task, request: Request) -> Failure | None:
-        """Why a run is not begun any more, or None: smaller steps take longer, and what hangs at two steps hangs at all."""
+        """Why a run is not begun any more, or None: smaller steps take longer, and what hangs at
+        two steps hangs at all.
+        """
         steps = self.hung.get(_method_on_case(task), set())
         takes_longer = any(abs(request.step or 0.0) <= step for step in steps)
         if not takes_longer and len(steps) < ENOUGH:
             return None
-        return Failure(kind="hang", sentence="it was not begun: another run of this method on this case did not end in its time")
+        return Failure(
+            kind="hang",
+            sentence=(
+                "it was not begun: another run of this method on this case did not end in its time"
+            ),
+        )
 
     def _job(self, key: str, task: Task, request: Request) -> Job:
         """A run in a worker; a time limit that an engine keeps itself comes before the worker's."""
         engine = task.engine
-        limit = None if engine.time_limit is None else max(self.specification.timeout, engine.time_limit + GRACE)
+        limit = (
+            None
+            if engine.time_limit is None
+            else max(self.specification.timeout, engine.time_limit + GRACE)
+        )
         deadline = self.deadlines.get(engine.name, math.inf)
         asked = (engine.address, request.packed(), deadline)
         if not isinstance(engine, ProgramEngine):
-            return Job(key, worker.run, asked, limit, given_up=partial(self._given_up, task, request))
+            return Job(
+                key, worker.run, asked, limit, given_up=partial(self._given_up, task, request)
+            )
         rows = most_rows(request.problem)
-        return Job(key, worker.run, asked, limit, stages=worker.stages, rows=rows, given_up=partial(self._given_up, task, request))
+        return Job(
+            key,
+            worker.run,
+            asked,
+            limit,
+            stages=worker.stages,
+            rows=rows,
+            given_up=partial(self._given_up, task, request),
+        )
 
     def _version(self, engine: Engine) -> str:
         """The engine's version, asked for once."""
@@ -173,7 +235,9 @@ class Campaign:
         return self.known[engine.name,]
 
     def _fingerprint(self, task: Task) -> str:
-        """The fingerprint of engine and method, asked for once: all runs of a campaign are of one state of the code."""
+        """The fingerprint of engine and method, asked for once: all runs of a campaign are of one
+        state of the code.
+        """
         key = (task.engine.name, task.method.name)
         if key not in self.known:
             self.known[key] = task.engine.fingerprint(task.method)
@@ -187,7 +251,9 @@ class Campaign:
         return None if base is None else plan.request(task, variant, base)
 
     def _kept(self, key: str, result: bytes | Failure) -> Answer:
-        """How a run ended; it goes to the store unless it crashed or hung, which is tried again next time."""
+        """How a run ended; it goes to the store unless it crashed or hung, which is tried again
+        next time.
+        """
         if isinstance(result, Failure):
             self.lasting = False
             return worker.Reply(failure=result), None
@@ -224,11 +290,19 @@ class Campaign:
 
     def _records(self, tasks: list[Task]) -> list[Sheet]:
         """The records of all tasks, in order of the plan."""
-        deviations = {task.engine.name: [*of_engine(task.engine), *task.engine.expected] for task in tasks}
+        deviations = {
+            task.engine.name: [*of_engine(task.engine), *task.engine.expected] for task in tasks
+        }
         found: list[Sheet] = []
         for n, task in enumerate(tasks):
-            runs = {variant: self.runs[n, variant] for variant in task.variants if (n, variant) in self.runs}
-            found.append(judging.record(task, self._version(task.engine), runs, deviations[task.engine.name]))
+            runs = {
+                variant: self.runs[n, variant]
+                for variant in task.variants
+                if (n, variant) in self.runs
+            }
+            found.append(
+                judging.record(task, self._version(task.engine), runs, deviations[task.engine.name])
+            )
         return found
 
 
@@ -250,4 +324,7 @@ def _refuse_namesakes(engines: list[Engine]) -> None:
     names = [engine.name for engine in engines]
     for engine in engines:
         if names.count(engine.name) > 1:
-            raise UsageError(f"two engines are named {engine.name!r}; give each a name of its own in its refdem.toml")
+            raise UsageError(
+                f"two engines are named {engine.name!r}; give each a name of its own in its"
+                " refdem.toml"
+            )

@@ -1,4 +1,6 @@
-"""Rebuilding the certified store: what is wanted, what still holds, what is proved anew in worker processes."""
+"""Rebuilding the certified store: what is wanted, what still holds, what is proved anew in worker
+processes.
+"""
 
 import hashlib
 import json
@@ -30,8 +32,12 @@ from refdem.truth.certified.writing import blocks_in
 LONGEST = 1800.0
 """CPU seconds that one set may take to be proved."""
 SAMPLED = "samples-of"
-"""In sets.toml: the cases whose sampled truths are kept for judging, because they are dear to prove. The others are proved each time."""
-WRITERS = tuple(ROOT / "truth" / "certified" / f"{name}.py" for name in ("reader", "writing", "samples"))
+"""In sets.toml: the cases whose sampled truths are kept for judging, because they are dear to
+prove. The others are proved each time.
+"""
+WRITERS = tuple(
+    ROOT / "truth" / "certified" / f"{name}.py" for name in ("reader", "writing", "samples")
+)
 Progress = Callable[[str, int, int], None]
 
 
@@ -58,7 +64,9 @@ def wanted_sets(folder: Path, cases: Iterable[str] = ()) -> list[Wanted]:
         raise UsageError(f"{path} has no sets of case {unknown!r}; it has {', '.join(document)}")
     for case, groups in document.items():
         for group in groups if not only or case in only else ():
-            times = tuple(Fraction(text.strip()) for text in group["times"].split(",") if text.strip())
+            times = tuple(
+                Fraction(text.strip()) for text in group["times"].split(",") if text.strip()
+            )
             found += [Wanted(discovery.case(case).at(**given), times) for given in group["sets"]]
     _refuse_twins(found, path)
     return found
@@ -80,16 +88,22 @@ def _refuse_twins(found: list[Wanted], path: Path) -> None:
 
 
 def judged_instances(folder: Path, cases: Iterable[str] = ()) -> list[Instance]:
-    """The instances of the campaign main whose sampled truth is kept: of the cases that sets.toml names so (and of these cases only)."""
+    """The instances of the campaign main whose sampled truth is kept: of the cases that sets.toml
+    names so (and of these cases only).
+    """
     only = set(cases)
     kept = document_of(folder / "sets.toml").get(SAMPLED, [])
     wanted = {case for case in kept if not only or case in only}
     every = {instance.label: instance for instance, _ in plan.instances(named("main"))}
-    return [one for one in every.values() if one.case.id in wanted and isinstance(one.problem, Motion)]
+    return [
+        one for one in every.values() if one.case.id in wanted and isinstance(one.problem, Motion)
+    ]
 
 
 def proved_set(case: str, given: dict[str, str], times: tuple[str, ...], job: str = "") -> bytes:
-    """The lines of one set, proved and witnessed; no lines and a reason if nothing can be certified or the witness denies it. JSON."""
+    """The lines of one set, proved and witnessed; no lines and a reason if nothing can be certified
+    or the witness denies it. JSON.
+    """
     from refdem.truth.certified.writing import DIGITS, block, rows
     from refdem.truth.witnesses.testimony import testimony
 
@@ -103,7 +117,9 @@ def proved_set(case: str, given: dict[str, str], times: tuple[str, ...], job: st
         return _result([], f"nothing is certified: {missing}")
     said = testimony(case, instance.case.meant(instance.p), found)
     if said is not None and said["denied"]:
-        return _result([], f"the witness ({said['by']}) does not confirm {', '.join(said['denied'][:5])}")
+        return _result(
+            [], f"the witness ({said['by']}) does not confirm {', '.join(said['denied'][:5])}"
+        )
     witnessed = {name: said[name] for name in ("by", "values", "digits")} if said else None
     more = {"source": digest_of(case), "job": job, "witnessed": witnessed, "not_certified": missing}
     return _result(block(instance.label, instance.p.texts(), truth, found, **more), "")
@@ -114,7 +130,9 @@ def _result(lines: list[str], reason: str) -> bytes:
 
 
 def proved_samples(case: str, given: dict[str, str], job: str = "") -> bytes:
-    """The line of samples/ of one instance, also of one that is certified at no time, which says why."""
+    """The line of samples/ of one instance, also of one that is certified at no time, which says
+    why.
+    """
     from refdem.campaign.worker import sampled_truth
     from refdem.core.truth import SampledTruth
 
@@ -127,8 +145,9 @@ def proved_samples(case: str, given: dict[str, str], job: str = "") -> bytes:
 class Certification:
     """One rebuilding of the store.
 
-    A line that is there is kept while what it was asked, and all code that had a part in it, are the same (its `job`); then the store of
-    finished work is asked, so that a killed run resumes; what is left is proved. `anew` proves everything.
+    A line that is there is kept while what it was asked, and all code that had a part in it, are
+    the same (its `job`); then the store of finished work is asked, so that a killed run resumes;
+    what is left is proved. `anew` proves everything.
     """
 
     folder: Path
@@ -144,12 +163,17 @@ class Certification:
         wanted = wanted_sets(self.folder, cases)
         judged = judged_instances(self.folder, cases)
         jobs = [job_of("set", one.instance.label, proved_set, one.job) for one in wanted]
-        jobs += [job_of("samples", one.label, proved_samples, (one.case.id, one.p.given)) for one in judged]
+        jobs += [
+            job_of("samples", one.label, proved_samples, (one.case.id, one.p.given))
+            for one in judged
+        ]
         results = self._results(jobs)
         blocks: dict[str, list[list[str]]] = {one.instance.case.id: [] for one in wanted}
         lines: dict[str, list[bytes]] = {one.case.id: [] for one in judged}
         for one in wanted:
-            found = json.loads(results.get(("set", one.instance.label), b'{"lines": [], "reason": ""}'))
+            found = json.loads(
+                results.get(("set", one.instance.label), b'{"lines": [], "reason": ""}')
+            )
             if found["reason"]:
                 self.problems.append(f"{one.instance.label}: {found['reason']}")
             blocks[one.instance.case.id] += [found["lines"]] if found["lines"] else []
@@ -158,7 +182,9 @@ class Certification:
         self._write(blocks, lines, whole=not cases)
 
     def _results(self, jobs: list[Job]) -> dict[tuple[str, str], bytes]:
-        """The result of every job that ended well: kept ones from the store of finished work, so that a killed run resumes."""
+        """The result of every job that ended well: kept ones from the store of finished work, so
+        that a killed run resumes.
+        """
         keys = {job.key: job.arguments[-1] for job in jobs}
         kept: dict[tuple[str, str], bytes] = {} if self.anew else self._kept(keys)
         missing = [job for job in jobs if job.key not in kept]
@@ -174,7 +200,9 @@ class Certification:
         return kept
 
     def _kept(self, keys: Mapping[tuple[str, str], str]) -> dict[tuple[str, str], bytes]:
-        """What is not to be proved again: from the files of the folder first, then from the store of finished work."""
+        """What is not to be proved again: from the files of the folder first, then from the store
+        of finished work.
+        """
         there = committed(self.folder)
         found = {}
         for key, job in keys.items():
@@ -183,7 +211,13 @@ class Certification:
                 found[key] = data
         return found
 
-    def _write(self, blocks: Mapping[str, list[list[str]]], lines: Mapping[str, list[bytes]], *, whole: bool) -> None:
+    def _write(
+        self,
+        blocks: Mapping[str, list[list[str]]],
+        lines: Mapping[str, list[bytes]],
+        *,
+        whole: bool,
+    ) -> None:
         from refdem.truth.certified.writing import file_text, sums
 
         certified, kept = self.folder / "certified", self.folder / "samples"
@@ -202,13 +236,19 @@ class Certification:
             (home / LIST).write_text(sums(texts))
 
 
-def job_of(kind: str, label: str, function: Callable[..., bytes], arguments: tuple[Any, ...]) -> Job:
+def job_of(
+    kind: str, label: str, function: Callable[..., bytes], arguments: tuple[Any, ...]
+) -> Job:
     """The work for one line, or lines; its last argument is the digest that these carry."""
-    return Job((kind, label), function, (*arguments, job_digest(kind, label, arguments)), computes=True)
+    return Job(
+        (kind, label), function, (*arguments, job_digest(kind, label, arguments)), computes=True
+    )
 
 
 def job_digest(kind: str, label: str, arguments: tuple[Any, ...]) -> str:
-    """sha256 of a job and of the code behind it: that of the truth, of what writes the lines, and of the witness of a set."""
+    """sha256 of a job and of the code behind it: that of the truth, of what writes the lines, and
+    of the witness of a set.
+    """
     from refdem.truth.witnesses.testimony import witness_files
 
     case = arguments[0]
@@ -218,7 +258,9 @@ def job_digest(kind: str, label: str, arguments: tuple[Any, ...]) -> str:
 
 
 def committed(folder: Path) -> dict[tuple[str, str, str], bytes]:
-    """What the files of the folder hold, by kind, label and digest of the job; a damaged file holds nothing, and is proved again."""
+    """What the files of the folder hold, by kind, label and digest of the job; a damaged file holds
+    nothing, and is proved again.
+    """
     found: dict[tuple[str, str, str], bytes] = {}
     for path in sorted((folder / "certified").glob("*.jsonl")):
         with suppress(ValueError):
@@ -235,7 +277,9 @@ def committed(folder: Path) -> dict[tuple[str, str, str], bytes]:
 
 
 def stale(folder: Path) -> list[str]:
-    """Labels of sets and samples that were proved with other code than there is now, are missing, or that nobody asks for any more."""
+    """Labels of sets and samples that were proved with other code than there is now, are missing,
+    or that nobody asks for any more.
+    """
     from refdem.truth.certified.reader import load
 
     there = {one.label: one for one in load(folder=folder / "certified")}
@@ -243,7 +287,18 @@ def stale(folder: Path) -> list[str]:
     jobs = {label: job_digest("set", label, one.job) for label, one in wanted.items()}
     found = [label for label, one in there.items() if label in jobs and one.job != jobs[label]]
     found += sorted(set(wanted) ^ set(there))
-    asked = {one.label: job_digest("samples", one.label, (one.case.id, one.p.given)) for one in judged_instances(folder)}
-    kept = {one.label: one for path in sorted((folder / "samples").glob("*.jsonl")) for one in samples.kept(path.parent, path.stem)}
-    found += [f"samples of {label}" for label, one in kept.items() if label in asked and one.job != asked[label]]
+    asked = {
+        one.label: job_digest("samples", one.label, (one.case.id, one.p.given))
+        for one in judged_instances(folder)
+    }
+    kept = {
+        one.label: one
+        for path in sorted((folder / "samples").glob("*.jsonl"))
+        for one in samples.kept(path.parent, path.stem)
+    }
+    found += [
+        f"samples of {label}"
+        for label, one in kept.items()
+        if label in asked and one.job != asked[label]
+    ]
     return found + [f"samples of {label}" for label in sorted(set(asked) ^ set(kept))]

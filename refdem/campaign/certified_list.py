@@ -1,4 +1,6 @@
-"""What is certified, case by case: sets, values, digits, method, who witnesses it, and what is stale or has no witness."""
+"""What is certified, case by case: sets, values, digits, method, who witnesses it, and what is
+stale or has no witness.
+"""
 
 import math
 from collections.abc import Iterable
@@ -16,8 +18,10 @@ NONE = "none"
 
 
 class CertifiedCase(msgspec.Struct, frozen=True, kw_only=True):
-    """One line of the table. `digits`: decimals that the worst radius leaves; `witnessed` values that `witness` confirmed when they
-    were proved, to `agreed` digits; `own_witness` is what the truth itself names, checked by the tests; `stale` sets."""
+    """One line of the table. `digits`: decimals that the worst radius leaves; `witnessed` values
+    that `witness` confirmed when they were proved, to `agreed` digits; `own_witness` is what the
+    truth itself names, checked by the tests; `stale` sets.
+    """
 
     case: str
     sets: int
@@ -37,7 +41,9 @@ class CertifiedCase(msgspec.Struct, frozen=True, kw_only=True):
 
 
 def certified_cases(folder: Path, only: Iterable[str] = ()) -> list[CertifiedCase]:
-    """The whole catalogue, or these cases, also those without certified sets; raises UsageError for one that is not there."""
+    """The whole catalogue, or these cases, also those without certified sets; raises UsageError for
+    one that is not there.
+    """
     sets: dict[str, list[CertifiedSet]] = {}
     for one in load(folder=folder / "certified"):
         sets.setdefault(one.case, []).append(one)
@@ -73,5 +79,10 @@ def _digits(radius: Fraction) -> int | None:
 def in_all(found: list[CertifiedCase]) -> str:
     """The sentence below the table."""
     kept = [one for one in found if one.sets]
-    sets, proved, witnessed = (sum(getattr(one, name) for one in kept) for name in ("sets", "values", "witnessed"))
-    return f"{sets} sets of {len(kept)} cases: {proved} values, {witnessed} of them confirmed by a witness when they were proved"
+    sets, proved, witnessed = (
+        sum(getattr(one, name) for one in kept) for name in ("sets", "values", "witnessed")
+    )
+    return (
+        f"{sets} sets of {len(kept)} cases: {proved} values, {witnessed} of them confirmed by a"
+        " witness when they were proved"
+    )

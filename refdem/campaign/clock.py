@@ -3,7 +3,15 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from refdem.campaign.clock_probes import ROUND, ROUNDED, SAMPLES, ClockScene, clock_scenes, request, times
+from refdem.campaign.clock_probes import (
+    ROUND,
+    ROUNDED,
+    SAMPLES,
+    ClockScene,
+    clock_scenes,
+    request,
+    times,
+)
 from refdem.core.engine import Engine, Method
 from refdem.core.finding import Finding
 from refdem.core.problem import COUNT, Motion, Request
@@ -14,15 +22,22 @@ Array = NDArray[np.float64]
 
 QUANTITY = "clock: steps"
 BOUND = 0.25
-"""Steps. One step is one; a method's own error and a lag of half a step that stays are not in it."""
-BASIS = "from each sample to the next there are `stride` whole steps, however a sum of them is rounded"
+"""Steps.
+
+One step is one; a method's own error and a lag of half a step that stays are not in it.
+"""
+BASIS = (
+    "from each sample to the next there are `stride` whole steps, however a sum of them is rounded"
+)
 PLAUSIBLE = (0.5, 2.0)
 """Time passed over time asked for. Outside these limits units are wrong, which other probes tell,
 and steps are measured in the program's own pace."""
 
 
 def counted(engine: Engine, method: Method) -> list[Finding]:
-    """Whether the method takes the steps that were asked for; nothing for a method without steps, or without a scene."""
+    """Whether the method takes the steps that were asked for; nothing for a method without steps,
+    or without a scene.
+    """
     if method.control != "step":
         return []
     for scene in clock_scenes():
@@ -39,7 +54,9 @@ def counted(engine: Engine, method: Method) -> list[Finding]:
 
 
 def _judged(engine: Engine, method: Method, scene: ClockScene) -> Finding:
-    """The run whose steps are furthest from those asked for, forwards and (where claimed) backwards."""
+    """The run whose steps are furthest from those asked for, forwards and (where claimed)
+    backwards.
+    """
     worst = 0.0
     says = f"{method.name} takes `stride` steps from each sample to the next"
     for direction in (1.0, -1.0) if method.backward else (1.0,):
@@ -52,7 +69,10 @@ def _judged(engine: Engine, method: Method, scene: ClockScene) -> Finding:
             is_worst_miscount = not largest <= max(BOUND, worst)
             worst = max(worst, largest)
             if is_worst_miscount:
-                says = f"{method.name} {_miscount(late, asked.stride)}, with steps of {asked.signed_step!r} s: {COUNT}"
+                says = (
+                    f"{method.name} {_miscount(late, asked.stride)}, with steps of"
+                    f" {asked.signed_step!r} s: {COUNT}"
+                )
     return Finding(
         check="smoke",
         quantity=QUANTITY,
@@ -64,7 +84,9 @@ def _judged(engine: Engine, method: Method, scene: ClockScene) -> Finding:
     )
 
 
-def _run(engine: Engine, method: Method, scene: ClockScene, interval: tuple[float, int], direction: float) -> tuple[Request, Trajectory]:
+def _run(
+    engine: Engine, method: Method, scene: ClockScene, interval: tuple[float, int], direction: float
+) -> tuple[Request, Trajectory]:
     """The request and what came back."""
     asked = request(scene.scene, method.name, *interval, direction)
     trajectory, _ = engine.run(asked)
@@ -77,7 +99,9 @@ def refuse_other_shape(trajectory: Trajectory, asked: Request) -> None:
     expected = (len(asked.problem.times), len(asked.problem.scene.bodies), 3)
     if trajectory.position.shape != expected:
         came = trajectory.position.shape
-        raise EngineError(f"trajectory.position has shape {came}; expected {expected}: samples, bodies, axes")
+        raise EngineError(
+            f"trajectory.position has shape {came}; expected {expected}: samples, bodies, axes"
+        )
 
 
 def _pace(passed: Array, asked: Request) -> float:
@@ -90,7 +114,9 @@ def _pace(passed: Array, asked: Request) -> float:
 
 
 def _steps_late(scene: ClockScene, asked: Request, seen: Trajectory, pace: float) -> Array:
-    """Steps (T,) that were taken beyond those asked for, by the state or by the program's own time."""
+    """Steps (T,) that were taken beyond those asked for, by the state or by the program's own
+    time.
+    """
     since = asked.problem.times - asked.problem.times[0]
     by_state = (scene.passed(seen) / pace - since) / asked.signed_step
     by_clock = (seen.t - seen.t[0] - since) / asked.signed_step
@@ -102,8 +128,14 @@ def _miscount(late: Array, stride: int) -> str:
     """What the numbers of steps (T,) beyond those asked for show."""
     whole = np.round(late[1:])
     if np.all(whole == -stride):
-        return "shows every sample after the first one sample late: row n holds the state after n times `stride` steps"
+        return (
+            "shows every sample after the first one sample late: row n holds the state after n"
+            " times `stride` steps"
+        )
     sample = int(np.argmax(np.abs(late)))
     count = max(1, round(abs(float(late[sample]))))
     steps = "1 step" if count == 1 else f"{count} steps"
-    return f"has taken {steps} too {'many' if late[sample] > 0 else 'few'} at sample {sample} of {SAMPLES}"
+    return (
+        f"has taken {steps} too {'many' if late[sample] > 0 else 'few'} at sample {sample} of"
+        f" {SAMPLES}"
+    )

@@ -1,4 +1,5 @@
-"""Scenes for the steps of a program: does it count them from sample to sample, or does it compare times?
+"""Scenes for the steps of a program: does it count them from sample to sample, or does it compare
+times?
 
 A clock that is the sum of its steps is rounded. Where the step has few binary digits the sum is
 exact, and `while t < until` works; where it has many, the sum falls short of some samples and
@@ -44,7 +45,9 @@ class ClockScene:
 
 
 def times(interval: float, direction: float) -> Array:
-    """Samples (SAMPLES + 1,) [s] from DELAY intervals on, rising for direction 1 and falling for -1."""
+    """Samples (SAMPLES + 1,) [s] from DELAY intervals on, rising for direction 1 and falling for
+    -1.
+    """
     number = DELAY + direction * np.arange(SAMPLES + 1)
     return np.asarray(interval * number, float)
 
@@ -65,7 +68,9 @@ def clock_scenes() -> Iterator[ClockScene]:
     gravity = -9.75
     yield ClockScene(
         name="fall",
-        scene=Scene.of([Body(mass=2.0, velocity=(0.0, 1.0, 0.0))], [UniformGravity(g=(0.0, gravity, 0.0))]),
+        scene=Scene.of(
+            [Body(mass=2.0, velocity=(0.0, 1.0, 0.0))], [UniformGravity(g=(0.0, gravity, 0.0))]
+        ),
         passed=lambda run: (run.velocity[:, 0, 1] - run.velocity[0, 0, 1]) / gravity,
     )
     yield ClockScene(

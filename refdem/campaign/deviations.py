@@ -1,4 +1,6 @@
-"""Expected deviations: values known to be out of bounds, each with its range, reason and link; they go stale when they hold."""
+"""Expected deviations: values known to be out of bounds, each with its range, reason and link; they
+go stale when they hold.
+"""
 
 import msgspec
 
@@ -15,7 +17,8 @@ class _File(msgspec.Struct, forbid_unknown_fields=True):
 
 
 def of_engine(engine: Engine) -> list[Deviation]:
-    """The deviations in validation/expected/<name>.toml; raises UsageError if the file is not well formed.
+    """The deviations in validation/expected/<name>.toml; raises UsageError if the file is not well
+    formed.
 
     A program that has a refdem.toml brings its own, whatever its name.
     """
@@ -26,8 +29,12 @@ def of_engine(engine: Engine) -> list[Deviation]:
 
 
 def applied(record: Record, deviations: list[Deviation]) -> Record:
-    """The record with failing findings excused where a deviation covers them, and covered findings that hold made stale."""
-    return msgspec.structs.replace(record, findings=tuple(_applied(record, finding, deviations) for finding in record.findings))
+    """The record with failing findings excused where a deviation covers them, and covered findings
+    that hold made stale.
+    """
+    return msgspec.structs.replace(
+        record, findings=tuple(_applied(record, finding, deviations) for finding in record.findings)
+    )
 
 
 def _applied(record: Record, finding: Finding, deviations: list[Deviation]) -> Finding:
@@ -40,5 +47,8 @@ def _applied(record: Record, finding: Finding, deviations: list[Deviation]) -> F
         return msgspec.structs.replace(finding, outcome="stale", sentence=says)
     inside = deviation.low <= finding.value <= deviation.high
     side = "inside" if inside else "outside"
-    says = f"{finding.sentence} It is {side} the expected deviation [{deviation.low:.3g}, {deviation.high:.3g}]: {why}"
+    says = (
+        f"{finding.sentence} It is {side} the expected deviation [{deviation.low:.3g},"
+        f" {deviation.high:.3g}]: {why}"
+    )
     return msgspec.structs.replace(finding, outcome="expected" if inside else "fail", sentence=says)

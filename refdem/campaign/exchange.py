@@ -1,8 +1,10 @@
-"""Programs that run elsewhere: their requests as folders, and their trajectories judged when they have come back.
+"""Programs that run elsewhere: their requests as folders, and their trajectories judged when they
+have come back.
 
-A folder holds a manifest, a copy of each refdem.toml, and for every run a folder of its own with request.json and request.txt,
-into which its trajectory.csv (and events.csv) goes. A run that goes on from the end of another can only be written when that
-one has come back: a second export into the same folder does it.
+A folder holds a manifest, a copy of each refdem.toml, and for every run a folder of its own with
+request.json and request.txt, into which its trajectory.csv (and events.csv) goes. A run that goes
+on from the end of another can only be written when that one has come back: a second export into the
+same folder does it.
 """
 
 import contextlib
@@ -39,7 +41,9 @@ FORMAT = 1
 
 
 class Manifest(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """What was exported: by which refdem, what is to be judged, and the version of each program at that time."""
+    """What was exported: by which refdem, what is to be judged, and the version of each program at
+    that time.
+    """
 
     format: int = FORMAT
     refdem: str
@@ -49,10 +53,18 @@ class Manifest(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=
 
 
 class Elsewhere(Engine):
-    """A program of which only the description is here; a run is a folder. `writes`: requests are written where none are."""
+    """A program of which only the description is here; a run is a folder.
+
+    `writes`: requests are written where none are.
+    """
 
     def __init__(self, described: Engine, version: str, folder: Path, *, writes: bool) -> None:
-        self.name, self.title, self.licence, self.methods = described.name, described.title, described.licence, described.methods
+        self.name, self.title, self.licence, self.methods = (
+            described.name,
+            described.title,
+            described.licence,
+            described.methods,
+        )
         self.expected, self.may_refuse = described.expected, described.may_refuse
         self.described, self.at, self.folder, self.writes = described, version, folder, writes
         self.asked: Counter[str] = Counter()
@@ -75,7 +87,8 @@ class Elsewhere(Engine):
         return self.described.refusal(problem, method)
 
     def run(self, request: Request) -> tuple[Trajectory, Cost]:
-        """The trajectory that came back; EngineError for one that is missing or whose request is not exported yet.
+        """The trajectory that came back; EngineError for one that is missing or whose request is
+        not exported yet.
 
         Raises UnsupportedError where the folder says that the program refused.
         """
@@ -85,10 +98,16 @@ class Elsewhere(Engine):
         folder = self.folder / name
         if not (folder / "request.json").is_file():
             if not self.writes:
-                raise EngineError("this run goes on from another and is not exported yet; `refdem export` into the same folder writes it")
+                raise EngineError(
+                    "this run goes on from another and is not exported yet; `refdem export` into"
+                    " the same folder writes it"
+                )
             written(request, folder)
         if (folder / REFUSED).is_file():
-            raise UnsupportedError((folder / REFUSED).read_text(errors="replace").strip()[-200:] or f"the program wrote {REFUSED}")
+            raise UnsupportedError(
+                (folder / REFUSED).read_text(errors="replace").strip()[-200:]
+                or f"the program wrote {REFUSED}"
+            )
         if not (folder / "trajectory.csv").is_file():
             self.waiting.append(name)
             raise EngineError(f"{name}/trajectory.csv has not come back")
@@ -106,16 +125,34 @@ def written(request: Request, folder: Path) -> None:
         if (file := request.bodies_file) is not None:
             (folder / bodies_file.NAME).write_bytes(file)
     except OSError as error:
-        raise StoreError(f"{folder} cannot be written: {error.strerror}; choose another folder") from None
+        raise StoreError(
+            f"{folder} cannot be written: {error.strerror}; choose another folder"
+        ) from None
 
 
-def exported(folder: Path, tomls: Iterable[Path], cases: list[Entry], levels: int, store: Store, progress: Progress) -> list[str]:
-    """Writes what can be written now and returns the names of the runs whose trajectories are still to come."""
+def exported(
+    folder: Path,
+    tomls: Iterable[Path],
+    cases: list[Entry],
+    levels: int,
+    store: Store,
+    progress: Progress,
+) -> list[str]:
+    """Writes what can be written now and returns the names of the runs whose trajectories are still
+    to come.
+    """
     engines = {path: discovery.engine(str(path)) for path in tomls}
-    versions = {engine.name: engine.version() if engine.missing() is None else "unknown" for engine in engines.values()}
+    versions = {
+        engine.name: engine.version() if engine.missing() is None else "unknown"
+        for engine in engines.values()
+    }
     manifest = Manifest(refdem=refdem.__version__, case=cases, levels=levels, versions=versions)
-    if (folder / MANIFEST).exists() and msgspec.structs.replace(read(folder), versions=versions) != manifest:
-        raise UsageError(f"{folder} holds the export of other cases, programs or levels; choose an empty folder")
+    if (folder / MANIFEST).exists() and msgspec.structs.replace(
+        read(folder), versions=versions
+    ) != manifest:
+        raise UsageError(
+            f"{folder} holds the export of other cases, programs or levels; choose an empty folder"
+        )
     try:
         folder.mkdir(parents=True, exist_ok=True)
         for path, engine in engines.items():
@@ -123,7 +160,9 @@ def exported(folder: Path, tomls: Iterable[Path], cases: list[Entry], levels: in
                 shutil.copyfile(path, folder / f"{engine.name}.toml")
         (folder / MANIFEST).write_bytes(msgspec.json.format(msgspec.json.encode(manifest)))
     except OSError as error:
-        raise StoreError(f"{folder} cannot be written: {error.strerror}; choose another folder") from None
+        raise StoreError(
+            f"{folder} cannot be written: {error.strerror}; choose another folder"
+        ) from None
     _, waiting = _campaign(folder, manifest, store, progress, writes=True)
     (folder / RUNS).write_text("".join(f"{name}\n" for name in waiting))
     return waiting
@@ -136,26 +175,48 @@ def judged(folder: Path, store: Store, progress: Progress) -> list[Sheet]:
 
 
 def read(folder: Path) -> Manifest:
-    """The manifest of an export; raises UsageError if there is none, or if another refdem wrote it."""
+    """The manifest of an export; raises UsageError if there is none, or if another refdem wrote
+    it.
+    """
     path = folder / MANIFEST
     manifest = json_as(Manifest, content(path, "a folder that `refdem export` wrote"), str(path))
     if manifest.format != FORMAT:
         raise UsageError(f"{path} has format {manifest.format}; expected {FORMAT}: export again")
     if not manifest.case or not manifest.versions:
-        raise UsageError(f"{path} names no {'program' if manifest.case else 'case'}, so there is nothing to judge; export again")
+        raise UsageError(
+            f"{path} names no {'program' if manifest.case else 'case'}, so there is nothing to"
+            " judge; export again"
+        )
     if manifest.refdem != refdem.__version__:
-        raise UsageError(f"{path} was written by refdem {manifest.refdem}, this is {refdem.__version__}; export again")
+        raise UsageError(
+            f"{path} was written by refdem {manifest.refdem}, this is {refdem.__version__}; export"
+            " again"
+        )
     return manifest
 
 
-def _campaign(folder: Path, manifest: Manifest, store: Store, progress: Progress, *, writes: bool) -> tuple[list[Sheet], list[str]]:
+def _campaign(
+    folder: Path, manifest: Manifest, store: Store, progress: Progress, *, writes: bool
+) -> tuple[list[Sheet], list[str]]:
     """The campaign of an export in this process, and the runs that have not come back."""
     names = list(manifest.versions)
     with contextlib.ExitStack() as here:
         engines = []
         for name in names:
-            engines.append(Elsewhere(discovery.engine(str(folder / f"{name}.toml")), manifest.versions[name], folder, writes=writes))
+            engines.append(
+                Elsewhere(
+                    discovery.engine(str(folder / f"{name}.toml")),
+                    manifest.versions[name],
+                    folder,
+                    writes=writes,
+                )
+            )
             here.enter_context(discovery.engine_here(engines[-1]))
-        specification = Specification(name=f"judgement of {', '.join(names)}", case=manifest.case, engines=names, levels=manifest.levels)
+        specification = Specification(
+            name=f"judgement of {', '.join(names)}",
+            case=manifest.case,
+            engines=names,
+            levels=manifest.levels,
+        )
         sheets = Campaign(specification, store, jobs=0, use_store=False, progress=progress).sheets()
     return sheets, [name for engine in engines for name in engine.waiting]

@@ -1,4 +1,6 @@
-"""Probes of forces away from the origin, along other axes, between two bodies and with the clock."""
+"""Probes of forces away from the origin, along other axes, between two bodies and with the
+clock.
+"""
 
 import numpy as np
 from numpy.typing import NDArray
@@ -36,12 +38,19 @@ def force_probes() -> tuple[Probe, ...]:
 
 
 def _moved(start: Array, along: Array, x: Array, v: Array) -> Expected:
-    """One body's position and velocity that go by x [m] and v [m/s], each (T,), along a direction from `start`."""
-    return {"position": (start + np.outer(x, along))[:, None], "velocity": np.outer(v, along)[:, None]}
+    """One body's position and velocity that go by x [m] and v [m/s], each (T,), along a direction
+    from `start`.
+    """
+    return {
+        "position": (start + np.outer(x, along))[:, None],
+        "velocity": np.outer(v, along)[:, None],
+    }
 
 
 def _diagonal_spring() -> Probe:
-    """A mass on a spring along a diagonal, tied to a place that is not the origin: s = cos 2t / 2 beyond the length at rest."""
+    """A mass on a spring along a diagonal, tied to a place that is not the origin: s = cos 2t / 2
+    beyond the length at rest.
+    """
     anchor = np.array([-1.0, 2.0, 0.5])
     along = np.array([2.0, -1.0, 2.0]) / 3.0
     length = 1.5
@@ -52,7 +61,12 @@ def _diagonal_spring() -> Probe:
         return _moved(anchor, along, length + np.cos(2 * t) / 2, -np.sin(2 * t))
 
     scene = Scene.of([body], [spring])
-    return Probe(name="spring in space", shows="a spring's length and its end in the world", scene=scene, expected=expected)
+    return Probe(
+        name="spring in space",
+        shows="a spring's length and its end in the world",
+        scene=scene,
+        expected=expected,
+    )
 
 
 def _slide() -> Probe:
@@ -66,7 +80,12 @@ def _slide() -> Probe:
         return _moved(start, along, t - t * t / 4, 1 - t / 2)
 
     scene = Scene.of([body], [slider])
-    return Probe(name="friction along another axis", shows="the axis of dry friction", scene=scene, expected=expected)
+    return Probe(
+        name="friction along another axis",
+        shows="the axis of dry friction",
+        scene=scene,
+        expected=expected,
+    )
 
 
 def _drive(name: str, *, start: float) -> Probe:
@@ -95,7 +114,9 @@ def _drive(name: str, *, start: float) -> Probe:
 
 
 def _dumbbell() -> Probe:
-    """Two points on a rod that turns about their centre of mass, which moves: the rod holds mu w^2 l."""
+    """Two points on a rod that turns about their centre of mass, which moves: the rod holds mu w^2
+    l.
+    """
     first_mass, second_mass, length, rate = 2.0, 3.0, 1.25, 2.0
     total = first_mass + second_mass
     centre = np.array([1.0, -0.5, 0.0])
@@ -114,22 +135,35 @@ def _dumbbell() -> Probe:
 
     start = expected(np.zeros(1))
     bodies = [
-        Body(mass=mass, position=_vector(start["position"][0, n]), velocity=_vector(start["velocity"][0, n]))
+        Body(
+            mass=mass,
+            position=_vector(start["position"][0, n]),
+            velocity=_vector(start["velocity"][0, n]),
+        )
         for n, mass in enumerate((first_mass, second_mass))
     ]
     scene = Scene.of(bodies, [Rod(a=1, b=0, length=length)])
-    return Probe(name="dumbbell", shows="a rod between two bodies, and the sign of its force", scene=scene, expected=expected)
+    return Probe(
+        name="dumbbell",
+        shows="a rod between two bodies, and the sign of its force",
+        scene=scene,
+        expected=expected,
+    )
 
 
 def _closing(t: Array, rate: float) -> tuple[Array, Array]:
-    """Of an undamped head-on contact that begins at t = 0: closing velocity over its first value (T,), and its integral (T,) [s]."""
+    """Of an undamped head-on contact that begins at t = 0: closing velocity over its first value
+    (T,), and its integral (T,) [s].
+    """
     phase = np.minimum(rate * t, np.pi)
     since = np.maximum(t - np.pi / rate, 0.0)
     return np.cos(phase), np.sin(phase) / rate - since
 
 
 def _knock(name: str, *, normal: Vector, drift: Vector) -> Probe:
-    """Two unlike spheres that touch at the start, away from the origin, the front one listed first; their centre of mass moves."""
+    """Two unlike spheres that touch at the start, away from the origin, the front one listed first;
+    their centre of mass moves.
+    """
     front_mass, back_mass, front_radius, back_radius = 3.0, 2.0, 0.25, 0.5
     total = front_mass + back_mass
     rate = float(np.sqrt(STIFFNESS * total / (front_mass * back_mass)))
@@ -145,7 +179,9 @@ def _knock(name: str, *, normal: Vector, drift: Vector) -> Probe:
         closing, closed = (speed * x for x in _closing(t, rate))
         starts = np.stack([front_start, back_start])
         # Relative to the centre of mass the closing velocity falls from `speed` to -speed.
-        position = starts + t[:, None, None] * moving + (closed[:, None] * shares)[..., None] * along
+        position = (
+            starts + t[:, None, None] * moving + (closed[:, None] * shares)[..., None] * along
+        )
         velocity = moving + (closing[:, None] * shares)[..., None] * along
         return {"position": position, "velocity": velocity}
 
@@ -179,8 +215,19 @@ def _floor() -> Probe:
         velocity = glide - np.outer(closing, normal)
         return {"position": position[:, None], "velocity": velocity[:, None]}
 
-    body = Body(mass=mass, position=_vector(start), velocity=_vector(glide - speed * normal), shape=Sphere(radius=radius))
-    scene = Scene.of([body], [Plane(point=_vector(point), normal=_vector(normal)), Contact(law="linear", stiffness=STIFFNESS)])
+    body = Body(
+        mass=mass,
+        position=_vector(start),
+        velocity=_vector(glide - speed * normal),
+        shape=Sphere(radius=radius),
+    )
+    scene = Scene.of(
+        [body],
+        [
+            Plane(point=_vector(point), normal=_vector(normal)),
+            Contact(law="linear", stiffness=STIFFNESS),
+        ],
+    )
     return Probe(name="floor", shows="place and normal of a wall", scene=scene, expected=expected)
 
 

@@ -1,4 +1,6 @@
-"""Runs in this process: one task of an engine that need not be discovered, from its plan to its record; nothing is stored."""
+"""Runs in this process: one task of an engine that need not be discovered, from its plan to its
+record; nothing is stored.
+"""
 
 from collections.abc import Iterable
 from dataclasses import replace
@@ -21,18 +23,31 @@ from refdem.errors import RefdemError, UnsupportedError
 
 def truth_of(instance: Instance) -> SampledTruth:
     """The certified samples of an instance; until = 0 and a reason if there are none."""
-    return msgspec.msgpack.decode(worker.sampled_truth(instance.case.id, instance.p.given), type=SampledTruth)
+    return msgspec.msgpack.decode(
+        worker.sampled_truth(instance.case.id, instance.p.given), type=SampledTruth
+    )
 
 
-def task_of(engine: Engine, method: str, instance: Instance, truth: SampledTruth, levels: int, checks: Iterable[str] = ()) -> Task:
+def task_of(
+    engine: Engine,
+    method: str,
+    instance: Instance,
+    truth: SampledTruth,
+    levels: int,
+    checks: Iterable[str] = (),
+) -> Task:
     """The task of one method on an instance with only these checks (none: all that apply)."""
-    specification = Specification(name="in process", case=[], levels=levels, method=method, checks=list(checks))
+    specification = Specification(
+        name="in process", case=[], levels=levels, method=method, checks=list(checks)
+    )
     (task,) = plan.tasks(specification, instance, (), engine, truth, truth.reason)
     return task
 
 
 def record_of(task: Task, known: dict[Variant, Run] | None = None) -> Record:
-    """Runs and judges a task; runs of the same engine that are `known` are not made again, and new ones become known."""
+    """Runs and judges a task; runs of the same engine that are `known` are not made again, and new
+    ones become known.
+    """
     runs: dict[Variant, Run] = {} if known is None else known
     for variant in task.variants if task.refusal is None else ():
         if variant in runs:
@@ -55,5 +70,7 @@ def run_of(engine: Engine, request: Request) -> Run:
     except RefdemError as error:
         failure = Failure(kind="contract", sentence=str(error))
     except Exception as error:
-        failure = Failure(kind="exception", sentence=f"{engine.name} raised {type(error).__name__}: {error}")
+        failure = Failure(
+            kind="exception", sentence=f"{engine.name} raised {type(error).__name__}: {error}"
+        )
     return replace(plain, failure=failure)

@@ -1,4 +1,6 @@
-"""From runs to records: every applicable check judges, failures become one error finding, deviations are applied."""
+"""From runs to records: every applicable check judges, failures become one error finding,
+deviations are applied.
+"""
 
 from collections.abc import Mapping
 
@@ -16,13 +18,24 @@ from refdem.core.variant import Variant
 from refdem.errors import RefdemError
 
 
-def record(task: Task, version: str, runs: Mapping[Variant, Run], deviations: list[Deviation]) -> Record:
-    """What was found for one task; an error if nothing could be decided although every check was asked."""
+def record(
+    task: Task, version: str, runs: Mapping[Variant, Run], deviations: list[Deviation]
+) -> Record:
+    """What was found for one task; an error if nothing could be decided although every check was
+    asked.
+    """
     instance = task.trial.instance
     findings = _findings(task, runs)
     if _is_void(task, findings):
         reasons = "; ".join(dict.fromkeys(f.sentence for f in findings)) or "no check applies"
-        findings.append(Finding(check="record", quantity="decided", outcome="error", sentence=f"Nothing was decided: {reasons}"))
+        findings.append(
+            Finding(
+                check="record",
+                quantity="decided",
+                outcome="error",
+                sentence=f"Nothing was decided: {reasons}",
+            )
+        )
     found = Record(
         case=instance.case.id,
         label=instance.label,
@@ -39,9 +52,11 @@ def record(task: Task, version: str, runs: Mapping[Variant, Run], deviations: li
 
 
 def _is_void(task: Task, findings: list[Finding]) -> bool:
-    """True if nothing was decided and nobody said why: neither a refusal, nor an error, nor the only checks that were asked for.
+    """True if nothing was decided and nobody said why: neither a refusal, nor an error, nor the
+    only checks that were asked for.
 
-    A check that was named alone may find that a method's properties leave it nothing to decide, and its reason stands.
+    A check that was named alone may find that a method's properties leave it nothing to decide, and
+    its reason stands.
     """
     if any(finding.outcome in (*DECIDED, "error") for finding in findings):
         return False
@@ -53,21 +68,44 @@ def _is_void(task: Task, findings: list[Finding]) -> bool:
 def _findings(task: Task, runs: Mapping[Variant, Run]) -> list[Finding]:
     """The findings of a task: how its runs failed, then what its checks say."""
     if task.refusal is not None:
-        return [Finding(check="run", quantity="scene", outcome="unsupported", sentence=f"Not supported: {task.refusal}.")]
-    outcomes = {v: Outcome(run.trajectory, run.cost) for v, run in runs.items() if run.trajectory is not None and run.cost is not None}
+        return [
+            Finding(
+                check="run",
+                quantity="scene",
+                outcome="unsupported",
+                sentence=f"Not supported: {task.refusal}.",
+            )
+        ]
+    outcomes = {
+        v: Outcome(run.trajectory, run.cost)
+        for v, run in runs.items()
+        if run.trajectory is not None and run.cost is not None
+    }
     failed = {variant: run.failure for variant, run in runs.items() if run.failure is not None}
     refused = {variant for variant, failure in failed.items() if failure.kind == "unsupported"}
     permitted = {variant for variant in refused if _may_refuse(task, variant, runs[variant])}
-    findings = _failures(task, {v: failure for v, failure in failed.items() if v not in permitted or not outcomes}, ran=bool(outcomes))
+    findings = _failures(
+        task,
+        {v: failure for v, failure in failed.items() if v not in permitted or not outcomes},
+        ran=bool(outcomes),
+    )
     # What these show is shown beside the rest: without them a check judges what is left.
     unshown = {variant for variant in refused if variant.change in (*symmetry.NAMES, "perturbed")}
     for check in task.checks:
         needed = check.needs(task.trial)
         if check.synchronous and task.method.velocity_time != "synchronous":
-            findings.append(undecided(check.name, "state", "the method gives velocities half a step before its positions"))
+            findings.append(
+                undecided(
+                    check.name,
+                    "state",
+                    "the method gives velocities half a step before its positions",
+                )
+            )
         elif all(variant in outcomes or variant in unshown for variant in needed):
             findings += _judged(task, check, outcomes)
-        changes = dict.fromkeys(variant.change for variant in needed if variant in permitted and outcomes)
+        changes = dict.fromkeys(
+            variant.change for variant in needed if variant in permitted and outcomes
+        )
         findings += [_unshown(check, change, failed) for change in changes]
     return findings
 
@@ -78,8 +116,9 @@ _ERROR = Finding(check="run", quantity="trajectory", outcome="error", sentence="
 def _may_refuse(task: Task, variant: Variant, run: Run) -> bool:
     """True if the engine had said before the run that it cannot make it.
 
-    That is a picture of the scene among those that it may refuse, or a run whose own start its `refusal` refuses: nobody knew the
-    end that a run goes on from, nor what a start moved by an ulp still touches, when the runs were planned.
+    That is a picture of the scene among those that it may refuse, or a run whose own start its
+    `refusal` refuses: nobody knew the end that a run goes on from, nor what a start moved by an ulp
+    still touches, when the runs were planned.
     """
     if variant.change in task.engine.may_refuse:
         return True
@@ -96,14 +135,21 @@ def _unshown(check: Check, change: str, failed: Mapping[Variant, Failure]) -> Fi
 def _failures(task: Task, failed: Mapping[Variant, Failure], *, ran: bool) -> list[Finding]:
     """At most one finding for all runs that failed: the worst of them, an error before a refusal.
 
-    A program that refuses every run does not support the scene. The reference refuses before it runs or not at all, and whoever
-    runs a scene at all runs it at every step and in every variant: any other refusal is an error.
+    A program that refuses every run does not support the scene. The reference refuses before it
+    runs or not at all, and whoever runs a scene at all runs it at every step and in every variant:
+    any other refusal is an error.
     """
     if not failed:
         return []
-    broken = {variant: failure for variant, failure in failed.items() if failure.kind != "unsupported"}
+    broken = {
+        variant: failure for variant, failure in failed.items() if failure.kind != "unsupported"
+    }
     if not broken and not ran and not task.engine.is_reference:
-        return [msgspec.structs.replace(_ERROR, outcome="unsupported", sentence=_told(failed, len(failed)))]
+        return [
+            msgspec.structs.replace(
+                _ERROR, outcome="unsupported", sentence=_told(failed, len(failed))
+            )
+        ]
     sentence = _told(broken or failed, len(failed))
     if not broken:
         sentence += _REFUSED_BY_THE_REFERENCE if task.engine.is_reference else _REFUSED_IN_PART
@@ -112,8 +158,9 @@ def _failures(task: Task, failed: Mapping[Variant, Failure], *, ran: bool) -> li
 
 _REFUSED_BY_THE_REFERENCE = " The reference must say before it runs what it cannot run."
 _REFUSED_IN_PART = (
-    " It ran the same scene otherwise, and whoever supports a scene runs it at every step and in every variant"
-    " (pictures of a scene that a program cannot show are named in engine.may_refuse of its refdem.toml)."
+    " It ran the same scene otherwise, and whoever supports a scene runs it at every step and in"
+    " every variant (pictures of a scene that a program cannot show are named in engine.may_refuse"
+    " of its refdem.toml)."
 )
 
 
@@ -126,7 +173,9 @@ def _told(failures: Mapping[Variant, Failure], count: int) -> str:
 
 
 def _judged(task: Task, check: Check, outcomes: Mapping[Variant, Outcome]) -> list[Finding]:
-    """A check's findings; what a check cannot read of an engine's trajectory is that engine's error."""
+    """A check's findings; what a check cannot read of an engine's trajectory is that engine's
+    error.
+    """
     try:
         return check.judge(task.trial, outcomes)
     except RefdemError as error:

@@ -1,4 +1,6 @@
-"""Sampled truths that come with refdem: read where an instance is one of them and the code behind it is still the same."""
+"""Sampled truths that come with refdem: read where an instance is one of them and the code behind
+it is still the same.
+"""
 
 from pathlib import Path
 
@@ -21,9 +23,15 @@ def samples_key(instance: Instance) -> str:
 
 
 def kept_truth(instance: Instance, folder: Path | None = None) -> SampledTruth | None:
-    """The sampled truth of an instance if it is kept and not stale; raises StoreError if it is damaged."""
+    """The sampled truth of an instance if it is kept and not stale; raises StoreError if it is
+    damaged.
+    """
     home = (folder or truth_folder()) / "samples"
     entries = [one for one in samples.kept(home, instance.case.id) if one.label == instance.label]
-    if not entries or entries[0].source != digest_of(instance.case.id) or entries[0].key != samples_key(instance):
+    if (
+        not entries
+        or entries[0].source != digest_of(instance.case.id)
+        or entries[0].key != samples_key(instance)
+    ):
         return None
     return entries[0].truth

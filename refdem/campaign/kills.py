@@ -1,4 +1,6 @@
-"""Faults against checks: which fault is killed by the quantity that should see it, and which alarm a correct engine raises."""
+"""Faults against checks: which fault is killed by the quantity that should see it, and which alarm
+a correct engine raises.
+"""
 
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
@@ -22,16 +24,28 @@ from refdem.faults.transparent import Transparent
 
 WRONG = ("fail", "error")
 FEWEST = 3
-"""Levels from which an order is seen; a fault that shows without one is refined from the coarsest on."""
+"""Levels from which an order is seen; a fault that shows without one is refined from the coarsest
+on.
+"""
 ORDERS = ("order", "convergence", "limit")
 WITHHELD = SampledTruth(
-    t=[], values={}, radii={}, sensitivity=[], scalars={}, method="not certified", witness="", until=0, reason="truth is withheld"
+    t=[],
+    values={},
+    radii={},
+    sensitivity=[],
+    scalars={},
+    method="not certified",
+    witness="",
+    until=0,
+    reason="truth is withheld",
 )
 """For settings that are judged as if nobody could prove anything about them."""
 
 
 class Kill(msgspec.Struct, frozen=True, kw_only=True):
-    """One fault on one setting at one seed: was the named quantity wrong, by how many decades, and what else was?"""
+    """One fault on one setting at one seed: was the named quantity wrong, by how many decades, and
+    what else was?
+    """
 
     fault: str
     kind: str
@@ -56,7 +70,10 @@ class Alarm(msgspec.Struct, frozen=True, kw_only=True):
 
 
 class Matrix(msgspec.Struct, frozen=True, kw_only=True):
-    """All kills and alarms; `near` is the smallest margin of the correct engine, in decades, by check."""
+    """All kills and alarms;
+
+    `near` is the smallest margin of the correct engine, in decades, by check.
+    """
 
     engine: str
     seeds: int
@@ -70,13 +87,21 @@ class Matrix(msgspec.Struct, frozen=True, kw_only=True):
 
     def idle(self) -> list[str]:
         """Checks that killed nothing."""
-        killing = {name.split("/")[0] for kill in self.kills for name in (*kill.also, kill.check) if kill.killed}
+        killing = {
+            name.split("/")[0]
+            for kill in self.kills
+            for name in (*kill.also, kill.check)
+            if kill.killed
+        }
         return [name for name in discovery.names("checks") if name not in killing]
 
 
 @dataclass
 class Trial:
-    """Faults against checks on one engine at `seeds` seeds from `first` on; `whole` judges by all checks at seed 0, to fill `also`."""
+    """Faults against checks on one engine at `seeds` seeds from `first` on;
+
+    `whole` judges by all checks at seed 0, to fill `also`.
+    """
 
     engine: Engine | None = None
     seeds: int = 20
@@ -95,7 +120,11 @@ class Trial:
     def faults(self) -> tuple[Fault, ...]:
         """Those that the engine can carry."""
         every = self.chosen or faults()
-        return every if self.engine is None else tuple(fault for fault in every if fault.inside is None)
+        return (
+            every
+            if self.engine is None
+            else tuple(fault for fault in every if fault.inside is None)
+        )
 
     def matrix(self) -> Matrix:
         """The whole of it."""
@@ -107,11 +136,20 @@ class Trial:
         for record, setting, seed in self._sound():
             for finding in record.findings:
                 if finding.outcome in WRONG:
-                    alarms.append(Alarm(id=record.id(finding), setting=setting, seed=seed, sentence=finding.sentence))
+                    alarms.append(
+                        Alarm(
+                            id=record.id(finding),
+                            setting=setting,
+                            seed=seed,
+                            sentence=finding.sentence,
+                        )
+                    )
                 if finding.margin is not None:
                     near[finding.check] = min(near.get(finding.check, 99.0), finding.margin)
         name = self.engine.name if self.engine else Transparent.name
-        return Matrix(engine=name, seeds=self.seeds, kills=tuple(kills), alarms=tuple(alarms), near=near)
+        return Matrix(
+            engine=name, seeds=self.seeds, kills=tuple(kills), alarms=tuple(alarms), near=near
+        )
 
     def kill(self, fault: Fault, seed: int) -> Kill:
         """One fault at one seed, on the setting whose turn it is."""
@@ -156,7 +194,10 @@ class Trial:
         known: dict[Variant, Run] | None = None,
     ) -> Record:
         if self.engine is not None:
-            method = next((m.name for m in engine.methods if engine.refuses(instance.problem, m) is None), engine.methods[0].name)
+            method = next(
+                (m.name for m in engine.methods if engine.refuses(instance.problem, m) is None),
+                engine.methods[0].name,
+            )
         return record_of(task_of(engine, method, instance, truth, levels, checks), known)
 
     def _sound(self) -> Iterator[tuple[Record, str, int]]:
@@ -197,7 +238,9 @@ def _killed(named: list[Finding]) -> bool:
 
 
 def _needed(fault: Fault) -> tuple[str, ...]:
-    """The one check that must see the fault; the cheapest where only a broken contract is to be seen."""
+    """The one check that must see the fault; the cheapest where only a broken contract is to be
+    seen.
+    """
     return ("error" if fault.sees[0] == "run" else fault.sees[0],)
 
 

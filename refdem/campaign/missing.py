@@ -1,6 +1,8 @@
-"""Findings that must be there and are not: lost, absent, or folded under the error or the refusal that explains them.
+"""Findings that must be there and are not: lost, absent, or folded under the error or the refusal
+that explains them.
 
-A baseline and the list of a campaign are held in the same way: a finding that vanishes is never green.
+A baseline and the list of a campaign are held in the same way: a finding that vanishes is never
+green.
 """
 
 from collections.abc import Iterable
@@ -22,7 +24,8 @@ def parts(name: str) -> tuple[Place, str, str]:
 
 
 def with_missing(records: list[Record], wanted: Iterable[str], owner: str) -> list[Record]:
-    """The records, in which everything `wanted` (ids) that was not found is told; `owner` is who wants it, as "the baseline".
+    """The records, in which everything `wanted` (ids) that was not found is told; `owner` is who
+    wants it, as "the baseline".
 
     What follows from an error or a refusal is said there and makes no finding of its own.
     """
@@ -32,7 +35,10 @@ def with_missing(records: list[Record], wanted: Iterable[str], owner: str) -> li
         if name not in seen:
             place, check, quantity = parts(name)
             gone.setdefault(place, []).append(f"{check}/{quantity}")
-    changed = [_with_gone(record, gone.pop((record.label, record.engine, record.method), []), owner) for record in records]
+    changed = [
+        _with_gone(record, gone.pop((record.label, record.engine, record.method), []), owner)
+        for record in records
+    ]
     vanished = [_vanished(place, names, owner) for place, names in gone.items()]
     return [*changed, *vanished]
 
@@ -41,7 +47,10 @@ def with_lost(records: list[Record], wanted: Iterable[str], owner: str) -> list[
     """The records, in which what `wanted` (ids) has decided and nobody decided now is lost."""
     asked = set(wanted)
     return [
-        msgspec.structs.replace(record, findings=tuple(_lost(record, finding, asked, owner) for finding in record.findings))
+        msgspec.structs.replace(
+            record,
+            findings=tuple(_lost(record, finding, asked, owner) for finding in record.findings),
+        )
         for record in records
     ]
 
@@ -62,13 +71,16 @@ def _with_gone(record: Record, gone: list[str], owner: str) -> Record:
         explained = [name for name in left if _explains(finding, name)]
         left = [name for name in left if name not in explained]
         found.append(_folded(finding, explained, owner) if explained else finding)
-    return msgspec.structs.replace(record, findings=(*found, *(_absent(name, owner) for name in left)))
+    return msgspec.structs.replace(
+        record, findings=(*found, *(_absent(name, owner) for name in left))
+    )
 
 
 def _explains(finding: Finding, name: str) -> bool:
     """True if the finding `name` (check/quantity) could not be made because of this one.
 
-    A run that broke or was refused leaves nothing to judge; an error of one check takes the findings of that check alone.
+    A run that broke or was refused leaves nothing to judge; an error of one check takes the
+    findings of that check alone.
     """
     if finding.outcome not in ("error", "unsupported"):
         return False
@@ -79,7 +91,10 @@ def _explains(finding: Finding, name: str) -> bool:
 
 def _folded(finding: Finding, explained: list[str], owner: str) -> Finding:
     """The finding with what follows from it; a refusal of what was judged before is lost."""
-    sentence = f"{finding.sentence} Therefore {_counted(explained)} of {owner} could not be made: {_named(explained)}."
+    sentence = (
+        f"{finding.sentence} Therefore {_counted(explained)} of {owner} could not be made:"
+        f" {_named(explained)}."
+    )
     outcome = "lost" if finding.outcome == "unsupported" else finding.outcome
     return msgspec.structs.replace(finding, outcome=outcome, sentence=sentence)
 
@@ -87,7 +102,10 @@ def _folded(finding: Finding, explained: list[str], owner: str) -> Finding:
 def _absent(name: str, owner: str) -> Finding:
     """A finding that was not made, in a record where nothing explains that."""
     check, _, quantity = name.partition("/")
-    sentence = f"{_capital(owner)} has this finding and this run did not make it: it was removed, or could not be judged."
+    sentence = (
+        f"{_capital(owner)} has this finding and this run did not make it: it was removed, or could"
+        " not be judged."
+    )
     return Finding(check=check, quantity=quantity, outcome="absent", sentence=sentence)
 
 
@@ -95,8 +113,8 @@ def _vanished(place: Place, names: list[str], owner: str) -> Record:
     """A record that was not made at all: one finding for all that is gone with it."""
     label, engine, method = place
     sentence = (
-        f"{_capital(owner)} has {_counted(names)} of this case in this method and this run made none:"
-        f" the case, the engine's method or its support was removed ({_named(names)})."
+        f"{_capital(owner)} has {_counted(names)} of this case in this method and this run made"
+        f" none: the case, the engine's method or its support was removed ({_named(names)})."
     )
     gone = Finding(check="record", quantity="findings", outcome="absent", sentence=sentence)
     return Record(

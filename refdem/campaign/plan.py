@@ -1,4 +1,6 @@
-"""The plan: which methods run which instances, and the union of the runs that applicable checks need."""
+"""The plan: which methods run which instances, and the union of the runs that applicable checks
+need.
+"""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
@@ -22,7 +24,9 @@ from refdem.errors import EngineMissingError, UsageError
 
 @dataclass(frozen=True, eq=False)
 class Task:
-    """One method of one engine on one instance: its trial, the checks that apply, and why others do not."""
+    """One method of one engine on one instance: its trial, the checks that apply, and why others do
+    not.
+    """
 
     engine: Engine
     trial: Trial
@@ -39,13 +43,17 @@ class Task:
 
     @cached_property
     def variants(self) -> tuple[Variant, ...]:
-        """The union of what the checks need, without repetition, bases before what goes on from them."""
+        """The union of what the checks need, without repetition, bases before what goes on from
+        them.
+        """
         wanted = dict.fromkeys(v for check in self.checks for v in check.needs(self.trial))
         return tuple(dict.fromkeys([*(v.base for v in wanted if v.goes_on), *wanted]))
 
 
 def instances(specification: Specification) -> list[tuple[Instance, tuple[str, ...]]]:
-    """The instances asked for, each with the only checks to run (none: all); a selection stands for all that it admits."""
+    """The instances asked for, each with the only checks to run (none: all); a selection stands for
+    all that it admits.
+    """
     found: list[tuple[Instance, tuple[str, ...]]] = []
     for entry in specification.case:
         case = discovery.case(entry.id)
@@ -59,15 +67,23 @@ def instances(specification: Specification) -> list[tuple[Instance, tuple[str, .
 
 def _admitted(selection: Selection) -> list[Instance]:
     """Every case, at the parameters that the selection asks for, that it admits."""
-    cases = [case for name in discovery.names("cases") if not isinstance(case := discovery.case(name), Selection)]
+    cases = [
+        case
+        for name in discovery.names("cases")
+        if not isinstance(case := discovery.case(name), Selection)
+    ]
     every = [case.at(**given) for case in cases for given in selection.parameters(case)]
     judges = discovery.check(selection.check).judges
-    found = {i.label: i for i in every if isinstance(i.problem, judges) and selection.admits(i) is None}
+    found = {
+        i.label: i for i in every if isinstance(i.problem, judges) and selection.admits(i) is None
+    }
     return list(found.values())
 
 
 def engines(specification: Specification) -> tuple[list[Engine], dict[str, str]]:
-    """The engines to run, and why others are missing; raises EngineMissingError for one that was asked for by name."""
+    """The engines to run, and why others are missing; raises EngineMissingError for one that was
+    asked for by name.
+    """
     asked = specification.engines
     found, missing = [], {}
     for name in asked or discovery.names("engines"):
@@ -80,32 +96,54 @@ def engines(specification: Specification) -> tuple[list[Engine], dict[str, str]]
         else:
             missing[name] = reason
     if specification.method and not asked:
-        having = [engine for engine in found if any(m.name == specification.method for m in engine.methods)]
+        having = [
+            engine
+            for engine in found
+            if any(m.name == specification.method for m in engine.methods)
+        ]
         every = {method.name for engine in found for method in engine.methods}
         if not having:
-            raise UsageError(f"no engine has a method {specification.method!r}; {nearest(specification.method, every)}")
+            raise UsageError(
+                f"no engine has a method {specification.method!r};"
+                f" {nearest(specification.method, every)}"
+            )
         return having, missing
     return found, missing
 
 
-def trials(specification: Specification, instance: Instance, engine: Engine) -> list[tuple[Trial, str | None]]:
-    """A trial a method, with the reason if the engine refuses the scene; raises UsageError for a method it does not have.
+def trials(
+    specification: Specification, instance: Instance, engine: Engine
+) -> list[tuple[Trial, str | None]]:
+    """A trial a method, with the reason if the engine refuses the scene; raises UsageError for a
+    method it does not have.
 
-    Methods for other kinds of questions are left out; an engine that has none for this kind refuses by its first.
+    Methods for other kinds of questions are left out; an engine that has none for this kind refuses
+    by its first.
     """
-    methods = [engine.method(specification.method)] if specification.method else list(engine.methods)
-    methods = [method for method in methods if method.answers == instance.problem.kind] or methods[:1]
+    methods = (
+        [engine.method(specification.method)] if specification.method else list(engine.methods)
+    )
+    methods = [method for method in methods if method.answers == instance.problem.kind] or methods[
+        :1
+    ]
     found = []
     for method in methods:
         refusal = engine.refuses(instance.problem, method)
         levels: tuple[float, ...] = ()
         if refusal is None:
             levels = refinement.levels(
-                instance, method, specification.levels, specification.most_steps, first_step(specification, instance)
+                instance,
+                method,
+                specification.levels,
+                specification.most_steps,
+                first_step(specification, instance),
             )
             if not levels:
                 turns = instance.scales.duration / instance.scales.tau
-                refusal = f"more than {specification.most_steps:g} steps for {turns:.3g} times the shortest time tau; shorten the duration"
+                refusal = (
+                    f"more than {specification.most_steps:g} steps for {turns:.3g} times the"
+                    " shortest time tau; shorten the duration"
+                )
         refuses = partial(_refusal, engine, method)
         found.append((Trial(instance, method, levels, None, refusal=refuses), refusal))
     return found
@@ -119,21 +157,34 @@ def first_step(specification: Specification, instance: Instance) -> float | None
     """The first level [s] that the caller asked for, if any."""
     if specification.step is not None:
         if not 0 < specification.step < float("inf"):
-            raise UsageError(f"step is {specification.step}; expected a finite number of seconds > 0")
+            raise UsageError(
+                f"step is {specification.step}; expected a finite number of seconds > 0"
+            )
         return specification.step
     if specification.steps_per_tau is not None:
         if not 0 < specification.steps_per_tau < float("inf"):
-            raise UsageError(f"steps-per-tau is {specification.steps_per_tau}; expected a finite number > 0")
+            raise UsageError(
+                f"steps-per-tau is {specification.steps_per_tau}; expected a finite number > 0"
+            )
         return instance.scales.tau / specification.steps_per_tau
     return None
 
 
 def tasks(
-    specification: Specification, instance: Instance, only: tuple[str, ...], engine: Engine, truth: SampledTruth | None, reason: str = ""
+    specification: Specification,
+    instance: Instance,
+    only: tuple[str, ...],
+    engine: Engine,
+    truth: SampledTruth | None,
+    reason: str = "",
 ) -> list[Task]:
     """One task a method: its trial with truth, and the checks that apply."""
     excluded = instance.case.exclude_for(instance.p)
-    names = [n for n in discovery.names("checks") if (not only or n in only) and (not specification.checks or n in specification.checks)]
+    names = [
+        n
+        for n in discovery.names("checks")
+        if (not only or n in only) and (not specification.checks or n in specification.checks)
+    ]
     found = []
     for bare, refusal in trials(specification, instance, engine):
         trial = replace(bare, truth=truth, truth_reason=reason)
@@ -145,21 +196,28 @@ def tasks(
                 chosen.append(check)
             else:
                 left_out[name] = why
-        if chosen or refusal is not None or not only:  # the one check of a selection may leave a method out
+        if (
+            chosen or refusal is not None or not only
+        ):  # the one check of a selection may leave a method out
             is_selection = bool(only or specification.checks)
             found.append(Task(engine, trial, refusal, tuple(chosen), left_out, is_selection))
     return found
 
 
 def judged(tasks: list[Task]) -> list[Task]:
-    """The tasks of one engine that go into a report: the reference has a method for each kind of scene, so that those which refuse
-    this one say nothing, unless all do."""
+    """The tasks of one engine that go into a report: the reference has a method for each kind of
+    scene, so that those which refuse this one say nothing, unless all do."""
     able = [task for task in tasks if task.refusal is None or not task.engine.is_reference]
     return able or tasks[:1]
 
 
-def request(task: Task, variant: Variant, base: Trajectory | None = None, *, ulps: int = 0) -> Request:
-    """The request of a variant; `base` is the trajectory on whose end it goes on; `ulps` moves every start."""
+def request(
+    task: Task, variant: Variant, base: Trajectory | None = None, *, ulps: int = 0
+) -> Request:
+    """The request of a variant;
+
+    `base` is the trajectory on whose end it goes on; `ulps` moves every start.
+    """
     problem = task.trial.instance.problem
     if ulps:
         problem = problem.perturbed(ulps)
@@ -181,15 +239,24 @@ def request(task: Task, variant: Variant, base: Trajectory | None = None, *, ulp
     return _of_motion(task, plain, problem, variant, base)
 
 
-def _of_motion(task: Task, plain: Request, problem: Motion, variant: Variant, base: Trajectory | None) -> Request:
+def _of_motion(
+    task: Task, plain: Request, problem: Motion, variant: Variant, base: Trajectory | None
+) -> Request:
     """The request of a variant that only a motion has."""
     if variant.change == "denser_output":
         count = variant.amount * (len(problem.times) - 1)
-        return plain.with_scene(problem.scene, np.arange(count + 1, dtype=np.float64) * (problem.interval / variant.amount))
+        return plain.with_scene(
+            problem.scene,
+            np.arange(count + 1, dtype=np.float64) * (problem.interval / variant.amount),
+        )
     if variant.change in symmetry.NAMES:
         shown, motion = symmetry.picture(task.trial.instance, variant.change)
         step = None if plain.step is None else plain.step * shown.units[2]
-        return replace(plain, problem=motion if problem is task.trial.instance.problem else shown.applied(problem), step=step)
+        return replace(
+            plain,
+            problem=motion if problem is task.trial.instance.problem else shown.applied(problem),
+            step=step,
+        )
     if base is None:
         raise UsageError(f"variant {variant} goes on from a run that is not there")
     sign = -1.0 if variant.change == "reversed" else 1.0

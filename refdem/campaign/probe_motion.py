@@ -1,7 +1,9 @@
-"""The motion of a few rigid bodies under gravity and linear springs, for probes that have no formula.
+"""The motion of a few rigid bodies under gravity and linear springs, for probes that have no
+formula.
 
 m dv/dt = F, dr/dt = v, dL/dt = T, dq/dt = (0, omega) q / 2 with omega = R J^-1 R^T L: all in space
-axes, by classical Runge-Kutta (Goldstein, Classical Mechanics, chapters 4 and 5). Shares no code with the solvers.
+axes, by classical Runge-Kutta (Goldstein, Classical Mechanics, chapters 4 and 5). Shares no code
+with the solvers.
 """
 
 import numpy as np
@@ -17,11 +19,16 @@ State = tuple[Array, Array, Array, Array]
 """Position, velocity, attitude and angular momentum about each centre, (N, 3 or 4), space axes."""
 
 LONGEST_STEP = 2.0**-8
-"""[s]. At rates of 5 /s the motion is then right to 1e-8 of its scale, far below the bound of a probe."""
+"""[s].
+
+At rates of 5 /s the motion is then right to 1e-8 of its scale, far below the bound of a probe.
+"""
 
 
 def motion(scene: Scene, t: Array) -> dict[str, Array]:
-    """Position, velocity, attitude and omega (T, N, 3 or 4) at the times t (T,) [s] since the start, t[0] = 0, rising or falling."""
+    """Position, velocity, attitude and omega (T, N, 3 or 4) at the times t (T,) [s] since the
+    start, t[0] = 0, rising or falling.
+    """
     bodies = scene.bodies
     body_omega = rotated(conjugate(bodies.attitude), bodies.omega)
     spin = rotated(bodies.attitude, bodies.inertia * body_omega)
@@ -32,7 +39,9 @@ def motion(scene: Scene, t: Array) -> dict[str, Array]:
         for _ in range(steps):
             state = _stepped(scene, state, gap / steps)
         rows.append(state)
-    position, velocity, attitude, momentum = (np.array(column) for column in zip(*rows, strict=True))
+    position, velocity, attitude, momentum = (
+        np.array(column) for column in zip(*rows, strict=True)
+    )
     omega = _omega(scene, attitude, momentum)
     return {"position": position, "velocity": velocity, "attitude": attitude, "omega": omega}
 
@@ -46,7 +55,7 @@ def _stepped(scene: Scene, state: State, h: float) -> State:
     new = [
         x + h / 6 * (a + 2 * b + 2 * c + d)
         for x, a, b, c, d in zip(state, first, second, third, fourth, strict=True)
-    ]  # fmt: skip
+    ]
     position, velocity, attitude, momentum = new
     attitude = attitude / np.linalg.norm(attitude, axis=-1, keepdims=True)
     return position, velocity, attitude, momentum

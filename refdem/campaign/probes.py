@@ -1,4 +1,6 @@
-"""Tiny scenes whose motion is a line of algebra: what `refdem smoke` asks an adapter, and what must come back."""
+"""Tiny scenes whose motion is a line of algebra: what `refdem smoke` asks an adapter, and what must
+come back.
+"""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -29,7 +31,8 @@ HALF = 0.5**0.5
 class Probe:
     """A scene, the time [s] at its start, what it shows of an adapter, and its motion by formula.
 
-    `expected(t)` for the time t (T,) [s] since the start gives columns of a trajectory (T, N, ...), channels (T,), or
+    `expected(t)` for the time t (T,) [s] since the start gives columns of a trajectory (T, N, ...),
+    channels (T,), or
     `omega_body` (T, N, 3).
     """
 
@@ -54,24 +57,40 @@ class Probe:
 
 def probes() -> tuple[Probe, ...]:
     """All of them: flight, fall, turning, forces, contact."""
-    return (*_flights(), *_falls(), *_spins(), *(_wobble(axis) for axis in range(3)), *_forces(), _knock())
+    return (
+        *_flights(),
+        *_falls(),
+        *_spins(),
+        *(_wobble(axis) for axis in range(3)),
+        *_forces(),
+        _knock(),
+    )
 
 
 def _straight(*bodies: Body) -> Callable[[Array], Expected]:
     """Every body goes on as it started."""
-    position, velocity = (np.array([getattr(b, name) for b in bodies]) for name in ("position", "velocity"))
-    return lambda t: {"position": position + t[:, None, None] * velocity, "velocity": velocity + 0 * t[:, None, None]}
+    position, velocity = (
+        np.array([getattr(b, name) for b in bodies]) for name in ("position", "velocity")
+    )
+    return lambda t: {
+        "position": position + t[:, None, None] * velocity,
+        "velocity": velocity + 0 * t[:, None, None],
+    }
 
 
 def _flights() -> tuple[Probe, ...]:
-    """Force-free points in one, two and three dimensions, two of them, and a start that is not at time zero."""
+    """Force-free points in one, two and three dimensions, two of them, and a start that is not at
+    time zero.
+    """
     line = Body(mass=2.0, position=(1.0, 0.0, 0.0), velocity=(-3.0, 0.0, 0.0))
     plane = Body(mass=2.0, position=(1.0, -2.0, 0.0), velocity=(-3.0, 4.0, 0.0))
     space = Body(mass=2.0, position=(1.0, -2.0, 3.0), velocity=(-3.0, 4.0, 5.0))
     other = Body(mass=5.0, position=(40.0, 0.0, 0.0), velocity=(0.0, 2.0, 0.0))
 
     def flight(name: str, shows: str, *bodies: Body, start: float = 0.0) -> Probe:
-        return Probe(name=name, shows=shows, scene=Scene.of(bodies), expected=_straight(*bodies), start=start)
+        return Probe(
+            name=name, shows=shows, scene=Scene.of(bodies), expected=_straight(*bodies), start=start
+        )
 
     return (
         flight("line", "the x axis, metres and seconds", line),
@@ -85,25 +104,41 @@ def _flights() -> tuple[Probe, ...]:
 def _falls() -> tuple[Probe, ...]:
     """Thrown points: the direction and the unit of gravity."""
 
-    def fall(name: str, velocity: tuple[float, float, float], g: tuple[float, float, float]) -> Probe:
+    def fall(
+        name: str, velocity: tuple[float, float, float], g: tuple[float, float, float]
+    ) -> Probe:
         thrown, pull = Body(mass=3.0, velocity=velocity), np.array(g)
 
         def expected(t: Array) -> Expected:
             s = t[:, None, None]
-            return {"position": s * np.array(velocity) + s**2 * pull / 2, "velocity": np.array(velocity) + s * pull}
+            return {
+                "position": s * np.array(velocity) + s**2 * pull / 2,
+                "velocity": np.array(velocity) + s * pull,
+            }
 
-        return Probe(name=name, shows="sign, axis and unit of gravity", scene=Scene.of([thrown], [UniformGravity(g=g)]), expected=expected)
+        return Probe(
+            name=name,
+            shows="sign, axis and unit of gravity",
+            scene=Scene.of([thrown], [UniformGravity(g=g)]),
+            expected=expected,
+        )
 
-    return fall("fall in a plane", (2.0, 3.0, 0.0), (0.0, -9.8, 0.0)), fall("fall in space", (2.0, 0.0, 3.0), (1.0, 0.0, -9.8))
+    return fall("fall in a plane", (2.0, 3.0, 0.0), (0.0, -9.8, 0.0)), fall(
+        "fall in space", (2.0, 0.0, 3.0), (1.0, 0.0, -9.8)
+    )
 
 
 def _spins() -> tuple[Probe, ...]:
-    """Steady turns about a principal axis: the quaternion's order, sign and side, radians, and omega's axes."""
+    """Steady turns about a principal axis: the quaternion's order, sign and side, radians, and
+    omega's axes.
+    """
 
     place = np.array([1.5, -0.75, 0.0])
     drift = np.array([0.5, 1.25, 0.0])
 
-    def spin(name: str, shows: str, omega: Array, attitude: tuple[float, float, float, float]) -> Probe:
+    def spin(
+        name: str, shows: str, omega: Array, attitude: tuple[float, float, float, float]
+    ) -> Probe:
         body = Body(
             mass=1.0,
             inertia=(1.0, 2.0, 2.5),
@@ -115,7 +150,9 @@ def _spins() -> tuple[Probe, ...]:
         rate = float(np.linalg.norm(omega))
 
         def expected(t: Array) -> Expected:
-            turn = np.column_stack([np.cos(rate * t / 2), np.outer(np.sin(rate * t / 2), omega / rate)])
+            turn = np.column_stack(
+                [np.cos(rate * t / 2), np.outer(np.sin(rate * t / 2), omega / rate)]
+            )
             return {
                 "position": place + t[:, None, None] * drift,
                 "velocity": drift + 0 * t[:, None, None],
@@ -127,16 +164,28 @@ def _spins() -> tuple[Probe, ...]:
 
     upright, tipped = (1.0, 0.0, 0.0, 0.0), (HALF, HALF, 0.0, 0.0)
     return (
-        spin("quarter turn", "radians, and the order and sign of the quaternion", np.array([0.0, 0.0, np.pi / 2]), upright),
+        spin(
+            "quarter turn",
+            "radians, and the order and sign of the quaternion",
+            np.array([0.0, 0.0, np.pi / 2]),
+            upright,
+        ),
         spin("turn about x", "the order of the quaternion", np.array([1.5, 0.0, 0.0]), upright),
-        spin("tipped body", "omega in space axes, and the side from which turns act", np.array([0.0, 0.0, 1.5]), tipped),
+        spin(
+            "tipped body",
+            "omega in space axes, and the side from which turns act",
+            np.array([0.0, 0.0, 1.5]),
+            tipped,
+        ),
     )
 
 
 def _wobble(axis: int) -> Probe:
-    """A body with one distinct moment, about `axis`, off that axis: omega_body turns about it at (J3 - J1)/J1 omega3.
+    """A body with one distinct moment, about `axis`, off that axis: omega_body turns about it at
+    (J3 - J1)/J1 omega3.
 
-    Euler's equations with J1 = J2: omega1' = -W omega2, omega2' = W omega1 (Landau and Lifshitz, Mechanics, section 36).
+    Euler's equations with J1 = J2: omega1' = -W omega2, omega2' = W omega1 (Landau and Lifshitz,
+    Mechanics, section 36).
     """
     inertia, start = np.roll([1.0, 1.0, 1.8], axis + 1), np.roll([1.0, 0.0, 2.0], axis + 1)
     rate = 0.8 * 2.0
@@ -145,42 +194,87 @@ def _wobble(axis: int) -> Probe:
     def expected(t: Array) -> Expected:
         turning = np.column_stack([np.cos(rate * t), np.sin(rate * t), np.full(len(t), 2.0)])
         momentum = np.tile(inertia * start, (len(t), 1, 1))
-        return {"omega_body": np.roll(turning, axis + 1, axis=1)[:, None], "angular_momentum": momentum}
+        return {
+            "omega_body": np.roll(turning, axis + 1, axis=1)[:, None],
+            "angular_momentum": momentum,
+        }
 
-    return Probe(name=f"wobble about {'xyz'[axis]}", shows="the order of the inertia axes", scene=Scene.of([body]), expected=expected)
+    return Probe(
+        name=f"wobble about {'xyz'[axis]}",
+        shows="the order of the inertia axes",
+        scene=Scene.of([body]),
+        expected=expected,
+    )
 
 
 def _along(x: Array, v: Array) -> Expected:
     """One body's position and velocity from those along x, each (T,)."""
-    return {name: np.pad(values[:, None, None], ((0, 0), (0, 0), (0, 2))) for name, values in (("position", x), ("velocity", v))}
+    return {
+        name: np.pad(values[:, None, None], ((0, 0), (0, 0), (0, 2)))
+        for name, values in (("position", x), ("velocity", v))
+    }
 
 
 def _forces() -> tuple[Probe, ...]:
     """A spring, dry friction, a hanging rod and a central field: signs and units of forces."""
 
-    def force(name: str, shows: str, body: Body, elements: list[Element], expected: Callable[[Array], Expected]) -> Probe:
+    def force(
+        name: str,
+        shows: str,
+        body: Body,
+        elements: list[Element],
+        expected: Callable[[Array], Expected],
+    ) -> Probe:
         return Probe(name=name, shows=shows, scene=Scene.of([body], elements), expected=expected)
 
     def hanging(t: Array) -> Expected:
-        return {"position": np.tile([0.0, -2.0, 0.0], (len(t), 1, 1)), "rod_force": np.full(len(t), 30.0)}
+        return {
+            "position": np.tile([0.0, -2.0, 0.0], (len(t), 1, 1)),
+            "rod_force": np.full(len(t), 30.0),
+        }
 
     def circle(t: Array) -> Expected:
         return {"position": np.column_stack([np.cos(2 * t), np.sin(2 * t), 0 * t])[:, None]}
 
     spring, slider = Spring(a=0, stiffness=8.0), Slider(a=0, friction=0.25, normal_force=4.0)
     bob, pull = Body(mass=3.0, position=(0.0, -2.0, 0.0)), UniformGravity(g=(0.0, -10.0, 0.0))
-    start, thrown = Body(mass=2.0, position=(1.0, 0.0, 0.0)), Body(mass=2.0, velocity=(1.0, 0.0, 0.0))
+    start, thrown = (
+        Body(mass=2.0, position=(1.0, 0.0, 0.0)),
+        Body(mass=2.0, velocity=(1.0, 0.0, 0.0)),
+    )
     planet = Body(mass=2.0, position=(1.0, 0.0, 0.0), velocity=(0.0, 2.0, 0.0))
     return (
-        force("spring", "sign and unit of stiffness", start, [spring], lambda t: _along(np.cos(2 * t), -2 * np.sin(2 * t))),
-        force("friction", "sign and unit of dry friction", thrown, [slider], lambda t: _along(t - t * t / 4, 1 - t / 2)),
-        force("hanging rod", "sign and unit of the rod's force", bob, [Rod(a=0, length=2.0), pull], hanging),
-        force("circle", "sign and unit of the central field", planet, [CentralField(gm=4.0)], circle),
+        force(
+            "spring",
+            "sign and unit of stiffness",
+            start,
+            [spring],
+            lambda t: _along(np.cos(2 * t), -2 * np.sin(2 * t)),
+        ),
+        force(
+            "friction",
+            "sign and unit of dry friction",
+            thrown,
+            [slider],
+            lambda t: _along(t - t * t / 4, 1 - t / 2),
+        ),
+        force(
+            "hanging rod",
+            "sign and unit of the rod's force",
+            bob,
+            [Rod(a=0, length=2.0), pull],
+            hanging,
+        ),
+        force(
+            "circle", "sign and unit of the central field", planet, [CentralField(gm=4.0)], circle
+        ),
     )
 
 
 def _knock() -> Probe:
-    """Two like spheres that touch, head-on, undamped: they exchange velocities after `pi sqrt(m/(2 k))`."""
+    """Two like spheres that touch, head-on, undamped: they exchange velocities after `pi sqrt(m/(2
+    k))`.
+    """
     ball = Sphere(radius=0.5)
     left = Body(mass=2.0, position=(-0.5, 0.0, 0.0), velocity=(1.0, 0.0, 0.0), shape=ball)
     right = Body(mass=2.0, position=(0.5, 0.0, 0.0), velocity=(0.0, 0.0, 0.0), shape=ball)
@@ -189,7 +283,13 @@ def _knock() -> Probe:
     def expected(t: Array) -> Expected:
         phase = np.minimum(np.sqrt(stiffness) * t, np.pi)
         first, second = (1 + np.cos(phase)) / 2, (1 - np.cos(phase)) / 2
-        return {"velocity": np.pad(np.stack([first, second], axis=1)[..., None], ((0, 0), (0, 0), (0, 2)))}
+        return {
+            "velocity": np.pad(
+                np.stack([first, second], axis=1)[..., None], ((0, 0), (0, 0), (0, 2))
+            )
+        }
 
     scene = Scene.of([left, right], [Contact(law="linear", stiffness=stiffness)])
-    return Probe(name="knock", shows="sign and unit of the contact force", scene=scene, expected=expected)
+    return Probe(
+        name="knock", shows="sign and unit of the contact force", scene=scene, expected=expected
+    )

@@ -1,4 +1,6 @@
-"""Checking the certified store: every hash, and a stratified sample proved and witnessed again, compared by overlap, never by bytes."""
+"""Checking the certified store: every hash, and a stratified sample proved and witnessed again,
+compared by overlap, never by bytes.
+"""
 
 import hashlib
 import json
@@ -14,14 +16,17 @@ from refdem.truth.certified.reader import CertifiedSet, Value, load, problems_of
 from refdem.truth.certified.samples import kept
 
 EARLIEST = 2
-"""Times of a set that are proved again: validated integration costs as much as the time it covers."""
+"""Times of a set that are proved again: validated integration costs as much as the time it covers.
+"""
 LONGEST = 100.0
 """Seconds for one set of the sample."""
 Progress = Callable[[str, int, int], None]
 
 
 def damaged(folder: Path) -> list[str]:
-    """What does not hold in the files themselves: hashes, decimals, doubles, and the list of files."""
+    """What does not hold in the files themselves: hashes, decimals, doubles, and the list of
+    files.
+    """
     problems = []
     try:
         load(folder=folder / "certified")
@@ -32,7 +37,9 @@ def damaged(folder: Path) -> list[str]:
     for home in (folder / "certified", folder / "samples"):
         if home.is_dir() and any(home.iterdir()):
             inside = None if home.name == "certified" else problem_of_samples
-            problems += [problem for problem in listing_problems(home, inside) if problem not in problems]
+            problems += [
+                problem for problem in listing_problems(home, inside) if problem not in problems
+            ]
     return problems
 
 
@@ -67,27 +74,44 @@ def _lot(one: CertifiedSet, seed: str) -> str:
 
 
 def contradictions(sets: list[CertifiedSet], *, jobs: int, progress: Progress) -> Iterator[str]:
-    """What a new proof, or the witness, says otherwise than the store; each set at its earliest times."""
+    """What a new proof, or the witness, says otherwise than the store; each set at its earliest
+    times.
+    """
     work = {}
     for one in sets:
         times = sorted({value.t for value in one.values if value.t is not None})[:EARLIEST]
         given = given_of(one)
-        work[one.label] = one, Job(one.label, proved_set, (one.case, given, tuple(map(str, times))), computes=True)
+        work[one.label] = (
+            one,
+            Job(one.label, proved_set, (one.case, given, tuple(map(str, times))), computes=True),
+        )
     with Schedule(jobs, LONGEST) as schedule:
-        for done, (job, result) in enumerate(schedule.results([job for _, job in work.values()]), 1):
+        for done, (job, result) in enumerate(
+            schedule.results([job for _, job in work.values()]), 1
+        ):
             progress("prove again", done, len(work))
             yield from _differences(work[job.key][0], result)
 
 
 def given_of(one: CertifiedSet) -> dict[str, str]:
-    """The parameters that differ from the defaults: a member of a family refuses those that are not its own, even at their defaults."""
+    """The parameters that differ from the defaults: a member of a family refuses those that are not
+    its own, even at their defaults.
+    """
     declared = discovery.case(one.case).at().p.declared
     known = {name: text for name, text in one.parameters.items() if name in declared}
-    return {name: text for name, text in known.items() if declared[name].parsed(text) != declared[name].parsed(declared[name].default)}
+    return {
+        name: text
+        for name, text in known.items()
+        if declared[name].parsed(text) != declared[name].parsed(declared[name].default)
+    }
 
 
 def _differences(one: CertifiedSet, result: bytes | Failure) -> Iterator[str]:
-    found = {"lines": [], "reason": result.sentence} if isinstance(result, Failure) else json.loads(result)
+    found = (
+        {"lines": [], "reason": result.sentence}
+        if isinstance(result, Failure)
+        else json.loads(result)
+    )
     if found["reason"]:
         yield f"{one.label}: {found['reason']}"
         return
@@ -97,11 +121,16 @@ def _differences(one: CertifiedSet, result: bytes | Failure) -> Iterator[str]:
     for t, quantity, mid, radius, _ in again:
         kept = one.value(quantity, t)
         if not kept.overlaps(Value(kept.t, quantity, mid, radius, None)):
-            yield f"{one.label}: {quantity} at {t} is {kept.mid} +- {kept.radius} in the store, {mid} +- {radius} proved again"
+            yield (
+                f"{one.label}: {quantity} at {t} is {kept.mid} +- {kept.radius} in the store, {mid}"
+                f" +- {radius} proved again"
+            )
 
 
 def catalogue() -> list[str]:
     """Ids of the cases that have a truth of their own."""
     from refdem.core.selection import Selection
 
-    return [name for name in discovery.names("cases") if not isinstance(discovery.case(name), Selection)]
+    return [
+        name for name in discovery.names("cases") if not isinstance(discovery.case(name), Selection)
+    ]

@@ -1,7 +1,9 @@
-"""The findings that a campaign must make in every engine: written down beside its TOML file, and reviewed as a diff.
+"""The findings that a campaign must make in every engine: written down beside its TOML file, and
+reviewed as a diff.
 
-`validation/campaigns/main/mujoco.txt` belongs to `validation/campaigns/main.toml`. It has a line for every case and method, and
-below it a line a check with the quantities that must be decided; no numbers. `refdem run --campaign main --bless` writes it.
+`validation/campaigns/main/mujoco.txt` belongs to `validation/campaigns/main.toml`. It has a line
+for every case and method, and below it a line a check with the quantities that must be decided; no
+numbers. `refdem run --campaign main --bless` writes it.
 """
 
 import textwrap
@@ -21,10 +23,14 @@ MORE = "      "
 WIDTH = 120
 
 
-def held(sheets: list[Sheet], specification: Specification, engines: list[Engine], labels: Iterable[str]) -> list[Sheet]:
-    """The sheets, in which every finding that the campaign must make and that was not decided is lost or absent.
+def held(
+    sheets: list[Sheet], specification: Specification, engines: list[Engine], labels: Iterable[str]
+) -> list[Sheet]:
+    """The sheets, in which every finding that the campaign must make and that was not decided is
+    lost or absent.
 
-    Of engines that were not run nothing is required; of a campaign of which only a part was asked, what its `labels` say.
+    Of engines that were not run nothing is required; of a campaign of which only a part was asked,
+    what its `labels` say.
     """
     wanted = set().union(*(_asked(specification, engine) for engine in engines))
     if specification.is_part:
@@ -39,8 +45,15 @@ def held(sheets: list[Sheet], specification: Specification, engines: list[Engine
 
 
 def _asked(specification: Specification, engine: Engine) -> set[str]:
-    """The ids that the campaign requires of an engine as it is asked now; other steps or checks make other findings."""
-    is_other = specification.step or specification.steps_per_tau or specification.checks or specification.perturbed_ulps
+    """The ids that the campaign requires of an engine as it is asked now; other steps or checks
+    make other findings.
+    """
+    is_other = (
+        specification.step
+        or specification.steps_per_tau
+        or specification.checks
+        or specification.perturbed_ulps
+    )
     if not specification.required or is_other or engine.address != engine.name:
         return set()
     names = read(Path(specification.required) / f"{engine.name}.txt")
@@ -58,13 +71,17 @@ def decided(records: Iterable[Record]) -> dict[str, set[str]]:
 
 
 def read(path: Path) -> set[str]:
-    """The ids in a list, none if there is no such file; raises UsageError for a line that says nothing."""
+    """The ids in a list, none if there is no such file; raises UsageError for a line that says
+    nothing.
+    """
     try:
         lines = path.read_text(encoding="utf-8").splitlines()
     except FileNotFoundError:
         return set()
     except (OSError, UnicodeDecodeError) as error:
-        raise UsageError(f"{path} cannot be read: {error}; restore it from version control") from None
+        raise UsageError(
+            f"{path} cannot be read: {error}; restore it from version control"
+        ) from None
     found: set[str] = set()
     engine = path.stem
     place = check = ""
@@ -79,8 +96,13 @@ def read(path: Path) -> set[str]:
         if not line.startswith(MORE):
             check, _, quantities = line.strip().partition(": ")
         if not place or not check or not quantities.strip():
-            raise UsageError(f"{path}:{number} is {line!r}; expected a case and method, or below it a check and its quantities")
-        found |= {f"{place}/{check}/{quantity}" for quantity in quantities.strip().rstrip(",").split(", ")}
+            raise UsageError(
+                f"{path}:{number} is {line!r}; expected a case and method, or below it a check and"
+                " its quantities"
+            )
+        found |= {
+            f"{place}/{check}/{quantity}" for quantity in quantities.strip().rstrip(",").split(", ")
+        }
     return found
 
 
@@ -90,7 +112,10 @@ def text(campaign: str, names: Iterable[str]) -> str:
     for name in sorted(names):
         place, check, quantity = parts(name)
         places.setdefault(place, {}).setdefault(check, []).append(quantity)
-    lines = [f"# What campaign {campaign} must decide: `refdem run --campaign {campaign} --bless` writes this file."]
+    lines = [
+        f"# What campaign {campaign} must decide: `refdem run --campaign {campaign} --bless` writes"
+        " this file."
+    ]
     for (label, _, method), checks in places.items():
         lines.append(f"{label}/{method}")
         for check, quantities in checks.items():
@@ -99,7 +124,9 @@ def text(campaign: str, names: Iterable[str]) -> str:
 
 
 def _wrapped(check: str, quantities: list[str]) -> list[str]:
-    """A check with its quantities, in lines that fit a screen; a quantity with a space in its name stays whole."""
+    """A check with its quantities, in lines that fit a screen; a quantity with a space in its name
+    stays whole.
+    """
     whole = ", ".join(quantity.replace(" ", "\0") for quantity in quantities)
     broken = textwrap.wrap(
         f"{check}: {whole}",
@@ -113,13 +140,25 @@ def _wrapped(check: str, quantities: list[str]) -> list[str]:
 
 
 def written(specification: Specification, records: list[Record]) -> list[str]:
-    """Writes the lists of the engines that ran and says, a line each, what changed; raises UsageError where a run broke."""
-    broken = [record.id(finding) for record in records for finding in record.findings if finding.outcome == "error"]
+    """Writes the lists of the engines that ran and says, a line each, what changed; raises
+    UsageError where a run broke.
+    """
+    broken = [
+        record.id(finding)
+        for record in records
+        for finding in record.findings
+        if finding.outcome == "error"
+    ]
     if broken:
-        raise UsageError(f"{len(broken)} findings are errors, first {broken[0]}; the lists stay as they are: mend the engine, then bless")
+        raise UsageError(
+            f"{len(broken)} findings are errors, first {broken[0]}; the lists stay as they are:"
+            " mend the engine, then bless"
+        )
     now = decided(records)
     if not any(now.values()):
-        raise UsageError(f"campaign {specification.name} decided nothing, so there is nothing to write down")
+        raise UsageError(
+            f"campaign {specification.name} decided nothing, so there is nothing to write down"
+        )
     folder = Path(specification.required)
     changes: list[str] = []
     for engine, names in sorted(now.items()):

@@ -1,6 +1,8 @@
-"""The schedule: jobs to worker processes, results as they come; a crash or a hang costs its own job and no other.
+"""The schedule: jobs to worker processes, results as they come; a crash or a hang costs its own job
+and no other.
 
-Programs are processes already: a few runs of them are waited for in threads, and no worker is started for that.
+Programs are processes already: a few runs of them are waited for in threads, and no worker is
+started for that.
 """
 
 import ctypes
@@ -33,10 +35,12 @@ PAUSE = 0.02
 
 @dataclass(frozen=True)
 class Job:
-    """A function of a module and its arguments, all of them bytes, text or plain containers; `key` comes back with the result.
+    """A function of a module and its arguments, all of them bytes, text or plain containers; `key`
+    comes back with the result.
 
-    `timeout` [s], if any, is its own; else the schedule's holds. Of what only `computes` CPU time counts and not the clock, so that
-    it ends on a busy machine as it does on a quiet one. What runs a program, under a time limit of the program's own, also has the
+    `timeout` [s], if any, is its own; else the schedule's holds. Of what only `computes` CPU time
+    counts and not the clock, so that it ends on a busy machine as it does on a quiet one. What runs
+    a program, under a time limit of the program's own, also has the
     `stages` that do the same as the function, and the number of `rows` of the answer.
     """
 
@@ -52,7 +56,9 @@ class Job:
 
 
 class InProcess:
-    """The same in this process, for engines that live here; a hang or a crash is the caller's own."""
+    """The same in this process, for engines that live here; a hang or a crash is the caller's
+    own.
+    """
 
     def __enter__(self) -> "InProcess":
         return self
@@ -67,7 +73,10 @@ class InProcess:
 
 
 class Programs:
-    """Programs, `most` at a time. Threads do nothing but wait for them: all else happens in the thread that asks for results."""
+    """Programs, `most` at a time.
+
+    Threads do nothing but wait for them: all else happens in the thread that asks for results.
+    """
 
     def __init__(self, most: int) -> None:
         self._most = most
@@ -95,7 +104,9 @@ class Programs:
             done = wait(self._running, return_when=FIRST_COMPLETED).done if self._running else ()
             going = [(*self._running.pop(future), future.result) for future in done]
 
-    def _gone_on(self, job: Job, stages: Stages[bytes], result: Waiting | None) -> bytes | Failure | None:
+    def _gone_on(
+        self, job: Job, stages: Stages[bytes], result: Waiting | None
+    ) -> bytes | Failure | None:
         """How a job ended, or None if it waits again."""
         try:
             waiting = next(stages) if result is None else stages.send(result)
@@ -120,7 +131,9 @@ class Programs:
 
 
 class Schedule:
-    """Worker processes (spawned, so that no state is shared); a job that takes longer than `timeout` [s] is killed."""
+    """Worker processes (spawned, so that no state is shared); a job that takes longer than
+    `timeout` [s] is killed.
+    """
 
     def __init__(self, workers: int, timeout: float) -> None:
         self._most = workers
@@ -163,7 +176,11 @@ class Schedule:
                 job = running.pop(future)
                 yield job, self._result(future, job)
             # What the last results say is not worth waiting for any more is taken back.
-            vain = [(future, failure) for future, job in running.items() if (failure := job.given_up()) is not None]
+            vain = [
+                (future, failure)
+                for future, job in running.items()
+                if (failure := job.given_up()) is not None
+            ]
             for future, failure in vain:
                 future.cancel()
                 yield running.pop(future), failure
@@ -203,11 +220,18 @@ class Schedule:
             result: bytes | Failure = future.result()
             return result
         except FutureTimeout:
-            return Failure(kind="hang", sentence=f"it was still running after {limit:g} s and was killed")
+            return Failure(
+                kind="hang", sentence=f"it was still running after {limit:g} s and was killed"
+            )
         except ProcessExpired as error:
             if job.computes and error.exitcode == -signal.SIGXCPU:
-                return Failure(kind="hang", sentence=f"it had computed for {limit:g} s of CPU time and was killed")
-            return Failure(kind="crash", sentence=f"its process died with exit code {error.exitcode}")
+                return Failure(
+                    kind="hang",
+                    sentence=f"it had computed for {limit:g} s of CPU time and was killed",
+                )
+            return Failure(
+                kind="crash", sentence=f"its process died with exit code {error.exitcode}"
+            )
         except Exception as error:
             return _failure(error)
 
@@ -222,7 +246,9 @@ def end_with(parent: int) -> None:
 
 
 def guarded(function: Callable[..., bytes], *arguments: Any) -> bytes | Failure:
-    """What the function returns, or what it raised as a Failure: not every exception can travel between processes."""
+    """What the function returns, or what it raised as a Failure: not every exception can travel
+    between processes.
+    """
     try:
         return function(*arguments)
     except Exception as error:
@@ -230,12 +256,16 @@ def guarded(function: Callable[..., bytes], *arguments: Any) -> bytes | Failure:
 
 
 def limited(limit: float, function: Callable[..., bytes], *arguments: Any) -> bytes | Failure:
-    """The same within `limit` [s] of CPU time, rounded up; beyond it the system ends the process, whatever it is in the middle of."""
+    """The same within `limit` [s] of CPU time, rounded up; beyond it the system ends the process,
+    whatever it is in the middle of.
+    """
     used = resource.getrusage(resource.RUSAGE_SELF)
     before, most = resource.getrlimit(resource.RLIMIT_CPU)
     resource.setrlimit(resource.RLIMIT_CORE, (0, resource.getrlimit(resource.RLIMIT_CORE)[1]))
     end = math.ceil(used.ru_utime + used.ru_stime + limit)
-    resource.setrlimit(resource.RLIMIT_CPU, (end if most == resource.RLIM_INFINITY else min(end, most), most))
+    resource.setrlimit(
+        resource.RLIMIT_CPU, (end if most == resource.RLIM_INFINITY else min(end, most), most)
+    )
     try:
         return guarded(function, *arguments)
     finally:

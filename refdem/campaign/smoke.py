@@ -1,4 +1,6 @@
-"""The smoke test of an adapter: clock, units, signs, shapes, quaternion order, inertia axes; it blames no engine."""
+"""The smoke test of an adapter: clock, units, signs, shapes, quaternion order, inertia axes; it
+blames no engine.
+"""
 
 from collections.abc import Callable
 from dataclasses import replace
@@ -26,27 +28,47 @@ STEP = INTERVAL / 128
 """[s]. First-order methods are then within 1 % on all probes, whose fastest rate is 20 /s."""
 TOLERANCE = 1e-8
 BOUND = 0.02
-BASIS = "a wrong unit, sign, axis or order changes a probe by more than a tenth of its scale, a method's own error by less than 1 %"
+BASIS = (
+    "a wrong unit, sign, axis or order changes a probe by more than a tenth of its scale, a"
+    " method's own error by less than 1 %"
+)
 START_BOUND = 1e-12
-CLOCK_BASIS = "samples are whole multiples of dyadic steps: a clock that adds them up rounds a few thousand times at most"
-START_BASIS = "the first sample is the scene's own state; an adapter converts it there and back with a few roundings"
+CLOCK_BASIS = (
+    "samples are whole multiples of dyadic steps: a clock that adds them up rounds a few thousand"
+    " times at most"
+)
+START_BASIS = (
+    "the first sample is the scene's own state; an adapter converts it there and back with a few"
+    " roundings"
+)
 
 
 @cache
 def every_probe() -> tuple[Probe, ...]:
-    """All probes, the simplest first: what is wrong in one is seen there before it is seen in all that follow."""
+    """All probes, the simplest first: what is wrong in one is seen there before it is seen in all
+    that follow.
+    """
     return (*probes(), *force_probes(), *turning_probes())
 
 
 def smoke(engine: Engine) -> list[Finding]:
-    """The clock, then every probe with every method that takes it; one finding for each thing compared, of the worst method."""
+    """The clock, then every probe with every method that takes it; one finding for each thing
+    compared, of the worst method.
+    """
     found = _worst([counted(engine, method) for method in engine.methods])
     for probe in every_probe():
         reasons = {method.name: _refusal(engine, method, probe) for method in engine.methods}
         takers = [method for method in engine.methods if reasons[method.name] is None]
         if not takers:
             reason = next(iter(reasons.values()), "it has no methods")
-            found.append(Finding(check="smoke", quantity=probe.name, outcome="unsupported", sentence=f"not said by this engine: {reason}"))
+            found.append(
+                Finding(
+                    check="smoke",
+                    quantity=probe.name,
+                    outcome="unsupported",
+                    sentence=f"not said by this engine: {reason}",
+                )
+            )
             continue
         by_method = [_judged(engine, method, probe) for method in takers]
         found += _worst(by_method)
@@ -83,13 +105,20 @@ def _judged(engine: Engine, method: Method, probe: Probe) -> list[Finding]:
         trajectory, _ = engine.run(request)
         refuse_other_shape(trajectory, request)
     except UnsupportedError as error:
-        return [Finding(check="smoke", quantity=probe.name, outcome="unsupported", sentence=str(error))]
+        return [
+            Finding(check="smoke", quantity=probe.name, outcome="unsupported", sentence=str(error))
+        ]
     except Exception as error:  # whatever an adapter raises is its fault, and a finding
         sentence = f"{method.name} on {probe.name!r}: {type(error).__name__}: {error}"
         return [Finding(check="smoke", quantity=probe.name, outcome="error", sentence=sentence)]
-    findings = [_clock(trajectory, request, probe, method), _first_sample(trajectory, request, probe, method)]
+    findings = [
+        _clock(trajectory, request, probe, method),
+        _first_sample(trajectory, request, probe, method),
+    ]
     right = probe.right
-    seen = {name: values for name in right if (values := _shown(trajectory, name, probe)) is not None}
+    seen = {
+        name: values for name in right if (values := _shown(trajectory, name, probe)) is not None
+    }
     seen = {name: values.reshape(right[name].shape) for name, values in seen.items()}
     return findings + [_compared(right, seen, name, request, probe) for name in seen]
 
@@ -114,26 +143,42 @@ def _clock(trajectory: Trajectory, request: Request, probe: Probe, method: Metho
     return _finding(f"{probe.name}: clock", off, _few_roundings(method), CLOCK_BASIS, says)
 
 
-def _first_sample(trajectory: Trajectory, request: Request, probe: Probe, method: Method) -> Finding:
+def _first_sample(
+    trajectory: Trajectory, request: Request, probe: Probe, method: Method
+) -> Finding:
     """Is row 0 the scene's state? Velocities that lag are those before it."""
     bodies = request.problem.scene.bodies
     names = STATE if method.velocity_time == "synchronous" else ("position", "attitude")
-    off, name = max((_largest(getattr(trajectory, n)[0], getattr(bodies, n), signless=n == "attitude"), n) for n in names)
-    says = f"{request.method}: the first sample is off the scene's state by at most {off:.2g}, in {name}"
+    off, name = max(
+        (_largest(getattr(trajectory, n)[0], getattr(bodies, n), signless=n == "attitude"), n)
+        for n in names
+    )
+    says = (
+        f"{request.method}: the first sample is off the scene's state by at most {off:.2g}, in"
+        f" {name}"
+    )
     return _finding(f"{probe.name}: first sample", off, _few_roundings(method), START_BASIS, says)
 
 
 def _largest(seen: Array, expected: Array, *, signless: bool = False) -> float:
-    """The largest difference, relative to the largest expected number or 1; q and -q are the same attitude."""
+    """The largest difference, relative to the largest expected number or 1; q and -q are the same
+    attitude.
+    """
     off = np.abs(seen - expected)
     if signless:
-        off = np.where(off.max(axis=-1, keepdims=True) < np.abs(seen + expected).max(axis=-1, keepdims=True), off, np.abs(seen + expected))
+        off = np.where(
+            off.max(axis=-1, keepdims=True) < np.abs(seen + expected).max(axis=-1, keepdims=True),
+            off,
+            np.abs(seen + expected),
+        )
     return float(off.max() / max(1.0, np.abs(expected).max()))
 
 
 DERIVED: dict[str, Callable[[Trajectory, Array], Array]] = {
     "omega_body": lambda run, inertia: rotated(conjugate(run.attitude), run.omega),
-    "angular_momentum": lambda run, inertia: momentum.spin(inertia, run.attitude, run.omega)[:, None],
+    "angular_momentum": lambda run, inertia: momentum.spin(inertia, run.attitude, run.omega)[
+        :, None
+    ],
 }
 
 
@@ -144,14 +189,19 @@ def _shown(trajectory: Trajectory, name: str, probe: Probe) -> Array | None:
     return getattr(trajectory, name) if name in STATE else trajectory.channels.get(name)
 
 
-def _compared(right: Expected, came: Expected, name: str, request: Request, probe: Probe) -> Finding:
+def _compared(
+    right: Expected, came: Expected, name: str, request: Request, probe: Probe
+) -> Finding:
     """A quantity against its formula, over the whole run."""
     seen, expected = came[name], right[name]
     off = _largest(seen, expected, signless=name == "attitude")
     says = f"{request.method}: {name} is off by at most {off:.2g} of its scale"
     if not off <= BOUND:
         at = int(np.argmax(np.abs(seen - expected).reshape(len(seen), -1).max(axis=1)))
-        says += f": at t = {probe.times[at]:g} s it is {_text(seen[at])} and must be {_text(expected[at])}"
+        says += (
+            f": at t = {probe.times[at]:g} s it is {_text(seen[at])} and must be"
+            f" {_text(expected[at])}"
+        )
         suspected = suspicion(right, came, name, probe.times - probe.start)
         says += f"; {suspected}" if suspected else f"; look at how the adapter says {probe.shows}"
     return _finding(f"{probe.name}: {name}", off, BOUND, BASIS, says)
@@ -159,9 +209,17 @@ def _compared(right: Expected, came: Expected, name: str, request: Request, prob
 
 def _finding(quantity: str, value: float, bound: float, basis: str, says: str) -> Finding:
     return Finding(
-        check="smoke", quantity=quantity, outcome="pass" if value <= bound else "fail", sentence=says, value=value, bound=bound, basis=basis
+        check="smoke",
+        quantity=quantity,
+        outcome="pass" if value <= bound else "fail",
+        sentence=says,
+        value=value,
+        bound=bound,
+        basis=basis,
     )
 
 
 def _text(values: Array) -> str:
-    return np.array2string(np.round(np.squeeze(values), 4), separator=", ", max_line_width=1000).replace("\n", "")
+    return np.array2string(
+        np.round(np.squeeze(values), 4), separator=", ", max_line_width=1000
+    ).replace("\n", "")

@@ -29,11 +29,14 @@ class Entry(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
 
 
 class Specification(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """Cases, engines, and how far to refine: `levels` at most, none with more than `most_steps`; `timeout` [s] a run.
+    """Cases, engines, and how far to refine: `levels` at most, none with more than `most_steps`;
+    `timeout` [s] a run.
 
-    `engines` empty means all that are installed; `step` [s] overrules the first level; `method` keeps only that one;
-    `perturbed_ulps` moves every start by so many units in the last place, to see how much of a value is noise. `required` is the
-    folder with the lists of findings that it must make, "" for none; `is_part` says that only some of its cases were asked for.
+    `engines` empty means all that are installed; `step` [s] overrules the first level; `method`
+    keeps only that one;
+    `perturbed_ulps` moves every start by so many units in the last place, to see how much of a
+    value is noise. `required` is the folder with the lists of findings that it must make, "" for
+    none; `is_part` says that only some of its cases were asked for.
     `include` names campaigns, in the same folder, whose cases come before its own.
     """
 
@@ -53,7 +56,9 @@ class Specification(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fi
     is_part: bool = False
 
     def __post_init__(self) -> None:
-        """Refuses numbers without sense and what is listed twice; msgspec makes an error with the place of it."""
+        """Refuses numbers without sense and what is listed twice; msgspec makes an error with the
+        place of it.
+        """
         ranges = {
             "levels": (self.levels, 1, 10),
             "most_steps": (self.most_steps, 1, 1e12),
@@ -64,35 +69,53 @@ class Specification(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fi
         }
         for name, (value, least, most) in ranges.items():
             if value is not None and not (isfinite(value) and least <= value <= most):
-                raise OutOfRangeError(f"{name} is {value:g}; expected a finite number from {least:g} to {most:g}")
+                raise OutOfRangeError(
+                    f"{name} is {value:g}; expected a finite number from {least:g} to {most:g}"
+                )
         if self.step is not None and self.steps_per_tau is not None:
-            raise OutOfRangeError("step and steps_per_tau are both there; expected at most one of them")
+            raise OutOfRangeError(
+                "step and steps_per_tau are both there; expected at most one of them"
+            )
         twice = [entry.label for n, entry in enumerate(self.case) if entry in self.case[:n]]
         if twice:
             raise OutOfRangeError(f"{twice[0]} is listed twice; take one away")
 
 
 def validation_folder() -> Path:
-    """The folder of campaigns, expected deviations and baselines: inside the installed package, or beside the source."""
+    """The folder of campaigns, expected deviations and baselines: inside the installed package, or
+    beside the source.
+    """
     inside = _HERE / "validation"
     return inside if inside.is_dir() else _HERE.parent / "validation"
 
 
 def named(name: str, above: tuple[Path, ...] = ()) -> Specification:
-    """The campaign `name` of validation/campaigns, or that of a .toml file; raises UsageError if it is not there or not well formed.
+    """The campaign `name` of validation/campaigns, or that of a .toml file; raises UsageError if it
+    is not there or not well formed.
 
     `above` are the files that include it.
     """
-    path = Path(name) if name.endswith(".toml") else validation_folder() / "campaigns" / f"{name}.toml"
+    path = (
+        Path(name) if name.endswith(".toml") else validation_folder() / "campaigns" / f"{name}.toml"
+    )
     if path in above:
         raise UsageError(f"{path} includes itself; take it out of `include`")
     if not is_file(path):
         known = {p.stem for p in (validation_folder() / "campaigns").glob("*.toml")}
         hint = nearest(name, known)
-        raise UsageError(f"no campaign {one_line(name)!r}; {hint} It is one of those, or a file that ends in .toml")
+        raise UsageError(
+            f"no campaign {one_line(name)!r}; {hint} It is one of those, or a file that ends in"
+            " .toml"
+        )
     found = toml_as(Specification, path, "a campaign", {"name": path.stem})
-    inside = [entry for name in found.include for entry in named(str(path.with_name(f"{name}.toml")), above=(*above, path)).case]
+    inside = [
+        entry
+        for name in found.include
+        for entry in named(str(path.with_name(f"{name}.toml")), above=(*above, path)).case
+    ]
     entries = inside + [entry for entry in found.case if entry not in inside]
     if not entries:
         raise UsageError(f"{path} has no case; expected at least one [[case]] with an id")
-    return msgspec.structs.replace(found, case=entries, required=str(path.with_suffix("")), is_part=False)
+    return msgspec.structs.replace(
+        found, case=entries, required=str(path.with_suffix("")), is_part=False
+    )

@@ -1,4 +1,6 @@
-"""What an adapter may have got wrong, told from how a probe came back: known slips, each tried on what should have come."""
+"""What an adapter may have got wrong, told from how a probe came back: known slips, each tried on
+what should have come.
+"""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -61,13 +63,19 @@ def _from_body(name: str) -> Slip:
 def _reordered(name: str, order: str) -> Suspect:
     """The axes of a column in another order."""
     numbers = ["xyz".index(axis) for axis in order]
-    return Suspect(f"the axes of its {name} come in the order {order}", _of(name, lambda values: values[..., numbers]))
+    return Suspect(
+        f"the axes of its {name} come in the order {order}",
+        _of(name, lambda values: values[..., numbers]),
+    )
 
 
 ORDERS = ("xzy", "yxz", "zyx", "yzx", "zxy")
 SUSPECTS = (
     Suspect("its quaternion has w last", _of("attitude", lambda q: np.roll(q, -1, axis=-1))),
-    Suspect("its quaternion has w last and is read with w first", _of("attitude", lambda q: np.roll(q, 1, axis=-1))),
+    Suspect(
+        "its quaternion has w last and is read with w first",
+        _of("attitude", lambda q: np.roll(q, 1, axis=-1)),
+    ),
     Suspect("its quaternion takes space to body axes", _of("attitude", conjugate)),
     Suspect("its omega is in body axes", _from_body("omega")),
     Suspect("its velocity is in body axes", _from_body("velocity")),
@@ -76,11 +84,15 @@ SUSPECTS = (
     Suspect("its omega is in turns per second", _of("omega", lambda w: w / (2 * np.pi))),
     Suspect("its omega has the other sign", _of("omega", np.negative)),
     Suspect("its omega is zero", _of("omega", lambda w: 0 * w)),
-    Suspect("its attitude never changes", _of("attitude", lambda q: np.repeat(q[:1], len(q), axis=0))),
+    Suspect(
+        "its attitude never changes", _of("attitude", lambda q: np.repeat(q[:1], len(q), axis=0))
+    ),
     Suspect("its position is in millimetres", _of("position", lambda r: 1000 * r)),
     Suspect("its position is in kilometres", _of("position", lambda r: r / 1000)),
     Suspect("its position has the other sign", _of("position", np.negative)),
-    Suspect("its position never changes", _of("position", lambda r: np.repeat(r[:1], len(r), axis=0))),
+    Suspect(
+        "its position never changes", _of("position", lambda r: np.repeat(r[:1], len(r), axis=0))
+    ),
     Suspect("its velocity is in millimetres per second", _of("velocity", lambda v: 1000 * v)),
     Suspect("its velocity has the other sign", _of("velocity", np.negative)),
     *(_reordered(name, order) for name in ("position", "velocity", "omega") for order in ORDERS),
@@ -93,7 +105,8 @@ SUSPECTS = (
 def suspicion(right: Expected, seen: Expected, name: str, since: Array) -> str:
     """What is wrong with one column, as a clause; empty if no known slip makes it.
 
-    `right` and `seen` have columns (T, N, ...) by name, `since` (T,) [s] is the time from the start.
+    `right` and `seen` have columns (T, N, ...) by name, `since` (T,) [s] is the time from the
+    start.
     """
     found = []
     for suspect in SUSPECTS:
@@ -110,18 +123,30 @@ def _is_near(seen: Array, expected: Array, name: str) -> bool:
     off = np.abs(seen - expected)
     if name == "attitude":
         other = np.abs(seen + expected)
-        off = np.where(off.max(axis=-1, keepdims=True) < other.max(axis=-1, keepdims=True), off, other)
+        off = np.where(
+            off.max(axis=-1, keepdims=True) < other.max(axis=-1, keepdims=True), off, other
+        )
     scale = max(1.0, float(np.abs(expected).max()))
     return bool(off.max() <= NEAR * scale)
 
 
 def _displaced(right: Expected, seen: Expected, name: str, since: Array) -> str:
-    """A point other than the centre of mass, by the displacement in body axes that explains what came; empty if none does."""
-    if name not in ("position", "velocity") or not {"attitude", "omega", "position", "velocity"} <= set(right):
+    """A point other than the centre of mass, by the displacement in body axes that explains what
+    came; empty if none does.
+    """
+    if name not in ("position", "velocity") or not {
+        "attitude",
+        "omega",
+        "position",
+        "velocity",
+    } <= set(right):
         return ""
     off = seen[name] - right[name]
     for says, arms in _arms(right, name, since):
-        shifts = [np.linalg.lstsq(arms[:, body].reshape(-1, 3), off[:, body].ravel(), rcond=None)[0] for body in range(off.shape[1])]
+        shifts = [
+            np.linalg.lstsq(arms[:, body].reshape(-1, 3), off[:, body].ravel(), rcond=None)[0]
+            for body in range(off.shape[1])
+        ]
         made = np.einsum("tnij,nj->tni", arms, np.array(shifts))
         if np.abs(off - made).max() <= np.abs(off).max() / POINT_FACTOR:
             x, y, z = np.round(shifts[0], 3) + 0.0
@@ -130,15 +155,24 @@ def _displaced(right: Expected, seen: Expected, name: str, since: Array) -> str:
 
 
 def _arms(right: Expected, name: str, since: Array) -> list[tuple[str, Array]]:
-    """Matrices (T, N, 3, 3) that take a displacement in body axes to the error that it makes, with what would be wrong."""
+    """Matrices (T, N, 3, 3) that take a displacement in body axes to the error that it makes, with
+    what would be wrong.
+    """
     turn = matrix(right["attitude"])
     crossed = _cross_matrix(right["omega"])
     start = turn[0] + since[:, None, None, None] * (crossed[0] @ turn[0])
     if name == "position":
-        # A point of the body is at r + R d; a body whose centre of mass is at d starts there and moves on from there.
-        return [("its position is that of another point", turn), ("its centre of mass is not where the scene has it", start - turn)]
+        # A point of the body is at r + R d; a body whose centre of mass is at d starts there and
+        # moves on from there.
+        return [
+            ("its position is that of another point", turn),
+            ("its centre of mass is not where the scene has it", start - turn),
+        ]
     swept = crossed @ turn
-    return [("its velocity is that of another point", swept), ("its centre of mass is not where the scene has it", swept[:1] - swept)]
+    return [
+        ("its velocity is that of another point", swept),
+        ("its centre of mass is not where the scene has it", swept[:1] - swept),
+    ]
 
 
 def _cross_matrix(w: Array) -> Array:

@@ -1,4 +1,6 @@
-"""Sampled truths of instances: from the store of finished work, from what comes with refdem, or made anew in workers."""
+"""Sampled truths of instances: from the store of finished work, from what comes with refdem, or
+made anew in workers.
+"""
 
 import hashlib
 from collections.abc import Callable, Sequence
@@ -23,7 +25,10 @@ FAILED = "the proof ended in a "
 
 
 def sampled_truths(
-    schedule: Schedule | InProcess, store: Store, instances: Sequence[Asked], progress: Callable[[str, int, int], None]
+    schedule: Schedule | InProcess,
+    store: Store,
+    instances: Sequence[Asked],
+    progress: Callable[[str, int, int], None],
 ) -> list[SampledTruth]:
     """The sampled truth of every instance, in order."""
     keys = [truth_key(instance, delays) for instance, delays in instances]
@@ -31,8 +36,13 @@ def sampled_truths(
     for key, (instance, delays) in zip(keys, instances, strict=True):
         if key not in found and not delays and (kept := kept_truth(instance)) is not None:
             found[key] = kept
-    missing = {key: instance for key, instance in zip(keys, instances, strict=True) if key not in found}
-    jobs = [Job(key, worker.sampled_truth, (i.case.id, i.p.given, delays), computes=True) for key, (i, delays) in missing.items()]
+    missing = {
+        key: instance for key, instance in zip(keys, instances, strict=True) if key not in found
+    }
+    jobs = [
+        Job(key, worker.sampled_truth, (i.case.id, i.p.given, delays), computes=True)
+        for key, (i, delays) in missing.items()
+    ]
     for done, (job, result) in enumerate(schedule.results(jobs), 1):
         if isinstance(result, Failure):
             found[job.key] = no_truth(f"{FAILED}{result.kind}: {result.sentence}")
@@ -44,7 +54,9 @@ def sampled_truths(
 
 
 def truth_key(instance: Instance, delays: tuple[float, ...] = ()) -> str:
-    """sha256 of all that can change a sampled truth: case, parameters, samples, its code, python-flint."""
+    """sha256 of all that can change a sampled truth: case, parameters, samples, its code,
+    python-flint.
+    """
     asked = [instance.case.id, instance.p.texts(), instance.times.tolist(), *delays]
     digest = hashlib.sha256(msgspec.json.encode(asked))
     source = fingerprint.of_source("truth", "core/truth.py", "core/case.py")
@@ -53,7 +65,9 @@ def truth_key(instance: Instance, delays: tuple[float, ...] = ()) -> str:
 
 
 def _of_case(instance: Instance) -> str:
-    """Digest of a case's code: all files of refdem that its truth can reach, or the package of one's own that brings it."""
+    """Digest of a case's code: all files of refdem that its truth can reach, or the package of
+    one's own that brings it.
+    """
     own = digest_of(instance.case.id)
     if own:
         return own
@@ -64,4 +78,14 @@ def _of_case(instance: Instance) -> str:
 
 def no_truth(reason: str) -> SampledTruth:
     """What stands in for a truth that could not be made."""
-    return SampledTruth(t=[], values={}, radii={}, sensitivity=[], scalars={}, method="not certified", witness="", until=0, reason=reason)
+    return SampledTruth(
+        t=[],
+        values={},
+        radii={},
+        sensitivity=[],
+        scalars={},
+        method="not certified",
+        witness="",
+        until=0,
+        reason=reason,
+    )

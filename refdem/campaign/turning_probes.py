@@ -54,10 +54,18 @@ def turning_probes() -> tuple[Probe, ...]:
     return (*_tumbles(), *_pulled(), *_swung())
 
 
-def _integrated(name: str, shows: str, bodies: list[Body], elements: list[Element], *, backwards: bool = False) -> Probe:
+def _integrated(
+    name: str, shows: str, bodies: list[Body], elements: list[Element], *, backwards: bool = False
+) -> Probe:
     """A probe whose motion is that of probe_motion."""
     scene = Scene.of(bodies, elements)
-    return Probe(name=name, shows=shows, scene=scene, expected=lambda t: motion(scene, t), backwards=backwards)
+    return Probe(
+        name=name,
+        shows=shows,
+        scene=scene,
+        expected=lambda t: motion(scene, t),
+        backwards=backwards,
+    )
 
 
 def _tumbles() -> tuple[Probe, ...]:
@@ -65,14 +73,26 @@ def _tumbles() -> tuple[Probe, ...]:
     down_z = UniformGravity(g=(0.0, 0.0, -9.75))
     askew = UniformGravity(g=(2.0, -1.0, 3.0))
     flat = UniformGravity(g=(3.0, -9.75, 0.0))
-    own = "position and velocity of the centre of mass, the attitude's side and order, omega's and the inertia's axes"
+    own = (
+        "position and velocity of the centre of mass, the attitude's side and order, omega's and"
+        " the inertia's axes"
+    )
     return (
         _integrated("flat throw", own, [FLAT], [flat]),
         _integrated("tumble", own, [TUMBLING], []),
         _integrated("tumbling throw", own, [TUMBLING], [down_z]),
-        _integrated("two tumbling", "which number belongs to which body", [TUMBLING, OTHER], [askew]),
-        _integrated("two in the other order", "which number belongs to which body", [OTHER, TUMBLING], [askew]),
-        _integrated("tumble backwards", "time that runs backwards", [TUMBLING], [down_z], backwards=True),
+        _integrated(
+            "two tumbling", "which number belongs to which body", [TUMBLING, OTHER], [askew]
+        ),
+        _integrated(
+            "two in the other order",
+            "which number belongs to which body",
+            [OTHER, TUMBLING],
+            [askew],
+        ),
+        _integrated(
+            "tumble backwards", "time that runs backwards", [TUMBLING], [down_z], backwards=True
+        ),
     )
 
 
@@ -80,12 +100,20 @@ def _pulled() -> tuple[Probe, ...]:
     """Springs that are fixed to bodies off their centres."""
     anchored = "anchors off the centre, in body axes, and their torque"
     to_wall = Spring(a=0, stiffness=8.0, length=0.5, anchor_a=LEVER, anchor_b=(-0.5, 1.0, 2.0))
-    flat_to_wall = Spring(a=0, stiffness=8.0, length=0.5, anchor_a=FLAT_LEVER, anchor_b=(-0.5, 1.0, 0.0))
-    between = Spring(a=1, b=0, stiffness=8.0, length=0.5, anchor_a=LEVER, anchor_b=(-0.25, 0.5, 1.0))
+    flat_to_wall = Spring(
+        a=0, stiffness=8.0, length=0.5, anchor_a=FLAT_LEVER, anchor_b=(-0.5, 1.0, 0.0)
+    )
+    between = Spring(
+        a=1, b=0, stiffness=8.0, length=0.5, anchor_a=LEVER, anchor_b=(-0.25, 0.5, 1.0)
+    )
     at_centres = Spring(a=1, b=0, stiffness=8.0, length=0.5)
-    points = [Body(mass=b.mass, position=b.position, velocity=b.velocity) for b in (TUMBLING, OTHER)]
+    points = [
+        Body(mass=b.mass, position=b.position, velocity=b.velocity) for b in (TUMBLING, OTHER)
+    ]
     return (
-        _integrated("spring between points", "both ends of a spring, and its length", points, [at_centres]),
+        _integrated(
+            "spring between points", "both ends of a spring, and its length", points, [at_centres]
+        ),
         _integrated("spring off the centre in a plane", anchored, [FLAT], [flat_to_wall]),
         _integrated("spring off the centre", anchored, [TUMBLING], [to_wall]),
         _integrated("spring between two bodies", anchored, [TUMBLING, OTHER], [between]),
@@ -93,7 +121,9 @@ def _pulled() -> tuple[Probe, ...]:
 
 
 def _swung() -> tuple[Probe, ...]:
-    """A body on a ball joint off its centre, which turns steadily about a principal axis through the pivot, parallel to z."""
+    """A body on a ball joint off its centre, which turns steadily about a principal axis through
+    the pivot, parallel to z.
+    """
     pivot = np.array([0.5, -1.0, 0.25])
     anchor = np.array([-0.5, 0.75, 0.0])
     attitude = np.array([0.8, 0.0, 0.0, 0.6])
@@ -124,4 +154,6 @@ def _swung() -> tuple[Probe, ...]:
     )
     joint = BallJoint(a=0, anchor_a=tuple(anchor.tolist()), anchor_b=tuple(pivot.tolist()))
     shows = "the anchor of a joint, in body axes, and the pivot"
-    return (Probe(name="ball joint", shows=shows, scene=Scene.of([body], [joint]), expected=expected),)
+    return (
+        Probe(name="ball joint", shows=shows, scene=Scene.of([body], [joint]), expected=expected),
+    )

@@ -1,4 +1,6 @@
-"""What runs in a worker process: one truth or one run, bytes in and bytes out, an engine's fault turned into a Failure."""
+"""What runs in a worker process: one truth or one run, bytes in and bytes out, an engine's fault
+turned into a Failure.
+"""
 
 import math
 import time
@@ -23,7 +25,8 @@ class Reply(msgspec.Struct, frozen=True, kw_only=True):
 
 
 def sampled_truth(case: str, given: dict[str, str], delays: tuple[float, ...] = ()) -> bytes:
-    """The truth of an instance at its samples, and `delays` [s] before them, as MessagePack of SampledTruth.
+    """The truth of an instance at its samples, and `delays` [s] before them, as MessagePack of
+    SampledTruth.
 
     until = 0 and a reason if there is none.
     """
@@ -36,29 +39,50 @@ def sampled_truth(case: str, given: dict[str, str], delays: tuple[float, ...] = 
         truth = sampled(instance.truth(), instance.times.tolist(), delays)
     except (NotCertifiedError, UndecidedError) as error:
         truth = SampledTruth(
-            t=[], values={}, radii={}, sensitivity=[], scalars={}, method="not certified", witness="", until=0, reason=str(error)
+            t=[],
+            values={},
+            radii={},
+            sensitivity=[],
+            scalars={},
+            method="not certified",
+            witness="",
+            until=0,
+            reason=str(error),
         )
     return msgspec.msgpack.encode(truth)
 
 
 def run(engine: str, request: bytes, deadline: float = math.inf) -> bytes:
-    """One run of an engine, as MessagePack of Reply; none any more once the monotonic clock [s] has passed the deadline."""
+    """One run of an engine, as MessagePack of Reply; none any more once the monotonic clock [s] has
+    passed the deadline.
+    """
     return finished(stages(engine, request, deadline))
 
 
 def stages(engine: str, request: bytes, deadline: float = math.inf) -> Stages[bytes]:
     """The same in stages."""
     if time.monotonic() > deadline:  # of the system, the same in all its processes
-        failure = Failure(kind="budget", sentence="the time budget of the campaign was spent; raise engine.budget or run fewer cases")
+        failure = Failure(
+            kind="budget",
+            sentence=(
+                "the time budget of the campaign was spent; raise engine.budget or run fewer cases"
+            ),
+        )
         return msgspec.msgpack.encode(Reply(failure=failure))
     return msgspec.msgpack.encode((yield from _reply(engine, Request.unpacked(request))))
 
 
 def _reply(engine: str, request: Request) -> Stages[Reply]:
-    """Runs the request; the one place where an engine's exceptions, whatever they are, become a Failure."""
+    """Runs the request; the one place where an engine's exceptions, whatever they are, become a
+    Failure.
+    """
     try:
         found = discovery.engine(engine)
-        trajectory, cost = (yield from found.stages(request)) if isinstance(found, ProgramEngine) else found.run(request)
+        trajectory, cost = (
+            (yield from found.stages(request))
+            if isinstance(found, ProgramEngine)
+            else found.run(request)
+        )
         request.refuse_misaligned(trajectory.t, found.method(request.method).round_off)
     except UnsupportedError as error:
         return Reply(failure=Failure(kind="unsupported", sentence=one_line(str(error))))

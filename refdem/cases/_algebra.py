@@ -1,4 +1,6 @@
-"""What the two cases of rotation algebra share: from operations to the problem, its quantities and what an engine says."""
+"""What the two cases of rotation algebra share: from operations to the problem, its quantities and
+what an engine says.
+"""
 
 from abc import abstractmethod
 from typing import Any, ClassVar
@@ -22,7 +24,10 @@ X, Y, Z = [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]
 
 
 class AlgebraCase(Canonical):
-    """Rows of operations; a quantity is a result, with `.0`, `.1` ... where it has several numbers. `angles`: rows of angles."""
+    """Rows of operations; a quantity is a result, with `.0`, `.1` ... where it has several numbers.
+
+    `angles`: rows of angles.
+    """
 
     angles: ClassVar[frozenset[str]] = frozenset()
 
@@ -36,7 +41,10 @@ class AlgebraCase(Canonical):
 
     def problem(self, p: Parameters) -> Identity:
         """All rows."""
-        operations = [Operation(name=name, operation=operation, operands=operands) for name, operation, operands in self.rows(p)]
+        operations = [
+            Operation(name=name, operation=operation, operands=operands)
+            for name, operation, operands in self.rows(p)
+        ]
         return Identity(IdentityDocument(operations=operations))
 
     def scales(self, p: Parameters) -> Scales:
@@ -50,12 +58,19 @@ class AlgebraCase(Canonical):
         for name, operation, _ in self.rows(p):
             count = SIZES[operation][1]
             labels = [name] if count == 1 else [f"{name}.{i}" for i in range(count)]
-            found += [Quantity(label, "1", sizes.get(name, 1.0), angle=name in self.angles) for label in labels]
+            found += [
+                Quantity(label, "1", sizes.get(name, 1.0), angle=name in self.angles)
+                for label in labels
+            ]
         return tuple(found)
 
     def observe(self, p: Parameters, trajectory: Trajectory) -> dict[str, Array]:
         """What the engine could say."""
         seen: dict[str, Array] = {}
         for name, values in trajectory.values.items():
-            seen |= {name: values[:, 0]} if values.shape[1] == 1 else {f"{name}.{i}": values[:, i] for i in range(values.shape[1])}
+            seen |= (
+                {name: values[:, 0]}
+                if values.shape[1] == 1
+                else {f"{name}.{i}": values[:, i] for i in range(values.shape[1])}
+            )
         return seen

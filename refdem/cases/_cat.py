@@ -10,9 +10,20 @@ from refdem.errors import UsageError
 
 Array = NDArray[np.float64]
 HEAD = (
-    (12, -6), (14, 0), (13, 6), (12, 16), (5, 10), (-5, 10), (-12, 16),
-    (-13, 6), (-14, 0), (-12, -6), (-7, -11), (0, -13), (7, -11),
-)  # fmt: skip
+    (12, -6),
+    (14, 0),
+    (13, 6),
+    (12, 16),
+    (5, 10),
+    (-5, 10),
+    (-12, 16),
+    (-13, 6),
+    (-14, 0),
+    (-12, -6),
+    (-7, -11),
+    (0, -13),
+    (7, -11),
+)
 """Corners against the clock, in sixteenths of the size: cheeks, ears, chin."""
 SIXTEEN = 16
 
@@ -26,11 +37,16 @@ def corners(p: Parameters) -> list[tuple[Fraction, Fraction]]:
 
 
 def points(p: Parameters) -> Array:
-    """Place and rate (M, 2) of points evenly along every side; M is the next multiple of four times the number of sides."""
+    """Place and rate (M, 2) of points evenly along every side;
+
+    M is the next multiple of four times the number of sides.
+    """
     ends = np.array([[float(x) for x in corner] for corner in corners(p)])
     each = 4 * int(np.ceil(p.points / (4 * len(ends))))
     along = np.arange(each)[:, None] / each
-    sides = [(1 - along) * a + along * b for a, b in zip(ends, np.roll(ends, -1, axis=0), strict=True)]
+    sides = [
+        (1 - along) * a + along * b for a, b in zip(ends, np.roll(ends, -1, axis=0), strict=True)
+    ]
     return np.concatenate(sides)
 
 

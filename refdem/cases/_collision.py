@@ -1,4 +1,6 @@
-"""What the collision of two spheres needs: parameters, geometry and signs, and how long the contact lasts."""
+"""What the collision of two spheres needs: parameters, geometry and signs, and how long the contact
+lasts.
+"""
 
 import numpy as np
 
@@ -9,20 +11,64 @@ from refdem.scene import Body, Scene, Sphere
 from refdem.scene.elements.contact import Contact
 
 PARAMETERS = (
-    Parameter(name="masses", default="1,1", unit="kg", doc="of the two spheres", shape=(2,), above=0),
-    Parameter(name="radii", default="1/2,1/2", unit="m", doc="of the two spheres; inertia 2/5 m R^2", shape=(2,), above=0),
+    Parameter(
+        name="masses", default="1,1", unit="kg", doc="of the two spheres", shape=(2,), above=0
+    ),
+    Parameter(
+        name="radii",
+        default="1/2,1/2",
+        unit="m",
+        doc="of the two spheres; inertia 2/5 m R^2",
+        shape=(2,),
+        above=0,
+    ),
     Parameter(name="stiffness", default="128", unit="N/m", doc="normal spring", above=0),
     Parameter(name="damping", default="1", unit="kg/s", doc="normal dashpot", at_least=0),
-    Parameter(name="closing_speed", default="1", unit="m/s", doc="size of the relative velocity", above=0),
-    Parameter(name="tangential_stiffness", default="0", unit="N/m", doc="0: sliding friction of full size", at_least=0),
+    Parameter(
+        name="closing_speed", default="1", unit="m/s", doc="size of the relative velocity", above=0
+    ),
+    Parameter(
+        name="tangential_stiffness",
+        default="0",
+        unit="N/m",
+        doc="0: sliding friction of full size",
+        at_least=0,
+    ),
     Parameter(name="friction", default="0", unit="1", doc="Coulomb's coefficient", at_least=0),
-    Parameter(name="angle", default="0", unit="rad", doc="of the relative velocity from the normal", at_least=-1.5, at_most=1.5),
-    Parameter(name="spins", default="0,0,0,0,0,0", unit="rad/s", doc="omega of the first and of the second sphere", shape=(2, 3)),
-    Parameter(name="branch", default="R-d/2", unit="1", doc="lever arm of the tangential force", choices=("R", "R-d", "R-d/2")),
-    Parameter(name="cutoff", default="zero_overlap", unit="1", doc="when the force ends", choices=("zero_overlap", "zero_force")),
+    Parameter(
+        name="angle",
+        default="0",
+        unit="rad",
+        doc="of the relative velocity from the normal",
+        at_least=-1.5,
+        at_most=1.5,
+    ),
+    Parameter(
+        name="spins",
+        default="0,0,0,0,0,0",
+        unit="rad/s",
+        doc="omega of the first and of the second sphere",
+        shape=(2, 3),
+    ),
+    Parameter(
+        name="branch",
+        default="R-d/2",
+        unit="1",
+        doc="lever arm of the tangential force",
+        choices=("R", "R-d", "R-d/2"),
+    ),
+    Parameter(
+        name="cutoff",
+        default="zero_overlap",
+        unit="1",
+        doc="when the force ends",
+        choices=("zero_overlap", "zero_force"),
+    ),
 )
 POSITIONS_ARE_ROUNDED = 1 / 8
-"""A position near R is rounded to u R; round-off is judged as 8 u L, so that L must not be below R/8."""
+"""A position near R is rounded to u R; round-off is judged as 8 u L, so that L must not be below
+R/8.
+"""
 
 
 def effective_mass(p: Parameters) -> float:
@@ -31,7 +77,10 @@ def effective_mass(p: Parameters) -> float:
 
 
 def duration(p: Parameters) -> float | None:
-    """How long the contact lasts [s], for either cut-off; None for an over-damped overlap, which never ends."""
+    """How long the contact lasts [s], for either cut-off;
+
+    None for an over-damped overlap, which never ends.
+    """
     b, w0 = p.damping / (2 * effective_mass(p)), np.sqrt(p.stiffness / effective_mass(p))
     w = np.sqrt(abs(w0 * w0 - b * b))
     if p.cutoff == "zero_overlap":
@@ -46,32 +95,54 @@ def refuse(p: Parameters) -> None:
     deepest = p.closing_speed * np.sqrt(effective_mass(p) / p.stiffness)
     if deepest >= p.radii.sum():
         raise UsageError(
-            f"parameter closing_speed: got {p.closing_speed:g} m/s, which lets the overlap reach {deepest:g} m; "
-            f"expected it below the sum of the radii {p.radii.sum():g} m: take stiffer, slower or larger spheres"
+            f"parameter closing_speed: got {p.closing_speed:g} m/s, which lets the overlap reach"
+            f" {deepest:g} m; expected it below the sum of the radii {p.radii.sum():g} m: take"
+            " stiffer, slower or larger spheres"
         )
 
 
 def scene(p: Parameters) -> Scene:
     """Sphere 1 at x < 0, sphere 2 at x > 0, centre of mass at rest at the origin."""
     share = p.masses[::-1] / p.masses.sum()
-    gap, approach = p.radii.sum(), p.closing_speed * np.array([np.cos(p.angle), np.sin(p.angle), 0.0])
+    gap, approach = (
+        p.radii.sum(),
+        p.closing_speed * np.array([np.cos(p.angle), np.sin(p.angle), 0.0]),
+    )
     columns = zip(p.masses, p.radii, share, (1.0, -1.0), p.spins, strict=True)
     bodies = [
-        Body(mass=m, inertia=(0.4 * m * r * r,) * 3, shape=Sphere(radius=float(r)), omega=tuple(spin),
-             position=(-sign * part * gap, 0.0, 0.0), velocity=tuple(sign * part * approach))
+        Body(
+            mass=m,
+            inertia=(0.4 * m * r * r,) * 3,
+            shape=Sphere(radius=float(r)),
+            omega=tuple(spin),
+            position=(-sign * part * gap, 0.0, 0.0),
+            velocity=tuple(sign * part * approach),
+        )
         for m, r, part, sign, spin in columns
-    ]  # fmt: skip
-    numbers = {name: getattr(p, name) for name in ("stiffness", "damping", "tangential_stiffness", "friction", "branch", "cutoff")}
+    ]
+    numbers = {
+        name: getattr(p, name)
+        for name in ("stiffness", "damping", "tangential_stiffness", "friction", "branch", "cutoff")
+    }
     return Scene.of(bodies, [Contact(law="linear", **numbers)])
 
 
 def scales(p: Parameters) -> Scales:
-    """tau = contact duration/pi, but no longer than 1/w0 (near critical damping pi/w is) or an over-damped one's m/c; two contacts."""
+    """tau = contact duration/pi, but no longer than 1/w0 (near critical damping pi/w is) or an
+    over-damped one's m/c; two contacts.
+    """
     lasts, swing = duration(p), np.sqrt(effective_mass(p) / p.stiffness)
     relaxation = effective_mass(p) / p.damping if p.damping else np.inf
-    tau = float(min(lasts / np.pi if lasts else np.inf, swing if relaxation > swing / 2 else relaxation))
+    tau = float(
+        min(lasts / np.pi if lasts else np.inf, swing if relaxation > swing / 2 else relaxation)
+    )
     length = max(p.closing_speed * tau, float(p.radii.max()) * POSITIONS_ARE_ROUNDED)
-    return Scales(length=length, tau=tau, duration=2 * lasts if lasts else 2 * np.pi * tau, mass=effective_mass(p))
+    return Scales(
+        length=length,
+        tau=tau,
+        duration=2 * lasts if lasts else 2 * np.pi * tau,
+        mass=effective_mass(p),
+    )
 
 
 def spin_scale(p: Parameters) -> float:

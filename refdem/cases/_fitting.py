@@ -1,4 +1,6 @@
-"""Cases whose parameters must fit one another: each in bounds, a set of them may still be no body or no wheel."""
+"""Cases whose parameters must fit one another: each in bounds, a set of them may still be no body
+or no wheel.
+"""
 
 from refdem.core.case import Case
 from refdem.core.parameters import Parameters
@@ -9,12 +11,15 @@ class TopOnTip(Case):
     """A top whose moments J1 and J3 are about its tip, at `length` from the centre of mass."""
 
     def refuse(self, p: Parameters) -> None:
-        """Raises UsageError for moments about the tip that no body has whose centre of mass is so far from it."""
+        """Raises UsageError for moments about the tip that no body has whose centre of mass is so
+        far from it.
+        """
         across, along = p.inertia[0] - p.mass * p.length**2, p.inertia[1]
         if not (across >= 0 and along <= 2 * across):
             raise UsageError(
-                f"parameter inertia: got J1 = {p.inertia[0]:g} and J3 = {along:g} kg m^2; about the centre of mass that is "
-                f"J1 - mass length^2 = {across:g}; expected J3/2 or more: take a larger J1"
+                f"parameter inertia: got J1 = {p.inertia[0]:g} and J3 = {along:g} kg m^2; about the"
+                f" centre of mass that is J1 - mass length^2 = {across:g}; expected J3/2 or more:"
+                " take a larger J1"
             )
 
 
@@ -22,6 +27,11 @@ class StringOnWheel(Case):
     """A string that turns a wheel."""
 
     def refuse(self, p: Parameters) -> None:
-        """Raises UsageError for a wheel of no size that has inertia: the string would not turn it."""
+        """Raises UsageError for a wheel of no size that has inertia: the string would not turn
+        it.
+        """
         if p.wheel_radius == 0 and p.wheel_inertia != 0:
-            raise UsageError(f"parameter wheel_inertia: got {p.wheel_inertia:g} kg m^2 for wheel_radius=0; expected 0 there")
+            raise UsageError(
+                f"parameter wheel_inertia: got {p.wheel_inertia:g} kg m^2 for wheel_radius=0;"
+                " expected 0 there"
+            )

@@ -15,7 +15,9 @@ Array = NDArray[np.float64]
 
 MASS = Parameter(name="mass", default="1", unit="kg", doc="the point mass", above=0)
 STIFFNESS = Parameter(name="stiffness", default="1", unit="N/m", doc="the spring", above=0)
-DELTA = Parameter(name="delta", default="1/10", unit="1/s", doc="damping: half the dashpot per mass", at_least=0)
+DELTA = Parameter(
+    name="delta", default="1/10", unit="1/s", doc="damping: half the dashpot per mass", at_least=0
+)
 START = (
     Parameter(name="x0", default="1", unit="m", doc="place at the start"),
     Parameter(name="v0", default="0", unit="m/s", doc="velocity at the start"),
@@ -31,7 +33,12 @@ def scene(p: Parameters, *elements: Element) -> Scene:
 def scales(p: Parameters, shift: float = 0.0) -> Scales:
     """tau = sqrt(m/k); the length is the amplitude about `shift` [m], and the shift itself."""
     tau = float(np.sqrt(p.mass / p.stiffness))
-    return Scales(length=float(np.hypot(p.x0 - shift, p.v0 * tau)) + abs(shift), tau=tau, duration=20 * tau, mass=p.mass)
+    return Scales(
+        length=float(np.hypot(p.x0 - shift, p.v0 * tau)) + abs(shift),
+        tau=tau,
+        duration=20 * tau,
+        mass=p.mass,
+    )
 
 
 def damped_rate(square: float, delta: float) -> float:

@@ -1,4 +1,6 @@
-"""What the oscillators of 1 kg with a square or a cube in their spring share: scene, scales, and when they escape."""
+"""What the oscillators of 1 kg with a square or a cube in their spring share: scene, scales, and
+when they escape.
+"""
 
 from fractions import Fraction
 from typing import Any
@@ -15,27 +17,41 @@ from refdem.scene.elements.dashpot import Dashpot
 from refdem.scene.elements.spring import Spring
 
 ALPHA = Parameter(name="alpha", default="1", unit="1/s^2", doc="linear part of the spring per mass")
-BETA = Parameter(name="beta", default="1", unit="1/(m^2 s^2)", doc="cubic part of the spring per mass")
-ESCAPE = "the motion would go to infinity; expected a start below the escape energy, inside the well"
+BETA = Parameter(
+    name="beta", default="1", unit="1/(m^2 s^2)", doc="cubic part of the spring per mass"
+)
+ESCAPE = (
+    "the motion would go to infinity; expected a start below the escape energy, inside the well"
+)
 
 
 def scene(p: Parameters, stiffness: float, *elements: Element, **spring: Any) -> Scene:
-    """A point on the x axis, a spring at rest at the origin (anchored at -length), a dashpot beside it, and what else acts."""
+    """A point on the x axis, a spring at rest at the origin (anchored at -length), a dashpot beside
+    it, and what else acts.
+    """
     anchor = (-spring.get("length", 0.0), 0.0, 0.0)
     point = Body(mass=1.0, position=(p.x0, 0.0, 0.0), velocity=(p.v0, 0.0, 0.0))
     dashpot = [Dashpot(a=0, anchor_b=anchor, damping=2 * p.delta)] if p.delta else []
-    return Scene.of([point], [Spring(a=0, anchor_b=anchor, stiffness=stiffness, **spring), *dashpot, *elements])
+    return Scene.of(
+        [point], [Spring(a=0, anchor_b=anchor, stiffness=stiffness, **spring), *dashpot, *elements]
+    )
 
 
-def scales(p: Parameters, stiffness: float, length: float, curvature: float, *drives: float) -> Scales:
-    """tau from the largest stiffness |stiffness| + curvature [1/s^2] per mass, the damping and the drives."""
+def scales(
+    p: Parameters, stiffness: float, length: float, curvature: float, *drives: float
+) -> Scales:
+    """tau from the largest stiffness |stiffness| + curvature [1/s^2] per mass, the damping and the
+    drives.
+    """
     square = abs(stiffness) + abs(curvature)
     rate = float(max(damped_rate(square, p.delta), *drives))
     return Scales(length=length, tau=1 / rate, duration=20 / rate)
 
 
 def duffing_escapes(p: Parameters, x0: Any, v0: Any = Fraction(0)) -> bool:
-    """The motion from there, without damping and drive, is not bounded: exactly, at or beyond the rim of the well."""
+    """The motion from there, without damping and drive, is not bounded: exactly, at or beyond the
+    rim of the well.
+    """
     alpha: Any = p["alpha"]
     beta: Any = p["beta"]
     if beta > 0 or (beta == 0 and alpha > 0):
@@ -47,7 +63,9 @@ def duffing_escapes(p: Parameters, x0: Any, v0: Any = Fraction(0)) -> bool:
 
 
 def quadratic_escapes(w0: Any, eps: Any, x0: Any, v0: Any) -> bool:
-    """The motion under -w0^2 x - eps x^2 is not bounded: exactly, at or beyond the rim x = -w0^2/eps of the well."""
+    """The motion under -w0^2 x - eps x^2 is not bounded: exactly, at or beyond the rim x =
+    -w0^2/eps of the well.
+    """
     energy = v0**2 / 2 + w0**2 * x0**2 / 2 + eps * x0**3 / 3
     return bool(eps * x0 <= -(w0**2) or 6 * eps**2 * energy >= w0**6)
 
@@ -64,7 +82,8 @@ def duffing_reach(p: Parameters) -> float:
 def balanced_amplitude(p: Parameters) -> float:
     """The largest amplitude [m] that harmonic balance has for the drive (1.120).
 
-    With beta < 0 no more than the rim of the well; without damping and beta no more than grows in 20 shortest times.
+    With beta < 0 no more than the rim of the well; without damping and beta no more than grows in
+    20 shortest times.
     """
     alpha, beta = p.alpha, p.beta
     if beta == 0:

@@ -12,7 +12,9 @@ Array = NDArray[np.float64]
 def quantities(length: float, speed: float) -> tuple[Quantity, ...]:
     """Place and velocity, on the scales [m] and [m/s]."""
     kinds = (("", "m", length), ("v", "m/s", speed))
-    return tuple(Quantity(f"{kind}{axis}", unit, size) for kind, unit, size in kinds for axis in "xy")
+    return tuple(
+        Quantity(f"{kind}{axis}", unit, size) for kind, unit, size in kinds for axis in "xy"
+    )
 
 
 def observe(trajectory: Trajectory) -> dict[str, Array]:

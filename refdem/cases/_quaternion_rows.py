@@ -10,37 +10,83 @@ def rows(p: Parameters) -> list[Row]:
     """Algebra, then turns, then rates."""
     a, b, c, v, omega, rise = (x.tolist() for x in (p.p, p.q, p.r, p.vector, p.omega, p.rise))
     algebra = [
-        ("p-q", "product", [a, b]), ("q-p", "product", [b, a]), ("commutator", "difference", ["p-q", "q-p"]),
-        ("q-r", "product", [b, c]), ("left", "product", ["p-q", c]), ("right", "product", [a, "q-r"]),
-        ("conjugate-of-product", "conjugate", ["p-q"]), ("sum", "sum", [a, b]), ("conjugate-of-sum", "conjugate", ["sum"]),
-        ("inverse", "inverse", [b]), ("one", "product", [b, "inverse"]), ("absolute", "absolute", [b]), ("u", "unit", [b]),
-        ("real-product", "real-product", [a, b]), ("complex-product", "complex-product", [a, b]),
+        ("p-q", "product", [a, b]),
+        ("q-p", "product", [b, a]),
+        ("commutator", "difference", ["p-q", "q-p"]),
+        ("q-r", "product", [b, c]),
+        ("left", "product", ["p-q", c]),
+        ("right", "product", [a, "q-r"]),
+        ("conjugate-of-product", "conjugate", ["p-q"]),
+        ("sum", "sum", [a, b]),
+        ("conjugate-of-sum", "conjugate", ["sum"]),
+        ("inverse", "inverse", [b]),
+        ("one", "product", [b, "inverse"]),
+        ("absolute", "absolute", [b]),
+        ("u", "unit", [b]),
+        ("real-product", "real-product", [a, b]),
+        ("complex-product", "complex-product", [a, b]),
         ("complex-eigenvalue", "complex-eigenvalue", [b]),
-    ]  # fmt: skip
+    ]
     turns = [
-        ("rotated", "rotated", ["u", v]), ("-u", "negative", ["u"]), ("rotated-by-minus-u", "rotated", ["-u", v]),
-        ("matrix", "matrix-of-quaternion", ["u"]), ("back", "quaternion-of-matrix", ["matrix"]),
-        ("euler", "euler-of-matrix", ["matrix"]), ("turned-twice", "product", ["u", "u"]),
-            ("rotated-twice", "rotated", ["turned-twice", v]),
-    ]  # fmt: skip
+        ("rotated", "rotated", ["u", v]),
+        ("-u", "negative", ["u"]),
+        ("rotated-by-minus-u", "rotated", ["-u", v]),
+        ("matrix", "matrix-of-quaternion", ["u"]),
+        ("back", "quaternion-of-matrix", ["matrix"]),
+        ("euler", "euler-of-matrix", ["matrix"]),
+        ("turned-twice", "product", ["u", "u"]),
+        ("rotated-twice", "rotated", ["turned-twice", v]),
+    ]
     rates = [
-        ("rate", "rate", ["u", omega]), ("second-rate", "second-rate", ["u", omega, rise]), ("orthogonal", "dot", ["u", "rate"]),
-        ("rate-conjugate", "conjugate", ["rate"]), ("u-conjugate", "conjugate", ["u"]),
-        ("u-rate", "product", ["u", "rate-conjugate"]), ("rate-u", "product", ["rate", "u-conjugate"]),
-        ("anticommute", "sum", ["u-rate", "rate-u"]), ("omega-back", "omega-of-rate", ["u", "rate"]),
+        ("rate", "rate", ["u", omega]),
+        ("second-rate", "second-rate", ["u", omega, rise]),
+        ("orthogonal", "dot", ["u", "rate"]),
+        ("rate-conjugate", "conjugate", ["rate"]),
+        ("u-conjugate", "conjugate", ["u"]),
+        ("u-rate", "product", ["u", "rate-conjugate"]),
+        ("rate-u", "product", ["rate", "u-conjugate"]),
+        ("anticommute", "sum", ["u-rate", "rate-u"]),
+        ("omega-back", "omega-of-rate", ["u", "rate"]),
         ("omega-body", "body-omega-of-rate", ["u", "rate"]),
-    ]  # fmt: skip
+    ]
     return algebra + turns + rates
 
 
 def sizes(p: Parameters) -> dict[str, float]:
-    """Products of the sizes of what is multiplied; a turn moves its vector by twice an error of u, two turns by four times."""
-    a, b, c, v, w, rise = (float(np.linalg.norm(x)) or 1.0 for x in (p.p, p.q, p.r, p.vector, p.omega, p.rise))
-    one = dict.fromkeys(("p-q", "q-p", "commutator", "conjugate-of-product", "real-product", "complex-product"), a * b)
-    sums = dict.fromkeys(("sum", "conjugate-of-sum"), a + b) | dict.fromkeys(("absolute", "complex-eigenvalue"), b)
-    three = {"q-r": b * c, "left": a * b * c, "right": a * b * c, "inverse": 1 / b, "second-rate": rise + w * w}
+    """Products of the sizes of what is multiplied; a turn moves its vector by twice an error of u,
+    two turns by four times.
+    """
+    a, b, c, v, w, rise = (
+        float(np.linalg.norm(x)) or 1.0 for x in (p.p, p.q, p.r, p.vector, p.omega, p.rise)
+    )
+    one = dict.fromkeys(
+        ("p-q", "q-p", "commutator", "conjugate-of-product", "real-product", "complex-product"),
+        a * b,
+    )
+    sums = dict.fromkeys(("sum", "conjugate-of-sum"), a + b) | dict.fromkeys(
+        ("absolute", "complex-eigenvalue"), b
+    )
+    three = {
+        "q-r": b * c,
+        "left": a * b * c,
+        "right": a * b * c,
+        "inverse": 1 / b,
+        "second-rate": rise + w * w,
+    }
     vectors = dict.fromkeys(("rotated", "rotated-by-minus-u"), 2 * v) | {"rotated-twice": 4 * v}
-    rates = dict.fromkeys(("rate", "orthogonal", "rate-conjugate", "u-rate", "rate-u", "anticommute", "omega-back", "omega-body"), w)
+    rates = dict.fromkeys(
+        (
+            "rate",
+            "orthogonal",
+            "rate-conjugate",
+            "u-rate",
+            "rate-u",
+            "anticommute",
+            "omega-back",
+            "omega-body",
+        ),
+        w,
+    )
     return {**one, **sums, **three, **vectors, **rates, "euler": float(np.pi) * steepness(p)}
 
 

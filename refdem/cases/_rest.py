@@ -1,4 +1,7 @@
-"""The scenes of Newton's first law. All numbers are dyadic, so that every balance of forces is exact in binary64."""
+"""The scenes of Newton's first law.
+
+All numbers are dyadic, so that every balance of forces is exact in binary64.
+"""
 
 from collections.abc import Callable
 from fractions import Fraction
@@ -29,8 +32,12 @@ STIFFNESS = Fraction(8192)
 
 
 def free(velocity: Array, spin: float) -> Scene:
-    """A body with three different moments that flies with `velocity` (3,) [m/s] and spins about its third axis [rad/s]."""
-    return Scene.of([Body(mass=1.0, inertia=(0.5, 0.75, 1.0), velocity=tuple(velocity), omega=(0.0, 0.0, spin))])
+    """A body with three different moments that flies with `velocity` (3,) [m/s] and spins about its
+    third axis [rad/s].
+    """
+    return Scene.of(
+        [Body(mass=1.0, inertia=(0.5, 0.75, 1.0), velocity=tuple(velocity), omega=(0.0, 0.0, spin))]
+    )
 
 
 def _ground(contact: Contact) -> tuple[Element, ...]:
@@ -49,7 +56,15 @@ def heights(member: str) -> list[Fraction]:
 
 def _blocks(member: str) -> Scene:
     """Boxes exactly on top of each other, the lowest on the ground."""
-    bodies = [Body(mass=float(MASS), inertia=BLOCK_INERTIA, position=(0.0, 0.0, float(z)), shape=box(*SIDES)) for z in heights(member)]
+    bodies = [
+        Body(
+            mass=float(MASS),
+            inertia=BLOCK_INERTIA,
+            position=(0.0, 0.0, float(z)),
+            shape=box(*SIDES),
+        )
+        for z in heights(member)
+    ]
     return Scene.of(bodies, _ground(Contact(law="rigid", friction=0.5)))
 
 
@@ -64,17 +79,27 @@ def stack() -> Scene:
 
 
 def spheres() -> Scene:
-    """Two spheres, one on the other, each contact compressed by the weight above it over the stiffness."""
+    """Two spheres, one on the other, each contact compressed by the weight above it over the
+    stiffness.
+    """
     mass, radius = float(BALL_MASS), float(RADIUS)
     inertia = 0.4 * mass * radius**2
     bodies = [
-        Body(mass=mass, inertia=(inertia,) * 3, position=(0.0, 0.0, float(z)), shape=Sphere(radius=radius)) for z in heights("spheres")
+        Body(
+            mass=mass,
+            inertia=(inertia,) * 3,
+            position=(0.0, 0.0, float(z)),
+            shape=Sphere(radius=radius),
+        )
+        for z in heights("spheres")
     ]
     return Scene.of(bodies, _ground(Contact(law="linear", stiffness=float(STIFFNESS))))
 
 
 def balance(member: str) -> dict[str, Any]:
-    """Exact numbers of bodies on each other: weight of each, stiffness (0: rigid), heights of their centres, and how far these may come."""
+    """Exact numbers of bodies on each other: weight of each, stiffness (0: rigid), heights of their
+    centres, and how far these may come.
+    """
     places = heights(member)
     are_spheres = member == "spheres"
     half = RADIUS if are_spheres else HEIGHT / 2

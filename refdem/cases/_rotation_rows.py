@@ -62,6 +62,17 @@ def sizes(p: Parameters) -> dict[str, float]:
     omega, v = float(np.linalg.norm(p.omega)), float(np.linalg.norm(p.vector))
     steep = 1 / abs(np.sin(p.euler[1])), 1 / np.sin(p.near)
     energy = 2 * (np.pi * p.frequency) ** 2
-    rates = {"euler-rates": omega * steep[0] ** 2, "near-rates": omega * steep[1] ** 2, "near-quaternion-rate": omega}
+    rates = {
+        "euler-rates": omega * steep[0] ** 2,
+        "near-rates": omega * steep[1] ** 2,
+        "near-quaternion-rate": omega,
+    }
     energies = {"energy": energy, "frequency-energy": energy, "energy-ratio": 40.0}
-    return {"plane-turn": v, "complex-turn": v, "mirror": v, **rates, **energies, "euler-back": np.pi * steep[0]}
+    return {
+        "plane-turn": v,
+        "complex-turn": v,
+        "mirror": v,
+        **rates,
+        **energies,
+        "euler-back": np.pi * steep[0],
+    }

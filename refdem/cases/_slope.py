@@ -24,6 +24,10 @@ def scene(p: Parameters) -> Scene:
     sine, cosine = tilt(p)
     squares = np.square(SIDES)
     x, y, z = (p.mass / 12 * (squares.sum() - squares)).tolist()
-    block = Body(mass=p.mass, inertia=(x, y, z), position=(0.0, SIDES[1] / 2, 0.0), shape=box(*SIDES))
+    block = Body(
+        mass=p.mass, inertia=(x, y, z), position=(0.0, SIDES[1] / 2, 0.0), shape=box(*SIDES)
+    )
     gravity = UniformGravity(g=(p.gravity * sine, -p.gravity * cosine, 0.0))
-    return Scene.of([block], [Plane(normal=(0.0, 1.0, 0.0)), gravity, Contact(law="rigid", friction=p.friction)])
+    return Scene.of(
+        [block], [Plane(normal=(0.0, 1.0, 0.0)), gravity, Contact(law="rigid", friction=p.friction)]
+    )

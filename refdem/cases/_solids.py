@@ -1,4 +1,6 @@
-"""The solids of moments-of-inertia: Table 1.1, its limits, hollow ones, plates, points, and what is not convex."""
+"""The solids of moments-of-inertia: Table 1.1, its limits, hollow ones, plates, points, and what is
+not convex.
+"""
 
 from typing import Any
 
@@ -20,11 +22,15 @@ def polyhedron(vertices: Any, faces: Any) -> Polyhedron:
 def pyramid(a: float, b: float, c: float) -> Polyhedron:
     """Base a by b in z = 0 about the origin, apex at (0, 0, c)."""
     base = [(-a / 2, -b / 2, 0.0), (a / 2, -b / 2, 0.0), (a / 2, b / 2, 0.0), (-a / 2, b / 2, 0.0)]
-    return polyhedron([*base, (0.0, 0.0, c)], [(0, 3, 2, 1), (0, 1, 4), (1, 2, 4), (2, 3, 4), (3, 0, 4)])
+    return polyhedron(
+        [*base, (0.0, 0.0, c)], [(0, 3, 2, 1), (0, 1, 4), (1, 2, 4), (2, 3, 4), (3, 0, 4)]
+    )
 
 
 def wedge(left: float, right: float, top: float, height: float, depth: float) -> Polyhedron:
-    """A prism over the triangle left .. right at z = 0 with its tip above `top`, `depth` deep along y."""
+    """A prism over the triangle left .. right at z = 0 with its tip above `top`, `depth` deep along
+    y.
+    """
     ends = [[(left, y, 0.0), (right, y, 0.0), (top, y, height)] for y in (-depth / 2, depth / 2)]
     return polyhedron(ends[0] + ends[1], [tuple(reversed(face)) for face in PRISM])
 
@@ -46,8 +52,13 @@ def angle(a: float, b: float, c: float) -> Polyhedron:
 def solids(p: Parameters) -> list[Piece]:
     """Every solid, by the names that truth has for it."""
     a, b, c, hollow = p.a, p.b, p.c, p.hollow
-    corner = polyhedron([(0.0, 0.0, 0.0), (a, 0.0, 0.0), (0.0, b, 0.0), (0.0, 0.0, c)], [(0, 2, 1), (0, 1, 3), (0, 3, 2), (1, 2, 3)])
-    points = Points(mass=(1.0, 2.0, 3.0, 4.0), position=((0.0, 0.0, 0.0), (a, 0.0, 0.0), (a, b, 0.0), (a, b, c)))
+    corner = polyhedron(
+        [(0.0, 0.0, 0.0), (a, 0.0, 0.0), (0.0, b, 0.0), (0.0, 0.0, c)],
+        [(0, 2, 1), (0, 1, 3), (0, 3, 2), (1, 2, 3)],
+    )
+    points = Points(
+        mass=(1.0, 2.0, 3.0, 4.0), position=((0.0, 0.0, 0.0), (a, 0.0, 0.0), (a, b, 0.0), (a, b, c))
+    )
     cuboid, cylinder = Cuboid(sides=(a, b, c)), Cylinder(half_axes=(a, a), height=c)
     shapes: dict[str, Any] = {
         "cuboid": cuboid,
@@ -67,14 +78,45 @@ def solids(p: Parameters) -> list[Piece]:
         "hollow-cylinder": (cylinder, Cylinder(half_axes=(a * hollow, a * hollow), height=c)),
     }
     found = [Piece(name=name, shape=shape, density=p.density) for name, shape in shapes.items()]
-    found += [Piece(name=name, shape=whole, hollow=part, density=p.density) for name, (whole, part) in inner.items()]
-    found += [Piece(name="turned-tetrahedron", shape=corner, density=p.density, attitude=tuple(p.attitude.tolist()))]
-    return [*found, Piece(name="cuboid-at-corner", shape=cuboid, density=p.density, about=(a / 2, b / 2, c / 2))]
+    found += [
+        Piece(name=name, shape=whole, hollow=part, density=p.density)
+        for name, (whole, part) in inner.items()
+    ]
+    found += [
+        Piece(
+            name="turned-tetrahedron",
+            shape=corner,
+            density=p.density,
+            attitude=tuple(p.attitude.tolist()),
+        )
+    ]
+    return [
+        *found,
+        Piece(
+            name="cuboid-at-corner", shape=cuboid, density=p.density, about=(a / 2, b / 2, c / 2)
+        ),
+    ]
 
 
 def volume(name: str, p: Parameters) -> float:
-    """About the volume [m^3] of a solid (area of a plate [m^2]), of a hollow one with its hollow: the scale of its mass."""
-    areas = {"triangle": p.b * p.c / 2, "angle-plate": p.a * p.b * 3 / 4, "hollow-cylinder": np.pi * p.a**2 * p.c}
-    shares = {"tetrahedron": 1 / 6, "turned-tetrahedron": 1 / 6, "rectangular-pyramid": 1 / 3, "ellipsoid": 4 * np.pi / 3}
-    shares |= {"elliptical-cylinder": np.pi, "right-angle-wedge": 1 / 2, "isosceles-wedge": 1 / 2, "angle": 3 / 4}
+    """About the volume [m^3] of a solid (area of a plate [m^2]), of a hollow one with its hollow:
+    the scale of its mass.
+    """
+    areas = {
+        "triangle": p.b * p.c / 2,
+        "angle-plate": p.a * p.b * 3 / 4,
+        "hollow-cylinder": np.pi * p.a**2 * p.c,
+    }
+    shares = {
+        "tetrahedron": 1 / 6,
+        "turned-tetrahedron": 1 / 6,
+        "rectangular-pyramid": 1 / 3,
+        "ellipsoid": 4 * np.pi / 3,
+    }
+    shares |= {
+        "elliptical-cylinder": np.pi,
+        "right-angle-wedge": 1 / 2,
+        "isosceles-wedge": 1 / 2,
+        "angle": 3 / 4,
+    }
     return float(areas.get(name, p.a * p.b * p.c * shares.get(name, 1.0)))

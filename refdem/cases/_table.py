@@ -12,12 +12,16 @@ def exact(p: Parameters, name: str) -> tuple[Fraction, Fraction]:
 
 
 def refuse_outside(p: Parameters) -> None:
-    """Raises UsageError for a start that is not inside, no direction, or a stadium that is wider than long."""
+    """Raises UsageError for a start that is not inside, no direction, or a stadium that is wider
+    than long.
+    """
     (a, b), (x, y), stadium = exact(p, "size"), exact(p, "start"), p["geometry"] == "stadium"
     if not any(exact(p, "direction")):
         raise UsageError("parameter direction: got 0,0; expected a vector that is not zero")
     if stadium and a < b:
-        raise UsageError(f"parameter size: got {a},{b}; expected a stadium at least as long as it is wide")
+        raise UsageError(
+            f"parameter size: got {a},{b}; expected a stadium at least as long as it is wide"
+        )
     beyond = max(abs(x) - (a - b) / 2, Fraction(0)) if stadium else Fraction(0)
     if not (2 * abs(x) < a and 4 * (beyond * beyond + y * y) < b * b):
         raise UsageError(f"parameter start: got {x},{y}; expected a place inside the table")

@@ -1,4 +1,6 @@
-"""The box of case neglected-gyroscopic on its slope: parameters, scene and what does not go together."""
+"""The box of case neglected-gyroscopic on its slope: parameters, scene and what does not go
+together.
+"""
 
 from typing import Any
 
@@ -18,11 +20,42 @@ FREE, SLOPE = "free", "slope"
 PARAMETERS = (
     Parameter(name="mass", default="0.12", unit="kg", doc="m", above=0),
     Parameter(name="gravity", default="9.8125", unit="m/s^2", doc="slope alone: along -z", above=0),
-    Parameter(name="slope", default="1/2", unit="rad", doc="slope alone: its angle; it falls along +x", at_least=0, at_most=1.5),
-    Parameter(name="height", default="1/10", unit="m", doc="slope alone: z of the centre at the start, above the origin", above=0),
-    Parameter(name="stiffness", default="1e5", unit="N/m", doc="slope alone: of a corner's contact", above=0),
-    Parameter(name="damping", default="4", unit="N s/m", doc="slope alone: of a corner's contact", at_least=0),
-    Parameter(name="friction", default="1/5", unit="1", doc="slope alone: of full size against the slip of a corner", at_least=0),
+    Parameter(
+        name="slope",
+        default="1/2",
+        unit="rad",
+        doc="slope alone: its angle; it falls along +x",
+        at_least=0,
+        at_most=1.5,
+    ),
+    Parameter(
+        name="height",
+        default="1/10",
+        unit="m",
+        doc="slope alone: z of the centre at the start, above the origin",
+        above=0,
+    ),
+    Parameter(
+        name="stiffness",
+        default="1e5",
+        unit="N/m",
+        doc="slope alone: of a corner's contact",
+        above=0,
+    ),
+    Parameter(
+        name="damping",
+        default="4",
+        unit="N s/m",
+        doc="slope alone: of a corner's contact",
+        at_least=0,
+    ),
+    Parameter(
+        name="friction",
+        default="1/5",
+        unit="1",
+        doc="slope alone: of full size against the slip of a corner",
+        at_least=0,
+    ),
 )
 
 
@@ -38,19 +71,33 @@ def refuse(p: Parameters) -> None:
     if p.member == FREE:
         return
     if not squares(p).min() > 0:
-        raise UsageError(f"parameter inertia: got {p.texts()['inertia']}; expected that of a box: each less than the sum of the others")
+        raise UsageError(
+            f"parameter inertia: got {p.texts()['inertia']}; expected that of a box: each less than"
+            " the sum of the others"
+        )
     if not p.height * np.cos(p.slope) > np.sqrt(squares(p).sum()) / 2:
-        raise UsageError(f"parameter height: got {p.height:g} m; expected a box above the slope, however it is turned")
+        raise UsageError(
+            f"parameter height: got {p.height:g} m; expected a box above the slope, however it is"
+            " turned"
+        )
 
 
 def scene(p: Parameters) -> Scene:
-    """The box, alone at the origin or above a slope through it: contact at its corners, no force once it would pull."""
+    """The box, alone at the origin or above a slope through it: contact at its corners, no force
+    once it would pull.
+    """
     attitude = p.attitude / np.linalg.norm(p.attitude)
-    moving: dict[str, Any] = {"velocity": tuple(p.velocity), "attitude": tuple(attitude), "omega": tuple(rotated(attitude, p.omega_body))}
+    moving: dict[str, Any] = {
+        "velocity": tuple(p.velocity),
+        "attitude": tuple(attitude),
+        "omega": tuple(rotated(attitude, p.omega_body)),
+    }
     if p.member == FREE:
         return Scene.of([Body(mass=p.mass, inertia=tuple(p.inertia), **moving)])
     shape = box(*np.sqrt(squares(p)).tolist())
-    body = Body(mass=p.mass, inertia=tuple(p.inertia), position=(0.0, 0.0, p.height), shape=shape, **moving)
+    body = Body(
+        mass=p.mass, inertia=tuple(p.inertia), position=(0.0, 0.0, p.height), shape=shape, **moving
+    )
     law = {name: getattr(p, name) for name in ("stiffness", "damping", "friction")}
     contact = Contact(law="linear", branch="R", cutoff="zero_force", **law)
     plane = Plane(normal=(float(np.sin(p.slope)), 0.0, float(np.cos(p.slope))))

@@ -1,4 +1,6 @@
-"""A particle crosses an asymmetric field of force and gains energy; coming back it loses as much (1.139)."""
+"""A particle crosses an asymmetric field of force and gains energy; coming back it loses as much
+(1.139).
+"""
 
 import numpy as np
 
@@ -19,8 +21,9 @@ class AsymmetricField(Case):
     id = "asymmetric-field"
     title = "Asymmetric field of force"
     statement = (
-        "A force that rises from x1 to 0 and falls more steeply, or less, to x2 pushes all that crosses it forward: kinetic energy "
-        "appears. On the way back it disappears again, to the same amount: kinetic energy plus minus the integral of the force stays."
+        "A force that rises from x1 to 0 and falls more steeply, or less, to x2 pushes all that"
+        " crosses it forward: kinetic energy appears. On the way back it disappears again, to the"
+        " same amount: kinetic energy plus minus the integral of the force stays."
     )
     latex = (
         r"F=k_1(x-x_1)\ (x_1<x<0),\quad F=k_2x-k_1x_1\ (0<x<x_2),\quad k_2=\frac{k_1x_1}{x_2},\quad"
@@ -29,19 +32,34 @@ class AsymmetricField(Case):
     source = "Matuttis and Chen 2014, chapter 1, (1.139) and (1.140), fig. 1.37"
     parameters = (
         Parameter(name="mass", default="1", unit="kg", doc="the particle", above=0),
-        Parameter(name="k1", default="1", unit="N/m", doc="slope of the force from x1 to 0; the other follows", above=0),
-        Parameter(name="x1", default="-1", unit="m", doc="where the force begins, below 0", at_most=0),
+        Parameter(
+            name="k1",
+            default="1",
+            unit="N/m",
+            doc="slope of the force from x1 to 0; the other follows",
+            above=0,
+        ),
+        Parameter(
+            name="x1", default="-1", unit="m", doc="where the force begins, below 0", at_most=0
+        ),
         Parameter(name="x2", default="1/2", unit="m", doc="where it ends, above 0", above=0),
         Parameter(name="x0", default="-5/4", unit="m", doc="place at the start"),
         Parameter(name="v0", default="1", unit="m/s", doc="velocity at the start"),
     )
 
     def refuse(self, p: Parameters) -> None:
-        """Raises UsageError for a field without a rising flank, and for a particle that nothing ever moves."""
+        """Raises UsageError for a field without a rising flank, and for a particle that nothing
+        ever moves.
+        """
         if p.x1 == 0:
-            raise UsageError("parameter x1: got 0; expected it below 0: the force rises from there to 0")
+            raise UsageError(
+                "parameter x1: got 0; expected it below 0: the force rises from there to 0"
+            )
         if p.v0 == 0 and not p.x1 < p.x0 < p.x2:
-            raise UsageError("parameters x0 and v0: got a start at rest outside the field; expected one at which something moves")
+            raise UsageError(
+                "parameters x0 and v0: got a start at rest outside the field; expected one at which"
+                " something moves"
+            )
 
     def scene(self, p: Parameters) -> Scene:
         """The particle and the field."""
@@ -49,13 +67,17 @@ class AsymmetricField(Case):
         return Scene.of([point], [PiecewiseField(k1=p.k1, k2=p.k1 * p.x1 / p.x2, x1=p.x1, x2=p.x2)])
 
     def scales(self, p: Parameters) -> Scales:
-        """Width of the field; tau of its steeper flank, or the time to cross it if that is shorter; there and a bit beyond."""
+        """Width of the field; tau of its steeper flank, or the time to cross it if that is shorter;
+        there and a bit beyond.
+        """
         width, pushed = p.x2 - p.x1, np.sqrt(p.v0**2 - p.k1 * p.x1 * (p.x2 - p.x1) / p.mass)
         swing = np.sqrt(p.mass / (p.k1 * max(1.0, -p.x1 / p.x2)))
         tau = float(min(swing, width / pushed))
         way = width + max(0.0, p.x1 - p.x0, p.x0 - p.x2)
         slow = abs(p.v0) if not p.x1 < p.x0 < p.x2 else max(abs(p.v0), width / float(swing))
-        return Scales(length=max(width, abs(p.x0)), tau=tau, duration=float(2 * way / slow), mass=p.mass)
+        return Scales(
+            length=max(width, abs(p.x0)), tau=tau, duration=float(2 * way / slow), mass=p.mass
+        )
 
     def quantities(self, p: Parameters) -> tuple[Quantity, ...]:
         """Place and velocity."""

@@ -1,4 +1,6 @@
-"""Billiards in a rectangle and in a stadium (fig. 1.33): the shape of the wall alone decides between order and chaos."""
+"""Billiards in a rectangle and in a stadium (fig. 1.33): the shape of the wall alone decides
+between order and chaos.
+"""
 
 from typing import ClassVar
 
@@ -20,20 +22,54 @@ class Billiards(IterationCase):
     id = "billiards"
     title = "Billiards"
     statement = (
-        "A point flies straight at constant speed and is reflected by the wall of its table. In a rectangle neighbouring paths stay "
-        "parallel: mirrored tables side by side make one straight line of them, and place and direction after any number of bounces "
-        "follow from whole numbers. In a stadium the half circles focus beams that then spread: errors grow exponentially, a run in "
-        "binary64 is scored for a few dozen bounces; but speed it must keep, and bounce on the wall, for ever. A path that meets a "
-        "corner has no continuation; there truth ends, and says so."
+        "A point flies straight at constant speed and is reflected by the wall of its table. In a"
+        " rectangle neighbouring paths stay parallel: mirrored tables side by side make one"
+        " straight line of them, and place and direction after any number of bounces follow from"
+        " whole numbers. In a stadium the half circles focus beams that then spread: errors grow"
+        " exponentially, a run in binary64 is scored for a few dozen bounces; but speed it must"
+        " keep, and bounce on the wall, for ever. A path that meets a corner has no continuation;"
+        " there truth ends, and says so."
     )
-    latex = r"\mathbf r_{n+1}=\mathbf r_n+t_n\mathbf u_n,\qquad \mathbf u_{n+1}=\mathbf u_n-2(\mathbf n\cdot\mathbf u_n)\,\mathbf n"
+    latex = (
+        r"\mathbf r_{n+1}=\mathbf r_n+t_n\mathbf u_n,\qquad \mathbf u_{n+1}=\mathbf u_n-2(\mathbf"
+        r" n\cdot\mathbf u_n)\,\mathbf n"
+    )
     source = "Matuttis and Chen 2014, chapter 1, 1.6.4, fig. 1.33; Bunimovich 1979"
     parameters = (
-        Parameter(name="geometry", default="stadium", unit="", doc="shape of the table", choices=("rectangle", "stadium")),
-        Parameter(name="start", default="1/4,1/8", unit="m", doc="a place inside the table", shape=(2,)),
-        Parameter(name="direction", default="4,3", unit="1", doc="of any length but 0; the speed does not matter", shape=(2,)),
-        Parameter(name="n", default="32", unit="1", doc="number of bounces", at_least=1, at_most=10_000_000, whole=True),
-        Parameter(name="size", default="4,2", unit="m", doc="length and width of the table", shape=(2,), above=0),
+        Parameter(
+            name="geometry",
+            default="stadium",
+            unit="",
+            doc="shape of the table",
+            choices=("rectangle", "stadium"),
+        ),
+        Parameter(
+            name="start", default="1/4,1/8", unit="m", doc="a place inside the table", shape=(2,)
+        ),
+        Parameter(
+            name="direction",
+            default="4,3",
+            unit="1",
+            doc="of any length but 0; the speed does not matter",
+            shape=(2,),
+        ),
+        Parameter(
+            name="n",
+            default="32",
+            unit="1",
+            doc="number of bounces",
+            at_least=1,
+            at_most=10_000_000,
+            whole=True,
+        ),
+        Parameter(
+            name="size",
+            default="4,2",
+            unit="m",
+            doc="length and width of the table",
+            shape=(2,),
+            above=0,
+        ),
     )
     chaotic_at: ClassVar = {"geometry": "stadium"}
 
@@ -42,9 +78,13 @@ class Billiards(IterationCase):
         refuse_outside(p)
 
     def is_chaotic(self, p: Parameters) -> bool | None:
-        """The stadium is if it has straight walls, but for paths along an axis; rectangles and circles never."""
+        """The stadium is if it has straight walls, but for paths along an axis; rectangles and
+        circles never.
+        """
         a, b = exact(p, "size")
-        return False if p["geometry"] == "rectangle" or a == b else all(exact(p, "direction")) or None
+        return (
+            False if p["geometry"] == "rectangle" or a == b else all(exact(p, "direction")) or None
+        )
 
     def problem(self, p: Parameters) -> Iteration:
         """Place and unit direction from bounce to bounce."""
@@ -59,12 +99,19 @@ class Billiards(IterationCase):
     def quantities(self, p: Parameters) -> tuple[Quantity, ...]:
         """Place of bounce n, and the direction after it."""
         units = (("position", "m", self.scales(p).length), ("direction", "1", 1.0))
-        return tuple(Quantity(f"{name}.{a}", unit, scale) for name, unit, scale in units for a in "xy")
+        return tuple(
+            Quantity(f"{name}.{a}", unit, scale) for name, unit, scale in units for a in "xy"
+        )
 
     def observe(self, p: Parameters, trajectory: Trajectory) -> dict[str, Array]:
         """Place and direction."""
         seen = trajectory.values
-        return {f"{name}.{a}": seen[name][:, i] for name in ("position", "direction") if name in seen for i, a in enumerate("xy")}
+        return {
+            f"{name}.{a}": seen[name][:, i]
+            for name in ("position", "direction")
+            if name in seen
+            for i, a in enumerate("xy")
+        }
 
     def truth(self, p: Parameters) -> Truth:
         """Unfolding of the rectangle; the collision map of the stadium with a proven itinerary."""

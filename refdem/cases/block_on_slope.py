@@ -1,4 +1,6 @@
-"""A block on a slope under Coulomb friction: it stays for ever, or slides with constant acceleration (chapter 1, section 1.5)."""
+"""A block on a slope under Coulomb friction: it stays for ever, or slides with constant
+acceleration (chapter 1, section 1.5).
+"""
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,23 +23,49 @@ class BlockOnSlope(Case):
     id = "block-on-slope"
     title = "Block on a slope"
     statement = (
-        "A block is put on a slope and let go. Where the coefficient of friction is at least the slope's tangent, the boundary included, "
-        "it does not move, however long one waits; where it is less, it slides down with constant acceleration."
+        "A block is put on a slope and let go. Where the coefficient of friction is at least the"
+        " slope's tangent, the boundary included, it does not move, however long one waits; where"
+        " it is less, it slides down with constant acceleration."
     )
-    latex = r"s=\begin{cases}0&\mu\ge\tan\alpha\\ \tfrac12g(\sin\alpha-\mu\cos\alpha)t^2&\mu<\tan\alpha\end{cases}"
+    latex = (
+        r"s=\begin{cases}0&\mu\ge\tan\alpha\\"
+        r" \tfrac12g(\sin\alpha-\mu\cos\alpha)t^2&\mu<\tan\alpha\end{cases}"
+    )
     source = "Matuttis and Chen 2014, chapter 1, section 1.5.4: Sgn(0) = [-1, 1]; Coulomb 1785"
     parameters = (
         Parameter(name="mass", default="3", unit="kg", doc="of the block", above=0),
-        Parameter(name="friction", default="3/4", unit="1", doc="coefficient of static and sliding friction", at_least=0),
-        Parameter(name="slope", default="3/4", unit="1", doc="tangent of the angle: 3 down and 4 along", at_least=0),
-        Parameter(name="angle", default="", unit="rad", doc="of the slope; if given, `slope` does not count", at_least=0, at_most=1.4464),
+        Parameter(
+            name="friction",
+            default="3/4",
+            unit="1",
+            doc="coefficient of static and sliding friction",
+            at_least=0,
+        ),
+        Parameter(
+            name="slope",
+            default="3/4",
+            unit="1",
+            doc="tangent of the angle: 3 down and 4 along",
+            at_least=0,
+        ),
+        Parameter(
+            name="angle",
+            default="",
+            unit="rad",
+            doc="of the slope; if given, `slope` does not count",
+            at_least=0,
+            at_most=1.4464,
+        ),
         Parameter(name="gravity", default="9.8125", unit="m/s^2", doc="straight down", above=0),
     )
 
     def refuse(self, p: Parameters) -> None:
         """Raises UsageError for slopes on which the block would tip."""
         if not _slope.tilt(p)[0] < 8 * _slope.tilt(p)[1]:
-            raise UsageError(f"parameter slope: got {p.slope:g}; expected less than 8, beyond which the block tips")
+            raise UsageError(
+                f"parameter slope: got {p.slope:g}; expected less than 8, beyond which the block"
+                " tips"
+            )
 
     def scene(self, p: Parameters) -> Scene:
         """The block flat on the plane y = 0."""
@@ -49,7 +77,9 @@ class BlockOnSlope(Case):
         return Scales(length=_slope.SIDES[1], tau=fall, duration=20 * fall, mass=p.mass)
 
     def quantities(self, p: Parameters) -> tuple[Quantity, ...]:
-        """Way down the slope and speed; the scale grows with the way that a free fall would take."""
+        """Way down the slope and speed; the scale grows with the way that a free fall would
+        take.
+        """
         s = self.scales(p)
         return Quantity("s", "m", s.length), Quantity("v", "m/s", s.speed)
 

@@ -17,27 +17,38 @@ RUN_UP = 2
 
 
 class CapturedMass(Case):
-    """The hook is the origin; the mass comes along y = -radius from x = -2 radius and is caught at (0, -radius)."""
+    """The hook is the origin; the mass comes along y = -radius from x = -2 radius and is caught at
+    (0, -radius).
+    """
 
     id = "captured-mass"
     title = "Captured mass"
     statement = (
-        "A mass flies past a hook in a straight line and is caught where it comes closest, at the distance r. There its velocity is across "
-        "the line to the hook, so that it goes on in a circle with v = r omega: energy and angular momentum about the hook, which is "
-        "m r^2 omega, stay what they were on the straight line."
+        "A mass flies past a hook in a straight line and is caught where it comes closest, at the"
+        " distance r. There its velocity is across the line to the hook, so that it goes on in a"
+        " circle with v = r omega: energy and angular momentum about the hook, which is m r^2"
+        " omega, stay what they were on the straight line."
     )
     latex = r"L=m\,v\,r=J\,\omega,\qquad J=m\,r^2,\qquad v=r\,\omega"
     source = "Matuttis and Chen 2014, chapter 1, fig. 1.5"
     parameters = (
         Parameter(name="mass", default="1", unit="kg", doc="the point mass", above=0),
-        Parameter(name="speed", default="1", unit="m/s", doc="of the straight flight, along x", above=0),
-        Parameter(name="radius", default="1", unit="m", doc="distance of the line from the hook", above=0),
+        Parameter(
+            name="speed", default="1", unit="m/s", doc="of the straight flight, along x", above=0
+        ),
+        Parameter(
+            name="radius", default="1", unit="m", doc="distance of the line from the hook", above=0
+        ),
     )
-    exclude: ClassVar[dict[str, str]] = {"reversal": "the hook does not let go: nothing in the state says where it caught the mass"}
+    exclude: ClassVar[dict[str, str]] = {
+        "reversal": "the hook does not let go: nothing in the state says where it caught the mass"
+    }
 
     def scene(self, p: Parameters) -> Scene:
         """The mass before it is caught."""
-        mass = Body(mass=p.mass, position=(-RUN_UP * p.radius, -p.radius, 0.0), velocity=(p.speed, 0.0, 0.0))
+        mass = Body(
+            mass=p.mass, position=(-RUN_UP * p.radius, -p.radius, 0.0), velocity=(p.speed, 0.0, 0.0)
+        )
         return Scene.of([mass], [Catch(a=0, radius=p.radius)])
 
     def scales(self, p: Parameters) -> Scales:

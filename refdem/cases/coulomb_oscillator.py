@@ -17,15 +17,25 @@ class CoulombOscillator(Case):
     id = "coulomb-oscillator"
     title = "Coulomb oscillator"
     statement = (
-        "A mass on a spring rubs on the ground with a force of constant size. Every half cycle is harmonic about a shifted "
-        "centre and loses 2 f/k of amplitude, until at a turning point the spring is no stronger than friction: there it stays, exactly."
+        "A mass on a spring rubs on the ground with a force of constant size. Every half cycle is"
+        " harmonic about a shifted centre and loses 2 f/k of amplitude, until at a turning point"
+        " the spring is no stronger than friction: there it stays, exactly."
     )
     latex = r"m\ddot x+f\,\mathrm{Sgn}(\dot x)+kx\ni 0,\qquad \mathrm{Sgn}(0)=[-1,1]"
-    source = "Matuttis and Chen 2014, chapter 1, (1.97)-(1.100), figs. 1.15 and 1.20; stops if and only if k|x| <= f"
+    source = (
+        "Matuttis and Chen 2014, chapter 1, (1.97)-(1.100), figs. 1.15 and 1.20; stops if and only"
+        " if k|x| <= f"
+    )
     parameters = (
         _line.MASS,
         _line.STIFFNESS,
-        Parameter(name="friction_force", default="0.15", unit="N", doc="size of the dry friction", at_least=0),
+        Parameter(
+            name="friction_force",
+            default="0.15",
+            unit="N",
+            doc="size of the dry friction",
+            at_least=0,
+        ),
         *_line.START,
     )
     chaotic_at = NEVER
@@ -36,7 +46,14 @@ class CoulombOscillator(Case):
 
     def scene(self, p: Parameters) -> Scene:
         """Spring, and a slider pressed with 1 N, so that its coefficient is the friction force."""
-        return _line.scene(p, *([Slider(a=0, friction=p.friction_force, normal_force=1.0)] if p.friction_force else []))
+        return _line.scene(
+            p,
+            *(
+                [Slider(a=0, friction=p.friction_force, normal_force=1.0)]
+                if p.friction_force
+                else []
+            ),
+        )
 
     def scales(self, p: Parameters) -> Scales:
         """Amplitude at the start."""

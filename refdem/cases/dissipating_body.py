@@ -19,17 +19,36 @@ class DissipatingBody(Case):
     id = "dissipating-body"
     title = "Dissipating body"
     statement = (
-        "A free body spins, and something inside it rubs. Its angular momentum stays, for nothing acts from outside; its energy falls, "
-        "and from any start but exactly about its first or second axis it ends in a steady turn about the axis of largest inertia, "
-        "where a given angular momentum has the least energy, L^2/(2 J3)."
+        "A free body spins, and something inside it rubs. Its angular momentum stays, for nothing"
+        " acts from outside; its energy falls, and from any start but exactly about its first or"
+        " second axis it ends in a steady turn about the axis of largest inertia, where a given"
+        " angular momentum has the least energy, L^2/(2 J3)."
     )
-    latex = r"\dot{\mathbf L}=\mathbf L\times\left(\omega+c\,\mathbf L\times\omega\right),\quad\dot T=-c\,|\mathbf L\times\omega|^2"
-    source = "Matuttis and Chen 2014, chapter 1, section 1.7.3 and fig. 1.36; the law: Bloch, Krishnaprasad, Marsden and Ratiu 1996"
+    latex = (
+        r"\dot{\mathbf L}=\mathbf L\times\left(\omega+c\,\mathbf L\times\omega\right),\quad\dot"
+        r" T=-c\,|\mathbf L\times\omega|^2"
+    )
+    source = (
+        "Matuttis and Chen 2014, chapter 1, section 1.7.3 and fig. 1.36; the law: Bloch,"
+        " Krishnaprasad, Marsden and Ratiu 1996"
+    )
     parameters = (
         _attitude.INERTIA,
-        Parameter(name="omega_body", default="1.3,0.7,0.4", unit="rad/s", doc="angular velocity in principal axes", shape=(3,)),
+        Parameter(
+            name="omega_body",
+            default="1.3,0.7,0.4",
+            unit="rad/s",
+            doc="angular velocity in principal axes",
+            shape=(3,),
+        ),
         _attitude.ATTITUDE,
-        Parameter(name="damping", default="1/8", unit="s/(kg m^2)", doc="c: the body turns with omega + c L x omega", at_least=0),
+        Parameter(
+            name="damping",
+            default="1/8",
+            unit="s/(kg m^2)",
+            doc="c: the body turns with omega + c L x omega",
+            at_least=0,
+        ),
     )
 
     def refuse(self, p: Parameters) -> None:

@@ -21,38 +21,67 @@ class DoublePendulum(Case):
     id = "double-pendulum"
     title = "Double pendulum"
     statement = (
-        "A second pendulum hangs from the bob of a first one. Its rods are constraints; energy is all that stays. Near the bottom it has "
-        "two modes, at high energy its motion is chaotic: two neighbours part exponentially."
+        "A second pendulum hangs from the bob of a first one. Its rods are constraints; energy is"
+        " all that stays. Near the bottom it has two modes, at high energy its motion is chaotic:"
+        " two neighbours part exponentially."
     )
     latex = (
-        r"(m_1+m_2)l_1\ddot\theta_1+m_2l_2(\ddot\theta_2\cos\Delta+\dot\theta_2^2\sin\Delta)+(m_1+m_2)g\sin\theta_1=0,\quad "
-        r"l_2\ddot\theta_2+l_1(\ddot\theta_1\cos\Delta-\dot\theta_1^2\sin\Delta)+g\sin\theta_2=0,\quad\Delta=\theta_1-\theta_2"
+        r"(m_1+m_2)l_1\ddot\theta_1+m_2l_2(\ddot\theta_2\cos\Delta+\dot\theta_2^2\sin\Delta)"
+        r"+(m_1+m_2)g\sin\theta_1=0,\quad "
+        r"l_2\ddot\theta_2+l_1(\ddot\theta_1\cos\Delta-\dot\theta_1^2\sin\Delta)+g\sin\theta_2=0,"
+        r"\quad\Delta=\theta_1-\theta_2"
     )
-    source = "Matuttis and Chen 2014, chapter 1, fig. 1.3; Landau and Lifshitz, Mechanics, section 5, problem 1"
+    source = (
+        "Matuttis and Chen 2014, chapter 1, fig. 1.3; Landau and Lifshitz, Mechanics, section 5,"
+        " problem 1"
+    )
     parameters = (
-        Parameter(name="masses", default="1,1", unit="kg", doc="upper and lower bob", shape=(2,), above=0),
-        Parameter(name="lengths", default="1,1", unit="m", doc="upper and lower rod", shape=(2,), above=0),
+        Parameter(
+            name="masses", default="1,1", unit="kg", doc="upper and lower bob", shape=(2,), above=0
+        ),
+        Parameter(
+            name="lengths", default="1,1", unit="m", doc="upper and lower rod", shape=(2,), above=0
+        ),
         Parameter(name="gravity", default="9.8125", unit="m/s^2", doc="along -y", above=0),
-        Parameter(name="theta0", default="2,5/2", unit="rad", doc="angles at the start", shape=(2,)),
-        Parameter(name="thetadot0", default="0,0", unit="rad/s", doc="rates at the start", shape=(2,)),
+        Parameter(
+            name="theta0", default="2,5/2", unit="rad", doc="angles at the start", shape=(2,)
+        ),
+        Parameter(
+            name="thetadot0", default="0,0", unit="rad/s", doc="rates at the start", shape=(2,)
+        ),
     )
     chaotic_at = given(theta0="3,3", duration="5", samples="96")
 
     def scene(self, p: Parameters) -> Scene:
         """The bobs below each other."""
-        outward = p.lengths[:, None] * np.stack([np.sin(p.theta0), -np.cos(p.theta0), 0 * p.theta0], axis=1)
-        sideways = (p.lengths * p.thetadot0)[:, None] * np.stack([np.cos(p.theta0), np.sin(p.theta0), 0 * p.theta0], axis=1)
-        columns = zip(p.masses, np.cumsum(outward, axis=0).tolist(), np.cumsum(sideways, axis=0).tolist(), strict=True)
+        outward = p.lengths[:, None] * np.stack(
+            [np.sin(p.theta0), -np.cos(p.theta0), 0 * p.theta0], axis=1
+        )
+        sideways = (p.lengths * p.thetadot0)[:, None] * np.stack(
+            [np.cos(p.theta0), np.sin(p.theta0), 0 * p.theta0], axis=1
+        )
+        columns = zip(
+            p.masses,
+            np.cumsum(outward, axis=0).tolist(),
+            np.cumsum(sideways, axis=0).tolist(),
+            strict=True,
+        )
         rods = [Rod(a=0, length=p.lengths[0]), Rod(a=1, b=0, length=p.lengths[1])]
         bobs = [Body(mass=m, position=tuple(r), velocity=tuple(v)) for m, r, v in columns]
         return Scene.of(bobs, [*rods, UniformGravity(g=(0.0, -p.gravity, 0.0))])
 
     def scales(self, p: Parameters) -> Scales:
-        """L = l1 + l2; 1/tau^2: squares of both modes' rates and of that at which all of the energy turns it stretched."""
+        """L = l1 + l2; 1/tau^2: squares of both modes' rates and of that at which all of the energy
+        turns it stretched.
+        """
         (m1, m2), (l1, l2), whole = p.masses, p.lengths, p.masses.sum()
         speed, load = p.lengths * p.thetadot0, np.array([whole, m2])
         lift = load @ (p.lengths * (1 - np.cos(p.theta0)))
-        energy = 0.5 * load @ speed**2 + m2 * speed.prod() * np.cos(p.theta0[0] - p.theta0[1]) + p.gravity * lift
+        energy = (
+            0.5 * load @ speed**2
+            + m2 * speed.prod() * np.cos(p.theta0[0] - p.theta0[1])
+            + p.gravity * lift
+        )
         stiff = p.gravity * whole / m1 * (1 / l1 + 1 / l2)
         tau = 1.0 / float(np.sqrt(stiff + 2 * energy / (load @ p.lengths**2)))
         return Scales(length=float(l1 + l2), tau=tau, duration=20 * tau, mass=float(whole))
@@ -60,14 +89,28 @@ class DoublePendulum(Case):
     def quantities(self, p: Parameters) -> tuple[Quantity, ...]:
         """Angles and rates."""
         angles = tuple(Quantity(f"theta{i}", "rad", 1.0, angle=True) for i in (1, 2))
-        return (*angles, *(Quantity(f"thetadot{i}", "rad/s", 1.0 / self.scales(p).tau) for i in (1, 2)))
+        return (
+            *angles,
+            *(Quantity(f"thetadot{i}", "rad/s", 1.0 / self.scales(p).tau) for i in (1, 2)),
+        )
 
     def observe(self, p: Parameters, trajectory: Trajectory) -> dict[str, Array]:
-        """Angles and rates of the lines from the pivot to the upper, and from the upper to the lower bob."""
-        apart, rate = (np.diff(column, axis=1, prepend=0.0) for column in (trajectory.position, trajectory.velocity))
+        """Angles and rates of the lines from the pivot to the upper, and from the upper to the
+        lower bob.
+        """
+        apart, rate = (
+            np.diff(column, axis=1, prepend=0.0)
+            for column in (trajectory.position, trajectory.velocity)
+        )
         theta = np.arctan2(apart[..., 0], -apart[..., 1])
-        turning = (apart[..., 0] * rate[..., 1] - apart[..., 1] * rate[..., 0]) / np.sum(apart[..., :2] ** 2, axis=-1)
-        return {f"{name}{i + 1}": values[:, i] for name, values in (("theta", theta), ("thetadot", turning)) for i in (0, 1)}
+        turning = (apart[..., 0] * rate[..., 1] - apart[..., 1] * rate[..., 0]) / np.sum(
+            apart[..., :2] ** 2, axis=-1
+        )
+        return {
+            f"{name}{i + 1}": values[:, i]
+            for name, values in (("theta", theta), ("thetadot", turning))
+            for i in (0, 1)
+        }
 
     def truth(self, p: Parameters) -> Truth:
         """Validated integration of the angles."""

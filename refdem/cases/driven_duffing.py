@@ -1,4 +1,6 @@
-"""Duffing's oscillator, damped and driven (1.118): its resonance leans over, and which amplitude it has depends on the past."""
+"""Duffing's oscillator, damped and driven (1.118): its resonance leans over, and which amplitude it
+has depends on the past.
+"""
 
 from refdem.cases import _line, _nonlinear
 from refdem.cases._line import Array
@@ -13,30 +15,45 @@ from refdem.scene.elements.force import Force
 
 
 class DrivenDuffing(Case):
-    """A mass of 1 kg on a spring with a cube along x, a dashpot of 2 delta, and the force f0 cos(drive t)."""
+    """A mass of 1 kg on a spring with a cube along x, a dashpot of 2 delta, and the force f0
+    cos(drive t).
+    """
 
     id = "driven-duffing"
     title = "Driven Duffing oscillator"
     statement = (
-        "A periodic force drives a damped mass on a hardening spring. When its frequency is raised slowly the amplitude climbs and "
-        "then falls off a fold; when it is lowered the amplitude jumps up elsewhere. With much damping there is no such hysteresis."
+        "A periodic force drives a damped mass on a hardening spring. When its frequency is raised"
+        " slowly the amplitude climbs and then falls off a fold; when it is lowered the amplitude"
+        " jumps up elsewhere. With much damping there is no such hysteresis."
     )
     latex = r"\ddot x+2\delta\dot x+\alpha x+\beta x^3=f_0\cos\omega t"
-    source = "Matuttis and Chen 2014, chapter 1, (1.117)-(1.121), figs. 1.23 and 1.24: beta = 0.4 alpha, f0 = 1.5 alpha"
+    source = (
+        "Matuttis and Chen 2014, chapter 1, (1.117)-(1.121), figs. 1.23 and 1.24: beta = 0.4 alpha,"
+        " f0 = 1.5 alpha"
+    )
     parameters = (
         _nonlinear.ALPHA,
-        Parameter(name="beta", default="2/5", unit="1/(m^2 s^2)", doc="cubic part of the spring per mass"),
+        Parameter(
+            name="beta", default="2/5", unit="1/(m^2 s^2)", doc="cubic part of the spring per mass"
+        ),
         _line.DELTA,
         Parameter(name="f0", default="3/2", unit="m/s^2", doc="amplitude of the force per mass"),
-        Parameter(name="drive", default="3/2", unit="rad/s", doc="its angular frequency", at_least=0),
+        Parameter(
+            name="drive", default="3/2", unit="rad/s", doc="its angular frequency", at_least=0
+        ),
         *_line.START,
     )
-    chaotic_at = given(alpha="-1", beta="1", delta="1/8", f0="2/5", drive="1", duration="72", samples="144")
+    chaotic_at = given(
+        alpha="-1", beta="1", delta="1/8", f0="2/5", drive="1", duration="72", samples="144"
+    )
 
     def refuse(self, p: Parameters) -> None:
         """Raises UsageError if nothing would ever move, or the start alone would go to infinity."""
         if _nonlinear.duffing_escapes(p, p["x0"], p["v0"]):
-            raise UsageError(f"x0 {p.x0:g}, v0 {p.v0:g} with alpha {p.alpha:g}, beta {p.beta:g}: {_nonlinear.ESCAPE}")
+            raise UsageError(
+                f"x0 {p.x0:g}, v0 {p.v0:g} with alpha {p.alpha:g}, beta {p.beta:g}:"
+                f" {_nonlinear.ESCAPE}"
+            )
         _line.refuse_nothing(self.scales(p).length)
 
     def scene(self, p: Parameters) -> Scene:

@@ -1,4 +1,6 @@
-"""The damped oscillator under a periodic force (1.101): transient, resonance, and growth without damping."""
+"""The damped oscillator under a periodic force (1.101): transient, resonance, and growth without
+damping.
+"""
 
 import numpy as np
 
@@ -21,11 +23,18 @@ class DrivenOscillator(Case):
     id = "driven-oscillator"
     title = "Driven oscillator"
     statement = (
-        "A periodic force drives a damped mass on a spring. What the start has given decays; what stays has the drive's frequency and "
-        "an amplitude that is largest at w^2 = w0^2 - 2 delta^2. Without damping, driven at w0, the amplitude grows as f0 t/(2 w0)."
+        "A periodic force drives a damped mass on a spring. What the start has given decays; what"
+        " stays has the drive's frequency and an amplitude that is largest at w^2 = w0^2 - 2"
+        " delta^2. Without damping, driven at w0, the amplitude grows as f0 t/(2 w0)."
     )
-    latex = r"\ddot x+2\delta\dot x+\omega_0^2x=f_0\cos\omega t,\qquad |A|=\frac{f_0}{\sqrt{(\omega_0^2-\omega^2)^2+4\delta^2\omega^2}}"
-    source = "Matuttis and Chen 2014, chapter 1, (1.101)-(1.106), fig. 1.17; (1.106) only for delta < w0/sqrt 2; exercise 1.3"
+    latex = (
+        r"\ddot x+2\delta\dot x+\omega_0^2x=f_0\cos\omega t,\qquad"
+        r" |A|=\frac{f_0}{\sqrt{(\omega_0^2-\omega^2)^2+4\delta^2\omega^2}}"
+    )
+    source = (
+        "Matuttis and Chen 2014, chapter 1, (1.101)-(1.106), fig. 1.17; (1.106) only for delta <"
+        " w0/sqrt 2; exercise 1.3"
+    )
     parameters = (
         _line.MASS,
         _line.STIFFNESS,
@@ -45,16 +54,22 @@ class DrivenOscillator(Case):
         """Spring, force, and dashpot and gravity where there are some."""
         dashpot = [Dashpot(a=0, damping=2 * p.mass * p.delta)] if p.delta else []
         gravity = [UniformGravity(g=(p.gravity, 0.0, 0.0))] if p.gravity else []
-        return _line.scene(p, Force(a=0, amplitude=p.mass * p.f0, frequency=p.drive), *dashpot, *gravity)
+        return _line.scene(
+            p, Force(a=0, amplitude=p.mass * p.f0, frequency=p.drive), *dashpot, *gravity
+        )
 
     def scales(self, p: Parameters) -> Scales:
-        """The free amplitude and the driven one: the steady one, or f0 T/(2 w0) where there is no time for it."""
+        """The free amplitude and the driven one: the steady one, or f0 T/(2 w0) where there is no
+        time for it.
+        """
         own = _line.scales(p, p.mass * p.gravity / p.stiffness)
         square = p.stiffness / p.mass
         steady = float(np.hypot(square - p.drive**2, 2 * p.delta * p.drive))
         grown = abs(p.f0) * (p.duration or own.duration) / (2 * np.sqrt(square))
         response = min(grown, abs(p.f0) / steady) if steady else grown
-        tau = min(1 / _line.damped_rate(p.stiffness / p.mass, p.delta), 1 / p.drive if p.drive else np.inf)
+        tau = min(
+            1 / _line.damped_rate(p.stiffness / p.mass, p.delta), 1 / p.drive if p.drive else np.inf
+        )
         return Scales(own.length + float(response), tau, own.duration, own.mass)
 
     def quantities(self, p: Parameters) -> tuple[Quantity, ...]:

@@ -1,4 +1,6 @@
-"""Duffing's oscillator without a drive (1.114): a spring that hardens, softens, or has two wells."""
+"""Duffing's oscillator without a drive (1.114): a spring that hardens, softens, or has two
+wells.
+"""
 
 import numpy as np
 
@@ -20,17 +22,24 @@ class Duffing(Case):
     id = "duffing"
     title = "Duffing oscillator"
     statement = (
-        "The force of a spring has a cubic part. The frequency rises with the amplitude if beta > 0 and falls if beta < 0; with "
-        "alpha < 0 < beta there are two wells and a separatrix. With it comes a third harmonic, about beta A^3/(32 alpha)."
+        "The force of a spring has a cubic part. The frequency rises with the amplitude if beta > 0"
+        " and falls if beta < 0; with alpha < 0 < beta there are two wells and a separatrix. With"
+        " it comes a third harmonic, about beta A^3/(32 alpha)."
     )
     latex = (
-        r"\ddot x+\alpha x+\beta x^3=0,\qquad x=A\,\mathrm{cn}(\Omega t\,|\,m),\;\Omega^2=\alpha+\beta A^2,\;m=\frac{\beta A^2}{2\Omega^2}"
+        r"\ddot x+\alpha x+\beta x^3=0,\qquad x=A\,\mathrm{cn}(\Omega"
+        r" t\,|\,m),\;\Omega^2=\alpha+\beta A^2,\;m=\frac{\beta A^2}{2\Omega^2}"
     )
-    source = "Matuttis and Chen 2014, chapter 1, (1.114)-(1.116); the frequency rises: w = w0 (1 + 3 beta A^2/(8 alpha)) in first order"
+    source = (
+        "Matuttis and Chen 2014, chapter 1, (1.114)-(1.116); the frequency rises: w = w0 (1 + 3"
+        " beta A^2/(8 alpha)) in first order"
+    )
     parameters = (
         _nonlinear.ALPHA,
         _nonlinear.BETA,
-        Parameter(name="amplitude", default="1", unit="m", doc="place at the start, where it is at rest"),
+        Parameter(
+            name="amplitude", default="1", unit="m", doc="place at the start, where it is at rest"
+        ),
     )
     chaotic_at = NEVER
 
@@ -38,11 +47,17 @@ class Duffing(Case):
         """Raises UsageError if nothing would ever move, or the motion would go to infinity."""
         _line.refuse_nothing(abs(p.amplitude), "amplitude")
         if _nonlinear.duffing_escapes(p, p["amplitude"]):
-            raise UsageError(f"amplitude {p.amplitude:g} with alpha {p.alpha:g}, beta {p.beta:g}: {_nonlinear.ESCAPE}")
+            raise UsageError(
+                f"amplitude {p.amplitude:g} with alpha {p.alpha:g}, beta {p.beta:g}:"
+                f" {_nonlinear.ESCAPE}"
+            )
 
     def scene(self, p: Parameters) -> Scene:
         """One spring of natural length 0."""
-        return Scene.of([Body(mass=1.0, position=(p.amplitude, 0.0, 0.0))], [Spring(a=0, stiffness=p.alpha, cubic=p.beta)])
+        return Scene.of(
+            [Body(mass=1.0, position=(p.amplitude, 0.0, 0.0))],
+            [Spring(a=0, stiffness=p.alpha, cubic=p.beta)],
+        )
 
     def scales(self, p: Parameters) -> Scales:
         """The farther turning point; tau from the largest curvature of the potential on the way."""

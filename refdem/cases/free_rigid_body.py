@@ -18,17 +18,25 @@ class FreeRigidBody(Case):
     id = "free-rigid-body"
     title = "Free rigid body"
     statement = (
-        "A rigid body spins in space and nothing acts on it. Its angular momentum stays in space and its energy stays, yet its "
-        "angular velocity wanders in periods given by Jacobi's elliptic functions unless it turns about a principal axis."
+        "A rigid body spins in space and nothing acts on it. Its angular momentum stays in space"
+        " and its energy stays, yet its angular velocity wanders in periods given by Jacobi's"
+        " elliptic functions unless it turns about a principal axis."
     )
     latex = (
-        r"J_1\dot\omega_1=(J_2-J_3)\omega_2\omega_3,\quad J_2\dot\omega_2=(J_3-J_1)\omega_3\omega_1,\quad "
+        r"J_1\dot\omega_1=(J_2-J_3)\omega_2\omega_3,\quad"
+        r" J_2\dot\omega_2=(J_3-J_1)\omega_3\omega_1,\quad "
         r"J_3\dot\omega_3=(J_1-J_2)\omega_1\omega_2,\quad \dot q=\tfrac12\,q\,\omega"
     )
     source = "Matuttis and Chen 2014, chapter 1, (1.35)-(1.37); conserved: (1.137), (1.138)"
     parameters = (
         _attitude.INERTIA,
-        Parameter(name="omega_body", default="0.9,1.1,1.3", unit="rad/s", doc="angular velocity in principal axes", shape=(3,)),
+        Parameter(
+            name="omega_body",
+            default="0.9,1.1,1.3",
+            unit="rad/s",
+            doc="angular velocity in principal axes",
+            shape=(3,),
+        ),
         _attitude.ATTITUDE,
     )
     chaotic_at = NEVER

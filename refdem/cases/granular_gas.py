@@ -1,4 +1,6 @@
-"""A granular gas: spheres that lose energy when they meet cool by Haff's law; elastic ones keep their temperature."""
+"""A granular gas: spheres that lose energy when they meet cool by Haff's law; elastic ones keep
+their temperature.
+"""
 
 from dataclasses import replace
 
@@ -17,41 +19,64 @@ Array = NDArray[np.float64]
 
 MASS = 1.0
 HARD = 1 / 64
-"""How long a contact lasts, in units of the time in which a body of thermal speed flies its diameter."""
+"""How long a contact lasts, in units of the time in which a body of thermal speed flies its
+diameter.
+"""
 FLIGHT = 16
 """How long the motion lasts, in units of that time."""
 
 SAMPLES = replace(CLOCK[1], default="16")
-CHAOTIC = "the motion is chaotic: a run with another step meets otherwise, and only means over many collisions can be compared"
+CHAOTIC = (
+    "the motion is chaotic: a run with another step meets otherwise, and only means over many"
+    " collisions can be compared"
+)
 
 
 class GranularGas(Case):
-    """Spheres of 1 kg, smooth unless there is friction, in a cube of edge (n/density)^(1/3): a periodic one, or one with walls."""
+    """Spheres of 1 kg, smooth unless there is friction, in a cube of edge (n/density)^(1/3): a
+    periodic one, or one with walls.
+    """
 
     id = "granular-gas"
     title = "Granular gas"
     statement = (
-        "Smooth spheres fly about and meet two at a time. In every contact a linear spring and dashpot give back the same part e of "
-        "the normal velocity. An elastic gas keeps its temperature and Maxwell's velocities; with e < 1, dilute and before clusters "
-        "form, it cools as Haff's law says. Friction, by a tangential spring, makes them spin. Momentum is kept in a periodic box. "
-        "The temperature is that of flight and counts 3 (n - 1) degrees of freedom, for the centre of mass is at rest; Boltzmann's "
-        "constant is 1. The start follows from the seed by numpy's PCG64."
+        "Smooth spheres fly about and meet two at a time. In every contact a linear spring and"
+        " dashpot give back the same part e of the normal velocity. An elastic gas keeps its"
+        " temperature and Maxwell's velocities; with e < 1, dilute and before clusters form, it"
+        " cools as Haff's law says. Friction, by a tangential spring, makes them spin. Momentum is"
+        " kept in a periodic box. The temperature is that of flight and counts 3 (n - 1) degrees of"
+        " freedom, for the centre of mass is at rest; Boltzmann's constant is 1. The start follows"
+        " from the seed by numpy's PCG64."
     )
-    latex = r"T=\frac{T_0}{(1+t/\tau)^2},\quad\tau=\frac{2D}{(1-e^2)\,\omega_c},\quad\omega_c=4\sqrt{\pi}\,n\sigma^2\chi\sqrt{T_0/m}"
-    source = "Haff 1983; Brilliantov and Poeschel 2004, chapter 5; chi of Carnahan and Starling 1969; Matuttis and Chen 2014, 1.7"
+    latex = (
+        r"T=\frac{T_0}{(1+t/\tau)^2},\quad\tau=\frac{2D}{(1-e^2)\,\omega_c},"
+        r"\quad\omega_c=4\sqrt{\pi}\,n\sigma^2\chi\sqrt{T_0/m}"
+    )
+    source = (
+        "Haff 1983; Brilliantov and Poeschel 2004, chapter 5; chi of Carnahan and Starling 1969;"
+        " Matuttis and Chen 2014, 1.7"
+    )
     parameters = _gas.PARAMETERS
     clock = (CLOCK[0], SAMPLES)
     exclude = dict.fromkeys(("error", "order", "convergence"), CHAOTIC)
 
     def refuse(self, p: Parameters) -> None:
-        """Raises UsageError for a box too full for a gas, or so small that a sphere would meet two images of another."""
+        """Raises UsageError for a box too full for a gas, or so small that a sphere would meet two
+        images of another.
+        """
         _gas.refuse(p)
 
     def scene(self, p: Parameters) -> Scene:
         """Spheres, what bounds them, and the law by which contacts last pi tau and give back e."""
-        rng, size, periodic = np.random.Generator(np.random.PCG64(int(p.seed))), _gas.edge(p), p.boundary == "periodic"
+        rng, size, periodic = (
+            np.random.Generator(np.random.PCG64(int(p.seed))),
+            _gas.edge(p),
+            p.boundary == "periodic",
+        )
         position = _gas_start.places(rng, int(p.n), p.diameter, size, periodic=periodic)
-        bodies = _gas_start.bodies(position, _gas_start.velocities(rng, int(p.n), p.t0 / MASS), MASS, p.diameter)
+        bodies = _gas_start.bodies(
+            position, _gas_start.velocities(rng, int(p.n), p.t0 / MASS), MASS, p.diameter
+        )
         law = _gas.law(MASS, np.pi * self.scales(p).tau, p.restitution, p.friction)
         return Scene(bodies, (*_gas.bounds(size, periodic=periodic), law))
 
@@ -59,7 +84,12 @@ class GranularGas(Case):
         """tau = contact duration/pi; the length is a body's thermal way in it."""
         flight = p.diameter * np.sqrt(MASS / p.t0)
         tau = float(HARD * flight / np.pi)
-        return Scales(length=float(tau * np.sqrt(p.t0 / MASS)), tau=tau, duration=float(FLIGHT * flight), mass=MASS)
+        return Scales(
+            length=float(tau * np.sqrt(p.t0 / MASS)),
+            tau=tau,
+            duration=float(FLIGHT * flight),
+            mass=MASS,
+        )
 
     def quantities(self, p: Parameters) -> tuple[Quantity, ...]:
         """Temperature."""

@@ -17,10 +17,15 @@ class HarmonicOscillator(Case):
     id = "harmonic-oscillator"
     title = "Harmonic oscillator"
     statement = (
-        "A mass on a linear spring moves to and fro in a time that does not depend on the amplitude. Gravity along the spring "
-        "shifts the equilibrium by m g/k and changes nothing else."
+        "A mass on a linear spring moves to and fro in a time that does not depend on the"
+        " amplitude. Gravity along the spring shifts the equilibrium by m g/k and changes nothing"
+        " else."
     )
-    latex = r"m\ddot x+kx=mg,\qquad x=\frac{mg}{k}+\left(x_0-\frac{mg}{k}\right)\cos\omega_0t+\frac{v_0}{\omega_0}\sin\omega_0t"
+    latex = (
+        r"m\ddot x+kx=mg,\qquad"
+        r" x=\frac{mg}{k}+\left(x_0-\frac{mg}{k}\right)\cos\omega_0t"
+        r"+\frac{v_0}{\omega_0}\sin\omega_0t"
+    )
     source = "Matuttis and Chen 2014, chapter 1, (1.92), figs. 1.14a and 1.15; w0 = sqrt(k/m)"
     parameters = (
         _line.MASS,

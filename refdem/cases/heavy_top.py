@@ -17,28 +17,61 @@ Array = NDArray[np.float64]
 
 
 class HeavyTop(TopOnTip):
-    """The tip rests at the origin; Euler angles z-x-z, theta from the upward vertical, phi = psi = 0 at the start."""
+    """The tip rests at the origin;
+
+    Euler angles z-x-z, theta from the upward vertical, phi = psi = 0 at the start.
+    """
 
     id = "heavy-top"
     title = "Heavy top"
     statement = (
-        "A symmetric top spins about its tip. Its axis nutates between two angles as it goes round the vertical; at the right speed it "
-        "goes round steadily, J1 W^2 cos theta - J3 w3 W + m g l = 0. Upright it sleeps if (J3 w3)^2 >= 4 J1 m g l. E, L_z and L_3 stay."
+        "A symmetric top spins about its tip. Its axis nutates between two angles as it goes round"
+        " the vertical; at the right speed it goes round steadily, J1 W^2 cos theta - J3 w3 W + m g"
+        " l = 0. Upright it sleeps if (J3 w3)^2 >= 4 J1 m g l. E, L_z and L_3 stay."
     )
     latex = (
-        r"\dot\varphi=\frac{L_z-L_3\cos\theta}{J_1\sin^2\theta},\quad\dot\psi=\omega_3-\dot\varphi\cos\theta,\quad "
+        r"\dot\varphi=\frac{L_z-L_3\cos\theta}{J_1\sin^2\theta},"
+        r"\quad\dot\psi=\omega_3-\dot\varphi\cos\theta,\quad "
         r"J_1\ddot\theta=(J_1\dot\varphi\cos\theta-L_3)\,\dot\varphi\sin\theta+mgl\sin\theta"
     )
-    source = "Lagrange 1788; Landau and Lifshitz, Mechanics, section 35; Matuttis and Chen 2014, chapter 1"
+    source = (
+        "Lagrange 1788; Landau and Lifshitz, Mechanics, section 35; Matuttis and Chen 2014,"
+        " chapter 1"
+    )
     parameters = (
         Parameter(name="mass", default="1", unit="kg", doc="of the top", above=0),
-        Parameter(name="length", default="1/2", unit="m", doc="from the tip to the centre of mass", above=0),
+        Parameter(
+            name="length",
+            default="1/2",
+            unit="m",
+            doc="from the tip to the centre of mass",
+            above=0,
+        ),
         Parameter(name="gravity", default="9.8125", unit="m/s^2", doc="along -z", above=0),
-        Parameter(name="inertia", default="1/2,1/4", unit="kg m^2", doc="J1 and J3 about the tip", shape=(2,), above=0),
-        Parameter(name="theta0", default="1/2", unit="rad", doc="tilt at the start, between 0 and pi", above=0, at_most=3.14),
+        Parameter(
+            name="inertia",
+            default="1/2,1/4",
+            unit="kg m^2",
+            doc="J1 and J3 about the tip",
+            shape=(2,),
+            above=0,
+        ),
+        Parameter(
+            name="theta0",
+            default="1/2",
+            unit="rad",
+            doc="tilt at the start, between 0 and pi",
+            above=0,
+            at_most=3.14,
+        ),
         Parameter(name="phidot0", default="0", unit="rad/s", doc="precession at the start"),
         Parameter(name="thetadot0", default="0", unit="rad/s", doc="rate of the tilt at the start"),
-        Parameter(name="spin", default="20", unit="rad/s", doc="w3, angular velocity about the axis of the top"),
+        Parameter(
+            name="spin",
+            default="20",
+            unit="rad/s",
+            doc="w3, angular velocity about the axis of the top",
+        ),
     )
 
     def scene(self, p: Parameters) -> Scene:
@@ -49,13 +82,30 @@ class HeavyTop(TopOnTip):
         place, speed, half = p.length * axis, p.length * np.cross(omega, axis), p.theta0 / 2
         inertia = (*[p.inertia[0] - p.mass * p.length**2] * 2, p.inertia[1])
         attitude = (np.cos(half), np.sin(half), 0.0, 0.0)
-        top = Body(mass=p.mass, inertia=inertia, position=tuple(place), velocity=tuple(speed), attitude=attitude, omega=tuple(omega))
-        return Scene.of([top], [BallJoint(a=0, anchor_a=(0.0, 0.0, -p.length)), UniformGravity(g=(0.0, 0.0, -p.gravity))])
+        top = Body(
+            mass=p.mass,
+            inertia=inertia,
+            position=tuple(place),
+            velocity=tuple(speed),
+            attitude=attitude,
+            omega=tuple(omega),
+        )
+        return Scene.of(
+            [top],
+            [
+                BallJoint(a=0, anchor_a=(0.0, 0.0, -p.length)),
+                UniformGravity(g=(0.0, 0.0, -p.gravity)),
+            ],
+        )
 
     def scales(self, p: Parameters) -> Scales:
         """1/tau^2: squares of all rates at the start and of that of a pendulum."""
-        rates = p.spin**2 + p.phidot0**2 + p.thetadot0**2 + p.mass * p.gravity * p.length / p.inertia[0]
-        return Scales(length=p.length, tau=float(rates**-0.5), duration=float(20 * rates**-0.5), mass=p.mass)
+        rates = (
+            p.spin**2 + p.phidot0**2 + p.thetadot0**2 + p.mass * p.gravity * p.length / p.inertia[0]
+        )
+        return Scales(
+            length=p.length, tau=float(rates**-0.5), duration=float(20 * rates**-0.5), mass=p.mass
+        )
 
     def quantities(self, p: Parameters) -> tuple[Quantity, ...]:
         """Euler angles, and the rate of the tilt."""
@@ -65,9 +115,17 @@ class HeavyTop(TopOnTip):
     def observe(self, p: Parameters, trajectory: Trajectory) -> dict[str, Array]:
         """From the axis of the top, the line of nodes and the vertical in body axes."""
         turn, omega = matrix(trajectory.attitude[:, 0]), trajectory.omega[:, 0]
-        phi, psi = np.arctan2(turn[:, 0, 2], -turn[:, 1, 2]), np.arctan2(turn[:, 2, 0], turn[:, 2, 1])
+        phi, psi = (
+            np.arctan2(turn[:, 0, 2], -turn[:, 1, 2]),
+            np.arctan2(turn[:, 2, 0], turn[:, 2, 1]),
+        )
         tilt = np.arctan2(np.hypot(turn[:, 0, 2], turn[:, 1, 2]), turn[:, 2, 2])
-        return {"theta": tilt, "phi": phi, "psi": psi, "thetadot": omega[:, 0] * np.cos(phi) + omega[:, 1] * np.sin(phi)}
+        return {
+            "theta": tilt,
+            "phi": phi,
+            "psi": psi,
+            "thetadot": omega[:, 0] * np.cos(phi) + omega[:, 1] * np.sin(phi),
+        }
 
     def truth(self, p: Parameters) -> Truth:
         """Validated integration; nutation and period from the roots of a cubic."""

@@ -22,38 +22,56 @@ def depth(p: Parameters) -> float:
 
 
 def radius(p: Parameters) -> float:
-    """A power of two [m], two to four times the greatest overlap: positions stay exact, and centres far apart."""
+    """A power of two [m], two to four times the greatest overlap: positions stay exact, and centres
+    far apart.
+    """
     return float(2.0 ** np.ceil(np.log2(2 * depth(p))))
 
 
 class HertzSpheres(Case):
-    """Two equal spheres of twice the effective mass on x, touching without overlap at the start, centre of mass at rest."""
+    """Two equal spheres of twice the effective mass on x, touching without overlap at the start,
+    centre of mass at rest.
+    """
 
     id = "hertz-spheres"
     title = "Hertzian spheres"
     statement = (
-        "Two elastic spheres press each other with the power 3/2 of their overlap. The faster they meet the shorter they touch, as "
-        "the fifth root of the speed; all energy comes back. overlap is negative while they are apart, v is its rate."
+        "Two elastic spheres press each other with the power 3/2 of their overlap. The faster they"
+        " meet the shorter they touch, as the fifth root of the speed; all energy comes back."
+        " overlap is negative while they are apart, v is its rate."
     )
     latex = (
         r"F=k\,d^{3/2},\quad d_\text{max}=\left(\frac{5mv^2}{4k}\right)^{2/5},\quad"
-        r"t_c=\tfrac45\,\mathrm B\!\left(\tfrac25,\tfrac12\right)\frac{d_\text{max}}{v}\propto v^{-1/5}"
+        r"t_c=\tfrac45\,\mathrm B\!\left(\tfrac25,\tfrac12\right)\frac{d_\text{max}}{v}\propto"
+        r" v^{-1/5}"
     )
-    source = "Matuttis and Chen 2014, chapter 1, section 1.7.4; Hertz 1882; Landau and Lifshitz, Theory of Elasticity, section 9"
+    source = (
+        "Matuttis and Chen 2014, chapter 1, section 1.7.4; Hertz 1882; Landau and Lifshitz, Theory"
+        " of Elasticity, section 9"
+    )
     parameters = (
         Parameter(name="effective_mass", default="1/2", unit="kg", doc="m1 m2/(m1 + m2)", above=0),
-        Parameter(name="stiffness", default="1000", unit="N/m^(3/2)", doc="k in F = k d^(3/2)", above=0),
-        Parameter(name="closing_speed", default="1", unit="m/s", doc="relative velocity at touch", above=0),
+        Parameter(
+            name="stiffness", default="1000", unit="N/m^(3/2)", doc="k in F = k d^(3/2)", above=0
+        ),
+        Parameter(
+            name="closing_speed", default="1", unit="m/s", doc="relative velocity at touch", above=0
+        ),
     )
 
     def scene(self, p: Parameters) -> Scene:
         """Sphere 1 at x < 0, sphere 2 at x > 0."""
         r, mass = radius(p), 2 * p.effective_mass
         bodies = [
-            Body(mass=mass, inertia=(0.4 * mass * r * r,) * 3, shape=Sphere(radius=r), position=(-side * r, 0.0, 0.0),
-                 velocity=(side * p.closing_speed / 2, 0.0, 0.0))
+            Body(
+                mass=mass,
+                inertia=(0.4 * mass * r * r,) * 3,
+                shape=Sphere(radius=r),
+                position=(-side * r, 0.0, 0.0),
+                velocity=(side * p.closing_speed / 2, 0.0, 0.0),
+            )
             for side in (1.0, -1.0)
-        ]  # fmt: skip
+        ]
         return Scene.of(bodies, [Contact(law="hertz", stiffness=p.stiffness)])
 
     def scales(self, p: Parameters) -> Scales:
@@ -63,7 +81,10 @@ class HertzSpheres(Case):
 
     def quantities(self, p: Parameters) -> tuple[Quantity, ...]:
         """Overlap and its rate."""
-        return (Quantity("overlap", "m", self.scales(p).length), Quantity("v", "m/s", self.scales(p).speed))
+        return (
+            Quantity("overlap", "m", self.scales(p).length),
+            Quantity("v", "m/s", self.scales(p).speed),
+        )
 
     def observe(self, p: Parameters, trajectory: Trajectory) -> dict[str, Array]:
         """Overlap and its rate."""

@@ -1,4 +1,6 @@
-"""A body set spinning almost about its intermediate axis turns over, again and again: Euler's equations (1.35)-(1.37), (1.134)-(1.136)."""
+"""A body set spinning almost about its intermediate axis turns over, again and again: Euler's
+equations (1.35)-(1.37), (1.134)-(1.136).
+"""
 
 import numpy as np
 
@@ -14,7 +16,9 @@ from refdem.scene import Scene
 
 
 def _omega_body(p: Parameters) -> Array:
-    """The start (3,) [rad/s]: omega_body, and `offset` times its size along the axis `direction`."""
+    """The start (3,) [rad/s]: omega_body, and `offset` times its size along the axis
+    `direction`.
+    """
     start: Array = p.omega_body.copy()
     start[int(p.direction) - 1] += p.offset * np.linalg.norm(p.omega_body)
     return start
@@ -26,8 +30,9 @@ class IntermediateAxis(Case):
     id = "intermediate-axis"
     title = "Intermediate axis"
     statement = (
-        "A free body spins about its intermediate principal axis, a little off. The deviation grows exponentially until the body "
-        "turns over, rests there, and turns back; near the other two axes the deviation stays bounded."
+        "A free body spins about its intermediate principal axis, a little off. The deviation grows"
+        " exponentially until the body turns over, rests there, and turns back; near the other two"
+        " axes the deviation stays bounded."
     )
     latex = (
         r"t_\text{flip}\approx\frac{2}{\lambda}\ln\frac{1}{\epsilon}+\text{const},\qquad "
@@ -36,10 +41,29 @@ class IntermediateAxis(Case):
     source = "Matuttis and Chen 2014, chapter 1, (1.134)-(1.138), fig. 1.36, section 1.7.3"
     parameters = (
         _attitude.INERTIA,
-        Parameter(name="omega_body", default="0,1,0", unit="rad/s", doc="angular velocity before the offset", shape=(3,)),
+        Parameter(
+            name="omega_body",
+            default="0,1,0",
+            unit="rad/s",
+            doc="angular velocity before the offset",
+            shape=(3,),
+        ),
         _attitude.ATTITUDE,
-        Parameter(name="offset", default="1/64", unit="1", doc="part of |omega_body| added along `direction`", above=0, at_most=1),
-        Parameter(name="direction", default="1", unit="1", doc="principal axis of the offset", choices=("1", "3")),
+        Parameter(
+            name="offset",
+            default="1/64",
+            unit="1",
+            doc="part of |omega_body| added along `direction`",
+            above=0,
+            at_most=1,
+        ),
+        Parameter(
+            name="direction",
+            default="1",
+            unit="1",
+            doc="principal axis of the offset",
+            choices=("1", "3"),
+        ),
     )
     chaotic_at = NEVER
 
@@ -48,7 +72,8 @@ class IntermediateAxis(Case):
         _attitude.refuse(p)
         if not _omega_body(p).any():
             raise UsageError(
-                f"parameter offset: got {p.offset:g} along {p.direction}, which stops the body; expected another size or direction"
+                f"parameter offset: got {p.offset:g} along {p.direction}, which stops the body;"
+                " expected another size or direction"
             )
 
     def scene(self, p: Parameters) -> Scene:

@@ -19,22 +19,33 @@ MASS = 1.0
 
 
 class KapitzaPendulum(Case):
-    """Pivot at y = a cos(drive t), gravity along -y, theta from the top: x = l sin theta, y = pivot + l cos theta."""
+    """Pivot at y = a cos(drive t), gravity along -y, theta from the top: x = l sin theta, y = pivot
+    + l cos theta.
+    """
 
     id = "kapitza-pendulum"
     title = "Kapitza's pendulum"
     statement = (
-        "The pivot of a pendulum moves up and down by a law of time. Fast enough, it holds the pendulum upright: the top is stable where "
-        "both Floquet multipliers of the motion about it lie on the unit circle, which needs (a drive)^2 > 2 g l for a fast drive, and "
-        "ends at an amplitude near 0.45 l. A multiplier is told as it is where it is real, by its modulus 1 where it is one of a pair."
+        "The pivot of a pendulum moves up and down by a law of time. Fast enough, it holds the"
+        " pendulum upright: the top is stable where both Floquet multipliers of the motion about it"
+        " lie on the unit circle, which needs (a drive)^2 > 2 g l for a fast drive, and ends at an"
+        " amplitude near 0.45 l. A multiplier is told as it is where it is real, by its modulus 1"
+        " where it is one of a pair."
     )
     latex = r"\ddot\theta=\frac{g-a\Omega^2\cos\Omega t}{l}\,\sin\theta"
-    source = "Kapitza 1951; Landau and Lifshitz, Mechanics, section 30; Matuttis and Chen 2014, chapter 1"
+    source = (
+        "Kapitza 1951; Landau and Lifshitz, Mechanics, section 30; Matuttis and Chen 2014,"
+        " chapter 1"
+    )
     parameters = (
         Parameter(name="length", default="1", unit="m", doc="the rod", above=0),
         Parameter(name="gravity", default="1", unit="m/s^2", doc="along -y", above=0),
-        Parameter(name="drive_amplitude", default="1/4", unit="m", doc="a, of the pivot", at_least=0),
-        Parameter(name="drive", default="10", unit="rad/s", doc="angular frequency of the pivot", above=0),
+        Parameter(
+            name="drive_amplitude", default="1/4", unit="m", doc="a, of the pivot", at_least=0
+        ),
+        Parameter(
+            name="drive", default="10", unit="rad/s", doc="angular frequency of the pivot", above=0
+        ),
         Parameter(name="theta0", default="1/4", unit="rad", doc="angle at the start, from the top"),
         Parameter(name="thetadot0", default="0", unit="rad/s", doc="rate at the start"),
     )
@@ -45,22 +56,33 @@ class KapitzaPendulum(Case):
         place = (p.length * sine, p.drive_amplitude + p.length * cosine, 0.0)
         bob = Body(mass=MASS, position=place, velocity=(speed * cosine, -speed * sine, 0.0))
         pivot = Body(mass=MASS, position=(0.0, p.drive_amplitude, 0.0))
-        shaking = MovingAnchor(a=1, amplitude=p.drive_amplitude, frequency=p.drive, axis=(0.0, 1.0, 0.0))
-        return Scene.of([bob, pivot], [Rod(a=0, b=1, length=p.length), shaking, UniformGravity(g=(0.0, -p.gravity, 0.0))])
+        shaking = MovingAnchor(
+            a=1, amplitude=p.drive_amplitude, frequency=p.drive, axis=(0.0, 1.0, 0.0)
+        )
+        return Scene.of(
+            [bob, pivot],
+            [Rod(a=0, b=1, length=p.length), shaking, UniformGravity(g=(0.0, -p.gravity, 0.0))],
+        )
 
     def scales(self, p: Parameters) -> Scales:
-        """1/tau^2: squares of the drive, of the rate of a pendulum in the largest weight, and of the start; 100 tau."""
+        """1/tau^2: squares of the drive, of the rate of a pendulum in the largest weight, and of
+        the start; 100 tau.
+        """
         shaken = p.drive_amplitude * p.drive**2
         tau = 1.0 / float(np.sqrt(p.drive**2 + (p.gravity + shaken) / p.length + p.thetadot0**2))
         return Scales(length=p.length + p.drive_amplitude, tau=tau, duration=100 * tau, mass=MASS)
 
     def quantities(self, p: Parameters) -> tuple[Quantity, ...]:
         """Angle and rate."""
-        return Quantity("theta", "rad", 1.0, angle=True), Quantity("thetadot", "rad/s", 1.0 / self.scales(p).tau)
+        return Quantity("theta", "rad", 1.0, angle=True), Quantity(
+            "thetadot", "rad/s", 1.0 / self.scales(p).tau
+        )
 
     def observe(self, p: Parameters, trajectory: Trajectory) -> dict[str, Array]:
         """Of the line from the pivot to the bob."""
-        (x, y, _), (vx, vy, _) = ((column[:, 0] - column[:, 1]).T for column in (trajectory.position, trajectory.velocity))
+        (x, y, _), (vx, vy, _) = (
+            (column[:, 0] - column[:, 1]).T for column in (trajectory.position, trajectory.velocity)
+        )
         return {"theta": np.arctan2(x, y), "thetadot": (vx * y - x * vy) / (x * x + y * y)}
 
     def truth(self, p: Parameters) -> Truth:

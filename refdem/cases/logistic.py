@@ -21,25 +21,51 @@ class Logistic(IterationCase):
     id = "logistic"
     title = "Logistic map"
     statement = (
-        "Each number is eta times the last one, times what that lacks of 1. Up to eta = 3 the iterates settle on 1 - 1/eta; at 3 they "
-        "begin to alternate between two values, at 1 + sqrt 6 between four, and the doublings, each window 4.6692016 times shorter than "
-        "the one before, pile up at eta = 3.5699457. Beyond lies chaos, and at eta = 4 errors double at every step: no run in binary64 "
-        "can be compared with truth for more than some fifty iterates, and none is scored after that. The differential equation of the "
-        "same right-hand side (form=ode, seen at t = n) climbs to 1 for any eta and is never chaotic: what a continuum model shows, "
-        "a discrete one need not."
+        "Each number is eta times the last one, times what that lacks of 1. Up to eta = 3 the"
+        " iterates settle on 1 - 1/eta; at 3 they begin to alternate between two values, at 1 +"
+        " sqrt 6 between four, and the doublings, each window 4.6692016 times shorter than the one"
+        " before, pile up at eta = 3.5699457. Beyond lies chaos, and at eta = 4 errors double at"
+        " every step: no run in binary64 can be compared with truth for more than some fifty"
+        " iterates, and none is scored after that. The differential equation of the same right-hand"
+        " side (form=ode, seen at t = n) climbs to 1 for any eta and is never chaotic: what a"
+        " continuum model shows, a discrete one need not."
     )
-    latex = r"x_{n+1}=\eta\,x_n(1-x_n);\qquad \dot x=\eta\,x(1-x):\;x(t)=\frac{1}{1+(1/x_0-1)e^{-\eta t}}"
-    source = "Matuttis and Chen 2014, chapter 1, (1.127) and 1.6.2, 1.6.3, fig. 1.32; May 1976; Feigenbaum 1978"
+    latex = (
+        r"x_{n+1}=\eta\,x_n(1-x_n);\qquad \dot"
+        r" x=\eta\,x(1-x):\;x(t)=\frac{1}{1+(1/x_0-1)e^{-\eta t}}"
+    )
+    source = (
+        "Matuttis and Chen 2014, chapter 1, (1.127) and 1.6.2, 1.6.3, fig. 1.32; May 1976;"
+        " Feigenbaum 1978"
+    )
     parameters = (
-        Parameter(name="eta", default="15/4", unit="1", doc="the nonlinearity", at_least=0, at_most=4),
+        Parameter(
+            name="eta", default="15/4", unit="1", doc="the nonlinearity", at_least=0, at_most=4
+        ),
         Parameter(name="x0", default="1/4", unit="1", doc="iterate 0", at_least=0, at_most=1),
-        Parameter(name="n", default="64", unit="1", doc="number of iterates", at_least=1, at_most=10_000_000, whole=True),
-        Parameter(name="form", default="map", unit="", doc="the map, or the differential equation at t = n", choices=("map", "ode")),
+        Parameter(
+            name="n",
+            default="64",
+            unit="1",
+            doc="number of iterates",
+            at_least=1,
+            at_most=10_000_000,
+            whole=True,
+        ),
+        Parameter(
+            name="form",
+            default="map",
+            unit="",
+            doc="the map, or the differential equation at t = n",
+            choices=("map", "ode"),
+        ),
     )
     chaotic_at: ClassVar = {"eta": "4"}
 
     def is_chaotic(self, p: Parameters) -> bool | None:
-        """The equation never; the map at eta = 4, and not before the doublings have piled up; beyond, windows of order lie dense."""
+        """The equation never; the map at eta = 4, and not before the doublings have piled up;
+        beyond, windows of order lie dense.
+        """
         eta = p["eta"]
         assert isinstance(eta, Fraction)
         regular = p["form"] == "ode" or eta < Fraction("3.5699")

@@ -1,4 +1,6 @@
-"""Lyapunov exponents (1.7.2): positive for what is chaotic, zero for what is regular, of every case that says which it is."""
+"""Lyapunov exponents (1.7.2): positive for what is chaotic, zero for what is regular, of every case
+that says which it is.
+"""
 
 from collections.abc import Mapping
 
@@ -11,23 +13,33 @@ SPAN = 200
 
 def _parameters(case: Canonical) -> list[Mapping[str, str]]:
     """The defaults, of a motion for SPAN tau, and what the case says is chaotic."""
-    plain = {"duration": f"{SPAN * case.at().scales.tau:.6g}"} if isinstance(case, Case) and not case.chaotic_at else {}
+    plain = (
+        {"duration": f"{SPAN * case.at().scales.tau:.6g}"}
+        if isinstance(case, Case) and not case.chaotic_at
+        else {}
+    )
     return [plain, case.chaotic_at] if case.chaotic_at else [plain]
 
 
 def _reason(instance: Instance) -> str | None:
     """None where the case says whether it is chaotic."""
-    return None if instance.case.is_chaotic(instance.p) is not None else "nobody has said whether the motion is chaotic"
+    return (
+        None
+        if instance.case.is_chaotic(instance.p) is not None
+        else "nobody has said whether the motion is chaotic"
+    )
 
 
 CASE = Selection(
     id="lyapunov",
     title="Lyapunov exponents",
     statement=(
-        "A motion is stable if neighbours at its start stay together as a power of the time, and Lyapunov unstable if they part as "
-        "exp(lambda t). Two runs from neighbouring starts show which: the exponent is positive, by two error bars, for the chaotic "
-        "ones, and zero for the regular ones. A free body that turns about its middle axis leaves it exponentially at first, yet "
-        "comes back: its motion is regular, its exponent zero, and only the rate of the linearised start is positive."
+        "A motion is stable if neighbours at its start stay together as a power of the time, and"
+        " Lyapunov unstable if they part as exp(lambda t). Two runs from neighbouring starts show"
+        " which: the exponent is positive, by two error bars, for the chaotic ones, and zero for"
+        " the regular ones. A free body that turns about its middle axis leaves it exponentially at"
+        " first, yet comes back: its motion is regular, its exponent zero, and only the rate of the"
+        " linearised start is positive."
     ),
     source="Matuttis and Chen 2014, chapter 1, 1.7.2, (1.131)-(1.133), fig. 1.35",
     check="lyapunov",

@@ -1,4 +1,6 @@
-"""Mass properties of solids: Table 1.1, points (1.14), the parallel axis theorem (1.28), the turned tensor (1.30), hollow bodies (1.31)."""
+"""Mass properties of solids: Table 1.1, points (1.14), the parallel axis theorem (1.28), the turned
+tensor (1.30), hollow bodies (1.31).
+"""
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,26 +18,55 @@ Array = NDArray[np.float64]
 
 
 class MomentsOfInertia(Canonical):
-    """The sizes a, b, c go along x, y, z, but b along x and a along y for the isosceles wedge, as in Table 1.1."""
+    """The sizes a, b, c go along x, y, z, but b along x and a along y for the isosceles wedge, as
+    in Table 1.1.
+    """
 
     id = "moments-of-inertia"
     title = "Moments of inertia"
     statement = (
-        "Mass, centre of mass and inertia tensor of solids of uniform density: the six of Table 1.1, a tetrahedron straight and turned, "
-        "an angle that is not convex, hollow bodies, a cuboid about its corner, flat plates, and four points. An engine's own mass "
-        "properties are judged by them: a wrong tensor makes every tumbling wrong."
+        "Mass, centre of mass and inertia tensor of solids of uniform density: the six of Table"
+        " 1.1, a tetrahedron straight and turned, an angle that is not convex, hollow bodies, a"
+        " cuboid about its corner, flat plates, and four points. An engine's own mass properties"
+        " are judged by them: a wrong tensor makes every tumbling wrong."
     )
     latex = (
-        r"J=\int\left(r^2\mathbb 1-\mathbf r\mathbf r^T\right)\mathrm dm,\qquad J_{ij}=J_{ij}^{cm}+m\left(|a|^2\delta_{ij}-a_ia_j\right)"
+        r"J=\int\left(r^2\mathbb 1-\mathbf r\mathbf r^T\right)\mathrm dm,\qquad"
+        r" J_{ij}=J_{ij}^{cm}+m\left(|a|^2\delta_{ij}-a_ia_j\right)"
     )
     source = "Matuttis and Chen 2014, chapter 1, sections 1.3.2 and 1.3.5, Table 1.1"
     parameters = (
-        Parameter(name="a", default="1", unit="m", doc="first size: a half axis of round solids, else a side", above=0),
+        Parameter(
+            name="a",
+            default="1",
+            unit="m",
+            doc="first size: a half axis of round solids, else a side",
+            above=0,
+        ),
         Parameter(name="b", default="2", unit="m", doc="second size", above=0),
         Parameter(name="c", default="3", unit="m", doc="third size, the height", above=0),
-        Parameter(name="density", default="1/2", unit="kg/m^3", doc="of solids; of plates in kg/m^2", above=0),
-        Parameter(name="hollow", default="1/2", unit="1", doc="size of a hollow over that of its body", above=0, at_most=0.99),
-        Parameter(name="attitude", default="2,1,0,-1", unit="1", doc="quaternion of the turned tetrahedron, of any length", shape=(4,)),
+        Parameter(
+            name="density",
+            default="1/2",
+            unit="kg/m^3",
+            doc="of solids; of plates in kg/m^2",
+            above=0,
+        ),
+        Parameter(
+            name="hollow",
+            default="1/2",
+            unit="1",
+            doc="size of a hollow over that of its body",
+            above=0,
+            at_most=0.99,
+        ),
+        Parameter(
+            name="attitude",
+            default="2,1,0,-1",
+            unit="1",
+            doc="quaternion of the turned tetrahedron, of any length",
+            shape=(4,),
+        ),
     )
 
     def problem(self, p: Parameters) -> Solid:
@@ -48,13 +79,26 @@ class MomentsOfInertia(Canonical):
         return Scales(length=size, tau=1.0, duration=1.0, mass=p.density * size**3)
 
     def quantities(self, p: Parameters) -> tuple[Quantity, ...]:
-        """Every property of every solid, in the scale of that solid's own mass and of the largest size."""
+        """Every property of every solid, in the scale of that solid's own mass and of the largest
+        size.
+        """
         found = []
         size = self.scales(p).length
         for piece in _solids.solids(p):
-            mass = sum(piece.shape.mass) if isinstance(piece.shape, Points) else p.density * _solids.volume(piece.name, p)
-            units = {"mass": ("kg", mass), "centre": ("m", size), "inertia": ("kg m^2", mass * size**2)}
-            found += [Quantity(f"{piece.name}.{name}", *units[name.partition(".")[0]]) for name in MASS_PROPERTIES]
+            mass = (
+                sum(piece.shape.mass)
+                if isinstance(piece.shape, Points)
+                else p.density * _solids.volume(piece.name, p)
+            )
+            units = {
+                "mass": ("kg", mass),
+                "centre": ("m", size),
+                "inertia": ("kg m^2", mass * size**2),
+            }
+            found += [
+                Quantity(f"{piece.name}.{name}", *units[name.partition(".")[0]])
+                for name in MASS_PROPERTIES
+            ]
         return tuple(found)
 
     def observe(self, p: Parameters, trajectory: Trajectory) -> dict[str, Array]:

@@ -1,4 +1,6 @@
-"""A body that goes elsewhere when the products of angular velocities are left out of Euler's equations (fig. 1.12)."""
+"""A body that goes elsewhere when the products of angular velocities are left out of Euler's
+equations (fig. 1.12).
+"""
 
 import numpy as np
 from numpy.linalg import norm
@@ -23,19 +25,46 @@ class NeglectedGyroscopic(Case):
     id = "neglected-gyroscopic"
     title = "Neglected gyroscopic term"
     statement = (
-        "A box flies freely, or falls on a slope and tumbles down it on its corners. Whoever leaves the products of angular velocities "
-        "out of Euler's equations gets another motion: that run is the fault no-gyroscopic-term, and it is flagged in both members."
+        "A box flies freely, or falls on a slope and tumbles down it on its corners. Whoever leaves"
+        " the products of angular velocities out of Euler's equations gets another motion: that run"
+        " is the fault no-gyroscopic-term, and it is flagged in both members."
     )
-    latex = r"J\dot\omega+\omega\times J\omega=\tau\quad\text{against the wrong }\;J\dot\omega=\tau,\qquad m\dot v=F"
+    latex = (
+        r"J\dot\omega+\omega\times J\omega=\tau\quad\text{against the wrong"
+        r" }\;J\dot\omega=\tau,\qquad m\dot v=F"
+    )
     source = "Matuttis and Chen 2014, chapter 1, fig. 1.12 and (1.35)-(1.38)"
     parameters = (
-        Parameter(name="member", default="free", unit="1", doc="flies, or tumbles", choices=(_tumbling.FREE, _tumbling.SLOPE)),
-        Parameter(name="inertia", default="2e-5,4e-5,5.2e-5", unit="kg m^2", doc=_attitude.INERTIA.doc, shape=(3,), above=0),
         Parameter(
-            name="omega_body", default=f"{TEN_PI},{TEN_PI},{TEN_PI}", unit="rad/s", doc="in principal axes; 10 pi to 16 digits", shape=(3,)
+            name="member",
+            default="free",
+            unit="1",
+            doc="flies, or tumbles",
+            choices=(_tumbling.FREE, _tumbling.SLOPE),
+        ),
+        Parameter(
+            name="inertia",
+            default="2e-5,4e-5,5.2e-5",
+            unit="kg m^2",
+            doc=_attitude.INERTIA.doc,
+            shape=(3,),
+            above=0,
+        ),
+        Parameter(
+            name="omega_body",
+            default=f"{TEN_PI},{TEN_PI},{TEN_PI}",
+            unit="rad/s",
+            doc="in principal axes; 10 pi to 16 digits",
+            shape=(3,),
         ),
         _attitude.ATTITUDE,
-        Parameter(name="velocity", default="0,0,0.025", unit="m/s", doc="of the centre at the start", shape=(3,)),
+        Parameter(
+            name="velocity",
+            default="0,0,0.025",
+            unit="m/s",
+            doc="of the centre at the start",
+            shape=(3,),
+        ),
         *_tumbling.PARAMETERS,
     )
 
@@ -51,19 +80,31 @@ class NeglectedGyroscopic(Case):
         """L: the largest radius of gyration; 1/tau^2 = |omega|^2, and 4 k/m more on the slope."""
         stiff = 4 * p.stiffness / p.mass if p.member == _tumbling.SLOPE else 0.0
         tau = 1 / np.sqrt(norm(p.omega_body) ** 2 + stiff)
-        return Scales(length=float(np.sqrt(p.inertia.max() / p.mass)), tau=float(tau), duration=LASTS, mass=p.mass)
+        return Scales(
+            length=float(np.sqrt(p.inertia.max() / p.mass)),
+            tau=float(tau),
+            duration=LASTS,
+            mass=p.mass,
+        )
 
     def quantities(self, p: Parameters) -> tuple[Quantity, ...]:
         """Angular velocity, attitude, and where the centre is."""
         length = self.scales(p).length
-        return (*_attitude.quantities(float(norm(p.omega_body))), *(Quantity(axis, "m", length) for axis in "xyz"))
+        return (
+            *_attitude.quantities(float(norm(p.omega_body))),
+            *(Quantity(axis, "m", length) for axis in "xyz"),
+        )
 
     def observe(self, p: Parameters, trajectory: Trajectory) -> dict[str, Array]:
         """Angular velocity, attitude and place."""
-        return _attitude.observe(trajectory) | {axis: trajectory.position[:, 0, i] for i, axis in enumerate("xyz")}
+        return _attitude.observe(trajectory) | {
+            axis: trajectory.position[:, 0, i] for i, axis in enumerate("xyz")
+        }
 
     def truth(self, p: Parameters) -> Truth:
-        """Jacobi's functions in flight; on the slope validated integration from corner to corner."""
+        """Jacobi's functions in flight; on the slope validated integration from corner to
+        corner.
+        """
         from refdem.truth.closed_forms.neglected_gyroscopic import truth
 
         return truth(p, {q.name: q.scale for q in self.quantities(p)})

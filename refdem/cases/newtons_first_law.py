@@ -1,4 +1,6 @@
-"""Newton's first law (1.7.4): free motion is uniform, and what rests in balance stays at rest; the scenes are in _rest."""
+"""Newton's first law (1.7.4): free motion is uniform, and what rests in balance stays at rest; the
+scenes are in _rest.
+"""
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,15 +22,30 @@ class NewtonsFirstLaw(Case):
     id = "newtons-first-law"
     title = "Newton's first law"
     statement = (
-        "If the forces on a body add up to zero its velocity is constant. A free body flies straight and spins steadily about its "
-        "third principal axis; a block on the ground, a stack of two, and two spheres in elastic balance stay where they are."
+        "If the forces on a body add up to zero its velocity is constant. A free body flies"
+        " straight and spins steadily about its third principal axis; a block on the ground, a"
+        " stack of two, and two spheres in elastic balance stay where they are."
     )
     latex = r"\sum_i\mathbf F_i=0\;\Rightarrow\;\dot{\mathbf v}=0"
     source = "Matuttis and Chen 2014, chapter 1, section 1.7.4; Newton 1687, law I"
     parameters = (
-        Parameter(name="member", default="free", unit="1", doc="which scene", choices=("free", *_rest.SCENES)),
-        Parameter(name="velocity", default="1/2,1/4,1/8", unit="m/s", doc="of the free body", shape=(3,)),
-        Parameter(name="spin", default="1", unit="rad/s", doc="of the free body, about its third principal axis", above=0),
+        Parameter(
+            name="member",
+            default="free",
+            unit="1",
+            doc="which scene",
+            choices=("free", *_rest.SCENES),
+        ),
+        Parameter(
+            name="velocity", default="1/2,1/4,1/8", unit="m/s", doc="of the free body", shape=(3,)
+        ),
+        Parameter(
+            name="spin",
+            default="1",
+            unit="rad/s",
+            doc="of the free body, about its third principal axis",
+            above=0,
+        ),
     )
 
     def scene(self, p: Parameters) -> Scene:
@@ -36,7 +53,9 @@ class NewtonsFirstLaw(Case):
         return _rest.free(p.velocity, p.spin) if p.member == "free" else _rest.SCENES[p.member]()
 
     def scales(self, p: Parameters) -> Scales:
-        """A turn of the free body and the way that it goes meanwhile; the bodies' size and their own time."""
+        """A turn of the free body and the way that it goes meanwhile; the bodies' size and their
+        own time.
+        """
         if p.member != "free":
             return _rest.SCALES[p.member]
         length = max(1.0, float(np.linalg.norm(p.velocity)) / p.spin)
@@ -48,19 +67,41 @@ class NewtonsFirstLaw(Case):
         if p.member != "free":
             units = (("r", "m", s.length), ("v", "m/s", s.speed))
             bodies = range(1, len(self.scene(p).bodies) + 1)
-            return tuple(Quantity(f"{kind}{i}.{axis}", unit, size) for i in bodies for kind, unit, size in units for axis in "xyz")
-        line = tuple(Quantity(prefix + a, unit, size) for prefix, unit, size in (("", "m", s.length), ("v", "m/s", s.speed)) for a in "xyz")
+            return tuple(
+                Quantity(f"{kind}{i}.{axis}", unit, size)
+                for i in bodies
+                for kind, unit, size in units
+                for axis in "xyz"
+            )
+        line = tuple(
+            Quantity(prefix + a, unit, size)
+            for prefix, unit, size in (("", "m", s.length), ("v", "m/s", s.speed))
+            for a in "xyz"
+        )
         turn = tuple(Quantity(f"attitude.{axis}", "1", 1.0, group="attitude") for axis in "wxyz")
         return line + tuple(Quantity(f"omega.{axis}", "rad/s", p.spin) for axis in "xyz") + turn
 
     def observe(self, p: Parameters, trajectory: Trajectory) -> dict[str, Array]:
         """Displacements are from where the scene puts the bodies."""
         if p.member == "free":
-            columns = [trajectory.position[:, 0], trajectory.velocity[:, 0], trajectory.omega[:, 0], trajectory.attitude[:, 0]]
+            columns = [
+                trajectory.position[:, 0],
+                trajectory.velocity[:, 0],
+                trajectory.omega[:, 0],
+                trajectory.attitude[:, 0],
+            ]
         else:
             moved = trajectory.position - self.scene(p).bodies.position
-            columns = [column[:, i] for i in range(moved.shape[1]) for column in (moved, trajectory.velocity)]
-        return dict(zip((q.name for q in self.quantities(p)), np.concatenate(columns, axis=1).T, strict=True))
+            columns = [
+                column[:, i]
+                for i in range(moved.shape[1])
+                for column in (moved, trajectory.velocity)
+            ]
+        return dict(
+            zip(
+                (q.name for q in self.quantities(p)), np.concatenate(columns, axis=1).T, strict=True
+            )
+        )
 
     def meant(self, p: Parameters) -> dict[str, object]:
         """With what makes the balance of those that rest."""

@@ -16,21 +16,32 @@ Array = NDArray[np.float64]
 
 
 class Pendulum(Case):
-    """Planar, gravity along -y, theta from the downward vertical: x = l sin theta, y = -l cos theta."""
+    """Planar, gravity along -y, theta from the downward vertical: x = l sin theta, y = -l cos
+    theta.
+    """
 
     id = "pendulum"
     title = "Pendulum"
     statement = (
-        "A point mass hangs on a rigid massless rod and swings, or goes round. The rod is a constraint, not a coordinate: its "
-        "length must stay, and the force in it (positive in tension) is part of the answer."
+        "A point mass hangs on a rigid massless rod and swings, or goes round. The rod is a"
+        " constraint, not a coordinate: its length must stay, and the force in it (positive in"
+        " tension) is part of the answer."
     )
     latex = r"\ddot\theta+\frac{g}{l}\sin\theta=0,\qquad F=m\left(l\dot\theta^2+g\cos\theta\right)"
-    source = "Matuttis and Chen 2014, chapter 1, (1.112), figs. 1.3a and 1.22; k^2 = sin^2(theta0/2) + thetadot0^2/(4 w0^2)"
+    source = (
+        "Matuttis and Chen 2014, chapter 1, (1.112), figs. 1.3a and 1.22; k^2 = sin^2(theta0/2) +"
+        " thetadot0^2/(4 w0^2)"
+    )
     parameters = (
         Parameter(name="mass", default="1", unit="kg", doc="the point mass", above=0),
         Parameter(name="length", default="1", unit="m", doc="the rod", above=0),
         Parameter(name="gravity", default="9.8125", unit="m/s^2", doc="along -y", above=0),
-        Parameter(name="theta0", default="1", unit="rad", doc="angle at the start, from the downward vertical"),
+        Parameter(
+            name="theta0",
+            default="1",
+            unit="rad",
+            doc="angle at the start, from the downward vertical",
+        ),
         Parameter(name="thetadot0", default="0", unit="rad/s", doc="rate at the start"),
     )
     chaotic_at = NEVER
@@ -38,8 +49,14 @@ class Pendulum(Case):
     def scene(self, p: Parameters) -> Scene:
         """The mass at x = l sin theta0, y = -l cos theta0."""
         s, c, speed = np.sin(p.theta0), np.cos(p.theta0), p.length * p.thetadot0
-        mass = Body(mass=p.mass, position=(p.length * s, -p.length * c, 0.0), velocity=(speed * c, speed * s, 0.0))
-        return Scene.of([mass], [Rod(a=0, length=p.length), UniformGravity(g=(0.0, -p.gravity, 0.0))])
+        mass = Body(
+            mass=p.mass,
+            position=(p.length * s, -p.length * c, 0.0),
+            velocity=(speed * c, speed * s, 0.0),
+        )
+        return Scene.of(
+            [mass], [Rod(a=0, length=p.length), UniformGravity(g=(0.0, -p.gravity, 0.0))]
+        )
 
     def scales(self, p: Parameters) -> Scales:
         """tau = 1/max(w0, 2 k w0): the second is the rate at the bottom."""
@@ -51,13 +68,26 @@ class Pendulum(Case):
     def quantities(self, p: Parameters) -> tuple[Quantity, ...]:
         """Angle, rate, place and rod force."""
         s = self.scales(p)
-        angle = (Quantity("theta", "rad", 1.0, angle=True), Quantity("thetadot", "rad/s", 1.0 / s.tau))
-        return (*angle, Quantity("x", "m", s.length), Quantity("y", "m", s.length), Quantity("rod_force", "N", s.mass * s.speed / s.tau))
+        angle = (
+            Quantity("theta", "rad", 1.0, angle=True),
+            Quantity("thetadot", "rad/s", 1.0 / s.tau),
+        )
+        return (
+            *angle,
+            Quantity("x", "m", s.length),
+            Quantity("y", "m", s.length),
+            Quantity("rod_force", "N", s.mass * s.speed / s.tau),
+        )
 
     def observe(self, p: Parameters, trajectory: Trajectory) -> dict[str, Array]:
         """theta = atan2(x, -y), thetadot = (x vy - y vx)/r^2."""
         (x, y, _), (vx, vy, _) = trajectory.position[:, 0].T, trajectory.velocity[:, 0].T
-        seen = {"theta": np.arctan2(x, -y), "thetadot": (x * vy - y * vx) / (x * x + y * y), "x": x, "y": y}
+        seen = {
+            "theta": np.arctan2(x, -y),
+            "thetadot": (x * vy - y * vx) / (x * x + y * y),
+            "x": x,
+            "y": y,
+        }
         if "rod_force" in trajectory.channels:
             seen["rod_force"] = trajectory.channels["rod_force"].reshape(len(x), -1)[:, 0]
         return seen

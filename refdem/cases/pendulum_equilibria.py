@@ -23,23 +23,44 @@ class PendulumEquilibria(Case):
     id = "pendulum-equilibria"
     title = "Equilibria of the pendulum"
     statement = (
-        "A point mass on a rigid rod is let go next to one of its two equilibria. At the bottom it stays as near as it was. From the top "
-        "it leaves as delta cosh(w0 t), to first order in delta; exactly at the top, in Cartesian coordinates, it stays."
+        "A point mass on a rigid rod is let go next to one of its two equilibria. At the bottom it"
+        " stays as near as it was. From the top it leaves as delta cosh(w0 t), to first order in"
+        " delta; exactly at the top, in Cartesian coordinates, it stays."
     )
-    latex = r"\ddot\varphi=\mp\frac{g}{l}\sin\varphi,\qquad\varphi\approx\delta\cos\omega_0t\ \text{or}\ \delta\cosh\omega_0t"
+    latex = (
+        r"\ddot\varphi=\mp\frac{g}{l}\sin\varphi,"
+        r"\qquad\varphi\approx\delta\cos\omega_0t\ \text{or}\ \delta\cosh\omega_0t"
+    )
     source = "Matuttis and Chen 2014, chapter 1, fig. 1.34"
     parameters = (
         Parameter(name="length", default="1", unit="m", doc="the rod", above=0),
         Parameter(name="gravity", default="9.8125", unit="m/s^2", doc="along -y", above=0),
-        Parameter(name="position", default="top", unit="1", doc="the equilibrium", choices=("top", "bottom")),
-        Parameter(name="delta", default="1e-3", unit="rad", doc="angle from it at the start", at_least=-3, at_most=3),
+        Parameter(
+            name="position",
+            default="top",
+            unit="1",
+            doc="the equilibrium",
+            choices=("top", "bottom"),
+        ),
+        Parameter(
+            name="delta",
+            default="1e-3",
+            unit="rad",
+            doc="angle from it at the start",
+            at_least=-3,
+            at_most=3,
+        ),
     )
 
     def scene(self, p: Parameters) -> Scene:
         """At rest, next to the top or the bottom."""
         side = 1.0 if p.position == "top" else -1.0
-        mass = Body(mass=MASS, position=(p.length * np.sin(p.delta), side * p.length * np.cos(p.delta), 0.0))
-        return Scene.of([mass], [Rod(a=0, length=p.length), UniformGravity(g=(0.0, -p.gravity, 0.0))])
+        mass = Body(
+            mass=MASS, position=(p.length * np.sin(p.delta), side * p.length * np.cos(p.delta), 0.0)
+        )
+        return Scene.of(
+            [mass], [Rod(a=0, length=p.length), UniformGravity(g=(0.0, -p.gravity, 0.0))]
+        )
 
     def scales(self, p: Parameters) -> Scales:
         """tau = 1/max(w0, rate at the bottom)."""

@@ -16,44 +16,81 @@ Array = NDArray[np.float64]
 
 
 class PendulumWheelMass(StringOnWheel):
-    """Wheel at the origin; a = R (cos th, sin th) + r (sin th, -cos th) swings, b = (-R, -s) moves up and down, s - R th + r stays."""
+    """Wheel at the origin; a = R (cos th, sin th) + r (sin th, -cos th) swings, b = (-R, -s) moves
+    up and down, s - R th + r stays.
+    """
 
     id = "pendulum-wheel-mass"
     title = "Pendulum, wheel and mass"
     statement = (
-        "A taut string runs over a wheel and does not slip; a pendulum swings on one side, a mass hangs on the other. The pendulum's "
-        "length changes as it swings. Energy stays; another integral does so only for a wheel of no size and a mass of three pendulums."
+        "A taut string runs over a wheel and does not slip; a pendulum swings on one side, a mass"
+        " hangs on the other. The pendulum's length changes as it swings. Energy stays; another"
+        " integral does so only for a wheel of no size and a mass of three pendulums."
     )
     latex = (
         r"u=\dot r-R\dot\theta,\quad (M+m+J/R^2)\dot u=mr\dot\theta^2-Mg+mg\cos\theta,\quad "
         r"r\ddot\theta=-2u\dot\theta-R\dot\theta^2-g\sin\theta"
     )
-    source = "Matuttis and Chen 2014, chapter 1, fig. 1.3b; Tufillaro 1986 for the integrable case (Swinging Atwood's machine)"
+    source = (
+        "Matuttis and Chen 2014, chapter 1, fig. 1.3b; Tufillaro 1986 for the integrable case"
+        " (Swinging Atwood's machine)"
+    )
     parameters = (
-        *(Parameter(name=n, default=d, unit="kg", doc=doc, above=0) for n, d, doc in (("mass", "1", "m"), ("counter_mass", "3/2", "M"))),
+        *(
+            Parameter(name=n, default=d, unit="kg", doc=doc, above=0)
+            for n, d, doc in (("mass", "1", "m"), ("counter_mass", "3/2", "M"))
+        ),
         Parameter(name="wheel_radius", default="1/8", unit="m", doc="R", at_least=0),
-        Parameter(name="wheel_inertia", default="1/128", unit="kg m^2", doc="J about the axle", at_least=0),
+        Parameter(
+            name="wheel_inertia", default="1/128", unit="kg m^2", doc="J about the axle", at_least=0
+        ),
         Parameter(name="gravity", default="9.8125", unit="m/s^2", doc="along -y", above=0),
-        Parameter(name="r0", default="1", unit="m", doc="free string of the pendulum at the start", above=0),
-        Parameter(name="theta0", default="3/2", unit="rad", doc="its angle from the downward vertical at the start"),
+        Parameter(
+            name="r0",
+            default="1",
+            unit="m",
+            doc="free string of the pendulum at the start",
+            above=0,
+        ),
+        Parameter(
+            name="theta0",
+            default="3/2",
+            unit="rad",
+            doc="its angle from the downward vertical at the start",
+        ),
         Parameter(name="rdot0", default="0", unit="m/s", doc="rate of r at the start"),
         Parameter(name="thetadot0", default="0", unit="rad/s", doc="rate of theta at the start"),
     )
 
     def scene(self, p: Parameters) -> Scene:
-        """The pendulum on the right, the mass on the left, as far below the wheel as the pendulum's string is long."""
-        across, along = (np.array(v) for v in ((np.cos(p.theta0), np.sin(p.theta0), 0.0), (np.sin(p.theta0), -np.cos(p.theta0), 0.0)))
+        """The pendulum on the right, the mass on the left, as far below the wheel as the pendulum's
+        string is long.
+        """
+        across, along = (
+            np.array(v)
+            for v in (
+                (np.cos(p.theta0), np.sin(p.theta0), 0.0),
+                (np.sin(p.theta0), -np.cos(p.theta0), 0.0),
+            )
+        )
         speed = p.rdot0 - p.wheel_radius * p.thetadot0
-        place, velocity = p.wheel_radius * across + p.r0 * along, speed * along + p.r0 * p.thetadot0 * across
+        place, velocity = (
+            p.wheel_radius * across + p.r0 * along,
+            speed * along + p.r0 * p.thetadot0 * across,
+        )
         bob = Body(mass=p.mass, position=tuple(place), velocity=tuple(velocity))
-        counter = Body(mass=p.counter_mass, position=(-p.wheel_radius, -p.r0, 0.0), velocity=(0.0, speed, 0.0))
+        counter = Body(
+            mass=p.counter_mass, position=(-p.wheel_radius, -p.r0, 0.0), velocity=(0.0, speed, 0.0)
+        )
         string = StringOverWheel(a=0, b=1, radius=p.wheel_radius, inertia=p.wheel_inertia)
         return Scene.of([bob, counter], [string, UniformGravity(g=(0.0, -p.gravity, 0.0))])
 
     def scales(self, p: Parameters) -> Scales:
         """L = r0 + R; 1/tau^2 = g/r0 + thetadot0^2 + (rdot0/r0)^2."""
         tau = 1.0 / float(np.sqrt(p.gravity / p.r0 + p.thetadot0**2 + (p.rdot0 / p.r0) ** 2))
-        return Scales(length=p.r0 + p.wheel_radius, tau=tau, duration=20 * tau, mass=p.mass + p.counter_mass)
+        return Scales(
+            length=p.r0 + p.wheel_radius, tau=tau, duration=20 * tau, mass=p.mass + p.counter_mass
+        )
 
     def quantities(self, p: Parameters) -> tuple[Quantity, ...]:
         """Length and angle of the pendulum, and their rates."""
@@ -62,11 +99,16 @@ class PendulumWheelMass(StringOnWheel):
         return Quantity("r", "m", s.length), Quantity("theta", "rad", 1.0, angle=True), *rates
 
     def observe(self, p: Parameters, trajectory: Trajectory) -> dict[str, Array]:
-        """From the pendulum alone: its string is a tangent of the wheel, (r + i R) exp(i theta) = -y + i x."""
+        """From the pendulum alone: its string is a tangent of the wheel, (r + i R) exp(i theta) =
+        -y + i x.
+        """
         (x, y, _), (vx, vy, _) = trajectory.position[:, 0].T, trajectory.velocity[:, 0].T
         r = np.sqrt(x * x + y * y - p.wheel_radius**2)
         theta = np.angle((-y + 1j * x) / (r + 1j * p.wheel_radius))
-        rate, u = (vx * np.cos(theta) + vy * np.sin(theta)) / r, vx * np.sin(theta) - vy * np.cos(theta)
+        rate, u = (
+            (vx * np.cos(theta) + vy * np.sin(theta)) / r,
+            vx * np.sin(theta) - vy * np.cos(theta),
+        )
         return {"r": r, "theta": theta, "rdot": u + p.wheel_radius * rate, "thetadot": rate}
 
     def truth(self, p: Parameters) -> Truth:

@@ -1,4 +1,6 @@
-"""A cat's head carried through phase space by four flows: figs. 1.18 to 1.20 and 1.22, Liouville's theorem and its failures."""
+"""A cat's head carried through phase space by four flows: figs. 1.18 to 1.20 and 1.22, Liouville's
+theorem and its failures.
+"""
 
 from refdem.cases import _cat, _flows, _line
 from refdem.cases._cat import Array
@@ -16,21 +18,59 @@ class PhaseFlow(EnsembleCase):
     id = "phase-flow"
     title = "Flow in phase space"
     statement = (
-        "A closed outline, a cat's head, is carried along. Without friction its area is kept: the oscillator turns it, the pendulum shears "
-        "it. In a fluid it falls as exp(-2 delta t), and the density grows in turn. Under dry friction it is kept between turning points, "
-        "and at each times (k|x| - f)/(k|x| + f), until all of it lies on the segment |x| <= f/k, v = 0, part from above, part from below."
+        "A closed outline, a cat's head, is carried along. Without friction its area is kept: the"
+        " oscillator turns it, the pendulum shears it. In a fluid it falls as exp(-2 delta t), and"
+        " the density grows in turn. Under dry friction it is kept between turning points, and at"
+        " each times (k|x| - f)/(k|x| + f), until all of it lies on the segment |x| <= f/k, v = 0,"
+        " part from above, part from below."
     )
-    latex = r"A(t)=\oint v\,dx=A_0,\quad A_0e^{-2\delta t},\quad \frac{dA^+}{dA^-}=\frac{k|x|-f}{k|x|+f}\ \text{at}\ v=0"
-    source = "Matuttis and Chen 2014, chapter 1, section 1.4.3, (1.107)-(1.111), figs. 1.18-1.20 and 1.22"
+    latex = (
+        r"A(t)=\oint v\,dx=A_0,\quad A_0e^{-2\delta t},\quad"
+        r" \frac{dA^+}{dA^-}=\frac{k|x|-f}{k|x|+f}\ \text{at}\ v=0"
+    )
+    source = (
+        "Matuttis and Chen 2014, chapter 1, section 1.4.3, (1.107)-(1.111), figs. 1.18-1.20 and"
+        " 1.22"
+    )
     parameters = (
-        Parameter(name="flow", default="harmonic", unit="", doc="which flow carries it", choices=_flows.FLOWS),
-        Parameter(name="centre", default="3/4,-3/4", unit="m, m/s", doc="place and rate of the head's middle", shape=(2,)),
-        Parameter(name="size", default="1/4", unit="m, m/s", doc="half of the head's width, about", above=0),
-        Parameter(name="points", default="1024", unit="1", doc="of the outline", at_least=32, at_most=1_000_000, whole=True),
+        Parameter(
+            name="flow",
+            default="harmonic",
+            unit="",
+            doc="which flow carries it",
+            choices=_flows.FLOWS,
+        ),
+        Parameter(
+            name="centre",
+            default="3/4,-3/4",
+            unit="m, m/s",
+            doc="place and rate of the head's middle",
+            shape=(2,),
+        ),
+        Parameter(
+            name="size",
+            default="1/4",
+            unit="m, m/s",
+            doc="half of the head's width, about",
+            above=0,
+        ),
+        Parameter(
+            name="points",
+            default="1024",
+            unit="1",
+            doc="of the outline",
+            at_least=32,
+            at_most=1_000_000,
+            whole=True,
+        ),
         *(_line.MASS, _line.STIFFNESS, _line.DELTA),
-        Parameter(name="friction_force", default="0.15", unit="N", doc="size of the dry friction", above=0),
+        Parameter(
+            name="friction_force", default="0.15", unit="N", doc="size of the dry friction", above=0
+        ),
         Parameter(name="length", default="1", unit="m", doc="the pendulum's rod", above=0),
-        Parameter(name="gravity", default="1", unit="m/s^2", doc="on the pendulum, along -y", above=0),
+        Parameter(
+            name="gravity", default="1", unit="m/s^2", doc="on the pendulum, along -y", above=0
+        ),
     )
     chaotic_at = NEVER
 
@@ -53,13 +93,24 @@ class PhaseFlow(EnsembleCase):
     def quantities(self, p: Parameters) -> tuple[Quantity, ...]:
         """Place and rate of every corner."""
         s, is_rod = self.scales(p), p.flow == "pendulum"
-        kinds = (("x", "rad" if is_rod else "m", s.length, is_rod), ("v", "rad/s" if is_rod else "m/s", s.speed, False))
-        return tuple(Quantity(f"{n}_{k}", u, size, angle) for k in range(len(_cat.HEAD)) for n, u, size, angle in kinds)
+        kinds = (
+            ("x", "rad" if is_rod else "m", s.length, is_rod),
+            ("v", "rad/s" if is_rod else "m/s", s.speed, False),
+        )
+        return tuple(
+            Quantity(f"{n}_{k}", u, size, angle)
+            for k in range(len(_cat.HEAD))
+            for n, u, size, angle in kinds
+        )
 
     def observe(self, p: Parameters, trajectory: Trajectory) -> dict[str, Array]:
         """Every corner."""
         each = trajectory.values["position"].shape[1] // len(_cat.HEAD)
-        return {f"{a}_{k}": x[:, k * each] for k in range(len(_cat.HEAD)) for a, x in zip("xv", self.outline(p, trajectory), strict=True)}
+        return {
+            f"{a}_{k}": x[:, k * each]
+            for k in range(len(_cat.HEAD))
+            for a, x in zip("xv", self.outline(p, trajectory), strict=True)
+        }
 
     def outline(self, p: Parameters, trajectory: Trajectory) -> tuple[Array, Array]:
         """Place and rate (T, M) of all points."""

@@ -1,4 +1,6 @@
-"""The oscillator whose spring pulls with a power of its stretch (1.113): the period depends on the amplitude."""
+"""The oscillator whose spring pulls with a power of its stretch (1.113): the period depends on the
+amplitude.
+"""
 
 import numpy as np
 
@@ -19,16 +21,28 @@ class PowerOscillator(Case):
     id = "power-oscillator"
     title = "Power-law oscillator"
     statement = (
-        "A spring pulls with a power n of its stretch. With n = 1 the period does not depend on the amplitude; with n > 1 it falls as "
-        "A^((1 - n)/2): for n = 2 it is 2 pi at A = 1.195254."
+        "A spring pulls with a power n of its stretch. With n = 1 the period does not depend on the"
+        " amplitude; with n > 1 it falls as A^((1 - n)/2): for n = 2 it is 2 pi at A = 1.195254."
     )
-    latex = r"m\ddot x+k|x|^n\,\mathrm{sgn}\,x=0,\qquad T=4\sqrt{\frac{m}{2k(n+1)}}\,A^{(1-n)/2}\,B\left(\tfrac1{n+1},\tfrac12\right)"
+    latex = (
+        r"m\ddot x+k|x|^n\,\mathrm{sgn}\,x=0,\qquad"
+        r" T=4\sqrt{\frac{m}{2k(n+1)}}\,A^{(1-n)/2}\,B\left(\tfrac1{n+1},\tfrac12\right)"
+    )
     source = "Matuttis and Chen 2014, chapter 1, (1.113), fig. 1.21"
     parameters = (
         _line.MASS,
         Parameter(name="stiffness", default="1", unit="N/m^n", doc="the spring", above=0),
-        Parameter(name="exponent", default="3/2", unit="1", doc="n, the power of the stretch", at_least=1, at_most=9),
-        Parameter(name="amplitude", default="1", unit="m", doc="place at the start, where it is at rest"),
+        Parameter(
+            name="exponent",
+            default="3/2",
+            unit="1",
+            doc="n, the power of the stretch",
+            at_least=1,
+            at_most=9,
+        ),
+        Parameter(
+            name="amplitude", default="1", unit="m", doc="place at the start, where it is at rest"
+        ),
     )
     chaotic_at = NEVER
 

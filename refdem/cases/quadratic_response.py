@@ -1,4 +1,6 @@
-"""An oscillator with a square in its force, under one or two drives (1.122): it doubles frequencies and mixes them."""
+"""An oscillator with a square in its force, under one or two drives (1.122): it doubles frequencies
+and mixes them.
+"""
 
 import numpy as np
 
@@ -15,22 +17,45 @@ from refdem.scene.elements.force import Force
 
 
 class QuadraticResponse(Case):
-    """A mass of 1 kg on a spring with a square along x, a dashpot of 2 delta, and forces f0 cos(drive t)."""
+    """A mass of 1 kg on a spring with a square along x, a dashpot of 2 delta, and forces f0
+    cos(drive t).
+    """
 
     id = "quadratic-response"
     title = "Quadratic response"
     statement = (
-        "The force of a spring has a quadratic part, so that it resists more on one side. Driven at w the motion has lines at 2 w and 0, "
-        "driven at two frequencies also at their sum and their difference. Starts above the escape energy w0^6/(6 eps^2) are refused."
+        "The force of a spring has a quadratic part, so that it resists more on one side. Driven at"
+        " w the motion has lines at 2 w and 0, driven at two frequencies also at their sum and"
+        " their difference. Starts above the escape energy w0^6/(6 eps^2) are refused."
     )
     latex = r"\ddot x+2\delta\dot x+\omega_0^2x+\varepsilon x^2=f_1\cos\omega_1t+f_2\cos\omega_2t"
     source = "Matuttis and Chen 2014, chapter 1, (1.122), (1.123)"
     parameters = (
-        Parameter(name="w0", default="1", unit="rad/s", doc="frequency of small oscillations", above=0),
-        Parameter(name="eps", default="1/10", unit="1/(m s^2)", doc="quadratic part of the spring per mass"),
+        Parameter(
+            name="w0", default="1", unit="rad/s", doc="frequency of small oscillations", above=0
+        ),
+        Parameter(
+            name="eps",
+            default="1/10",
+            unit="1/(m s^2)",
+            doc="quadratic part of the spring per mass",
+        ),
         _line.DELTA,
-        Parameter(name="f0", default="1/5,1/5", unit="m/s^2", doc="amplitudes of the forces per mass", shape=(2,)),
-        Parameter(name="drive", default="3/10,1/2", unit="rad/s", doc="their angular frequencies", at_least=0, shape=(2,)),
+        Parameter(
+            name="f0",
+            default="1/5,1/5",
+            unit="m/s^2",
+            doc="amplitudes of the forces per mass",
+            shape=(2,),
+        ),
+        Parameter(
+            name="drive",
+            default="3/10,1/2",
+            unit="rad/s",
+            doc="their angular frequencies",
+            at_least=0,
+            shape=(2,),
+        ),
         *_line.START,
     )
 
@@ -38,11 +63,15 @@ class QuadraticResponse(Case):
         """Raises UsageError if nothing would ever move, or the start alone would go to infinity."""
         _line.refuse_nothing(self.scales(p).length)
         if _nonlinear.quadratic_escapes(*(p[name] for name in ("w0", "eps", "x0", "v0"))):
-            raise UsageError(f"x0 {p.x0:g}, v0 {p.v0:g} with w0 {p.w0:g}, eps {p.eps:g}: {_nonlinear.ESCAPE}")
+            raise UsageError(
+                f"x0 {p.x0:g}, v0 {p.v0:g} with w0 {p.w0:g}, eps {p.eps:g}: {_nonlinear.ESCAPE}"
+            )
 
     def scene(self, p: Parameters) -> Scene:
         """Spring, dashpot where there is one, and the forces that act."""
-        forces = [Force(a=0, amplitude=f, frequency=w) for f, w in zip(p.f0, p.drive, strict=True) if f]
+        forces = [
+            Force(a=0, amplitude=f, frequency=w) for f, w in zip(p.f0, p.drive, strict=True) if f
+        ]
         room = 2.0 ** np.ceil(np.log2(4 * self.scales(p).length)) if p.eps else 0.0
         return _nonlinear.scene(p, p.w0**2, *forces, quadratic=p.eps, length=float(room))
 

@@ -1,4 +1,6 @@
-"""Quaternions: every row of Table 1.2, their representations by matrices, and their motion under an angular velocity."""
+"""Quaternions: every row of Table 1.2, their representations by matrices, and their motion under an
+angular velocity.
+"""
 
 import numpy as np
 
@@ -16,29 +18,48 @@ class Quaternions(AlgebraCase):
     id = "quaternions"
     title = "Quaternions"
     statement = (
-        "Products do not commute but associate; a conjugate reverses them; the inverse is the conjugate over the square. A unit quaternion "
-        "u turns vectors as u v u*, and -u turns them alike. Real matrices 4 x 4 and complex ones 2 x 2 multiply as quaternions do. Under "
-        "omega the rate is omega u/2, orthogonal to u; it gives omega back in space and in body axes. A quaternion and its rate do not "
-        "commute (the chapter's remark after (1.75)): what holds is u u'* = -u' u*."
+        "Products do not commute but associate; a conjugate reverses them; the inverse is the"
+        " conjugate over the square. A unit quaternion u turns vectors as u v u*, and -u turns them"
+        " alike. Real matrices 4 x 4 and complex ones 2 x 2 multiply as quaternions do. Under omega"
+        " the rate is omega u/2, orthogonal to u; it gives omega back in space and in body axes. A"
+        " quaternion and its rate do not commute (the chapter's remark after (1.75)): what holds is"
+        " u u'* = -u' u*."
     )
-    latex = r"pq=(s_ps_q-\mathbf p\cdot\mathbf q,\;s_p\mathbf q+s_q\mathbf p+\mathbf p\times\mathbf q),\qquad\dot u=\tfrac12\omega u"
+    latex = (
+        r"pq=(s_ps_q-\mathbf p\cdot\mathbf q,\;s_p\mathbf q+s_q\mathbf p+\mathbf p\times\mathbf"
+        r" q),\qquad\dot u=\tfrac12\omega u"
+    )
     source = "Matuttis and Chen 2014, chapter 1, (1.44) to (1.91), Table 1.2 and exercise 1.2"
     parameters = (
-        Parameter(name="p", default="1,-2,1/2,3", unit="1", doc="a quaternion (w, x, y, z)", shape=(4,)),
+        Parameter(
+            name="p", default="1,-2,1/2,3", unit="1", doc="a quaternion (w, x, y, z)", shape=(4,)
+        ),
         Parameter(name="q", default="2,1,-1,1/4", unit="1", doc="another, not 0", shape=(4,)),
-        Parameter(name="r", default="-1,1/3,2,1", unit="1", doc="a third, for associativity", shape=(4,)),
+        Parameter(
+            name="r", default="-1,1/3,2,1", unit="1", doc="a third, for associativity", shape=(4,)
+        ),
         Parameter(name="vector", default="1,2,-1/2", unit="1", doc="turned by u", shape=(3,)),
-        Parameter(name="omega", default="3/4,-1,2", unit="rad/s", doc="angular velocity", shape=(3,)),
-        Parameter(name="rise", default="1/2,1,-1", unit="rad/s^2", doc="its derivative", shape=(3,)),
+        Parameter(
+            name="omega", default="3/4,-1,2", unit="rad/s", doc="angular velocity", shape=(3,)
+        ),
+        Parameter(
+            name="rise", default="1/2,1,-1", unit="rad/s^2", doc="its derivative", shape=(3,)
+        ),
     )
 
     def refuse(self, p: Parameters) -> None:
         """Raises UsageError for a q that is no attitude, or none with Euler angles."""
         (w, x, y, z), size = p.q, np.linalg.norm(p.q)
         if not min(np.hypot(x, y), np.hypot(w, z)) > 1e-6 * size:
-            raise UsageError("parameter q: expected x, y and w, z that are not both 0: its Euler angles z-x-z would not be unique")
+            raise UsageError(
+                "parameter q: expected x, y and w, z that are not both 0: its Euler angles z-x-z"
+                " would not be unique"
+            )
         if abs(w) < 1e-6 * size:
-            raise UsageError("parameter q: expected a w other than 0: which of q and -q has w >= 0 would be chance")
+            raise UsageError(
+                "parameter q: expected a w other than 0: which of q and -q has w >= 0 would be"
+                " chance"
+            )
 
     def rows(self, p: Parameters) -> list[Row]:
         """Algebra, then turns, then rates."""

@@ -25,47 +25,103 @@ class RigidCluster(Case):
     id = "rigid-cluster"
     title = "Rigid cluster"
     statement = (
-        "Four point masses that do not lie in a plane are joined, each with each, by six rigid rods, and spin freely. They move as the "
-        "rigid body with their tensor of inertia does: rods keep their lengths, momentum and angular momentum stay."
+        "Four point masses that do not lie in a plane are joined, each with each, by six rigid"
+        " rods, and spin freely. They move as the rigid body with their tensor of inertia does:"
+        " rods keep their lengths, momentum and angular momentum stay."
     )
-    latex = r"m_i\ddot{\mathbf r}_i=-\sum_j\lambda_{ij}(\mathbf r_i-\mathbf r_j),\quad|\mathbf r_i-\mathbf r_j|=l_{ij}"
+    latex = (
+        r"m_i\ddot{\mathbf r}_i=-\sum_j\lambda_{ij}(\mathbf r_i-\mathbf r_j),\quad|\mathbf"
+        r" r_i-\mathbf r_j|=l_{ij}"
+    )
     source = "Matuttis and Chen 2014, chapter 1, section 1.2 (degrees of freedom), (1.35)-(1.37)"
     parameters = (
-        Parameter(name="masses", default="1,2,1,3", unit="kg", doc="of the four points", shape=(4,), above=0),
-        Parameter(name="positions", default="1,0,0,0,1,0,0,0,1,-1,-1/2,0", unit="m", doc="x, y, z of each at the start", shape=(4, 3)),
-        Parameter(name="omega", default="1/2,1,-1/4", unit="rad/s", doc="angular velocity at the start", shape=(3,)),
+        Parameter(
+            name="masses",
+            default="1,2,1,3",
+            unit="kg",
+            doc="of the four points",
+            shape=(4,),
+            above=0,
+        ),
+        Parameter(
+            name="positions",
+            default="1,0,0,0,1,0,0,0,1,-1,-1/2,0",
+            unit="m",
+            doc="x, y, z of each at the start",
+            shape=(4, 3),
+        ),
+        Parameter(
+            name="omega",
+            default="1/2,1,-1/4",
+            unit="rad/s",
+            doc="angular velocity at the start",
+            shape=(3,),
+        ),
     )
 
     def refuse(self, p: Parameters) -> None:
-        """Raises UsageError for points in a plane, which six rods do not hold, and for a cluster that does not spin."""
+        """Raises UsageError for points in a plane, which six rods do not hold, and for a cluster
+        that does not spin.
+        """
         exact: Any = p["positions"]
-        a, b, c = (np.array(exact[k : k + 3], dtype=object) - np.array(exact[:3], dtype=object) for k in (3, 6, 9))
-        volume: Fraction = a @ np.array([b[1] * c[2] - b[2] * c[1], b[2] * c[0] - b[0] * c[2], b[0] * c[1] - b[1] * c[0]], dtype=object)
+        a, b, c = (
+            np.array(exact[k : k + 3], dtype=object) - np.array(exact[:3], dtype=object)
+            for k in (3, 6, 9)
+        )
+        volume: Fraction = a @ np.array(
+            [b[1] * c[2] - b[2] * c[1], b[2] * c[0] - b[0] * c[2], b[0] * c[1] - b[1] * c[0]],
+            dtype=object,
+        )
         if volume == 0:
-            raise UsageError(f"parameter positions: got {p.texts()['positions']}; expected four points that do not lie in a plane")
+            raise UsageError(
+                f"parameter positions: got {p.texts()['positions']}; expected four points that do"
+                " not lie in a plane"
+            )
         if not any(p.omega):
-            raise UsageError(f"parameter omega: got {p.texts()['omega']}; expected a cluster that spins")
+            raise UsageError(
+                f"parameter omega: got {p.texts()['omega']}; expected a cluster that spins"
+            )
 
     def scene(self, p: Parameters) -> Scene:
         """The points, and a rod between any two of them."""
         velocity = np.cross(p.omega, p.positions - p.masses @ p.positions / p.masses.sum())
         places = zip(p.masses, p.positions.tolist(), velocity.tolist(), strict=True)
-        rods = [Rod(a=i, b=j, length=float(np.linalg.norm(p.positions[i] - p.positions[j]))) for i, j in PAIRS]
-        return Scene.of([Body(mass=m, position=tuple(r), velocity=tuple(v)) for m, r, v in places], rods)
+        rods = [
+            Rod(a=i, b=j, length=float(np.linalg.norm(p.positions[i] - p.positions[j])))
+            for i, j in PAIRS
+        ]
+        return Scene.of(
+            [Body(mass=m, position=tuple(r), velocity=tuple(v)) for m, r, v in places], rods
+        )
 
     def scales(self, p: Parameters) -> Scales:
         """L: the farthest point from the centre of mass; tau = 1/|omega|."""
         arms = p.positions - p.masses @ p.positions / p.masses.sum()
         tau = 1.0 / float(np.linalg.norm(p.omega))
-        return Scales(length=float(np.linalg.norm(arms, axis=1).max()), tau=tau, duration=20 * tau, mass=float(p.masses.sum()))
+        return Scales(
+            length=float(np.linalg.norm(arms, axis=1).max()),
+            tau=tau,
+            duration=20 * tau,
+            mass=float(p.masses.sum()),
+        )
 
     def quantities(self, p: Parameters) -> tuple[Quantity, ...]:
         """Place of each."""
-        return tuple(Quantity(f"r{i}.{axis}", "m", self.scales(p).length) for i in range(1, 5) for axis in "xyz")
+        return tuple(
+            Quantity(f"r{i}.{axis}", "m", self.scales(p).length)
+            for i in range(1, 5)
+            for axis in "xyz"
+        )
 
     def observe(self, p: Parameters, trajectory: Trajectory) -> dict[str, Array]:
         """Place of each."""
-        return dict(zip((q.name for q in self.quantities(p)), trajectory.position.reshape(len(trajectory.t), 12).T, strict=True))
+        return dict(
+            zip(
+                (q.name for q in self.quantities(p)),
+                trajectory.position.reshape(len(trajectory.t), 12).T,
+                strict=True,
+            )
+        )
 
     def truth(self, p: Parameters) -> Truth:
         """The free rigid body's closed form, in the cluster's principal axes."""

@@ -1,4 +1,6 @@
-"""Rotations in the plane and in space, by matrices and Euler angles (chapter 1, sections 1.3.1 to 1.3.7)."""
+"""Rotations in the plane and in space, by matrices and Euler angles (chapter 1, sections 1.3.1 to
+1.3.7).
+"""
 
 from refdem.cases import _rotation_rows
 from refdem.cases._algebra import AlgebraCase, Row
@@ -8,33 +10,68 @@ from refdem.errors import UsageError
 
 
 class Rotations(AlgebraCase):
-    """Matrices turn vectors in space: R maps body to space, the transpose of the chapter's printed A."""
+    """Matrices turn vectors in space: R maps body to space, the transpose of the chapter's printed
+    A.
+    """
 
     angles = frozenset({"euler-back", "globe-angle"})
     id = "rotations"
     title = "Rotations"
     statement = (
-        "A turn in the plane is a multiplication by exp(i phi); a mirror has determinant -1 and changes the sense of angles. In space "
-        "the order matters: a book turned about z and x ends differently than one turned about x and z, though some products of turns "
-        "are turns about a third axis. Euler angles come back from their matrix, but their rates diverge where sin theta = 0. "
-        "The frequency in place of omega = 2 pi f makes the energy 39.48 times too small."
+        "A turn in the plane is a multiplication by exp(i phi); a mirror has determinant -1 and"
+        " changes the sense of angles. In space the order matters: a book turned about z and x ends"
+        " differently than one turned about x and z, though some products of turns are turns about"
+        " a third axis. Euler angles come back from their matrix, but their rates diverge where sin"
+        " theta = 0. The frequency in place of omega = 2 pi f makes the energy 39.48 times too"
+        " small."
     )
-    latex = r"R=R_z(\phi)R_x(\theta)R_z(\psi),\qquad\dot\phi=\omega_z-(\omega_x\sin\phi-\omega_y\cos\phi)\cot\theta"
-    source = "Matuttis and Chen 2014, chapter 1, (1.9) to (1.43), figs. 1.4, 1.6 and 1.7; Greenwood 1988 for the rates"
+    latex = (
+        r"R=R_z(\phi)R_x(\theta)R_z(\psi),"
+        r"\qquad\dot\phi=\omega_z-(\omega_x\sin\phi-\omega_y\cos\phi)\cot\theta"
+    )
+    source = (
+        "Matuttis and Chen 2014, chapter 1, (1.9) to (1.43), figs. 1.4, 1.6 and 1.7; Greenwood 1988"
+        " for the rates"
+    )
     parameters = (
-        Parameter(name="angle", default="7/10", unit="rad", doc="of the turn, and of the mirror to x", at_least=-3, at_most=3),
+        Parameter(
+            name="angle",
+            default="7/10",
+            unit="rad",
+            doc="of the turn, and of the mirror to x",
+            at_least=-3,
+            at_most=3,
+        ),
         Parameter(name="vector", default="3/5,-4/5", unit="1", doc="in the plane", shape=(2,)),
-        Parameter(name="euler", default="1/2,3/4,-5/4", unit="rad", doc="phi, theta, psi", shape=(3,)),
+        Parameter(
+            name="euler", default="1/2,3/4,-5/4", unit="rad", doc="phi, theta, psi", shape=(3,)
+        ),
         Parameter(name="omega", default="1,-2,1/2", unit="rad/s", doc="in space axes", shape=(3,)),
-        Parameter(name="near", default="1e-3", unit="rad", doc="theta at which the rates of Euler angles are large", above=0, at_most=1),
-        Parameter(name="frequency", default="5/4", unit="Hz", doc="turns per second, for the energy", above=0),
+        Parameter(
+            name="near",
+            default="1e-3",
+            unit="rad",
+            doc="theta at which the rates of Euler angles are large",
+            above=0,
+            at_most=1,
+        ),
+        Parameter(
+            name="frequency",
+            default="5/4",
+            unit="Hz",
+            doc="turns per second, for the energy",
+            above=0,
+        ),
     )
 
     def refuse(self, p: Parameters) -> None:
         """Raises UsageError for Euler angles that do not come back from their matrix."""
         if not (abs(p.euler[0]) < 3.14 and 0.01 < p.euler[1] < 3.13 and abs(p.euler[2]) < 3.14):
             got = ", ".join(f"{x:g}" for x in p.euler)
-            raise UsageError(f"parameter euler: got {got}; expected phi and psi between -3.14 and 3.14, theta between 0.01 and 3.13")
+            raise UsageError(
+                f"parameter euler: got {got}; expected phi and psi between -3.14 and 3.14, theta"
+                " between 0.01 and 3.13"
+            )
 
     def rows(self, p: Parameters) -> list[Row]:
         """Plane, products of turns, Euler angles, energies."""

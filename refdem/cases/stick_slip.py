@@ -1,4 +1,6 @@
-"""The stick-slip oscillator: a driven mass on a spring and a moving belt, with Stribeck friction (1.125)."""
+"""The stick-slip oscillator: a driven mass on a spring and a moving belt, with Stribeck friction
+(1.125).
+"""
 
 from fractions import Fraction
 from typing import Any
@@ -19,16 +21,21 @@ LAWS = {"quadratic": "stribeck", "linear": "stribeck_linear"}
 
 
 class StickSlip(Case):
-    """A unit mass on a unit spring along x; the belt's steady pull a mu(belt) shifts the spring's anchor."""
+    """A unit mass on a unit spring along x; the belt's steady pull a mu(belt) shifts the spring's
+    anchor.
+    """
 
     id = "stick-slip"
     title = "Stick-slip oscillator"
     statement = (
-        "A driven mass on a spring rubs on a belt. It sticks, moving exactly as the belt, while the pull P of spring and drive is at most "
-        "a mu0; it is released when P passes that limit and then slips, the friction falling with the speed (Stribeck). Settled by "
-        "measurement against figs. 1.29-1.31: the last term is quadratic (with gamma = 0.5 x keeps within -2.9..2.8, v within -2.8..1; "
-        "linear, x reaches -4.4 and v -3.6, outside the figures). With gamma = 0.5 no eta of 500 in 0.9..2.5 has an exponent above zero: "
-        "periodic windows and quasi-periodic motion; chaos between windows begins near gamma = 0.6 (0.7: 1 of 8 eta in 0.9..1.5)."
+        "A driven mass on a spring rubs on a belt. It sticks, moving exactly as the belt, while the"
+        " pull P of spring and drive is at most a mu0; it is released when P passes that limit and"
+        " then slips, the friction falling with the speed (Stribeck). Settled by measurement"
+        " against figs. 1.29-1.31: the last term is quadratic (with gamma = 0.5 x keeps within"
+        " -2.9..2.8, v within -2.8..1; linear, x reaches -4.4 and v -3.6, outside the figures)."
+        " With gamma = 0.5 no eta of 500 in 0.9..2.5 has an exponent above zero: periodic windows"
+        " and quasi-periodic motion; chaos between windows begins near gamma = 0.6 (0.7: 1 of 8 eta"
+        " in 0.9..1.5)."
     )
     latex = r"\ddot x\in\gamma\cos\eta t-x-a\,\mu(b)-a\,\mu(|u|)\,\mathrm{Sgn}(u),\quad u=\dot x-b"
     source = "Matuttis and Chen 2014, section 1.6.2, (1.125), (1.126), figs. 1.27-1.31"
@@ -36,20 +43,54 @@ class StickSlip(Case):
         Parameter(name="a", default="10", unit="N", doc="normal force", above=0),
         Parameter(name="mu0", default="0.4", unit="1", doc="static friction", above=0),
         Parameter(name="mu1", default="0.1", unit="1", doc="dynamic friction", at_least=0),
-        Parameter(name="lambda0", default="1.42", unit="s/m", doc="how fast static friction fades", at_least=0),
-        Parameter(name="lambda1", default="0.01", unit="s^2/m^2", doc="how fast friction grows (s/m if linear)", at_least=0),
-        Parameter(name="friction_law", default="quadratic", unit="", doc="last term of mu", choices=tuple(LAWS)),
+        Parameter(
+            name="lambda0",
+            default="1.42",
+            unit="s/m",
+            doc="how fast static friction fades",
+            at_least=0,
+        ),
+        Parameter(
+            name="lambda1",
+            default="0.01",
+            unit="s^2/m^2",
+            doc="how fast friction grows (s/m if linear)",
+            at_least=0,
+        ),
+        Parameter(
+            name="friction_law",
+            default="quadratic",
+            unit="",
+            doc="last term of mu",
+            choices=tuple(LAWS),
+        ),
         Parameter(name="belt", default="1", unit="m/s", doc="velocity of the belt"),
         Parameter(name="gamma", default="0.5", unit="N", doc="amplitude of the drive"),
-        Parameter(name="eta", default="1.2", unit="rad/s", doc="frequency of the drive", at_least=0),
+        Parameter(
+            name="eta", default="1.2", unit="rad/s", doc="frequency of the drive", at_least=0
+        ),
         Parameter(name="x0", default="0", unit="m", doc="place at the start"),
         Parameter(name="v0", default="0", unit="m/s", doc="velocity at the start"),
     )
-    chaotic_at = given(friction_law="linear", gamma="2", eta="1.06", x0="1", v0="1/2", duration="160", samples="320")
+    chaotic_at = given(
+        friction_law="linear",
+        gamma="2",
+        eta="1.06",
+        x0="1",
+        v0="1/2",
+        duration="160",
+        samples="320",
+    )
 
     def slider(self, p: Parameters) -> Slider:
         """Belt and law of friction."""
-        law = {"law": LAWS[p.friction_law], "mu0": p.mu0, "mu1": p.mu1, "lambda0": p.lambda0, "lambda1": p.lambda1}
+        law = {
+            "law": LAWS[p.friction_law],
+            "mu0": p.mu0,
+            "mu1": p.mu1,
+            "lambda0": p.lambda0,
+            "lambda1": p.lambda1,
+        }
         law = law if p.lambda1 or (p.lambda0 and p.mu0 != p.mu1) else {"friction": p.mu0}
         return Slider(a=0, normal_force=p.a, belt_velocity=p.belt, **law)
 
@@ -58,12 +99,18 @@ class StickSlip(Case):
         pull = p.a * (slider := self.slider(p)).coefficient(abs(p.belt))
         point = Body(mass=1.0, position=(p.x0, 0.0, 0.0), velocity=(p.v0, 0.0, 0.0))
         drive = [Force(a=0, amplitude=p.gamma, frequency=p.eta)] if p.gamma else []
-        return Scene.of([point], [Spring(a=0, stiffness=1.0, anchor_b=(-pull, 0.0, 0.0)), slider, *drive])
+        return Scene.of(
+            [point], [Spring(a=0, stiffness=1.0, anchor_b=(-pull, 0.0, 0.0)), slider, *drive]
+        )
 
     def scales(self, p: Parameters) -> Scales:
-        """The way over which the spring balances friction; that of spring or drive, whichever is faster."""
+        """The way over which the spring balances friction; that of spring or drive, whichever is
+        faster.
+        """
         tau = 1.0 / max(1.0, p.eta)
-        return Scales(length=p.a * p.mu0 + abs(p.gamma) + abs(p.x0) + abs(p.v0), tau=tau, duration=20 * tau)
+        return Scales(
+            length=p.a * p.mu0 + abs(p.gamma) + abs(p.x0) + abs(p.v0), tau=tau, duration=20 * tau
+        )
 
     def quantities(self, p: Parameters) -> tuple[Quantity, ...]:
         """Place and velocity."""

@@ -1,4 +1,6 @@
-"""Time reversal (1.7): a conservative motion with its velocities flipped runs back to where it came from."""
+"""Time reversal (1.7): a conservative motion with its velocities flipped runs back to where it came
+from.
+"""
 
 from refdem.core.case import Instance
 from refdem.core.selection import Selection
@@ -19,7 +21,10 @@ def _reason(instance: Instance) -> str | None:
     """None for a conservative scene, else the first element that is not."""
     for element in instance.scene.elements:
         if _loses(element):
-            return f"{element.kind} {'brings energy in' if element.drives else 'dissipates energy'}: the motion has no way back"
+            return (
+                f"{element.kind} {'brings energy in' if element.drives else 'dissipates energy'}:"
+                " the motion has no way back"
+            )
     return None
 
 
@@ -27,8 +32,9 @@ CASE = Selection(
     id="time-reversal",
     title="Time reversal of conservative motions",
     statement=(
-        "Newton's equations of a conservative system do not tell the direction of time. Run forward, with all velocities flipped "
-        "at the end, the motion returns to its start; what is missing on return is the method's own irreversibility."
+        "Newton's equations of a conservative system do not tell the direction of time. Run"
+        " forward, with all velocities flipped at the end, the motion returns to its start; what is"
+        " missing on return is the method's own irreversibility."
     ),
     source="Matuttis and Chen 2014, chapter 1, section 1.7",
     check="reversal",

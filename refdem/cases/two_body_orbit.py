@@ -13,34 +13,69 @@ from refdem.scene import Body, Scene
 from refdem.scene.elements.central_field import CentralField
 from refdem.scene.elements.spring import Spring
 
-REVOLUTIONS = 3  # the shortest time of an eccentric orbit is far below its period: 20 of them would show too little
+# the shortest time of an eccentric orbit is far below its period: 20 of them would show too little
+REVOLUTIONS = 3
 
 
 def _periapsis(p: Parameters) -> tuple[float, float, float]:
-    """Distance [m] and speed [m/s] at the closest approach, and the period [s]; the mass is 1 kg."""
+    """Distance [m] and speed [m/s] at the closest approach, and the period [s]; the mass is 1
+    kg.
+    """
     a, e = p.semi_major, p.eccentricity
     if p.stiffness is not None:
         rate = float(np.sqrt(p.stiffness))
         return a * float(np.sqrt((1 - e) * (1 + e))), a * rate, 2 * np.pi / rate
-    return a * (1 - e), float(np.sqrt(p.gm / a * (1 + e) / (1 - e))), 2 * np.pi * float(np.sqrt(a**3 / p.gm))
+    return (
+        a * (1 - e),
+        float(np.sqrt(p.gm / a * (1 + e) / (1 - e))),
+        2 * np.pi * float(np.sqrt(a**3 / p.gm)),
+    )
 
 
 class TwoBodyOrbit(Case):
-    """In the x-y plane, moving in +y: from periapsis on +x, or with the spring from the end of the long axis on +x."""
+    """In the x-y plane, moving in +y: from periapsis on +x, or with the spring from the end of the
+    long axis on +x.
+    """
 
     id = "two-body-orbit"
     title = "Two-body orbit"
     statement = (
-        "A body of unit mass goes round a fixed centre on an ellipse: with Newton's attraction the centre is a focus, with a spring "
-        "(parameter stiffness) it is the middle. Energy and angular momentum stay, and the ellipse does not turn."
+        "A body of unit mass goes round a fixed centre on an ellipse: with Newton's attraction the"
+        " centre is a focus, with a spring (parameter stiffness) it is the middle. Energy and"
+        " angular momentum stay, and the ellipse does not turn."
     )
-    latex = r"\ddot{\mathbf r}=-\frac{GM}{r^3}\,\mathbf r\quad\text{or}\quad\ddot{\mathbf r}=-k\,\mathbf r"
-    source = "Matuttis and Chen 2014, chapter 1, section 1.7.4 (conservation laws); Kepler's equation E - e sin E = n t"
+    latex = (
+        r"\ddot{\mathbf r}=-\frac{GM}{r^3}\,\mathbf r\quad\text{or}\quad\ddot{\mathbf"
+        r" r}=-k\,\mathbf r"
+    )
+    source = (
+        "Matuttis and Chen 2014, chapter 1, section 1.7.4 (conservation laws); Kepler's equation E"
+        " - e sin E = n t"
+    )
     parameters = (
-        Parameter(name="gm", default="1", unit="m^3/s^2", doc="Newton's attraction; not used with a spring", above=0),
+        Parameter(
+            name="gm",
+            default="1",
+            unit="m^3/s^2",
+            doc="Newton's attraction; not used with a spring",
+            above=0,
+        ),
         Parameter(name="semi_major", default="1", unit="m", doc="semi-major axis", above=0),
-        Parameter(name="eccentricity", default="1/2", unit="1", doc="of the ellipse, below 1", at_least=0, at_most=0.999999),
-        Parameter(name="stiffness", default="", unit="N/m", doc="a spring to the centre in place of gravity", above=0),
+        Parameter(
+            name="eccentricity",
+            default="1/2",
+            unit="1",
+            doc="of the ellipse, below 1",
+            at_least=0,
+            at_most=0.999999,
+        ),
+        Parameter(
+            name="stiffness",
+            default="",
+            unit="N/m",
+            doc="a spring to the centre in place of gravity",
+            above=0,
+        ),
     )
     chaotic_at = NEVER
 
@@ -50,10 +85,14 @@ class TwoBodyOrbit(Case):
         if p.stiffness is not None:
             distance, speed = p.semi_major, distance * float(np.sqrt(p.stiffness))
         field = CentralField(gm=p.gm) if p.stiffness is None else Spring(a=0, stiffness=p.stiffness)
-        return Scene.of([Body(mass=1.0, position=(distance, 0.0, 0.0), velocity=(0.0, speed, 0.0))], [field])
+        return Scene.of(
+            [Body(mass=1.0, position=(distance, 0.0, 0.0), velocity=(0.0, speed, 0.0))], [field]
+        )
 
     def scales(self, p: Parameters) -> Scales:
-        """Distance at periapsis and tau = 1/(angular velocity there), so that L/tau is the speed there."""
+        """Distance at periapsis and tau = 1/(angular velocity there), so that L/tau is the speed
+        there.
+        """
         distance, speed, period = _periapsis(p)
         return Scales(length=distance, tau=distance / speed, duration=REVOLUTIONS * period)
 

@@ -1,4 +1,6 @@
-"""Two spheres collide under the linear contact law: head-on or oblique, unequal, spinning (1.7.4)."""
+"""Two spheres collide under the linear contact law: head-on or oblique, unequal, spinning
+(1.7.4).
+"""
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,14 +22,19 @@ class TwoSpheres(Case):
     id = "two-spheres"
     title = "Two spheres"
     statement = (
-        "Two solid spheres meet, press each other like a damped spring, rub, and part. Momentum stays, and so does total angular "
-        "momentum where the lever arms add up to the distance of the centres; duration and restitution do not depend on the speed."
+        "Two solid spheres meet, press each other like a damped spring, rub, and part. Momentum"
+        " stays, and so does total angular momentum where the lever arms add up to the distance of"
+        " the centres; duration and restitution do not depend on the speed."
     )
     latex = (
-        r"F_n=k\,d+c\,\dot d,\quad |F_t|=\min(k_t|s|,\mu F_n),\quad b=\frac{c}{2m_\text{eff}},\ \omega_0^2=\frac{k}{m_\text{eff}},"
+        r"F_n=k\,d+c\,\dot d,\quad |F_t|=\min(k_t|s|,\mu F_n),\quad"
+        r" b=\frac{c}{2m_\text{eff}},\ \omega_0^2=\frac{k}{m_\text{eff}},"
         r"\ \omega=\sqrt{\omega_0^2-b^2},\quad e=\mathrm{e}^{-bt_c}"
     )
-    source = "Matuttis and Chen 2014, chapter 1, section 1.7.4; Schwager and Poeschel 2007 for the force that must not pull"
+    source = (
+        "Matuttis and Chen 2014, chapter 1, section 1.7.4; Schwager and Poeschel 2007 for the force"
+        " that must not pull"
+    )
     parameters = _collision.PARAMETERS
 
     def refuse(self, p: Parameters) -> None:
@@ -45,14 +52,27 @@ class TwoSpheres(Case):
     def quantities(self, p: Parameters) -> tuple[Quantity, ...]:
         """Place, velocity and angular velocity of both."""
         s = self.scales(p)
-        kinds = (("r", "m", s.length), ("v", "m/s", s.speed), ("omega", "rad/s", _collision.spin_scale(p)))
-        return tuple(Quantity(f"{kind}{i}.{axis}", unit, size) for i in (1, 2) for kind, unit, size in kinds for axis in "xyz")
+        kinds = (
+            ("r", "m", s.length),
+            ("v", "m/s", s.speed),
+            ("omega", "rad/s", _collision.spin_scale(p)),
+        )
+        return tuple(
+            Quantity(f"{kind}{i}.{axis}", unit, size)
+            for i in (1, 2)
+            for kind, unit, size in kinds
+            for axis in "xyz"
+        )
 
     def observe(self, p: Parameters, trajectory: Trajectory) -> dict[str, Array]:
         """Place, velocity and angular velocity of both."""
         state = (trajectory.position, trajectory.velocity, trajectory.omega)
         columns = [column[:, body] for body in (0, 1) for column in state]
-        return dict(zip((q.name for q in self.quantities(p)), np.concatenate(columns, axis=1).T, strict=True))
+        return dict(
+            zip(
+                (q.name for q in self.quantities(p)), np.concatenate(columns, axis=1).T, strict=True
+            )
+        )
 
     def truth(self, p: Parameters) -> Truth:
         """Damped sine along the normal; sticking and gross sliding across it."""

@@ -1,4 +1,6 @@
-"""Van der Pol's oscillator, free and driven (1.124): a limit cycle, and lines where it mixes with the drive."""
+"""Van der Pol's oscillator, free and driven (1.124): a limit cycle, and lines where it mixes with
+the drive.
+"""
 
 import numpy as np
 
@@ -16,20 +18,28 @@ from refdem.scene.elements.spring import Spring
 
 
 class VanDerPol(Case):
-    """A mass of 1 kg on a spring of 1 N/m along x, damping mu (x^2 - 1), and the force p sin(drive t)."""
+    """A mass of 1 kg on a spring of 1 N/m along x, damping mu (x^2 - 1), and the force p sin(drive
+    t).
+    """
 
     id = "van-der-pol"
     title = "Van der Pol oscillator"
     statement = (
-        "Damping that is negative for small amplitudes and positive for large ones makes every motion tend to one cycle; for mu = 0.2 "
-        "its amplitude is 2.00041 and its frequency 0.99751. A drive adds lines at 2 w - wd and 3 w - 2 wd, w being the cycle's."
+        "Damping that is negative for small amplitudes and positive for large ones makes every"
+        " motion tend to one cycle; for mu = 0.2 its amplitude is 2.00041 and its frequency"
+        " 0.99751. A drive adds lines at 2 w - wd and 3 w - 2 wd, w being the cycle's."
     )
     latex = r"\ddot x-\mu(1-x^2)\dot x+x=p\sin\omega t"
-    source = "Matuttis and Chen 2014, chapter 1, (1.124), fig. 1.25: mu = 0.2, p in {0, 0.04, 0.4}, w = 1.15"
+    source = (
+        "Matuttis and Chen 2014, chapter 1, (1.124), fig. 1.25: mu = 0.2, p in {0, 0.04, 0.4}, w ="
+        " 1.15"
+    )
     parameters = (
         Parameter(name="mu", default="1/5", unit="1/s", doc="the nonlinearity", above=0),
         Parameter(name="p", default="1/25", unit="m/s^2", doc="amplitude of the force per mass"),
-        Parameter(name="drive", default="23/20", unit="rad/s", doc="its angular frequency", above=0),
+        Parameter(
+            name="drive", default="23/20", unit="rad/s", doc="its angular frequency", above=0
+        ),
         *_line.START,
     )
 
@@ -39,15 +49,24 @@ class VanDerPol(Case):
             _line.refuse_nothing(float(np.hypot(p.x0, p.v0)))
 
     def scene(self, p: Parameters) -> Scene:
-        """Spring, dashpot, and a force where there is one: a sine is a cosine a quarter of a turn late."""
+        """Spring, dashpot, and a force where there is one: a sine is a cosine a quarter of a turn
+        late.
+        """
         point = Body(mass=1.0, position=(p.x0, 0.0, 0.0), velocity=(p.v0, 0.0, 0.0))
         force = [Force(a=0, amplitude=p.p, frequency=p.drive, phase=-np.pi / 2)] if p.p else []
-        return Scene.of([point], [Spring(a=0, stiffness=1.0), Dashpot(a=0, damping=-p.mu, van_der_pol=p.mu), *force])
+        return Scene.of(
+            [point],
+            [Spring(a=0, stiffness=1.0), Dashpot(a=0, damping=-p.mu, van_der_pol=p.mu), *force],
+        )
 
     def scales(self, p: Parameters) -> Scales:
-        """The cycle's amplitude, or the start's; tau from the strongest damping on the way, or from the drive."""
+        """The cycle's amplitude, or the start's; tau from the strongest damping on the way, or from
+        the drive.
+        """
         length = float(max(2.0, np.hypot(p.x0, p.v0 / max(1.0, p.mu))) + abs(p.p))
-        return Scales(length, tau=float(1 / max(1.0, p.drive, p.mu * (length**2 - 1))), duration=20.0)
+        return Scales(
+            length, tau=float(1 / max(1.0, p.drive, p.mu * (length**2 - 1))), duration=20.0
+        )
 
     def quantities(self, p: Parameters) -> tuple[Quantity, ...]:
         """Place and velocity."""

@@ -1,4 +1,6 @@
-"""The oscillator damped in proportion to its velocity (1.95), in all three regimes, also hanging in a fluid."""
+"""The oscillator damped in proportion to its velocity (1.95), in all three regimes, also hanging in
+a fluid.
+"""
 
 from refdem.cases import _line
 from refdem.cases._line import Array
@@ -18,11 +20,17 @@ class ViscousOscillator(Case):
     id = "viscous-oscillator"
     title = "Viscously damped oscillator"
     statement = (
-        "A mass on a spring moves in a fluid that resists in proportion to its velocity. Below critical damping it oscillates and its "
-        "amplitude decays as exp(-delta t); at and above it creeps back. Any area of phase space shrinks as exp(-2 delta t)."
+        "A mass on a spring moves in a fluid that resists in proportion to its velocity. Below"
+        " critical damping it oscillates and its amplitude decays as exp(-delta t); at and above it"
+        " creeps back. Any area of phase space shrinks as exp(-2 delta t)."
     )
-    latex = r"\ddot x+2\delta\dot x+\omega_0^2x=g,\qquad \delta=\frac{b}{2m},\quad\omega_0^2=\frac km"
-    source = "Matuttis and Chen 2014, chapter 1, (1.95), (1.96) with the factor 2 that it lacks, figs. 1.15 and 1.19"
+    latex = (
+        r"\ddot x+2\delta\dot x+\omega_0^2x=g,\qquad \delta=\frac{b}{2m},\quad\omega_0^2=\frac km"
+    )
+    source = (
+        "Matuttis and Chen 2014, chapter 1, (1.95), (1.96) with the factor 2 that it lacks, figs."
+        " 1.15 and 1.19"
+    )
     parameters = (
         _line.MASS,
         _line.STIFFNESS,
@@ -43,9 +51,13 @@ class ViscousOscillator(Case):
         return _line.scene(p, *dashpot, *gravity)
 
     def scales(self, p: Parameters) -> Scales:
-        """Amplitude about the equilibrium, and its shift; tau is the faster of w0 and the over-damped decay."""
+        """Amplitude about the equilibrium, and its shift; tau is the faster of w0 and the
+        over-damped decay.
+        """
         own = _line.scales(p, p.mass * p.gravity / p.stiffness)
-        return Scales(own.length, 1 / _line.damped_rate(p.stiffness / p.mass, p.delta), own.duration, own.mass)
+        return Scales(
+            own.length, 1 / _line.damped_rate(p.stiffness / p.mass, p.delta), own.duration, own.mass
+        )
 
     def quantities(self, p: Parameters) -> tuple[Quantity, ...]:
         """Place and velocity."""

@@ -1,4 +1,6 @@
-"""A wedge meets a wall edge first, turns, and leaves flat side first: energy is lost without friction (fig. 1.38)."""
+"""A wedge meets a wall edge first, turns, and leaves flat side first: energy is lost without
+friction (fig. 1.38).
+"""
 
 import numpy as np
 from numpy.typing import NDArray
@@ -27,11 +29,14 @@ class WedgeCollision(Case):
     id = "wedge-collision"
     title = "Collision of a wedge"
     statement = (
-        "Edge first a wedge is pressed back with the square of its overlap, flat side first in proportion to it; at greatest overlap it "
-        "turns. The forces depend on place and orientation alone, yet energy is lost, or gained; run back, it comes back to the last bit."
+        "Edge first a wedge is pressed back with the square of its overlap, flat side first in"
+        " proportion to it; at greatest overlap it turns. The forces depend on place and"
+        " orientation alone, yet energy is lost, or gained; run back, it comes back to the last"
+        " bit."
     )
     latex = (
-        r"F_\text{in}=k_2d^2,\ F_\text{out}=k_1d,\quad d_m=\left(\frac{3E}{k_2}\right)^{1/3},\quad E'=\tfrac12k_1d_m^2,\quad"
+        r"F_\text{in}=k_2d^2,\ F_\text{out}=k_1d,\quad d_m=\left(\frac{3E}{k_2}\right)^{1/3},\quad"
+        r" E'=\tfrac12k_1d_m^2,\quad"
         r"E'<E\Leftrightarrow k_1<\tfrac23k_2d_m"
     )
     source = "Matuttis and Chen 2014, chapter 1, section 1.7.4, fig. 1.38"
@@ -43,17 +48,25 @@ class WedgeCollision(Case):
     )
 
     def scene(self, p: Parameters) -> Scene:
-        """The wedge at the wall; its edge, its y axis, looks along +x, and nothing turns it but the law itself."""
+        """The wedge at the wall; its edge, its y axis, looks along +x, and nothing turns it but the
+        law itself.
+        """
         size = p.mass * depth(p) ** 2
         edge = (np.sqrt(0.5), 0.0, 0.0, -np.sqrt(0.5))
-        wedge = Body(mass=p.mass, inertia=(size,) * 3, velocity=(p.closing_speed, 0.0, 0.0), attitude=edge)
+        wedge = Body(
+            mass=p.mass, inertia=(size,) * 3, velocity=(p.closing_speed, 0.0, 0.0), attitude=edge
+        )
         return Scene.of([wedge], [Wedge(quadratic=p.k2, stiffness=p.k1)])
 
     def scales(self, p: Parameters) -> Scales:
-        """Greatest overlap; tau by the shorter of approach and separation; twice the contact, the way out to three overlaps."""
+        """Greatest overlap; tau by the shorter of approach and separation; twice the contact, the
+        way out to three overlaps.
+        """
         inward, swing = APPROACH * depth(p) / p.closing_speed, float(np.sqrt(p.mass / p.k1))
         tau = min(2 * inward / np.pi, swing)
-        return Scales(length=depth(p), tau=tau, duration=inward + (np.pi / 2 + 3) * swing, mass=p.mass)
+        return Scales(
+            length=depth(p), tau=tau, duration=inward + (np.pi / 2 + 3) * swing, mass=p.mass
+        )
 
     def quantities(self, p: Parameters) -> tuple[Quantity, ...]:
         """Overlap, negative while apart, and its rate."""

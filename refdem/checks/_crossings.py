@@ -1,4 +1,6 @@
-"""Certified events of a scene, and how fast what vanishes at each of them goes through zero: by the scene's own laws at certified times."""
+"""Certified events of a scene, and how fast what vanishes at each of them goes through zero: by the
+scene's own laws at certified times.
+"""
 
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -23,15 +25,18 @@ TOUCHING = 8 * 2.0**-53
 MOST = 16
 """Bodies of which every pair is looked at; truth knows collisions of three at most."""
 ALIKE = 1e-9
-"""Part of a speed by which pairs that touch together may close differently, and still have one time of parting."""
+"""Part of a speed by which pairs that touch together may close differently, and still have one time
+of parting.
+"""
 
 
 @dataclass(frozen=True)
 class Crossing:
     """An event at `time` [s], certified to `radius` [s], where a function g of the state vanishes.
 
-    g is in units of the most that it changes by when every quantity is off by its scale. `rate` [1/s] is |dg/dt| at the event, on the
-    side on which it is slower, and `bend` [1/s^2] how fast that may change: nothing changes in less than tau, the shortest time.
+    g is in units of the most that it changes by when every quantity is off by its scale. `rate`
+    [1/s] is |dg/dt| at the event, on the side on which it is slower, and `bend` [1/s^2] how fast
+    that may change: nothing changes in less than tau, the shortest time.
     `growth` [1/s] bounds how fast errors grow from one sample to the next.
     """
 
@@ -54,7 +59,9 @@ def has_crossings(scene: Scene) -> bool:
 
 
 def crossings(trial: Trial, truth: SampledTruth) -> Crossings:
-    """What is certified of the events of a scene, by kind; nothing where truth has no times of them."""
+    """What is certified of the events of a scene, by kind; nothing where truth has no times of
+    them.
+    """
     if is_belt(trial.instance.scene):
         return rubbing(trial, truth)
     return parting(trial, truth) if "max_overlap" in truth.scalars else {}
@@ -63,25 +70,40 @@ def crossings(trial: Trial, truth: SampledTruth) -> Crossings:
 def is_belt(scene: Scene) -> bool:
     """One point on a linear spring along x and on a slider, driven or not."""
     springs, sliders = scene.all(Spring), scene.all(Slider)
-    if len(scene.bodies) != 1 or len(springs) != 1 or len(sliders) != 1 or sliders[0].axis != (1.0, 0.0, 0.0):
+    if (
+        len(scene.bodies) != 1
+        or len(springs) != 1
+        or len(sliders) != 1
+        or sliders[0].axis != (1.0, 0.0, 0.0)
+    ):
         return False
     spring = springs[0]
     linear = spring.length == 0 and spring.exponent == 1 and not (spring.quadratic or spring.cubic)
-    return linear and all(isinstance(element, Spring | Slider | Force | UniformGravity) for element in scene.elements)
+    return linear and all(
+        isinstance(element, Spring | Slider | Force | UniformGravity) for element in scene.elements
+    )
 
 
 class Belt:
-    """Forces on a point that rubs: its pull P [N] is all but friction, which holds up to `limit` [N]."""
+    """Forces on a point that rubs: its pull P [N] is all but friction, which holds up to `limit`
+    [N].
+    """
 
     def __init__(self, scene: Scene) -> None:
-        self.spring, self.slider, self.drives = scene.all(Spring)[0], scene.all(Slider)[0], scene.all(Force)
+        self.spring, self.slider, self.drives = (
+            scene.all(Spring)[0],
+            scene.all(Slider)[0],
+            scene.all(Force),
+        )
         self.mass = float(scene.bodies.mass[0])
         self.weight = self.mass * sum(gravity.g[0] for gravity in scene.all(UniformGravity))
         self.limit = float(self.slider.coefficient(0.0)) * self.slider.normal_force
 
     @property
     def weakening(self) -> float:
-        """Largest fall of the friction with the speed, per mass [1/s]: that of Stribeck's law at speed 0."""
+        """Largest fall of the friction with the speed, per mass [1/s]: that of Stribeck's law at
+        speed 0.
+        """
         slider = self.slider
         falls = (slider.mu0 - slider.mu1) * slider.lambda0 if slider.law != "coulomb" else 0.0
         return max(0.0, falls) * slider.normal_force / self.mass
@@ -93,7 +115,10 @@ class Belt:
 
     def growth(self, t: float) -> float:
         """dP/dt [N/s] while the belt carries the point."""
-        driven = sum(-d.amplitude * d.frequency * sin(d.frequency * t + d.phase) * d.axis[0] for d in self.drives)
+        driven = sum(
+            -d.amplitude * d.frequency * sin(d.frequency * t + d.phase) * d.axis[0]
+            for d in self.drives
+        )
         return driven - self.spring.stiffness * self.slider.belt_velocity
 
     def released_at(self, t: float) -> float:
@@ -104,8 +129,8 @@ class Belt:
 def rubbing(trial: Trial, truth: SampledTruth) -> Crossings:
     """Sticks and slips of a point on a belt, or its stop.
 
-    At a slip g = limit - |P|, which only the place can falsify; at a stick g is the velocity against the belt. A stop is a stick for
-    ever, and may be called so.
+    At a slip g = limit - |P|, which only the place can falsify; at a stick g is the velocity
+    against the belt. A stop is a stick for ever, and may be called so.
     """
     belt, scales = Belt(trial.instance.scene), trial.instance.scales
     bend, growth = scales.tau**-2, 1 / scales.tau + belt.weakening
@@ -114,57 +139,97 @@ def rubbing(trial: Trial, truth: SampledTruth) -> Crossings:
     found: Crossings = {"stick": [], "slip": []} if told else {}
     for number, (time, radius, kind) in enumerate(told):
         if kind == "slip":
-            found[kind].append(Crossing(time, radius, abs(belt.growth(time)) / (belt.spring.stiffness * scales.length), bend, growth))
+            found[kind].append(
+                Crossing(
+                    time,
+                    radius,
+                    abs(belt.growth(time)) / (belt.spring.stiffness * scales.length),
+                    bend,
+                    growth,
+                )
+            )
         elif kind == "stick":
             following = told[number + 1][0] if number + 1 < len(told) else inf
             place = carried(belt, truth, time, following)
             since = told[number - 1][0] if number else 0.0
-            found[kind].append(Crossing(time, radius, braking(belt, truth, time, place, since) / scales.speed, bend, growth))
+            found[kind].append(
+                Crossing(
+                    time,
+                    radius,
+                    braking(belt, truth, time, place, since) / scales.speed,
+                    bend,
+                    growth,
+                )
+            )
     if "stop_time" in truth.scalars:
         (time, radius), (place, _) = truth.scalars["stop_time"], truth.scalars["stop_position"]
         half = np.pi * sqrt(belt.mass / belt.spring.stiffness)
         found["stop"] = found["stick"] = [
-            Crossing(time, radius, braking(belt, truth, time, place, time - half) / scales.speed, bend, growth)
+            Crossing(
+                time,
+                radius,
+                braking(belt, truth, time, place, time - half) / scales.speed,
+                bend,
+                growth,
+            )
         ]
     return found
 
 
 def carried(belt: Belt, truth: SampledTruth, time: float, following: float) -> float:
-    """Where [m] the belt takes the point up: from where it lets it go again, or else from the last certified sample."""
+    """Where [m] the belt takes the point up: from where it lets it go again, or else from the last
+    certified sample.
+    """
     until = following if following < inf else truth.t[truth.until - 1]
     place = belt.released_at(until) if following < inf else truth.value("x")[-1]
     return float(place - belt.slider.belt_velocity * (until - time))
 
 
 def braking(belt: Belt, truth: SampledTruth, time: float, place: float, since: float) -> float:
-    """Size of the acceleration [m/s^2] with which the slip ends at a time and place; `since` [s] it has kept its direction.
+    """Size of the acceleration [m/s^2] with which the slip ends at a time and place; `since` [s] it
+    has kept its direction.
 
-    The direction is that of a certified sample; where none lies in between, the smaller of both is taken.
+    The direction is that of a certified sample; where none lies in between, the smaller of both is
+    taken.
     """
     pull = belt.pull(time, place)
-    sampled = np.flatnonzero((np.array(truth.t[: truth.until]) > since) & (np.array(truth.t[: truth.until]) < time))
+    sampled = np.flatnonzero(
+        (np.array(truth.t[: truth.until]) > since) & (np.array(truth.t[: truth.until]) < time)
+    )
     slip = truth.value("v")[sampled[-1]] - belt.slider.belt_velocity if len(sampled) else 0.0
     against = belt.limit - (copysign(pull, pull * slip) if slip else abs(pull))
     return max(0.0, float(against)) / belt.mass
 
 
 def touches(scene: Scene) -> list[tuple[float, float, int]]:
-    """Closing and relative speed [m/s] and number of free bodies of each pair in touch at the start, where only contacts act."""
+    """Closing and relative speed [m/s] and number of free bodies of each pair in touch at the
+    start, where only contacts act.
+    """
     if {element.kind for element in scene.elements} == {"wedge"} and len(scene.bodies) == 1:
         wall, free = scene.all(Wedge)[0], scene.bodies
         closing = -float(free.velocity[0] @ np.array(wall.normal))
-        pairs: Iterator[Pair] = iter([(float(wall.overlap(free.position)[0]), closing, abs(closing), 1)])
+        pairs: Iterator[Pair] = iter(
+            [(float(wall.overlap(free.position)[0]), closing, abs(closing), 1)]
+        )
     elif len(scene.bodies) <= MOST and _is_contact_alone(scene):
         pairs = _met(scene)
     else:
         return []
-    return [(closing, speed, free) for overlap, closing, speed, free in pairs if abs(overlap) <= rounding(scene) and closing > 0]
+    return [
+        (closing, speed, free)
+        for overlap, closing, speed, free in pairs
+        if abs(overlap) <= rounding(scene) and closing > 0
+    ]
 
 
 def _is_contact_alone(scene: Scene) -> bool:
     """One law with an overlap, and planes."""
     laws = scene.all(Contact)
-    return len(laws) == 1 and laws[0].law != "rigid" and all(isinstance(element, Contact | Plane) for element in scene.elements)
+    return (
+        len(laws) == 1
+        and laws[0].law != "rigid"
+        and all(isinstance(element, Contact | Plane) for element in scene.elements)
+    )
 
 
 def rounding(scene: Scene) -> float:
@@ -179,21 +244,35 @@ def _met(scene: Scene) -> Iterator[Pair]:
     for i, j in combinations(spheres, 2):
         apart: Array = bodies.position[j] - bodies.position[i]
         distance = float(np.linalg.norm(apart))
-        relative, free = bodies.velocity[i] - bodies.velocity[j], int(2 - bodies.fixed[[i, j]].sum())
-        overlap, closing = float(bodies.radius[i] + bodies.radius[j]) - distance, float(relative @ apart) / distance
+        relative, free = (
+            bodies.velocity[i] - bodies.velocity[j],
+            int(2 - bodies.fixed[[i, j]].sum()),
+        )
+        overlap, closing = (
+            float(bodies.radius[i] + bodies.radius[j]) - distance,
+            float(relative @ apart) / distance,
+        )
         yield overlap, closing, float(np.linalg.norm(relative)), free
     for i in spheres:
         for plane in scene.all(Plane):
             normal = np.array(plane.normal)
-            overlap = float(bodies.radius[i] - (bodies.position[i] - np.array(plane.point)) @ normal)
-            yield overlap, -float(bodies.velocity[i] @ normal), float(np.linalg.norm(bodies.velocity[i])), 1
+            overlap = float(
+                bodies.radius[i] - (bodies.position[i] - np.array(plane.point)) @ normal
+            )
+            yield (
+                overlap,
+                -float(bodies.velocity[i] @ normal),
+                float(np.linalg.norm(bodies.velocity[i])),
+                1,
+            )
 
 
 def parting(trial: Trial, truth: SampledTruth) -> Crossings:
-    """The touch at the start, which no error moves, and the parting after the certified duration, if there is one.
+    """The touch at the start, which no error moves, and the parting after the certified duration,
+    if there is one.
 
-    g is the overlap d, or the force k d + c d' where the contact ends with that: there d'' is 0, or below it where the normal turns, so
-    that |g'| >= k |d'|.
+    g is the overlap d, or the force k d + c d' where the contact ends with that: there d'' is 0, or
+    below it where the normal turns, so that |g'| >= k |d'|.
     """
     scene, scales, scalars = trial.instance.scene, trial.instance.scales, truth.scalars
     met = touches(scene)
@@ -201,7 +280,9 @@ def parting(trial: Trial, truth: SampledTruth) -> Crossings:
     if any(abs(other - closing) > ALIKE * closing for other, *_ in met):
         return {}
     dimension = next(n for n in (1, 2, 3) if f"dimension:{n}" in scene.features)
-    reach = scales.length * (1.0 if "overlap" in trial.instance.quantities else free * sqrt(dimension))
+    reach = scales.length * (
+        1.0 if "overlap" in trial.instance.quantities else free * sqrt(dimension)
+    )
     touch = Crossing(float(trial.instance.times[0]), rounding(scene) / closing, inf, 0.0, 0.0)
     found: Crossings = {"contact": [touch], "release": []}
     if "duration" not in scalars:
@@ -213,12 +294,16 @@ def parting(trial: Trial, truth: SampledTruth) -> Crossings:
     time, radius = scalars["duration"]
     parting_speed = closing * given_back(trial, truth, closing)
     unit = reach * softened
-    found["release"].append(Crossing(time, radius, parting_speed / unit, speed / (unit * scales.tau), 1 / scales.tau))
+    found["release"].append(
+        Crossing(time, radius, parting_speed / unit, speed / (unit * scales.tau), 1 / scales.tau)
+    )
     return found
 
 
 def given_back(trial: Trial, truth: SampledTruth, closing: float) -> float:
-    """Speed at parting over that at touch: certified, or from the certified change of energy, or 1 where nothing brakes."""
+    """Speed at parting over that at touch: certified, or from the certified change of energy, or 1
+    where nothing brakes.
+    """
     if "restitution" in truth.scalars:
         return truth.scalars["restitution"][0]
     if "energy_change" in truth.scalars:

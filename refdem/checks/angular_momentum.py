@@ -1,4 +1,6 @@
-"""Angular momentum about the origin: orbital, spin and total; where a contact law itself changes it, against truth."""
+"""Angular momentum about the origin: orbital, spin and total; where a contact law itself changes
+it, against truth.
+"""
 
 from collections.abc import Mapping
 
@@ -31,7 +33,9 @@ class AngularMomentum(Check):
         return None if _law_turns(trial) else torque_reason(trial.instance.scene)
 
     def needs(self, trial: Trial) -> tuple[Variant, ...]:
-        """The coarsest level, where it is kept to round-off; the finest, where it is compared with truth; both, where it must fall."""
+        """The coarsest level, where it is kept to round-off; the finest, where it is compared with
+        truth; both, where it must fall.
+        """
         if _law_turns(trial):
             return (trial.finest,)
         return tuple(dict.fromkeys((Variant(trial.levels[0]), _judged_level(trial))))
@@ -57,12 +61,16 @@ class AngularMomentum(Check):
             allowed = allowed + sweeps + turning(trial.instance, trial.method, variant.level)
         if variant != Variant(trial.levels[0]) and len(trial.levels) > 2:
             coarse = self._changes(trial, runs[Variant(trial.levels[0])], name)
-            rounding = trial.round_off(variant.level) + turning(trial.instance, trial.method, variant.level)
+            rounding = trial.round_off(variant.level) + turning(
+                trial.instance, trial.method, variant.level
+            )
             fallen = left_at_finest(trial, coarse) + COUNTING_FLOOR * rounding
             if np.any(fallen < allowed):
                 basis = "what the order leaves of the change at the coarsest step"
             allowed = np.minimum(allowed, fallen)
-        size = float(np.linalg.norm(angular(trial.instance.scene, runs[variant].trajectory)[name][0]))
+        size = float(
+            np.linalg.norm(angular(trial.instance.scene, runs[variant].trajectory)[name][0])
+        )
         return worst(
             check=self.name,
             quantity=name,
@@ -72,7 +80,10 @@ class AngularMomentum(Check):
             signal=size / angular_scale(trial.instance),
             unit="1",
             basis=basis,
-            what=f"The change of {name} angular momentum, in units of the sum of m|r||v| + |J omega| at the start,",
+            what=(
+                f"The change of {name} angular momentum, in units of the sum of m|r||v| + |J omega|"
+                " at the start,"
+            ),
         )
 
     def _changes(self, trial: Trial, run: Outcome, name: str) -> Array:
@@ -82,15 +93,25 @@ class AngularMomentum(Check):
         return changes
 
     def _against_truth(self, trial: Trial, run: Trajectory) -> Finding:
-        """Levers that do not sum to the centre distance change the total by the integral of overlap times friction: that of truth."""
+        """Levers that do not sum to the centre distance change the total by the integral of overlap
+        times friction: that of truth.
+        """
         truth, scene, level = certified(trial), trial.instance.scene, trial.levels[-1]
         if truth is None:
             return undecided(self.name, "law", no_truth(trial))
-        found, expected = angular(scene, run)["total"][: truth.until], angular(scene, _as_trajectory(truth))["total"]
+        found, expected = (
+            angular(scene, run)["total"][: truth.until],
+            angular(scene, _as_trajectory(truth))["total"],
+        )
         sizes = {name: trial.instance.quantities[f"{name}1.x"].scale for name in KINDS}
-        place, speed = (np.linalg.norm(scene.bodies.position, axis=1), np.linalg.norm(scene.bodies.velocity, axis=1))
+        place, speed = (
+            np.linalg.norm(scene.bodies.position, axis=1),
+            np.linalg.norm(scene.bodies.velocity, axis=1),
+        )
         spun = scene.bodies.inertia.max(axis=1).sum() * sizes["omega"]
-        share = (scene.bodies.mass @ (place * sizes["v"] + speed * sizes["r"]) + spun) / angular_scale(trial.instance)
+        share = (
+            scene.bodies.mass @ (place * sizes["v"] + speed * sizes["r"]) + spun
+        ) / angular_scale(trial.instance)
         return worst(
             check=self.name,
             quantity="law",
@@ -98,8 +119,14 @@ class AngularMomentum(Check):
             values=np.linalg.norm(found - expected, axis=1) / angular_scale(trial.instance),
             allowed=float(share) * trial.bound(level),
             unit="1",
-            basis="the bounds on places, velocities and spins, each in units of the sum of m|r||v| + |J omega| at the start",
-            what="The total angular momentum against truth, which the law changes by the integral of overlap times friction,",
+            basis=(
+                "the bounds on places, velocities and spins, each in units of the sum of m|r||v| +"
+                " |J omega| at the start"
+            ),
+            what=(
+                "The total angular momentum against truth, which the law changes by the integral of"
+                " overlap times friction,"
+            ),
         )
 
 
@@ -107,31 +134,59 @@ KINDS = ("r", "v", "omega")
 
 
 def _parts(scene: Scene) -> tuple[str, ...]:
-    """The total; of bodies on which nothing acts the orbital and the spin part by themselves too."""
-    return ("total",) if scene.elements or "rotation" not in scene.features else ("total", "orbital", "spin")
+    """The total; of bodies on which nothing acts the orbital and the spin part by themselves
+    too.
+    """
+    return (
+        ("total",)
+        if scene.elements or "rotation" not in scene.features
+        else ("total", "orbital", "spin")
+    )
 
 
 def _judged_level(trial: Trial) -> Variant:
-    """The coarsest, where nothing is hidden by a small step, if the method claims it to round-off; else the finest."""
+    """The coarsest, where nothing is hidden by a small step, if the method claims it to round-off;
+    else the finest.
+    """
     keeps = trial.method.keeps("angular-momentum", trial.instance.problem.features)
     return Variant(trial.levels[0]) if keeps else trial.finest
 
 
 def _law_turns(trial: Trial) -> bool:
-    """Two spheres under a law that changes their total angular momentum, and a case that says where they are."""
+    """Two spheres under a law that changes their total angular momentum, and a case that says where
+    they are.
+    """
     laws = trial.instance.scene.all(Contact)
-    known = all(f"{kind}{body}.{axis}" in trial.instance.quantities for kind in KINDS for body in (1, 2) for axis in "xyz")
-    return known and len(trial.instance.scene.elements) == 1 and any(law.friction > 0 and law.branch != "R-d/2" for law in laws)
+    known = all(
+        f"{kind}{body}.{axis}" in trial.instance.quantities
+        for kind in KINDS
+        for body in (1, 2)
+        for axis in "xyz"
+    )
+    return (
+        known
+        and len(trial.instance.scene.elements) == 1
+        and any(law.friction > 0 and law.branch != "R-d/2" for law in laws)
+    )
 
 
 def _as_trajectory(truth: SampledTruth) -> Trajectory:
     """The certified states of two spheres; their attitudes make no difference."""
     r, v, omega = (
-        np.stack([np.stack([truth.value(f"{kind}{body}.{axis}") for axis in "xyz"], axis=-1) for body in (1, 2)], axis=1) for kind in KINDS
+        np.stack(
+            [
+                np.stack([truth.value(f"{kind}{body}.{axis}") for axis in "xyz"], axis=-1)
+                for body in (1, 2)
+            ],
+            axis=1,
+        )
+        for kind in KINDS
     )
     attitude = np.zeros((truth.until, 2, 4))
     attitude[..., 0] = 1.0
-    return Trajectory(t=np.array(truth.t[: truth.until]), position=r, velocity=v, attitude=attitude, omega=omega)
+    return Trajectory(
+        t=np.array(truth.t[: truth.until]), position=r, velocity=v, attitude=attitude, omega=omega
+    )
 
 
 CHECK = AngularMomentum()

@@ -1,8 +1,10 @@
-"""The shape of an orbit that does not turn: Laplace's vector of Kepler's problem, Fradkin's tensor of a spring in space.
+"""The shape of an orbit that does not turn: Laplace's vector of Kepler's problem, Fradkin's tensor
+of a spring in space.
 
-A = v x (r x v)/gm - r/|r| points to periapsis and is as long as the eccentricity; T = (m v v^T + k r r^T)/(2 E0) has the axes of the
-ellipse (Fradkin 1967). Both stay in these two fields and in no other (Bertrand), so that what gives an orbit its right period and keeps
-its energy and its angular momentum may still turn it. Errors along the orbit do not count: long after the horizon these do.
+A = v x (r x v)/gm - r/|r| points to periapsis and is as long as the eccentricity; T = (m v v^T + k
+r r^T)/(2 E0) has the axes of the ellipse (Fradkin 1967). Both stay in these two fields and in no
+other (Bertrand), so that what gives an orbit its right period and keeps its energy and its angular
+momentum may still turn it. Errors along the orbit do not count: long after the horizon these do.
 """
 
 from collections.abc import Mapping
@@ -20,17 +22,28 @@ from refdem.scene.elements.spring import Spring
 
 
 class Apsides(Check):
-    """The change of the vector or of the tensor at the finest level, and by what angle the apsides have turned."""
+    """The change of the vector or of the tensor at the finest level, and by what angle the apsides
+    have turned.
+    """
 
     name = "apsides"
     title = "Apsides"
-    kills = "an attraction that is not quite Newton's, a method whose ellipse turns, a velocity of another time than its place"
+    kills = (
+        "an attraction that is not quite Newton's, a method whose ellipse turns, a velocity of"
+        " another time than its place"
+    )
     synchronous = True
 
     def applies(self, trial: Trial) -> str | None:
-        """One point under one Newtonian attraction, or one linear spring of no length to a fixed point, off a straight line."""
+        """One point under one Newtonian attraction, or one linear spring of no length to a fixed
+        point, off a straight line.
+        """
         scene = trial.instance.scene
-        if len(scene.bodies) != 1 or scene.bodies.fixed.any() or not (_attraction(scene) or _spring(scene)):
+        if (
+            len(scene.bodies) != 1
+            or scene.bodies.fixed.any()
+            or not (_attraction(scene) or _spring(scene))
+        ):
             return "nothing goes round in a field that keeps its apsides"
         return "it moves on a straight line" if "dimension:1" in scene.features else None
 
@@ -40,23 +53,38 @@ class Apsides(Check):
 
     def judge(self, trial: Trial, runs: Mapping[Variant, Outcome]) -> list[Finding]:
         """Against what errors of place and velocity, each within its bound, change it by."""
-        run, scene, scales = runs[trial.finest].trajectory, trial.instance.scene, trial.instance.scales
+        run, scene, scales = (
+            runs[trial.finest].trajectory,
+            trial.instance.scene,
+            trial.instance.scales,
+        )
         r, v = run.position[:, 0], run.velocity[:, 0]
         distance, speed = np.linalg.norm(r, axis=1), np.linalg.norm(v, axis=1)
         field = _attraction(scene)
         if field:
             kept, name = laplace(r, v, field.gm), "Laplace vector"
-            share = (2 * speed * distance * scales.speed + speed**2 * scales.length) / field.gm + scales.length / distance
+            share = (
+                2 * speed * distance * scales.speed + speed**2 * scales.length
+            ) / field.gm + scales.length / distance
         else:
             spring = scene.all(Spring)[0]
             place, mass = r - np.asarray(spring.anchor_b), float(scene.bodies.mass[0])
             kept, name = fradkin(place, v, mass, spring.stiffness), "Fradkin tensor"
-            arms = spring.stiffness * np.linalg.norm(place, axis=1) * scales.length + mass * speed * scales.speed
+            arms = (
+                spring.stiffness * np.linalg.norm(place, axis=1) * scales.length
+                + mass * speed * scales.speed
+            )
             share = 2 * arms / (mass * speed[0] ** 2 + spring.stiffness * (place[0] @ place[0]))
         allowed, basis = trial.kept("apsides", trial.levels[-1])
         quantity, count = name.split()[0].lower(), scored(share * allowed)
         if count < min(2, len(share)):
-            return [undecided(self.name, quantity, "its bound passes a tenth of the orbit before the second sample")]
+            return [
+                undecided(
+                    self.name,
+                    quantity,
+                    "its bound passes a tenth of the orbit before the second sample",
+                )
+            ]
         change = np.linalg.norm((kept - kept[0]).reshape(len(kept), -1), axis=1)
         return [
             worst(
@@ -68,13 +96,18 @@ class Apsides(Check):
                 signal=1.0,
                 unit="1",
                 basis=f"{basis}, for place and velocity as they come into it",
-                what=f"The change of the {name} (over the run the apsides turn by {turned(kept):.2g} rad)",
+                what=(
+                    f"The change of the {name} (over the run the apsides turn by {turned(kept):.2g}"
+                    " rad)"
+                ),
             )
         ]
 
 
 def laplace(r: Array, v: Array, gm: float) -> Array:
-    """Laplace's vector (T, 3), of the length of the eccentricity, of places and velocities (T, 3)."""
+    """Laplace's vector (T, 3), of the length of the eccentricity, of places and velocities (T,
+    3).
+    """
     vector: Array = np.cross(v, np.cross(r, v)) / gm - r / np.linalg.norm(r, axis=1)[:, None]
     return vector
 

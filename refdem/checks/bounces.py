@@ -1,4 +1,6 @@
-"""Bounces of a billiard: the speed is kept and each of them lies on the wall, for ever, whatever chaos does to the rest."""
+"""Bounces of a billiard: the speed is kept and each of them lies on the wall, for ever, whatever
+chaos does to the rest.
+"""
 
 from collections.abc import Mapping
 
@@ -23,12 +25,19 @@ class Bounces(Check):
     name = "bounces"
     title = "Bounces"
     judges = (Iteration,)
-    kills = "a reflection that is not one, a wall in the wrong place, a direction that loses its length bounce by bounce"
+    kills = (
+        "a reflection that is not one, a wall in the wrong place, a direction that loses its length"
+        " bounce by bounce"
+    )
 
     def applies(self, trial: Trial) -> str | None:
         """Billiards."""
         problem = trial.instance.problem
-        return None if isinstance(problem, Iteration) and isinstance(problem.map, Billiard) else "it is no billiard"
+        return (
+            None
+            if isinstance(problem, Iteration) and isinstance(problem.map, Billiard)
+            else "it is no billiard"
+        )
 
     def needs(self, trial: Trial) -> tuple[Variant, ...]:
         """The plain run."""
@@ -42,9 +51,18 @@ class Bounces(Check):
         place, direction = run.values["position"][1:], run.values["direction"][1:]
         off, normal = wall(problem.map, place)
         sizes = {
-            "speed": (np.abs(np.hypot(*direction.T) - 1), "The change of the speed, as a part of it,"),
-            "wall": (np.abs(off) / trial.instance.scales.length, "The distance of a bounce from the wall, in units of the table,"),
-            "inward": (np.maximum(0.0, np.sum(direction * normal, axis=1)), "The part of a direction that points out of the table"),
+            "speed": (
+                np.abs(np.hypot(*direction.T) - 1),
+                "The change of the speed, as a part of it,",
+            ),
+            "wall": (
+                np.abs(off) / trial.instance.scales.length,
+                "The distance of a bounce from the wall, in units of the table,",
+            ),
+            "inward": (
+                np.maximum(0.0, np.sum(direction * normal, axis=1)),
+                "The part of a direction that points out of the table",
+            ),
         }
         return [
             worst(
@@ -62,9 +80,11 @@ class Bounces(Check):
 
 
 def wall(table: Billiard, place: Array) -> tuple[Array, Array]:
-    """Distance (T,) [m] of places (T, 2) from the wall, positive outside, and the unit normal (T, 2) out of the table there.
+    """Distance (T,) [m] of places (T, 2) from the wall, positive outside, and the unit normal (T,
+    2) out of the table there.
 
-    In the corner of a rectangle, to rounding, two walls are met one after the other and either may be meant: the normal is 0.
+    In the corner of a rectangle, to rounding, two walls are met one after the other and either may
+    be meant: the normal is 0.
     """
     half = np.array([table.width, table.height]) / 2
     if isinstance(table, StadiumBilliard):

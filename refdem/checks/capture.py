@@ -12,25 +12,34 @@ from refdem.scene.elements.catch import Catch
 
 
 class Capture(Check):
-    """Between the samples after the catch: the rate of turning from the places, against v/r and against L/(m r^2)."""
+    """Between the samples after the catch: the rate of turning from the places, against v/r and
+    against L/(m r^2).
+    """
 
     name = "capture"
     title = "Captured mass"
-    kills = "a hook that lets out or draws in the line, that keeps momentum and not angular momentum, or brakes what it catches"
+    kills = (
+        "a hook that lets out or draws in the line, that keeps momentum and not angular momentum,"
+        " or brakes what it catches"
+    )
     synchronous = True
 
     def applies(self, trial: Trial) -> str | None:
         """Scenes with a hook of the world that truth says catches something."""
         if not any(hook.b < 0 for hook in trial.instance.scene.all(Catch)):
             return "there is no hook"
-        return None if trial.truth is None or "omega" in trial.truth.scalars else "nothing is caught"
+        return (
+            None if trial.truth is None or "omega" in trial.truth.scalars else "nothing is caught"
+        )
 
     def needs(self, trial: Trial) -> tuple[Variant, ...]:
         """The finest level."""
         return (trial.finest,)
 
     def judge(self, trial: Trial, runs: Mapping[Variant, Outcome]) -> list[Finding]:
-        """Rate of turning, v/omega against the distance, and L/omega against the moment of inertia."""
+        """Rate of turning, v/omega against the distance, and L/omega against the moment of
+        inertia.
+        """
         truth = certified(trial)
         if truth is None:
             return [undecided(self.name, "omega", no_truth(trial))]
@@ -38,16 +47,31 @@ class Capture(Check):
         hook = next(hook for hook in scene.all(Catch) if hook.b < 0)
         arm, velocity = run.position[:, hook.a] - np.array(hook.anchor_b), run.velocity[:, hook.a]
         distance = np.linalg.norm(arm, axis=1)
-        caught = np.flatnonzero(np.abs(np.sum(arm * velocity, axis=1)) < 1e-3 * distance * np.linalg.norm(velocity, axis=1))
+        caught = np.flatnonzero(
+            np.abs(np.sum(arm * velocity, axis=1))
+            < 1e-3 * distance * np.linalg.norm(velocity, axis=1)
+        )
         if len(caught) < 3 or len(caught) < len(run.t) - caught[0]:
-            return [undecided(self.name, "omega", "fewer than three samples follow the catch, or it is not held after it")]
+            return [
+                undecided(
+                    self.name,
+                    "omega",
+                    "fewer than three samples follow the catch, or it is not held after it",
+                )
+            ]
         first, bound = caught[0] + 1, float(trial.bound(trial.levels[-1])[-1])
         rate = _rate(arm[first:], run.velocity[first:, hook.a], run.t[first:])
         omega, inertia = truth.scalars["omega"][0], truth.scalars["inertia"][0]
         spin = scene.bodies.mass[hook.a] * np.linalg.norm(np.cross(arm[-1], velocity[-1]))
         values = {
-            "omega": (rate / omega - 1, "The rate of turning after the catch, relative to v/r as it flew past,"),
-            "speed": (np.linalg.norm(velocity[-1]) / (rate * distance[-1]) - 1, "The last v/(r omega) from 1"),
+            "omega": (
+                rate / omega - 1,
+                "The rate of turning after the catch, relative to v/r as it flew past,",
+            ),
+            "speed": (
+                np.linalg.norm(velocity[-1]) / (rate * distance[-1]) - 1,
+                "The last v/(r omega) from 1",
+            ),
             "inertia": (spin / rate / inertia - 1, "L/omega, relative to m r^2,"),
         }
         return [
@@ -68,14 +92,17 @@ class Capture(Check):
 def _rate(arm: Array, velocity: Array, t: Array) -> float:
     """Angle turned from the first to the last sample over the time [rad/s].
 
-    What remains of each step beyond whole turns comes from the places alone; how many whole turns a coarse sampling hides, from v/r.
+    What remains of each step beyond whole turns comes from the places alone; how many whole turns a
+    coarse sampling hides, from v/r.
     """
     normal = np.cross(arm[0], velocity[0])
     normal = normal / (np.linalg.norm(normal) or 1.0)
     sine, cosine = np.cross(arm[:-1], arm[1:]) @ normal, np.sum(arm[:-1] * arm[1:], axis=1)
     angle = np.arctan2(sine, cosine)
     expected = np.linalg.norm(velocity[:-1], axis=1) / np.linalg.norm(arm[:-1], axis=1) * np.diff(t)
-    return float(np.sum(angle + 2 * np.pi * np.round((expected - angle) / (2 * np.pi))) / (t[-1] - t[0]))
+    return float(
+        np.sum(angle + 2 * np.pi * np.round((expected - angle) / (2 * np.pi))) / (t[-1] - t[0])
+    )
 
 
 CHECK = Capture()

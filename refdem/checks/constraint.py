@@ -18,15 +18,26 @@ class Constraint(Check):
 
     name = "constraint"
     title = "Constraint drift"
-    kills = "a multiplier solved loosely, a rod that is a stiff spring, positions projected and velocities not"
+    kills = (
+        "a multiplier solved loosely, a rod that is a stiff spring, positions projected and"
+        " velocities not"
+    )
     synchronous = True
 
     def applies(self, trial: Trial) -> str | None:
-        """Scenes with rods between points, and methods that do not make places of the rods' angles."""
-        return trial.method.derived.get("rod") if trial.instance.scene.all(Rod) else "there is no constraint"
+        """Scenes with rods between points, and methods that do not make places of the rods'
+        angles.
+        """
+        return (
+            trial.method.derived.get("rod")
+            if trial.instance.scene.all(Rod)
+            else "there is no constraint"
+        )
 
     def needs(self, trial: Trial) -> tuple[Variant, ...]:
-        """The coarsest level, and the finest where lengths are held to the order only and must fall with it."""
+        """The coarsest level, and the finest where lengths are held to the order only and must fall
+        with it.
+        """
         return tuple(dict.fromkeys((Variant(trial.levels[0]), _judged_level(trial))))
 
     def judge(self, trial: Trial, runs: Mapping[Variant, Outcome]) -> list[Finding]:
@@ -35,12 +46,17 @@ class Constraint(Check):
         allowed, basis = trial.kept("constraint", variant.level)
         rounding = trial.round_off(variant.level) * _farthest(trial)
         allowed = allowed + rounding - trial.round_off(variant.level)
-        drifts, coarse = _drifts(trial, runs[variant].trajectory), _drifts(trial, runs[coarsest].trajectory)
+        drifts, coarse = (
+            _drifts(trial, runs[variant].trajectory),
+            _drifts(trial, runs[coarsest].trajectory),
+        )
         found = []
         for quantity, drift in drifts.items():
             bound = allowed
             if variant != coarsest and len(trial.levels) > 2:
-                bound = np.minimum(allowed, left_at_finest(trial, coarse[quantity]) + COUNTING_FLOOR * rounding)
+                bound = np.minimum(
+                    allowed, left_at_finest(trial, coarse[quantity]) + COUNTING_FLOOR * rounding
+                )
             found.append(
                 worst(
                     check=self.name,
@@ -49,7 +65,11 @@ class Constraint(Check):
                     values=drift,
                     allowed=bound,
                     unit="1",
-                    basis=basis if bound is allowed else f"{basis}, and what the order leaves of the drift at the coarsest step",
+                    basis=(
+                        basis
+                        if bound is allowed
+                        else f"{basis}, and what the order leaves of the drift at the coarsest step"
+                    ),
                     what=f"The drift of the rods' {quantity}, in units of its scale,",
                 )
             )
@@ -57,13 +77,17 @@ class Constraint(Check):
 
 
 def _judged_level(trial: Trial) -> Variant:
-    """The coarsest, where nothing is hidden by a small step, if the method claims lengths to round-off; else the finest."""
+    """The coarsest, where nothing is hidden by a small step, if the method claims lengths to
+    round-off; else the finest.
+    """
     keeps = trial.method.keeps("constraint", trial.instance.problem.features)
     return Variant(trial.levels[0]) if keeps else trial.finest
 
 
 def _farthest(trial: Trial) -> float:
-    """How many times the scale the places are, at least 1: no state that is written in such numbers holds a length more exactly."""
+    """How many times the scale the places are, at least 1: no state that is written in such numbers
+    holds a length more exactly.
+    """
     ends = [end for rod in trial.instance.scene.all(Rod) for end in rod.ends(*_start(trial))]
     return max(1.0, *(float(np.linalg.norm(end)) / trial.instance.scales.length for end in ends))
 
@@ -83,7 +107,9 @@ def _drifts(trial: Trial, run: Trajectory) -> dict[str, Array]:
         distance = np.linalg.norm(apart, axis=1)
         relative = run.velocity[:, rod.a] - (run.velocity[:, rod.b] if rod.b >= 0 else 0.0)
         length = np.maximum(length, np.abs(distance - rod.length) / trial.instance.scales.length)
-        speed = np.maximum(speed, np.abs(np.sum(apart * relative, axis=1)) / distance / trial.instance.scales.speed)
+        speed = np.maximum(
+            speed, np.abs(np.sum(apart * relative, axis=1)) / distance / trial.instance.scales.speed
+        )
     return {"length": length, "velocity": speed}
 
 

@@ -1,4 +1,6 @@
-"""Overlap and contact force, where a run writes them, are those of the places and velocities of the same row."""
+"""Overlap and contact force, where a run writes them, are those of the places and velocities of the
+same row.
+"""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -19,11 +21,16 @@ MOST = 64
 
 
 class ContactChannels(Check):
-    """The largest of all pairs of spheres, at the finest level; a run that writes neither is not judged."""
+    """The largest of all pairs of spheres, at the finest level; a run that writes neither is not
+    judged.
+    """
 
     name = "contact-channels"
     title = "Overlap and contact force"
-    kills = "an overlap counted for each body, a force of the step before or with the other sign, channels in other units"
+    kills = (
+        "an overlap counted for each body, a force of the step before or with the other sign,"
+        " channels in other units"
+    )
     synchronous = True
 
     def applies(self, trial: Trial) -> str | None:
@@ -31,7 +38,10 @@ class ContactChannels(Check):
         scene, laws = trial.instance.scene, trial.instance.scene.all(Contact)
         if len(laws) != 1 or laws[0].law == "rigid" or {"plane", "periodic_box"} & scene.features:
             return "spheres do not meet each other alone, or without overlap"
-        alone = all(isinstance(shape, Sphere) for shape in scene.bodies.shape) and 2 <= len(scene.bodies) <= MOST
+        alone = (
+            all(isinstance(shape, Sphere) for shape in scene.bodies.shape)
+            and 2 <= len(scene.bodies) <= MOST
+        )
         return None if alone else f"it is not a scene of 2 to {MOST} spheres"
 
     def needs(self, trial: Trial) -> tuple[Variant, ...]:
@@ -39,7 +49,9 @@ class ContactChannels(Check):
         return (trial.finest,)
 
     def judge(self, trial: Trial, runs: Mapping[Variant, Outcome]) -> list[Finding]:
-        """Each channel against the state, in units of the length of the scene and of the largest force."""
+        """Each channel against the state, in units of the length of the scene and of the largest
+        force.
+        """
         run = runs[trial.finest].trajectory
         meeting = _of_states(trial.instance.scene, run)
         length = trial.instance.scales.length
@@ -55,7 +67,10 @@ class ContactChannels(Check):
         if "contact_force" in run.channels and peak > 0 and told.any():
             off, apart = _off_force(trial, run, meeting)
             allowed = np.full(len(off), _rounded_force(trial, run, meeting) + apart / peak)
-            basis = "it follows from places and velocities of the same row, or of half a step before, to round-off"
+            basis = (
+                "it follows from places and velocities of the same row, or of half a step before,"
+                " to round-off"
+            )
             found.append(("contact_force", run.t[told], off[told] / peak, allowed[told], basis))
         return [
             worst(
@@ -66,7 +81,10 @@ class ContactChannels(Check):
                 allowed=allowed,
                 unit="1",
                 basis=basis,
-                what=f"What the {name.replace('_', ' ')} differs by from that of the state, in units of its scale,",
+                what=(
+                    f"What the {name.replace('_', ' ')} differs by from that of the state, in units"
+                    " of its scale,"
+                ),
             )
             for name, t, values, allowed, basis in found
         ]
@@ -80,7 +98,8 @@ def _largest(run: Trajectory, channel: str) -> Array:
 
 @dataclass(frozen=True)
 class _Meeting:
-    """What the rows say: the largest overlap (T,) [m], negative where none meet, and the largest forces (T,) [N] that press.
+    """What the rows say: the largest overlap (T,) [m], negative where none meet, and the largest
+    forces (T,) [N] that press.
 
     `force` has the velocities of its row, `of_half_step(h)` those of half a step h before it.
     """
@@ -102,16 +121,22 @@ class _Meeting:
         return self._pressing(np.ones_like(self.effective))
 
     def of_half_step(self, h: float) -> Array:
-        """The largest force (T,) [N] with the velocities of half a step before, as a leapfrog has them.
+        """The largest force (T,) [N] with the velocities of half a step before, as a leapfrog has
+        them.
 
-        The pair closes faster then, by F h/2 over its effective mass: F = k d^e + c (v + F h/(2 m)).
+        The pair closes faster then, by F h/2 over its effective mass: F = k d^e + c (v + F h/(2
+        m)).
         """
         return self._pressing(1.0 - self.law.damping * h / (2 * self.effective))
 
     def _pressing(self, part: Array) -> Array:
-        """The largest of the forces (T,) [N] of the law over a part (P,) of each, pulls counting as none."""
+        """The largest of the forces (T,) [N] of the law over a part (P,) of each, pulls counting as
+        none.
+        """
         depth = np.maximum(self.overlaps, 0.0)
-        pressing = (self.law.stiffness * depth**self.law.exponent + self.law.damping * self.closing) / part
+        pressing = (
+            self.law.stiffness * depth**self.law.exponent + self.law.damping * self.closing
+        ) / part
         largest: Array = np.where(self.overlaps > 0, np.maximum(pressing, 0.0), 0.0).max(axis=1)
         return largest
 
@@ -127,14 +152,21 @@ def _of_states(scene: Scene, run: Trajectory) -> _Meeting:
     inverse = np.where(scene.bodies.fixed, 0.0, 1.0 / scene.bodies.mass)
     with np.errstate(divide="ignore"):
         effective = 1.0 / (inverse[i] + inverse[j])
-    return _Meeting(law, effective, radius[i] + radius[j] - distance, np.sum(relative * apart, axis=-1) / distance)
+    return _Meeting(
+        law,
+        effective,
+        radius[i] + radius[j] - distance,
+        np.sum(relative * apart, axis=-1) / distance,
+    )
 
 
 def _off_force(trial: Trial, run: Trajectory, meeting: _Meeting) -> tuple[Array, float]:
-    """How far (T,) [N] the force told is from that of the row, and by how much more [N] it may be off.
+    """How far (T,) [N] the force told is from that of the row, and by how much more [N] it may be
+    off.
 
-    A leapfrog takes the dashpot's velocities half a step before the row. Where two spheres meet and nothing else pulls them apart that
-    is another number of the same row, and the nearer counts; in a crowd it is known to what half a step changes velocities by.
+    A leapfrog takes the dashpot's velocities half a step before the row. Where two spheres meet and
+    nothing else pulls them apart that is another number of the same row, and the nearer counts; in
+    a crowd it is known to what half a step changes velocities by.
     """
     told = _largest(run, "contact_force")
     off = np.abs(told - meeting.force)
@@ -151,18 +183,33 @@ def _off_force(trial: Trial, run: Trajectory, meeting: _Meeting) -> tuple[Array,
 def _rounded_overlap(trial: Trial, run: Trajectory) -> float:
     """Rounding of an overlap, in units of the length.
 
-    R + R' - |d| is a difference of numbers as large as places and radii, each rounded, here and in the run.
+    R + R' - |d| is a difference of numbers as large as places and radii, each rounded, here and in
+    the run.
     """
-    reach = float(np.max(np.abs(run.position))) + 2 * float(np.max(trial.instance.scene.bodies.radius))
-    return trial.round_off(trial.levels[-1]) + 4 * trial.method.round_off * reach / trial.instance.scales.length
+    reach = float(np.max(np.abs(run.position))) + 2 * float(
+        np.max(trial.instance.scene.bodies.radius)
+    )
+    return (
+        trial.round_off(trial.levels[-1])
+        + 4 * trial.method.round_off * reach / trial.instance.scales.length
+    )
 
 
 def _rounded_force(trial: Trial, run: Trajectory, meeting: _Meeting) -> float:
-    """Rounding of the force, in units of the largest: that of an overlap over the largest, and that of a dashpot's velocities."""
+    """Rounding of the force, in units of the largest: that of an overlap over the largest, and that
+    of a dashpot's velocities.
+    """
     length = trial.instance.scales.length
-    of_overlap = meeting.law.exponent * _rounded_overlap(trial, run) * length / float(np.max(meeting.overlap))
+    of_overlap = (
+        meeting.law.exponent
+        * _rounded_overlap(trial, run)
+        * length
+        / float(np.max(meeting.overlap))
+    )
     speed = float(np.max(np.abs(run.velocity)))
-    of_speed = 8 * trial.method.round_off * meeting.law.damping * speed / float(np.max(meeting.force))
+    of_speed = (
+        8 * trial.method.round_off * meeting.law.damping * speed / float(np.max(meeting.force))
+    )
     return trial.round_off(trial.levels[-1]) + of_overlap + of_speed
 
 

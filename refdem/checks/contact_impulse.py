@@ -1,4 +1,6 @@
-"""What two spheres do to each other between samples: an impulse in the friction cone, of the size that the contact law says."""
+"""What two spheres do to each other between samples: an impulse in the friction cone, of the size
+that the contact law says.
+"""
 
 from collections.abc import Mapping
 from typing import Any
@@ -14,30 +16,40 @@ from refdem.scene import Scene, Sphere
 from refdem.scene.elements.contact import Contact
 
 STEPS_A_SAMPLE = 4
-"""Steps from sample to sample: so few that the normal hardly turns between them, and more than any method has stages."""
+"""Steps from sample to sample: so few that the normal hardly turns between them, and more than any
+method has stages.
+"""
 MOST_DENSE = 64
 """Samples in place of one, at most."""
 TERMS = 8.0
-"""Roundings of a difference of two velocities: of both, in three coordinates, and of the normals."""
+"""Roundings of a difference of two velocities: of both, in three coordinates, and of the normals.
+"""
 
 
 class ContactImpulse(Check):
-    """Two spheres alone: between samples each gains an impulse that is a sum of forces which obey the law.
+    """Two spheres alone: between samples each gains an impulse that is a sum of forces which obey
+    the law.
 
-    cone: each force obeys |Ft| <= mu Fn, so it lies in the cone of half angle arctan(mu) about its own normal. A cone is convex:
-    whatever the weights of the method, their sum lies in the cone of half angle arctan(mu) + a about the mean normal, where a is
-    the angle by which normals turn between the samples. That is twice what samples within the interval need; stages that look a
-    step ahead need no more. So the law has no truncation error. A tangential spring at its limit may be carried on through a step
-    as one that slides along, and pass the limit within the order of the method: sliding friction alone has no memory.
+    cone: each force obeys |Ft| <= mu Fn, so it lies in the cone of half angle arctan(mu) about its
+    own normal. A cone is convex: whatever the weights of the method, their sum lies in the cone of
+    half angle arctan(mu) + a about the mean normal, where a is the angle by which normals turn
+    between the samples. That is twice what samples within the interval need; stages that look a
+    step ahead need no more. So the law has no truncation error. A tangential spring at its limit
+    may be carried on through a step as one that slides along, and pass the limit within the order
+    of the method: sliding friction alone has no memory.
 
-    normal: the mean normal force lies between the smallest and the largest that the law gives at the four samples around the
-    interval. They are several steps apart, so that forces of the step before or after are among them, and only what the force
-    bends between samples is allowed for. An error that no step removes is seen at the coarsest one.
+    normal: the mean normal force lies between the smallest and the largest that the law gives at
+    the four samples around the interval. They are several steps apart, so that forces of the step
+    before or after are among them, and only what the force bends between samples is allowed for. An
+    error that no step removes is seen at the coarsest one.
     """
 
     name = "contact-impulse"
     title = "Impulse between samples"
-    kills = "a friction limit of the step before or without the dashpot, a contact that is cut before its end, a wrong contact law"
+    kills = (
+        "a friction limit of the step before or without the dashpot, a contact that is cut before"
+        " its end, a wrong contact law"
+    )
     synchronous = True
 
     def applies(self, trial: Trial) -> str | None:
@@ -48,11 +60,19 @@ class ContactImpulse(Check):
             return f"the method is controlled by {trial.method.control}, not by a step"
         if len(scene.elements) != 1 or len(laws) != 1 or laws[0].law == "rigid":
             return "something else acts than a contact with an overlap"
-        is_pair = len(scene.bodies) == 2 and all(isinstance(shape, Sphere) for shape in scene.bodies.shape)
-        return None if is_pair and not scene.bodies.fixed.any() else "it is not a scene of two free spheres"
+        is_pair = len(scene.bodies) == 2 and all(
+            isinstance(shape, Sphere) for shape in scene.bodies.shape
+        )
+        return (
+            None
+            if is_pair and not scene.bodies.fixed.any()
+            else "it is not a scene of two free spheres"
+        )
 
     def needs(self, trial: Trial) -> tuple[Variant, ...]:
-        """The coarsest level, at which what is late is furthest off, with a sample every few steps."""
+        """The coarsest level, at which what is late is furthest off, with a sample every few
+        steps.
+        """
         return (_dense(trial),)
 
     def judge(self, trial: Trial, runs: Mapping[Variant, Outcome]) -> list[Finding]:
@@ -74,8 +94,14 @@ class ContactImpulse(Check):
                     values=(_outside_cone(scene, run) / unit)[presses],
                     allowed=rounding,
                     unit="1",
-                    basis="every force obeys |Ft| <= mu Fn, and so does what they add up to, to round-off, at any step",
-                    what="How far the impulse between two samples is outside the cone of friction, in units of mass times speed,",
+                    basis=(
+                        "every force obeys |Ft| <= mu Fn, and so does what they add up to, to"
+                        " round-off, at any step"
+                    ),
+                    what=(
+                        "How far the impulse between two samples is outside the cone of friction,"
+                        " in units of mass times speed,"
+                    ),
                 )
             )
         return found
@@ -92,8 +118,9 @@ class ContactImpulse(Check):
         pressing, across, turned = _impulses(scene, run, normal)
         below = np.maximum(0.0, low * interval - pressing)
         above = np.maximum(0.0, pressing - high * interval)
-        # Between samples a force bends by F'' dt^2 / 8, with F'' of a few F / tau^2. What it is at a touch between two samples is
-        # told by their velocities to F' dt, with F' about F / tau. Friction tilts by the turn of the normal.
+        # Between samples a force bends by F'' dt^2 / 8, with F'' of a few F / tau^2. What it is at
+        # a touch between two samples is told by their velocities to F' dt, with F' about F / tau.
+        # Friction tilts by the turn of the normal.
         largest = float(np.max(np.abs(force)))
         part = interval / trial.instance.scales.tau
         touches = _around(overlap > 0, np.logical_or) & ~_around(overlap > 0, np.logical_and)
@@ -106,8 +133,14 @@ class ContactImpulse(Check):
             values=np.maximum(below, above) / unit,
             allowed=(bends + tilts) / unit + rounding,
             unit="1",
-            basis="it is made of forces that the law gives at states of the interval, but for what they bend between samples",
-            what="What the normal impulse between two samples is off from those of the forces around it, in units of mass times speed,",
+            basis=(
+                "it is made of forces that the law gives at states of the interval, but for what"
+                " they bend between samples"
+            ),
+            what=(
+                "What the normal impulse between two samples is off from those of the forces around"
+                " it, in units of mass times speed,"
+            ),
         )
 
 
@@ -116,13 +149,18 @@ def _dense(trial: Trial) -> Variant:
     level = trial.levels[0]
     stride = round(trial.instance.problem.interval / level)
     dense = 1
-    while 2 * dense <= MOST_DENSE and stride % (2 * dense) == 0 and stride // (2 * dense) >= STEPS_A_SAMPLE:
+    while (
+        2 * dense <= MOST_DENSE
+        and stride % (2 * dense) == 0
+        and stride // (2 * dense) >= STEPS_A_SAMPLE
+    ):
         dense *= 2
     return Variant(level, "denser_output", dense) if dense > 1 else Variant(level)
 
 
 def _presses(scene: Scene, run: Trajectory) -> Array:
-    """Intervals (T - 1,) with a contact in which no force can pull: friction has no limit there that all codes share.
+    """Intervals (T - 1,) with a contact in which no force can pull: friction has no limit there
+    that all codes share.
 
     A dashpot pulls at the end of a contact, from where the force at a sample is no longer positive.
     """
@@ -146,7 +184,9 @@ def _forces(law: Contact, overlap: Array, rate: Array) -> Array:
 
 
 def _at_touch(law: Contact, overlap: Array, rate: Array) -> Array:
-    """The force (T,) [N] at a touch next to each sample, where only a dashpot acts; that of the sample far from any touch."""
+    """The force (T,) [N] at a touch next to each sample, where only a dashpot acts; that of the
+    sample far from any touch.
+    """
     touches = overlap > 0
     pushes = law.damping * rate
     if law.cutoff == "zero_force":
@@ -158,7 +198,9 @@ def _at_touch(law: Contact, overlap: Array, rate: Array) -> Array:
 
 
 def _around(values: Any, extreme: Any) -> Any:
-    """The extreme (T - 1,) of the values at the ends of each interval and one sample further to either side."""
+    """The extreme (T - 1,) of the values at the ends of each interval and one sample further to
+    either side.
+    """
     padded = np.concatenate([values[:1], values, values[-1:]])
     inner = extreme(padded[1:-2], padded[2:-1])
     outer = extreme(padded[:-3], padded[3:])
@@ -166,20 +208,25 @@ def _around(values: Any, extreme: Any) -> Any:
 
 
 def _impulses(scene: Scene, run: Trajectory, normal: Array) -> tuple[Array, Array, Array]:
-    """Impulses (T - 1,) [kg m/s] on the first sphere along the mean normal, away from the other, and across it; the turn [rad]."""
+    """Impulses (T - 1,) [kg m/s] on the first sphere along the mean normal, away from the other,
+    and across it; the turn [rad].
+    """
     impulse = scene.bodies.mass[0] * np.diff(run.velocity[:, 0], axis=0)
     middle = normal[1:] + normal[:-1]
     middle /= np.linalg.norm(middle, axis=-1, keepdims=True)
     pressing: Array = -np.sum(impulse * middle, axis=-1)
     across: Array = np.linalg.norm(impulse + pressing[:, None] * middle, axis=-1)
-    # The angle between two unit vectors, from the length of their difference: its cosine would lose half of the digits.
+    # The angle between two unit vectors, from the length of their difference: its cosine would lose
+    # half of the digits.
     chord = np.linalg.norm(np.diff(normal, axis=0), axis=-1)
     turned: Array = 2.0 * np.arcsin(np.minimum(1.0, chord / 2.0))
     return pressing, across, turned
 
 
 def _outside_cone(scene: Scene, run: Trajectory) -> Array:
-    """By how much (T - 1,) [kg m/s] the impulse on the first sphere leaves the cone about the mean normal; 0 within."""
+    """By how much (T - 1,) [kg m/s] the impulse on the first sphere leaves the cone about the mean
+    normal; 0 within.
+    """
     law = scene.all(Contact)[0]
     _, _, normal = _meeting(scene, run)
     pressing, across, turned = _impulses(scene, run, normal)
@@ -190,7 +237,9 @@ def _outside_cone(scene: Scene, run: Trajectory) -> Array:
 
 
 def _meeting(scene: Scene, run: Trajectory) -> tuple[Array, Array, Array]:
-    """Overlap (T,) [m], its rate (T,) [m/s], and the unit normal (T, 3) from the first sphere to the second."""
+    """Overlap (T,) [m], its rate (T,) [m/s], and the unit normal (T, 3) from the first sphere to
+    the second.
+    """
     apart = run.position[:, 1] - run.position[:, 0]
     distance = np.linalg.norm(apart, axis=-1)
     normal: Array = apart / distance[:, None]

@@ -1,4 +1,6 @@
-"""Convergence without truth: from level to level a run changes by 2^p less, whatever it converges to."""
+"""Convergence without truth: from level to level a run changes by 2^p less, whatever it converges
+to.
+"""
 
 from collections.abc import Mapping
 from itertools import pairwise
@@ -12,15 +14,22 @@ from refdem.core.refinement import COUNTING_FLOOR, HORIZON, kinked
 from refdem.core.variant import Variant
 
 FURTHER = 2.0
-"""Changes between three levels are as far from the limit as errors one level coarser: the order lacks twice as much there."""
+"""Changes between three levels are as far from the limit as errors one level coarser: the order
+lacks twice as much there.
+"""
 
 
 class Convergence(Check):
-    """The finest three levels, where truth does not reach to the end of the run and so cannot show the order."""
+    """The finest three levels, where truth does not reach to the end of the run and so cannot show
+    the order.
+    """
 
     name = "convergence"
     title = "Convergence without truth"
-    kills = "a velocity or a spring of the step before where no truth is certified, results that never settle"
+    kills = (
+        "a velocity or a spring of the step before where no truth is certified, results that never"
+        " settle"
+    )
 
     def applies(self, trial: Trial) -> str | None:
         """Fixed steps, at least three levels, and samples that are not certified."""
@@ -28,15 +37,27 @@ class Convergence(Check):
             return f"the method is controlled by {trial.method.control}, not by a step"
         if trial.truth is not None and trial.truth.until == len(trial.instance.times):
             return "truth is certified to the end: the observed order sees more"
-        return None if len(trial.levels) >= 3 else f"{len(trial.levels)} levels are planned; 3 are needed"
+        return (
+            None
+            if len(trial.levels) >= 3
+            else f"{len(trial.levels)} levels are planned; 3 are needed"
+        )
 
     def needs(self, trial: Trial) -> tuple[Variant, ...]:
-        """The plain runs of the finest three levels, and two that show how errors grow: the coarsest one, and moved a little."""
+        """The plain runs of the finest three levels, and two that show how errors grow: the
+        coarsest one, and moved a little.
+        """
         coarsest = trial.levels[0]
-        return (*trial.plain[-3:], Variant(coarsest), Variant(coarsest, "perturbed", perturbation(trial.method)))
+        return (
+            *trial.plain[-3:],
+            Variant(coarsest),
+            Variant(coarsest, "perturbed", perturbation(trial.method)),
+        )
 
     def judge(self, trial: Trial, runs: Mapping[Variant, Outcome]) -> list[Finding]:
-        """What the order lacks that two changes show; undecided where they are round-off or too large to show one."""
+        """What the order lacks that two changes show; undecided where they are round-off or too
+        large to show one.
+        """
         coarse, fine = (_change(trial, runs[a], runs[b]) for a, b in pairwise(trial.plain[-3:]))
         *_, plain, perturbed = self.needs(trial)
         base = runs[plain].trajectory  # a code may refuse the moved start
@@ -57,19 +78,32 @@ class Convergence(Check):
                 value=max(0.0, order - seen),
                 bound=FURTHER * max(0.15, 0.05 * order),
                 unit="1",
-                basis=f"order {order} is claimed, so from level to level the change must fall with it, within 2 max(0.15, 0.05 p)",
-                what=f"The run changes by {coarse:.2g} and then by {fine:.2g} of its scale: order {seen:.2f}; what it lacks",
+                basis=(
+                    f"order {order} is claimed, so from level to level the change must fall with"
+                    " it, within 2 max(0.15, 0.05 p)"
+                ),
+                what=(
+                    f"The run changes by {coarse:.2g} and then by {fine:.2g} of its scale: order"
+                    f" {seen:.2f}; what it lacks"
+                ),
                 order_seen=seen,
                 order_claimed=float(order),
             )
         ]
 
     def _within(self, trial: Trial, fine: float, growth: float, seen: float) -> Finding:
-        """Where kinks scatter the changes a pair shows no order; the finest change is still no larger than the errors allowed."""
-        allowed = growth * sum(float(trial.truncation(h)[-1]) + trial.noise(h) for h in trial.levels[-2:])
+        """Where kinks scatter the changes a pair shows no order; the finest change is still no
+        larger than the errors allowed.
+        """
+        allowed = growth * sum(
+            float(trial.truncation(h)[-1]) + trial.noise(h) for h in trial.levels[-2:]
+        )
         if fine <= allowed:
             return undecided(
-                self.name, "state", f"kinks scatter the changes from level to level, so the order {seen:.2f} of one pair shows nothing"
+                self.name,
+                "state",
+                f"kinks scatter the changes from level to level, so the order {seen:.2f} of one"
+                " pair shows nothing",
             )
         return judged(
             check=self.name,

@@ -1,4 +1,6 @@
-"""How a gas cools: Haff's law, how often spheres meet and what a meeting costs, and Maxwell's velocities of an elastic one."""
+"""How a gas cools: Haff's law, how often spheres meet and what a meeting costs, and Maxwell's
+velocities of an elastic one.
+"""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -11,7 +13,13 @@ from refdem.core.finding import Finding
 from refdem.core.judgement import judged, undecided, worst
 from refdem.core.trajectory import Trajectory
 from refdem.core.variant import Variant
-from refdem.mechanics.gas import collisions, haff_temperature, kurtosis_error, loss_error, velocity_kurtosis
+from refdem.mechanics.gas import (
+    collisions,
+    haff_temperature,
+    kurtosis_error,
+    loss_error,
+    velocity_kurtosis,
+)
 from refdem.scene import Scene
 from refdem.scene.elements.contact import Contact
 from refdem.scene.elements.periodic_box import PeriodicBox
@@ -21,16 +29,22 @@ ERRORS = 4.0
 THEORY = 0.01
 """What the theory leaves out: velocities that are not quite Maxwell's (3/16 a2), and chi."""
 DILUTE, SHORT, ROUGHEST = 0.1, 0.05, 0.5
-"""The theory holds below this packing fraction, contact time times w_c, and above this restitution (a2 then stays below 0.06)."""
+"""The theory holds below this packing fraction, contact time times w_c, and above this restitution
+(a2 then stays below 0.06).
+"""
 UNIFORM = 2.0
-"""In units of tau: velocities that vary in space fall slower than thermal ones, by 1 + t/tau, and at last make clusters."""
+"""In units of tau: velocities that vary in space fall slower than thermal ones, by 1 + t/tau, and
+at last make clusters.
+"""
 FEWEST = 30
 """Collisions from which a mean is taken."""
 
 
 @dataclass(frozen=True, eq=False)
 class Gas:
-    """What the scene says of the gas: number, restitution, contact time [s], packing fraction, and w_c [1/s] at the start from truth."""
+    """What the scene says of the gas: number, restitution, contact time [s], packing fraction, and
+    w_c [1/s] at the start from truth.
+    """
 
     n: int
     restitution: float
@@ -46,10 +60,20 @@ class Gas:
     def doubt(self) -> str | None:
         """None where the theory holds, else the assumption that does not."""
         if self.packing > DILUTE:
-            return f"the packing fraction is {self.packing:.2g}, so that the gas is not dilute (<= {DILUTE:g})"
+            return (
+                f"the packing fraction is {self.packing:.2g}, so that the gas is not dilute (<="
+                f" {DILUTE:g})"
+            )
         if self.softness > SHORT:
-            return f"contact time times w_c is {self.softness:.2g}: spheres meet three at a time (<= {SHORT:g})"
-        return None if self.restitution >= ROUGHEST else f"restitution {self.restitution:.2g} is too far from 1 (>= {ROUGHEST:g})"
+            return (
+                f"contact time times w_c is {self.softness:.2g}: spheres meet three at a time (<="
+                f" {SHORT:g})"
+            )
+        return (
+            None
+            if self.restitution >= ROUGHEST
+            else f"restitution {self.restitution:.2g} is too far from 1 (>= {ROUGHEST:g})"
+        )
 
 
 class Cooling(Check):
@@ -57,7 +81,10 @@ class Cooling(Check):
 
     name = "cooling"
     title = "Cooling of a gas"
-    kills = "contacts missed by a stale neighbour list, images one box off, another restitution, pairs counted twice"
+    kills = (
+        "contacts missed by a stale neighbour list, images one box off, another restitution, pairs"
+        " counted twice"
+    )
     synchronous = True
 
     def applies(self, trial: Trial) -> str | None:
@@ -65,17 +92,28 @@ class Cooling(Check):
         scene, laws = trial.instance.scene, trial.instance.scene.all(Contact)
         if "temperature" not in trial.instance.quantities or not scene.all(PeriodicBox):
             return "it is not a gas in a periodic box"
-        return None if len(laws) == 1 and laws[0].law == "linear" and not laws[0].friction else "the law of contact is another"
+        return (
+            None
+            if len(laws) == 1 and laws[0].law == "linear" and not laws[0].friction
+            else "the law of contact is another"
+        )
 
     def needs(self, trial: Trial) -> tuple[Variant, ...]:
         """The finest level."""
         return (trial.finest,)
 
     def judge(self, trial: Trial, runs: Mapping[Variant, Outcome]) -> list[Finding]:
-        """Temperature, number of collisions, energy lost in one, shape of the distribution: what the run shows of them."""
+        """Temperature, number of collisions, energy lost in one, shape of the distribution: what
+        the run shows of them.
+        """
         if trial.truth is None or "collision_frequency" not in trial.truth.scalars:
-            return [undecided(self.name, "temperature", "the frequency of collisions is not certified")]
-        gas, run = _gas(trial.instance.scene, trial.truth.scalars["collision_frequency"][0]), runs[trial.finest].trajectory
+            return [
+                undecided(self.name, "temperature", "the frequency of collisions is not certified")
+            ]
+        gas, run = (
+            _gas(trial.instance.scene, trial.truth.scalars["collision_frequency"][0]),
+            runs[trial.finest].trajectory,
+        )
         if (doubt := gas.doubt()) is not None:
             return [undecided(self.name, "temperature", doubt)]
         temperature = trial.instance.observe(run)["temperature"]
@@ -90,7 +128,9 @@ class Cooling(Check):
         return found + self._meetings(gas, run, temperature, len(begins))
 
     def _temperature(self, gas: Gas, t: Array, temperature: Array, haff: float) -> Finding:
-        """ln T against Haff's law: its scatter is that of the sum of the losses in the collisions so far."""
+        """ln T against Haff's law: its scatter is that of the sum of the losses in the collisions
+        so far.
+        """
         law = haff_temperature(t, temperature[0], haff)
         met = collisions(t, law, gas.frequency / np.sqrt(temperature[0]), gas.n)
         grown = 2 * (t / haff) / (1 + t / haff)
@@ -104,8 +144,14 @@ class Cooling(Check):
             allowed=allowed,
             signal=np.abs(np.log(law / law[0])),
             unit="1",
-            basis=f"{ERRORS:g} standard errors of the loss in the collisions so far, {THEORY:.0%} of tau, and what contacts hold",
-            what=f"The logarithm of the temperature over {'that of the start' if np.isinf(haff) else 'T0/(1 + t/tau)^2'}",
+            basis=(
+                f"{ERRORS:g} standard errors of the loss in the collisions so far, {THEORY:.0%} of"
+                " tau, and what contacts hold"
+            ),
+            what=(
+                "The logarithm of the temperature over"
+                f" {'that of the start' if np.isinf(haff) else 'T0/(1 + t/tau)^2'}"
+            ),
         )
 
     def _distribution(self, gas: Gas, run: Trajectory) -> Finding:
@@ -125,14 +171,37 @@ class Cooling(Check):
         met = collisions(run.t, temperature, gas.frequency / np.sqrt(temperature[0]), gas.n)
         expected, given = float(met[-1]), 1 - gas.restitution**2
         if expected < FEWEST:
-            return [undecided(self.name, "collisions", f"{expected:.2g} collisions are expected; {FEWEST} make a mean")]
+            return [
+                undecided(
+                    self.name,
+                    "collisions",
+                    f"{expected:.2g} collisions are expected; {FEWEST} make a mean",
+                )
+            ]
         allowed = ERRORS / np.sqrt(expected) + THEORY + gas.softness
-        counted, of = f"{seen} collisions where {expected:.5g} are expected", f"{ERRORS:g} standard errors of a count, and {THEORY:.0%}"
-        more: dict[str, Any] = {"check": self.name, "unit": "1", "bound": float(allowed), "basis": of}
-        found = [judged(quantity="collisions", value=abs(seen / expected - 1), what=f"{counted}: the ratio less 1", **more)]
+        counted, of = (
+            f"{seen} collisions where {expected:.5g} are expected",
+            f"{ERRORS:g} standard errors of a count, and {THEORY:.0%}",
+        )
+        more: dict[str, Any] = {
+            "check": self.name,
+            "unit": "1",
+            "bound": float(allowed),
+            "basis": of,
+        }
+        found = [
+            judged(
+                quantity="collisions",
+                value=abs(seen / expected - 1),
+                what=f"{counted}: the ratio less 1",
+                **more,
+            )
+        ]
         work = run.channels.get("dissipated_work")
         if work is not None and given > 0:
-            mean = float(np.sum(np.diff(met) * np.sqrt(temperature[1:] * temperature[:-1]))) / expected
+            mean = (
+                float(np.sum(np.diff(met) * np.sqrt(temperature[1:] * temperature[:-1]))) / expected
+            )
             lost = float(np.sum(work[-1])) / (seen * given * mean)
             what = "The energy lost in a collision, in units of (1 - e^2) T, less 1"
             more |= {"bound": float(allowed) + gas.lasts / float(run.t[-1] - run.t[0])}
@@ -142,13 +211,21 @@ class Cooling(Check):
 
 
 def _gas(scene: Scene, frequency: float) -> Gas:
-    """Restitution exp(-pi b/w) and duration pi/w of the linear law, b = c/m, w^2 = 2 k/m - b^2, for equal masses."""
+    """Restitution exp(-pi b/w) and duration pi/w of the linear law, b = c/m, w^2 = 2 k/m - b^2, for
+    equal masses.
+    """
     law, mass, n = scene.all(Contact)[0], float(scene.bodies.mass[0]), len(scene.bodies)
     damping = law.damping / mass
     swing = float(np.sqrt(max(2 * law.stiffness / mass - damping**2, 0.0)))
     lasts = np.pi / swing if swing else np.inf
     packing = n * np.pi / 6 * (2 * scene.bodies.radius[0] / scene.all(PeriodicBox)[0].size) ** 3
-    return Gas(n, float(np.exp(-damping * lasts)) if damping else 1.0, float(lasts), float(packing), frequency)
+    return Gas(
+        n,
+        float(np.exp(-damping * lasts)) if damping else 1.0,
+        float(lasts),
+        float(packing),
+        frequency,
+    )
 
 
 CHECK = Cooling()

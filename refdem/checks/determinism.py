@@ -1,4 +1,6 @@
-"""Determinism: the same request twice gives the same bits, and asking for more output changes nothing."""
+"""Determinism: the same request twice gives the same bits, and asking for more output changes
+nothing.
+"""
 
 from collections.abc import Mapping
 
@@ -20,21 +22,34 @@ class Determinism(Check):
     name = "determinism"
     title = "Determinism"
     judges = (Problem,)
-    kills = "state left over from an earlier run, uninitialised memory, output that changes the trajectory"
+    kills = (
+        "state left over from an earlier run, uninitialised memory, output that changes the"
+        " trajectory"
+    )
 
     def applies(self, trial: Trial) -> str | None:
         """Methods that claim it."""
         return None if trial.method.deterministic else "the method does not claim it"
 
     def needs(self, trial: Trial) -> tuple[Variant, ...]:
-        """The coarsest level that is not coarser than the denser output, again, and with denser output."""
+        """The coarsest level that is not coarser than the denser output, again, and with denser
+        output.
+        """
         level = self._level(trial)
-        denser = (Variant(level, "denser_output", DENSER),) if isinstance(trial.instance.problem, Motion) else ()
+        denser = (
+            (Variant(level, "denser_output", DENSER),)
+            if isinstance(trial.instance.problem, Motion)
+            else ()
+        )
         return (Variant(level), Variant(level, "repeated"), *denser)
 
     def _level(self, trial: Trial) -> float:
         interval = trial.instance.problem.interval
-        fitting = [level for level in trial.levels if trial.method.control != "step" or level <= interval / DENSER]
+        fitting = [
+            level
+            for level in trial.levels
+            if trial.method.control != "step" or level <= interval / DENSER
+        ]
         return fitting[0] if fitting else trial.levels[-1]
 
     def judge(self, trial: Trial, runs: Mapping[Variant, Outcome]) -> list[Finding]:
@@ -70,7 +85,10 @@ class Determinism(Check):
 def _difference(a: Trajectory, b: Trajectory, stride: int) -> float:
     """Largest absolute difference of any state at the same sample."""
     others = b.columns()
-    return max(float(np.max(np.abs(values - others[name][::stride]), initial=0.0)) for name, values in a.columns().items())
+    return max(
+        float(np.max(np.abs(values - others[name][::stride]), initial=0.0))
+        for name, values in a.columns().items()
+    )
 
 
 CHECK = Determinism()

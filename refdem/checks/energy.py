@@ -17,26 +17,46 @@ from refdem.scene.elements.rod import Rod
 TERMS = 2.0
 """Kinetic and potential energy each err by the bound on the state."""
 
-SPRINGS = "The rise of energy above the start (the tangential contact springs hold some that no trajectory shows)"
+SPRINGS = (
+    "The rise of energy above the start (the tangential contact springs hold some that no"
+    " trajectory shows)"
+)
 
 
 class Energy(Check):
-    """What goes in comes out, at the coarsest and the finest level; a symplectic method has no secular drift."""
+    """What goes in comes out, at the coarsest and the finest level; a symplectic method has no
+    secular drift.
+    """
 
     name = "energy"
     title = "Energy balance"
-    kills = "a force that does not come from its potential, friction that drives, work counted twice, a missing gyroscopic term"
+    kills = (
+        "a force that does not come from its potential, friction that drives, work counted twice, a"
+        " missing gyroscopic term"
+    )
     synchronous = True
 
     def applies(self, trial: Trial) -> str | None:
-        """Where the potential energy is known at every sample, and a closed form keeps count of what a drive brings in."""
+        """Where the potential energy is known at every sample, and a closed form keeps count of
+        what a drive brings in.
+        """
         method = trial.method
-        if trial.instance.scene.is_driven() and method.control == "exact" and "energy" not in method.conserves:
+        if (
+            trial.instance.scene.is_driven()
+            and method.control == "exact"
+            and "energy" not in method.conserves
+        ):
             return "a drive brings energy in, and the method does not claim to keep count of it"
-        return "rigid contacts have no potential" if "contact:rigid" in trial.instance.scene.features else None
+        return (
+            "rigid contacts have no potential"
+            if "contact:rigid" in trial.instance.scene.features
+            else None
+        )
 
     def needs(self, trial: Trial) -> tuple[Variant, ...]:
-        """The coarsest and the finest level; all of them where the coarsest may have a bound that is too wide to see anything."""
+        """The coarsest and the finest level; all of them where the coarsest may have a bound that
+        is too wide to see anything.
+        """
         if trial.method.keeps("energy", trial.instance.problem.features):
             return tuple(dict.fromkeys((Variant(trial.levels[0]), trial.finest)))
         return trial.plain
@@ -49,26 +69,43 @@ class Energy(Check):
         shown, scene = _work(trial, runs[trial.finest]) is not None, trial.instance.scene
         if shown and not scene.is_driven() and not _stiffens(scene):
             found.append(self._dissipation(trial, trial.finest, runs[trial.finest]))
-        if trial.method.symplectic and trial.method.control == "step" and trial.instance.scene.is_conservative():
+        if (
+            trial.method.symplectic
+            and trial.method.control == "step"
+            and trial.instance.scene.is_conservative()
+        ):
             found.append(self._drift(trial, runs[trial.finest]))
         return found
 
-    def _balance(self, trial: Trial, variant: Variant, runs: Mapping[Variant, Outcome], quantity: str) -> Finding:
-        """The imbalance at one level; at the finest it must have fallen with the order from what the coarsest shows."""
+    def _balance(
+        self, trial: Trial, variant: Variant, runs: Mapping[Variant, Outcome], quantity: str
+    ) -> Finding:
+        """The imbalance at one level; at the finest it must have fallen with the order from what
+        the coarsest shows.
+        """
         measured = self._imbalance(trial, runs[variant])
         if isinstance(measured, str):
             return undecided(self.name, quantity, measured)
         what, change = measured
         kept, basis = trial.kept("energy", variant.level)
-        rounding = trial.round_off(variant.level) * _of_positions(trial) + _of_falling(trial, variant.level)
+        rounding = trial.round_off(variant.level) * _of_positions(trial) + _of_falling(
+            trial, variant.level
+        )
         of_rods = _of_rods(trial)
         allowed = TERMS * (np.maximum(kept, rounding) + of_rods)
         coarse = self._imbalance(trial, runs[Variant(trial.levels[0])])
         two_sided = not what.startswith(("The rise", SPRINGS))
-        if variant == trial.finest and len(trial.levels) > 2 and two_sided and not isinstance(coarse, str):
+        if (
+            variant == trial.finest
+            and len(trial.levels) > 2
+            and two_sided
+            and not isinstance(coarse, str)
+        ):
             # Equal terms that are added up step by step, as in free flight, round alike.
             alike = flight(trial.instance, trial.method, variant.level)
-            fallen = left_at_finest(trial, coarse[1]) + TERMS * COUNTING_FLOOR * (rounding + of_rods + alike)
+            fallen = left_at_finest(trial, coarse[1]) + TERMS * COUNTING_FLOOR * (
+                rounding + of_rods + alike
+            )
             if np.any(fallen < allowed):
                 basis = "what the order leaves of the change at the coarsest step"
             allowed = np.minimum(allowed, fallen)
@@ -85,22 +122,32 @@ class Energy(Check):
         )
 
     def _imbalance(self, trial: Trial, run: Outcome) -> tuple[str, Array] | str:
-        """What changes and by how much (T,), in units of the energy at the start; or why nobody can say."""
+        """What changes and by how much (T,), in units of the energy at the start; or why nobody can
+        say.
+        """
         scene, scale = trial.instance.scene, energy_scale(trial.instance)
         energy = mechanical(scene, run.trajectory)
         what = "The change of kinetic and potential energy"
-        with np.errstate(invalid="ignore"):  # a body in the centre of attraction has no finite energy: not a number fails
+        with np.errstate(
+            invalid="ignore"
+        ):  # a body in the centre of attraction has no finite energy: not a number fails
             change = np.abs(energy - energy[0]) / scale
         work = _work(trial, run)
         if work is None and _stiffens(scene):
-            return "a tangential spring that stiffens with its load gives and takes energy, and the run does not show how much"
+            return (
+                "a tangential spring that stiffens with its load gives and takes energy, and the"
+                " run does not show how much"
+            )
         if _rubs_by_springs(scene) and not _stiffens(scene):
             what, change = SPRINGS, np.maximum(0.0, energy - energy[0]) / scale
         elif not scene.is_conservative():
             if work is None and scene.is_driven():
                 return "energy comes in from outside, and the run does not show how much"
             if work is None:
-                what, change = "The rise of energy above any earlier value", (energy - np.minimum.accumulate(energy)) / scale
+                what, change = (
+                    "The rise of energy above any earlier value",
+                    (energy - np.minimum.accumulate(energy)) / scale,
+                )
             else:
                 what, change = (
                     "The change of energy plus dissipated work",
@@ -110,7 +157,9 @@ class Energy(Check):
 
     def _dissipation(self, trial: Trial, variant: Variant, run: Outcome) -> Finding:
         """Work done against friction and damping is lost: it never comes back."""
-        work = run.trajectory.channels["dissipated_work"].reshape(len(run.trajectory.t), -1).sum(axis=1) / energy_scale(trial.instance)
+        work = run.trajectory.channels["dissipated_work"].reshape(len(run.trajectory.t), -1).sum(
+            axis=1
+        ) / energy_scale(trial.instance)
         allowed, basis = trial.kept("energy", variant.level)
         return worst(
             check=self.name,
@@ -120,7 +169,10 @@ class Energy(Check):
             allowed=TERMS * allowed,
             unit="1",
             basis=f"what is lost stays lost: {basis}, for each of two terms",
-            what="The fall of the dissipated work below any earlier value, in units of the energy at the start,",
+            what=(
+                "The fall of the dissipated work below any earlier value, in units of the energy at"
+                " the start,"
+            ),
         )
 
     def _drift(self, trial: Trial, run: Outcome) -> Finding:
@@ -139,13 +191,21 @@ class Energy(Check):
             value=drift,
             bound=allowed,
             unit="1",
-            basis=f"a symplectic method of order {order} keeps its energy error at (h/tau)^{order}, whatever the time",
-            what="The mean energy of the last quarter of the run against that of the first, in units of the energy at the start,",
+            basis=(
+                f"a symplectic method of order {order} keeps its energy error at (h/tau)^{order},"
+                " whatever the time"
+            ),
+            what=(
+                "The mean energy of the last quarter of the run against that of the first, in units"
+                " of the energy at the start,"
+            ),
         )
 
 
 def _exchanged(trial: Trial, run: Outcome) -> Array:
-    """How much the kinetic energy has changed since the start (T,), in units of the energy at the start: what there is to balance."""
+    """How much the kinetic energy has changed since the start (T,), in units of the energy at the
+    start: what there is to balance.
+    """
     moving = kinetic(trial.instance.scene, run.trajectory)
     away: Array = np.abs(moving - moving[0]) / energy_scale(trial.instance)
     rounding = trial.round_off(trial.levels[0])
@@ -153,7 +213,9 @@ def _exchanged(trial: Trial, run: Outcome) -> Array:
 
 
 def _first_sharp(trial: Trial, runs: Mapping[Variant, Outcome]) -> Variant:
-    """The coarsest level whose bound is no more than a tenth of the energy that is exchanged; the coarsest of all if none is."""
+    """The coarsest level whose bound is no more than a tenth of the energy that is exchanged; the
+    coarsest of all if none is.
+    """
     exchanged = _exchanged(trial, runs[trial.finest])
     for variant in trial.plain:
         kept, _ = trial.kept("energy", variant.level)
@@ -163,8 +225,15 @@ def _first_sharp(trial: Trial, runs: Mapping[Variant, Outcome]) -> Variant:
 
 
 def _work(trial: Trial, run: Outcome) -> Array | None:
-    """The dissipated work [J] that a run shows; None of a method that tells what the energy lacks, for then any balance holds."""
-    return None if "dissipated_work" in trial.method.derived else run.trajectory.channels.get("dissipated_work")
+    """The dissipated work [J] that a run shows;
+
+    None of a method that tells what the energy lacks, for then any balance holds.
+    """
+    return (
+        None
+        if "dissipated_work" in trial.method.derived
+        else run.trajectory.channels.get("dissipated_work")
+    )
 
 
 def _rubs_by_springs(scene: Scene) -> bool:
@@ -173,39 +242,57 @@ def _rubs_by_springs(scene: Scene) -> bool:
 
 
 def _stiffens(scene: Scene) -> bool:
-    """These grow stiffer with the load (Hertz's law): what they take is not what they give, and no potential keeps account of it."""
+    """These grow stiffer with the load (Hertz's law): what they take is not what they give, and no
+    potential keeps account of it.
+    """
     return _rubs_by_springs(scene) and "contact:hertz" in scene.features
 
 
 def _of_rods(trial: Trial) -> Array | float:
-    """Round-off (T,) where only their force holds rods: what rounds their ends' speed along them goes on as length, c u sqrt(n) t/tau.
+    """Round-off (T,) where only their force holds rods: what rounds their ends' speed along them
+    goes on as length, c u sqrt(n) t/tau.
 
     A method that claims the constraint brings them back at every step.
     """
     method, scales, t = trial.method, trial.instance.scales, trial.instance.times
-    if not trial.instance.scene.all(Rod) or "constraint" in method.conserves or method.control != "tolerance":
+    if (
+        not trial.instance.scene.all(Rod)
+        or "constraint" in method.conserves
+        or method.control != "tolerance"
+    ):
         return 0.0
     steps = max(float(len(t)), CLOCK_STEPS * scales.duration / scales.tau)
-    drift: Array = ROUND_OFF_FACTOR * method.round_off * np.sqrt(steps) * np.abs(t - t[0]) / scales.tau
+    drift: Array = (
+        ROUND_OFF_FACTOR * method.round_off * np.sqrt(steps) * np.abs(t - t[0]) / scales.tau
+    )
     return drift
 
 
 def _of_falling(trial: Trial, level: float) -> float:
-    """Round-off of velocities to which constant gravity adds the same at every step, and of the places they carry."""
+    """Round-off of velocities to which constant gravity adds the same at every step, and of the
+    places they carry.
+    """
     falls = "uniform_gravity" in trial.instance.scene.features
     return flight(trial.instance, trial.method, level) if falls else 0.0
 
 
 def _of_positions(trial: Trial) -> float:
-    """Round-off of positions as energy: the largest force sqrt(2 k E0) times u L, over E0; 1 where the motion fills its scale.
+    """Round-off of positions as energy: the largest force sqrt(2 k E0) times u L, over E0; 1 where
+    the motion fills its scale.
 
-    With E_s = m (L/tau)^2 = k L^2 it is sqrt(E_s / (2 E0)); large where bodies that are far apart in units of the way they
-    go meet slowly, as in a stiff contact. Overlaps are differences of places, so that it is u |r| that counts where |r| > L.
+    With E_s = m (L/tau)^2 = k L^2 it is sqrt(E_s / (2 E0)); large where bodies that are far apart
+    in units of the way they go meet slowly, as in a stiff contact. Overlaps are differences of
+    places, so that it is u |r| that counts where |r| > L.
     """
-    far = float(np.linalg.norm(trial.instance.scene.bodies.position, axis=1).max()) / trial.instance.scales.length
+    far = (
+        float(np.linalg.norm(trial.instance.scene.bodies.position, axis=1).max())
+        / trial.instance.scales.length
+    )
     if "contact" not in trial.instance.scene.features:
         far = 1.0
-    return max(1.0, far) * float(np.sqrt(trial.instance.scales.energy / (2 * energy_scale(trial.instance))))
+    return max(1.0, far) * float(
+        np.sqrt(trial.instance.scales.energy / (2 * energy_scale(trial.instance)))
+    )
 
 
 CHECK = Energy()

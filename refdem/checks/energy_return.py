@@ -1,4 +1,6 @@
-"""Kinetic energy that appears going forward disappears coming back, where forces depend on place and orientation alone."""
+"""Kinetic energy that appears going forward disappears coming back, where forces depend on place
+and orientation alone.
+"""
 
 from collections.abc import Mapping
 
@@ -25,11 +27,17 @@ class EnergyReturn(Check):
     synchronous = True
 
     def applies(self, trial: Trial) -> str | None:
-        """Scenes in which a field or a turn changes the kinetic energy, and methods whose end state is complete."""
+        """Scenes in which a field or a turn changes the kinetic energy, and methods whose end state
+        is complete.
+        """
         scene = trial.instance.scene
         if not scene.all(PiecewiseField) and not scene.all(Wedge):
             return "no asymmetric force changes the kinetic energy"
-        return None if trial.method.complete_state else "the method's end state is not complete, so it cannot go on from there"
+        return (
+            None
+            if trial.method.complete_state
+            else "the method's end state is not complete, so it cannot go on from there"
+        )
 
     def needs(self, trial: Trial) -> tuple[Variant, ...]:
         """The finest level, there and back."""
@@ -45,10 +53,16 @@ class EnergyReturn(Check):
         speeds = truth.value("v")[[0, -1]]
         true = 0.5 * float(scene.bodies.mass[0]) * (speeds[1] ** 2 - speeds[0] ** 2)
         fastest = float(max(1.0, np.abs(truth.value("v")).max() / instance.scales.speed))
-        unit, gained, lost = instance.scales.energy * fastest**2, there[-1] - there[0], back[-1] - back[0]
+        unit, gained, lost = (
+            instance.scales.energy * fastest**2,
+            there[-1] - there[0],
+            back[-1] - back[0],
+        )
         allowed, growth = float(trial.bound(trial.levels[-1])[-1]), float(truth.growth()[-1])
         exact = trial.method.reversible or trial.method.control == "exact"
-        back_off = 2 * trial.round_off(trial.levels[-1]) * growth**2 if exact else 2 * allowed * growth
+        back_off = (
+            2 * trial.round_off(trial.levels[-1]) * growth**2 if exact else 2 * allowed * growth
+        )
         gain_error = judged(
             check=self.name,
             quantity="gain",
@@ -64,7 +78,11 @@ class EnergyReturn(Check):
             value=abs(gained + lost) / unit,
             bound=TERMS * back_off,
             unit="1",
-            basis="round-off there and back" if exact else "twice the bound on the velocity there and back",
+            basis=(
+                "round-off there and back"
+                if exact
+                else "twice the bound on the velocity there and back"
+            ),
             what="The kinetic energy that a way there and back has gained, over m v^2,",
         )
         return [gain_error, return_defect]

@@ -1,4 +1,6 @@
-"""Next to an equilibrium of a pendulum: bounded at the bottom, delta cosh(w0 t) to first order from the top."""
+"""Next to an equilibrium of a pendulum: bounded at the bottom, delta cosh(w0 t) to first order from
+the top.
+"""
 
 from collections.abc import Mapping
 
@@ -17,37 +19,57 @@ SMALL = 0.05
 
 
 class Equilibrium(Check):
-    """Of one point let go at rest on a rod within 0.05 rad of the vertical; exactly on it, it must not move at all."""
+    """Of one point let go at rest on a rod within 0.05 rad of the vertical; exactly on it, it must
+    not move at all.
+    """
 
     name = "equilibrium"
     title = "Equilibria of the pendulum"
-    kills = "a top that attracts or lets nothing go, a bottom that repels, a wrong rate of departure"
+    kills = (
+        "a top that attracts or lets nothing go, a bottom that repels, a wrong rate of departure"
+    )
 
     def applies(self, trial: Trial) -> str | None:
         """One rod to the world, gravity, a start at rest next to the vertical."""
         scene = trial.instance.scene
         kinds = sorted(element.kind for element in scene.elements)
-        if kinds != ["rod", "uniform_gravity"] or len(scene.bodies) != 1 or scene.all(Rod)[0].b >= 0:
+        if (
+            kinds != ["rod", "uniform_gravity"]
+            or len(scene.bodies) != 1
+            or scene.all(Rod)[0].b >= 0
+        ):
             return "there is no pendulum"
         if np.any(scene.bodies.velocity):
             return "it does not start at rest"
-        return None if abs(_angles(scene, scene.bodies.position)[0]) <= SMALL else "it does not start next to an equilibrium"
+        return (
+            None
+            if abs(_angles(scene, scene.bodies.position)[0]) <= SMALL
+            else "it does not start next to an equilibrium"
+        )
 
     def needs(self, trial: Trial) -> tuple[Variant, ...]:
         """The finest level."""
         return (trial.finest,)
 
     def judge(self, trial: Trial, runs: Mapping[Variant, Outcome]) -> list[Finding]:
-        """Distance from delta cosh(w0 t) while that is small; or from delta cos(w0 t), and how far beyond delta it goes."""
+        """Distance from delta cosh(w0 t) while that is small; or from delta cos(w0 t), and how far
+        beyond delta it goes.
+        """
         run, scene = runs[trial.finest].trajectory, trial.instance.scene
         rod = scene.all(Rod)[0]
         seen = _angles(scene, run.position[:, rod.a])
         w0 = float(np.sqrt(np.linalg.norm(scene.all(UniformGravity)[0].g) / rod.length))
         delta = float(_angles(scene, scene.bodies.position)[0])
-        return [self._departure(trial, run.t, seen, w0, delta)] if _is_top(scene) else self._at_bottom(trial, run.t, seen, w0, delta)
+        return (
+            [self._departure(trial, run.t, seen, w0, delta)]
+            if _is_top(scene)
+            else self._at_bottom(trial, run.t, seen, w0, delta)
+        )
 
     def _departure(self, trial: Trial, t: Array, seen: Array, w0: float, delta: float) -> Finding:
-        """From the top, up to SMALL: the term of third order of the series is what is left of the true motion."""
+        """From the top, up to SMALL: the term of third order of the series is what is left of the
+        true motion.
+        """
         phase = w0 * (t - t[0])
         small = np.abs(delta) * np.cosh(np.minimum(phase, 700.0)) <= SMALL
         phase = phase[small]
@@ -62,12 +84,19 @@ class Equilibrium(Check):
             allowed=1.1 * third + allowed * np.cosh(phase) * (1 + phase),
             signal=np.abs(first - delta),
             unit="1",
-            basis="the term of third order of the series, and round-off and truncation that grow as cosh",
+            basis=(
+                "the term of third order of the series, and round-off and truncation that grow as"
+                " cosh"
+            ),
             what="The angle from the top less delta cosh(w0 t), in radians,",
         )
 
-    def _at_bottom(self, trial: Trial, t: Array, seen: Array, w0: float, delta: float) -> list[Finding]:
-        """theta = delta cos(w t) + delta^3/192 (cos 3wt - cos wt) with w = w0 (1 - delta^2/16), to third order (Lindstedt)."""
+    def _at_bottom(
+        self, trial: Trial, t: Array, seen: Array, w0: float, delta: float
+    ) -> list[Finding]:
+        """theta = delta cos(w t) + delta^3/192 (cos 3wt - cos wt) with w = w0 (1 - delta^2/16), to
+        third order (Lindstedt).
+        """
         phase = w0 * np.abs(t - t[0])
         allowed = _in_proportion(trial, delta) * (1 + phase)
         first = delta * np.cos(phase)
@@ -100,7 +129,8 @@ class Equilibrium(Check):
 def _in_proportion(trial: Trial, delta: float) -> Array:
     """Truncation and round-off (T,) [rad].
 
-    Next to an equilibrium the equation is linear, so the error of fixed steps is in proportion to delta; a tolerance is absolute.
+    Next to an equilibrium the equation is linear, so the error of fixed steps is in proportion to
+    delta; a tolerance is absolute.
     """
     level = trial.levels[-1]
     size = abs(delta) if trial.method.control == "step" else 1.0
@@ -114,17 +144,23 @@ def _arms(scene: Scene, position: Array) -> Array:
 
 def _is_top(scene: Scene) -> bool:
     """The point starts above the pivot."""
-    return bool(_arms(scene, scene.bodies.position[0]) @ np.array(scene.all(UniformGravity)[0].g) < 0)
+    return bool(
+        _arms(scene, scene.bodies.position[0]) @ np.array(scene.all(UniformGravity)[0].g) < 0
+    )
 
 
 def _angles(scene: Scene, position: Array) -> Array:
-    """Angle (T,) [rad] from the vertical on the side of the start, positive to the side to which it starts."""
+    """Angle (T,) [rad] from the vertical on the side of the start, positive to the side to which it
+    starts.
+    """
     gravity = np.array(scene.all(UniformGravity)[0].g)
     up = gravity / np.linalg.norm(gravity) * (-1.0 if _is_top(scene) else 1.0)
     arm, start = _arms(scene, position), _arms(scene, scene.bodies.position[0])
     across = start - (start @ up) * up
     size = float(np.linalg.norm(across))
-    side = arm @ across / size if size > 0 else np.linalg.norm(arm - np.outer(arm @ up, up), axis=-1)
+    side = (
+        arm @ across / size if size > 0 else np.linalg.norm(arm - np.outer(arm @ up, up), axis=-1)
+    )
     angle: Array = np.arctan2(side, arm @ up)
     return angle
 

@@ -1,4 +1,6 @@
-"""Error against certified truth at every refinement level, point by point, up to the predictability horizon."""
+"""Error against certified truth at every refinement level, point by point, up to the predictability
+horizon.
+"""
 
 from collections.abc import Iterable, Mapping
 from itertools import pairwise
@@ -30,7 +32,9 @@ from refdem.core.truth import SampledTruth
 from refdem.core.variant import Variant
 
 COURSE = 10.0
-"""A bound above this many scales says that the motion may have taken another course, in which steps may agree by chance."""
+"""A bound above this many scales says that the motion may have taken another course, in which steps
+may agree by chance.
+"""
 
 
 class Error(Check):
@@ -54,23 +58,38 @@ class Error(Check):
         truth = certified(trial)
         if truth is None:
             return [undecided(self.name, "state", no_truth(trial))]
-        seen = {level: errors(trial.instance, runs[Variant(level)].trajectory, truth, trial.method.delay(level)) for level in trial.levels}
+        seen = {
+            level: errors(
+                trial.instance, runs[Variant(level)].trajectory, truth, trial.method.delay(level)
+            )
+            for level in trial.levels
+        }
         if not (names := seen[trial.levels[0]]):
             return [undecided(self.name, "state", MIXED)]
         moved = _signals(trial, truth)
         bounds = _bounds(trial, runs)
-        found = [self._finding(trial, runs, name, {h: e[name] for h, e in seen.items()}, moved[name], bounds) for name in names]
+        found = [
+            self._finding(
+                trial, runs, name, {h: e[name] for h, e in seen.items()}, moved[name], bounds
+            )
+            for name in names
+        ]
         return found + self._unsaid(trial, names)
 
     def _unsaid(self, trial: Trial, names: Iterable[str]) -> list[Finding]:
-        """One finding for what the engine left out of a question without time: its parts are asked for one by one."""
+        """One finding for what the engine left out of a question without time: its parts are asked
+        for one by one.
+        """
         left = [name for name in trial.instance.quantities if name not in set(names)]
         if not left or not isinstance(trial.instance.problem, Static):
             return []
         of = ", ".join(dict.fromkeys(name.partition(".")[0] for name in left))
         return [
             Finding(
-                check=self.name, quantity="unsaid", outcome="unsupported", sentence=f"The engine says nothing of {len(left)} numbers: {of}."
+                check=self.name,
+                quantity="unsaid",
+                outcome="unsupported",
+                sentence=f"The engine says nothing of {len(left)} numbers: {of}.",
             )
         ]
 
@@ -83,7 +102,9 @@ class Error(Check):
         moved: Array,
         bounds: dict[float, Array],
     ) -> Finding:
-        """The level that comes nearest to its bound, of those whose bound is sharp; one that is beyond its bound always counts."""
+        """The level that comes nearest to its bound, of those whose bound is sharp; one that is
+        beyond its bound always counts.
+        """
         sights: dict[float, Sight] = {}
         ratios: dict[float, float] = {}
         for level, allowed in bounds.items():
@@ -91,13 +112,22 @@ class Error(Check):
             sights[level] = sharpest(allowed, moved[:count])
             ratios[level] = float(np.max(seen[level][:count] / allowed))
         if not bounds:
-            return undecided(self.name, quantity, "at every level the bound passes a tenth of the scale before the second sample")
-        telling = [level for level in bounds if not sights[level].is_blind or not ratios[level] <= 1]
+            return undecided(
+                self.name,
+                quantity,
+                "at every level the bound passes a tenth of the scale before the second sample",
+            )
+        telling = [
+            level for level in bounds if not sights[level].is_blind or not ratios[level] <= 1
+        ]
         at = _worst_level(telling or list(bounds), ratios)
         count = len(bounds[at])
         error, allowed = seen[at][:count], bounds[at]
         point = int(np.argmax(error / allowed))
-        levels = [_level(trial, level, error, trial.bound(level), runs[Variant(level)].cost.seconds) for level, error in seen.items()]
+        levels = [
+            _level(trial, level, error, trial.bound(level), runs[Variant(level)].cost.seconds)
+            for level, error in seen.items()
+        ]
         return judged(
             check=self.name,
             quantity=quantity,
@@ -116,10 +146,12 @@ class Error(Check):
 
 
 def _bounds(trial: Trial, runs: Mapping[Variant, Outcome]) -> dict[float, Array]:
-    """The bound of every level that can be judged (count,), up to the horizon; of the finest the smaller of two.
+    """The bound of every level that can be judged (count,), up to the horizon; of the finest the
+    smaller of two.
 
-    The bound on the state multiplies the largest error constant that is allowed by S, and soon passes the horizon where the order
-    is 1 and contacts are stiff. What the last halvings of the step leave is measured, and goes on beyond it.
+    The bound on the state multiplies the largest error constant that is allowed by S, and soon
+    passes the horizon where the order is 1 and contacts are stiff. What the last halvings of the
+    step leave is measured, and goes on beyond it.
     """
     found: dict[float, Array] = {}
     for level in trial.levels:
@@ -133,7 +165,9 @@ def _bounds(trial: Trial, runs: Mapping[Variant, Outcome]) -> dict[float, Array]
 
 
 def _sharpened(allowed: Array, settled: Array | None) -> Array:
-    """The smaller of the bound on the state and of what has settled (count,), as long as the motion cannot have changed its course."""
+    """The smaller of the bound on the state and of what has settled (count,), as long as the motion
+    cannot have changed its course.
+    """
     if settled is None:
         return allowed
     beyond = np.flatnonzero(allowed > COURSE)
@@ -144,14 +178,16 @@ def _sharpened(allowed: Array, settled: Array | None) -> Array:
 
 
 def _settling(trial: Trial, runs: Mapping[Variant, Outcome]) -> Array | None:
-    """What the last halvings of the step leave of the error at the finest level (count,), in units of the scales; None if unknown.
+    """What the last halvings of the step leave of the error at the finest level (count,), in units
+    of the scales; None if unknown.
 
-    With an error e(h) = C h^p the run changes by (2^p - 1) e(h/2) from h to h/2. So e(h/2) is at most ROOM times the change over
-    2^p - 1, whatever C is, or 2^-p of that of the pair before, where terms of the last pair cancel. Where kinks scatter C from
-    step to step, an error is still part of the change to either side of it, but may be nearly the same at both steps.
+    With an error e(h) = C h^p the run changes by (2^p - 1) e(h/2) from h to h/2. So e(h/2) is at
+    most ROOM times the change over 2^p - 1, whatever C is, or 2^-p of that of the pair before,
+    where terms of the last pair cancel. Where kinks scatter C from step to step, an error is still
+    part of the change to either side of it, but may be nearly the same at both steps.
 
-    An error falls with a tolerance as well, in stairs. Where no tolerance changes the run, as where samples leave no room for
-    longer steps, it says nothing.
+    An error falls with a tolerance as well, in stairs. Where no tolerance changes the run, as where
+    samples leave no room for longer steps, it says nothing.
     """
     method, instance = trial.method, trial.instance
     if method.control == "exact" or len(trial.levels) < 3 or trial.truth is None:
@@ -163,8 +199,13 @@ def _settling(trial: Trial, runs: Mapping[Variant, Outcome]) -> Array | None:
         return None
     count = trial.truth.until
     order = trial.order
-    coarse, middle, fine = (instance.observe(runs[Variant(level)].trajectory) for level in trial.levels[-3:])
-    before, last = _changes(instance, coarse, middle, count), _changes(instance, middle, fine, count)
+    coarse, middle, fine = (
+        instance.observe(runs[Variant(level)].trajectory) for level in trial.levels[-3:]
+    )
+    before, last = (
+        _changes(instance, coarse, middle, count),
+        _changes(instance, middle, fine, count),
+    )
     rounding = COUNTING_FLOOR * trial.noise(trial.levels[-1]) * trial.truth.growth()[:count]
     room = room_of(trial)
     falls = 2.0**order
@@ -176,17 +217,21 @@ def _settling(trial: Trial, runs: Mapping[Variant, Outcome]) -> Array | None:
         room /= falls - 1.0
     change = np.maximum.accumulate(np.maximum(before / falls, last))
     if method.control == "tolerance":
-        change = np.full(count, change[-1])  # where orders are chosen as well, that of a few steps says little
+        change = np.full(
+            count, change[-1]
+        )  # where orders are chosen as well, that of a few steps says little
     is_cut = method.control == "step" and kinked(instance) and not method.locates_events
     cut = _straddled(instance, fine, count) * trial.levels[-1] if is_cut else 0.0
     return room * change + rounding + ROOM * cut
 
 
 def _straddled(instance: Instance, run: Mapping[str, Array], count: int) -> Array:
-    """The fastest that any quantity has changed so far [1/s] (count,), in its scale, from sample to sample to either side.
+    """The fastest that any quantity has changed so far [1/s] (count,), in its scale, from sample to
+    sample to either side.
 
-    A step that straddles a kink goes on for the rest of it with the force of before, and is off by that much a second. Halved
-    steps end where the long ones do, so that every one that is longer than this rest is off by the same.
+    A step that straddles a kink goes on for the rest of it with the force of before, and is off by
+    that much a second. Halved steps end where the long ones do, so that every one that is longer
+    than this rest is off by the same.
     """
     fastest = np.zeros(len(instance.times) - 1)
     for name, quantity in instance.quantities.items():
@@ -197,7 +242,9 @@ def _straddled(instance: Instance, run: Mapping[str, Array], count: int) -> Arra
     return so_far
 
 
-def _changes(instance: Instance, coarse: Mapping[str, Array], fine: Mapping[str, Array], count: int) -> Array:
+def _changes(
+    instance: Instance, coarse: Mapping[str, Array], fine: Mapping[str, Array], count: int
+) -> Array:
     """Largest scaled difference of any quantity between two levels (count,)."""
     largest = np.zeros(count)
     for name, quantity in instance.quantities.items():
@@ -211,14 +258,21 @@ def _changes(instance: Instance, coarse: Mapping[str, Array], fine: Mapping[str,
 
 
 def _signals(trial: Trial, truth: SampledTruth) -> dict[str, Array]:
-    """How far the truth of every quantity has moved (until,), in units of its scale; 0 for one that stays within round-off."""
+    """How far the truth of every quantity has moved (until,), in units of its scale; 0 for one that
+    stays within round-off.
+    """
     rounding = trial.noise(trial.levels[-1]) * truth.growth()
     moved = movements(trial.instance, truth)
-    return {name: away if np.any(away > rounding) else np.zeros_like(away) for name, away in moved.items()}
+    return {
+        name: away if np.any(away > rounding) else np.zeros_like(away)
+        for name, away in moved.items()
+    }
 
 
 def _worst_level(levels: list[float], ratios: dict[float, float]) -> float:
-    """The level whose error is the largest part of its bound; one whose error is not a number comes first."""
+    """The level whose error is the largest part of its bound; one whose error is not a number comes
+    first.
+    """
     broken = [level for level in levels if np.isnan(ratios[level])]
     return broken[0] if broken else max(levels, key=lambda level: ratios[level])
 
@@ -231,8 +285,18 @@ def _part(sight: Sight) -> float:
 def _level(trial: Trial, level: float, error: Array, allowed: Array, seconds: float) -> Level:
     """What the tolerance table and the order need of one level."""
     assert trial.truth is not None
-    counts = trial.method.control == "step" and scored(allowed) == len(allowed) and bool(allowed[-1] >= _floor(trial, level))
-    return Level(level=level, error=float(np.max(error)), bound=float(allowed[-1]), seconds=seconds, counts=counts)
+    counts = (
+        trial.method.control == "step"
+        and scored(allowed) == len(allowed)
+        and bool(allowed[-1] >= _floor(trial, level))
+    )
+    return Level(
+        level=level,
+        error=float(np.max(error)),
+        bound=float(allowed[-1]),
+        seconds=seconds,
+        counts=counts,
+    )
 
 
 def _floor(trial: Trial, level: float) -> float:
@@ -243,40 +307,73 @@ def _floor(trial: Trial, level: float) -> float:
 
 def _order_seen(trial: Trial, levels: list[Level]) -> float | None:
     """The order of the last pair of counting levels whose errors are truncation errors."""
-    seen = [(a, b) for a, b in pairwise(levels) if a.counts and b.counts and b.error > _floor(trial, b.level)]
-    return float(np.log2(seen[-1][0].error / seen[-1][1].error)) if seen and seen[-1][0].error > 0 else None
+    seen = [
+        (a, b)
+        for a, b in pairwise(levels)
+        if a.counts and b.counts and b.error > _floor(trial, b.level)
+    ]
+    return (
+        float(np.log2(seen[-1][0].error / seen[-1][1].error))
+        if seen and seen[-1][0].error > 0
+        else None
+    )
 
 
 def _constant_seen(trial: Trial, levels: list[Level]) -> float | None:
     """The largest error over (T/tau) (h/tau)^p S among the levels that count: the measured C."""
     assert trial.truth is not None
     growth = trial.truth.growth()[-1]
-    sizes = [level.error / float(trial.truncation(level.level)[-1] * growth) for level in levels if level.counts]
+    sizes = [
+        level.error / float(trial.truncation(level.level)[-1] * growth)
+        for level in levels
+        if level.counts
+    ]
     return max(sizes) * trial.method.constant if sizes else None
 
 
 def _basis(trial: Trial, level: float, *, settled: bool) -> str:
     """Where the bound comes from, in words; `settled` if it is what the run still changed by."""
     if settled and trial.method.control == "tolerance":
-        return "what an error may be that falls with the tolerance if the run still changed by so little with the last"
+        return (
+            "what an error may be that falls with the tolerance if the run still changed by so"
+            " little with the last"
+        )
     if settled:
         order = trial.order
-        return f"what an error of order {order} may be if the run still changed by so little when the step was halved"
+        return (
+            f"what an error of order {order} may be if the run still changed by so little when the"
+            " step was halved"
+        )
     if trial.method.control == "exact":
         return "an exact method may be off by round-off times the sensitivity S of the motion"
     if trial.method.control == "tolerance":
         factor = float(trial.truncation(level)[-1]) / level
-        return f"{factor:.3g} times the tolerance {level:.2g}, times the sensitivity S of the motion"
+        return (
+            f"{factor:.3g} times the tolerance {level:.2g}, times the sensitivity S of the motion"
+        )
     order = trial.order
-    return f"claimed order {order}: C (1 + t/tau) (h/tau)^{order} S with C = {trial.method.constant:g}"
+    return (
+        f"claimed order {order}: C (1 + t/tau) (h/tau)^{order} S with C = {trial.method.constant:g}"
+    )
 
 
 def _what(trial: Trial, quantity: str, level: float, point: int, count: int) -> str:
     """The measured value in words."""
     times, when = trial.instance.times, trial.instance.problem.when
-    end = "" if count == len(times) else f" (scored up to the predictability horizon {when(times[count - 1])})"
-    step = {"step": f" at step {level:.3g} s", "tolerance": f" at tolerance {level:.1g}", "exact": ""}[trial.method.control]
-    return f"The error of {quantity} in units of its scale{step}, worst against its bound at {when(times[point])}{end},"
+    end = (
+        ""
+        if count == len(times)
+        else f" (scored up to the predictability horizon {when(times[count - 1])})"
+    )
+    step = {
+        "step": f" at step {level:.3g} s",
+        "tolerance": f" at tolerance {level:.1g}",
+        "exact": "",
+    }[trial.method.control]
+    return (
+        f"The error of {quantity} in units of its scale{step}, worst against its bound at"
+        f" {when(times[point])}{end},"
+    )
 
 
 CHECK = Error()

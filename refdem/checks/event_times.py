@@ -1,4 +1,6 @@
-"""Times of events that a run reports, sticks, slips, stops, touches and partings, against the certified ones."""
+"""Times of events that a run reports, sticks, slips, stops, touches and partings, against the
+certified ones.
+"""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -9,7 +11,15 @@ import numpy as np
 from refdem.checks._crossings import Crossing, Crossings, crossings, has_crossings
 from refdem.core.check import Array, Check, Outcome, Trial
 from refdem.core.finding import Finding
-from refdem.core.judgement import Sight, certified, judged, largest_so_far, no_truth, room_of, undecided
+from refdem.core.judgement import (
+    Sight,
+    certified,
+    judged,
+    largest_so_far,
+    no_truth,
+    room_of,
+    undecided,
+)
 from refdem.core.refinement import COUNTING_FLOOR, HORIZON, ROUND_OFF_FACTOR, scored, steps_at
 from refdem.core.trajectory import Trajectory
 from refdem.core.truth import SampledTruth
@@ -24,17 +34,22 @@ Judged = list[tuple[Crossing, float]]
 
 
 class EventTimes(Check):
-    """At the finest level: every certified event is told, and every event told is certified, each within its bound.
+    """At the finest level: every certified event is told, and every event told is certified, each
+    within its bound.
 
-    An error E of the state, in units of its scales, moves a zero of g by E/|g'|, and a little more where g'' bends g back: the time t is
-    bounded by |g'| t - |g''| t^2/2 = E, and an event with g'^2 <= 2 |g''| E, which grazes, need not happen at all. E is what the claims
-    allow, or what the run is seen to be off by where that is less; then a code may still tell where a chord between two steps
-    crosses zero. Runs that report no events are not judged.
+    An error E of the state, in units of its scales, moves a zero of g by E/|g'|, and a little more
+    where g'' bends g back: the time t is bounded by |g'| t - |g''| t^2/2 = E, and an event with
+    g'^2 <= 2 |g''| E, which grazes, need not happen at all. E is what the claims allow, or what the
+    run is seen to be off by where that is less; then a code may still tell where a chord between
+    two steps crosses zero. Runs that report no events are not judged.
     """
 
     name = "event-times"
     title = "Times of events"
-    kills = "an event told a step late, never or twice, stick for slip, the end of a contact where its force only turns"
+    kills = (
+        "an event told a step late, never or twice, stick for slip, the end of a contact where its"
+        " force only turns"
+    )
 
     def applies(self, trial: Trial) -> str | None:
         """Points that rub on a belt, shapes in touch that part, where truth has the times."""
@@ -58,16 +73,32 @@ class EventTimes(Check):
         if truth is None:
             return [undecided(self.name, kind, no_truth(trial)) for kind in KINDS if kind in told]
         scored = predicted(trial, truth, crossings(trial, truth), run)
-        return [self._finding(trial, kind, np.array(told[kind]), scored) for kind in KINDS if kind in told and kind in scored.events]
+        return [
+            self._finding(trial, kind, np.array(told[kind]), scored)
+            for kind in KINDS
+            if kind in told and kind in scored.events
+        ]
 
     def _finding(self, trial: Trial, kind: str, told: Array, scored: "Predicted") -> Finding:
         """The pair that comes nearest to its bound."""
-        start, tau, known = float(trial.instance.times[0]), trial.instance.scales.tau, scored.events[kind]
-        due = [(one, allowed) for one, allowed in known if one.time - allowed > start and one.time + allowed <= scored.due]
+        start, tau, known = (
+            float(trial.instance.times[0]),
+            trial.instance.scales.tau,
+            scored.events[kind],
+        )
+        due = [
+            (one, allowed)
+            for one, allowed in known
+            if one.time - allowed > start and one.time + allowed <= scored.due
+        ]
         seen = told[told <= scored.told]
         if not due and not len(seen):
-            return undecided(self.name, kind, scored.why or "no event is due while the motion is predictable")
-        pairs = [(float(np.min(np.abs(told - one.time))), allowed, one.time) for one, allowed in due]
+            return undecided(
+                self.name, kind, scored.why or "no event is due while the motion is predictable"
+            )
+        pairs = [
+            (float(np.min(np.abs(told - one.time))), allowed, one.time) for one, allowed in due
+        ]
         pairs += [nearest(float(time), known, scored.told - start) for time in seen]
         off, allowed, time = max(pairs, key=lambda pair: pair[0] / pair[1] if pair[1] else inf)
         stepped = "" if located(trial) else ", and a step, at whose end the method sees it"
@@ -78,17 +109,23 @@ class EventTimes(Check):
             bound=allowed / tau,
             sight=Sight(allowed / tau, (time - start) / tau),
             unit="1",
-            basis=f"the bound on the state over the certified rate at which the event comes{stepped}",
-            what=f"The distance of a reported {kind} from a certified one ({len(seen)} told, {len(due)} due; at t = {time:.6g} s), "
-            "in units of tau,",
+            basis=(
+                f"the bound on the state over the certified rate at which the event comes{stepped}"
+            ),
+            what=(
+                f"The distance of a reported {kind} from a certified one ({len(seen)} told,"
+                f" {len(due)} due; at t = {time:.6g} s), in units of tau,"
+            ),
         )
 
 
 @dataclass(frozen=True)
 class Predicted:
-    """Events of each kind with the time [s] by which each may be told off, as far as the motion is predictable.
+    """Events of each kind with the time [s] by which each may be told off, as far as the motion is
+    predictable.
 
-    Those that end before `due` [s] must be told, and those told before `told` [s] must be one of them; `why` says what ends both.
+    Those that end before `due` [s] must be told, and those told before `told` [s] must be one of
+    them; `why` says what ends both.
     """
 
     events: Mapping[str, Judged]
@@ -98,25 +135,40 @@ class Predicted:
 
 
 def nearest(time: float, known: Judged, whole: float) -> tuple[float, float, float]:
-    """Distance from the nearest certified event, its bound, and the time told; all of the stretch judged where there is none."""
-    found = min(((abs(time - one.time), allowed, time) for one, allowed in known), default=(whole, 0.0, time))
+    """Distance from the nearest certified event, its bound, and the time told; all of the stretch
+    judged where there is none.
+    """
+    found = min(
+        ((abs(time - one.time), allowed, time) for one, allowed in known),
+        default=(whole, 0.0, time),
+    )
     return found
 
 
 def predicted(trial: Trial, truth: SampledTruth, known: Crossings, run: Trajectory) -> Predicted:
     """Events up to the horizon of the motion, or up to the first that comes too slowly.
 
-    Of a belt nothing is known of what comes after the last event, which may be told too early; all else parts or stops once.
+    Of a belt nothing is known of what comes after the last event, which may be told too early; all
+    else parts or stops once.
     """
-    bound, times, tau = trial.bound(trial.levels[-1]), trial.instance.times[: truth.until], trial.instance.scales.tau
+    bound, times, tau = (
+        trial.bound(trial.levels[-1]),
+        trial.instance.times[: truth.until],
+        trial.instance.scales.tau,
+    )
     end, last = float(times[max(0, scored(bound) - 1)]), float(times[0])
     seen = seen_bound(trial, truth, run)
     events: dict[str, Judged] = {kind: [] for kind in known}
-    for one, kind in sorted(((one, name) for name, ones in known.items() for one in ones), key=lambda pair: pair[0].time):
+    for one, kind in sorted(
+        ((one, name) for name, ones in known.items() for one in ones), key=lambda pair: pair[0].time
+    ):
         error = error_at(one, bound, times)
         moved = shift(error, one)
         if moved > HORIZON * tau:
-            slow = f"the event at t = {one.time:.6g} s comes so slowly that an error of {error:.2g} moves it by more than tau/10"
+            slow = (
+                f"the event at t = {one.time:.6g} s comes so slowly that an error of {error:.2g}"
+                " moves it by more than tau/10"
+            )
             return Predicted(events, last, last, slow)
         moved_as_seen = shift(error_at(one, seen, times), one) + interpolated(trial, one)
         allowed = min(moved, moved_as_seen) + one.radius + ticks(trial, one.time)
@@ -128,22 +180,30 @@ def predicted(trial: Trial, truth: SampledTruth, known: Crossings, run: Trajecto
 
 
 def error_at(one: Crossing, bound: Array, times: Array) -> float:
-    """The bound on the state at an event: that of the next sample, and what an error may grow by since the last one."""
+    """The bound on the state at an event: that of the next sample, and what an error may grow by
+    since the last one.
+    """
     following = min(int(np.searchsorted(times, one.time)), len(bound) - 1)
-    return float(bound[following]) * exp(min(one.growth * max(0.0, one.time - float(times[max(0, following - 1)])), MOST_GROWTH))
+    return float(bound[following]) * exp(
+        min(one.growth * max(0.0, one.time - float(times[max(0, following - 1)])), MOST_GROWTH)
+    )
 
 
 def seen_bound(trial: Trial, truth: SampledTruth, run: Trajectory) -> Array:
-    """What the run may be off by at each sample (until,) and since the last: what it is seen to be off by so far, with room."""
+    """What the run may be off by at each sample (until,) and since the last: what it is seen to be
+    off by so far, with room.
+    """
     level = trial.levels[-1]
     rounding: Array = COUNTING_FLOOR * trial.noise(level) * truth.growth()
     return room_of(trial) * largest_so_far(trial, level, run, truth) + rounding
 
 
 def interpolated(trial: Trial, one: Crossing) -> float:
-    """How far [s] the zero of g between two steps may be from its own: of a chord |g''| h^2/8 over |g'|, less for higher orders.
+    """How far [s] the zero of g between two steps may be from its own: of a chord |g''| h^2/8 over
+    |g'|, less for higher orders.
 
-    A method of order p that claims to tell events at their own times finds them between its steps to that order too.
+    A method of order p that claims to tell events at their own times finds them between its steps
+    to that order too.
     """
     if trial.method.control != "step":
         return 0.0
@@ -167,9 +227,13 @@ def located(trial: Trial) -> bool:
 
 
 def ticks(trial: Trial, time: float) -> float:
-    """Rounding [s] of a clock that is written, or summed step by step, and the step of a method that sees events at its end."""
+    """Rounding [s] of a clock that is written, or summed step by step, and the step of a method
+    that sees events at its end.
+    """
     level = trial.levels[-1]
-    summed = steps_at(trial.instance, trial.method, level) if trial.method.control == "step" else 0.0
+    summed = (
+        steps_at(trial.instance, trial.method, level) if trial.method.control == "step" else 0.0
+    )
     rounding = trial.method.round_off * max(ROUND_OFF_FACTOR, summed) * abs(time)
     return rounding + (0.0 if located(trial) else level)
 

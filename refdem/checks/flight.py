@@ -1,4 +1,6 @@
-"""Free flight: a body whose velocity has not changed from one sample to the next has gone the way v dt, whatever the step."""
+"""Free flight: a body whose velocity has not changed from one sample to the next has gone the way v
+dt, whatever the step.
+"""
 
 from collections.abc import Mapping
 
@@ -19,16 +21,27 @@ BETWEEN_CONTACTS = frozenset({"contact", "plane", "periodic_box"})
 
 
 class Flight(Check):
-    """To round-off at the finest level. It needs no truth, and sees a gas of which nobody can predict the motion stand still."""
+    """To round-off at the finest level.
+
+    It needs no truth, and sees a gas of which nobody can predict the motion stand still.
+    """
 
     name = "flight"
     title = "Free flight"
-    kills = "places that do not follow the velocities: a gas that stands still, bodies moved twice or by the step before"
+    kills = (
+        "places that do not follow the velocities: a gas that stands still, bodies moved twice or"
+        " by the step before"
+    )
 
     def applies(self, trial: Trial) -> str | None:
-        """Bodies that meet each other or walls under a law with an overlap, and on which nothing else acts."""
+        """Bodies that meet each other or walls under a law with an overlap, and on which nothing
+        else acts.
+        """
         scene = trial.instance.scene
-        if "contact" not in scene.features or {element.kind for element in scene.elements} - BETWEEN_CONTACTS:
+        if (
+            "contact" not in scene.features
+            or {element.kind for element in scene.elements} - BETWEEN_CONTACTS
+        ):
             return "something acts on the bodies between contacts, or they never touch"
         if "contact:rigid" in scene.features:
             return "rigid bodies that overlap are moved apart, whatever their velocities"
@@ -39,8 +52,14 @@ class Flight(Check):
         return (trial.finest,)
 
     def judge(self, trial: Trial, runs: Mapping[Variant, Outcome]) -> list[Finding]:
-        """The largest distance of any such body from where v dt takes it; none where every body was hit in every interval."""
-        run, scene, scales = runs[trial.finest].trajectory, trial.instance.scene, trial.instance.scales
+        """The largest distance of any such body from where v dt takes it; none where every body was
+        hit in every interval.
+        """
+        run, scene, scales = (
+            runs[trial.finest].trajectory,
+            trial.instance.scene,
+            trial.instance.scales,
+        )
         rounding = trial.round_off(trial.levels[-1])
         way = run.velocity[:-1] * np.diff(run.t)[:, None, None]
         alone = _is_alone(scene, run, way, rounding)
@@ -49,7 +68,8 @@ class Flight(Check):
         off = _off(scene, run.position[1:] - run.position[:-1] - way)
         far = np.max(np.abs(run.position)) / scales.length
         fast = np.max(np.abs(run.velocity)) * scales.duration / scales.length
-        # r + v h is rounded the same way at every step while r keeps its exponent, so that these roundings do add up.
+        # r + v h is rounded the same way at every step while r keeps its exponent, so that these
+        # roundings do add up.
         steps = steps_at(trial.instance, trial.method, trial.levels[-1]) / (len(run.t) - 1)
         adding = 2.0 * trial.method.round_off * steps * far
         return [
@@ -61,16 +81,24 @@ class Flight(Check):
                 allowed=rounding * (1.0 + far + fast) + adding,
                 signal=np.max(np.linalg.norm(way, axis=-1) * alone, axis=1) / scales.length,
                 unit="1",
-                basis="nothing acts between contacts, so only round-off bends a straight line: n u |r| at most",
-                what="The distance of a body that nothing hit from where its velocity takes it from sample to sample, in units of L,",
+                basis=(
+                    "nothing acts between contacts, so only round-off bends a straight line: n u"
+                    " |r| at most"
+                ),
+                what=(
+                    "The distance of a body that nothing hit from where its velocity takes it from"
+                    " sample to sample, in units of L,"
+                ),
             )
         ]
 
 
 def _is_alone(scene: Scene, run: Trajectory, way: Array, rounding: float) -> Array:
-    """Whether a body was hit by nothing in an interval (T - 1, N): it has kept its velocity, and its straight way stays inside walls.
+    """Whether a body was hit by nothing in an interval (T - 1, N): it has kept its velocity, and
+    its straight way stays inside walls.
 
-    A body that comes back to its velocity by two walls, one after the other, has left by the first of them on its straight way.
+    A body that comes back to its velocity by two walls, one after the other, has left by the first
+    of them on its straight way.
     """
     fastest = np.max(np.abs(run.velocity))
     change = np.linalg.norm(np.diff(run.velocity, axis=0), axis=-1)

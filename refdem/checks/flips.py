@@ -12,7 +12,9 @@ from refdem.core.variant import Variant
 
 
 class Flips(Check):
-    """As many sign changes of omega about the intermediate axis as truth has, at the finest level."""
+    """As many sign changes of omega about the intermediate axis as truth has, at the finest
+    level.
+    """
 
     name = "flips"
     title = "Number of flips"
@@ -39,11 +41,17 @@ class Flips(Check):
         count = scored(bound)
         axis = "xyz"[int(np.argsort(trial.instance.scene.bodies.inertia[0])[1])]
         name = f"omega_body.{axis}"
-        told = np.abs(truth.value(name)[:count]) > bound[:count] * trial.instance.quantities[name].scale  # else round-off has the sign
+        told = (
+            np.abs(truth.value(name)[:count])
+            > bound[:count] * trial.instance.quantities[name].scale
+        )  # else round-off has the sign
         seen = _flips(trial.instance.observe(runs[trial.finest].trajectory)[name][:count][told])
         true = _flips(truth.value(name)[:count][told])
         until = f"up to t = {trial.instance.times[count - 1]:.4g} s"
-        what = f"Truth flips {true} times about axis {axis} and the run {seen} times {until}; the difference"
+        what = (
+            f"Truth flips {true} times about axis {axis} and the run {seen} times {until}; the"
+            " difference"
+        )
         return [
             judged(
                 check=self.name,

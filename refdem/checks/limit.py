@@ -1,4 +1,6 @@
-"""The limit of small steps: what errors at several steps extrapolate to at no step at all must be nothing."""
+"""The limit of small steps: what errors at several steps extrapolate to at no step at all must be
+nothing.
+"""
 
 from collections.abc import Mapping
 from itertools import pairwise
@@ -12,20 +14,27 @@ from refdem.core.refinement import kinked, scored
 from refdem.core.variant import Variant
 
 SETTLED = 0.3
-"""What an order may lack for the errors to be taken as a power of the step: the check `order` allows half of it."""
+"""What an order may lack for the errors to be taken as a power of the step: the check `order`
+allows half of it.
+"""
 
 
 class Limit(Check):
-    """Errors at h and h/2 extrapolate to E(h) = (2^p e(h/2) - e(h)) / (2^p - 1), which falls faster than e (Richardson 1911).
+    """Errors at h and h/2 extrapolate to E(h) = (2^p e(h/2) - e(h)) / (2^p - 1), which falls faster
+    than e (Richardson 1911).
 
-    If E falls by a factor f from one pair to the next, what is left is 1/(f - 1) of its fall: at most all of it, for f is 2^(p+1)
-    or more and never below 4. Measured on a hundred motions of correct methods: 1/3, 1/15 and 1/31 for orders 1, 2 and 4. An error
-    that no step removes, as of a stiffness or a clock that is wrong by 1e-7, does not fall and is seen far below truncation.
+    If E falls by a factor f from one pair to the next, what is left is 1/(f - 1) of its fall: at
+    most all of it, for f is 2^(p+1) or more and never below 4. Measured on a hundred motions of
+    correct methods: 1/3, 1/15 and 1/31 for orders 1, 2 and 4. An error that no step removes, as of
+    a stiffness or a clock that is wrong by 1e-7, does not fall and is seen far below truncation.
     """
 
     name = "limit"
     title = "Limit of small steps"
-    kills = "a constant or a clock that is wrong by less than the truncation error: motion that converges, but elsewhere"
+    kills = (
+        "a constant or a clock that is wrong by less than the truncation error: motion that"
+        " converges, but elsewhere"
+    )
 
     def applies(self, trial: Trial) -> str | None:
         """Smooth motions in steps of three sizes, with places and velocities of one time."""
@@ -42,20 +51,34 @@ class Limit(Check):
         return tuple(Variant(level) for level in trial.levels[-3:])
 
     def judge(self, trial: Trial, runs: Mapping[Variant, Outcome]) -> list[Finding]:
-        """One finding for the state: the largest extrapolated error of any quantity, in its scale."""
+        """One finding for the state: the largest extrapolated error of any quantity, in its
+        scale.
+        """
         truth = certified(trial)
         if truth is None:
             return [undecided(self.name, "state", no_truth(trial))]
         coarse, middle, fine = (runs[variant].trajectory for variant in self.needs(trial))
         count = min(truth.until, scored(trial.bound(trial.levels[-3])))
         if count < 2:
-            return [undecided(self.name, "state", "at the third finest step no more than the start can be predicted")]
+            return [
+                undecided(
+                    self.name,
+                    "state",
+                    "at the third finest step no more than the start can be predicted",
+                )
+            ]
         order = trial.order
         errors = [signed(trial, run, truth, count) for run in (coarse, middle, fine)]
         floor = 3 * float(np.max(trial.noise(trial.levels[-1]) * truth.growth()[:count]))
         sizes = [float(np.max(np.abs(error), initial=0.0)) for error in errors]
         if sizes[1] > floor and np.log2(sizes[0] / sizes[1]) < order - SETTLED:
-            return [undecided(self.name, "state", f"errors do not fall with order {order} yet, as the check order tells")]
+            return [
+                undecided(
+                    self.name,
+                    "state",
+                    f"errors do not fall with order {order} yet, as the check order tells",
+                )
+            ]
         first, last = ((2**order * b - a) / (2**order - 1) for a, b in pairwise(errors))
         return [
             judged(
@@ -64,8 +87,14 @@ class Limit(Check):
                 value=float(np.max(np.abs(last), initial=0.0)),
                 bound=float(np.max(np.abs(first - last), initial=0.0)) + floor,
                 unit="1",
-                basis="extrapolated errors fall by 4 or more from pair to pair, so less is left than they fell, and 3 times round-off",
-                what=f"The error extrapolated to no step at all, from the two finest of order {order}, in units of each scale,",
+                basis=(
+                    "extrapolated errors fall by 4 or more from pair to pair, so less is left than"
+                    " they fell, and 3 times round-off"
+                ),
+                what=(
+                    "The error extrapolated to no step at all, from the two finest of order"
+                    f" {order}, in units of each scale,"
+                ),
             )
         ]
 

@@ -1,4 +1,6 @@
-"""Lyapunov exponents (1.131)-(1.133): neighbours part exponentially where the motion is chaotic, and as a power of time where not."""
+"""Lyapunov exponents (1.131)-(1.133): neighbours part exponentially where the motion is chaotic,
+and as a power of time where not.
+"""
 
 from collections.abc import Mapping
 
@@ -12,7 +14,9 @@ from refdem.core.variant import Variant
 from refdem.mechanics.stability import LARGEST_POWER, Growth, growth
 
 APART = 2**26
-"""Units in the last place, 1.5e-8, by which the neighbour starts off: far more than round-off, and 13 e-folds below SATURATED."""
+"""Units in the last place, 1.5e-8, by which the neighbour starts off: far more than round-off, and
+13 e-folds below SATURATED.
+"""
 SATURATED = 0.01
 """Neighbours further apart than this part of the scale no longer follow the linearised motion."""
 LONG = 100.0
@@ -20,40 +24,59 @@ LONG = 100.0
 FEWEST = 9
 """Samples from which an exponent can be taken."""
 CLEAR = 1.5
-"""Times by which truth must pass the limits of the classifier before a run is held to them: chaos has its quiet times."""
+"""Times by which truth must pass the limits of the classifier before a run is held to them: chaos
+has its quiet times.
+"""
 ERRORS = 2.0
 """Standard errors by which an exponent must be positive; of truth CLEAR times as many."""
 FACTOR = 10.0
-"""The neighbour starts off in one direction, S is the growth of the worst: in the mean over the window they part by such a factor."""
+"""The neighbour starts off in one direction, S is the growth of the worst: in the mean over the
+window they part by such a factor.
+"""
 FASTER = 2.0
-"""S bounds what any start grows by on the same trajectory; neighbours that are not infinitely near exceed it by at most so much.
+"""S bounds what any start grows by on the same trajectory; neighbours that are not infinitely near
+exceed it by at most so much.
 
 Measured: 1.25 for 60 orbits of the logistic map, 1 for billiards and driven-duffing.
 """
 SLOWER = 1000.0
-"""S holds for all directions, and for what starts later; a start of its own grows less by such a factor once in some thousand times.
+"""S holds for all directions, and for what starts later; a start of its own grows less by such a
+factor once in some thousand times.
 
-Measured: 50 in 180 motions, where an orbit of the logistic map passed its middle, or a start lay along what contracts.
+Measured: 50 in 180 motions, where an orbit of the logistic map passed its middle, or a start lay
+along what contracts.
 """
 BESIDE = 1e-3
-"""Part of the scale by which a run may be off and still meet the instability of the true motion at the same samples."""
+"""Part of the scale by which a run may be off and still meet the instability of the true motion at
+the same samples.
+"""
 
 
 class Lyapunov(Check):
-    """The exponent of two neighbouring runs, with its error bar, against that of truth, and what it makes of the motion."""
+    """The exponent of two neighbouring runs, with its error bar, against that of truth, and what it
+    makes of the motion.
+    """
 
     name = "lyapunov"
     title = "Lyapunov exponent"
     judges = (Motion, Iteration)
-    kills = "state that is rounded or snapped, so that neighbours meet; energy that is fed in, so that they part"
+    kills = (
+        "state that is rounded or snapped, so that neighbours meet; energy that is fed in, so that"
+        " they part"
+    )
 
     def applies(self, trial: Trial) -> str | None:
-        """Where the case says that it is chaotic, or that it is not and lasts long; methods whose neighbours can be compared."""
+        """Where the case says that it is chaotic, or that it is not and lasts long; methods whose
+        neighbours can be compared.
+        """
         scales, chaotic = trial.instance.scales, trial.instance.case.is_chaotic(trial.instance.p)
         if chaotic is None:
             return "nobody has said whether the motion is chaotic"
         if trial.method.control == "tolerance" or trial.method.precision != "double":
-            return "neighbouring runs differ by the tolerance, or by single precision, as much as by their starts"
+            return (
+                "neighbouring runs differ by the tolerance, or by single precision, as much as by"
+                " their starts"
+            )
         if not chaotic and scales.duration < LONG * scales.tau:
             return f"a regular motion is told from a chaotic one after {LONG:g} tau, not before"
         return None
@@ -66,54 +89,100 @@ class Lyapunov(Check):
         """The exponent, and the class of the motion."""
         plain, beside = self.needs(trial)
         if beside not in runs:
-            return [undecided(self.name, "exponent", "the code refused the start beside it when it ran")]
+            return [
+                undecided(self.name, "exponent", "the code refused the start beside it when it ran")
+            ]
         apart = distances(trial.instance, runs[beside].trajectory, runs[plain].trajectory)
         beyond = np.flatnonzero(apart > SATURATED)
         count = int(beyond[0]) if len(beyond) else len(apart)
         if not apart[0] > 0:
             return [undecided(self.name, "exponent", "the neighbour starts at the same place")]
         if count < FEWEST:
-            return [undecided(self.name, "exponent", f"neighbours are far apart after {count} samples; ask for more of them")]
+            return [
+                undecided(
+                    self.name,
+                    "exponent",
+                    f"neighbours are far apart after {count} samples; ask for more of them",
+                )
+            ]
         t = trial.instance.times[:count]
         seen = growth(t, np.maximum(apart[:count], apart[0] * 2.0**-20))
         truth = certified(trial)
         if not trial.instance.case.is_chaotic(trial.instance.p):
             known = truth.growth()[:count] if truth and truth.until >= count else None
             is_unstable = known is not None and growth(t, known).power > LARGEST_POWER
-            if is_unstable and truth and followed(trial, trial.levels[-1], runs[plain].trajectory, truth, BESIDE) < count:
-                why = "the true motion is unstable for a while and the run has left it, so that its neighbours are not those of that"
+            if (
+                is_unstable
+                and truth
+                and followed(trial, trial.levels[-1], runs[plain].trajectory, truth, BESIDE) < count
+            ):
+                why = (
+                    "the true motion is unstable for a while and the run has left it, so that its"
+                    " neighbours are not those of that"
+                )
                 return [undecided(self.name, "power", why)]
-            if known is None or (not is_unstable and known[-1] <= (t[-1] - t[0]) ** 2 / trial.instance.scales.tau**2):
+            if known is None or (
+                not is_unstable and known[-1] <= (t[-1] - t[0]) ** 2 / trial.instance.scales.tau**2
+            ):
                 return [self._regular(seen, growth(t, known) if known is not None else None)]
-            return [self._regular(seen, growth(t, known), float(np.log2(FASTER * known[-1] * apart[0] / np.max(apart[:count]))))]
+            return [
+                self._regular(
+                    seen,
+                    growth(t, known),
+                    float(np.log2(FASTER * known[-1] * apart[0] / np.max(apart[:count]))),
+                )
+            ]
         if truth is None or truth.until < count:
-            why = f"truth is certified for {truth.until} of {count} samples" if truth else no_truth(trial)
+            why = (
+                f"truth is certified for {truth.until} of {count} samples"
+                if truth
+                else no_truth(trial)
+            )
             return [self._positive(seen), undecided(self.name, "exponent", why)]
         true = growth(t, truth.growth()[:count])
         if not (true.power > CLEAR * LARGEST_POWER and true.exponent > CLEAR * ERRORS * true.error):
-            until, size = trial.instance.problem.when(t[-1]), f"{true.exponent:.2g} +- {true.error:.1g}"
-            why = f"until {until} neighbours of the true motion part with the exponent {size}, the power {true.power:.2g}"
+            until, size = (
+                trial.instance.problem.when(t[-1]),
+                f"{true.exponent:.2g} +- {true.error:.1g}",
+            )
+            why = (
+                f"until {until} neighbours of the true motion part with the exponent {size}, the"
+                f" power {true.power:.2g}"
+            )
             return [undecided(self.name, "class", f"{why}: too little to be called chaos")]
         return [self._positive(seen), self._against_truth(trial, seen, true, t)]
 
     def _regular(self, seen: Growth, true: Growth | None, left: float = 0.0) -> Finding:
-        """No faster than a power of the time, or than neighbours of the true motion part at the same samples.
+        """No faster than a power of the time, or than neighbours of the true motion part at the
+        same samples.
 
-        A body that passes close by a centre parts from its neighbour for a moment; samples may show that only near the end. Where the
-        true motion is unstable for a while, S bounds how far any neighbours part: by `left` octaves more than these.
+        A body that passes close by a centre parts from its neighbour for a moment; samples may show
+        that only near the end. Where the true motion is unstable for a while, S bounds how far any
+        neighbours part: by `left` octaves more than these.
         """
         bound = max(LARGEST_POWER, true.power if true else 0.0)
         if left > 0 and seen.power > bound:
             bound = seen.power + left
-        basis = "a regular motion lets neighbours part as the time, or its square (1.132): its exponent is zero"
+        basis = (
+            "a regular motion lets neighbours part as the time, or its square (1.132): its exponent"
+            " is zero"
+        )
         return judged(
             check=self.name,
             quantity="power",
             value=max(0.0, seen.power),
             bound=bound,
             unit="1",
-            basis=basis + ("; so fast do those of the true motion part between these samples" if bound > LARGEST_POWER else ""),
-            what=f"The exponent is {seen.exponent:.2g} +- {seen.error:.1g}; the power of the time with which neighbours part at last",
+            basis=basis
+            + (
+                "; so fast do those of the true motion part between these samples"
+                if bound > LARGEST_POWER
+                else ""
+            ),
+            what=(
+                f"The exponent is {seen.exponent:.2g} +- {seen.error:.1g}; the power of the time"
+                " with which neighbours part at last"
+            ),
         )
 
     def _positive(self, seen: Growth) -> Finding:
@@ -125,18 +194,35 @@ class Lyapunov(Check):
             bound=0.0,
             unit="1",
             basis="a chaotic motion lets neighbours part as exp(lambda t), lambda > 0 (1.133)",
-            what=f"The exponent is {seen.exponent:.4g} +- {seen.error:.2g}, the power {seen.power:.3g}; what contradicts chaos",
+            what=(
+                f"The exponent is {seen.exponent:.4g} +- {seen.error:.2g}, the power"
+                f" {seen.power:.3g}; what contradicts chaos"
+            ),
         )
 
     def _against_truth(self, trial: Trial, seen: Growth, true: Growth, t: Array) -> Finding:
-        """The exponent that S has over the same time: error bars count only where the run is not on the same trajectory."""
+        """The exponent that S has over the same time: error bars count only where the run is not on
+        the same trajectory.
+        """
         lasts, faster = float(t[-1] - t[0]), seen.exponent > true.exponent
         bound = 3 * (seen.error + true.error) + float(np.log(FACTOR)) / lasts
-        basis = "three error bars of both, and a factor of 10 for the direction in which the neighbour starts off"
+        basis = (
+            "three error bars of both, and a factor of 10 for the direction in which the neighbour"
+            " starts off"
+        )
         tight = float(np.log(FASTER if faster else SLOWER)) / lasts
         if tight < bound and np.max(trial.bound(trial.levels[-1])[: len(t)]) < SATURATED:
-            bound, beyond = tight, f"but for a factor of {FASTER:g}" if faster else f"and few grow less by a factor of {SLOWER:g}"
-            basis = f"the trajectory is that of truth, on which no start grows by more than S, {beyond}"
+            bound, beyond = (
+                tight,
+                (
+                    f"but for a factor of {FASTER:g}"
+                    if faster
+                    else f"and few grow less by a factor of {SLOWER:g}"
+                ),
+            )
+            basis = (
+                f"the trajectory is that of truth, on which no start grows by more than S, {beyond}"
+            )
         return judged(
             check=self.name,
             quantity="exponent",
@@ -144,7 +230,10 @@ class Lyapunov(Check):
             bound=bound,
             unit="1/s" if isinstance(trial.instance.problem, Motion) else "1",
             basis=basis,
-            what=f"The exponent is {seen.exponent:.4g} +- {seen.error:.2g} and that of truth {true.exponent:.4g}; the difference",
+            what=(
+                f"The exponent is {seen.exponent:.4g} +- {seen.error:.2g} and that of truth"
+                f" {true.exponent:.4g}; the difference"
+            ),
         )
 
 

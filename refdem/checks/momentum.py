@@ -18,11 +18,17 @@ class Momentum(Check):
 
     name = "momentum"
     title = "Momentum"
-    kills = "a contact force applied to one body only, a lost mass, a velocity mixed up between bodies"
+    kills = (
+        "a contact force applied to one body only, a lost mass, a velocity mixed up between bodies"
+    )
 
     def applies(self, trial: Trial) -> str | None:
         """Isolated scenes."""
-        return None if trial.instance.scene.is_isolated() else "something acts from outside, so momentum is not kept"
+        return (
+            None
+            if trial.instance.scene.is_isolated()
+            else "something acts from outside, so momentum is not kept"
+        )
 
     def needs(self, trial: Trial) -> tuple[Variant, ...]:
         """The coarsest level."""
@@ -42,14 +48,19 @@ class Momentum(Check):
                 allowed=trial.round_off(level) * sweeping(trial.instance, trial.method),
                 signal=_exchanged(trial, run),
                 unit="1",
-                basis="action equals reaction at every step, so only round-off c u sqrt(n) may change it",
+                basis=(
+                    "action equals reaction at every step, so only round-off c u sqrt(n) may"
+                    " change it"
+                ),
                 what="The change of total momentum, in units of the sum of m|v| at the start,",
             )
         ]
 
 
 def _exchanged(trial: Trial, run: Trajectory) -> Array:
-    """The largest change of any body's momentum since the start (T,), in units of the sum of m|v|: what action and reaction balance."""
+    """The largest change of any body's momentum since the start (T,), in units of the sum of m|v|:
+    what action and reaction balance.
+    """
     change = trial.instance.scene.bodies.mass[:, None] * (run.velocity - run.velocity[0])
     largest: Array = np.linalg.norm(change, axis=-1).max(axis=1) / momentum_scale(trial.instance)
     rounding = trial.round_off(trial.levels[0])

@@ -8,7 +8,18 @@ import numpy as np
 
 from refdem.core.check import Check, Outcome, Trial
 from refdem.core.finding import Finding
-from refdem.core.judgement import MIXED, SMALL, Array, certified, errors, judged, no_truth, predictable, signed, undecided
+from refdem.core.judgement import (
+    MIXED,
+    SMALL,
+    Array,
+    certified,
+    errors,
+    judged,
+    no_truth,
+    predictable,
+    signed,
+    undecided,
+)
 from refdem.core.refinement import COUNTING_FLOOR, SCATTER, kinked, order_levels, scored, smoothness
 from refdem.core.smoothness import singularities
 from refdem.core.truth import SampledTruth
@@ -17,32 +28,43 @@ from refdem.core.variant import Variant
 SURE = 3.5
 """Standard deviations by which a mean order must miss the claimed one: 1 in 4000 by chance."""
 STUDENT = (float("inf"), 318.3, 22.3, 10.2, 7.2)
-"""The same where the scatter is that of the errors themselves: 1 in 1000 by Student's t, by degrees of freedom (Student 1908)."""
+"""The same where the scatter is that of the errors themselves: 1 in 1000 by Student's t, by degrees
+of freedom (Student 1908).
+"""
 
 LINE = 0.8
 """What an order must lack at least before errors on a line speak against it.
 
-Halving a step doubles the place of a kink within it, so a place near the start of a step moves on in order, and errors that kinks
-scatter may lie on a line for some octaves. Measured: of 3000 motions of velocity Verlet across fields with two random edges, a
-mean order that lacks 0.5 or more on a line fails 13 at six levels; 0.8 or more, 3. A method of first order is failed in all 3000.
+Halving a step doubles the place of a kink within it, so a place near the start of a step moves on
+in order, and errors that kinks scatter may lie on a line for some octaves. Measured: of 3000
+motions of velocity Verlet across fields with two random edges, a mean order that lacks 0.5 or more
+on a line fails 13 at six levels; 0.8 or more, 3. A method of first order is failed in all 3000.
 """
 
 WHOLE = 0.9
-"""What one pair of levels must lack to speak against a claim: about a whole order. It cannot tell a lack from a cancellation."""
+"""What one pair of levels must lack to speak against a claim: about a whole order.
+
+It cannot tell a lack from a cancellation.
+"""
 
 CANCELLED = 0.1
-"""Part of the errors that terms of the claimed order may leave. A term of the order below that makes a tenth of them leaves 0.04,
-one that makes all of them 0.38. Measured where leading terms cancel: 0.002 (RK4, Duffing's oscillator, pairs 5.6, 3.2, 3.5, 3.8)."""
+"""Part of the errors that terms of the claimed order may leave. A term of the order below that
+makes a tenth of them leaves 0.04, one that makes all of them 0.38. Measured where leading terms
+cancel: 0.002 (RK4, Duffing's oscillator, pairs 5.6, 3.2, 3.5, 3.8)."""
 
 RISE = 0.25
-"""Octaves by which an error must rise from level to level to grow: errors that cancel, or scatter a little, do so once."""
+"""Octaves by which an error must rise from level to level to grow: errors that cancel, or scatter a
+little, do so once.
+"""
 
 Seen = Mapping[float, Mapping[str, Array]]
 """Scaled errors (until,) by level and quantity."""
 
 
 class Order(Check):
-    """Pairs of neighbouring levels reach the claimed order as the step falls; with kinks in the motion, the mean over all levels."""
+    """Pairs of neighbouring levels reach the claimed order as the step falls; with kinks in the
+    motion, the mean over all levels.
+    """
 
     name = "order"
     title = "Observed order"
@@ -50,14 +72,20 @@ class Order(Check):
 
     def applies(self, trial: Trial) -> str | None:
         """Methods with a fixed step."""
-        return None if trial.method.control == "step" else f"the method is controlled by {trial.method.control}, not by a step"
+        return (
+            None
+            if trial.method.control == "step"
+            else f"the method is controlled by {trial.method.control}, not by a step"
+        )
 
     def needs(self, trial: Trial) -> tuple[Variant, ...]:
         """The plain run of every level, and of finer ones where one pair shows little."""
         return tuple(Variant(level) for level in order_levels(trial.instance, trial.levels))
 
     def judge(self, trial: Trial, runs: Mapping[Variant, Outcome]) -> list[Finding]:
-        """One finding for the state: the largest scaled error of any quantity; one more if errors can be seen to grow or fall."""
+        """One finding for the state: the largest scaled error of any quantity; one more if errors
+        can be seen to grow or fall.
+        """
         truth = certified(trial)
         if truth is None:
             return [undecided(self.name, "state", no_truth(trial))]
@@ -66,11 +94,16 @@ class Order(Check):
             return [undecided(self.name, "state", MIXED)]
         return [self._state(trial, runs, truth, found), *self._growth(trial, found)]
 
-    def _state(self, trial: Trial, runs: Mapping[Variant, Outcome], truth: SampledTruth, found: Seen) -> Finding:
+    def _state(
+        self, trial: Trial, runs: Mapping[Variant, Outcome], truth: SampledTruth, found: Seen
+    ) -> Finding:
         """The observed order against the claimed one."""
         counting, common = _counting(trial)
         if len(counting) < 3:
-            why = f"of {len(self.needs(trial))} levels {len(counting)} can count (a bound between 20 x round-off and 0.1); 3 are needed"
+            why = (
+                f"of {len(self.needs(trial))} levels {len(counting)} can count (a bound between 20"
+                " x round-off and 0.1); 3 are needed"
+            )
             return undecided(self.name, "state", why)
         floor = [COUNTING_FLOOR * _floor(trial, h) for h in counting]
         seen = [_largest(found[h], common) for h in counting]
@@ -80,20 +113,28 @@ class Order(Check):
             above = [k for k in range(len(seen)) if seen[k] > floor[k]]
             return self._mean(trial, [counting[k] for k in above], [seen[k] for k in above])
         pairs = list(zip(pairwise(seen), floor[1:], strict=True))
-        orders = [float(np.log2(a / b)) for (a, b), low in pairs if b > low]  # no order in what is round-off
+        orders = [
+            float(np.log2(a / b)) for (a, b), low in pairs if b > low
+        ]  # no order in what is round-off
         shown = [h for h, error, low in zip(counting, seen, floor, strict=True) if error > low][-3:]
-        # An error b that is rounded by a part r of itself is off by r/ln 2 octaves, and so is the one before, by less.
+        # An error b that is rounded by a part r of itself is off by r/ln 2 octaves, and so is the
+        # one before, by less.
         rounded = max(low / COUNTING_FLOOR / b for (_, b), low in pairs if b > low)
         before = [_largest(found[h], common) for h in trial.levels if h > counting[0]]
-        earlier = [float(np.log2(a / b)) for a, b in pairwise([*before, seen[0]]) if b > 0 and a < SMALL]
-        expected = expected_lack([*earlier, *orders], trial.order) + 2 * rounded / float(np.log(2.0))
+        earlier = [
+            float(np.log2(a / b)) for a, b in pairwise([*before, seen[0]]) if b > 0 and a < SMALL
+        ]
+        expected = expected_lack([*earlier, *orders], trial.order) + 2 * rounded / float(
+            np.log(2.0)
+        )
         return self._deficit(trial, orders, expected, _misfits(trial, runs, truth, shown, common))
 
     def _growth(self, trial: Trial, found: Seen) -> list[Finding]:
-        """Errors at the three finest levels must not grow as the step falls, whatever bound they are within.
+        """Errors at the three finest levels must not grow as the step falls, whatever bound they
+        are within.
 
-        Seen on the samples up to which all three are small: beyond, errors have no order. Where kinks scatter errors, all levels
-        together must show it beyond chance.
+        Seen on the samples up to which all three are small: beyond, errors have no order. Where
+        kinks scatter errors, all levels together must show it beyond chance.
         """
         levels = sorted(found, reverse=True)
         if len(levels) < 3:
@@ -102,7 +143,10 @@ class Order(Check):
         if common < 2:
             return []
         seen = [_largest(found[h], common) for h in levels]
-        above = all(error > COUNTING_FLOOR * _floor(trial, h) for h, error in zip(levels[-3:], seen[-3:], strict=True))
+        above = all(
+            error > COUNTING_FLOOR * _floor(trial, h)
+            for h, error in zip(levels[-3:], seen[-3:], strict=True)
+        )
         if not above:
             return []
         rises = [float(np.log2(fine / coarse)) for coarse, fine in pairwise(seen[-3:])]
@@ -118,8 +162,14 @@ class Order(Check):
                 value=max(0.0, sum(rises)) if grows else 0.0,
                 bound=0.0,
                 unit="octaves",
-                basis="a method converges: over three levels above round-off an error that grows as the step falls is none of truncation",
-                what=f"The errors from level to level, coarse to fine, are {listed}; their growth over the three finest",
+                basis=(
+                    "a method converges: over three levels above round-off an error that grows as"
+                    " the step falls is none of truncation"
+                ),
+                what=(
+                    f"The errors from level to level, coarse to fine, are {listed}; their growth"
+                    " over the three finest"
+                ),
             )
         ]
 
@@ -133,27 +183,46 @@ class Order(Check):
             bound=max(floor if from_first else floor[1:]),
             unit="1",
             basis="20 times round-off, so there is no truncation error left to halve",
-            what="The error at every level" if from_first else "The error at every level but the coarsest",
+            what=(
+                "The error at every level"
+                if from_first
+                else "The error at every level but the coarsest"
+            ),
         )
 
-    def _deficit(self, trial: Trial, orders: list[float], expected: float, misfits: "Misfits | None") -> Finding:
-        """What the order lacks at the end; one pair alone shows no limit, and decides only where it is nearer to another order.
+    def _deficit(
+        self, trial: Trial, orders: list[float], expected: float, misfits: "Misfits | None"
+    ) -> Finding:
+        """What the order lacks at the end; one pair alone shows no limit, and decides only where it
+        is nearer to another order.
 
-        A lack that grows from pair to pair fails however small it is, if terms of a lower order tell the errors better.
+        A lack that grows from pair to pair fails however small it is, if terms of a lower order
+        tell the errors better.
         """
         claimed = trial.order
         tolerance = max(0.15, 0.05 * claimed)
         listed = ", ".join(f"{order:.2f}" for order in orders)
         lacking = lack(orders, claimed)
         if len(orders) == 1 and tolerance < claimed - orders[0] < WHOLE:
-            why = f"one pair of levels above round-off shows order {listed}, which may still rise to the claimed {claimed}"
+            why = (
+                f"one pair of levels above round-off shows order {listed}, which may still rise to"
+                f" the claimed {claimed}"
+            )
             return undecided(self.name, "state", why)
         if lacking > tolerance and misfits is not None and not misfits.is_lower:
             return self._cancelled(trial, orders, misfits)
-        basis = f"order {claimed} is claimed and the pairs of levels must reach it, as the step falls, within max(0.15, 0.05 p)"
-        if expected < tolerance and (lacking <= expected or (misfits is not None and misfits.is_lower)):
+        basis = (
+            f"order {claimed} is claimed and the pairs of levels must reach it, as the step falls,"
+            " within max(0.15, 0.05 p)"
+        )
+        if expected < tolerance and (
+            lacking <= expected or (misfits is not None and misfits.is_lower)
+        ):
             tolerance = expected
-            basis = f"order {claimed} is claimed, and what pairs of levels lack of it must fall with the step"
+            basis = (
+                f"order {claimed} is claimed, and what pairs of levels lack of it must fall with"
+                " the step"
+            )
         return judged(
             check=self.name,
             quantity="state",
@@ -167,11 +236,16 @@ class Order(Check):
         )
 
     def _cancelled(self, trial: Trial, orders: list[float], misfits: "Misfits") -> Finding:
-        """Pairs lack order because leading terms cancel: the errors themselves are made of terms of the claimed order and more."""
+        """Pairs lack order because leading terms cancel: the errors themselves are made of terms of
+        the claimed order and more.
+        """
         claimed = trial.order
         listed = ", ".join(f"{order:.2f}" for order in orders)
         if misfits.claimed > CANCELLED:
-            why = f"the pairs show order {listed}, and terms of order {claimed - 1:g} explain the errors no better than those of {claimed}"
+            why = (
+                f"the pairs show order {listed}, and terms of order {claimed - 1:g} explain the"
+                f" errors no better than those of {claimed}"
+            )
             return undecided(self.name, "state", why)
         return judged(
             check=self.name,
@@ -179,25 +253,47 @@ class Order(Check):
             value=misfits.claimed,
             bound=CANCELLED,
             unit="1",
-            basis=f"leading terms cancel here; terms of order {claimed - 1:g} and {claimed:g} miss them by {misfits.lower:.2g}",
-            what=f"The observed order from pair to pair is {listed}; what a h^{claimed:g} + b h^{claimed + 1:g} leaves of the errors",
+            basis=(
+                f"leading terms cancel here; terms of order {claimed - 1:g} and {claimed:g} miss"
+                f" them by {misfits.lower:.2g}"
+            ),
+            what=(
+                f"The observed order from pair to pair is {listed}; what a h^{claimed:g} + b"
+                f" h^{claimed + 1:g} leaves of the errors"
+            ),
             order_seen=orders[-1],
             order_claimed=float(claimed),
         )
 
     def _mean(self, trial: Trial, steps: list[float], seen: list[float]) -> Finding:
-        """What the mean order lacks where the constant scatters: nearer to the claimed order than to the one below, or surely not."""
+        """What the mean order lacks where the constant scatters: nearer to the claimed order than
+        to the one below, or surely not.
+        """
         claimed = trial.order
         limit = smoothness(trial.instance, trial.method)
-        basis = f"order {claimed} is claimed; kinks in the motion scatter the errors by a factor of 2, so the mean order counts"
+        basis = (
+            f"order {claimed} is claimed; kinks in the motion scatter the errors by a factor of 2,"
+            " so the mean order counts"
+        )
         if limit is not None and claimed < trial.method.order_for(trial.instance.problem.features):
-            basis = f"a force that goes as |s|^{limit.exponent:g} leaves fixed steps order {claimed:g}; the method may declare {limit.key}"
+            basis = (
+                f"a force that goes as |s|^{limit.exponent:g} leaves fixed steps order {claimed:g};"
+                f" the method may declare {limit.key}"
+            )
         if len(steps) < 2:
             return undecided(self.name, "state", "one level alone is above round-off")
         slope, deviation, shown = mean_order(steps, seen)
-        lacking, sure = claimed - slope, min(SURE * deviation, max(LINE, STUDENT[min(len(steps) - 2, len(STUDENT) - 1)] * shown))
+        lacking, sure = (
+            claimed - slope,
+            min(
+                SURE * deviation, max(LINE, STUDENT[min(len(steps) - 2, len(STUDENT) - 1)] * shown)
+            ),
+        )
         if 0.5 < lacking <= sure:
-            why = f"kinks scatter the errors; {len(steps)} levels above round-off cannot tell the mean order {slope:.2f} from {claimed}"
+            why = (
+                f"kinks scatter the errors; {len(steps)} levels above round-off cannot tell the"
+                f" mean order {slope:.2f} from {claimed}"
+            )
             return undecided(self.name, "state", why)
         if lacking > 0.5:
             basis += "; " + _declared(trial)
@@ -208,30 +304,41 @@ class Order(Check):
             bound=0.5,
             unit="1",
             basis=basis,
-            what=f"The observed order over {len(steps)} levels is {slope:.2f} +- {deviation:.2f}; what it lacks",
+            what=(
+                f"The observed order over {len(steps)} levels is {slope:.2f} +- {deviation:.2f};"
+                " what it lacks"
+            ),
             order_seen=slope,
             order_claimed=float(claimed),
         )
 
 
 def mean_order(steps: list[float], errors: list[float]) -> tuple[float, float, float]:
-    """Slope of log error over log step by least squares; its standard deviation if errors scatter by SCATTER octaves, and as shown.
+    """Slope of log error over log step by least squares; its standard deviation if errors scatter
+    by SCATTER octaves, and as shown.
 
-    Errors that lie on a line of another slope show no scatter that could excuse it. Two points show none: infinite.
+    Errors that lie on a line of another slope show no scatter that could excuse it. Two points show
+    none: infinite.
     """
     x, y = np.log2(steps) - np.mean(np.log2(steps)), np.log2(errors) - np.mean(np.log2(errors))
     spread = float(x @ x)
     slope, left = float(x @ y) / spread, len(x) - 2
     rest = float(np.sum((y - slope * x) ** 2))
-    return slope, SCATTER / float(np.sqrt(spread)), float(np.sqrt(rest / (left * spread))) if left else float("inf")
+    return (
+        slope,
+        SCATTER / float(np.sqrt(spread)),
+        float(np.sqrt(rest / (left * spread))) if left else float("inf"),
+    )
 
 
 def lack(orders: list[float], claimed: float) -> float:
-    """What the orders of all pairs, coarse to fine, lack of the claimed one in the limit of small steps.
+    """What the orders of all pairs, coarse to fine, lack of the claimed one in the limit of small
+    steps.
 
-    An error term of lower order dominates at the finest pair, so that pair decides. Where terms of higher order still cancel
-    part of the leading one, the lack halves at least from pair to pair: what is left of it when twice its fall is taken off the
-    pair before counts, if the finest pair is already nearer to the claimed order than to the one below.
+    An error term of lower order dominates at the finest pair, so that pair decides. Where terms of
+    higher order still cancel part of the leading one, the lack halves at least from pair to pair:
+    what is left of it when twice its fall is taken off the pair before counts, if the finest pair
+    is already nearer to the claimed order than to the one below.
     """
     last = claimed - orders[-1]
     if len(orders) > 1 and last < 0.5:
@@ -240,11 +347,13 @@ def lack(orders: list[float], claimed: float) -> float:
 
 
 def expected_lack(orders: Sequence[float], claimed: float) -> float:
-    """What an order may lack at the finest of three pairs or more, by what it lacks at those before; infinite for fewer.
+    """What an order may lack at the finest of three pairs or more, by what it lacks at those
+    before; infinite for fewer.
 
-    The next term of the error, b h^(p+1) beside a h^p, leaves a lack of about |b h/a|, which halves from pair to pair. With one term
-    more, the lacks obey d3 = 3/4 d2 - 1/8 d1, so that |d3| is at most the larger of |d2| and |d1|/2, also where d1 or d2 is nearly
-    nothing because both terms cancel. A term of the order below makes it double.
+    The next term of the error, b h^(p+1) beside a h^p, leaves a lack of about |b h/a|, which halves
+    from pair to pair. With one term more, the lacks obey d3 = 3/4 d2 - 1/8 d1, so that |d3| is at
+    most the larger of |d2| and |d1|/2, also where d1 or d2 is nearly nothing because both terms
+    cancel. A term of the order below makes it double.
     """
     if len(orders) < 3:
         return float("inf")
@@ -253,7 +362,9 @@ def expected_lack(orders: Sequence[float], claimed: float) -> float:
 
 
 class Misfits(NamedTuple):
-    """What two terms leave of the errors at the finest level, as a part of them: of the claimed order and the next, or one lower."""
+    """What two terms leave of the errors at the finest level, as a part of them: of the claimed
+    order and the next, or one lower.
+    """
 
     claimed: float
     lower: float
@@ -264,8 +375,17 @@ class Misfits(NamedTuple):
         return self.lower < self.claimed
 
 
-def _misfits(trial: Trial, runs: Mapping[Variant, Outcome], truth: SampledTruth, levels: Sequence[float], common: int) -> Misfits | None:
-    """How two terms fit the signed errors at three levels; None where there are fewer, or velocities lag behind the places."""
+def _misfits(
+    trial: Trial,
+    runs: Mapping[Variant, Outcome],
+    truth: SampledTruth,
+    levels: Sequence[float],
+    common: int,
+) -> Misfits | None:
+    """How two terms fit the signed errors at three levels;
+
+    None where there are fewer, or velocities lag behind the places.
+    """
     if len(levels) < 3 or trial.method.delay(levels[0]) != 0:
         return None
     errors = [signed(trial, runs[Variant(h)].trajectory, truth, common) for h in levels]
@@ -276,7 +396,8 @@ def _misfits(trial: Trial, runs: Mapping[Variant, Outcome], truth: SampledTruth,
 
 
 def _left(errors: Sequence[Array], first: float, second: float) -> float:
-    """Largest part of the errors at h/4 that a h^first + b h^second, fitted to those at h and h/2, does not tell.
+    """Largest part of the errors at h/4 that a h^first + b h^second, fitted to those at h and h/2,
+    does not tell.
 
     Such errors obey e(h/4) = (x + y) e(h/2) - x y e(h) with x = 2^-first, y = 2^-second.
     """
@@ -288,15 +409,24 @@ def _left(errors: Sequence[Array], first: float, second: float) -> float:
 
 
 def _declared(trial: Trial) -> str:
-    """What to declare if the method has a lower order here and its author knows: the key of `refdem.toml`."""
+    """What to declare if the method has a lower order here and its author knows: the key of
+    `refdem.toml`.
+    """
     limits = [limit for _, limit in singularities(trial.instance.scene)]
-    return f"if the method has a lower order there, declare {min(limits).key}" if limits else "no force of the scene excuses it"
+    return (
+        f"if the method has a lower order there, declare {min(limits).key}"
+        if limits
+        else "no force of the scene excuses it"
+    )
 
 
 def _seen(trial: Trial, runs: Mapping[Variant, Outcome], truth: SampledTruth) -> Seen:
     """Scaled errors of every quantity at every level that an order is read from."""
     levels = order_levels(trial.instance, trial.levels)
-    return {h: errors(trial.instance, runs[Variant(h)].trajectory, truth, trial.method.delay(h)) for h in levels}
+    return {
+        h: errors(trial.instance, runs[Variant(h)].trajectory, truth, trial.method.delay(h))
+        for h in levels
+    }
 
 
 def _largest(scaled: Mapping[str, Array], common: int) -> float:
@@ -305,21 +435,29 @@ def _largest(scaled: Mapping[str, Array], common: int) -> float:
 
 
 def _counting(trial: Trial) -> tuple[list[float], int]:
-    """Levels whose bound lies between 20 x round-off and a tenth of the scale, and the samples that all of them score.
+    """Levels whose bound lies between 20 x round-off and a tenth of the scale, and the samples that
+    all of them score.
 
-    Where the sensitivity carries every bound past a tenth, the levels are compared on the samples that the third finest scores,
-    or the fourth where kinks scatter the errors.
+    Where the sensitivity carries every bound past a tenth, the levels are compared on the samples
+    that the third finest scores, or the fourth where kinks scatter the errors.
     """
     truth = trial.truth
     assert truth is not None
     levels = order_levels(trial.instance, trial.levels)
     ranges = {h: scored(trial.bound(h)) for h in levels}
     third = 3 if kinked(trial.instance) else 2
-    common = min(len(truth.growth()), max(sorted(ranges.values(), reverse=True)[min(third, len(ranges) - 1)], 0))
+    common = min(
+        len(truth.growth()),
+        max(sorted(ranges.values(), reverse=True)[min(third, len(ranges) - 1)], 0),
+    )
     if common < 2:
         return [], 0
     allowed: dict[float, Array] = {h: trial.bound(h)[:common] for h in levels}
-    counting = [h for h in levels if ranges[h] >= common and allowed[h][-1] >= COUNTING_FLOOR * _floor(trial, h)]
+    counting = [
+        h
+        for h in levels
+        if ranges[h] >= common and allowed[h][-1] >= COUNTING_FLOOR * _floor(trial, h)
+    ]
     return counting, common
 
 

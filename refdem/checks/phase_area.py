@@ -1,4 +1,6 @@
-"""The area of an outline in phase space against Liouville's theorem: kept, falling as exp(-2 delta t), or deposited (1.107)-(1.111)."""
+"""The area of an outline in phase space against Liouville's theorem: kept, falling as exp(-2 delta
+t), or deposited (1.107)-(1.111).
+"""
 
 from collections.abc import Mapping
 from typing import Any
@@ -21,8 +23,9 @@ COARSE = 0.01
 """Part of the area: a polygon that may be off by more is not judged, nor what comes after it."""
 MIN_SAMPLES = 2
 SMOOTH, BROKEN = 0.45, 4.0
-"""Parts of that difference. Below a half, a point that is astray is seen: it is in one of the two polygons with twice the area that it
-has in the whole. Where friction breaks sides at turning points, 60 random heads needed up to 1.1."""
+"""Parts of that difference. Below a half, a point that is astray is seen: it is in one of the two
+polygons with twice the area that it has in the whole. Where friction breaks sides at turning
+points, 60 random heads needed up to 1.1."""
 
 
 class PhaseArea(Check):
@@ -31,11 +34,16 @@ class PhaseArea(Check):
     name = "phase-area"
     title = "Area in phase space"
     judges = (Ensemble,)
-    kills = "hidden damping or driving, a volume that should be kept and is not, points that are left behind"
+    kills = (
+        "hidden damping or driving, a volume that should be kept and is not, points that are left"
+        " behind"
+    )
 
     def applies(self, trial: Trial) -> str | None:
         """Cases whose starts are an outline."""
-        return None if isinstance(trial.instance.case, EnsembleCase) else "the starts are no outline"
+        return (
+            None if isinstance(trial.instance.case, EnsembleCase) else "the starts are no outline"
+        )
 
     def needs(self, trial: Trial) -> tuple[Variant, ...]:
         """The plain run of the finest level."""
@@ -49,10 +57,18 @@ class PhaseArea(Check):
         assert isinstance(case, EnsembleCase)
         x, v = case.outline(trial.instance.p, runs[trial.finest].trajectory)
         first = abs(truth.value("area")[0])
-        straight = polygon(x, v, BROKEN if "friction" in trial.instance.problem.features else SMOOTH) / first
-        until = min(truth.until, int(np.argmax(straight > COARSE)) if np.any(straight > COARSE) else len(straight))
+        straight = (
+            polygon(x, v, BROKEN if "friction" in trial.instance.problem.features else SMOOTH)
+            / first
+        )
+        until = min(
+            truth.until,
+            int(np.argmax(straight > COARSE)) if np.any(straight > COARSE) else len(straight),
+        )
         if until < MIN_SAMPLES:
-            return [undecided(self.name, "area", "the outline has too few points for how it stretches")]
+            return [
+                undecided(self.name, "area", "the outline has too few points for how it stretches")
+            ]
         error = np.abs(phase_area(x, v)[:until] - truth.value("area")[:until]) / first
         allowed = straight[:until] + rounding(trial, x, v)[:until] * truth.growth()[:until] / first
         return [
@@ -64,17 +80,25 @@ class PhaseArea(Check):
                 allowed=allowed,
                 signal=1.0,
                 unit="1",
-                basis="round-off of the points, and what polygons of half and of a quarter of them show that straight sides leave out",
-                what="The error of the area that the outline encloses, in units of that at the start,",
+                basis=(
+                    "round-off of the points, and what polygons of half and of a quarter of them"
+                    " show that straight sides leave out"
+                ),
+                what=(
+                    "The error of the area that the outline encloses, in units of that at the"
+                    " start,"
+                ),
             )
         ]
 
 
 def polygon(x: Array, v: Array, part: float) -> Array:
-    """How far off (T,) the area of the outline's polygon may be: `part` of what polygons of half and of a quarter of its points differ by.
+    """How far off (T,) the area of the outline's polygon may be: `part` of what polygons of half
+    and of a quarter of its points differ by.
 
-    Straight sides leave out areas that fall with the square of their length: all of them together are a twelfth of that difference
-    where everything is smooth, and more where a turning point breaks a side.
+    Straight sides leave out areas that fall with the square of their length: all of them together
+    are a twelfth of that difference where everything is smooth, and more where a turning point
+    breaks a side.
     """
     differ = np.abs(phase_area(x[:, ::2], v[:, ::2]) - phase_area(x[:, ::4], v[:, ::4]))
     found: Array = part * np.maximum.accumulate(differ)

@@ -18,7 +18,9 @@ class QuaternionNorm(Check):
     kills = "an attitude that is integrated and never normalised"
 
     def applies(self, trial: Trial) -> str | None:
-        """Scenes in which something turns, and methods whose attitudes nobody has made unit quaternions on the way."""
+        """Scenes in which something turns, and methods whose attitudes nobody has made unit
+        quaternions on the way.
+        """
         if "rotation" not in trial.instance.scene.features:
             return "nothing turns"
         return trial.method.derived.get("attitude")
@@ -35,7 +37,9 @@ class QuaternionNorm(Check):
                 check=self.name,
                 quantity="norm",
                 t=trial.instance.times,
-                values=np.abs(np.linalg.norm(runs[Variant(level)].trajectory.attitude, axis=-1) - 1).max(axis=1),
+                values=np.abs(
+                    np.linalg.norm(runs[Variant(level)].trajectory.attitude, axis=-1) - 1
+                ).max(axis=1),
                 allowed=trial.round_off(level),
                 unit="1",
                 basis="an attitude is a unit quaternion at every step, to round-off c u sqrt(n)",

@@ -22,7 +22,11 @@ class Rest(Check):
         bodies = trial.instance.scene.bodies
         if np.any(bodies.velocity) or np.any(bodies.omega):
             return "something moves from the start"
-        if trial.truth is not None and any(np.ptp(values[: trial.truth.until]) > 0 for values in trial.truth.values.values() if values):
+        if trial.truth is not None and any(
+            np.ptp(values[: trial.truth.until]) > 0
+            for values in trial.truth.values.values()
+            if values
+        ):
             return "it does not stay at rest"
         return None
 
@@ -35,7 +39,9 @@ class Rest(Check):
         if certified(trial) is None:
             return [undecided(self.name, "rest", no_truth(trial))]
         run, scales = runs[trial.finest].trajectory, trial.instance.scales
-        moved = np.linalg.norm(run.position - trial.instance.scene.bodies.position, axis=-1).max(axis=1)
+        moved = np.linalg.norm(run.position - trial.instance.scene.bodies.position, axis=-1).max(
+            axis=1
+        )
         half = len(moved) // 2
         creep = (moved[-1] - moved[half]) / abs(run.t[-1] - run.t[half])
         sizes = {
@@ -51,7 +57,10 @@ class Rest(Check):
                 allowed=trial.round_off(trial.levels[-1]),
                 unit="1",
                 basis="a resting body stays at rest whatever the step, to round-off c u sqrt(n)",
-                what=f"The largest {name} of any body (over the second half it creeps at {creep:.2g} m/s), in units of its scale,",
+                what=(
+                    f"The largest {name} of any body (over the second half it creeps at {creep:.2g}"
+                    " m/s), in units of its scale,"
+                ),
             )
             for name, size in sizes.items()
         ]

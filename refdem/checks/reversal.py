@@ -1,4 +1,6 @@
-"""Time reversal: on from the end with velocities flipped, or with negative steps, back to the start."""
+"""Time reversal: on from the end with velocities flipped, or with negative steps, back to the
+start.
+"""
 
 import math
 from collections.abc import Mapping
@@ -7,14 +9,24 @@ import numpy as np
 
 from refdem.core.check import Check, Outcome, Trial
 from refdem.core.finding import Finding
-from refdem.core.judgement import ROOM, certified, judged, largest_so_far, no_truth, room_of, undecided
+from refdem.core.judgement import (
+    ROOM,
+    certified,
+    judged,
+    largest_so_far,
+    no_truth,
+    room_of,
+    undecided,
+)
 from refdem.core.refinement import COUNTING_FLOOR, HORIZON, clock, flight, kinked
 from refdem.core.trajectory import Trajectory
 from refdem.core.variant import Change, Variant
 from refdem.mechanics.quaternion import angle_between
 
 FURTHER = 4
-"""Halvings of the finest step for the way back: growth counts both ways, so that a motion may be predictable there but not back."""
+"""Halvings of the finest step for the way back: growth counts both ways, so that a motion may be
+predictable there but not back.
+"""
 
 
 class Reversal(Check):
@@ -22,7 +34,9 @@ class Reversal(Check):
 
     name = "reversal"
     title = "Time reversal"
-    kills = "a force taken at the wrong time level, hidden dissipation, state that is not in the state"
+    kills = (
+        "a force taken at the wrong time level, hidden dissipation, state that is not in the state"
+    )
     synchronous = True
 
     def applies(self, trial: Trial) -> str | None:
@@ -31,18 +45,33 @@ class Reversal(Check):
             return "energy comes in or goes out, so time has a direction"
         if "contact:rigid" in trial.instance.scene.features:
             return "rigid contact forces at rest are not part of the state"
-        return None if trial.method.complete_state else "the method's end state is not complete, so it cannot go on from there"
+        return (
+            None
+            if trial.method.complete_state
+            else "the method's end state is not complete, so it cannot go on from there"
+        )
 
     def needs(self, trial: Trial) -> tuple[Variant, ...]:
-        """A level, reversed, and backward where the method can; the two finest of the trial where the defect has an order."""
-        changes: tuple[Change, ...] = ("reversed", "backward") if trial.method.backward else ("reversed",)
+        """A level, reversed, and backward where the method can; the two finest of the trial where
+        the defect has an order.
+        """
+        changes: tuple[Change, ...] = (
+            ("reversed", "backward") if trial.method.backward else ("reversed",)
+        )
         level, pair = _level(trial), trial.levels[-2:] if _has_order(trial) else ()
         told = Variant(_telling(trial, level))
-        shown = (Variant(level), told, *(Variant(level, change) for change in changes), *(Variant(h, "reversed") for h in pair))
+        shown = (
+            Variant(level),
+            told,
+            *(Variant(level, change) for change in changes),
+            *(Variant(h, "reversed") for h in pair),
+        )
         return tuple(dict.fromkeys(shown))
 
     def judge(self, trial: Trial, runs: Mapping[Variant, Outcome]) -> list[Finding]:
-        """The distance from the start, in units of each quantity's scale, and how fast it falls with the step."""
+        """The distance from the start, in units of each quantity's scale, and how fast it falls
+        with the step.
+        """
         truth = certified(trial)
         if truth is None:
             return [undecided(self.name, "return", no_truth(trial))]
@@ -50,11 +79,21 @@ class Reversal(Check):
         size = _size(trial, level)
         basis = "the truncation error there and back, the first amplified on the way back"
         if _is_exact(trial):
-            basis = "a reversible method returns to round-off c u sqrt(n), there and back, times the sensitivity S both ways"
-        order = self._order(trial, runs, growth) if _has_order(trial) and len(trial.levels) > 1 else []
+            basis = (
+                "a reversible method returns to round-off c u sqrt(n), there and back, times the"
+                " sensitivity S both ways"
+            )
+        order = (
+            self._order(trial, runs, growth) if _has_order(trial) and len(trial.levels) > 1 else []
+        )
         if size > HORIZON:
             return order or [
-                undecided(self.name, "return", "the bound on the return passes a tenth of the scale: predictability ends before")
+                undecided(
+                    self.name,
+                    "return",
+                    "the bound on the return passes a tenth of the scale: predictability ends"
+                    " before",
+                )
             ]
         fallen = _fallen(trial, runs, level, growth)
         shown = _shown(trial, runs, level)
@@ -68,22 +107,41 @@ class Reversal(Check):
                 value=_defect(trial, runs[variant].trajectory, variant.change),
                 bound=min(size, fallen),
                 unit="1",
-                basis=basis if size <= fallen else "what the order leaves of the defect at a longer step",
-                what=f"The distance from the start after the way back ({variant.change}), in units of each scale,",
+                basis=(
+                    basis
+                    if size <= fallen
+                    else "what the order leaves of the defect at a longer step"
+                ),
+                what=(
+                    f"The distance from the start after the way back ({variant.change}), in units"
+                    " of each scale,"
+                ),
             )
             for variant in self.needs(trial)
             if variant.level == level and variant.goes_on
         ]
 
     def _order(self, trial: Trial, runs: Mapping[Variant, Outcome], growth: float) -> list[Finding]:
-        """The return defect falls with order p if p is odd, p + 1 if it is even: the leading even term undoes itself."""
+        """The return defect falls with order p if p is odd, p + 1 if it is even: the leading even
+        term undoes itself.
+        """
         order = trial.order
         expected = order if order % 2 else order + 1
-        coarse, fine = (_defect(trial, runs[Variant(h, "reversed")].trajectory, "reversed") for h in trial.levels[-2:])
+        coarse, fine = (
+            _defect(trial, runs[Variant(h, "reversed")].trajectory, "reversed")
+            for h in trial.levels[-2:]
+        )
         scales, method = trial.instance.scales, trial.method
-        following = method.constant * scales.duration / scales.tau * (trial.levels[-1] / scales.tau) ** (expected + 1)
+        following = (
+            method.constant
+            * scales.duration
+            / scales.tau
+            * (trial.levels[-1] / scales.tau) ** (expected + 1)
+        )
         floor = max(following, COUNTING_FLOOR * trial.noise(trial.levels[-1]) * growth**2)
-        if not floor < fine <= coarse < HORIZON:  # below the next term of the error there is no leading one to see
+        if (
+            not floor < fine <= coarse < HORIZON
+        ):  # below the next term of the error there is no leading one to see
             return []
         seen = math.log2(coarse / fine)
         return [
@@ -93,14 +151,22 @@ class Reversal(Check):
                 value=max(0.0, expected - seen),
                 bound=max(0.15, 0.05 * expected),
                 unit="1",
-                basis=f"a method of order {order} comes back with a defect of order {expected}, within max(0.15, 0.05 p)",
-                what=f"The return defect falls with order {seen:.2f} at the finest pair of steps; what it lacks",
+                basis=(
+                    f"a method of order {order} comes back with a defect of order {expected},"
+                    " within max(0.15, 0.05 p)"
+                ),
+                what=(
+                    f"The return defect falls with order {seen:.2f} at the finest pair of steps;"
+                    " what it lacks"
+                ),
             )
         ]
 
 
 def _fallen(trial: Trial, runs: Mapping[Variant, Outcome], level: float, growth: float) -> float:
-    """What the claimed order leaves at a level of the defect at a coarser one; infinite where nobody knows."""
+    """What the claimed order leaves at a level of the defect at a coarser one; infinite where
+    nobody knows.
+    """
     if not _has_order(trial) or len(trial.levels) < 3:
         return math.inf
     coarse = _defect(trial, runs[Variant(trial.levels[-2], "reversed")].trajectory, "reversed")
@@ -117,8 +183,9 @@ def _is_exact(trial: Trial) -> bool:
 def _size(trial: Trial, level: float) -> float:
     """What the defect of the way back may be at a level, as the claims say; needs truth.
 
-    With the flow's Jacobian D, what is wrong by e after a time s is wrong by D(T) D(s)^-1 e at the end, and the way back takes
-    that to D(s)^-1 e: to first order it undoes the growth on the way there, and S counts once.
+    With the flow's Jacobian D, what is wrong by e after a time s is wrong by D(T) D(s)^-1 e at the
+    end, and the way back takes that to D(s)^-1 e: to first order it undoes the growth on the way
+    there, and S counts once.
     """
     reached = _reached(trial, level)
     return _there_and_back(trial, reached * _unbent(trial), reached)
@@ -127,8 +194,8 @@ def _size(trial: Trial, level: float) -> float:
 def _unbent(trial: Trial) -> float:
     """How many times S the growth on the way back may be, or S times at most.
 
-    D^-1 of a reversible scene is D transposed and put in another order (D is symplectic), so that in the maximum norm it is at
-    most S times the number of columns.
+    D^-1 of a reversible scene is D transposed and put in another order (D is symplectic), so that
+    in the maximum norm it is at most S times the number of columns.
     """
     assert trial.truth is not None
     bodies = trial.instance.scene.bodies
@@ -137,7 +204,9 @@ def _unbent(trial: Trial) -> float:
 
 
 def _there_and_back(trial: Trial, each: float, reached: float) -> float:
-    """The defect where each way adds `each`, and what is wrong at the end by `reached` bends the way back by its square, grown by S."""
+    """The defect where each way adds `each`, and what is wrong at the end by `reached` bends the
+    way back by its square, grown by S.
+    """
     assert trial.truth is not None
     return 2 * (each + reached**2 * float(trial.truth.growth()[-1]))
 
@@ -147,23 +216,29 @@ def _reached(trial: Trial, level: float) -> float:
     assert trial.truth is not None
     if not _is_exact(trial):
         return float(trial.bound(level)[-1])
-    summed = clock(trial.instance, trial.method, level) + flight(trial.instance, trial.method, level)
+    summed = clock(trial.instance, trial.method, level) + flight(
+        trial.instance, trial.method, level
+    )
     return (math.sqrt(2.0) * trial.round_off(level) + summed) * float(trial.truth.growth()[-1])
 
 
 def _shown(trial: Trial, runs: Mapping[Variant, Outcome], level: float) -> float:
-    """What the defect may be, as the error of the way there shows it against truth; infinite where nobody knows.
+    """What the defect may be, as the error of the way there shows it against truth; infinite where
+    nobody knows.
 
-    The way back goes by the same places, and D and D^-1 have the same singular values: errors of no particular kind grow as much
-    there as on the way there, within a factor of the columns. Those of equal steps may be of a kind that does not grow on the way
-    there, but does on the way back: symplectic Euler's is that of another start (Hairer, Lubich and Wanner 2006, chapter IX), and
-    the way back starts elsewhere. They are given all of S. Round-off adds to it: an error may be small by chance, as where no
-    number has to be rounded.
+    The way back goes by the same places, and D and D^-1 have the same singular values: errors of no
+    particular kind grow as much there as on the way there, within a factor of the columns. Those of
+    equal steps may be of a kind that does not grow on the way there, but does on the way back:
+    symplectic Euler's is that of another start (Hairer, Lubich and Wanner 2006, chapter IX), and
+    the way back starts elsewhere. They are given all of S. Round-off adds to it: an error may be
+    small by chance, as where no number has to be rounded.
     """
     truth = certified(trial)
     assert truth is not None
     telling = _telling(trial, level)
-    if truth.until < len(trial.instance.times) or (trial.method.control == "tolerance" and telling == level):
+    if truth.until < len(trial.instance.times) or (
+        trial.method.control == "tolerance" and telling == level
+    ):
         return math.inf
     room = ROOM if trial.method.control == "tolerance" else room_of(trial)
     own = room * float(largest_so_far(trial, telling, runs[Variant(telling)].trajectory, truth)[-1])
@@ -173,14 +248,18 @@ def _shown(trial: Trial, runs: Mapping[Variant, Outcome], level: float) -> float
 
 
 def _telling(trial: Trial, level: float) -> float:
-    """The level whose error is taken for that of the way back: of chosen steps a looser one, for they may be others on the way back."""
+    """The level whose error is taken for that of the way back: of chosen steps a looser one, for
+    they may be others on the way back.
+    """
     if trial.method.control == "tolerance" and len(trial.levels) > 1:
         return trial.levels[-2]
     return level
 
 
 def _level(trial: Trial) -> float:
-    """The level that is judged: the finest, or the first half of a half of it at which the way back is still predictable."""
+    """The level that is judged: the finest, or the first half of a half of it at which the way back
+    is still predictable.
+    """
     finest = trial.levels[-1]
     if certified(trial) is None or trial.method.control != "step" or _is_exact(trial):
         return finest
@@ -202,7 +281,11 @@ def _defect(trial: Trial, back: Trajectory, change: Change) -> float:
         float(np.max(np.abs(end["position"] - start.position))) / scales.length,
         float(np.max(np.abs(sign * end["velocity"] - start.velocity))) / scales.speed,
         float(np.max(np.abs(sign * end["omega"] - start.omega))) / float(spin),
-        float(np.max(angle_between(end["attitude"], start.attitude))) if "rotation" in trial.instance.scene.features else 0.0,
+        (
+            float(np.max(angle_between(end["attitude"], start.attitude)))
+            if "rotation" in trial.instance.scene.features
+            else 0.0
+        ),
     )
 
 

@@ -1,4 +1,6 @@
-"""How a gas of perfectly rough elastic spheres begins to spin: energy of flight and of spin are shared out, and none is lost."""
+"""How a gas of perfectly rough elastic spheres begins to spin: energy of flight and of spin are
+shared out, and none is lost.
+"""
 
 from collections.abc import Mapping
 
@@ -18,27 +20,48 @@ from refdem.scene.elements.periodic_box import PeriodicBox
 IN_TUNE = 1e-6
 """Relative: tangential and normal swing last equally long if k_t (1/m_eff + 1/J_eff) is k/m_eff."""
 NEVER_SLIDES = 100.0
-"""Friction from which (k_t/(k mu))^2, the part of collisions so oblique that they slide, is below 1e-5."""
+"""Friction from which (k_t/(k mu))^2, the part of collisions so oblique that they slide, is below
+1e-5.
+"""
 
 
 class Roughness(Check):
-    """Means over many collisions of spheres that stick: what a tangential spring forgets is energy that the gas loses."""
+    """Means over many collisions of spheres that stick: what a tangential spring forgets is energy
+    that the gas loses.
+    """
 
     name = "roughness"
     title = "Spin of a rough gas"
-    kills = "tangential springs that are lost when a neighbour list is rebuilt, torques or levers left out, spins of one body alone"
+    kills = (
+        "tangential springs that are lost when a neighbour list is rebuilt, torques or levers left"
+        " out, spins of one body alone"
+    )
     synchronous = True
 
     def applies(self, trial: Trial) -> str | None:
-        """Equal elastic spheres in a periodic box that stick in every contact, do not spin at first, and swing back in time."""
+        """Equal elastic spheres in a periodic box that stick in every contact, do not spin at
+        first, and swing back in time.
+        """
         scene = trial.instance.scene
         if "temperature" not in trial.instance.quantities or not scene.all(PeriodicBox):
             return "it is not a gas in a periodic box"
         laws = scene.all(Contact)
-        if len(laws) != 1 or laws[0].law != "linear" or laws[0].damping or laws[0].friction < NEVER_SLIDES:
+        if (
+            len(laws) != 1
+            or laws[0].law != "linear"
+            or laws[0].damping
+            or laws[0].friction < NEVER_SLIDES
+        ):
             return "spheres are not elastic and perfectly rough"
-        in_tune = abs(laws[0].tangential_stiffness * (1 + 1 / _inertia(scene)) / laws[0].stiffness - 1) < IN_TUNE
-        return None if in_tune and not scene.bodies.omega.any() else "contacts do not give back their slip, or bodies spin at first"
+        in_tune = (
+            abs(laws[0].tangential_stiffness * (1 + 1 / _inertia(scene)) / laws[0].stiffness - 1)
+            < IN_TUNE
+        )
+        return (
+            None
+            if in_tune and not scene.bodies.omega.any()
+            else "contacts do not give back their slip, or bodies spin at first"
+        )
 
     def needs(self, trial: Trial) -> tuple[Variant, ...]:
         """The finest level."""
@@ -48,30 +71,63 @@ class Roughness(Check):
         """All of the energy, and the part of it that is in spins."""
         if trial.truth is None or "collision_frequency" not in trial.truth.scalars:
             return [undecided(self.name, "energy", "the frequency of collisions is not certified")]
-        scene, run, frequency = trial.instance.scene, runs[trial.finest].trajectory, trial.truth.scalars["collision_frequency"][0]
-        n, mass, law, temperature = len(scene.bodies), float(scene.bodies.mass[0]), scene.all(Contact)[0], trial.instance.p.t0
+        scene, run, frequency = (
+            trial.instance.scene,
+            runs[trial.finest].trajectory,
+            trial.truth.scalars["collision_frequency"][0],
+        )
+        n, mass, law, temperature = (
+            len(scene.bodies),
+            float(scene.bodies.mass[0]),
+            scene.all(Contact)[0],
+            trial.instance.p.t0,
+        )
         soft = frequency * np.pi * np.sqrt(mass / (2 * law.stiffness))
         packing = n * np.pi / 6 * (2 * scene.bodies.radius[0] / scene.all(PeriodicBox)[0].size) ** 3
         if packing > DILUTE or soft > SHORT:
-            return [undecided(self.name, "energy", f"packing fraction {packing:.2g}, contact time times w_c {soft:.2g}: not two at a time")]
+            return [
+                undecided(
+                    self.name,
+                    "energy",
+                    f"packing fraction {packing:.2g}, contact time times w_c {soft:.2g}: not two at"
+                    " a time",
+                )
+            ]
         t = run.t - run.t[0]
         flight, spin = rough_temperatures(t, temperature, frequency, _inertia(scene))
         met = collisions(t, flight, frequency / np.sqrt(temperature), n)
         if met[-1] < FEWEST:
-            return [undecided(self.name, "spin", f"{met[-1]:.2g} collisions are expected; {FEWEST} make a mean")]
+            return [
+                undecided(
+                    self.name,
+                    "spin",
+                    f"{met[-1]:.2g} collisions are expected; {FEWEST} make a mean",
+                )
+            ]
         energy, held = mechanical(scene, run), soft + ERRORS * np.sqrt(soft / n)
         seen = np.einsum("nk,tnk->t", scene.bodies.inertia, run.omega**2) / (3 * n)
         energies = worst(
-            check=self.name, quantity="energy", t=run.t, values=np.abs(energy / energy[0] - 1), allowed=held, unit="1",
-            basis="what is held by contacts that last, and lost in those of three bodies: contact time times w_c",
+            check=self.name,
+            quantity="energy",
+            t=run.t,
+            values=np.abs(energy / energy[0] - 1),
+            allowed=held,
+            unit="1",
+            basis="what is held by contacts that last, and lost in those of three bodies:"
+            " contact time times w_c",
             what="The energy of flight, spin and overlaps over that at the start, less 1,",
-        )  # fmt: skip
+        )
         spins = worst(
-            check=self.name, quantity="spin", t=run.t, values=np.abs(seen - spin) / temperature,
-            allowed=ERRORS * spin / temperature * np.sqrt(2 / np.maximum(met, 1)) + THEORY + held, unit="1",
-            basis=f"{ERRORS:g} standard errors of the gain in the collisions so far, {THEORY:.0%}, and what contacts hold",
+            check=self.name,
+            quantity="spin",
+            t=run.t,
+            values=np.abs(seen - spin) / temperature,
+            allowed=ERRORS * spin / temperature * np.sqrt(2 / np.maximum(met, 1)) + THEORY + held,
+            unit="1",
+            basis=f"{ERRORS:g} standard errors of the gain in the collisions so far,"
+            f" {THEORY:.0%}, and what contacts hold",
             what="The temperature of spins against kinetic theory, in units of that at the start,",
-        )  # fmt: skip
+        )
         return [energies, spins]
 
 

@@ -1,7 +1,8 @@
-"""Swinging Atwood's machine: the second integral of a pendulum and a mass three times as heavy on a string over a wheel.
+"""Swinging Atwood's machine: the second integral of a pendulum and a mass three times as heavy on a
+string over a wheel.
 
-I = r^2 w (r' cos(th/2) - r w sin(th/2)/2) + g r^2 sin(th/2) cos^2(th/2), w = th' (Tufillaro 1986): kept for a wheel of no size; for a
-small radius R it drifts in proportion to R, and must be seen to.
+I = r^2 w (r' cos(th/2) - r w sin(th/2)/2) + g r^2 sin(th/2) cos^2(th/2), w = th' (Tufillaro 1986):
+kept for a wheel of no size; for a small radius R it drifts in proportion to R, and must be seen to.
 """
 
 from collections.abc import Mapping
@@ -21,7 +22,9 @@ TERMS = 8.0
 
 
 class SecondIntegral(Check):
-    """Its change along the run, against that of truth: 0 for a wheel of no size, else the drift that the radius makes."""
+    """Its change along the run, against that of truth: 0 for a wheel of no size, else the drift
+    that the radius makes.
+    """
 
     name = "second-integral"
     title = "Second integral of the swinging machine"
@@ -29,13 +32,19 @@ class SecondIntegral(Check):
     synchronous = True
 
     def applies(self, trial: Trial) -> str | None:
-        """A string over a wheel of little or no size and inertia, with three times the pendulum's mass on the other side."""
+        """A string over a wheel of little or no size and inertia, with three times the pendulum's
+        mass on the other side.
+        """
         scene = trial.instance.scene
         strings = scene.all(StringOverWheel)
         if not strings:
             return "there is no string over a wheel"
         pendulum, counter = scene.bodies.mass[[strings[0].a, strings[0].b]]
-        return None if counter == 3 * pendulum and not strings[0].inertia else "the machine has no second integral"
+        return (
+            None
+            if counter == 3 * pendulum and not strings[0].inertia
+            else "the machine has no second integral"
+        )
 
     def needs(self, trial: Trial) -> tuple[Variant, ...]:
         """The finest level."""
@@ -48,11 +57,23 @@ class SecondIntegral(Check):
             return [undecided(self.name, "I", no_truth(trial))]
         allowed = trial.bound(trial.levels[-1])
         count = scored(allowed)
-        g = float(np.linalg.norm(sum(np.array(field.g) for field in trial.instance.scene.all(UniformGravity))))
-        seen = {name: v[:count] for name, v in trial.instance.observe(runs[trial.finest].trajectory).items()}
+        g = float(
+            np.linalg.norm(
+                sum(np.array(field.g) for field in trial.instance.scene.all(UniformGravity))
+            )
+        )
+        seen = {
+            name: v[:count]
+            for name, v in trial.instance.observe(runs[trial.finest].trajectory).items()
+        }
         known = {name: truth.value(name)[:count] for name in seen}
-        turns = np.round((known["theta"] - seen["theta"]) / (2 * np.pi))  # I changes its sign with every turn
-        run, true = _integral({**seen, "theta": seen["theta"] + 2 * np.pi * turns}, g), _integral(known, g)
+        turns = np.round(
+            (known["theta"] - seen["theta"]) / (2 * np.pi)
+        )  # I changes its sign with every turn
+        run, true = (
+            _integral({**seen, "theta": seen["theta"] + 2 * np.pi * turns}, g),
+            _integral(known, g),
+        )
         speed, size = np.hypot(seen["rdot"], seen["r"] * seen["thetadot"]), seen["r"] ** 2
         scale = float(np.max(size * np.abs(seen["thetadot"]) * speed + g * size))
         drift = float(np.max(np.abs(true - true[0]))) / scale
@@ -65,8 +86,14 @@ class SecondIntegral(Check):
                 bound=bound,
                 sight=Sight(bound, 1.0),
                 unit="1",
-                basis=f"truth itself drifts by {drift:.2g}: the bound on the state, for each of {TERMS:g} factors",
-                what="What the change of the second integral differs by from that of truth, in units of its terms,",
+                basis=(
+                    f"truth itself drifts by {drift:.2g}: the bound on the state, for each of"
+                    f" {TERMS:g} factors"
+                ),
+                what=(
+                    "What the change of the second integral differs by from that of truth, in units"
+                    " of its terms,"
+                ),
             )
         ]
 
@@ -75,7 +102,9 @@ def _integral(of: Mapping[str, Array], g: float) -> Array:
     """I (T,) of r, theta, rdot, thetadot."""
     r, rate = of["r"], of["thetadot"]
     sine, cosine = np.sin(of["theta"] / 2), np.cos(of["theta"] / 2)
-    integral: Array = r**2 * rate * (of["rdot"] * cosine - r * rate / 2 * sine) + g * r**2 * sine * cosine**2
+    integral: Array = (
+        r**2 * rate * (of["rdot"] * cosine - r * rate / 2 * sine) + g * r**2 * sine * cosine**2
+    )
     return integral
 
 

@@ -41,7 +41,13 @@ class Stop(Check):
         place, radius = truth.scalars["stop_position"]
         run, t, scales = runs[trial.finest].trajectory, trial.instance.times, trial.instance.scales
         if stop >= t[-1]:
-            return [undecided(self.name, "stop", f"the run ends at t = {t[-1]:.4g} s, before the stop at {stop:.4g} s")]
+            return [
+                undecided(
+                    self.name,
+                    "stop",
+                    f"the run ends at t = {t[-1]:.4g} s, before the stop at {stop:.4g} s",
+                )
+            ]
         level = trial.levels[-1]
         allowed = float(trial.bound(level)[-1])
         rounding = trial.round_off(level)
@@ -56,7 +62,10 @@ class Stop(Check):
                 bound=allowed,
                 unit="1",
                 basis="the bound on the state at the end of the run",
-                what=f"The distance of the last position from the true stop at x = {place:.6g} m, in units of L,",
+                what=(
+                    f"The distance of the last position from the true stop at x = {place:.6g} m, in"
+                    " units of L,"
+                ),
             ),
             self._time(trial, run, stop, place, allowed, rounding),
             judged(
@@ -70,30 +79,52 @@ class Stop(Check):
             ),
         ]
 
-    def _time(self, trial: Trial, run: Trajectory, stop: float, place: float, allowed: float, rounding: float) -> Finding:
-        """The sample after which the speed stays at zero; a stop that the engine reports itself is judged by event-times."""
+    def _time(
+        self,
+        trial: Trial,
+        run: Trajectory,
+        stop: float,
+        place: float,
+        allowed: float,
+        rounding: float,
+    ) -> Finding:
+        """The sample after which the speed stays at zero; a stop that the engine reports itself is
+        judged by event-times.
+        """
         t, scales = trial.instance.times, trial.instance.scales
-        moving = np.flatnonzero(np.abs(run.velocity[:, 0, 0]) / scales.speed > max(allowed, rounding))
+        moving = np.flatnonzero(
+            np.abs(run.velocity[:, 0, 0]) / scales.speed > max(allowed, rounding)
+        )
         seen = t[moving[-1]] if len(moving) else 0.0
-        slack = trial.instance.problem.interval + _unseen(trial, max(allowed, rounding) * scales.speed, place)
+        slack = trial.instance.problem.interval + _unseen(
+            trial, max(allowed, rounding) * scales.speed, place
+        )
         return judged(
             check=self.name,
             quantity="stop_time",
             value=abs(seen - stop) / scales.tau,
             bound=allowed + slack / scales.tau,
             unit="1",
-            basis="the bound on the state, the interval between samples and the time in which friction brakes the last speed seen",
-            what=f"The distance of the stop time (the last sample that moves) from the true one, {stop:.6g} s, in units of tau,",
+            basis=(
+                "the bound on the state, the interval between samples and the time in which"
+                " friction brakes the last speed seen"
+            ),
+            what=(
+                "The distance of the stop time (the last sample that moves) from the true one,"
+                f" {stop:.6g} s, in units of tau,"
+            ),
         )
 
 
 def _unseen(trial: Trial, speed: float, place: float) -> float:
-    """Time [s] before the stop in which the body is slower than `speed`: friction brakes it, a spring may push it on.
+    """Time [s] before the stop in which the body is slower than `speed`: friction brakes it, a
+    spring may push it on.
 
-    The last half cycle is a sine: v = a tau sin((t_stop - t)/tau) with a the deceleration at the stop, so that
-    t_stop - t <= (pi/2) v/a. The run may be off by `speed` itself, so that it must be seen to move only where truth is twice as
-    fast. Where truth is never so fast in the last half cycle (a tau <= v), all of that is unseen, and the slow end of the half
-    cycle before: the time since truth last was so fast.
+    The last half cycle is a sine: v = a tau sin((t_stop - t)/tau) with a the deceleration at the
+    stop, so that t_stop - t <= (pi/2) v/a. The run may be off by `speed` itself, so that it must be
+    seen to move only where truth is twice as fast. Where truth is never so fast in the last half
+    cycle (a tau <= v), all of that is unseen, and the slow end of the half cycle before: the time
+    since truth last was so fast.
     """
     scene = trial.instance.scene
     braking = sum(slider.friction * slider.normal_force for slider in scene.all(Slider))
@@ -107,8 +138,15 @@ def _unseen(trial: Trial, speed: float, place: float) -> float:
     longest = np.pi * tau
     truth = certified(trial)
     assert truth is not None
-    fast = np.flatnonzero(np.abs(truth.value("v")) > surely_seen) if "v" in truth.values else np.zeros(0, int)
-    return max(float(longest), truth.scalars["stop_time"][0] - float(trial.instance.times[fast[-1]]) if len(fast) else 0.0)
+    fast = (
+        np.flatnonzero(np.abs(truth.value("v")) > surely_seen)
+        if "v" in truth.values
+        else np.zeros(0, int)
+    )
+    return max(
+        float(longest),
+        truth.scalars["stop_time"][0] - float(trial.instance.times[fast[-1]]) if len(fast) else 0.0,
+    )
 
 
 CHECK = Stop()

@@ -1,4 +1,6 @@
-"""Symmetry: the same scene shifted, rotated, boosted, mirrored, relabelled, in other units, started later. Needs no truth."""
+"""Symmetry: the same scene shifted, rotated, boosted, mirrored, relabelled, in other units, started
+later. Needs no truth.
+"""
 
 from collections.abc import Mapping
 
@@ -26,15 +28,20 @@ from refdem.core.trajectory import Trajectory
 from refdem.core.variant import Variant
 
 SWITCHES = frozenset({"contact", "friction", "catch", "wedge"})
-"""What jumps: in which step it does so hangs on the last bit where it falls on the end of a step."""
+"""What jumps: in which step it does so hangs on the last bit where it falls on the end of a step.
+"""
 DRAWS = (-64, 16, -16, 1, -1)
-"""Units in the last place, times those of `perturbation`/64, by which the start is moved as well where a rounding may decide.
+"""Units in the last place, times those of `perturbation`/64, by which the start is moved as well
+where a rounding may decide.
 
-What a rounding decides lies within a rounding of a threshold, so of two starts moved to either side of it by more than a
-rounding one decides otherwise. The small ones stand for motions that grow so fast that large ones no longer show it.
+What a rounding decides lies within a rounding of a threshold, so of two starts moved to either side
+of it by more than a rounding one decides otherwise. The small ones stand for motions that grow so
+fast that large ones no longer show it.
 """
 REORDERED = frozenset({"rotated", "mirrored", "relabelled", "rescaled"})
-"""Pictures in which iterations over contacts begin elsewhere: others are found or come first, or a tolerance is in other units."""
+"""Pictures in which iterations over contacts begin elsewhere: others are found or come first, or a
+tolerance is in other units.
+"""
 
 
 class Symmetry(Check):
@@ -42,22 +49,35 @@ class Symmetry(Check):
 
     name = "symmetry"
     title = "Symmetry"
-    kills = "a frame taken for another, a hard-wired length or time, bodies treated unequally, a force that knows the origin"
+    kills = (
+        "a frame taken for another, a hard-wired length or time, bodies treated unequally, a force"
+        " that knows the origin"
+    )
 
     def applies(self, trial: Trial) -> str | None:
         """Scenes with some symmetry that the method can be shown."""
-        return None if self._shown(trial) else "no symmetry of the scene is one that the method can run"
+        return (
+            None
+            if self._shown(trial)
+            else "no symmetry of the scene is one that the method can run"
+        )
 
     def _shown(self, trial: Trial) -> list[str]:
         """Symmetries that the scene has and whose picture of it the method does not refuse."""
         scene = trial.instance.scene
         names = [name for name in symmetry.NAMES if symmetry.broken(scene, name) is None]
-        return [name for name in names if trial.refusal(symmetry.picture(trial.instance, name)[1]) is None]
+        return [
+            name
+            for name in names
+            if trial.refusal(symmetry.picture(trial.instance, name)[1]) is None
+        ]
 
     def needs(self, trial: Trial) -> tuple[Variant, ...]:
-        """One level, as it is, in every symmetry, and with the start moved a little: by several amounts where a rounding decides.
+        """One level, as it is, in every symmetry, and with the start moved a little: by several
+        amounts where a rounding decides.
 
-        Where a truncation error may know the axes of space, the scene turned at a second level too: such an error falls.
+        Where a truncation error may know the axes of space, the scene turned at a second level too:
+        such an error falls.
         """
         level = level_for(trial)
         shown = tuple(Variant(level, name) for name in self._shown(trial))  # type: ignore[arg-type]
@@ -69,12 +89,21 @@ class Symmetry(Check):
             other = (*other, *_draws(trial, level), *_coarser(trial))
         elif trial.method.control == "tolerance":
             other = tuple(Variant(looser) for looser in trial.levels[:-1])
-        return (Variant(level), Variant(level, "perturbed", perturbation(trial.method)), *shown, *other)
+        return (
+            Variant(level),
+            Variant(level, "perturbed", perturbation(trial.method)),
+            *shown,
+            *other,
+        )
 
     def judge(self, trial: Trial, runs: Mapping[Variant, Outcome]) -> list[Finding]:
         """One finding a symmetry: the largest scaled difference of any state."""
         plain, perturbed, *others = self.needs(trial)
-        shown = [variant for variant in others if variant.level == plain.level and variant.change in symmetry.NAMES]
+        shown = [
+            variant
+            for variant in others
+            if variant.level == plain.level and variant.change in symmetry.NAMES
+        ]
         base = runs[plain].trajectory
         growth = growth_of(trial, _least_moved(trial, runs, perturbed), base)
         found = []
@@ -86,10 +115,20 @@ class Symmetry(Check):
             bounds = round_off(trial, view) * growth + decided
             count = scored(bounds)
             if count < 2:
-                found.append(undecided(self.name, variant.change, "round-off may grow past a tenth of the scale before the second sample"))
+                found.append(
+                    undecided(
+                        self.name,
+                        variant.change,
+                        "round-off may grow past a tenth of the scale before the second sample",
+                    )
+                )
                 continue
             apart = distances(trial.instance, view.undone(runs[variant].trajectory), base)
-            if variant.change == "rotated" and _has_axes(trial) and np.any(apart[:count] > bounds[:count]):
+            if (
+                variant.change == "rotated"
+                and _has_axes(trial)
+                and np.any(apart[:count] > bounds[:count])
+            ):
                 found.append(self._rotated(trial, runs, growth, decided))
                 continue
             found.append(
@@ -101,27 +140,46 @@ class Symmetry(Check):
                     allowed=bounds[:count],
                     unit="1",
                     basis=_basis(trial),
-                    what=f"The difference between the motion and the same {variant.change}, in units of each scale,",
+                    what=(
+                        f"The difference between the motion and the same {variant.change}, in units"
+                        " of each scale,"
+                    ),
                 )
             )
-        return found or [undecided(self.name, "any", "the code refused every symmetry of the scene when it ran")]
+        return found or [
+            undecided(self.name, "any", "the code refused every symmetry of the scene when it ran")
+        ]
 
-    def _rotated(self, trial: Trial, runs: Mapping[Variant, Outcome], growth: Array, decided: Array) -> Finding:
-        """A method may put attitudes in coordinates with axes of their own: then what differs is truncation, and falls with the step.
+    def _rotated(
+        self, trial: Trial, runs: Mapping[Variant, Outcome], growth: Array, decided: Array
+    ) -> Finding:
+        """A method may put attitudes in coordinates with axes of their own: then what differs is
+        truncation, and falls with the step.
 
         What a rounding decides need not fall: `decided` (T,) is allowed beside it.
         """
         coarsest, finest = trial.levels[0], trial.levels[-1]
         view = symmetry.of(trial.instance, "rotated")
-        turned = {level: view.undone(runs[Variant(level, "rotated")].trajectory) for level in (coarsest, finest)}
+        turned = {
+            level: view.undone(runs[Variant(level, "rotated")].trajectory)
+            for level in (coarsest, finest)
+        }
         coarse = distances(trial.instance, turned[coarsest], runs[Variant(coarsest)].trajectory)
         fine = distances(trial.instance, turned[finest], runs[Variant(finest)].trajectory)
         order, octaves = trial.order, np.log2(coarsest / finest)
         allowed = (2 * trial.truncation(finest)) * growth
         count = scored(allowed)
-        largest, falls = float(np.max(fine)), float(np.max(coarse)) / 2.0 ** (octaves * (order - 0.5))
-        falling = np.maximum(falls, 2 * trial.noise(finest) * symmetry.size(trial.instance, view) * growth)
-        what = "The difference between the motion and the same rotated, in units of each scale, at the finest step"
+        largest, falls = (
+            float(np.max(fine)),
+            float(np.max(coarse)) / 2.0 ** (octaves * (order - 0.5)),
+        )
+        falling = np.maximum(
+            falls, 2 * trial.noise(finest) * symmetry.size(trial.instance, view) * growth
+        )
+        what = (
+            "The difference between the motion and the same rotated, in units of each scale, at the"
+            " finest step"
+        )
         return worst(
             check=self.name,
             quantity="rotated",
@@ -129,13 +187,21 @@ class Symmetry(Check):
             values=fine[:count],
             allowed=(np.minimum(allowed, falling) + decided)[:count],
             unit="1",
-            basis=f"it is more than round-off, so it must be a truncation error of order {order} at both steps and fall with it",
-            what=f"{what} ({largest:.2g} there, {float(np.max(coarse)):.2g} at {coarsest / finest:.0f} times the step)",
+            basis=(
+                f"it is more than round-off, so it must be a truncation error of order {order} at"
+                " both steps and fall with it"
+            ),
+            what=(
+                f"{what} ({largest:.2g} there, {float(np.max(coarse)):.2g} at"
+                f" {coarsest / finest:.0f} times the step)"
+            ),
         )
 
 
 def _has_axes(trial: Trial) -> bool:
-    """Attitudes, which a method with steps may put in coordinates whose truncation error knows the axes of space."""
+    """Attitudes, which a method with steps may put in coordinates whose truncation error knows the
+    axes of space.
+    """
     turns = "rotation" in trial.instance.scene.features
     return turns and trial.method.control == "step" and len(trial.levels) > 1
 
@@ -147,15 +213,17 @@ def _beside(trial: Trial) -> float:
 
 
 def level_for(trial: Trial) -> float:
-    """The coarsest, where nothing is hidden by a small step; the finest where truncation has to be allowed for."""
+    """The coarsest, where nothing is hidden by a small step; the finest where truncation has to be
+    allowed for.
+    """
     return trial.levels[-1] if _decides(trial) else trial.levels[0]
 
 
 def growth_of(trial: Trial, perturbed: Trajectory, base: Trajectory) -> Array:
     """How much an early error has grown (T,): S of the truth, or what the moved start shows.
 
-    S is that of the true motion. A run that has left it, as one whose steps are too long for a close passage, grows as its own
-    moved start shows from there on.
+    S is that of the true motion. A run that has left it, as one whose steps are too long for a
+    close passage, grows as its own moved start shows from there on.
     """
     truth = certified(trial)
     shown = growth_shown(trial.instance, trial.method, perturbed, base)
@@ -180,37 +248,49 @@ def round_off(trial: Trial, view: symmetry.Symmetry) -> float:
 
 
 def allowed(trial: Trial, view: symmetry.Symmetry, growth: Array) -> Array:
-    """Round-off of both runs (T,), and their truncation where a branch may flip: for pictures of which no moved starts are run."""
+    """Round-off of both runs (T,), and their truncation where a branch may flip: for pictures of
+    which no moved starts are run.
+    """
     truncation = 2 * trial.truncation(level_for(trial)) if _decides(trial) else 0.0
     found: Array = (round_off(trial, view) + truncation) * growth
     return found
 
 
 def _draws(trial: Trial, level: float) -> tuple[Variant, ...]:
-    """The start moved by other amounts, to either side of whatever threshold is within a rounding of it."""
+    """The start moved by other amounts, to either side of whatever threshold is within a rounding
+    of it.
+    """
     units = perturbation(trial.method) // PERTURBED
     return tuple(Variant(level, "perturbed", draw * units) for draw in DRAWS)
 
 
 def _coarser(trial: Trial) -> tuple[Variant, ...]:
-    """The plain run at twice the step, which shows the truncation error of iterations that find forces between rigid bodies."""
+    """The plain run at twice the step, which shows the truncation error of iterations that find
+    forces between rigid bodies.
+    """
     return (Variant(trial.levels[-2]),) if _iterates(trial) and len(trial.levels) > 1 else ()
 
 
 def _iterates(trial: Trial) -> bool:
-    """Forces between rigid bodies are found by iterations, which end at a tolerance of their own."""
+    """Forces between rigid bodies are found by iterations, which end at a tolerance of their
+    own.
+    """
     return trial.method.control == "step" and "contact:rigid" in trial.instance.scene.features
 
 
-def _decided_by_rounding(trial: Trial, runs: Mapping[Variant, Outcome], growth: Array, picture: str) -> Array:
-    """What may differ (T,) in a picture because a rounding decided otherwise: never more than truncation of both runs.
+def _decided_by_rounding(
+    trial: Trial, runs: Mapping[Variant, Outcome], growth: Array, picture: str
+) -> Array:
+    """What may differ (T,) in a picture because a rounding decided otherwise: never more than
+    truncation of both runs.
 
-    A contact that begins, or a body that sticks, in this step or in the next hangs on the last bit where it falls on the end of a
-    step. Both outcomes are right then, and a start moved by a few roundings has the other one. Where no moved start shows it,
-    nothing hung on a rounding.
+    A contact that begins, or a body that sticks, in this step or in the next hangs on the last bit
+    where it falls on the end of a step. Both outcomes are right then, and a start moved by a few
+    roundings has the other one. Where no moved start shows it, nothing hung on a rounding.
 
-    Step sizes that are chosen always hang on roundings: see `_chosen`. Iterations over contacts of rigid bodies that begin with
-    another contact leave something else of the forces: a part of the truncation error, which the run at twice the step shows.
+    Step sizes that are chosen always hang on roundings: see `_chosen`. Iterations over contacts of
+    rigid bodies that begin with another contact leave something else of the forces: a part of the
+    truncation error, which the run at twice the step shows.
     """
     if not _decides(trial):
         return np.zeros(len(growth))
@@ -229,11 +309,14 @@ def _decided_by_rounding(trial: Trial, runs: Mapping[Variant, Outcome], growth: 
     return np.minimum(shown, truncation)
 
 
-def _left_by_iterations(trial: Trial, runs: Mapping[Variant, Outcome], growth: Array, picture: str) -> Array:
+def _left_by_iterations(
+    trial: Trial, runs: Mapping[Variant, Outcome], growth: Array, picture: str
+) -> Array:
     """What iterations over contacts of rigid bodies may leave in a picture (T,).
 
-    Many roundings, and what the step still changes where the picture puts contacts in another order or in other units. Measured:
-    a stack that is turned has other points of contact in MuJoCo and moves by 1.2 times as much as when the step is doubled.
+    Many roundings, and what the step still changes where the picture puts contacts in another order
+    or in other units. Measured: a stack that is turned has other points of contact in MuJoCo and
+    moves by 1.2 times as much as when the step is doubled.
     """
     level = level_for(trial)
     rounding: Array = _many_roundings(trial, picture) * growth
@@ -247,15 +330,19 @@ def _left_by_iterations(trial: Trial, runs: Mapping[Variant, Outcome], growth: A
 
 
 def _many_roundings(trial: Trial, picture: str) -> float:
-    """Round-off of a picture where more is computed than a few numbers a step: iterations, or steps of which nobody tells how many."""
+    """Round-off of a picture where more is computed than a few numbers a step: iterations, or steps
+    of which nobody tells how many.
+    """
     view = symmetry.of(trial.instance, picture)
     return COUNTING_FLOOR * trial.noise(level_for(trial)) * symmetry.size(trial.instance, view)
 
 
 def _looser(trial: Trial, picture: str) -> float | None:
-    """The coarsest tolerance that a picture may stand for, of those that ran; None where they were all stricter.
+    """The coarsest tolerance that a picture may stand for, of those that ran; None where they were
+    all stricter.
 
-    A tolerance that is relative grows with the numbers of the picture, and one that is absolute with its units.
+    A tolerance that is relative grows with the numbers of the picture, and one that is absolute
+    with its units.
     """
     view = symmetry.of(trial.instance, picture)
     longest = max(max(view.units), 1.0 / min(view.units))
@@ -264,11 +351,12 @@ def _looser(trial: Trial, picture: str) -> float | None:
 
 
 def _chosen(trial: Trial, runs: Mapping[Variant, Outcome], growth: Array, picture: str) -> Array:
-    """How far two choices of steps may take a motion apart (T,): as far as a run with a looser tolerance comes from truth.
+    """How far two choices of steps may take a motion apart (T,): as far as a run with a looser
+    tolerance comes from truth.
 
-    What a run makes of a tolerance falls in stairs where orders are chosen as well as steps, so that this run may stand on another
-    stair than its picture; a tolerance that is looser by a level has both above it. Without truth for all of the motion nobody
-    knows: infinitely.
+    What a run makes of a tolerance falls in stairs where orders are chosen as well as steps, so
+    that this run may stand on another stair than its picture; a tolerance that is looser by a level
+    has both above it. Without truth for all of the motion nobody knows: infinitely.
     """
     unknown = np.full(len(growth), np.inf)
     truth = certified(trial)
@@ -281,14 +369,17 @@ def _chosen(trial: Trial, runs: Mapping[Variant, Outcome], growth: Array, pictur
 
 
 def _least_moved(trial: Trial, runs: Mapping[Variant, Outcome], perturbed: Variant) -> Trajectory:
-    """The run from the start moved up, or down where a rounding decides and that went less far: what it decides is no growth.
+    """The run from the start moved up, or down where a rounding decides and that went less far:
+    what it decides is no growth.
 
     A code may refuse moved starts: then the plain run.
     """
     base = runs[Variant(perturbed.level)].trajectory
     down = Variant(perturbed.level, "perturbed", -perturbed.amount)
     draws = [runs[variant].trajectory for variant in (perturbed, down) if variant in runs]
-    return min(draws, key=lambda draw: float(np.max(distances(trial.instance, draw, base))), default=base)
+    return min(
+        draws, key=lambda draw: float(np.max(distances(trial.instance, draw, base))), default=base
+    )
 
 
 def _moved(trial: Trial, level: float) -> tuple[Variant, ...]:
@@ -300,15 +391,20 @@ def _basis(trial: Trial) -> str:
     differs = "round-off"
     if _decides(trial):
         differs = "round-off and what it decides in starts moved by a few roundings"
-    return f"the laws of mechanics are the same there, so only {differs}, as it grows in this motion, may differ"
+    return (
+        f"the laws of mechanics are the same there, so only {differs}, as it grows in this motion,"
+        " may differ"
+    )
 
 
 def _decides(trial: Trial) -> bool:
-    """The last bit may decide something: which step size is chosen, or in which step of a method that does not look for it
-    a contact begins or a body sticks."""
+    """The last bit may decide something: which step size is chosen, or in which step of a method
+    that does not look for it a contact begins or a body sticks."""
     features = trial.instance.scene.features
     switches = SWITCHES & features and trial.method.control == "step"
-    return trial.method.control == "tolerance" or bool(switches and trial.order < max(2, trial.method.order))
+    return trial.method.control == "tolerance" or bool(
+        switches and trial.order < max(2, trial.method.order)
+    )
 
 
 CHECK = Symmetry()

@@ -1,4 +1,6 @@
-"""A body on a ball joint of the world: the joint stays closed, L about the vertical stays, and L_3 if the body is symmetric."""
+"""A body on a ball joint of the world: the joint stays closed, L about the vertical stays, and L_3
+if the body is symmetric.
+"""
 
 from collections.abc import Mapping
 
@@ -16,16 +18,21 @@ from refdem.scene.elements.ball_joint import BallJoint
 from refdem.scene.elements.uniform_gravity import UniformGravity
 
 OWN_SPIN = "spin about the own axis"
-"""No claim of a method: one that keeps angular momentum in space may turn the body by parts, about one axis after another, which
-keeps L_3 to its order only."""
+"""No claim of a method: one that keeps angular momentum in space may turn the body by parts, about
+one axis after another, which keeps L_3 to its order only."""
 
 
 class Top(Check):
-    """To round-off where the method claims it (angular momentum in space, constraint) or is exact, else to its truncation error."""
+    """To round-off where the method claims it (angular momentum in space, constraint) or is exact,
+    else to its truncation error.
+    """
 
     name = "top"
     title = "Top on its tip"
-    kills = "a joint that opens, a torque about the vertical or about the axis of the top, space axes taken for body axes"
+    kills = (
+        "a joint that opens, a torque about the vertical or about the axis of the top, space axes"
+        " taken for body axes"
+    )
     synchronous = True
 
     def applies(self, trial: Trial) -> str | None:
@@ -33,7 +40,11 @@ class Top(Check):
         scene = trial.instance.scene
         kinds = {element.kind for element in scene.elements} - {"uniform_gravity"}
         joints = scene.all(BallJoint)
-        return None if kinds == {"ball_joint"} and len(joints) == len(scene.bodies) == 1 and joints[0].b < 0 else "there is no top"
+        return (
+            None
+            if kinds == {"ball_joint"} and len(joints) == len(scene.bodies) == 1 and joints[0].b < 0
+            else "there is no top"
+        )
 
     def needs(self, trial: Trial) -> tuple[Variant, ...]:
         """The coarsest level, and the finest for what is held to the order only."""
@@ -41,7 +52,12 @@ class Top(Check):
 
     def judge(self, trial: Trial, runs: Mapping[Variant, Outcome]) -> list[Finding]:
         """Opening of the joint in place and velocity; change of L_z and L_3."""
-        laws = {"joint": "constraint", "joint velocity": "constraint", "L_z": "angular-momentum", "L_3": OWN_SPIN}
+        laws = {
+            "joint": "constraint",
+            "joint velocity": "constraint",
+            "L_z": "angular-momentum",
+            "L_3": OWN_SPIN,
+        }
         coarsest = _changes(trial, runs[Variant(trial.levels[0])].trajectory)
         finest = _changes(trial, runs[trial.finest].trajectory)
         found = []
@@ -50,7 +66,9 @@ class Top(Check):
             level = trial.levels[0] if keeps else trial.levels[-1]
             allowed, basis = trial.kept(laws[name], level)
             if not keeps and len(trial.levels) > 2:
-                allowed = np.minimum(allowed, left_at_finest(trial, coarse) + COUNTING_FLOOR * trial.round_off(level))
+                allowed = np.minimum(
+                    allowed, left_at_finest(trial, coarse) + COUNTING_FLOOR * trial.round_off(level)
+                )
                 basis = f"{basis}, and what the order leaves of the change at the coarsest step"
             found.append(
                 worst(
@@ -62,21 +80,29 @@ class Top(Check):
                     signal=1.0 if name.startswith("L_") else None,
                     unit="1",
                     basis=basis,
-                    what=f"The {'opening of the' if name.startswith('joint') else 'change of'} {name}, in units of its scale,",
+                    what=(
+                        f"The {'opening of the' if name.startswith('joint') else 'change of'}"
+                        f" {name}, in units of its scale,"
+                    ),
                 )
             )
         return found
 
 
 def _changes(trial: Trial, run: Trajectory) -> dict[str, Array]:
-    """Opening of the joint (T,) in place and velocity, if the method can open it, and the change of L_z and L_3, each in its scale."""
+    """Opening of the joint (T,) in place and velocity, if the method can open it, and the change of
+    L_z and L_3, each in its scale.
+    """
     scene, size = trial.instance.scene, trial.instance.scales
     found = {}
     if "ball_joint" not in trial.method.derived:
         place, speed = _opening(scene, run)
         found = {"joint": place / size.length, "joint velocity": speed / size.speed}
     spins = _spins(scene, run)
-    scale = max(float(np.max(np.abs(spin))) for spin in spins.values()) or size.mass * size.length * size.speed
+    scale = (
+        max(float(np.max(np.abs(spin))) for spin in spins.values())
+        or size.mass * size.length * size.speed
+    )
     return found | {name: np.abs(spin - spin[0]) / scale for name, spin in spins.items()}
 
 
@@ -84,21 +110,29 @@ def _opening(scene: Scene, run: Trajectory) -> tuple[Array, Array]:
     """Distance (T,) [m] of the two anchors, and their relative speed [m/s]."""
     joint = scene.all(BallJoint)[0]
     first, second = joint.ends(run.position, run.attitude)
-    moving = run.velocity[:, joint.a] + np.cross(run.omega[:, joint.a], first - run.position[:, joint.a])
+    moving = run.velocity[:, joint.a] + np.cross(
+        run.omega[:, joint.a], first - run.position[:, joint.a]
+    )
     return np.linalg.norm(first - second, axis=1), np.linalg.norm(moving, axis=1)
 
 
 def _spins(scene: Scene, run: Trajectory) -> dict[str, Array]:
-    """L about the vertical through the joint (T,), and about the third axis of a body that is symmetric about it and hangs on it."""
+    """L about the vertical through the joint (T,), and about the third axis of a body that is
+    symmetric about it and hangs on it.
+    """
     joint, bodies = scene.all(BallJoint)[0], scene.bodies
     gravity = sum((np.array(field.g) for field in scene.all(UniformGravity)), np.zeros(3))
     axis = gravity / np.linalg.norm(gravity) if gravity.any() else np.array([0.0, 0.0, 1.0])
     attitude = run.attitude[:, joint.a]
     inner = rotated(conjugate(attitude), run.omega[:, joint.a]) * bodies.inertia[joint.a]
     arm = run.position[:, joint.a] - np.array(joint.anchor_b)
-    whole = rotated(attitude, inner) + bodies.mass[joint.a] * np.cross(arm, run.velocity[:, joint.a])
+    whole = rotated(attitude, inner) + bodies.mass[joint.a] * np.cross(
+        arm, run.velocity[:, joint.a]
+    )
     found = {"L_z": whole @ axis}
-    symmetric = bodies.inertia[joint.a, 0] == bodies.inertia[joint.a, 1] and not any(joint.anchor_a[:2])
+    symmetric = bodies.inertia[joint.a, 0] == bodies.inertia[joint.a, 1] and not any(
+        joint.anchor_a[:2]
+    )
     return found | {"L_3": inner[:, 2]} if symmetric else found
 
 

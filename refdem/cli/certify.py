@@ -8,14 +8,30 @@ import typer
 
 def command(
     cases: Annotated[list[str] | None, typer.Argument(help="Cases; none: all.")] = None,
-    folder: Annotated[Path | None, typer.Option(help="The store: sets.toml, certified/, samples/. Its own by default.")] = None,
-    check: Annotated[bool, typer.Option("--check", help="Only check: every hash, and a sample proved and witnessed again.")] = False,
-    each: Annotated[int, typer.Option(help="With --check: sets of every case and method that are proved again.", min=0)] = 1,
+    folder: Annotated[
+        Path | None,
+        typer.Option(help="The store: sets.toml, certified/, samples/. Its own by default."),
+    ] = None,
+    check: Annotated[
+        bool,
+        typer.Option(
+            "--check", help="Only check: every hash, and a sample proved and witnessed again."
+        ),
+    ] = False,
+    each: Annotated[
+        int,
+        typer.Option(
+            help="With --check: sets of every case and method that are proved again.", min=0
+        ),
+    ] = 1,
     seed: Annotated[str, typer.Option(help="With --check: which sets.")] = "1",
-    anew: Annotated[bool, typer.Option("--anew", help="Prove everything, also what holds.")] = False,
+    anew: Annotated[
+        bool, typer.Option("--anew", help="Prove everything, also what holds.")
+    ] = False,
     jobs: Annotated[int, typer.Option(help="Worker processes.", min=1)] = 2,
 ) -> None:
-    """Proves every set of sets.toml whose code or parameters changed, has it witnessed, and writes the store; killed, it resumes.
+    """Proves every set of sets.toml whose code or parameters changed, has it witnessed, and writes
+    the store; killed, it resumes.
 
     Example: refdem certify --check
     """
@@ -45,7 +61,9 @@ def checked(folder: Path, cases: list[str], *, each: int, seed: str, jobs: int) 
     if not problems:
         every = load(folder=folder / "certified")
         _refuse_unknown(cases, {one.case for one in every}, folder)
-        chosen = sample([one for one in every if not cases or one.case in cases], each=each, seed=seed)
+        chosen = sample(
+            [one for one in every if not cases or one.case in cases], each=each, seed=seed
+        )
         problems += contradictions(chosen, jobs=jobs, progress=Progress())
         print(f"{len(chosen)} sets proved again. {told(folder)}")
     for problem in problems:
@@ -54,12 +72,17 @@ def checked(folder: Path, cases: list[str], *, each: int, seed: str, jobs: int) 
 
 
 def _refuse_unknown(cases: list[str], known: set[str], folder: Path) -> None:
-    """Raises UsageError for a case that the store has no set of, and for a store without any: nothing would be checked."""
+    """Raises UsageError for a case that the store has no set of, and for a store without any:
+    nothing would be checked.
+    """
     from refdem.core.parameters import nearest
     from refdem.errors import UsageError
 
     if not known:
-        raise UsageError(f"{folder} holds no certified set to check; expected a store that `refdem certify` wrote")
+        raise UsageError(
+            f"{folder} holds no certified set to check; expected a store that `refdem certify`"
+            " wrote"
+        )
     for name in cases:
         if name not in known:
             raise UsageError(f"{folder} has no set of case {name!r}; {nearest(name, known)}")

@@ -15,12 +15,24 @@ SHOWN = 5
 
 
 def command(
-    record: Annotated[str, typer.Argument(help="What a finding is called: `case[name=value]/engine/method`, with or without check.")],
-    engine: Annotated[str, typer.Option(help="A refdem.toml, if the record's engine is a program.")] = "",
-    level: Annotated[int, typer.Option(help="Refinement level of the run to explain, 0 the coarsest.")] = 0,
+    record: Annotated[
+        str,
+        typer.Argument(
+            help=(
+                "What a finding is called: `case[name=value]/engine/method`, with or without check."
+            )
+        ),
+    ],
+    engine: Annotated[
+        str, typer.Option(help="A refdem.toml, if the record's engine is a program.")
+    ] = "",
+    level: Annotated[
+        int, typer.Option(help="Refinement level of the run to explain, 0 the coarsest.")
+    ] = 0,
     json: Annotated[bool, typer.Option("--json", help="For programs.")] = False,
 ) -> None:
-    """Runs twins of the transparent engine, each with one known fault or another integrator, and names the one that comes near.
+    """Runs twins of the transparent engine, each with one known fault or another integrator, and
+    names the one that comes near.
 
     Example: refdem diagnose free-rigid-body/mujoco/euler/error/omega_body.x
     """
@@ -53,17 +65,26 @@ def parts_of(record: str) -> tuple[str, str, str]:
     from refdem.errors import UsageError
 
     head, bracket, tail = record.partition("]")
-    label, _, rest = record.partition("/") if not bracket else (head + bracket, "", tail.lstrip("/"))
+    label, _, rest = (
+        record.partition("/") if not bracket else (head + bracket, "", tail.lstrip("/"))
+    )
     names = rest.split("/")
     if not label or len(names) < 2 or not all(names[:2]):
-        raise UsageError(f"record {record!r} is not a name; expected something like pendulum[theta0=2]/mujoco/euler")
+        raise UsageError(
+            f"record {record!r} is not a name; expected something like"
+            " pendulum[theta0=2]/mujoco/euler"
+        )
     return label, names[0], names[1]
 
 
-def diagnosed(instance: "Instance", engine: "Engine", method: str, level: int) -> "tuple[Diagnosis, float | None]":
-    """The diagnosis of one run, made anew, and its step; raises EngineError if the engine has none to show.
+def diagnosed(
+    instance: "Instance", engine: "Engine", method: str, level: int
+) -> "tuple[Diagnosis, float | None]":
+    """The diagnosis of one run, made anew, and its step; raises EngineError if the engine has none
+    to show.
 
-    A run at half the step goes with it: a fault of the code has the same amplitude there, an error of its integrator has not.
+    A run at half the step goes with it: a fault of the code has the same amplitude there, an error
+    of its integrator has not.
     """
     from dataclasses import replace
 
@@ -98,7 +119,10 @@ def _ran(engine: "Engine", request: "Request") -> "Trajectory":
 
     run = run_of(engine, request)
     if run.trajectory is None or run.failure is not None:
-        raise EngineError(f"{engine.name}/{request.method}: {run.failure.sentence if run.failure else 'no trajectory'}")
+        raise EngineError(
+            f"{engine.name}/{request.method}:"
+            f" {run.failure.sentence if run.failure else 'no trajectory'}"
+        )
     return run.trajectory
 
 

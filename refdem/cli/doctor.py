@@ -19,20 +19,30 @@ def command() -> None:
     from refdem.errors import RefdemError
 
     healthy = True
-    print(f"refdem {refdem.__version__}, Python {sys.version.split()[0]} on {platform.system()} {platform.machine()}")
+    print(
+        f"refdem {refdem.__version__}, Python {sys.version.split()[0]} on {platform.system()}"
+        f" {platform.machine()}"
+    )
     try:
         families = sorted(path.name.split(".")[0][1:] for path in kernels.folder().glob("_*.so"))
-        print(f"kernels: {', '.join(family for family in families if kernels.fingerprint(family)) or 'none: run `make develop`'}")
+        built = [family for family in families if kernels.fingerprint(family)]
+        print(f"kernels: {', '.join(built) or 'none: run `make develop`'}")
         store = Store(default_path())
         healthy = store.is_usable
         store.close()
-        print(f"store: {default_path()}" + ("" if healthy else " cannot be used: every run is made anew"))
+        print(
+            f"store: {default_path()}"
+            + ("" if healthy else " cannot be used: every run is made anew")
+        )
     except RefdemError as error:
         healthy = False
         print(f"PROBLEM: {error}")
-    print(f"campaigns: {', '.join(sorted(path.stem for path in (validation_folder() / 'campaigns').glob('*.toml')))}")
+    campaigns = sorted(path.stem for path in (validation_folder() / "campaigns").glob("*.toml"))
+    print(f"campaigns: {', '.join(campaigns)}")
     for name in discovery.names("engines"):
         engine = discovery.engine(name)
         missing = engine.missing()
-        print(f"engine {name}: {engine.version() if missing is None else f'not installed; {missing}'}")
+        print(
+            f"engine {name}: {engine.version() if missing is None else f'not installed; {missing}'}"
+        )
     raise typer.Exit(0 if healthy else 2)

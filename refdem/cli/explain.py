@@ -1,4 +1,6 @@
-"""refdem explain: what will run, what is left out because the scene does not need it, and who refuses."""
+"""refdem explain: what will run, what is left out because the scene does not need it, and who
+refuses.
+"""
 
 from collections.abc import Iterable
 from typing import TYPE_CHECKING, Annotated
@@ -21,7 +23,9 @@ SKIPPED = {
 
 def command(
     case: Annotated[str, typer.Argument(help="The case, also as `pendulum[theta0=2]`.")],
-    engine: Annotated[list[str] | None, typer.Option(help="Engines; none: all that are installed.")] = None,
+    engine: Annotated[
+        list[str] | None, typer.Option(help="Engines; none: all that are installed.")
+    ] = None,
     set: Annotated[list[str] | None, typer.Option(help="Parameter, name=value.")] = None,
 ) -> None:
     """Says what would run for a case, and why.
@@ -37,11 +41,15 @@ def command(
     from refdem.core.truth import SampledTruth
 
     name, own = labelled(case)
-    specification = Specification(name="explain", case=[Entry(name, own | settings(set or []))], engines=engine or [])
+    specification = Specification(
+        name="explain", case=[Entry(name, own | settings(set or []))], engines=engine or []
+    )
     engines, missing = plan.engines(specification)
     for instance, only in plan.instances(specification):
         print("\n".join(asked(instance)))
-        truth = msgspec.msgpack.decode(sampled_truth(instance.case.id, instance.p.given), type=SampledTruth)
+        truth = msgspec.msgpack.decode(
+            sampled_truth(instance.case.id, instance.p.given), type=SampledTruth
+        )
         for found in engines:
             show(plan.tasks(specification, instance, only, found, truth, truth.reason))
     for name, reason in missing.items():
@@ -55,24 +63,44 @@ def asked(instance: "Instance") -> list[str]:
     features, scales, problem = instance.problem.features, instance.scales, instance.problem
     lines = [f"{instance.label}: {instance.case.title}"]
     if not isinstance(problem, Motion):
-        return [*lines, f"  it asks for {problem.words}: {', '.join(sorted(features))}; samples up to {problem.when(problem.times[-1])}"]
+        return [
+            *lines,
+            (
+                f"  it asks for {problem.words}: {', '.join(sorted(features))}; samples up to"
+                f" {problem.when(problem.times[-1])}"
+            ),
+        ]
     dimension = next(feature[-1] for feature in features if feature.startswith("dimension:"))
-    without = ", ".join(without for what, without in SKIPPED.items() if what not in features) or "nothing"
+    without = (
+        ", ".join(without for what, without in SKIPPED.items() if what not in features) or "nothing"
+    )
     sizes = f"L = {scales.length:.6g} m, tau = {scales.tau:.6g} s, T = {scales.duration:.6g} s"
     needs = f"  the scene needs: {', '.join(sorted(features))}"
-    return [*lines, needs, f"  it does without: {without}", f"  motion in {dimension} of 3 dimensions; {sizes}"]
+    return [
+        *lines,
+        needs,
+        f"  it does without: {without}",
+        f"  motion in {dimension} of 3 dimensions; {sizes}",
+    ]
 
 
 def show(tasks: "Iterable[Task]") -> None:
-    """Prints the methods of one engine: refusals, or runs and checks; why a check is left out once for all of them."""
+    """Prints the methods of one engine: refusals, or runs and checks; why a check is left out once
+    for all of them.
+    """
     left_out: dict[str, list[str]] = {}
     for task in tasks:
         title = f"  {task.engine.name}/{task.method.name}"
         if task.refusal is not None:
             print(f"{title}: refuses: {task.refusal}")
             continue
-        levels = ", ".join(f"{level:.3g}" for level in task.trial.levels if level) or "one run, exact"
-        print(f"{title}: {len(task.variants)} runs; levels: {levels}\n      checks: {', '.join(check.name for check in task.checks)}")
+        levels = (
+            ", ".join(f"{level:.3g}" for level in task.trial.levels if level) or "one run, exact"
+        )
+        print(
+            f"{title}: {len(task.variants)} runs; levels: {levels}\n      checks:"
+            f" {', '.join(check.name for check in task.checks)}"
+        )
         for name, reason in task.left_out.items():
             left_out.setdefault(f"{name}: {reason}", []).append(task.method.name)
     for reason, methods in left_out.items():

@@ -10,15 +10,23 @@ from refdem.errors import UsageError
 
 
 def command(
-    folder: Annotated[Path, typer.Argument(help="Folder for the requests; each run gets a folder in it.")],
-    case: Annotated[list[str] | None, typer.Argument(help="Cases; none: those of [gate], or all that the program supports.")] = None,
+    folder: Annotated[
+        Path, typer.Argument(help="Folder for the requests; each run gets a folder in it.")
+    ],
+    case: Annotated[
+        list[str] | None,
+        typer.Argument(help="Cases; none: those of [gate], or all that the program supports."),
+    ] = None,
     engine: Annotated[list[Path] | None, typer.Option(help="The refdem.toml of a program.")] = None,
-    levels: Annotated[int | None, typer.Option(help="Refinement levels; default: as [gate] says.", min=1, max=10)] = None,
+    levels: Annotated[
+        int | None, typer.Option(help="Refinement levels; default: as [gate] says.", min=1, max=10)
+    ] = None,
 ) -> None:
     """Writes requests for programs that run elsewhere, as on a batch system.
 
-    Run the program in each folder that FOLDER/runs.txt lists, so that it writes trajectory.csv there; then `refdem judge FOLDER`.
-    Runs that go on from the end of others are written by a second export into the same folder, when those have come back.
+    Run the program in each folder that FOLDER/runs.txt lists, so that it writes trajectory.csv
+    there; then `refdem judge FOLDER`. Runs that go on from the end of others are written by a
+    second export into the same folder, when those have come back.
 
     Example: refdem export to-run free-rigid-body --engine refdem.toml
     """
@@ -32,16 +40,25 @@ def command(
 
     tomls = engine or [Path("refdem.toml")]
     programs = [load(path) for path in tomls]
-    named = case or list(dict.fromkeys(label for program in programs for label in program.description.gate.cases))
-    entries = [Entry(*labelled(label)) for label in named] or [entry for program in programs for entry in supported(program)]
+    named = case or list(
+        dict.fromkeys(label for program in programs for label in program.description.gate.cases)
+    )
+    entries = [Entry(*labelled(label)) for label in named] or [
+        entry for program in programs for entry in supported(program)
+    ]
     entries = [entry for n, entry in enumerate(entries) if entry not in entries[:n]]
     if not entries:
-        raise UsageError("no case is supported by any of the programs; name features in engine.supports")
+        raise UsageError(
+            "no case is supported by any of the programs; name features in engine.supports"
+        )
     most = levels or max(program.description.gate.levels for program in programs)
     waiting = exported(folder, tomls, entries, most, Store(default_path()), Progress())
     if not waiting:
         print(f"nothing is left to run; judge with: refdem judge {folder}")
         return
-    print(f"{len(waiting)} runs to make, in the folders that {folder / 'runs.txt'} lists; in each of them:")
+    print(
+        f"{len(waiting)} runs to make, in the folders that {folder / 'runs.txt'} lists; in each of"
+        " them:"
+    )
     for program in programs:
         print(f"    {program.name}: {shlex.join(program.description.engine.command)}")

@@ -10,15 +10,25 @@ if TYPE_CHECKING:
 
 def command(
     engine: Annotated[
-        str, typer.Option(help="An engine to spoil in place of the transparent one; only its questions and answers are.")
+        str,
+        typer.Option(
+            help=(
+                "An engine to spoil in place of the transparent one; only its questions and answers"
+                " are."
+            )
+        ),
     ] = "",
     seeds: Annotated[int, typer.Option(help="Random parameter sets.")] = 20,
-    fault: Annotated[list[str] | None, typer.Option(help="Only these faults, or all of a kind.")] = None,
+    fault: Annotated[
+        list[str] | None, typer.Option(help="Only these faults, or all of a kind.")
+    ] = None,
     json: Annotated[bool, typer.Option("--json", help="Everything, for programs.")] = False,
 ) -> None:
-    """Plants known faults in an engine and shows which checks see them, and that nothing is said against the engine without any.
+    """Plants known faults in an engine and shows which checks see them, and that nothing is said
+    against the engine without any.
 
-    A fault is killed if the quantity named for it fails. Exit 1 if one survives or the correct engine alarms.
+    A fault is killed if the quantity named for it fails. Exit 1 if one survives or the correct
+    engine alarms.
 
     Example: refdem faults --seeds 2 --fault friction
     """
@@ -35,10 +45,18 @@ def command(
     found = discovery.engine(engine) if engine and engine != "transparent" else None
     if found is not None and (reason := found.missing()) is not None:
         raise EngineMissingError(f"engine {engine} is not installed here; {reason}")
-    matrix = Trial(engine=found, seeds=seeds, chosen=chosen(fault or []), progress=Progress()).matrix()
-    print(msgspec.json.format(msgspec.json.encode(matrix)).decode() if json else "\n".join(lines(matrix)))
+    matrix = Trial(
+        engine=found, seeds=seeds, chosen=chosen(fault or []), progress=Progress()
+    ).matrix()
+    print(
+        msgspec.json.format(msgspec.json.encode(matrix)).decode()
+        if json
+        else "\n".join(lines(matrix))
+    )
     if not matrix.kills:
-        raise UsageError(f"nothing was judged: engine {engine} can carry none of the faults that were asked for")
+        raise UsageError(
+            f"nothing was judged: engine {engine} can carry none of the faults that were asked for"
+        )
     raise typer.Exit(1 if matrix.survivors() or matrix.alarms else 0)
 
 
@@ -54,24 +72,36 @@ def lines(matrix: "Matrix") -> list[str]:
             shown.append(f"{kind}{'':{40 - len(kind)}}killed  beyond   by, and what else saw it")
         shown.append(_row(kills))
     for kill in matrix.survivors():
-        shown.append(f"SURVIVES {kill.fault} on {kill.label} (seed {kill.seed}): {kill.check}/{kill.quantity}: {kill.sentence}")
+        shown.append(
+            f"SURVIVES {kill.fault} on {kill.label} (seed {kill.seed}):"
+            f" {kill.check}/{kill.quantity}: {kill.sentence}"
+        )
     for alarm in matrix.alarms:
         shown.append(f"ALARM {alarm.id} (seed {alarm.seed}): {alarm.sentence}")
     if matrix.idle():
         shown.append(f"checks that kill nothing: {', '.join(matrix.idle())}")
-    near = ", ".join(f"{name} {margin:.1f}" for name, margin in sorted(matrix.near.items(), key=lambda pair: pair[1]))
+    near = ", ".join(
+        f"{name} {margin:.1f}"
+        for name, margin in sorted(matrix.near.items(), key=lambda pair: pair[1])
+    )
     shown.append(f"decades between the correct engine and its bounds: {near}")
     killed = sum(kill.killed for kill in matrix.kills)
-    shown.append(f"{len(by_fault)} faults at {matrix.seeds} seeds: {killed} of {len(matrix.kills)} killed, {len(matrix.alarms)} alarms")
+    shown.append(
+        f"{len(by_fault)} faults at {matrix.seeds} seeds: {killed} of {len(matrix.kills)} killed,"
+        f" {len(matrix.alarms)} alarms"
+    )
     return shown
 
 
 def _row(kills: "list[Kill]") -> str:
-    """One fault: at how many seeds it was killed, by how many decades at least, by what, and which other checks saw it."""
+    """One fault: at how many seeds it was killed, by how many decades at least, by what, and which
+    other checks saw it.
+    """
     first, killed = kills[0], sum(kill.killed for kill in kills)
     beyond = min((kill.beyond for kill in kills if kill.beyond is not None), default=None)
     others = sorted({name.split("/")[0] for kill in kills for name in kill.also} - {first.check})
     size = "broken" if beyond is None else "inf" if beyond == float("inf") else f"{beyond:.2f}"
     return (
-        f"  {first.fault:36} {killed:3}/{len(kills):<3} {size:>6}   {first.check}/{first.quantity}; {', '.join(others) or 'nothing else'}"
+        f"  {first.fault:36} {killed:3}/{len(kills):<3} {size:>6}   {first.check}/{first.quantity};"
+        f" {', '.join(others) or 'nothing else'}"
     )

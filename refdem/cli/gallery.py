@@ -7,10 +7,13 @@ import typer
 
 
 def command(
-    figure: Annotated[list[str] | None, typer.Argument(help="Figures, as 1.15 or co-4; none: all.")] = None,
+    figure: Annotated[
+        list[str] | None, typer.Argument(help="Figures, as 1.15 or co-4; none: all.")
+    ] = None,
     out: Annotated[Path, typer.Option(help="Folder for the gallery.")] = Path("reports/gallery"),
 ) -> None:
-    """Computes figures of the source chapter in the reference and draws them: gallery.html, gallery.md, a picture each.
+    """Computes figures of the source chapter in the reference and draws them: gallery.html,
+    gallery.md, a picture each.
 
     Figures that the folder has already, and that are not asked for, stay as they are.
 

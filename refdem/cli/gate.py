@@ -14,13 +14,23 @@ if TYPE_CHECKING:
 
 
 def command(
-    toml: Annotated[Path, typer.Argument(help="The refdem.toml beside the program.")] = Path("refdem.toml"),
-    baseline: Annotated[Path | None, typer.Option(help="The baseline; default: as refdem.toml says.")] = None,
-    bless: Annotated[bool, typer.Option("--bless", help="Accept the findings of this run as the baseline.")] = False,
+    toml: Annotated[Path, typer.Argument(help="The refdem.toml beside the program.")] = Path(
+        "refdem.toml"
+    ),
+    baseline: Annotated[
+        Path | None, typer.Option(help="The baseline; default: as refdem.toml says.")
+    ] = None,
+    bless: Annotated[
+        bool, typer.Option("--bless", help="Accept the findings of this run as the baseline.")
+    ] = False,
     why: Annotated[str, typer.Option(help="With --bless: why they are right.")] = "",
     junit: Annotated[Path | None, typer.Option(help="Write JUnit XML.")] = None,
-    markdown: Annotated[Path | None, typer.Option(help="Write Markdown for a pull request.")] = None,
-    out: Annotated[Path | None, typer.Option(help="Write the whole report into this folder.")] = None,
+    markdown: Annotated[
+        Path | None, typer.Option(help="Write Markdown for a pull request.")
+    ] = None,
+    out: Annotated[
+        Path | None, typer.Option(help="Write the whole report into this folder.")
+    ] = None,
     jobs: Annotated[int | None, typer.Option(help="Worker processes; default: one a core.")] = None,
 ) -> None:
     """Runs the gate of a program: every finding against truth, and against the baseline.
@@ -36,7 +46,9 @@ def command(
     from refdem.gate.markdown import markdown as told
 
     if bless and not why.strip():
-        raise UsageError("--bless came without --why; say in a few words why these findings are right")
+        raise UsageError(
+            "--bless came without --why; say in a few words why these findings are right"
+        )
     refuse_unwritable_file(junit, "--junit")
     refuse_unwritable_file(markdown, "--markdown")
     if out is not None:
@@ -61,7 +73,10 @@ def command(
 def _verdict(gate: "Gate", status: int) -> int:
     """Says whether the gate is open; the exit status, 1 where nothing was accepted yet."""
     if not gate.baseline.is_file():
-        print(f'no baseline {gate.baseline}: the gate stays closed; accept these findings with: refdem gate --bless --why "first baseline"')
+        print(
+            f"no baseline {gate.baseline}: the gate stays closed; accept these findings with:"
+            ' refdem gate --bless --why "first baseline"'
+        )
         return 1
     print(f"the gate of {gate.engine.name} is {'closed' if status else 'open'}")
     return status

@@ -7,10 +7,13 @@ import typer
 
 
 def command(
-    folder: Annotated[Path, typer.Argument(help="A folder that `refdem export` wrote, with trajectories in it.")],
+    folder: Annotated[
+        Path, typer.Argument(help="A folder that `refdem export` wrote, with trajectories in it.")
+    ],
     out: Annotated[Path, typer.Option(help="Folder for the report.")] = Path("refdem-report"),
 ) -> None:
-    """Judges the trajectories in a folder that `refdem export` wrote; one that is missing is an error.
+    """Judges the trajectories in a folder that `refdem export` wrote; one that is missing is an
+    error.
 
     Example: refdem judge to-run --out report
     """

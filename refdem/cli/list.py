@@ -29,7 +29,10 @@ def command(
     for item in found:
         print(f"{item['id']:22} {item['title']}")
         for line in item.get("parameters", item.get("methods", [])):
-            print(f"    {line['name']:20} {line.get('default', ''):12} {line.get('unit', ''):8} {line.get('bounds', '')} {line['doc']}")
+            print(
+                f"    {line['name']:20} {line.get('default', ''):12} {line.get('unit', ''):8}"
+                f" {line.get('bounds', '')} {line['doc']}"
+            )
 
 
 def case(name: str) -> dict[str, Any]:
@@ -39,14 +42,33 @@ def case(name: str) -> dict[str, Any]:
 
     found = discovery.case(name)
     if isinstance(found, Selection):
-        return {"id": found.id, "title": found.title, "statement": found.statement, "selects_by_check": found.check}
+        return {
+            "id": found.id,
+            "title": found.title,
+            "statement": found.statement,
+            "selects_by_check": found.check,
+        }
     instance = found.at()
     parameters = [
-        {"name": p.name, "default": p.default, "unit": p.unit, "bounds": p.bounds(), "shape": p.shape, "choices": p.choices, "doc": p.doc}
+        {
+            "name": p.name,
+            "default": p.default,
+            "unit": p.unit,
+            "bounds": p.bounds(),
+            "shape": p.shape,
+            "choices": p.choices,
+            "doc": p.doc,
+        }
         for p in instance.p.declared.values()
     ]
     quantities = [{"name": q.name, "unit": q.unit} for q in instance.quantities.values()]
-    return {"id": found.id, "title": found.title, "statement": found.statement, "parameters": parameters, "quantities": quantities}
+    return {
+        "id": found.id,
+        "title": found.title,
+        "statement": found.statement,
+        "parameters": parameters,
+        "quantities": quantities,
+    }
 
 
 def engine(name: str) -> dict[str, Any]:
@@ -57,7 +79,11 @@ def engine(name: str) -> dict[str, Any]:
     found = discovery.engine(name)
     missing = found.missing()
     methods = [{"name": m.name, "doc": claims(m)} for m in found.methods]
-    state = f"{found.title} {found.version()}" if missing is None else f"{found.title}: not installed; {missing}"
+    state = (
+        f"{found.title} {found.version()}"
+        if missing is None
+        else f"{found.title}: not installed; {missing}"
+    )
     return {"id": name, "title": state, "installed": missing is None, "methods": methods}
 
 

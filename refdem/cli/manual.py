@@ -7,9 +7,12 @@ import typer
 
 
 def command(
-    folder: Annotated[Path, typer.Argument(help="Folder of the report; the pages come into its manual/.")] = Path("reports"),
+    folder: Annotated[
+        Path, typer.Argument(help="Folder of the report; the pages come into its manual/.")
+    ] = Path("reports"),
 ) -> None:
-    """Writes statement, method, witness, digits, checks and settled slips of every case, as Markdown and HTML.
+    """Writes statement, method, witness, digits, checks and settled slips of every case, as
+    Markdown and HTML.
 
     Example: refdem manual reports
     """

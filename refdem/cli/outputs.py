@@ -1,4 +1,6 @@
-"""Where a command writes: looked at before any work is done, so that no result is lost for want of a place."""
+"""Where a command writes: looked at before any work is done, so that no result is lost for want of
+a place.
+"""
 
 import tempfile
 from pathlib import Path
@@ -7,13 +9,18 @@ from refdem.errors import StoreError
 
 
 def refuse_unwritable(folder: Path) -> None:
-    """Raises StoreError if a folder cannot be made or written. Others may be writing there at the same time."""
+    """Raises StoreError if a folder cannot be made or written.
+
+    Others may be writing there at the same time.
+    """
     try:
         folder.mkdir(parents=True, exist_ok=True)
         with tempfile.TemporaryFile(dir=folder):
             pass
     except OSError as error:
-        raise StoreError(f"folder {folder} cannot be written: {error.strerror}. Choose another with --out.") from None
+        raise StoreError(
+            f"folder {folder} cannot be written: {error.strerror}. Choose another with --out."
+        ) from None
 
 
 def refuse_unwritable_file(path: Path | None, option: str) -> None:
@@ -28,4 +35,6 @@ def refuse_unwritable_file(path: Path | None, option: str) -> None:
             with tempfile.TemporaryFile(dir=path.parent):
                 pass
     except OSError as error:
-        raise StoreError(f"{path} of {option} cannot be written: {error.strerror}. Choose another place.") from None
+        raise StoreError(
+            f"{path} of {option} cannot be written: {error.strerror}. Choose another place."
+        ) from None

@@ -15,17 +15,42 @@ if TYPE_CHECKING:
 
 
 def command(
-    case: Annotated[list[str] | None, typer.Argument(help="Cases, also as `pendulum[theta0=2]`; none: the campaign.")] = None,
-    engine: Annotated[list[str] | None, typer.Option(help="Engines, or paths of refdem.toml; none: all installed.")] = None,
+    case: Annotated[
+        list[str] | None,
+        typer.Argument(help="Cases, also as `pendulum[theta0=2]`; none: the campaign."),
+    ] = None,
+    engine: Annotated[
+        list[str] | None,
+        typer.Option(help="Engines, or paths of refdem.toml; none: all installed."),
+    ] = None,
     method: Annotated[str, typer.Option(help="Only this method of the engine.")] = "",
-    step: Annotated[float | None, typer.Option(help="First step [s]; refinement goes on from there.")] = None,
-    steps_per_tau: Annotated[float | None, typer.Option(help="First step as steps per shortest time.")] = None,
-    set: Annotated[list[str] | None, typer.Option(help="Parameter of the cases, name=value.")] = None,
+    step: Annotated[
+        float | None, typer.Option(help="First step [s]; refinement goes on from there.")
+    ] = None,
+    steps_per_tau: Annotated[
+        float | None, typer.Option(help="First step as steps per shortest time.")
+    ] = None,
+    set: Annotated[
+        list[str] | None, typer.Option(help="Parameter of the cases, name=value.")
+    ] = None,
     campaign: Annotated[
-        str, typer.Option(help="Campaign, a name or a TOML file; with cases named, those of it alone. Without cases and name: main.")
+        str,
+        typer.Option(
+            help=(
+                "Campaign, a name or a TOML file; with cases named, those of it alone. Without"
+                " cases and name: main."
+            )
+        ),
     ] = "",
     bless: Annotated[
-        bool, typer.Option("--bless", help="Write what the campaign decided now down as what it must decide, and show what changed.")
+        bool,
+        typer.Option(
+            "--bless",
+            help=(
+                "Write what the campaign decided now down as what it must decide, and show what"
+                " changed."
+            ),
+        ),
     ] = False,
     out: Annotated[Path, typer.Option(help="Folder for the report.")] = Path("refdem-report"),
     jobs: Annotated[int | None, typer.Option(help="Worker processes; default: one a core.")] = None,
@@ -68,34 +93,50 @@ def command(
 
 
 def asked_for(cases: list[str], pairs: list[str], campaign: str) -> "Specification":
-    """The cases named, with parameters, or the campaign, or those cases of it; raises UsageError for parameters without a case."""
+    """The cases named, with parameters, or the campaign, or those cases of it; raises UsageError
+    for parameters without a case.
+    """
     from refdem.campaign.specification import Entry, Specification, named
     from refdem.core.parameters import labelled, settings
 
     given = settings(pairs)
     if not cases and given:
-        raise UsageError("--set came without a case; name the case, as in `refdem run pendulum --set theta0=2`")
+        raise UsageError(
+            "--set came without a case; name the case, as in `refdem run pendulum --set theta0=2`"
+        )
     if not cases:
         return named(campaign or "main")
     if campaign:
         return part(named(campaign), cases, given)
-    return Specification(name="run", case=[Entry(name, own | given) for name, own in map(labelled, cases)])
+    return Specification(
+        name="run", case=[Entry(name, own | given) for name, own in map(labelled, cases)]
+    )
 
 
 def part(whole: "Specification", cases: list[str], given: dict[str, str]) -> "Specification":
-    """A campaign without the cases that were not named; raises UsageError for one that it does not have."""
+    """A campaign without the cases that were not named; raises UsageError for one that it does not
+    have.
+    """
     import msgspec
 
     from refdem.core.parameters import labelled, nearest
 
     if given:
-        raise UsageError("--set came with --campaign, whose cases have parameters of their own; leave one of them out")
+        raise UsageError(
+            "--set came with --campaign, whose cases have parameters of their own; leave one of"
+            " them out"
+        )
     chosen = []
     for label in cases:
         name, own = labelled(label)
-        found = [entry for entry in whole.case if entry.id == name and (not own or entry.set == own)]
+        found = [
+            entry for entry in whole.case if entry.id == name and (not own or entry.set == own)
+        ]
         if not found:
-            raise UsageError(f"campaign {whole.name} has no {label!r}; {nearest(name, {entry.id for entry in whole.case})}")
+            raise UsageError(
+                f"campaign {whole.name} has no {label!r};"
+                f" {nearest(name, {entry.id for entry in whole.case})}"
+            )
         chosen += [entry for entry in found if entry not in chosen]
     return msgspec.structs.replace(whole, case=chosen, is_part=True)
 
@@ -103,11 +144,16 @@ def part(whole: "Specification", cases: list[str], given: dict[str, str]) -> "Sp
 def refuse_partial(specification: "Specification", bless: bool, other: str | float | None) -> None:
     """Raises UsageError if a list of findings was asked for of anything but a whole campaign."""
     if bless and (not specification.required or specification.is_part or other):
-        raise UsageError("--bless is for a whole campaign: give --campaign, and neither cases nor --method nor a step")
+        raise UsageError(
+            "--bless is for a whole campaign: give --campaign, and neither cases nor --method nor a"
+            " step"
+        )
 
 
 def blessed(specification: "Specification", sheets: "list[Sheet]") -> list[str]:
-    """Writes the lists of findings that a campaign must make, one an engine that ran; what changed, a line each."""
+    """Writes the lists of findings that a campaign must make, one an engine that ran; what changed,
+    a line each.
+    """
     from refdem.campaign import required
     from refdem.core.finding import Record
 

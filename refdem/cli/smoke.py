@@ -22,5 +22,7 @@ def command(engine: Annotated[str, typer.Argument(help="The engine.")]) -> None:
         print(f"{finding.outcome:12} {finding.quantity:24} {finding.sentence}")
     outcomes = {finding.outcome for finding in findings}
     if not outcomes & {"pass", "fail", "error"}:
-        raise UsageError(f"nothing was judged: engine {engine} can say none of the scenes that test an adapter")
+        raise UsageError(
+            f"nothing was judged: engine {engine} can say none of the scenes that test an adapter"
+        )
     raise typer.Exit(1 if "fail" in outcomes else 3 if "error" in outcomes else 0)

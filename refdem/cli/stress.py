@@ -16,20 +16,41 @@ TITLE = "Numerical stability"
 
 
 def command(
-    case: Annotated[list[str] | None, typer.Argument(help="Only ladders on these cases, also as `pendulum[theta0=2]`; none: all.")] = None,
-    engine: Annotated[list[str] | None, typer.Option(help="Engines, or paths of refdem.toml; none: all installed.")] = None,
+    case: Annotated[
+        list[str] | None,
+        typer.Argument(
+            help="Only ladders on these cases, also as `pendulum[theta0=2]`; none: all."
+        ),
+    ] = None,
+    engine: Annotated[
+        list[str] | None,
+        typer.Option(help="Engines, or paths of refdem.toml; none: all installed."),
+    ] = None,
     method: Annotated[str, typer.Option(help="Only this method of the engines.")] = "",
     battery: Annotated[list[str] | None, typer.Option(help="Only these batteries.")] = None,
-    require: Annotated[bool, typer.Option("--require", help="Hold every engine to the ranges that the reference promises.")] = False,
-    longest: Annotated[float, typer.Option(help="No run whose time is forecast to be longer [s], for 1e8 steps.")] = 5.0,
-    timeout: Annotated[float, typer.Option(help="A run that takes longer [s] is killed and costs its rung.")] = 20.0,
+    require: Annotated[
+        bool,
+        typer.Option(
+            "--require", help="Hold every engine to the ranges that the reference promises."
+        ),
+    ] = False,
+    longest: Annotated[
+        float, typer.Option(help="No run whose time is forecast to be longer [s], for 1e8 steps.")
+    ] = 5.0,
+    timeout: Annotated[
+        float, typer.Option(help="A run that takes longer [s] is killed and costs its rung.")
+    ] = 20.0,
     jobs: Annotated[int | None, typer.Option(help="Worker processes; default: one a core.")] = None,
-    out: Annotated[Path, typer.Option(help="Folder for stress.md, stress.html, stress.json.")] = Path("refdem-stress"),
+    out: Annotated[
+        Path, typer.Option(help="Folder for stress.md, stress.html, stress.json.")
+    ] = Path("refdem-stress"),
     json: Annotated[bool, typer.Option("--json", help="Print the record as JSON.")] = False,
 ) -> None:
-    """Finds where methods break; exit 1 if a promised range breaks, 3 if only crashes and hangs break it, 2 if nothing was judged.
+    """Finds where methods break; exit 1 if a promised range breaks, 3 if only crashes and hangs
+    break it, 2 if nothing was judged.
 
-    Example: refdem stress two-spheres --engine reference --engine refdem.toml --battery mass-ratio --battery frame
+    Example: refdem stress two-spheres --engine reference --engine refdem.toml --battery mass-ratio
+    --battery frame
     """
     import msgspec
 
@@ -43,32 +64,53 @@ def command(
     from refdem.stress.session import Stress
     from refdem.stress.tables import lines
 
-    chosen = batteries(battery or [], [Entry(name, given) for name, given in map(labelled, case or [])])
+    chosen = batteries(
+        battery or [], [Entry(name, given) for name, given in map(labelled, case or [])]
+    )
     refuse_unwritable(out)
     store = Store(default_path())
     record = Stress(
-        chosen, store, engines=engine or [], method=method, jobs=workers(jobs), timeout=timeout, longest=longest,
-        require=require, progress=Progress(),
-    ).record()  # fmt: skip
+        chosen,
+        store,
+        engines=engine or [],
+        method=method,
+        jobs=workers(jobs),
+        timeout=timeout,
+        longest=longest,
+        require=require,
+        progress=Progress(),
+    ).record()
     (out / "stress.json").write_bytes(msgspec.json.encode(record))
     written(out, record, store)
-    print(msgspec.json.encode(record).decode() if json else "\n".join([*lines(record), f"stress: {out / 'stress.html'}"]))
+    print(
+        msgspec.json.encode(record).decode()
+        if json
+        else "\n".join([*lines(record), f"stress: {out / 'stress.html'}"])
+    )
     raise typer.Exit(status(record))
 
 
 def status(record: "Record") -> int:
-    """1 if a rung that was due failed or could not be decided, 3 if engines only broke down on such rungs, 2 if nothing was judged."""
+    """1 if a rung that was due failed or could not be decided, 3 if engines only broke down on such
+    rungs, 2 if nothing was judged.
+    """
     from refdem.errors import UsageError
     from refdem.stress.record import BROKEN
 
-    ends = {climb.end.verdict for climb in record.climbs if climb.kept is False and climb.end is not None}
+    ends = {
+        climb.end.verdict
+        for climb in record.climbs
+        if climb.kept is False and climb.end is not None
+    }
     if ends:
         return 3 if ends == {"error"} else 1
     verdicts = {rung.verdict for climb in record.climbs for rung in climb.rungs}
     if not verdicts & {"pass", *BROKEN}:
         for engine, ladder, reason in record.refused:
             print(f"{engine}, {ladder}: {reason}", file=sys.stderr)
-        raise UsageError("nothing was judged: no method of the engines climbs a rung of these ladders")
+        raise UsageError(
+            "nothing was judged: no method of the engines climbs a rung of these ladders"
+        )
     return 0
 
 
@@ -78,7 +120,14 @@ def written(out: Path, record: "Record", store: "Store | None" = None) -> None:
     from refdem.stress.tables import introduction, summary
 
     sections = [_section(record, number) for number in range(len(record.batteries))]
-    write(out, TITLE, introduction(record), [_cells(table) for table in summary(record)], [s for s in sections if s.tables], store)
+    write(
+        out,
+        TITLE,
+        introduction(record),
+        [_cells(table) for table in summary(record)],
+        [s for s in sections if s.tables],
+        store,
+    )
 
 
 def _section(record: "Record", number: int) -> "Section":
@@ -89,12 +138,28 @@ def _section(record: "Record", number: int) -> "Section":
 
     asked = record.batteries[number]
     points = [
-        Point(c.ladder, c.along, index, shown_rung(rung.rung), c.engine, c.method, c.is_reference, ratio(rung), rung.verdict)
+        Point(
+            c.ladder,
+            c.along,
+            index,
+            shown_rung(rung.rung),
+            c.engine,
+            c.method,
+            c.is_reference,
+            ratio(rung),
+            rung.verdict,
+        )
         for c in record.climbs
         if c.battery == asked.id
         for index, rung in enumerate(c.rungs)
     ]
-    return Section(asked.id, asked.title, asked.question, points, [_cells(table) for table in details(record, asked.id)])
+    return Section(
+        asked.id,
+        asked.title,
+        asked.question,
+        points,
+        [_cells(table) for table in details(record, asked.id)],
+    )
 
 
 def _cells(table: "Table") -> "Cells":

@@ -21,13 +21,26 @@ DEAR = 10.0
 def command(
     case: Annotated[str, typer.Argument(help="The case; with --list, none means all.")] = "",
     set: Annotated[list[str] | None, typer.Option(help="Parameter, name=value.")] = None,
-    at: Annotated[str, typer.Option(help="Times [s], separated by commas; decimals or fractions, exact.")] = "",
-    digits: Annotated[int, typer.Option(help="Digits after which the radius may begin.", min=1, max=1000)] = 40,
+    at: Annotated[
+        str, typer.Option(help="Times [s], separated by commas; decimals or fractions, exact.")
+    ] = "",
+    digits: Annotated[
+        int, typer.Option(help="Digits after which the radius may begin.", min=1, max=1000)
+    ] = 40,
     json: Annotated[bool, typer.Option("--json", help="For programs.")] = False,
-    list: Annotated[bool, typer.Option("--list", help="What is certified: sets, values, digits, methods, witnesses.")] = False,
-    csv: Annotated[bool, typer.Option("--csv", help="The values that come proved with refdem, of one case or of all, as CSV.")] = False,
+    list: Annotated[
+        bool,
+        typer.Option("--list", help="What is certified: sets, values, digits, methods, witnesses."),
+    ] = False,
+    csv: Annotated[
+        bool,
+        typer.Option(
+            "--csv", help="The values that come proved with refdem, of one case or of all, as CSV."
+        ),
+    ] = False,
 ) -> None:
-    """Prints certified values of a case, for any parameters, or lists what comes proved with refdem.
+    """Prints certified values of a case, for any parameters, or lists what comes proved with
+    refdem.
 
     Example: refdem truth pendulum --set theta0=2 --at 1,5/2 --json
     """
@@ -46,21 +59,36 @@ def command(
     name, own = labelled(case)
     found = discovery.case(name)
     if isinstance(found, Selection):
-        raise UsageError(f"{name} is a selection of cases and has no truth of its own; ask for one of its cases")
+        raise UsageError(
+            f"{name} is a selection of cases and has no truth of its own; ask for one of its cases"
+        )
     instance = found.at(**(own | settings(set or [])))
     times = [exact(text) for text in at.split(",") if text.strip()]
     truth = instance.truth().refined(digits)
     if times:
         warn(truth.forecast(max(times), digits))
-    values = [value(None, *item, truth.method, digits) for item in scalars(truth, alone=not times).items()]
+    values = [
+        value(None, *item, truth.method, digits) for item in scalars(truth, alone=not times).items()
+    ]
     for t in times:
         values += [value(t, *item, truth.method, digits) for item in truth.at(t).items()]
     unit = "s" if "duration" in instance.p else ""
-    show({"case": name, "parameters": instance.p.texts(), "values": values, "witness": truth.witness}, json, unit)
+    show(
+        {
+            "case": name,
+            "parameters": instance.p.texts(),
+            "values": values,
+            "witness": truth.witness,
+        },
+        json,
+        unit,
+    )
 
 
 def scalars(truth: "Truth", *, alone: bool) -> "Mapping[str, Ball]":
-    """The scalars; where none are certified that is said on stderr, and is the answer only if nothing else was asked for."""
+    """The scalars; where none are certified that is said on stderr, and is the answer only if
+    nothing else was asked for.
+    """
     from refdem.errors import NotCertifiedError
 
     try:
@@ -73,7 +101,9 @@ def scalars(truth: "Truth", *, alone: bool) -> "Mapping[str, Ball]":
 
 
 def listed(case: str, as_json: bool) -> None:
-    """Prints what is certified of a case (its sets), or of all (a line each); what has no witness is red."""
+    """Prints what is certified of a case (its sets), or of all (a line each); what has no witness
+    is red.
+    """
     import msgspec
 
     from refdem.campaign.certified_list import certified_cases, in_all
@@ -83,10 +113,19 @@ def listed(case: str, as_json: bool) -> None:
     found = certified_cases(truth_folder(), [case] if case else ())
     sets = load(case) if case and found and found[0].sets else []
     if as_json:
-        document = {"cases": found, "sets": [{"set": one.label, "values": len(one.values), "parameters": one.parameters} for one in sets]}
+        document = {
+            "cases": found,
+            "sets": [
+                {"set": one.label, "values": len(one.values), "parameters": one.parameters}
+                for one in sets
+            ],
+        }
         print(msgspec.json.format(msgspec.json.encode(document)).decode())
         return
-    print(f"{'case':24} {'sets':>4} {'values':>6} {'digits':>6} {'stale':>5}  method | witness when proved | witness in the tests")
+    print(
+        f"{'case':24} {'sets':>4} {'values':>6} {'digits':>6} {'stale':>5}  method | witness when"
+        " proved | witness in the tests"
+    )
     for one in found:
         typer.secho(line_of(one), fg="red" if one.has_no_witness else None)
     for one_set in sets:
@@ -97,24 +136,40 @@ def listed(case: str, as_json: bool) -> None:
 def line_of(one: "CertifiedCase") -> str:
     """One case as a person reads it."""
     digits = "exact" if one.sets and one.digits is None else one.digits or "-"
-    said = f"{one.witness} ({one.witnessed} values to {one.agreed} digits)" if one.witnessed else "none"
+    said = (
+        f"{one.witness} ({one.witnessed} values to {one.agreed} digits)"
+        if one.witnessed
+        else "none"
+    )
     what = f"{'; '.join(one.methods) or 'nothing certified'} | {said} | {one.own_witness or 'none'}"
     return f"{one.case:24} {one.sets:4} {one.values:6} {digits!s:>6} {one.stale:5}  {what}"
 
 
 def times_of(one: Any) -> str:
     """The times of a set."""
-    return ", ".join(str(t) for t in sorted({value.t for value in one.values if value.t is not None})) or "no time"
+    return (
+        ", ".join(str(t) for t in sorted({value.t for value in one.values if value.t is not None}))
+        or "no time"
+    )
 
 
 def warn(seconds: float) -> None:
-    """Says on stderr what the work will cost if that is more than DEAR seconds; raises UsageError if nobody can wait for it."""
+    """Says on stderr what the work will cost if that is more than DEAR seconds; raises UsageError
+    if nobody can wait for it.
+    """
     from refdem.truth.forecast import HOPELESS
 
     if seconds > HOPELESS:
-        raise UsageError(f"the proof would take about {seconds / HOPELESS:.2g} days of CPU; ask for an earlier time, or for fewer digits")
+        raise UsageError(
+            f"the proof would take about {seconds / HOPELESS:.2g} days of CPU; ask for an earlier"
+            " time, or for fewer digits"
+        )
     if seconds > DEAR:
-        typer.echo(f"the proof will take about {seconds:.0f} s of CPU; fewer digits or an earlier time take less", err=True)
+        typer.echo(
+            f"the proof will take about {seconds:.0f} s of CPU; fewer digits or an earlier time"
+            " take less",
+            err=True,
+        )
 
 
 def tabled(case: str) -> None:
@@ -133,12 +188,16 @@ def tabled(case: str) -> None:
 def exact(text: str) -> Fraction:
     """A time as an exact number >= 0; raises UsageError."""
     if not re.fullmatch(r"\d{1,30}(\.\d{0,60})?([eE][+-]?\d{1,2})?(/[1-9]\d{0,30})?", text.strip()):
-        raise UsageError(f"--at got {text!r}; expected times >= 0 such as 2.5 or 5/2, separated by commas")
+        raise UsageError(
+            f"--at got {text!r}; expected times >= 0 such as 2.5 or 5/2, separated by commas"
+        )
     numerator, _, denominator = text.strip().partition("/")
     return Fraction(numerator) / int(denominator or 1)
 
 
-def value(t: Fraction | None, quantity: str, ball: Any, method: str, digits: int) -> dict[str, str | None]:
+def value(
+    t: Fraction | None, quantity: str, ball: Any, method: str, digits: int
+) -> dict[str, str | None]:
     """One value as the JSON has it."""
     mid, radius = ball.decimals(places=digits + 5)
     when = None if t is None else str(t)
@@ -155,4 +214,7 @@ def show(found: dict[str, Any], as_json: bool, unit: str) -> None:
     for item in found["values"]:
         when = "" if item["t"] is None else f"({item['t']} {unit}".rstrip() + ")"
         print(f"{item['quantity'] + when:24} {item['mid']} +- {item['radius']}")
-    print(f"method: {found['values'][0]['method'] if found['values'] else 'none'}\nwitness: {found['witness']}")
+    print(
+        f"method: {found['values'][0]['method'] if found['values'] else 'none'}\nwitness:"
+        f" {found['witness']}"
+    )

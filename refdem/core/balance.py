@@ -1,4 +1,6 @@
-"""Energy, momentum and angular momentum of a scene along a trajectory, with the scales that make their errors numbers."""
+"""Energy, momentum and angular momentum of a scene along a trajectory, with the scales that make
+their errors numbers.
+"""
 
 import numpy as np
 from numpy.typing import NDArray
@@ -24,8 +26,12 @@ ALONG_THE_LINE = (Spring, Rod, Catch)
 
 def kinetic(scene: Scene, run: Trajectory) -> Array:
     """Kinetic energy (T,) [J] of the bodies, and of what elements move (a wheel)."""
-    own = energy.kinetic(scene.bodies.mass, scene.bodies.inertia, run.velocity, run.attitude, run.omega)
-    total: Array = np.sum([own, *(element.kinetic(scene, run.velocity) for element in scene.elements)], axis=0)
+    own = energy.kinetic(
+        scene.bodies.mass, scene.bodies.inertia, run.velocity, run.attitude, run.omega
+    )
+    total: Array = np.sum(
+        [own, *(element.kinetic(scene, run.velocity) for element in scene.elements)], axis=0
+    )
     return total
 
 
@@ -37,14 +43,24 @@ def mechanical(scene: Scene, run: Trajectory) -> Array:
 def energy_scale(instance: Instance) -> float:
     """Kinetic energy and size of the potential at the start [J]; m (L/tau)^2 if both are zero.
 
-    The zero of a weight's potential is where the origin is, that of a spring which pushes is on a hill, and a drive may find
-    everything at rest: there it counts at least as the kinetic energy m (L/tau)^2 / 2. Where the square or the cube of a spring
-    pushes against its linear part, both count.
+    The zero of a weight's potential is where the origin is, that of a spring which pushes is on a
+    hill, and a drive may find everything at rest: there it counts at least as the kinetic energy m
+    (L/tau)^2 / 2. Where the square or the cube of a spring pushes against its linear part, both
+    count.
     """
     bodies = instance.scene.bodies
-    start = Trajectory(t=np.zeros(1), **{name: getattr(bodies, name)[None] for name in ("position", "velocity", "attitude", "omega")})
+    start = Trajectory(
+        t=np.zeros(1),
+        **{
+            name: getattr(bodies, name)[None]
+            for name in ("position", "velocity", "attitude", "omega")
+        },
+    )
     held = [abs(instance.scene.potential(start.position, start.attitude)[0])]
-    held += [spring.potential_size(start.position, start.attitude)[0] for spring in instance.scene.all(Spring)]
+    held += [
+        spring.potential_size(start.position, start.attitude)[0]
+        for spring in instance.scene.all(Spring)
+    ]
     size = kinetic(instance.scene, start)[0] + max(held)
     pushes = any(spring.stiffness < 0 for spring in instance.scene.all(Spring))
     if instance.scene.all(UniformGravity) or instance.scene.is_driven() or pushes:
@@ -60,7 +76,10 @@ def linear(scene: Scene, run: Trajectory) -> Array:
 def momentum_scale(instance: Instance) -> float:
     """Sum of m |v| at the start [kg m/s]; m L/tau if nothing moves."""
     bodies = instance.scene.bodies
-    return float(bodies.mass @ np.linalg.norm(bodies.velocity, axis=1)) or instance.scales.mass * instance.scales.speed
+    return (
+        float(bodies.mass @ np.linalg.norm(bodies.velocity, axis=1))
+        or instance.scales.mass * instance.scales.speed
+    )
 
 
 def angular(scene: Scene, run: Trajectory) -> dict[str, Array]:
@@ -74,27 +93,36 @@ def angular(scene: Scene, run: Trajectory) -> dict[str, Array]:
 def angular_scale(instance: Instance) -> float:
     """Sum of m |r| |v| + |J omega| at the start [kg m^2/s]; m L^2/tau if nothing moves.
 
-    Bodies on which nothing acts fly as far as they go: |r| is then the farthest, for r x v is rounded on its scale.
+    Bodies on which nothing acts fly as far as they go: |r| is then the farthest, for r x v is
+    rounded on its scale.
     """
     bodies = instance.scene.bodies
     speed = np.linalg.norm(bodies.velocity, axis=1)
     flight = 0.0 if instance.scene.elements else instance.scales.duration * speed
     orbital = bodies.mass @ ((np.linalg.norm(bodies.position, axis=1) + flight) * speed)
     spin = np.sum(bodies.inertia.max(axis=1) * np.linalg.norm(bodies.omega, axis=1))
-    return float(orbital + spin) or instance.scales.mass * instance.scales.length * instance.scales.speed
+    return (
+        float(orbital + spin)
+        or instance.scales.mass * instance.scales.length * instance.scales.speed
+    )
 
 
 def torque_reason(scene: Scene) -> str | None:
     """None if no torque about the origin acts from outside, else where one comes from."""
     for element in scene.elements:
         if isinstance(element, Contact) and element.friction > 0 and element.branch != "R-d/2":
-            return f"the branch vectors {element.branch} do not sum to the centre distance, so the contact law itself changes it"
+            return (
+                f"the branch vectors {element.branch} do not sum to the centre distance, so the"
+                " contact law itself changes it"
+            )
         if isinstance(element, Dashpot) and element.b >= 0:
             return "a dashpot resists across the line of its ends as well, and so turns them"
         if isinstance(element, PeriodicBox):
             return "the force between images in a periodic box does not act along one line"
         central = isinstance(element, CentralField) or (
-            isinstance(element, ALONG_THE_LINE) and not any(element.anchor_a) and not (element.b < 0 and any(element.anchor_b))
+            isinstance(element, ALONG_THE_LINE)
+            and not any(element.anchor_a)
+            and not (element.b < 0 and any(element.anchor_b))
         )
         if element.external and not central:
             return f"the element {element.kind} exerts a torque from outside"

@@ -21,7 +21,9 @@ from refdem.scene import Scene
 Array = NDArray[np.float64]
 
 SHORTEST, LONGEST = 1e-6, 1e12
-"""A duration in units of tau: below, the motion drowns in round-off; above, one rounded parameter turns the phase by 1e-4."""
+"""A duration in units of tau: below, the motion drowns in round-off; above, one rounded parameter
+turns the phase by 1e-4.
+"""
 
 NEVER: Mapping[str, str] = {}
 """`chaotic_at` of a case that is never chaotic, whatever its parameters."""
@@ -34,7 +36,9 @@ def given(**parameters: str) -> Mapping[str, str]:
 
 @contextmanager
 def within_binary64(label: str) -> Iterator[None]:
-    """Raises UsageError where the numbers of a case, each in its bounds, together leave the range of binary64."""
+    """Raises UsageError where the numbers of a case, each in its bounds, together leave the range
+    of binary64.
+    """
     try:
         with np.errstate(over="raise", divide="raise", invalid="raise"):
             yield
@@ -44,13 +48,30 @@ def within_binary64(label: str) -> Iterator[None]:
 
 
 CLOCK = (
-    Parameter(name="duration", default="", unit="s", doc="how long the motion lasts; 20 tau by default", above=0),
-    Parameter(name="samples", default="64", unit="1", doc="number of sample intervals", at_least=2, at_most=100_000, whole=True),
+    Parameter(
+        name="duration",
+        default="",
+        unit="s",
+        doc="how long the motion lasts; 20 tau by default",
+        above=0,
+    ),
+    Parameter(
+        name="samples",
+        default="64",
+        unit="1",
+        doc="number of sample intervals",
+        at_least=2,
+        at_most=100_000,
+        whole=True,
+    ),
 )
 
 
 class Canonical(ABC):
-    """A canonical problem of any kind. Adding one is one file in cases/ with an instance of a subclass named CASE."""
+    """A canonical problem of any kind.
+
+    Adding one is one file in cases/ with an instance of a subclass named CASE.
+    """
 
     id: ClassVar[str]
     title: ClassVar[str]
@@ -80,7 +101,9 @@ class Canonical(ABC):
 
     @abstractmethod
     def observe(self, p: Parameters, trajectory: Trajectory) -> dict[str, Array]:
-        """Every quantity that the trajectory shows, each (T,); one that it cannot show (no channel) is left out."""
+        """Every quantity that the trajectory shows, each (T,); one that it cannot show (no channel)
+        is left out.
+        """
 
     @abstractmethod
     def truth(self, p: Parameters) -> Truth:
@@ -90,14 +113,25 @@ class Canonical(ABC):
         """Raises UsageError for values that are each in bounds but do not go together."""
 
     def meant(self, p: Parameters) -> Mapping[str, Any]:
-        """The exact numbers that the parameters stand for: what a witness of the truth begins with."""
+        """The exact numbers that the parameters stand for: what a witness of the truth begins
+        with.
+        """
         return p
 
     def is_chaotic(self, p: Parameters) -> bool | None:
-        """True at the parameters `chaotic_at`, False where that is NEVER; None where nobody has said."""
+        """True at the parameters `chaotic_at`, False where that is NEVER;
+
+        None where nobody has said.
+        """
         if not self.chaotic_at:
             return None if self.chaotic_at is None else False
-        return True if all(p[name] == p.declared[name].parsed(text) for name, text in self.chaotic_at.items()) else None
+        return (
+            True
+            if all(
+                p[name] == p.declared[name].parsed(text) for name, text in self.chaotic_at.items()
+            )
+            else None
+        )
 
     def exclude_for(self, p: Parameters) -> Mapping[str, str]:
         """Checks that are left out at these parameters, with reasons."""
@@ -124,7 +158,9 @@ class Timed(Canonical):
         return Scales(own.length, own.tau, p.duration or own.duration, own.mass)
 
     def times(self, p: Parameters) -> Array:
-        """Samples (T,) [s]: whole multiples of an interval of 20 bits, so that multiples and halves of it are exact."""
+        """Samples (T,) [s]: whole multiples of an interval of 20 bits, so that multiples and halves
+        of it are exact.
+        """
         samples = int(p.samples)
         mantissa, exponent = np.frexp(self.lasting(p).duration / samples)
         interval = np.ldexp(np.round(np.ldexp(mantissa, 20)), int(exponent) - 20)
@@ -144,7 +180,9 @@ class Case(Timed):
 
 
 class EnsembleCase(Timed):
-    """A canonical flow: a closed outline in the plane of a place and its rate is carried through phase space."""
+    """A canonical flow: a closed outline in the plane of a place and its rate is carried through
+    phase space.
+    """
 
     @abstractmethod
     def problem(self, p: Parameters) -> Ensemble:
@@ -156,7 +194,9 @@ class EnsembleCase(Timed):
 
     @abstractmethod
     def outline(self, p: Parameters, trajectory: Trajectory) -> tuple[Array, Array]:
-        """Place and rate (T, M) of the points in their order; the last one has the first for a neighbour."""
+        """Place and rate (T, M) of the points in their order; the last one has the first for a
+        neighbour.
+        """
 
 
 class IterationCase(Canonical):
@@ -191,16 +231,31 @@ class Instance:
         return self.case.lasting(self.p)
 
     def refuse_unjudgeable(self) -> None:
-        """Raises UsageError for scales whose squares and products binary64 cannot hold, or a duration in which there is nothing to see."""
+        """Raises UsageError for scales whose squares and products binary64 cannot hold, or a
+        duration in which there is nothing to see.
+        """
         scales = self.scales
-        sizes = (scales.length, scales.tau, scales.mass, scales.energy, *(q.scale for q in self.quantities.values()))
+        sizes = (
+            scales.length,
+            scales.tau,
+            scales.mass,
+            scales.energy,
+            *(q.scale for q in self.quantities.values()),
+        )
         if not all(SMALLEST < size < LARGEST for size in sizes):
-            told = f"length {scales.length:.3g} m, time {scales.tau:.3g} s, mass {scales.mass:.3g} kg, energy {scales.energy:.3g} J"
-            raise UsageError(f"{self.label}: the scales come to {told}; expected each between 1e-100 and 1e100: take other parameters")
+            told = (
+                f"length {scales.length:.3g} m, time {scales.tau:.3g} s, mass {scales.mass:.3g} kg,"
+                f" energy {scales.energy:.3g} J"
+            )
+            raise UsageError(
+                f"{self.label}: the scales come to {told}; expected each between 1e-100 and 1e100:"
+                " take other parameters"
+            )
         if not SHORTEST <= scales.duration / scales.tau <= LONGEST:
             raise UsageError(
-                f"parameter duration: got {scales.duration:.6g} s, {scales.duration / scales.tau:.3g} times the shortest time tau = "
-                f"{scales.tau:.6g} s of the motion; expected {SHORTEST:g} to {LONGEST:g} times tau"
+                f"parameter duration: got {scales.duration:.6g} s,"
+                f" {scales.duration / scales.tau:.3g} times the shortest time tau ="
+                f" {scales.tau:.6g} s of the motion; expected {SHORTEST:g} to {LONGEST:g} times tau"
             )
 
     @cached_property

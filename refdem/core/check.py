@@ -22,7 +22,8 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True, eq=False)
 class Trial:
-    """All that judging needs: the instance, the method's claims, its levels (coarse to fine) and the truth, if certified.
+    """All that judging needs: the instance, the method's claims, its levels (coarse to fine) and
+    the truth, if certified.
 
     `refusal` says of any motion why the method cannot run it, or None.
     """
@@ -41,16 +42,24 @@ class Trial:
 
     @property
     def order(self) -> float:
-        """The order to which the method is held in this scene: what it claims, or what the scene leaves to fixed steps."""
+        """The order to which the method is held in this scene: what it claims, or what the scene
+        leaves to fixed steps.
+        """
         return refinement.order(self.instance, self.method)
 
     def round_off(self, level: float) -> float:
         """Relative round-off that a run at this level may show."""
-        return refinement.round_off(self.instance, self.method, refinement.steps_at(self.instance, self.method, level))
+        return refinement.round_off(
+            self.instance, self.method, refinement.steps_at(self.instance, self.method, level)
+        )
 
     def noise(self, level: float) -> float:
-        """Relative error of positions and velocities that no step removes: round-off, and that of sums of equal terms."""
-        summed = refinement.clock(self.instance, self.method, level) + refinement.flight(self.instance, self.method, level)
+        """Relative error of positions and velocities that no step removes: round-off, and that of
+        sums of equal terms.
+        """
+        summed = refinement.clock(self.instance, self.method, level) + refinement.flight(
+            self.instance, self.method, level
+        )
         return self.round_off(level) + summed
 
     def truncation(self, level: float) -> Array:
@@ -64,7 +73,9 @@ class Trial:
         return refinement.bound(self.instance, self.method, level, self.truth)
 
     def kept(self, claim: str, level: float) -> tuple[Array, str]:
-        """Bound (T,) on the change of something constant, and its basis: round-off if the method claims to keep it."""
+        """Bound (T,) on the change of something constant, and its basis: round-off if the method
+        claims to keep it.
+        """
         rounding = np.full(len(self.instance.times), self.round_off(level))
         if self.method.keeps(claim, self.instance.problem.features):
             return rounding, "the method claims to keep it to round-off, c u sqrt(n)"
@@ -85,12 +96,17 @@ class Outcome:
 
 
 class Check(ABC):
-    """One verified property. Adding one is one file in checks/ with an instance of a subclass named CHECK."""
+    """One verified property.
+
+    Adding one is one file in checks/ with an instance of a subclass named CHECK.
+    """
 
     name: ClassVar[str]
     title: ClassVar[str]
     kills: ClassVar[str]  # the fault that it catches, in a few words
-    synchronous: ClassVar[bool] = False  # it reads positions and velocities together, so they must be of one time
+    synchronous: ClassVar[bool] = (
+        False  # it reads positions and velocities together, so they must be of one time
+    )
     judges: ClassVar[tuple[type[Problem], ...]] = (Motion,)  # kinds of questions that it applies to
 
     @abstractmethod
@@ -100,7 +116,11 @@ class Check(ABC):
     def left_out(self, trial: Trial) -> str | None:
         """None if it judges this kind of question and applies, else the reason why not."""
         problem = trial.instance.problem
-        return self.applies(trial) if isinstance(problem, self.judges) else f"it does not judge {problem.words}"
+        return (
+            self.applies(trial)
+            if isinstance(problem, self.judges)
+            else f"it does not judge {problem.words}"
+        )
 
     @abstractmethod
     def needs(self, trial: Trial) -> tuple[Variant, ...]:

@@ -1,4 +1,6 @@
-"""An expected deviation: a value known to be out of bounds, with its range, the reason and a link."""
+"""An expected deviation: a value known to be out of bounds, with its range, the reason and a
+link.
+"""
 
 from fnmatch import fnmatchcase
 from math import isfinite
@@ -10,7 +12,8 @@ from refdem.errors import OutOfRangeError
 
 
 class Deviation(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """Excuses a failing value in [low, high] for these versions ("4.*"); `parameters` is the label's part in brackets.
+    """Excuses a failing value in [low, high] for these versions ("4.*"); `parameters` is the
+    label's part in brackets.
 
     Names may be patterns with * and ?.
     """
@@ -27,12 +30,19 @@ class Deviation(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields
     link: str = ""
 
     def __post_init__(self) -> None:
-        """Refuses what excuses everything, or nothing; msgspec makes an error with the place of it."""
+        """Refuses what excuses everything, or nothing; msgspec makes an error with the place of
+        it.
+        """
         if not (isfinite(self.low) and isfinite(self.high) and 0 <= self.low <= self.high):
-            raise OutOfRangeError(f"low = {self.low:g} and high = {self.high:g}; expected finite numbers, 0 <= low <= high")
+            raise OutOfRangeError(
+                f"low = {self.low:g} and high = {self.high:g}; expected finite numbers, 0 <= low <="
+                " high"
+            )
         for name in ("case", "method", "check", "quantity", "versions", "reason"):
             if not getattr(self, name).strip():
-                raise OutOfRangeError(f"{name} is empty; an expected deviation says where it holds, and why")
+                raise OutOfRangeError(
+                    f"{name} is empty; an expected deviation says where it holds, and why"
+                )
 
     def covers(self, record: Record, finding: Finding) -> bool:
         """The deviation speaks of this finding."""

@@ -1,4 +1,6 @@
-"""Finding cases, checks and engines: one file each in its folder, or an entry point of another package."""
+"""Finding cases, checks and engines: one file each in its folder, or an entry point of another
+package.
+"""
 
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -27,7 +29,9 @@ _HERE: "dict[str, Engine]" = {}
 
 @contextmanager
 def engine_here(engine: "Engine") -> Iterator[None]:
-    """While it lasts, `engine` finds this object by its name: for an engine that lives in this process alone."""
+    """While it lasts, `engine` finds this object by its name: for an engine that lives in this
+    process alone.
+    """
     _HERE[engine.name] = engine
     try:
         yield
@@ -38,8 +42,14 @@ def engine_here(engine: "Engine") -> Iterator[None]:
 @cache
 def _names(folder: str) -> tuple[str, ...]:
     """Module names in refdem/<folder>: files and small folders; underscores mark private ones."""
-    modules = [path for path in sorted((ROOT / folder).iterdir()) if path.suffix == ".py" or (path / "__init__.py").exists()]
-    return tuple(path.stem for path in modules if not path.name.startswith("_") and path.stem != DESCRIBED)
+    modules = [
+        path
+        for path in sorted((ROOT / folder).iterdir())
+        if path.suffix == ".py" or (path / "__init__.py").exists()
+    ]
+    return tuple(
+        path.stem for path in modules if not path.name.startswith("_") and path.stem != DESCRIBED
+    )
 
 
 @cache
@@ -49,7 +59,9 @@ def _others(group: str) -> dict[str, Any]:
 
 
 def _load(folder: str, attribute: str, name: str) -> Any:
-    """The object called `attribute` in the module of that name; raises UsageError with the nearest name."""
+    """The object called `attribute` in the module of that name; raises UsageError with the nearest
+    name.
+    """
     known = {module.replace("_", "-"): module for module in _names(folder)}
     if name in known:
         return getattr(import_module(f"refdem.{folder}.{known[name]}"), attribute)
@@ -69,7 +81,9 @@ def has_others(folder: str) -> bool:
 
 
 def package_of(folder: str, name: str) -> str | None:
-    """The distribution of another package that brings the case, check or engine of that name, or None."""
+    """The distribution of another package that brings the case, check or engine of that name, or
+    None.
+    """
     point = _others(folder).get(name)
     return None if point is None or point.dist is None else point.dist.name
 
@@ -87,7 +101,9 @@ def check(name: str) -> "Check":
 
 
 def engine(name: str) -> "Engine":
-    """The engine of that name, or the program that the refdem.toml at that path describes; the engine itself is not imported."""
+    """The engine of that name, or the program that the refdem.toml at that path describes; the
+    engine itself is not imported.
+    """
     if name in _HERE:
         return _HERE[name]
     if name.endswith(".toml"):
@@ -98,5 +114,7 @@ def engine(name: str) -> "Engine":
 
 
 def truth_of(name: str, **given: str) -> "Truth":
-    """The certified truth of a case at the given parameters, each as text: `truth_of("pendulum", theta0="2")`."""
+    """The certified truth of a case at the given parameters, each as text: `truth_of("pendulum",
+    theta0="2")`.
+    """
     return case(name).at(**given).truth()

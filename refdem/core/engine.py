@@ -16,17 +16,20 @@ Result = TypeVar("Result")
 class Method:
     """One way to run an engine, and what is claimed for it; the checks hold it to the claims.
 
-    control: a fixed `step`, a `tolerance`, or `exact` (round-off only). `order_with` lowers the order where a scene has
-    the feature. `constant` is C in `error <= C L (T/tau) (h/tau)^p`, or in `error <= C 1e3 tol S` of a
-    tolerance, there for smooth motions. `conserves`: energy, momentum, angular-momentum,
-    each to round-off; `broken_with`: features of a scene with which a law among them is
-    kept to the order only; `symplectic`: no secular drift of energy. `complete_state`: a run can go on from its end state.
-    `velocity_time`: velocities and omegas hold at their sample, or half a step before it. `summed_clock`: its time is a plain
-    sum of its steps, so that it may be off by u t for each of them. `locates_events`: it tells events at their own times and not at
-    the end of the step that sees them. `answers` is the kind of questions that it is for; of one
-    without time it `knows` these features, and is silent about others. `derived` names what the adapter makes of other numbers in
-    such a way that a law about it always holds, each with the reason: a check of that law could not fail, and so does not apply.
-    Known are `attitude` (unit quaternions), `rod` and `ball_joint` (closed joints), `dissipated_work` (the energy balance).
+    control: a fixed `step`, a `tolerance`, or `exact` (round-off only). `order_with` lowers the
+    order where a scene has the feature. `constant` is C in `error <= C L (T/tau) (h/tau)^p`, or in
+    `error <= C 1e3 tol S` of a tolerance, there for smooth motions. `conserves`: energy, momentum,
+    angular-momentum, each to round-off; `broken_with`: features of a scene with which a law among
+    them is kept to the order only; `symplectic`: no secular drift of energy. `complete_state`: a
+    run can go on from its end state.
+    `velocity_time`: velocities and omegas hold at their sample, or half a step before it.
+    `summed_clock`: its time is a plain sum of its steps, so that it may be off by u t for each of
+    them. `locates_events`: it tells events at their own times and not at the end of the step that
+    sees them. `answers` is the kind of questions that it is for; of one without time it `knows`
+    these features, and is silent about others. `derived` names what the adapter makes of other
+    numbers in such a way that a law about it always holds, each with the reason: a check of that
+    law could not fail, and so does not apply. Known are `attitude` (unit quaternions), `rod` and
+    `ball_joint` (closed joints), `dissipated_work` (the energy balance).
     """
 
     name: str
@@ -54,11 +57,18 @@ class Method:
 
     def delay(self, level: float) -> float:
         """Time [s] by which velocities and omegas lag behind their sample at this level."""
-        return level / 2 if self.velocity_time == "minus-half-step" and self.control == "step" else 0.0
+        return (
+            level / 2 if self.velocity_time == "minus-half-step" and self.control == "step" else 0.0
+        )
 
     def order_for(self, features: frozenset[str]) -> int:
         """The order claimed for a scene with these features."""
-        return min([self.order, *(order for feature, order in self.order_with.items() if feature in features)])
+        return min(
+            [
+                self.order,
+                *(order for feature, order in self.order_with.items() if feature in features),
+            ]
+        )
 
     def keeps(self, law: str, features: frozenset[str]) -> bool:
         """Whether a law is claimed to hold to round-off in a scene with these features."""
@@ -74,7 +84,9 @@ class Method:
 
 @dataclass(frozen=True)
 class Default:
-    """One line of the audit of defaults: a setting, what the engine comes with, what the adapter sets, and why."""
+    """One line of the audit of defaults: a setting, what the engine comes with, what the adapter
+    sets, and why.
+    """
 
     setting: str
     default: str
@@ -83,9 +95,12 @@ class Default:
 
 
 Waiting = Callable[[], float]
-"""Starts a program, waits for it, returns the seconds that it took or raises; safe in any thread."""
+"""Starts a program, waits for it, returns the seconds that it took or raises; safe in any thread.
+"""
 Stages = Generator[Waiting, Waiting, Result]
-"""Work around a program: yields what waits, is sent what then returns or raises the same, returns its result."""
+"""Work around a program: yields what waits, is sent what then returns or raises the same, returns
+its result.
+"""
 
 
 def finished(stages: Stages[Result]) -> Result:
@@ -100,7 +115,10 @@ def finished(stages: Stages[Result]) -> Result:
 
 
 class Engine(ABC):
-    """An adapter. It gets the question and never the answer; it is imported without importing the engine itself."""
+    """An adapter.
+
+    It gets the question and never the answer; it is imported without importing the engine itself.
+    """
 
     name: str
     title: str
@@ -112,12 +130,15 @@ class Engine(ABC):
     budget: float | None = None
     expected: tuple[Deviation, ...] = ()
     may_refuse: frozenset[str] = frozenset()
-    """Limits that the engine's own description sets, in seconds a run and seconds a campaign; deviations it accepts; and pictures of
-    a scene (shifted, rotated, mirrored ...) that it may refuse when it runs although it runs the scene itself."""
+    """Limits that the engine's own description sets, in seconds a run and seconds a campaign;
+    deviations it accepts; and pictures of a scene (shifted, rotated, mirrored ...) that it may
+    refuse when it runs although it runs the scene itself."""
 
     @property
     def address(self) -> str:
-        """What `discovery.engine` finds it by, also in another process: its name, or the path of its refdem.toml."""
+        """What `discovery.engine` finds it by, also in another process: its name, or the path of
+        its refdem.toml.
+        """
         return self.name
 
     @abstractmethod
@@ -142,7 +163,11 @@ class Engine(ABC):
             return f"cannot run {problem.words}"
         if isinstance(problem, Motion):
             return self.refusal(problem, method)
-        return None if method.knows & problem.features else f"knows nothing that is asked of {problem.words}"
+        return (
+            None
+            if method.knows & problem.features
+            else f"knows nothing that is asked of {problem.words}"
+        )
 
     @abstractmethod
     def run(self, request: Request) -> tuple[Trajectory, Cost]:
@@ -156,11 +181,16 @@ class Engine(ABC):
         for method in self.methods:
             if method.name == name:
                 return method
-        raise UsageError(f"engine {self.name} has no method {name!r}; {nearest(name, [m.name for m in self.methods])}")
+        raise UsageError(
+            f"engine {self.name} has no method {name!r};"
+            f" {nearest(name, [m.name for m in self.methods])}"
+        )
 
 
 class ProgramEngine(Engine):
-    """An engine whose runs are those of a program, which it ends by `time_limit`: whoever wants them need only wait."""
+    """An engine whose runs are those of a program, which it ends by `time_limit`: whoever wants
+    them need only wait.
+    """
 
     @abstractmethod
     def stages(self, request: Request) -> Stages[tuple[Trajectory, Cost]]:

@@ -1,4 +1,6 @@
-"""A question about many starts of one scene at once: an outline, or a cloud, carried through phase space."""
+"""A question about many starts of one scene at once: an outline, or a cloud, carried through phase
+space.
+"""
 
 from dataclasses import dataclass
 from typing import ClassVar
@@ -25,9 +27,11 @@ class EnsembleDocument(msgspec.Struct, frozen=True, kw_only=True, tag="ensemble"
 
 @dataclass(frozen=True, eq=False)
 class Ensemble(Problem):
-    """A scene of N bodies, M starts of it at times[0]: position, velocity (M, N, 3) [m, m/s], and the times (T,) [s] asked for.
+    """A scene of N bodies, M starts of it at times[0]: position, velocity (M, N, 3) [m, m/s], and
+    the times (T,) [s] asked for.
 
-    The answer has `position` and `velocity` (T, M, N, 3). The state that the scene itself has does not count. Nothing turns.
+    The answer has `position` and `velocity` (T, M, N, 3). The state that the scene itself has does
+    not count. Nothing turns.
     """
 
     kind: ClassVar[str] = "ensemble"
@@ -41,7 +45,8 @@ class Ensemble(Problem):
         shape = (len(self.position), len(self.scene.bodies), 3)
         if self.position.shape != shape or self.velocity.shape != shape or not shape[0]:
             raise UsageError(
-                f"ensemble: starts have shapes {self.position.shape} and {self.velocity.shape}; expected {shape}, at least one"
+                f"ensemble: starts have shapes {self.position.shape} and {self.velocity.shape};"
+                f" expected {shape}, at least one"
             )
         if not (np.all(np.isfinite(self.position)) and np.all(np.isfinite(self.velocity))):
             raise UsageError("ensemble: a start is not finite")
@@ -53,10 +58,14 @@ class Ensemble(Problem):
         scene = Scene.of_document(document.scene)
         count = 3 * len(scene.bodies)
         raw = [
-            np.frombuffer(column[: len(column) // 8 * 8], dtype="<f8").astype(float) for column in (document.position, document.velocity)
+            np.frombuffer(column[: len(column) // 8 * 8], dtype="<f8").astype(float)
+            for column in (document.position, document.velocity)
         ]
         if any(column.size % count for column in raw) or raw[0].size != raw[1].size:
-            raise UsageError(f"ensemble: starts of {raw[0].size} and {raw[1].size} numbers; expected as many, {count} to a start")
+            raise UsageError(
+                f"ensemble: starts of {raw[0].size} and {raw[1].size} numbers; expected as many,"
+                f" {count} to a start"
+            )
         position, velocity = (column.reshape(-1, len(scene.bodies), 3) for column in raw)
         return cls(scene, np.array(document.times), position, velocity)
 
@@ -67,14 +76,23 @@ class Ensemble(Problem):
 
     def document(self) -> EnsembleDocument:
         """Scene, times and starts."""
-        starts = {name: np.ascontiguousarray(getattr(self, name), dtype="<f8").tobytes() for name in ("position", "velocity")}
-        return EnsembleDocument(scene=self.scene.document(listed=True), times=self.times.tolist(), **starts)
+        starts = {
+            name: np.ascontiguousarray(getattr(self, name), dtype="<f8").tobytes()
+            for name in ("position", "velocity")
+        }
+        return EnsembleDocument(
+            scene=self.scene.document(listed=True), times=self.times.tolist(), **starts
+        )
 
     def perturbed(self, ulps: int) -> "Ensemble":
         """Every start moved as that of a motion is."""
         moved = ulps * 2.0**-52
-        turns = np.where(np.arange(self.velocity[0].size) % 2, 1.0, -1.0).reshape(self.velocity[0].shape)
-        return Ensemble(self.scene, self.times, self.position * (1 + moved), self.velocity * (1 + turns * moved))
+        turns = np.where(np.arange(self.velocity[0].size) % 2, 1.0, -1.0).reshape(
+            self.velocity[0].shape
+        )
+        return Ensemble(
+            self.scene, self.times, self.position * (1 + moved), self.velocity * (1 + turns * moved)
+        )
 
     def when(self, sample: float) -> str:
         """A time."""
@@ -82,4 +100,7 @@ class Ensemble(Problem):
 
     def motion(self, member: int) -> Motion:
         """The motion of one start."""
-        return Motion(self.scene.with_state(position=self.position[member], velocity=self.velocity[member]), self.times)
+        return Motion(
+            self.scene.with_state(position=self.position[member], velocity=self.velocity[member]),
+            self.times,
+        )

@@ -1,4 +1,6 @@
-"""A figure as data: curves, points and clouds on axes, with a caption, the numbers seen in it, and the commands that make it."""
+"""A figure as data: curves, points and clouds on axes, with a caption, the numbers seen in it, and
+the commands that make it.
+"""
 
 from dataclasses import dataclass, field
 from typing import Literal
@@ -16,9 +18,9 @@ GREY = -1
 class Series:
     """One part of a picture: x, y (N,), nan where a curve breaks.
 
-    `ink` numbers the report's colours, GREY is none of them. `label` is for the legend; series of one ink share a label, and those
-    without one are not in it. An `area` is a closed outline, a `cloud` so many points that only their density is drawn, a `text`
-    writes `words` (N,).
+    `ink` numbers the report's colours, GREY is none of them. `label` is for the legend; series of
+    one ink share a label, and those without one are not in it. An `area` is a closed outline, a
+    `cloud` so many points that only their density is drawn, a `text` writes `words` (N,).
     """
 
     x: Array
@@ -32,14 +34,22 @@ class Series:
 
     def __post_init__(self) -> None:
         if self.x.ndim != 1 or self.x.shape != self.y.shape or not len(self.x):
-            raise UsageError(f"series {self.label!r}: x and y have shapes {self.x.shape} and {self.y.shape}; expected (N,), N >= 1, twice")
+            raise UsageError(
+                f"series {self.label!r}: x and y have shapes {self.x.shape} and {self.y.shape};"
+                " expected (N,), N >= 1, twice"
+            )
         if self.mark == "text" and len(self.words) != len(self.x):
-            raise UsageError(f"series {self.label!r}: {len(self.words)} words for {len(self.x)} places")
+            raise UsageError(
+                f"series {self.label!r}: {len(self.words)} words for {len(self.x)} places"
+            )
 
 
 @dataclass(frozen=True, kw_only=True)
 class Axis:
-    """What is on an axis; `ends` are those of the data unless given, `is_hidden` leaves line, ticks and title out."""
+    """What is on an axis;
+
+    `ends` are those of the data unless given, `is_hidden` leaves line, ticks and title out.
+    """
 
     title: str = ""
     ends: tuple[float, float] | None = None

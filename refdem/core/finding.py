@@ -1,4 +1,6 @@
-"""What came out: findings with their reasons, gathered in records; a report is a function of these."""
+"""What came out: findings with their reasons, gathered in records; a report is a function of
+these.
+"""
 
 import math
 from collections.abc import Iterable
@@ -6,9 +8,33 @@ from typing import Literal
 
 import msgspec
 
-Outcome = Literal["pass", "fail", "error", "unsupported", "undecided", "expected", "stale", "worse", "lost", "absent"]
-"""The last three compare: worse than the baseline; decided there, or required by the campaign, and no longer decided; there and gone."""
-WORST_FIRST: tuple[Outcome, ...] = ("error", "fail", "worse", "lost", "absent", "stale", "undecided", "expected", "unsupported", "pass")
+Outcome = Literal[
+    "pass",
+    "fail",
+    "error",
+    "unsupported",
+    "undecided",
+    "expected",
+    "stale",
+    "worse",
+    "lost",
+    "absent",
+]
+"""The last three compare: worse than the baseline; decided there, or required by the campaign, and
+no longer decided; there and gone.
+"""
+WORST_FIRST: tuple[Outcome, ...] = (
+    "error",
+    "fail",
+    "worse",
+    "lost",
+    "absent",
+    "stale",
+    "undecided",
+    "expected",
+    "unsupported",
+    "pass",
+)
 """An error comes first: where a run broke, it is the one sentence that explains what is missing."""
 FAILING: tuple[Outcome, ...] = ("fail", "worse", "lost", "absent", "stale")
 """What makes a command exit with 1; `error` alone makes it exit with 3."""
@@ -17,8 +43,9 @@ DECIDED: tuple[Outcome, ...] = ("pass", "fail", "expected", "stale", "worse")
 
 
 class Level(msgspec.Struct, frozen=True, kw_only=True):
-    """One refinement level: step or tolerance, largest error over the run in units of the quantity's scale, its bound,
-    seconds in the engine's loop, and whether it counts for the order."""
+    """One refinement level: step or tolerance, largest error over the run in units of the
+    quantity's scale, its bound, seconds in the engine's loop, and whether it counts for the
+    order."""
 
     level: float
     error: float
@@ -36,10 +63,12 @@ class Series(msgspec.Struct, frozen=True, kw_only=True):
 
 
 class Finding(msgspec.Struct, frozen=True, kw_only=True):
-    """One judgement: a measured value against a bound that has a basis, and one sentence that says why.
+    """One judgement: a measured value against a bound that has a basis, and one sentence that says
+    why.
 
-    `sharpness` is the bound over the signal, where that is least: the signal is how far the quantity moves in this run. It is
-    None where the law holds the quantity to a constant, and in records that older versions wrote.
+    `sharpness` is the bound over the signal, where that is least: the signal is how far the
+    quantity moves in this run. It is None where the law holds the quantity to a constant, and in
+    records that older versions wrote.
     """
 
     check: str
@@ -59,7 +88,10 @@ class Finding(msgspec.Struct, frozen=True, kw_only=True):
 
     @property
     def margin(self) -> float | None:
-        """Decades between value and bound; positive is inside. None if there is nothing to compare."""
+        """Decades between value and bound; positive is inside.
+
+        None if there is nothing to compare.
+        """
         if self.value is None or self.bound is None:
             return None
         if not math.isfinite(self.value):
@@ -89,7 +121,9 @@ class Record(msgspec.Struct, frozen=True, kw_only=True, tag="record", tag_field=
 
 
 class CaseSheet(msgspec.Struct, frozen=True, kw_only=True, tag="case", tag_field="type"):
-    """What a report says of an instance: statement, scene, parameters, and how its truth was proved."""
+    """What a report says of an instance: statement, scene, parameters, and how its truth was
+    proved.
+    """
 
     case: str
     label: str
@@ -122,7 +156,9 @@ class EngineSheet(msgspec.Struct, frozen=True, kw_only=True, tag="engine", tag_f
 
 
 class CampaignSheet(msgspec.Struct, frozen=True, kw_only=True, tag="campaign", tag_field="type"):
-    """What a report says of the whole: name, counts of runs made and read from the store, seconds."""
+    """What a report says of the whole: name, counts of runs made and read from the store,
+    seconds.
+    """
 
     name: str
     refdem: str
@@ -136,5 +172,12 @@ Sheet = Record | CaseSheet | EngineSheet | CampaignSheet
 
 def worst_first(sheets: Iterable[Sheet]) -> list[tuple[Record, Finding]]:
     """Every finding with its record: by outcome, then by margin."""
-    found = [(sheet, finding) for sheet in sheets if isinstance(sheet, Record) for finding in sheet.findings]
-    return sorted(found, key=lambda pair: (WORST_FIRST.index(pair[1].outcome), pair[1].margin or 0.0))
+    found = [
+        (sheet, finding)
+        for sheet in sheets
+        if isinstance(sheet, Record)
+        for finding in sheet.findings
+    ]
+    return sorted(
+        found, key=lambda pair: (WORST_FIRST.index(pair[1].outcome), pair[1].margin or 0.0)
+    )

@@ -19,24 +19,33 @@ def of_files(paths: Iterable[Path]) -> str:
 
 @cache
 def of_package(name: str) -> str:
-    """sha256 of an installed package's version and RECORD, which holds the digest of every file in it."""
+    """sha256 of an installed package's version and RECORD, which holds the digest of every file in
+    it.
+    """
     try:
         found = distribution(name)
     except PackageNotFoundError:
         return "missing"
-    return hashlib.sha256(f"{found.version}\0{found.read_text('RECORD') or ''}".encode()).hexdigest()
+    return hashlib.sha256(
+        f"{found.version}\0{found.read_text('RECORD') or ''}".encode()
+    ).hexdigest()
 
 
 @cache
 def of_source(*folders: str) -> str:
     """sha256 of refdem's own Python files in these folders or files below refdem/."""
     root = Path(__file__).parents[1]
-    files = [p for folder in folders for p in ([root / folder] if folder.endswith(".py") else (root / folder).rglob("*.py"))]
+    files = [
+        p
+        for folder in folders
+        for p in ([root / folder] if folder.endswith(".py") else (root / folder).rglob("*.py"))
+    ]
     return of_files(files)
 
 
 def of_module(name: str) -> str:
-    """sha256 of the files of the package that an imported module belongs to, or of its own file where it is alone.
+    """sha256 of the files of the package that an imported module belongs to, or of its own file
+    where it is alone.
 
     A module without a file (typed at a prompt) is known by its name alone.
     """
@@ -52,11 +61,15 @@ def of_module(name: str) -> str:
 
 
 def of_tree(root: Path) -> str:
-    """sha256 of the places and contents of all files below a folder, but for what Python caches and what is hidden."""
+    """sha256 of the places and contents of all files below a folder, but for what Python caches and
+    what is hidden.
+    """
     digest = hashlib.sha256()
     for path in sorted(root.rglob("*")):
         if path.is_file() and not path.name.startswith(".") and path.suffix != ".pyc":
-            digest.update(f"{path.relative_to(root)}\0".encode() + hashlib.sha256(path.read_bytes()).digest())
+            digest.update(
+                f"{path.relative_to(root)}\0".encode() + hashlib.sha256(path.read_bytes()).digest()
+            )
     return digest.hexdigest()
 
 
@@ -72,5 +85,12 @@ def of_machine() -> str:
     flags = ""
     cpuinfo = Path("/proc/cpuinfo")
     if cpuinfo.exists():
-        flags = next((line for line in cpuinfo.read_text().splitlines() if line.startswith(("flags", "Features"))), "")
+        flags = next(
+            (
+                line
+                for line in cpuinfo.read_text().splitlines()
+                if line.startswith(("flags", "Features"))
+            ),
+            "",
+        )
     return hashlib.sha256(f"{platform.machine()}\0{flags}".encode()).hexdigest()

@@ -1,4 +1,6 @@
-"""From measured values to findings: errors against truth in units of each quantity's scale, and the verdict itself."""
+"""From measured values to findings: errors against truth in units of each quantity's scale, and the
+verdict itself.
+"""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
@@ -27,19 +29,23 @@ SMALL = 0.25
 MORE = 8.0
 """One perturbation stands for all: others may grow by this factor more."""
 MOST_POINTS = 256
-"""Points that a curve in a record keeps; the largest value of each stretch is the one that is kept."""
+"""Points that a curve in a record keeps; the largest value of each stretch is the one that is kept.
+"""
 
 
 ATTITUDE = tuple(f"attitude.{axis}" for axis in "wxyz")
 """The quantities that are compared together as one rotation."""
 ROOM = 4.0
-"""An error may be so many times what its order makes of it at another step. A pair of steps shows an error to within a few per cent
-where it falls with order p; with ROOM a motion passes whose last pair shows an order as low as 0.3, 0.8 and 2.2 for p = 1, 2, 4."""
+"""An error may be so many times what its order makes of it at another step. A pair of steps shows
+an error to within a few per cent where it falls with order p; with ROOM a motion passes whose last
+pair shows an order as low as 0.3, 0.8 and 2.2 for p = 1, 2, 4."""
 ROOM_OF_KINKS = 64.0
-"""ROOM where kinks scatter the error: two steps whose errors are alike to 1/64 by chance, and alike to 1/64 of 2^p to those of the
-step before, are one in ten thousand if the scatter is an octave."""
+"""ROOM where kinks scatter the error: two steps whose errors are alike to 1/64 by chance, and alike
+to 1/64 of 2^p to those of the step before, are one in ten thousand if the scatter is an octave."""
 ROOM_OF_CUTS = 16.0
-"""The same of a method that cuts its steps at kinks: what is left to chance is the length of the last piece."""
+"""The same of a method that cuts its steps at kinks: what is left to chance is the length of the
+last piece.
+"""
 SHARP = 0.1
 """A bound above this part of the signal decides nothing: a body that never moves would pass it."""
 
@@ -48,7 +54,8 @@ SHARP = 0.1
 class Sight:
     """A bound and the signal beside it, in the same unit: how far the judged quantity moves.
 
-    A signal of 0 is that of a law which holds the quantity to a constant; such a law always decides.
+    A signal of 0 is that of a law which holds the quantity to a constant; such a law always
+    decides.
     """
 
     bound: float
@@ -78,11 +85,22 @@ def sharpest(bounds: Array, signal: Array) -> Sight:
 
 
 def judged(
-    *, check: str, quantity: str, value: float, bound: float, unit: str, basis: str, what: str, sight: Sight | None = None, **more: Any
+    *,
+    check: str,
+    quantity: str,
+    value: float,
+    bound: float,
+    unit: str,
+    basis: str,
+    what: str,
+    sight: Sight | None = None,
+    **more: Any,
 ) -> Finding:
-    """The finding for `value <= bound`; a value that is not a number fails. `what` says in words what was measured.
+    """The finding for `value <= bound`; a value that is not a number fails. `what` says in words
+    what was measured.
 
-    Where the bound is above a tenth of the signal, a value within it is undecided; one beyond it fails all the same.
+    Where the bound is above a tenth of the signal, a value within it is undecided; one beyond it
+    fails all the same.
     """
     holds = bool(value <= bound)
     blind = sight is not None and sight.is_blind
@@ -92,7 +110,10 @@ def judged(
     outcome: Outcome = "pass" if holds else "fail"
     if holds and sight is not None and blind:
         outcome = "undecided"
-        sentence = f"Not decided: the bound {sight.bound:.2g} is above a tenth of the motion {sight.signal:.2g}. {sentence}"
+        sentence = (
+            f"Not decided: the bound {sight.bound:.2g} is above a tenth of the motion"
+            f" {sight.signal:.2g}. {sentence}"
+        )
     return Finding(
         check=check,
         quantity=quantity,
@@ -108,7 +129,14 @@ def judged(
 
 
 def worst(
-    *, check: str, quantity: str, t: Array, values: Array, allowed: Array | float, signal: Array | float | None = None, **more: Any
+    *,
+    check: str,
+    quantity: str,
+    t: Array,
+    values: Array,
+    allowed: Array | float,
+    signal: Array | float | None = None,
+    **more: Any,
 ) -> Finding:
     """The finding at the sample that comes nearest to its bound, with the whole curve.
 
@@ -119,14 +147,22 @@ def worst(
         ratio = np.where(np.isnan(values), np.inf, np.where(values > 0, values / bounds, 0.0))
     point = int(np.argmax(ratio))
     series = curve(t, values, bounds)
-    sight = None if signal is None else sharpest(bounds, np.broadcast_to(np.asarray(signal, float), values.shape))
+    sight = (
+        None
+        if signal is None
+        else sharpest(bounds, np.broadcast_to(np.asarray(signal, float), values.shape))
+    )
     value, bound = float(values[point]), float(bounds[point])
-    return judged(check=check, quantity=quantity, value=value, bound=bound, series=series, sight=sight, **more)
+    return judged(
+        check=check, quantity=quantity, value=value, bound=bound, series=series, sight=sight, **more
+    )
 
 
 def undecided(check: str, quantity: str, why: str) -> Finding:
     """A finding that decides nothing, with the reason."""
-    return Finding(check=check, quantity=quantity, outcome="undecided", sentence=f"Not decided: {why}.")
+    return Finding(
+        check=check, quantity=quantity, outcome="undecided", sentence=f"Not decided: {why}."
+    )
 
 
 MIXED = "every quantity mixes places with velocities, which are half a step early"
@@ -143,12 +179,17 @@ def no_truth(trial: Trial) -> str:
     return trial.truth_reason or (trial.truth.reason if trial.truth else "") or "no certified truth"
 
 
-def errors(instance: Instance, trajectory: Trajectory, truth: SampledTruth, delay: float = 0.0) -> dict[str, Array]:
-    """Error (until,) of every quantity against truth, in units of its scale, less the radius that truth itself has.
+def errors(
+    instance: Instance, trajectory: Trajectory, truth: SampledTruth, delay: float = 0.0
+) -> dict[str, Array]:
+    """Error (until,) of every quantity against truth, in units of its scale, less the radius that
+    truth itself has.
 
-    Angles modulo 2 pi; the components of an attitude together as the angle of one rotation. Where velocities lag by
-    `delay` [s], quantities made of them are compared with truth at their own time, and those that mix both are left out: none
-    may be left. Raises EngineError if the trajectory shows nothing that can be compared.
+    Angles modulo 2 pi; the components of an attitude together as the angle of one rotation. Where
+    velocities lag by
+    `delay` [s], quantities made of them are compared with truth at their own time, and those that
+    mix both are left out: none may be left. Raises EngineError if the trajectory shows nothing that
+    can be compared.
     """
     observed = instance.observe(trajectory)
     if not delay:
@@ -161,21 +202,32 @@ def errors(instance: Instance, trajectory: Trajectory, truth: SampledTruth, dela
 
 
 def _made_of(instance: Instance, trajectory: Trajectory) -> tuple[set[str], set[str]]:
-    """Names of the quantities that change with velocities, and of those that change with positions."""
+    """Names of the quantities that change with velocities, and of those that change with
+    positions.
+    """
     from refdem.mechanics.quaternion import product
 
-    plain, moved, turn = instance.observe(trajectory), [], np.array([0.4, 0.1, 0.5, 0.3]) / np.sqrt(0.51)
+    plain, moved, turn = (
+        instance.observe(trajectory),
+        [],
+        np.array([0.4, 0.1, 0.5, 0.3]) / np.sqrt(0.51),
+    )
     for names in (("velocity", "omega"), ("position", "attitude")):
         columns = {name: getattr(trajectory, name) for name in names}
         other: dict[str, Any] = {
-            name: product(turn, values) if name == "attitude" else 1.5 * values + 0.25 for name, values in columns.items()
+            name: product(turn, values) if name == "attitude" else 1.5 * values + 0.25
+            for name, values in columns.items()
         }
         moved.append(instance.observe(replace(trajectory, **other)))
-    by_velocity, by_position = ({name for name in plain if np.any(plain[name] != seen[name])} for seen in moved)
+    by_velocity, by_position = (
+        {name for name in plain if np.any(plain[name] != seen[name])} for seen in moved
+    )
     return by_velocity, by_position
 
 
-def _errors(instance: Instance, observed: dict[str, Array], truth: SampledTruth) -> dict[str, Array]:
+def _errors(
+    instance: Instance, observed: dict[str, Array], truth: SampledTruth
+) -> dict[str, Array]:
     """`errors` of what was observed, all of it at the samples of this truth."""
     until = truth.until
     found: dict[str, Array] = {}
@@ -190,7 +242,10 @@ def _errors(instance: Instance, observed: dict[str, Array], truth: SampledTruth)
     if all(name in observed and name in truth.values for name in ATTITUDE):
         found["attitude"] = _rotation_error(observed, truth)
     if not found:
-        raise EngineError("the trajectory shows none of the quantities of the case; expected " + ", ".join(instance.quantities))
+        raise EngineError(
+            "the trajectory shows none of the quantities of the case; expected "
+            + ", ".join(instance.quantities)
+        )
     return found
 
 
@@ -207,10 +262,11 @@ def _rotation_error(observed: dict[str, Array], truth: SampledTruth) -> Array:
 
 
 def movements(instance: Instance, truth: SampledTruth) -> dict[str, Array]:
-    """How far the truth of every quantity is from its start (until,), in units of its scale: the signal beside `errors`.
+    """How far the truth of every quantity is from its start (until,), in units of its scale: the
+    signal beside `errors`.
 
-    Angles modulo 2 pi, the components of an attitude together as the angle of one rotation [rad]. The answer to a question
-    without time does not move: there it is the size of the number itself.
+    Angles modulo 2 pi, the components of an attitude together as the angle of one rotation [rad].
+    The answer to a question without time does not move: there it is the size of the number itself.
     """
     found: dict[str, Array] = {}
     for name, quantity in instance.quantities.items():
@@ -236,8 +292,12 @@ def predictable(scaled: Mapping[str, Array]) -> int:
     return int(beyond[0]) if len(beyond) else len(largest)
 
 
-def followed(trial: Trial, level: float, run: Trajectory, truth: SampledTruth, within: float = HORIZON) -> int:
-    """Number of samples before a run first is that part of the scale from truth: S tells of the true motion, not of another."""
+def followed(
+    trial: Trial, level: float, run: Trajectory, truth: SampledTruth, within: float = HORIZON
+) -> int:
+    """Number of samples before a run first is that part of the scale from truth: S tells of the
+    true motion, not of another.
+    """
     off = errors(trial.instance, run, truth, trial.method.delay(level))
     largest = np.maximum.reduce([np.zeros(truth.until), *off.values()])
     beyond = np.flatnonzero(~(largest <= within))
@@ -245,7 +305,9 @@ def followed(trial: Trial, level: float, run: Trajectory, truth: SampledTruth, w
 
 
 def largest_so_far(trial: Trial, level: float, run: Trajectory, truth: SampledTruth) -> Array:
-    """The largest error of any quantity against truth up to each sample (until,), in units of the scales."""
+    """The largest error of any quantity against truth up to each sample (until,), in units of the
+    scales.
+    """
     off = errors(trial.instance, run, truth, trial.method.delay(level))
     largest = np.maximum.reduce([np.zeros(truth.until), *off.values()])
     so_far: Array = np.maximum.accumulate(largest)
@@ -253,14 +315,17 @@ def largest_so_far(trial: Trial, level: float, run: Trajectory, truth: SampledTr
 
 
 def room_of(trial: Trial) -> float:
-    """How many times an error may be what it is at another step: ROOM, and more where kinks scatter it."""
+    """How many times an error may be what it is at another step: ROOM, and more where kinks scatter
+    it.
+    """
     if not kinked(trial.instance):
         return ROOM
     return ROOM_OF_CUTS if trial.method.locates_events else ROOM_OF_KINKS
 
 
 def signed(trial: Trial, run: Trajectory, truth: SampledTruth, count: int) -> Array:
-    """Differences (parts, count) from truth with their signs, in units of their scales; angles modulo 2 pi.
+    """Differences (parts, count) from truth with their signs, in units of their scales; angles
+    modulo 2 pi.
 
     An attitude counts as the vector [rad] of the small turn from the true one, in body axes.
     """
@@ -280,8 +345,12 @@ def signed(trial: Trial, run: Trajectory, truth: SampledTruth, count: int) -> Ar
     return np.array(found)
 
 
-def _small_turns(observed: dict[str, Array], truth: SampledTruth, parts: list[str], count: int) -> Array:
-    """Vectors (3, count) [rad] of the turn from the true attitude to the observed one: 2 vec(q* p), of q and -q the nearer."""
+def _small_turns(
+    observed: dict[str, Array], truth: SampledTruth, parts: list[str], count: int
+) -> Array:
+    """Vectors (3, count) [rad] of the turn from the true attitude to the observed one: 2 vec(q* p),
+    of q and -q the nearer.
+    """
     from refdem.mechanics.quaternion import product
 
     seen = np.stack([observed[name][:count] for name in parts], axis=-1)
@@ -295,10 +364,12 @@ def _small_turns(observed: dict[str, Array], truth: SampledTruth, parts: list[st
 
 
 def left_at_finest(trial: Trial, coarse: Array) -> float:
-    """What the claimed order leaves at the finest level of an error (T,) that the coarsest level shows; infinite if it says nothing.
+    """What the claimed order leaves at the finest level of an error (T,) that the coarsest level
+    shows; infinite if it says nothing.
 
-    With an error C h^p it is 2^-p for every halving of the step, and ROOM times that where terms of higher order still count. Kinks
-    scatter C from step to step; round-off, which does not fall, is the caller's to add.
+    With an error C h^p it is 2^-p for every halving of the step, and ROOM times that where terms of
+    higher order still count. Kinks scatter C from step to step; round-off, which does not fall, is
+    the caller's to add.
     """
     if trial.method.control != "step" or kinked(trial.instance) or not np.all(np.isfinite(coarse)):
         return float(np.inf)
@@ -308,10 +379,14 @@ def left_at_finest(trial: Trial, coarse: Array) -> float:
 
 
 def distances(instance: Instance, a: Trajectory, b: Trajectory) -> Array:
-    """Largest difference (T,) of any state of any body between two runs, each column in its scale; of any quantity without a scene."""
+    """Largest difference (T,) of any state of any body between two runs, each column in its scale;
+    of any quantity without a scene.
+    """
     if not isinstance(instance.problem, Motion):
         one, other = instance.observe(a), instance.observe(b)
-        apart: Array = np.maximum.reduce([np.abs(one[name] - other[name]) / q.scale for name, q in instance.quantities.items()])
+        apart: Array = np.maximum.reduce(
+            [np.abs(one[name] - other[name]) / q.scale for name, q in instance.quantities.items()]
+        )
         return apart
     scales, bodies = instance.scales, instance.scene.bodies
     spin = float(np.max(np.linalg.norm(bodies.omega, axis=1))) or 1.0 / scales.tau
@@ -324,18 +399,24 @@ def distances(instance: Instance, a: Trajectory, b: Trajectory) -> Array:
 
         turns = bodies.inertia.any(axis=1)
         parts.append(np.abs(a.omega - b.omega).max(axis=(1, 2)) / spin)
-        parts.append(angle_between(a.attitude[:, turns], b.attitude[:, turns]).max(axis=1, initial=0.0))
+        parts.append(
+            angle_between(a.attitude[:, turns], b.attitude[:, turns]).max(axis=1, initial=0.0)
+        )
     largest: Array = np.maximum.reduce(parts)
     return largest
 
 
 def perturbation(method: Method) -> int:
-    """Units in the last place by which a start is moved to show how errors grow: those of a double, a single one being 2^29."""
+    """Units in the last place by which a start is moved to show how errors grow: those of a double,
+    a single one being 2^29.
+    """
     return PERTURBED * round(method.round_off * 2.0**53)
 
 
 def growth_shown(instance: Instance, method: Method, moved: Trajectory, base: Trajectory) -> Array:
-    """How much an early error has grown (T,), as a start moved by `perturbation` shows it: what stands in for S without truth."""
+    """How much an early error has grown (T,), as a start moved by `perturbation` shows it: what
+    stands in for S without truth.
+    """
     shown = distances(instance, moved, base) / (perturbation(method) * 2.0**-52)
     return np.maximum.accumulate(np.maximum(1.0, MORE * shown))
 
@@ -345,5 +426,7 @@ def curve(t: Array, value: Array, bound: Array | float) -> Series:
     bound = np.broadcast_to(np.asarray(bound, float), value.shape)
     pick = np.arange(len(value))
     if len(value) > MOST_POINTS:
-        pick = np.array([part[np.argmax(value[part])] for part in np.array_split(pick, MOST_POINTS)])
+        pick = np.array(
+            [part[np.argmax(value[part])] for part in np.array_split(pick, MOST_POINTS)]
+        )
     return Series(t=t[pick].tolist(), value=value[pick].tolist(), bound=bound[pick].tolist())

@@ -14,7 +14,9 @@ class ParameterLine(msgspec.Struct, frozen=True, kw_only=True):
 
 
 class QuantityLine(msgspec.Struct, frozen=True, kw_only=True):
-    """One quantity: its unit, and the size against which an error counts at the defaults; a scalar has a certified value and radius."""
+    """One quantity: its unit, and the size against which an error counts at the defaults; a scalar
+    has a certified value and radius.
+    """
 
     name: str
     unit: str = ""
@@ -24,7 +26,10 @@ class QuantityLine(msgspec.Struct, frozen=True, kw_only=True):
 
 
 class CheckLine(msgspec.Struct, frozen=True, kw_only=True):
-    """One check: what it judges and kills; `left_out` says why it is not for this case at its defaults."""
+    """One check: what it judges and kills;
+
+    `left_out` says why it is not for this case at its defaults.
+    """
 
     name: str
     title: str
@@ -50,7 +55,9 @@ class TruthLine(msgspec.Struct, frozen=True, kw_only=True):
 
 
 class Slip(msgspec.Struct, frozen=True, kw_only=True):
-    """A slip of the source: where, what it says, what holds, and the numbers (what, value) that settle it."""
+    """A slip of the source: where, what it says, what holds, and the numbers (what, value) that
+    settle it.
+    """
 
     where: str
     says: str

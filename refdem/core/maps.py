@@ -1,4 +1,6 @@
-"""Maps that an iteration applies again and again, as whoever answers reads them: numbers, and no code."""
+"""Maps that an iteration applies again and again, as whoever answers reads them: numbers, and no
+code.
+"""
 
 from typing import ClassVar
 
@@ -41,10 +43,12 @@ class LogisticFlow(Logistic, frozen=True, kw_only=True, tag="logistic_flow"):
 
 
 class Billiard(Map, frozen=True, kw_only=True):
-    """A point that flies straight at constant speed and is reflected by the wall: (x, y, direction x, y) from bounce to bounce.
+    """A point that flies straight at constant speed and is reflected by the wall: (x, y, direction
+    x, y) from bounce to bounce.
 
-    The table is centred on the origin, `width` [m] along x and `height` [m] along y. Iterate 0 is the start inside it, with
-    a unit direction; iterate n has the place [m] of bounce n and the direction after it.
+    The table is centred on the origin, `width` [m] along x and `height` [m] along y. Iterate 0 is
+    the start inside it, with a unit direction; iterate n has the place [m] of bounce n and the
+    direction after it.
     """
 
     dimension: ClassVar[int] = 4
@@ -53,7 +57,9 @@ class Billiard(Map, frozen=True, kw_only=True):
 
     def __post_init__(self) -> None:
         if not (0 < self.width < np.inf and 0 < self.height < np.inf):
-            raise UsageError(f"billiard table of {self.width} m by {self.height} m; expected finite sizes > 0")
+            raise UsageError(
+                f"billiard table of {self.width} m by {self.height} m; expected finite sizes > 0"
+            )
 
     def admitted(self, start: Array) -> Array:
         """With a direction of length 1."""
@@ -70,7 +76,10 @@ class StadiumBilliard(Billiard, frozen=True, kw_only=True, tag="billiard_stadium
     def __post_init__(self) -> None:
         super().__post_init__()
         if self.width < self.height:
-            raise UsageError(f"stadium of {self.width} m by {self.height} m; expected a width of at least the height")
+            raise UsageError(
+                f"stadium of {self.width} m by {self.height} m; expected a width of at least the"
+                " height"
+            )
 
 
 AnyMap = Logistic | LogisticFlow | RectangleBilliard | StadiumBilliard

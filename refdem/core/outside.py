@@ -1,7 +1,8 @@
 """What comes from outside (a program's output, a file, a name) as one printable line.
 
-Nothing from outside may move a cursor, begin a line of its own, or be read as a command by a service
-that reads logs. Where it goes on to (HTML, CSV, Markdown) it is escaped once more in that way.
+Nothing from outside may move a cursor, begin a line of its own, or be read as a command by a
+service that reads logs. Where it goes on to (HTML, CSV, Markdown) it is escaped once more in that
+way.
 """
 
 import os
@@ -20,7 +21,8 @@ def one_line(text: str, most: int = MOST) -> str:
     """The text as one printable line of at most `most` characters.
 
     Lines are joined by " / ", other characters that do not print become "?", and what the log of a
-    workflow on GitHub would take for a command is broken by a blank: `##[` anywhere, `::` at the begin.
+    workflow on GitHub would take for a command is broken by a blank: `##[` anywhere, `::` at the
+    begin.
     """
     lines = [line.strip() for line in text.splitlines()]
     joined = " / ".join(line for line in lines if line)
@@ -47,7 +49,9 @@ NOTHING = "&#8203;"
 
 
 def markdown_text(text: str) -> str:
-    """The text as Markdown shows it: one line, no markup, no HTML, no end of a table's cell, nobody mentioned, no link."""
+    """The text as Markdown shows it: one line, no markup, no HTML, no end of a table's cell, nobody
+    mentioned, no link.
+    """
     line = " ".join(printable(text).split())
     parts = [line]
     for found in reversed(list(SPOKEN_TO.finditer(line))):
@@ -63,7 +67,9 @@ def _marked(text: str) -> str:
 
 
 def cell(value: object) -> object:
-    """A cell of a CSV file; a text that a spreadsheet would take for a formula begins with an apostrophe."""
+    """A cell of a CSV file; a text that a spreadsheet would take for a formula begins with an
+    apostrophe.
+    """
     if not isinstance(value, str):
         return value
     text = printable(value)
@@ -71,7 +77,8 @@ def cell(value: object) -> object:
 
 
 def opened(path: Path) -> BinaryIO | None:
-    """A file that a program wrote, None if there is none; raises EngineError if it is no plain file of its own.
+    """A file that a program wrote, None if there is none; raises EngineError if it is no plain file
+    of its own.
 
     A link may lead to the answer of another run, and a pipe would be waited for without end.
     """
@@ -80,9 +87,15 @@ def opened(path: Path) -> BinaryIO | None:
     except FileNotFoundError:
         return None
     except OSError as error:
-        raise EngineError(f"{path.name} cannot be read: {error.strerror}; expected a plain file that this run wrote") from None
+        raise EngineError(
+            f"{path.name} cannot be read: {error.strerror}; expected a plain file that this run"
+            " wrote"
+        ) from None
     found = os.fstat(descriptor)
     if not stat.S_ISREG(found.st_mode) or found.st_nlink != 1:
         os.close(descriptor)
-        raise EngineError(f"{path.name} is a link, a pipe, a device or a folder; expected a plain file that this run wrote")
+        raise EngineError(
+            f"{path.name} is a link, a pipe, a device or a folder; expected a plain file that this"
+            " run wrote"
+        )
     return os.fdopen(descriptor, "rb")

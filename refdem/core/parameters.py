@@ -13,14 +13,18 @@ from refdem.errors import UsageError
 
 Exact = Fraction | tuple[Fraction, ...] | str | None
 _LABEL = re.compile(r"([a-z0-9-]+)(?:\[(.*)\])?")
-_NUMBER = re.compile(r"[+-]?(\d{1,60}(\.\d{0,60})?|\.\d{1,60})([eE][+-]?\d{1,3})?(/\d{1,60})?", re.ASCII)
+_NUMBER = re.compile(
+    r"[+-]?(\d{1,60}(\.\d{0,60})?|\.\d{1,60})([eE][+-]?\d{1,3})?(/\d{1,60})?", re.ASCII
+)
 SMALLEST, LARGEST = Fraction(1, 10**100), Fraction(10**100)
 """Squares and products of three parameters stay inside binary64."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class Parameter:
-    """One parameter: `default` as text ("3/2", "1,2,3"; "" where the case decides), unit, bounds, shape or choices."""
+    """One parameter: `default` as text ("3/2", "1,2,3"; "" where the case decides), unit, bounds,
+    shape or choices.
+    """
 
     name: str
     default: str
@@ -37,7 +41,13 @@ class Parameter:
         """The bounds as a person reads them."""
         if self.choices:
             return " | ".join(self.choices)
-        low = f"> {self.above:g}" if self.above is not None else f">= {self.at_least:g}" if self.at_least is not None else ""
+        low = (
+            f"> {self.above:g}"
+            if self.above is not None
+            else f">= {self.at_least:g}"
+            if self.at_least is not None
+            else ""
+        )
         high = f"<= {self.at_most:g}" if self.at_most is not None else ""
         return " and ".join(x for x in ("whole" if self.whole else "", low, high) if x) or "any"
 
@@ -45,27 +55,39 @@ class Parameter:
         """The exact value of `text`; raises UsageError that names the parameter."""
         if self.choices:
             if text not in self.choices:
-                raise UsageError(f"parameter {self.name}: got {text!r}; expected one of {', '.join(self.choices)}")
+                raise UsageError(
+                    f"parameter {self.name}: got {text!r}; expected one of"
+                    f" {', '.join(self.choices)}"
+                )
             return text
         if text == "" and self.default == "":
             return None
         numbers = tuple(self._number(part.strip()) for part in text.split(","))
         expected = int(np.prod(self.shape)) if self.shape else 1
         if len(numbers) != expected:
-            raise UsageError(f"parameter {self.name}: got {len(numbers)} numbers in {text!r}; expected {expected}, separated by commas")
+            raise UsageError(
+                f"parameter {self.name}: got {len(numbers)} numbers in {text!r}; expected"
+                f" {expected}, separated by commas"
+            )
         for number in numbers:
             self._refuse_out_of_bounds(number)
         return numbers if self.shape else numbers[0]
 
     def _number(self, text: str) -> Fraction:
         if not _NUMBER.fullmatch(text):
-            raise UsageError(f"parameter {self.name}: got {text!r}; expected a finite decimal or fraction such as 0.15, 1e-3 or 3/2")
+            raise UsageError(
+                f"parameter {self.name}: got {text!r}; expected a finite decimal or fraction such"
+                " as 0.15, 1e-3 or 3/2"
+            )
         numerator, _, denominator = text.partition("/")
         if denominator and int(denominator) == 0:
             raise UsageError(f"parameter {self.name}: got {text!r}; the denominator is zero")
         number = Fraction(numerator) / (int(denominator) if denominator else 1)
         if number and not SMALLEST <= abs(number) <= LARGEST:
-            raise UsageError(f"parameter {self.name}: got {text!r}; expected 0 or a size between 1e-100 and 1e100")
+            raise UsageError(
+                f"parameter {self.name}: got {text!r}; expected 0 or a size between 1e-100 and"
+                " 1e100"
+            )
         return number
 
     def _refuse_out_of_bounds(self, number: Fraction) -> None:
@@ -76,11 +98,17 @@ class Parameter:
             and (not self.whole or number.denominator == 1)
         )
         if not inside:
-            raise UsageError(f"parameter {self.name}: got {float(number):.17g} {self.unit}; expected {self.bounds()}")
+            raise UsageError(
+                f"parameter {self.name}: got {float(number):.17g} {self.unit}; expected"
+                f" {self.bounds()}"
+            )
 
 
 class Parameters(Mapping[str, Exact]):
-    """Exact values by name; `p.name` gives the rounded float or array (shape as declared) that engines run."""
+    """Exact values by name;
+
+    `p.name` gives the rounded float or array (shape as declared) that engines run.
+    """
 
     def __init__(self, declared: tuple[Parameter, ...], given: Mapping[str, str]) -> None:
         self.declared = {parameter.name: parameter for parameter in declared}
@@ -113,7 +141,11 @@ class Parameters(Mapping[str, Exact]):
 
     def changed(self) -> dict[str, str]:
         """The values that differ from the defaults, as text, in declared order."""
-        return {n: _text(v) for n, v in self._exact.items() if v != self.declared[n].parsed(self.declared[n].default)}
+        return {
+            n: _text(v)
+            for n, v in self._exact.items()
+            if v != self.declared[n].parsed(self.declared[n].default)
+        }
 
 
 def _as_written(bound: float) -> Fraction:
@@ -138,12 +170,18 @@ def nearest(name: str, known: Any) -> str:
 
 
 def labelled(label: str) -> tuple[str, dict[str, str]]:
-    """Case id and parameters of `case`, `case[name=value name=value]` or `case[member]`; raises UsageError."""
+    """Case id and parameters of `case`, `case[name=value name=value]` or `case[member]`; raises
+    UsageError.
+    """
     match = _LABEL.fullmatch(label)
     if not match:
-        raise UsageError(f"case {label!r} is not a name; expected something like pendulum or pendulum[theta0=2]")
+        raise UsageError(
+            f"case {label!r} is not a name; expected something like pendulum or pendulum[theta0=2]"
+        )
     first, *others = (match[2] or "").split() or [""]
-    return match[1], settings([f"member={first}" if first and "=" not in first else first, *others] if first else [])
+    return match[1], settings(
+        [f"member={first}" if first and "=" not in first else first, *others] if first else []
+    )
 
 
 def settings(pairs: list[str]) -> dict[str, str]:
@@ -152,8 +190,12 @@ def settings(pairs: list[str]) -> dict[str, str]:
     for pair in pairs:
         name, equals, value = pair.partition("=")
         if not equals or not name or not value:
-            raise UsageError(f"--set got {pair!r}; expected name=value, for example theta0=2 or inertia=1,2,3")
+            raise UsageError(
+                f"--set got {pair!r}; expected name=value, for example theta0=2 or inertia=1,2,3"
+            )
         if found.get(name, value) != value:
-            raise UsageError(f"--set got {name} twice, as {found[name]} and as {value}; expected it once")
+            raise UsageError(
+                f"--set got {name} twice, as {found[name]} and as {value}; expected it once"
+            )
         found[name] = value
     return found

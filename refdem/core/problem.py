@@ -17,11 +17,24 @@ from refdem.errors import EngineError, UsageError
 from refdem.scene import Scene, SceneDocument, bodies_file
 from refdem.scene.scene import encoded
 
-__all__ = ["DENSE", "PER_OCTAVE", "Ensemble", "Identity", "Iteration", "Motion", "Problem", "Request", "RequestDocument", "Solid"]
+__all__ = [
+    "DENSE",
+    "PER_OCTAVE",
+    "Ensemble",
+    "Identity",
+    "Iteration",
+    "Motion",
+    "Problem",
+    "Request",
+    "RequestDocument",
+    "Solid",
+]
 
 Array = NDArray[np.float64]
 CLOCK_ROUNDINGS = 8
-"""A time in single precision is a step, a number of steps and a start, each rounded, times and plus."""
+"""A time in single precision is a step, a number of steps and a start, each rounded, times and
+plus.
+"""
 UNEVEN = 1e-3
 """Part of a step by which a sample may lie off a whole number of steps: its time is rounded."""
 WHOLE = 1e-9
@@ -53,21 +66,29 @@ class RequestDocument(msgspec.Struct, frozen=True, kw_only=True):
     method: str
     step: Annotated[
         float | None,
-        Meta(description="size of a step [s], positive also where times fall; null for a method without one"),
+        Meta(
+            description=(
+                "size of a step [s], positive also where times fall; null for a method without one"
+            )
+        ),
     ]
     stride: Annotated[
         int | None,
         Meta(
-            description="steps from each sample to the next: the program counts them and never "
-            "compares times, because a sum of steps is rounded; null for a method without a step"
+            description=(
+                "steps from each sample to the next: the program counts them and never compares"
+                " times, because a sum of steps is rounded; null for a method without a step"
+            )
         ),
     ] = None
     tolerance: float | None
     times: Annotated[
         list[float],
         Meta(
-            description="the samples [s], all rising or all falling; the scene is the state at the "
-            "first; with a step they are evenly spaced, `stride` steps apart"
+            description=(
+                "the samples [s], all rising or all falling; the scene is the state at the "
+                "first; with a step they are evenly spaced, `stride` steps apart"
+            )
         ),
     ]
     scene: SceneDocument
@@ -89,7 +110,9 @@ class _Kind(msgspec.Struct):
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Request:
-    """One run: problem, method, and its step [s] (size only) or tolerance; neither for exact methods."""
+    """One run: problem, method, and its step [s] (size only) or tolerance; neither for exact
+    methods.
+    """
 
     problem: Problem
     method: str
@@ -105,19 +128,32 @@ class Request:
 
     @classmethod
     def from_json(cls, text: bytes, file: bytes | None = None) -> "Request":
-        """Reads what `document` wrote as JSON, and the bodies' file if it names one; raises UsageError with the path of the first fault."""
+        """Reads what `document` wrote as JSON, and the bodies' file if it names one; raises
+        UsageError with the path of the first fault.
+        """
         try:
             if bytes(msgspec.json.decode(text, type=_Kind).problem):
                 other = msgspec.json.decode(text, type=OtherRequestDocument)
-                control = {name: value for name in ("step", "tolerance") if (value := getattr(other, name)) is not msgspec.UNSET}
-                return cls(problem=OTHERS[type(other.problem)](other.problem), method=other.method, **control)
+                control = {
+                    name: value
+                    for name in ("step", "tolerance")
+                    if (value := getattr(other, name)) is not msgspec.UNSET
+                }
+                return cls(
+                    problem=OTHERS[type(other.problem)](other.problem),
+                    method=other.method,
+                    **control,
+                )
             read = msgspec.json.decode(text, type=RequestDocument)
         except msgspec.MsgspecError as error:
             raise UsageError(f"request: {error}") from None
         problem = Motion(Scene.of_document(read.scene, file), np.array(read.times))
         request = cls(problem=problem, method=read.method, step=read.step, tolerance=read.tolerance)
         if read.stride is not None and read.stride != request._told_stride:
-            raise UsageError(f"request: stride is {read.stride}; expected {request._told_stride}, as step and times say")
+            raise UsageError(
+                f"request: stride is {read.stride}; expected {request._told_stride}, as step and"
+                " times say"
+            )
         return request
 
     def to_json(self) -> bytes:
@@ -126,19 +162,29 @@ class Request:
 
     @property
     def bodies_file(self) -> bytes | None:
-        """The file `bodies.npz` that goes with the JSON of a motion of too many bodies to be listed there."""
+        """The file `bodies.npz` that goes with the JSON of a motion of too many bodies to be listed
+        there.
+        """
         has_one = isinstance(self.problem, Motion) and self.problem.scene.has_bodies_file
         return bodies_file.packed(self.problem.scene.bodies) if has_one else None
 
     def packed(self) -> bytes:
-        """The request for another process: its JSON; where there are too many bodies for that, JSON and their file."""
+        """The request for another process: its JSON; where there are too many bodies for that, JSON
+        and their file.
+        """
         file = self.bodies_file
         return self.to_json() if file is None else msgspec.msgpack.encode((self.to_json(), file))
 
     @classmethod
     def unpacked(cls, data: bytes) -> "Request":
         """The request that `packed` wrote."""
-        return cls.from_json(*((data,) if data.startswith(b"{") else msgspec.msgpack.decode(data, type=tuple[bytes, bytes])))
+        return cls.from_json(
+            *(
+                (data,)
+                if data.startswith(b"{")
+                else msgspec.msgpack.decode(data, type=tuple[bytes, bytes])
+            )
+        )
 
     @property
     def signed_step(self) -> float:
@@ -147,28 +193,39 @@ class Request:
 
     @property
     def stride(self) -> int:
-        """Steps from sample to sample; raises UsageError if the step does not divide every sample interval alike."""
+        """Steps from sample to sample; raises UsageError if the step does not divide every sample
+        interval alike.
+        """
         if self.step is None:
             raise UsageError("stride: the method has no fixed step")
         exact = abs(self.problem.interval) / self.step
         stride = round(exact)
         if abs(exact - stride) > WHOLE * exact or stride < 1:
-            raise UsageError(f"step is {self.step} s; expected a whole fraction of the sample interval {abs(self.problem.interval)} s")
+            raise UsageError(
+                f"step is {self.step} s; expected a whole fraction of the sample interval"
+                f" {abs(self.problem.interval)} s"
+            )
         self._refuse_uneven()
         return stride
 
     @property
     def _told_stride(self) -> int | None:
-        """Steps from sample to sample as the document has them; None for a method without a step."""
+        """Steps from sample to sample as the document has them;
+
+        None for a method without a step.
+        """
         return None if self.step is None else self.stride
 
     def _refuse_uneven(self) -> None:
-        """Raises UsageError unless the samples are evenly spaced: one stride holds for all of them."""
+        """Raises UsageError unless the samples are evenly spaced: one stride holds for all of
+        them.
+        """
         times = self.problem.times
         even = times[0] + np.arange(len(times)) * self.problem.interval
         off = np.abs(times - even)
         worst = int(np.argmax(off))
-        # Each time carries its own rounding, and the n-th multiple of the first interval n times that of the first two.
+        # Each time carries its own rounding, and the n-th multiple of the first interval n times
+        # that of the first two.
         rounding = 4 * 2.0**-53 * len(times) * float(np.max(np.abs(times)))
         if off[worst] > UNEVEN * (self.step or 0.0) + rounding:
             raise UsageError(
@@ -179,8 +236,14 @@ class Request:
     def document(self) -> RequestDocument | OtherRequestDocument:
         """The request as JSON has it."""
         if not isinstance(self.problem, Motion):
-            control = {name: value for name in ("step", "tolerance") if (value := getattr(self, name)) is not None}
-            return OtherRequestDocument(method=self.method, problem=self.problem.document(), **control)
+            control = {
+                name: value
+                for name in ("step", "tolerance")
+                if (value := getattr(self, name)) is not None
+            }
+            return OtherRequestDocument(
+                method=self.method, problem=self.problem.document(), **control
+            )
         return RequestDocument(
             method=self.method,
             step=self.step,
@@ -191,7 +254,9 @@ class Request:
         )
 
     def key(self, *fingerprints: str) -> str:
-        """sha256 of the request, of which repetition it is, and of the fingerprints of engine and kernels."""
+        """sha256 of the request, of which repetition it is, and of the fingerprints of engine and
+        kernels.
+        """
         digest = hashlib.sha256(self.to_json())
         for part in (str(self.repeat), *fingerprints):
             digest.update(b"\0" + part.encode())
@@ -202,7 +267,8 @@ class Request:
         return replace(self, problem=Motion(scene, self.problem.times if times is None else times))
 
     def refuse_misaligned(self, t: Array, round_off: float = 2.0**-53) -> None:
-        """Raises EngineError unless the engine's own times `t` are the samples asked for, to the round-off of its precision.
+        """Raises EngineError unless the engine's own times `t` are the samples asked for, to the
+        round-off of its precision.
 
         A clock may be the sum of its steps, which rounds as often.
         """
@@ -210,7 +276,9 @@ class Request:
         if t.shape != times.shape:
             raise EngineError(f"trajectory.t has {len(t)} samples; expected {len(times)}")
         steps = 0 if self.step is None else self.stride * (len(times) - 1)
-        allowed = max(1e-12, CLOCK_ROUNDINGS * round_off, steps * 2.0**-53) * max(abs(times[0]), abs(times[-1]), abs(self.problem.interval))
+        allowed = max(1e-12, CLOCK_ROUNDINGS * round_off, steps * 2.0**-53) * max(
+            abs(times[0]), abs(times[-1]), abs(self.problem.interval)
+        )
         late = t - times
         worst: Any = np.argmax(np.abs(late))
         if abs(late[worst]) > allowed:
@@ -220,7 +288,8 @@ class Request:
             )
 
     def miscounted(self, late: float) -> str:
-        """What to do about a run that is late by this time [s], where it is a whole number of steps; else nothing.
+        """What to do about a run that is late by this time [s], where it is a whole number of
+        steps; else nothing.
 
         `late` is positive where the program has gone too far, whatever the direction of time.
         """

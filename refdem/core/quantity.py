@@ -5,7 +5,9 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True)
 class Scales:
-    """Length L [m], shortest time tau = 1/omega_max [s], duration T [s], and mass [kg] for energies and momenta."""
+    """Length L [m], shortest time tau = 1/omega_max [s], duration T [s], and mass [kg] for energies
+    and momenta.
+    """
 
     length: float
     tau: float

@@ -1,4 +1,6 @@
-"""The kinds of questions: a motion of a scene, an iteration of a map; those without time are in statics."""
+"""The kinds of questions: a motion of a scene, an iteration of a map; those without time are in
+statics.
+"""
 
 from abc import ABC, abstractmethod
 from dataclasses import dataclass
@@ -18,13 +20,17 @@ Array = NDArray[np.float64]
 FIT = 1e-10
 """Rods and strings may be off by ten times this part of their length at the start."""
 DENSE, PER_OCTAVE = 128, 8
-"""An iteration is sampled at every iterate up to DENSE, then PER_OCTAVE times in each octave, and at its last."""
+"""An iteration is sampled at every iterate up to DENSE, then PER_OCTAVE times in each octave, and
+at its last.
+"""
 
 
 class Problem(ABC):
-    """One question. `times` (T,): the samples, seconds of a motion, numbers of iterates of an iteration, else mere numbers.
+    """One question. `times` (T,): the samples, seconds of a motion, numbers of iterates of an
+    iteration, else mere numbers.
 
-    `scene` is what a motion has and nothing else. A new kind is a subclass with a document of its own in problem.OTHERS.
+    `scene` is what a motion has and nothing else. A new kind is a subclass with a document of its
+    own in problem.OTHERS.
     """
 
     kind: ClassVar[str]
@@ -62,7 +68,9 @@ class Problem(ABC):
 
 @dataclass(frozen=True, eq=False)
 class Motion(Problem):
-    """A scene, whose state holds at times[0], and the times (T,) [s] at which states are asked for; may run backwards."""
+    """A scene, whose state holds at times[0], and the times (T,) [s] at which states are asked for;
+    may run backwards.
+    """
 
     kind: ClassVar[str] = "motion"
     words: ClassVar[str] = "a motion"
@@ -71,8 +79,15 @@ class Motion(Problem):
 
     def __post_init__(self) -> None:
         gaps = np.diff(self.times)
-        if self.times.ndim != 1 or len(self.times) < 2 or not (np.all(gaps > 0) or np.all(gaps < 0)):
-            raise UsageError(f"times has shape {self.times.shape}; expected (T,) with T >= 2, all rising or all falling")
+        if (
+            self.times.ndim != 1
+            or len(self.times) < 2
+            or not (np.all(gaps > 0) or np.all(gaps < 0))
+        ):
+            raise UsageError(
+                f"times has shape {self.times.shape}; expected (T,) with T >= 2, all rising or all"
+                " falling"
+            )
 
     @property
     def features(self) -> frozenset[str]:
@@ -86,33 +101,46 @@ class Motion(Problem):
     def perturbed(self, ulps: int) -> "Motion":
         """Positions and spins moved up, velocities by turns down and up.
 
-        All of them up would be the same motion on another scale wherever forces are linear, and would show no growth at all. A large
-        move would no longer fit what is tied to something: it turns the bodies about the world's anchor instead.
+        All of them up would be the same motion on another scale wherever forces are linear, and
+        would show no growth at all. A large move would no longer fit what is tied to something: it
+        turns the bodies about the world's anchor instead.
         """
         bodies, moved = self.scene.bodies, ulps * 2.0**-52
         if abs(moved) > FIT and "constraint" in self.features:
             return self._turned(moved)
-        turns = np.where(np.arange(bodies.velocity.size) % 2, 1.0, -1.0).reshape(bodies.velocity.shape)
+        turns = np.where(np.arange(bodies.velocity.size) % 2, 1.0, -1.0).reshape(
+            bodies.velocity.shape
+        )
         velocity = bodies.velocity * (1 + turns * moved)
-        scene = self.scene.with_state(position=bodies.position * (1 + moved), velocity=velocity, omega=bodies.omega * (1 + moved))
+        scene = self.scene.with_state(
+            position=bodies.position * (1 + moved),
+            velocity=velocity,
+            omega=bodies.omega * (1 + moved),
+        )
         return Motion(scene, self.times)
 
     def _turned(self, angle: float) -> "Motion":
-        """The bodies and their velocities turned about z by a small angle [rad]; what they are tied to in the world stays."""
+        """The bodies and their velocities turned about z by a small angle [rad]; what they are tied
+        to in the world stays.
+        """
         anchors = [link.anchor_b for link in self.scene.all(Link) if link.b < 0]
         pivot = np.array(anchors[0] if anchors else (0.0, 0.0, 0.0))
         c, s = np.cos(angle), np.sin(angle)
         turn = np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
         bodies = self.scene.bodies
         position = pivot + (bodies.position - pivot) @ turn.T
-        return Motion(self.scene.with_state(position=position, velocity=bodies.velocity @ turn.T), self.times)
+        return Motion(
+            self.scene.with_state(position=position, velocity=bodies.velocity @ turn.T), self.times
+        )
 
     def when(self, sample: float) -> str:
         """A time."""
         return f"t = {sample:.4g} s"
 
 
-class IterationDocument(msgspec.Struct, frozen=True, kw_only=True, tag="iteration", tag_field="kind"):
+class IterationDocument(
+    msgspec.Struct, frozen=True, kw_only=True, tag="iteration", tag_field="kind"
+):
     """An iteration as JSON has it."""
 
     map: AnyMap
@@ -122,7 +150,9 @@ class IterationDocument(msgspec.Struct, frozen=True, kw_only=True, tag="iteratio
 
 @dataclass(frozen=True, eq=False)
 class Iteration(Problem):
-    """A map, its start (D,), and how many times it is applied; asked for are the iterates `times` (T,), whole numbers from 0 to n."""
+    """A map, its start (D,), and how many times it is applied; asked for are the iterates `times`
+    (T,), whole numbers from 0 to n.
+    """
 
     kind: ClassVar[str] = "iteration"
     words: ClassVar[str] = "an iteration"
@@ -131,16 +161,29 @@ class Iteration(Problem):
     n: int
 
     def __post_init__(self) -> None:
-        if self.n < 1 or self.start.shape != (self.map.dimension,) or not np.all(np.isfinite(self.start)):
+        if (
+            self.n < 1
+            or self.start.shape != (self.map.dimension,)
+            or not np.all(np.isfinite(self.start))
+        ):
             told = f"n = {self.n} and a start of shape {self.start.shape}"
-            raise UsageError(f"iteration: {told}; expected n >= 1 and {self.map.dimension} finite numbers")
+            raise UsageError(
+                f"iteration: {told}; expected n >= 1 and {self.map.dimension} finite numbers"
+            )
 
     @property
     def times(self) -> Array:  # type: ignore[override]
         """Numbers of the iterates asked for (T,)."""
         octaves = max(0.0, np.log2(self.n / DENSE))
         sparse = np.round(DENSE * 2.0 ** (np.arange(1, int(octaves * PER_OCTAVE) + 1) / PER_OCTAVE))
-        return np.array([*np.arange(min(self.n, DENSE) + 1), *sparse[sparse < self.n], *([self.n] if self.n > DENSE else [])], float)
+        return np.array(
+            [
+                *np.arange(min(self.n, DENSE) + 1),
+                *sparse[sparse < self.n],
+                *([self.n] if self.n > DENSE else []),
+            ],
+            float,
+        )
 
     @property
     def features(self) -> frozenset[str]:
@@ -152,9 +195,13 @@ class Iteration(Problem):
         return IterationDocument(map=self.map, start=self.start.tolist(), n=self.n)  # type: ignore[arg-type]
 
     def perturbed(self, ulps: int) -> "Iteration":
-        """The numbers of the start moved by turns up and down: all of them up would keep a direction."""
+        """The numbers of the start moved by turns up and down: all of them up would keep a
+        direction.
+        """
         turns = np.where(np.arange(len(self.start)) % 2, -1.0, 1.0)
-        return Iteration(self.map, self.map.admitted(self.start * (1 + turns * ulps * 2.0**-52)), self.n)
+        return Iteration(
+            self.map, self.map.admitted(self.start * (1 + turns * ulps * 2.0**-52)), self.n
+        )
 
     def when(self, sample: float) -> str:
         """An iterate."""

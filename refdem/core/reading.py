@@ -1,7 +1,8 @@
-"""Files that people and programs wrote, read as what they should be: whatever is wrong is one sentence with the place.
+"""Files that people and programs wrote, read as what they should be: whatever is wrong is one
+sentence with the place.
 
-Raised is UsageError alone, for a name that no file can have, a folder, bytes that are no text, brackets in
-brackets without end, and for what does not fit.
+Raised is UsageError alone, for a name that no file can have, a folder, bytes that are no text,
+brackets in brackets without end, and for what does not fit.
 """
 
 import re
@@ -39,7 +40,9 @@ def is_file(path: Path) -> bool:
         return False
 
 
-def toml_as(kind: type[T], path: Path, expected: str, defaults: Mapping[str, Any] | None = None) -> T:
+def toml_as(
+    kind: type[T], path: Path, expected: str, defaults: Mapping[str, Any] | None = None
+) -> T:
     """A TOML file as a `kind`; `defaults` stand for what it does not say."""
     data = content(path, expected)
     try:

@@ -8,11 +8,15 @@ from refdem.core.problem import Request
 
 
 def request_text(request: Request) -> str:
-    """Lines `scene.bodies.0.mass 1.0`: indices from 0, numbers with 17 digits, true and false as 1 and 0, null left out.
+    """Lines `scene.bodies.0.mass 1.0`: indices from 0, numbers with 17 digits, true and false as 1
+    and 0, null left out.
 
-    A list also has its length as `<key>.count`; numbers that need not be whole have a point or an exponent.
+    A list also has its length as `<key>.count`; numbers that need not be whole have a point or an
+    exponent.
     """
-    return "".join(f"{key} {value}\n" for key, value in _lines("", msgspec.json.decode(request.to_json())))
+    return "".join(
+        f"{key} {value}\n" for key, value in _lines("", msgspec.json.decode(request.to_json()))
+    )
 
 
 def _lines(key: str, value: Any) -> list[tuple[str, str]]:
@@ -22,7 +26,9 @@ def _lines(key: str, value: Any) -> list[tuple[str, str]]:
         return [line for name, part in value.items() for line in _lines(f"{prefix}{name}", part)]
     if isinstance(value, list):
         lines = [(f"{prefix}count", str(len(value)))]
-        return lines + [line for n, part in enumerate(value) for line in _lines(f"{prefix}{n}", part)]
+        return lines + [
+            line for n, part in enumerate(value) for line in _lines(f"{prefix}{n}", part)
+        ]
     if value is None:
         return []
     if isinstance(value, bool):

@@ -13,9 +13,11 @@ def at_defaults(case: Canonical) -> Sequence[Mapping[str, str]]:
 
 @dataclass(frozen=True, kw_only=True)
 class Selection:
-    """Every instance that `admits` returns None for, judged by one `check`; the campaign expands it.
+    """Every instance that `admits` returns None for, judged by one `check`; the campaign expands
+    it.
 
-    Adding one is one file in cases/ with an instance named CASE. `admits` returns the reason why an instance is left out;
+    Adding one is one file in cases/ with an instance named CASE. `admits` returns the reason why an
+    instance is left out;
     `parameters` gives those at which a case is looked at, each as text.
     """
 

@@ -1,4 +1,6 @@
-"""Is a step stable: many steps of it from the start of a motion, and whether the run stays bounded."""
+"""Is a step stable: many steps of it from the start of a motion, and whether the run stays
+bounded.
+"""
 
 from dataclasses import replace
 
@@ -9,7 +11,8 @@ from refdem.core.problem import Motion
 from refdem.core.trajectory import Trajectory
 
 STEPS = 1000
-"""A step that is too long by a part in a thousand has grown e^40-fold by then in Verlet's method."""
+"""A step that is too long by a part in a thousand has grown e^40-fold by then in Verlet's method.
+"""
 BEYOND = 100.0
 """A run is unstable if a place, velocity or spin passes this many times its scale."""
 
@@ -21,7 +24,9 @@ def probe(instance: Instance, multiple: float) -> Motion:
 
 
 def excess(instance: Instance, run: Trajectory) -> float:
-    """The largest place, velocity or spin of the run, each in units of its scale; what flies freely may go as far as it does."""
+    """The largest place, velocity or spin of the run, each in units of its scale; what flies freely
+    may go as far as it does.
+    """
     scales, scene = instance.scales, instance.scene
     speed = scales.speed + float(np.max(np.abs(scene.bodies.velocity)))
     flight = 0.0 if scene.elements else speed * float(run.t[-1] - run.t[0])

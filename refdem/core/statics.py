@@ -36,32 +36,71 @@ class Static(Problem):
         return "once"
 
 
-class Cuboid(msgspec.Struct, frozen=True, kw_only=True, tag="cuboid", tag_field="kind", forbid_unknown_fields=True):
+class Cuboid(
+    msgspec.Struct,
+    frozen=True,
+    kw_only=True,
+    tag="cuboid",
+    tag_field="kind",
+    forbid_unknown_fields=True,
+):
     """A box with full `sides` [m] along its axes, about its centre."""
 
     sides: tuple[Positive, Positive, Positive]
 
 
-class Ellipsoid(msgspec.Struct, frozen=True, kw_only=True, tag="ellipsoid", tag_field="kind", forbid_unknown_fields=True):
+class Ellipsoid(
+    msgspec.Struct,
+    frozen=True,
+    kw_only=True,
+    tag="ellipsoid",
+    tag_field="kind",
+    forbid_unknown_fields=True,
+):
     """An ellipsoid with these half axes [m], about its centre."""
 
     half_axes: tuple[Positive, Positive, Positive]
 
 
-class Cylinder(msgspec.Struct, frozen=True, kw_only=True, tag="cylinder", tag_field="kind", forbid_unknown_fields=True):
-    """An elliptical cylinder with half axes [m] in x and y and a `height` [m] along z, about its centre."""
+class Cylinder(
+    msgspec.Struct,
+    frozen=True,
+    kw_only=True,
+    tag="cylinder",
+    tag_field="kind",
+    forbid_unknown_fields=True,
+):
+    """An elliptical cylinder with half axes [m] in x and y and a `height` [m] along z, about its
+    centre.
+    """
 
     half_axes: tuple[Positive, Positive]
     height: Positive
 
 
-class Polygon(msgspec.Struct, frozen=True, kw_only=True, tag="polygon", tag_field="kind", forbid_unknown_fields=True):
-    """A flat plate in x-y: vertices [m], counter-clockwise, convex or not; its density is in kg/m^2."""
+class Polygon(
+    msgspec.Struct,
+    frozen=True,
+    kw_only=True,
+    tag="polygon",
+    tag_field="kind",
+    forbid_unknown_fields=True,
+):
+    """A flat plate in x-y: vertices [m], counter-clockwise, convex or not; its density is in
+    kg/m^2.
+    """
 
     vertices: tuple[tuple[float, float], ...]
 
 
-class Points(msgspec.Struct, frozen=True, kw_only=True, tag="points", tag_field="kind", forbid_unknown_fields=True):
+class Points(
+    msgspec.Struct,
+    frozen=True,
+    kw_only=True,
+    tag="points",
+    tag_field="kind",
+    forbid_unknown_fields=True,
+):
     """Masses [kg] at positions [m]; a density does not count."""
 
     mass: tuple[Positive, ...]
@@ -72,9 +111,11 @@ SolidShape = Sphere | Polyhedron | Cuboid | Ellipsoid | Cylinder | Polygon | Poi
 
 
 class Piece(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """A solid of uniform `density` [kg/m^3] at the origin, turned by `attitude`; `hollow` is cut out of it before.
+    """A solid of uniform `density` [kg/m^3] at the origin, turned by `attitude`; `hollow` is cut
+    out of it before.
 
-    Asked for are mass, centre of mass, and the tensor of inertia about it, or about the point `about` [m] in space.
+    Asked for are mass, centre of mass, and the tensor of inertia about it, or about the point
+    `about` [m] in space.
     """
 
     name: str
@@ -85,19 +126,35 @@ class Piece(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=Tru
     about: Vector | None = None
 
 
-class SolidDocument(msgspec.Struct, frozen=True, kw_only=True, tag="solid", tag_field="kind", forbid_unknown_fields=True):
+class SolidDocument(
+    msgspec.Struct,
+    frozen=True,
+    kw_only=True,
+    tag="solid",
+    tag_field="kind",
+    forbid_unknown_fields=True,
+):
     """Solids, each for itself."""
 
     solids: list[Piece]
 
 
-MASS_PROPERTIES = ("mass", *(f"centre.{x}" for x in "xyz"), *(f"inertia.{ij}" for ij in ("xx", "yy", "zz", "xy", "xz", "yz")))
-"""What is asked of a solid: [kg], [m], [kg m^2]; `inertia.xy` is the entry of the tensor, minus the integral of x y."""
+MASS_PROPERTIES = (
+    "mass",
+    *(f"centre.{x}" for x in "xyz"),
+    *(f"inertia.{ij}" for ij in ("xx", "yy", "zz", "xy", "xz", "yz")),
+)
+"""What is asked of a solid: [kg], [m], [kg m^2];
+
+`inertia.xy` is the entry of the tensor, minus the integral of x y.
+"""
 
 
 @dataclass(frozen=True, eq=False)
 class Solid(Static):
-    """Mass properties: values `<solid>.<one of MASS_PROPERTIES>` (1,); what an engine cannot say is left out."""
+    """Mass properties: values `<solid>.<one of MASS_PROPERTIES>` (1,); what an engine cannot say is
+    left out.
+    """
 
     kind: ClassVar[str] = "solid"
     words: ClassVar[str] = "mass properties"
@@ -114,7 +171,10 @@ class Solid(Static):
 
     def perturbed(self, ulps: int) -> "Solid":
         """The densities moved up."""
-        moved = [msgspec.structs.replace(piece, density=piece.density * (1 + ulps * 2.0**-52)) for piece in self.content.solids]
+        moved = [
+            msgspec.structs.replace(piece, density=piece.density * (1 + ulps * 2.0**-52))
+            for piece in self.content.solids
+        ]
         return Solid(SolidDocument(solids=moved))
 
 
@@ -126,27 +186,44 @@ def of_piece(piece: Piece) -> frozenset[str]:
     return frozenset(names | ({"solid:about"} if piece.about else set()))
 
 
-def properties(problem: Solid, of: Callable[[Piece], Mapping[str, float] | None]) -> dict[str, Array]:
+def properties(
+    problem: Solid, of: Callable[[Piece], Mapping[str, float] | None]
+) -> dict[str, Array]:
     """The values of every solid of which `of` says something: some of MASS_PROPERTIES by name."""
     found = {piece.name: of(piece) for piece in problem.content.solids}
-    return {f"{name}.{entry}": np.array([value]) for name, entries in found.items() for entry, value in (entries or {}).items()}
+    return {
+        f"{name}.{entry}": np.array([value])
+        for name, entries in found.items()
+        for entry, value in (entries or {}).items()
+    }
 
 
 def body(mass: float, centre: Array, inertia: Array) -> dict[str, float]:
     """All of MASS_PROPERTIES of a mass [kg], a centre (3,) [m] and a tensor (3, 3) [kg m^2]."""
-    entries = [inertia["xyz".index(name[-2]), "xyz".index(name[-1])] for name in MASS_PROPERTIES[4:]]
+    entries = [
+        inertia["xyz".index(name[-2]), "xyz".index(name[-1])] for name in MASS_PROPERTIES[4:]
+    ]
     return dict(zip(MASS_PROPERTIES, map(float, (mass, *centre, *entries)), strict=True))
 
 
 class Operation(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """One operation of rotation algebra; an operand is numbers, or the name of an earlier operation, whose result it is."""
+    """One operation of rotation algebra; an operand is numbers, or the name of an earlier
+    operation, whose result it is.
+    """
 
     name: str
     operation: str
     operands: list[list[float] | str]
 
 
-class IdentityDocument(msgspec.Struct, frozen=True, kw_only=True, tag="identity", tag_field="kind", forbid_unknown_fields=True):
+class IdentityDocument(
+    msgspec.Struct,
+    frozen=True,
+    kw_only=True,
+    tag="identity",
+    tag_field="kind",
+    forbid_unknown_fields=True,
+):
     """Operations in their order."""
 
     operations: list[Operation]
@@ -165,10 +242,18 @@ class Identity(Static):
         for each in self.content.operations:
             expected, result = SIZES.get(each.operation, ((), -1))
             got = tuple(known.get(x, -1) if isinstance(x, str) else len(x) for x in each.operands)
-            fits = len(got) == len(expected) and all(b in (0, a) and a >= 0 for a, b in zip(got, expected, strict=True))
+            fits = len(got) == len(expected) and all(
+                b in (0, a) and a >= 0 for a, b in zip(got, expected, strict=True)
+            )
             if result < 0 or not fits or each.name in known:
-                told = f"operation {each.name} ({each.operation}) has operands of sizes {got} (-1: unknown)"
-                raise UsageError(f"{told}; expected {expected if result > 0 else 'one of ' + ', '.join(SIZES)}, each name once")
+                told = (
+                    f"operation {each.name} ({each.operation}) has operands of sizes {got} (-1:"
+                    " unknown)"
+                )
+                raise UsageError(
+                    f"{told}; expected {expected if result > 0 else 'one of ' + ', '.join(SIZES)},"
+                    " each name once"
+                )
             known[each.name] = result
 
     @property
@@ -185,17 +270,26 @@ class Identity(Static):
         moved = 1 + ulps * 2.0**-52
 
         def shifted(each: Operation) -> Operation:
-            operands = [operand if isinstance(operand, str) else [x * moved for x in operand] for operand in each.operands]
+            operands = [
+                operand if isinstance(operand, str) else [x * moved for x in operand]
+                for operand in each.operands
+            ]
             return msgspec.structs.replace(each, operands=operands)
 
-        return Identity(IdentityDocument(operations=[shifted(each) for each in self.content.operations]))
+        return Identity(
+            IdentityDocument(operations=[shifted(each) for each in self.content.operations])
+        )
 
 
 def results(problem: Identity, answers: Mapping[str, Callable[..., Any]]) -> dict[str, Array]:
-    """The result (1, k) of every operation that is in `answers` and whose operands are known; a function takes arrays (k,)."""
+    """The result (1, k) of every operation that is in `answers` and whose operands are known; a
+    function takes arrays (k,).
+    """
     found: dict[str, Array] = {}
     for each in problem.content.operations:
-        if each.operation in answers and all(not isinstance(x, str) or x in found for x in each.operands):
+        if each.operation in answers and all(
+            not isinstance(x, str) or x in found for x in each.operands
+        ):
             operands = [found[x][0] if isinstance(x, str) else np.array(x) for x in each.operands]
             found[each.name] = np.asarray(answers[each.operation](*operands), float).reshape(1, -1)
     return found

@@ -1,8 +1,9 @@
-"""The store: one SQLite file of finished runs, truths and charts; only the parent process writes it.
+"""The store: one SQLite file of finished runs, truths and charts; only the parent process writes
+it.
 
-It is a cache. Whatever is wrong with it costs time and a line on standard error, never a campaign: an
-entry whose digest does not match, or which does not decode, is dropped and made again; a file that is
-no database is moved aside; a disk that is full or cannot be written keeps nothing more.
+It is a cache. Whatever is wrong with it costs time and a line on standard error, never a campaign:
+an entry whose digest does not match, or which does not decode, is dropped and made again; a file
+that is no database is moved aside; a disk that is full or cannot be written keeps nothing more.
 """
 
 import hashlib
@@ -34,8 +35,8 @@ PAUSE = 0.05
 UNREADABLE = (ValueError, KeyError, TypeError, RefdemError)
 """What reading an entry raises that another version of refdem wrote."""
 _TABLE = (
-    "CREATE TABLE IF NOT EXISTS entries "
-    "(kind TEXT, key TEXT, digest BLOB NOT NULL, data BLOB NOT NULL, PRIMARY KEY (kind, key)) WITHOUT ROWID"
+    "CREATE TABLE IF NOT EXISTS entries (kind TEXT, key TEXT, digest BLOB NOT NULL, data BLOB NOT"
+    " NULL, PRIMARY KEY (kind, key)) WITHOUT ROWID"
 )
 
 
@@ -68,7 +69,10 @@ class _Tally:
 
 
 class Store:
-    """Finished work by key. A transaction an entry: killed at any moment, what is finished stays."""
+    """Finished work by key.
+
+    A transaction an entry: killed at any moment, what is finished stays.
+    """
 
     def __init__(self, path: Path) -> None:
         self.path = path
@@ -93,7 +97,9 @@ class Store:
         if connection is None:
             return None
         try:
-            asked = connection.execute("SELECT digest, data FROM entries WHERE kind=? AND key=?", (kind, key))
+            asked = connection.execute(
+                "SELECT digest, data FROM entries WHERE kind=? AND key=?", (kind, key)
+            )
             row = asked.fetchone()
         except sqlite3.Error as error:
             self._failed(error)
@@ -107,7 +113,10 @@ class Store:
         return data
 
     def read(self, kind: str, key: str, decode: Callable[[bytes], T]) -> T | None:
-        """What `decode` makes of the bytes under (kind, key); None if there are none, or if they do not decode."""
+        """What `decode` makes of the bytes under (kind, key);
+
+        None if there are none, or if they do not decode.
+        """
         data = self.get(kind, key)
         if data is None:
             return None
@@ -118,7 +127,9 @@ class Store:
             return None
 
     def put(self, kind: str, key: str, data: bytes) -> None:
-        """Keeps bytes under (kind, key), unless there are too many of them: those are made again when they are asked for."""
+        """Keeps bytes under (kind, key), unless there are too many of them: those are made again
+        when they are asked for.
+        """
         connection = self._tally.connection
         if connection is None or len(data) > MOST:
             return
@@ -145,7 +156,10 @@ class Store:
         try:
             self._connect()
         except (_UnfitError, sqlite3.OperationalError, OSError) as error:
-            _say(f"store {self.path} cannot be used: {error}. Nothing is kept; correct that, or set REFDEM_STORE to another file")
+            _say(
+                f"store {self.path} cannot be used: {error}. Nothing is kept; correct that, or set"
+                " REFDEM_STORE to another file"
+            )
         except sqlite3.DatabaseError as error:
             self._renew(error)
 
@@ -155,15 +169,21 @@ class Store:
         self._tally.file = _inode(self.path)
 
     def _failed(self, error: sqlite3.Error) -> None:
-        """Goes on with a new file where this one is damaged, and without a store where nothing can be written."""
+        """Goes on with a new file where this one is damaged, and without a store where nothing can
+        be written.
+        """
         connection = self._tally.connection
         self._tally.connection = None
         if connection is not None:
             with suppress(sqlite3.Error):
                 connection.close()
-        # Errors of the system (locked, full, read-only) are OperationalErrors; a damaged file is a DatabaseError itself.
+        # Errors of the system (locked, full, read-only) are OperationalErrors; a damaged file is a
+        # DatabaseError itself.
         if isinstance(error, sqlite3.OperationalError):
-            _say(f"store {self.path} cannot be used any more: {error}. What is made from now on is not kept")
+            _say(
+                f"store {self.path} cannot be used any more: {error}. What is made from now on is"
+                " not kept"
+            )
         else:
             self._renew(error)
 
@@ -179,22 +199,31 @@ class Store:
                     self.path.with_name(self.path.name + suffix).unlink(missing_ok=True)
             self._connect()
         except (_UnfitError, sqlite3.Error, OSError) as second:
-            _say(f"store {self.path} is damaged ({error}) and cannot be made anew: {second}. Nothing is kept")
+            _say(
+                f"store {self.path} is damaged ({error}) and cannot be made anew: {second}. Nothing"
+                " is kept"
+            )
             return
         if is_renewed:
             return
-        _say(f"store {self.path} was damaged ({error}); it is now {aside.name}, and what it held is made again")
+        _say(
+            f"store {self.path} was damaged ({error}); it is now {aside.name}, and what it held is"
+            " made again"
+        )
 
     def _drop(self, kind: str, key: str) -> None:
         """Takes an entry away."""
         self._tally.damaged += 1
         if self._tally.connection is not None:
             with suppress(sqlite3.Error):
-                self._tally.connection.execute("DELETE FROM entries WHERE kind=? AND key=?", (kind, key))
+                self._tally.connection.execute(
+                    "DELETE FROM entries WHERE kind=? AND key=?", (kind, key)
+                )
 
 
 def _connected(path: Path) -> sqlite3.Connection:
-    """The open file with its table. Raises OSError, sqlite3.Error, or _UnfitError for another format.
+    """The open file with its table. Raises OSError, sqlite3.Error, or _UnfitError for another
+    format.
 
     SQLite does not wait for a process that is just making the same file, so this does.
     """
@@ -235,7 +264,9 @@ def _prepare(connection: sqlite3.Connection) -> None:
     (version,) = connection.execute("PRAGMA user_version").fetchone()
     if version > FORMAT:
         connection.execute("ROLLBACK")
-        raise _UnfitError(f"it has format {version}, of a newer refdem or another program; expected {FORMAT}")
+        raise _UnfitError(
+            f"it has format {version}, of a newer refdem or another program; expected {FORMAT}"
+        )
     if version < FORMAT:
         connection.execute("DROP TABLE IF EXISTS entries")
     connection.execute(_TABLE)

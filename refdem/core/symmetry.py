@@ -1,6 +1,8 @@
-"""Symmetries of mechanics: the same scene shifted, rotated, boosted, mirrored, relabelled, in other units, started later.
+"""Symmetries of mechanics: the same scene shifted, rotated, boosted, mirrored, relabelled, in other
+units, started later.
 
-x' = lambda (Q x + d + u t), t' = tau t + t0, masses times mu: a code must give the same motion, whatever the truth is.
+x' = lambda (Q x + d + u t), t' = tau t + t0, masses times mu: a code must give the same motion,
+whatever the truth is.
 """
 
 from dataclasses import dataclass, field, replace
@@ -28,9 +30,11 @@ Array = NDArray[np.float64]
 
 NAMES = ("shifted", "rotated", "boosted", "mirrored", "relabelled", "rescaled", "delayed")
 UNITS = (1 / sqrt(11.0), sqrt(51.0), 3.0 + 2.0**-24)
-"""Units of mass, length and time in which no number stays round: what a code keeps in too few digits is rounded anew.
+"""Units of mass, length and time in which no number stays round: what a code keeps in too few
+digits is rounded anew.
 
-That of time has 26 bits: too many for single precision, and few enough for a clock that is summed plainly in double precision.
+That of time has 26 bits: too many for single precision, and few enough for a clock that is summed
+plainly in double precision.
 """
 REFLECTION = np.array([1.0, 1.0, -1.0, -1.0])
 """What a reflection of x does to an attitude (w, x, y, z): R' = M R M with M = diag(-1, 1, 1)."""
@@ -38,7 +42,9 @@ REFLECTION = np.array([1.0, 1.0, -1.0, -1.0])
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Symmetry:
-    """One map: unit quaternion `turn`, reflection of x, shift d [m], boost u [m/s], order of bodies, units, delay [s]."""
+    """One map: unit quaternion `turn`, reflection of x, shift d [m], boost u [m/s], order of
+    bodies, units, delay [s].
+    """
 
     turn: Array = field(default_factory=lambda: np.array([1.0, 0.0, 0.0, 0.0]))
     mirrored: bool = False
@@ -56,7 +62,10 @@ class Symmetry:
 
     def applied(self, motion: Motion) -> Motion:
         """The motion as the symmetry shows it."""
-        scene = Scene(self._bodies(motion.scene.bodies), tuple(self._element(e, len(motion.scene.bodies)) for e in motion.scene.elements))
+        scene = Scene(
+            self._bodies(motion.scene.bodies),
+            tuple(self._element(e, len(motion.scene.bodies)) for e in motion.scene.elements),
+        )
         return Motion(scene, self.units[2] * motion.times + self.delay)
 
     def undone(self, run: Trajectory) -> Trajectory:
@@ -64,11 +73,17 @@ class Symmetry:
         _, length, time = self.units
         order = slice(None, None, -1) if self.reverse else slice(None)
         t = (run.t - self.delay) / time
-        position = (run.position[:, order] / length - self.shift - self.boost * t[:, None, None]) @ self.q
+        position = (
+            run.position[:, order] / length - self.shift - self.boost * t[:, None, None]
+        ) @ self.q
         velocity = (run.velocity[:, order] * (time / length) - self.boost) @ self.q
         omega = run.omega[:, order] * time @ self.q * (-1.0 if self.mirrored else 1.0)
         attitude = run.attitude[:, order]
-        attitude = attitude * REFLECTION if self.mirrored else product(self.turn * np.array([1.0, -1.0, -1.0, -1.0]), attitude)
+        attitude = (
+            attitude * REFLECTION
+            if self.mirrored
+            else product(self.turn * np.array([1.0, -1.0, -1.0, -1.0]), attitude)
+        )
         columns = (position, velocity, attitude, omega)
         position, velocity, attitude, omega = (np.ascontiguousarray(values) for values in columns)
         return Trajectory(t=t, position=position, velocity=velocity, attitude=attitude, omega=omega)
@@ -77,7 +92,9 @@ class Symmetry:
         """The bodies, column by column; the attitude of a point stays."""
         mass, length, time = self.units
         turns = np.any(bodies.inertia, axis=1, keepdims=True)
-        turned = bodies.attitude * REFLECTION if self.mirrored else product(self.turn, bodies.attitude)
+        turned = (
+            bodies.attitude * REFLECTION if self.mirrored else product(self.turn, bodies.attitude)
+        )
         columns: dict[str, Any] = {
             "mass": bodies.mass * mass,
             "inertia": bodies.inertia * (mass * length**2),
@@ -86,10 +103,18 @@ class Symmetry:
             "attitude": np.where(turns, turned, bodies.attitude),
             "omega": bodies.omega @ self.q.T / time * (-1.0 if self.mirrored else 1.0),
             "fixed": bodies.fixed.copy(),
-            "shape": tuple(map([self._shape(shape) for shape in bodies.shapes].__getitem__, bodies.shape_number.tolist())),
+            "shape": tuple(
+                map(
+                    [self._shape(shape) for shape in bodies.shapes].__getitem__,
+                    bodies.shape_number.tolist(),
+                )
+            ),
         }
         if self.reverse:
-            columns = {name: value[::-1].copy() if name != "shape" else value[::-1] for name, value in columns.items()}
+            columns = {
+                name: value[::-1].copy() if name != "shape" else value[::-1]
+                for name, value in columns.items()
+            }
         return replace(bodies, **columns)
 
     def _shape(self, shape: Shape) -> Shape:
@@ -100,24 +125,38 @@ class Symmetry:
         if isinstance(shape, Polyhedron):
             side = -1.0 if self.mirrored else 1.0
             faces = tuple(face[::-1] for face in shape.faces) if self.mirrored else shape.faces
-            return Polyhedron(vertices=tuple((side * x * length, y * length, z * length) for x, y, z in shape.vertices), faces=faces)
+            return Polyhedron(
+                vertices=tuple(
+                    (side * x * length, y * length, z * length) for x, y, z in shape.vertices
+                ),
+                faces=faces,
+            )
         return shape
 
     def _element(self, element: Element, count: int) -> Element:
-        """An element with every field as its type says: places, directions, numbers with a dimension, bodies by number."""
+        """An element with every field as its type says: places, directions, numbers with a
+        dimension, bodies by number.
+        """
         changed: dict[str, Any] = {}
         hints = types_of(type(element))
         for name in element.__struct_fields__:
             value, hint = getattr(element, name), hints[name]
             if hint == Position:
-                changed[name] = self._place(value, space=not isinstance(element, Link) or (name == "anchor_b" and element.b < 0))
+                changed[name] = self._place(
+                    value,
+                    space=not isinstance(element, Link) or (name == "anchor_b" and element.b < 0),
+                )
             elif hint in (Direction, Acceleration):
                 unit = self.units[1] / self.units[2] ** 2 if hint == Acceleration else 1.0
                 changed[name] = tuple((self.q @ np.array(value) * unit).tolist())
             elif name in ("a", "b") and self.reverse and value >= 0:
                 changed[name] = count - 1 - value
             elif isinstance(value, float) and (dimension := element.dimension(name)) is not None:
-                changed[name] = value * float(np.prod(np.array(self.units) ** np.array(dimension))) if value else 0.0
+                changed[name] = (
+                    value * float(np.prod(np.array(self.units) ** np.array(dimension)))
+                    if value
+                    else 0.0
+                )
         return msgspec.structs.replace(element, **changed).delayed(self.delay)
 
     def _place(self, value: tuple[float, float, float], *, space: bool) -> tuple[float, ...]:
@@ -130,10 +169,16 @@ class Symmetry:
 
 
 def of(instance: Instance, name: str) -> Symmetry:
-    """The symmetry of that name for an instance, within the dimensions in which it moves; sizes of the order of its scales."""
+    """The symmetry of that name for an instance, within the dimensions in which it moves; sizes of
+    the order of its scales.
+    """
     scales, features = instance.scales, instance.scene.features
     flat = np.array([1.0, "dimension:1" not in features, "dimension:3" in features])
-    turn = np.array([1.0, 2.0, 3.0, 4.0]) / np.sqrt(30.0) if "dimension:3" in features else np.array([2.0, 0.0, 0.0, 1.0]) / np.sqrt(5.0)
+    turn = (
+        np.array([1.0, 2.0, 3.0, 4.0]) / np.sqrt(30.0)
+        if "dimension:3" in features
+        else np.array([2.0, 0.0, 0.0, 1.0]) / np.sqrt(5.0)
+    )
     known = {
         "shifted": Symmetry(shift=scales.length * np.array([8.0, -4.0, 2.0]) * flat),
         "rotated": Symmetry(turn=turn),
@@ -150,7 +195,9 @@ _PICTURES: WeakKeyDictionary[Instance, dict[str, tuple[Symmetry, Motion]]] = Wea
 
 
 def picture(instance: Instance, name: str) -> tuple[Symmetry, Motion]:
-    """The symmetry of that name and the instance's motion as it shows it; made once, for every method is shown the same."""
+    """The symmetry of that name and the instance's motion as it shows it; made once, for every
+    method is shown the same.
+    """
     made = _PICTURES.setdefault(instance, {})
     if name not in made:
         view = of(instance, name)
@@ -167,7 +214,10 @@ def broken(scene: Scene, name: str) -> str | None:
         return "there is one body"
     if name in ("shifted", "boosted") and centred:
         return "the central field has its own origin"
-    if name == "boosted" and (scene.bodies.fixed.any() or any(e.external and e.kind != "uniform_gravity" for e in scene.elements)):
+    if name == "boosted" and (
+        scene.bodies.fixed.any()
+        or any(e.external and e.kind != "uniform_gravity" for e in scene.elements)
+    ):
         return "something stands still in space"
     return None
 
@@ -175,13 +225,23 @@ def broken(scene: Scene, name: str) -> str | None:
 def size(instance: Instance, symmetry: Symmetry) -> float:
     """How many times the scale the numbers become larger: round-off grows with them."""
     scales, bodies = instance.scales, instance.scene.bodies
-    own = np.abs(bodies.position).max() / scales.length, np.abs(bodies.velocity).max() / scales.speed  # of the start itself
+    own = (
+        np.abs(bodies.position).max() / scales.length,
+        np.abs(bodies.velocity).max() / scales.speed,
+    )  # of the start itself
     far = np.linalg.norm(symmetry.shift) + np.linalg.norm(symmetry.boost) * scales.duration
-    return float(max(1.0, *own) + far / scales.length + np.linalg.norm(symmetry.boost) / scales.speed)
+    return float(
+        max(1.0, *own) + far / scales.length + np.linalg.norm(symmetry.boost) / scales.speed
+    )
 
 
 def rounded_rates(instance: Instance) -> float:
-    """Error of a turn [rad] at the end, in roundings of the moments: much for a needle, by (J_b - J_c)/J_a in Euler's equations."""
+    """Error of a turn [rad] at the end, in roundings of the moments: much for a needle, by (J_b -
+    J_c)/J_a in Euler's equations.
+    """
     bodies, turns = instance.scene.bodies, instance.scales.duration / instance.scales.tau
     moments = bodies.inertia[np.all(bodies.inertia > 0, axis=1) & ~bodies.fixed]
-    return float(np.max((moments.sum(axis=1) - moments.min(axis=1)) / moments.min(axis=1), initial=0.0) * turns)
+    return float(
+        np.max((moments.sum(axis=1) - moments.min(axis=1)) / moments.min(axis=1), initial=0.0)
+        * turns
+    )

@@ -11,12 +11,22 @@ from refdem.errors import EngineError
 
 Array = NDArray[np.float64]
 
-CHANNELS = {"rod_force": "N", "overlap": "m", "contact_force": "N", "dissipated_work": "J", "contacts": "1"}
-"""The closed list of channels and their units; each is (T,) or (T, number of elements that have it)."""
+CHANNELS = {
+    "rod_force": "N",
+    "overlap": "m",
+    "contact_force": "N",
+    "dissipated_work": "J",
+    "contacts": "1",
+}
+"""The closed list of channels and their units; each is (T,) or (T, number of elements that have
+it).
+"""
 
 
 class Event(msgspec.Struct, frozen=True):
-    """Something that happened at `time` [s] to a body: contact, release, stick, slip, stop (it sticks for ever), catch, turn."""
+    """Something that happened at `time` [s] to a body: contact, release, stick, slip, stop (it
+    sticks for ever), catch, turn.
+    """
 
     time: float
     kind: str
@@ -33,11 +43,12 @@ class Cost(msgspec.Struct, frozen=True, kw_only=True):
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Trajectory:
-    """States of N bodies at T times: position, velocity (T, N, 3), attitude (T, N, 4), omega (T, N, 3) in space axes.
+    """States of N bodies at T times: position, velocity (T, N, 3), attitude (T, N, 4), omega (T, N,
+    3) in space axes.
 
-    Attitude and omega of points are (1, 0, 0, 0) and 0. The answer to a question without a scene has no bodies, and `values`
-    (T, ...) by name instead, at the samples t (T,) that were asked for. Raises EngineError, naming the place, if a shape is wrong or a
-    number is not finite.
+    Attitude and omega of points are (1, 0, 0, 0) and 0. The answer to a question without a scene
+    has no bodies, and `values` (T, ...) by name instead, at the samples t (T,) that were asked for.
+    Raises EngineError, naming the place, if a shape is wrong or a number is not finite.
     """
 
     t: Array
@@ -51,7 +62,9 @@ class Trajectory:
 
     def __post_init__(self) -> None:
         if self.position.ndim != 3:
-            raise EngineError(f"trajectory.position has shape {self.position.shape}; expected (T, N, 3)")
+            raise EngineError(
+                f"trajectory.position has shape {self.position.shape}; expected (T, N, 3)"
+            )
         count, bodies = len(self.t), self.position.shape[1]
         expected = {"t": (count,), "position": (count, bodies, 3), "velocity": (count, bodies, 3)}
         expected |= {"attitude": (count, bodies, 4), "omega": (count, bodies, 3)}
@@ -59,7 +72,9 @@ class Trajectory:
             _refuse(name, getattr(self, name), shape)
         for name, values in self.channels.items():
             if name not in CHANNELS:
-                raise EngineError(f"trajectory.channels has {name!r}; expected one of {', '.join(CHANNELS)}")
+                raise EngineError(
+                    f"trajectory.channels has {name!r}; expected one of {', '.join(CHANNELS)}"
+                )
             _refuse(f"channels[{name}]", values, (count, *values.shape[1:]))
         for name, values in self.values.items():
             _refuse(f"values[{name}]", values, (count, *values.shape[1:]))
@@ -70,12 +85,21 @@ class Trajectory:
         count, bodies = position.shape[:2]
         attitude = np.zeros((count, bodies, 4))
         attitude[..., 0] = 1.0
-        return cls(t=t, position=position, velocity=velocity, attitude=attitude, omega=np.zeros((count, bodies, 3)), **more)
+        return cls(
+            t=t,
+            position=position,
+            velocity=velocity,
+            attitude=attitude,
+            omega=np.zeros((count, bodies, 3)),
+            **more,
+        )
 
     @classmethod
     def of_values(cls, t: Array, values: dict[str, Array]) -> "Trajectory":
         """The answer to a question without a scene: arrays (T, ...) by name."""
-        return replace(cls.of_points(t, np.zeros((len(t), 0, 3)), np.zeros((len(t), 0, 3))), values=values)
+        return replace(
+            cls.of_points(t, np.zeros((len(t), 0, 3)), np.zeros((len(t), 0, 3))), values=values
+        )
 
     def columns(self) -> dict[str, Array]:
         """All states and values by name."""
@@ -115,20 +139,31 @@ class _Packed(msgspec.Struct):
 
 
 def _packed(values: Array) -> tuple[list[int], bytes]:
-    """Shape and numbers; of one row that stands for all, as of bodies that do not turn, that row."""
+    """Shape and numbers; of one row that stands for all, as of bodies that do not turn, that
+    row.
+    """
     rows = values[:1] if values.ndim and values.strides[0] == 0 else values
     return list(values.shape), np.ascontiguousarray(rows, dtype="<f8").tobytes()
 
 
 def _unpacked(shape: list[int], data: bytes) -> Array:
     found = np.frombuffer(data, dtype="<f8")
-    return found.reshape(shape) if found.size == np.prod(shape) else np.broadcast_to(found.reshape(1, *shape[1:]), shape)
+    return (
+        found.reshape(shape)
+        if found.size == np.prod(shape)
+        else np.broadcast_to(found.reshape(1, *shape[1:]), shape)
+    )
 
 
 def _refuse(name: str, values: Array, shape: tuple[int, ...]) -> None:
     """Raises EngineError for a wrong shape or a number that is not finite."""
     if values.shape != shape or values.dtype != np.float64:
-        raise EngineError(f"trajectory.{name} is {values.dtype} {values.shape}; expected float64 {shape}")
+        raise EngineError(
+            f"trajectory.{name} is {values.dtype} {values.shape}; expected float64 {shape}"
+        )
     bad = np.argwhere(~np.isfinite(values))
     if len(bad):
-        raise EngineError(f"trajectory.{name}{bad[0].tolist()} is {values[tuple(bad[0])]}; expected finite numbers")
+        raise EngineError(
+            f"trajectory.{name}{bad[0].tolist()} is {values[tuple(bad[0])]}; expected finite"
+            " numbers"
+        )

@@ -25,11 +25,14 @@ POINT = ["1", "0", "0", "0", "0", "0", "0"]
 MOST_EVENTS = 1_000_000
 
 
-def read_trajectory(path: Path, samples: int, bodies: int, events: Path | None = None) -> Trajectory:
-    """The trajectory in a file with a row per sample and body; raises EngineError with the line that is wrong.
+def read_trajectory(
+    path: Path, samples: int, bodies: int, events: Path | None = None
+) -> Trajectory:
+    """The trajectory in a file with a row per sample and body; raises EngineError with the line
+    that is wrong.
 
-    A channel's numbers stand in the rows of a sample, the k-th element's in body k's row; cells that are empty in every sample
-    are no element's.
+    A channel's numbers stand in the rows of a sample, the k-th element's in body k's row; cells
+    that are empty in every sample are no element's.
     """
     wanted = samples * bodies
     lines = csv_lines(path, wanted + 2, COLUMNS)
@@ -46,21 +49,32 @@ def read_trajectory(path: Path, samples: int, bodies: int, events: Path | None =
         count += 1
     if count != wanted:
         came = f"{count} rows" if count < wanted else "more rows"
-        raise EngineError(f"{path.name} has {came}; expected {wanted}: {samples} samples of {bodies} bodies")
+        raise EngineError(
+            f"{path.name} has {came}; expected {wanted}: {samples} samples of {bodies} bodies"
+        )
     table = rows.reshape(samples, bodies, -1)
     _refuse_disorder(table, bodies, path.name)
     columns = {"t": table[:, 0, 0], "position": table[:, :, 2:5], "velocity": table[:, :, 5:8]}
     columns |= {"attitude": table[:, :, 8:12], "omega": table[:, :, 12:15]}
-    arrays: dict[str, Any] = {name: np.ascontiguousarray(column) for name, column in columns.items()}
-    shown = {name: _channel(table[:, :, STATES + n], name, path.name) for n, name in enumerate(channels)}
+    arrays: dict[str, Any] = {
+        name: np.ascontiguousarray(column) for name, column in columns.items()
+    }
+    shown = {
+        name: _channel(table[:, :, STATES + n], name, path.name) for n, name in enumerate(channels)
+    }
     return Trajectory(channels=shown, events=_events(events, bodies), **arrays)
 
 
 def csv_lines(path: Path, most: int, columns: tuple[str, ...]) -> Iterator[tuple[int, list[str]]]:
-    """The first `most` lines that are not empty, with their numbers; raises EngineError if it is no CSV file."""
+    """The first `most` lines that are not empty, with their numbers; raises EngineError if it is no
+    CSV file.
+    """
     binary = opened(path)
     if binary is None:
-        raise EngineError(f"the program ended and wrote no {path.name}; expected a CSV file with columns {','.join(columns)}")
+        raise EngineError(
+            f"the program ended and wrote no {path.name}; expected a CSV file with columns"
+            f" {','.join(columns)}"
+        )
     try:
         with io.TextIOWrapper(binary, newline="", encoding="utf-8", errors="replace") as file:
             reader = csv.reader(file)
@@ -72,15 +86,22 @@ def csv_lines(path: Path, most: int, columns: tuple[str, ...]) -> Iterator[tuple
 def _channels(header: list[str], name: str) -> list[str]:
     """The channel columns after the fixed ones; raises EngineError for another header."""
     extra = header[STATES:]
-    if tuple(header[:STATES]) != COLUMNS or not set(extra) <= set(CHANNELS) or len(set(extra)) < len(extra):
+    if (
+        tuple(header[:STATES]) != COLUMNS
+        or not set(extra) <= set(CHANNELS)
+        or len(set(extra)) < len(extra)
+    ):
         raise EngineError(
-            f"{name} line 1 is {one_line(','.join(header), 200)!r}; expected {','.join(COLUMNS)} and channels of {', '.join(CHANNELS)}"
+            f"{name} line 1 is {one_line(','.join(header), 200)!r}; expected {','.join(COLUMNS)}"
+            f" and channels of {', '.join(CHANNELS)}"
         )
     return extra
 
 
 def _row(line: list[str], header: list[str], number: int, name: str) -> list[float]:
-    """The numbers of one line, with (1, 0, 0, 0) and 0 for the empty attitude and omega of a point, NaN for an empty channel."""
+    """The numbers of one line, with (1, 0, 0, 0) and 0 for the empty attitude and omega of a point,
+    NaN for an empty channel.
+    """
     if len(line) != len(header):
         raise EngineError(f"{name} line {number} has {len(line)} columns; expected {len(header)}")
     if not any(cell.strip() for cell in line[8:STATES]):
@@ -93,13 +114,18 @@ def _row(line: list[str], header: list[str], number: int, name: str) -> list[flo
         empty = column in CHANNELS and not cell.strip()
         value = np.nan if empty else number_in(cell)
         if value is None or not (empty or np.isfinite(value)):
-            raise EngineError(f"{name} line {number}: {column} is {one_line(cell, 40)!r}; expected a finite number")
+            raise EngineError(
+                f"{name} line {number}: {column} is {one_line(cell, 40)!r}; expected a finite"
+                " number"
+            )
         found.append(value)
     return found
 
 
 def plain_numbers(line: list[str]) -> list[float] | None:
-    """The numbers of a line that has nothing but finite numbers in Python's form, which is almost every line; else None."""
+    """The numbers of a line that has nothing but finite numbers in Python's form, which is almost
+    every line; else None.
+    """
     text = "".join(line)
     # float() takes more than numbers: 1_000, digits of other scripts, nan.
     if not text.isascii() or "_" in text:
@@ -125,7 +151,10 @@ def _channel(values: Array, channel: str, name: str) -> Array:
     """The columns (T, elements) of a channel that are not empty."""
     empty = np.isnan(values)
     if np.any(empty.any(axis=0) != empty.all(axis=0)):
-        raise EngineError(f"{name}: {channel} is empty in some samples and not in others; expected a number in all or in none")
+        raise EngineError(
+            f"{name}: {channel} is empty in some samples and not in others; expected a number in"
+            " all or in none"
+        )
     return np.ascontiguousarray(values[:, ~empty.all(axis=0)])
 
 
@@ -135,8 +164,9 @@ def _refuse_disorder(table: Any, bodies: int, name: str) -> None:
     if len(wrong):
         sample, body = wrong[0]
         raise EngineError(
-            f"{name} row {sample * bodies + body + 1} is body {table[sample, body, 1]:g} at t = {table[sample, body, 0]:.17g}; "
-            f"expected body {body} at t = {table[sample, 0, 0]:.17g}: the bodies of a sample in order, at one time"
+            f"{name} row {sample * bodies + body + 1} is body {table[sample, body, 1]:g} at t ="
+            f" {table[sample, body, 0]:.17g}; expected body {body} at t ="
+            f" {table[sample, 0, 0]:.17g}: the bodies of a sample in order, at one time"
         )
 
 
@@ -148,14 +178,24 @@ def _events(path: Path | None, bodies: int) -> tuple[Event, ...]:
     header = tuple(cell.strip() for cell in lines[0][1]) if lines else ()
     if header != EVENT_COLUMNS or len(lines) > MOST_EVENTS + 1:
         came = one_line(",".join(header), 200)
-        raise EngineError(f"{path.name} line 1 is {came!r}; expected time,kind,body and at most {MOST_EVENTS} events")
+        raise EngineError(
+            f"{path.name} line 1 is {came!r}; expected time,kind,body and at most {MOST_EVENTS}"
+            " events"
+        )
     return tuple(_event(line, number, path.name, bodies) for number, line in lines[1:])
 
 
 def _event(line: list[str], number: int, name: str, bodies: int) -> Event:
     """One event; raises EngineError if it is none."""
-    time, body = (number_in(line[0]), number_in(line[2])) if len(line) == len(EVENT_COLUMNS) else (None, None)
+    time, body = (
+        (number_in(line[0]), number_in(line[2]))
+        if len(line) == len(EVENT_COLUMNS)
+        else (None, None)
+    )
     if time is None or not np.isfinite(time) or body is None or body not in range(bodies):
         came = one_line(",".join(line), 80)
-        raise EngineError(f"{name} line {number} is {came!r}; expected a time, a kind and a body of 0..{bodies - 1}")
+        raise EngineError(
+            f"{name} line {number} is {came!r}; expected a time, a kind and a body of"
+            f" 0..{bodies - 1}"
+        )
     return Event(time, one_line(line[1], 40), int(body))

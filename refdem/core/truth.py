@@ -1,4 +1,6 @@
-"""Certified values: balls with a decimal midpoint and a proven radius, and their rounded samples that judging reads."""
+"""Certified values: balls with a decimal midpoint and a proven radius, and their rounded samples
+that judging reads.
+"""
 
 from abc import ABC, abstractmethod
 from collections.abc import Mapping, Sequence
@@ -23,7 +25,9 @@ class Ball:
         for value in (self.mid, self.radius):
             if isinstance(value, bool) or not isinstance(value, int | Fraction):
                 kind = type(value).__name__
-                raise TypeError(f"a ball got {value!r} ({kind}); expected exact numbers (Fraction or int)")
+                raise TypeError(
+                    f"a ball got {value!r} ({kind}); expected exact numbers (Fraction or int)"
+                )
 
     def rounded(self) -> tuple[float, float]:
         """The nearest double and a radius about it (rounded up) that contains the ball."""
@@ -32,7 +36,8 @@ class Ball:
         return mid, float(np.nextafter(radius, np.inf)) if radius else 0.0
 
     def decimals(self, places: int = 60) -> tuple[str, str]:
-        """Decimal midpoint and a radius, rounded up, so that the decimal interval contains the ball.
+        """Decimal midpoint and a radius, rounded up, so that the decimal interval contains the
+        ball.
 
         As many decimal places as the radius warrants, but at most `places`.
         """
@@ -67,26 +72,35 @@ def _rounded_up(value: Fraction) -> str:
 
 
 class Truth(ABC):
-    """What a case's quantities certainly are. `method` and `witness` say how they were proved and who checked."""
+    """What a case's quantities certainly are.
+
+    `method` and `witness` say how they were proved and who checked.
+    """
 
     method: str
     witness: str
 
     @abstractmethod
     def at(self, t: Fraction) -> Mapping[str, Ball]:
-        """Every quantity at the exact time t [s]; raises NotCertifiedError where it cannot be proved."""
+        """Every quantity at the exact time t [s]; raises NotCertifiedError where it cannot be
+        proved.
+        """
 
     @abstractmethod
     def sensitivity(self, t: Fraction) -> float:
-        """S(t) >= 1: no error that is made at any time s in [0, t] is larger at t than S(t) times what it was at s.
+        """S(t) >= 1: no error that is made at any time s in [0, t] is larger at t than S(t) times
+        what it was at s.
 
-        To first order in the error, whose coordinates and whose effect on the quantities are counted in their scales: the supremum
-        over s of the norm of D(t) D(s)^-1, D being the derivative of the flow, is at most S(t). Judging takes the largest S so far
+        To first order in the error, whose coordinates and whose effect on the quantities are
+        counted in their scales: the supremum over s of the norm of D(t) D(s)^-1, D being the
+        derivative of the flow, is at most S(t). Judging takes the largest S so far
         (`SampledTruth.growth`). S(t) depends on t alone, not on what else is asked.
         """
 
     def refined(self, digits: int) -> "Truth":
-        """The same truth with radii of at most 10^-digits; as it is where that cannot be asked for."""
+        """The same truth with radii of at most 10^-digits; as it is where that cannot be asked
+        for.
+        """
         return self
 
     def sensitivities(self, times: Sequence[Fraction]) -> list[float]:
@@ -98,16 +112,20 @@ class Truth(ABC):
         return {}
 
     def forecast(self, t: Fraction, digits: int) -> float:
-        """CPU seconds that `at(t)` with radii of at most 10^-digits is about to cost; 0 where that is not worth a word."""
+        """CPU seconds that `at(t)` with radii of at most 10^-digits is about to cost; 0 where that
+        is not worth a word.
+        """
         return 0.0
 
 
 class SampledTruth(msgspec.Struct, frozen=True, kw_only=True):
-    """Truth at the samples of one problem: doubles with radii; what judging reads and the store keeps.
+    """Truth at the samples of one problem: doubles with radii; what judging reads and the store
+    keeps.
 
-    `until` counts the certified samples; `reason` says why there are no more; `printed` has the scalars in decimals.
-    `earlier` has, for a delay [s], values and radii at that much before each sample, for velocities that lag; nothing is
-    known before the first, so its radius is infinite.
+    `until` counts the certified samples; `reason` says why there are no more; `printed` has the
+    scalars in decimals.
+    `earlier` has, for a delay [s], values and radii at that much before each sample, for velocities
+    that lag; nothing is known before the first, so its radius is infinite.
     """
 
     t: list[float]
@@ -136,5 +154,7 @@ class SampledTruth(msgspec.Struct, frozen=True, kw_only=True):
         return msgspec.structs.replace(self, values=values, radii=radii)
 
     def growth(self) -> Array:
-        """The largest S so far (until,): errors made at any earlier time are amplified by no more."""
+        """The largest S so far (until,): errors made at any earlier time are amplified by no
+        more.
+        """
         return np.maximum.accumulate(np.maximum(1.0, np.array(self.sensitivity)))

@@ -24,9 +24,9 @@ Change = Literal[
 class Variant:
     """A refinement level (step [s] or tolerance; 0 for exact methods) and at most one change of it.
 
-    repeated: the same request again. reversed: on from the end with velocities flipped. backward: on from the end with
-    negative steps. perturbed: the start moved by `amount` units in the last place. denser_output: `amount` times the samples.
-    The others are symmetries (core/symmetry.py).
+    repeated: the same request again. reversed: on from the end with velocities flipped. backward:
+    on from the end with negative steps. perturbed: the start moved by `amount` units in the last
+    place. denser_output: `amount` times the samples. The others are symmetries (core/symmetry.py).
     """
 
     level: float
@@ -45,4 +45,8 @@ class Variant:
 
     def __str__(self) -> str:
         level = f"{self.level:.17g}" if self.level else "exact"
-        return level if self.change == "none" else f"{level} {self.change}" + (f"({self.amount})" if self.amount else "")
+        return (
+            level
+            if self.change == "none"
+            else f"{level} {self.change}" + (f"({self.amount})" if self.amount else "")
+        )

@@ -1,4 +1,6 @@
-"""The reference implementation as an engine: it finds a method for a scene by the scene's content and hands the request on."""
+"""The reference implementation as an engine: it finds a method for a scene by the scene's content
+and hands the request on.
+"""
 
 import hashlib
 import inspect
@@ -32,14 +34,23 @@ class Reference(Engine):
     @cached_property
     def solvers(self) -> dict[str, Solver]:
         """The solvers by the name of their method, cheapest first."""
-        names = sorted(path.stem for path in FOLDER.glob("*.py") if not path.stem.startswith("_") and path.stem != "solver")
+        names = sorted(
+            path.stem
+            for path in FOLDER.glob("*.py")
+            if not path.stem.startswith("_") and path.stem != "solver"
+        )
         found: list[Solver] = [import_module(f"refdem.solvers.{name}").METHOD for name in names]
-        return {s.claims.name: s for s in sorted(found, key=lambda s: (s.claims.cost_rank, s.claims.name))}
+        return {
+            s.claims.name: s
+            for s in sorted(found, key=lambda s: (s.claims.cost_rank, s.claims.name))
+        }
 
     @cached_property
     def methods(self) -> tuple[Method, ...]:  # type: ignore[override]
         """What each solver claims, cheapest first."""
-        return tuple(replace(solver.claims, answers=solver.answers.kind) for solver in self.solvers.values())
+        return tuple(
+            replace(solver.claims, answers=solver.answers.kind) for solver in self.solvers.values()
+        )
 
     def missing(self) -> str | None:
         """None: it comes with refdem."""
@@ -50,13 +61,17 @@ class Reference(Engine):
         return refdem.__version__
 
     def fingerprint(self, method: Method) -> str:
-        """Digest of the method's kernels and source, the scene's and mechanics' code, numpy and the machine."""
+        """Digest of the method's kernels and source, the scene's and mechanics' code, numpy and the
+        machine.
+        """
         solver = self.solvers[method.name]
         own = Path(inspect.getfile(type(solver)))
         parts = (
             kernels.fingerprint(*solver.kernels),
             fingerprint.of_files([own]),
-            fingerprint.of_source("engines/reference.py", "solvers/solver.py", *_shared(), "scene", "mechanics"),
+            fingerprint.of_source(
+                "engines/reference.py", "solvers/solver.py", *_shared(), "scene", "mechanics"
+            ),
             version("numpy"),
             fingerprint.of_machine(),
         )
@@ -69,18 +84,27 @@ class Reference(Engine):
     def refuses(self, problem: Problem, method: Method) -> str | None:
         """None if the method answers such questions and can run this one, else why not."""
         solver = self.solvers[method.name]
-        return solver.refusal(problem) if isinstance(problem, solver.answers) else f"cannot run {problem.words}"
+        return (
+            solver.refusal(problem)
+            if isinstance(problem, solver.answers)
+            else f"cannot run {problem.words}"
+        )
 
     def run(self, request: Request) -> tuple[Trajectory, Cost]:
-        """Runs the request with the method that it names; raises UnsupportedError if that method refuses the scene."""
+        """Runs the request with the method that it names; raises UnsupportedError if that method
+        refuses the scene.
+        """
         solver = self.solvers[self.method(request.method).name]
         reason = self.refuses(request.problem, solver.claims)
         if reason:
-            raise UnsupportedError(f"the reference's {request.method} cannot run this scene: {reason}")
+            raise UnsupportedError(
+                f"the reference's {request.method} cannot run this scene: {reason}"
+            )
         return solver.run(request)
 
     def section(self, problem: Motion, frequency: Any, *, skip: int, keep: int) -> Any:
-        """The Poincare section of a point on a driven belt over frequencies (M,) [rad/s] (solvers/_belt_section.py).
+        """The Poincare section of a point on a driven belt over frequencies (M,) [rad/s]
+        (solvers/_belt_section.py).
 
         Raises UnsupportedError for other scenes.
         """
@@ -92,14 +116,18 @@ class Reference(Engine):
         return section(problem.scene, frequency, skip=skip, keep=keep)
 
     def best(self, problem: Problem) -> Method:
-        """The cheapest method that does not refuse; raises UnsupportedError with every method's reason if all do."""
+        """The cheapest method that does not refuse; raises UnsupportedError with every method's
+        reason if all do.
+        """
         reasons = []
         for method in self.methods:
             reason = self.refuses(problem, method)
             if reason is None:
                 return method
             reasons.append(f"{method.name}: {reason}")
-        raise UnsupportedError("no method of the reference can run this scene; " + "; ".join(reasons))
+        raise UnsupportedError(
+            "no method of the reference can run this scene; " + "; ".join(reasons)
+        )
 
 
 def _shared() -> list[str]:

@@ -1,4 +1,6 @@
-"""Which faults can act on a run at all: those that change its question or its answer, or a part that the run calls."""
+"""Which faults can act on a run at all: those that change its question or its answer, or a part
+that the run calls.
+"""
 
 from collections.abc import Callable, Iterator
 from dataclasses import fields, is_dataclass, replace

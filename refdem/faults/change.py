@@ -22,23 +22,32 @@ def of_bodies(**change: Callable[[Array], Array]) -> Callable[[Request], Request
 
     def before(request: Request) -> Request:
         scene = request.problem.scene
-        changed: dict[str, Any] = {name: np.array(make(getattr(scene.bodies, name)), float) for name, make in change.items()}
+        changed: dict[str, Any] = {
+            name: np.array(make(getattr(scene.bodies, name)), float)
+            for name, make in change.items()
+        }
         return request.with_scene(Scene(replace(scene.bodies, **changed), scene.elements))
 
     return before
 
 
-def of_elements(kind: type[Element], **change: Callable[[Any], Any]) -> Callable[[Request], Request]:
+def of_elements(
+    kind: type[Element], **change: Callable[[Any], Any]
+) -> Callable[[Request], Request]:
     """A request with fields of all elements of one kind changed."""
 
     def made(element: Element) -> Element:
         if not isinstance(element, kind):
             return element
-        return msgspec.structs.replace(element, **{name: make(getattr(element, name)) for name, make in change.items()})
+        return msgspec.structs.replace(
+            element, **{name: make(getattr(element, name)) for name, make in change.items()}
+        )
 
     def before(request: Request) -> Request:
         scene = request.problem.scene
-        return request.with_scene(Scene(scene.bodies, tuple(made(element) for element in scene.elements)))
+        return request.with_scene(
+            Scene(scene.bodies, tuple(made(element) for element in scene.elements))
+        )
 
     return before
 
@@ -47,7 +56,9 @@ def of_columns(**change: Callable[[Array], Array]) -> Callable[[Request, Traject
     """A trajectory with columns changed."""
 
     def after(request: Request, run: Trajectory) -> Trajectory:
-        changed: dict[str, Any] = {name: np.array(make(getattr(run, name)), float) for name, make in change.items()}
+        changed: dict[str, Any] = {
+            name: np.array(make(getattr(run, name)), float) for name, make in change.items()
+        }
         return replace(run, **changed)
 
     return after
@@ -65,11 +76,15 @@ def single(values: Array) -> Array:
 
 def scaled(factor: float) -> Callable[[Any], Any]:
     """The value times a factor, also component by component."""
-    return lambda value: tuple(factor * x for x in value) if isinstance(value, tuple) else factor * value
+    return lambda value: (
+        tuple(factor * x for x in value) if isinstance(value, tuple) else factor * value
+    )
 
 
 class Late:
-    """A part that answers with what it should have answered the last time; the first time of a run it is on time."""
+    """A part that answers with what it should have answered the last time; the first time of a run
+    it is on time.
+    """
 
     def __init__(self, sound: Callable[..., Any]) -> None:
         self.sound = sound
@@ -102,6 +117,10 @@ def rounding(sound: Callable[..., Any]) -> Callable[..., Any]:
 
     def part(*arguments: Any) -> Any:
         found = sound(*arguments)
-        return tuple(float(np.float32(x)) for x in found) if isinstance(found, tuple) else float(np.float32(found))
+        return (
+            tuple(float(np.float32(x)) for x in found)
+            if isinstance(found, tuple)
+            else float(np.float32(found))
+        )
 
     return part

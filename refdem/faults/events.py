@@ -1,4 +1,6 @@
-"""Steps that are cut where a contact begins or ends, where friction ends, and where a slider stops."""
+"""Steps that are cut where a contact begins or ends, where friction ends, and where a slider
+stops.
+"""
 
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
@@ -21,7 +23,9 @@ def touch(m: "Moving") -> float:
 
 
 def values(m: "Moving", state: State, number: int) -> tuple[Number, Number, Number]:
-    """What a contact's modes hang on: positive while it acts, while it presses; and the rate of its overlap."""
+    """What a contact's modes hang on: positive while it acts, while it presses; and the rate of its
+    overlap.
+    """
     normal, depth, rate, _ = meeting(m.world, state, m.parts, number)
     del normal
     push = m.parts.normal_force(m.world.law, depth, rate)
@@ -32,17 +36,25 @@ def values(m: "Moving", state: State, number: int) -> tuple[Number, Number, Numb
 
 
 def first_modes(m: "Moving", state: State, h: Number) -> None:
-    """Sets the modes of a start; a pair that only touches acts if it closes, a slider at rest starts towards what pulls it."""
+    """Sets the modes of a start; a pair that only touches acts if it closes, a slider at rest
+    starts towards what pulls it.
+    """
     for number, (i, j) in enumerate(m.world.pairs):
         acts, push, rate = values(m, state, number)
         reach = (m.world.radius[i] + (m.world.radius[j] if j >= 0 else 0.0)) * touch(m)
         if m.world.law.cutoff == "zero_force":
             reach = reach * m.world.law.stiffness
-        state.acting[number] = state.pressing[number] = bool(acts > reach or (acts > -reach and rate * h > 0))
+        state.acting[number] = state.pressing[number] = bool(
+            acts > reach or (acts > -reach and rate * h > 0)
+        )
         if state.acting[number] and push <= m.world.law.stiffness * m.world.radius[i] * touch(m):
-            state.sliding[number] = slides(m, state, m.parts.loads(m.world, state, m.parts), number, h)
+            state.sliding[number] = slides(
+                m, state, m.parts.loads(m.world, state, m.parts), number, h
+            )
     for number, slider in enumerate(m.world.sliders):
-        state.side[number] = m.parts.side_of(m, state, number, m.parts.slides_at(slider, state.v[slider.a]))
+        state.side[number] = m.parts.side_of(
+            m, state, number, m.parts.slides_at(slider, state.v[slider.a])
+        )
 
 
 def side_of(m: "Moving", state: State, number: int, speed: Number) -> int:
@@ -58,7 +70,13 @@ def pull_along(m: "Moving", state: State, number: int) -> Number:
     slider, trial = m.world.sliders[number], state.copy()
     trial.side[number] = 1
     without = m.parts.loads(m.world, trial, m.parts).force[slider.a]
-    return vec.dot(vec.minus(without, m.parts.slider_force(slider, 1, abs(m.parts.slides_at(slider, trial.v[slider.a])))), slider.axis)
+    return vec.dot(
+        vec.minus(
+            without,
+            m.parts.slider_force(slider, 1, abs(m.parts.slides_at(slider, trial.v[slider.a]))),
+        ),
+        slider.axis,
+    )
 
 
 def slides(m: "Moving", state: State, load: Loads, number: int, h: Number) -> bool:
@@ -67,9 +85,13 @@ def slides(m: "Moving", state: State, load: Loads, number: int, h: Number) -> bo
 
 
 def slides_by(m: "Moving", state: State, load: Loads, number: int, h: Number) -> Number:
-    """By how much a tangential spring at its limit would grow faster than the limit, k_t |s'| - mu F' [N/s]; 0 without one."""
+    """By how much a tangential spring at its limit would grow faster than the limit, k_t |s'| - mu
+    F' [N/s]; 0 without one.
+    """
     law = m.world.law
-    if law is None or not (law.friction > 0 and law.tangential_stiffness > 0 and state.pressing[number]):
+    if law is None or not (
+        law.friction > 0 and law.tangential_stiffness > 0 and state.pressing[number]
+    ):
         return 0.0
     i, j = m.world.pairs[number]
     _, _, rate, relative = meeting(m.world, state, m.parts, number)
@@ -84,7 +106,9 @@ def slides_by(m: "Moving", state: State, load: Loads, number: int, h: Number) ->
     return (law.tangential_stiffness * along - law.friction * growth) * (1 if h > 0 else -1)
 
 
-def second_rate(m: "Moving", state: State, number: int, relative: Vector, rate: Number, pull: Vector) -> Number:
+def second_rate(
+    m: "Moving", state: State, number: int, relative: Vector, rate: Number, pull: Vector
+) -> Number:
     """d'' [m/s^2]: the relative acceleration along the normal, less the turning of the normal."""
     i, j = m.world.pairs[number]
     normal, depth, _, _ = meeting(m.world, state, m.parts, number)
@@ -97,10 +121,17 @@ def second_rate(m: "Moving", state: State, number: int, relative: Vector, rate: 
 def has_spring(m: "Moving", state: State, number: int) -> bool:
     """The pair's tangential spring is at work."""
     law = m.world.law
-    return bool(state.acting[number] and state.pressing[number] and law.friction > 0 and law.tangential_stiffness > 0)
+    return bool(
+        state.acting[number]
+        and state.pressing[number]
+        and law.friction > 0
+        and law.tangential_stiffness > 0
+    )
 
 
-def slide_margin(m: "Moving", before: State, after: State, load: Loads, number: int, h: Number, push: Number) -> Number:
+def slide_margin(
+    m: "Moving", before: State, after: State, load: Loads, number: int, h: Number, push: Number
+) -> Number:
     """What keeps a spring that slid sliding, and one that stuck within Coulomb's limit."""
     if before.sliding[number]:
         return slides_by(m, after, load, number, h) or -positional.TINY
@@ -111,7 +142,9 @@ def slide_margin(m: "Moving", before: State, after: State, load: Loads, number: 
 Change = tuple[str, int]
 
 
-def margins(m: "Moving", before: State, after: State, load: Loads, h: Number) -> list[tuple[Number, Change]]:
+def margins(
+    m: "Moving", before: State, after: State, load: Loads, h: Number
+) -> list[tuple[Number, Change]]:
     """How far every mode is from its end at the end of a step; below 0 it does not fit any more."""
     found: list[tuple[Number, Change]] = []
     for number in range(len(m.world.pairs)):
@@ -151,7 +184,9 @@ def changed(m: "Moving", state: State, change: tuple[str, int]) -> None:
         state.work += held(m.world, depth) * (1 if state.acting[number] else -1)
         state.acting[number] = state.pressing[number] = not state.acting[number]
         state.stretch[number], state.sliding[number] = ZERO, False
-        m.told.append((state.t, "contact" if state.acting[number] else "release", m.world.pairs[number][0]))
+        m.told.append(
+            (state.t, "contact" if state.acting[number] else "release", m.world.pairs[number][0])
+        )
     elif kind == "catch":
         holding.catch(m, state, number)
     elif kind == "turn":
@@ -199,8 +234,12 @@ def advance(m: "Moving", step: Any, state: State, load: Loads, h: Number) -> tup
     return step(m, state, load, left)  # type: ignore[no-any-return]
 
 
-def _cut(m: "Moving", step: Any, state: State, load: Loads, h: Number, end: tuple[State, Any]) -> tuple[float, State, Any]:
-    """The part of a step after which a mode has just ceased to fit, the state there and its margins."""
+def _cut(
+    m: "Moving", step: Any, state: State, load: Loads, h: Number, end: tuple[State, Any]
+) -> tuple[float, State, Any]:
+    """The part of a step after which a mode has just ceased to fit, the state there and its
+    margins.
+    """
     kept = [end]
 
     def margin(part: float) -> float:
@@ -211,14 +250,26 @@ def _cut(m: "Moving", step: Any, state: State, load: Loads, h: Number, end: tupl
         return float(least(found))
 
     resolution = 2.0**-53 if m.world.number is float else 2.0**-24
-    return m.parts.located(margin, float(least(margins(m, state, state, load, h))), float(least(end[1])), resolution), *kept[0]
+    return (
+        m.parts.located(
+            margin,
+            float(least(margins(m, state, state, load, h))),
+            float(least(end[1])),
+            resolution,
+        ),
+        *kept[0],
+    )
 
 
-def sign_change(margin: Callable[[float], float], first: float, last: float, resolution: float) -> float:
-    """The upper end of an interval of 2 x resolution in [0, 1] in which a margin falls below 0, by the ITP method.
+def sign_change(
+    margin: Callable[[float], float], first: float, last: float, resolution: float
+) -> float:
+    """The upper end of an interval of 2 x resolution in [0, 1] in which a margin falls below 0, by
+    the ITP method.
 
-    Oliveira and Takahashi 2021, ACM TOMS 47(1) 5, with k1 = 0.2, k2 = 2, n0 = 1: never more than one evaluation beyond those of
-    bisection, and few where the margin is smooth. `first` and `last` are the margins at 0 and 1.
+    Oliveira and Takahashi 2021, ACM TOMS 47(1) 5, with k1 = 0.2, k2 = 2, n0 = 1: never more than
+    one evaluation beyond those of bisection, and few where the margin is smooth. `first` and `last`
+    are the margins at 0 and 1.
     """
     low, high, above, below = 0.0, 1.0, max(first, positional.TINY), last
     reach = 1.0  # resolution x 2^(most evaluations left)

@@ -1,4 +1,6 @@
-"""A fault: what is wrong, where it acts, and which quantity of which check must see it; and any engine that carries one."""
+"""A fault: what is wrong, where it acts, and which quantity of which check must see it; and any
+engine that carries one.
+"""
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
@@ -17,9 +19,11 @@ Inside = Callable[[Parts], Mapping[str, Any]]
 class Fault:
     """One known fault. Exactly one of `before`, `after` and `inside` says what is wrong.
 
-    before(request) changes the question, after(request, trajectory) the answer; inside(sound parts) gives the faulty parts by
-    name, anew for every engine, so that what they remember is their own. `on` names the settings on which it acts with
-    `method` of the transparent engine, `sees` the (check, quantity) that must fail there; `levels` is how far that must refine.
+    before(request) changes the question, after(request, trajectory) the answer; inside(sound parts)
+    gives the faulty parts by name, anew for every engine, so that what they remember is their own.
+    `on` names the settings on which it acts with
+    `method` of the transparent engine, `sees` the (check, quantity) that must fail there; `levels`
+    is how far that must refine.
     """
 
     name: str
@@ -38,7 +42,9 @@ class Fault:
             raise ValueError(f"fault {self.name}: expected exactly one of before, after and inside")
 
     def carrier(self, engine: Engine | None = None) -> Engine:
-        """An engine that has the fault: the transparent one, or any other if the fault is not inside."""
+        """An engine that has the fault: the transparent one, or any other if the fault is not
+        inside.
+        """
         if self.inside:
             if engine is not None and not isinstance(engine, Transparent):
                 raise ValueError(f"fault {self.name} is inside a part of the transparent engine")
@@ -51,7 +57,12 @@ class Carrier(Engine):
 
     def __init__(self, engine: Engine, fault: Fault) -> None:
         self.engine, self.fault = engine, fault
-        self.name, self.title, self.methods, self.is_reference = engine.name, engine.title, engine.methods, engine.is_reference
+        self.name, self.title, self.methods, self.is_reference = (
+            engine.name,
+            engine.title,
+            engine.methods,
+            engine.is_reference,
+        )
 
     def missing(self) -> str | None:
         """As the engine."""

@@ -1,4 +1,6 @@
-"""The amplitude of a fault that a run shows: least squares over the states, on a window that grows with the run."""
+"""The amplitude of a fault that a run shows: least squares over the states, on a window that grows
+with the run.
+"""
 
 from collections.abc import Callable
 from math import inf
@@ -28,18 +30,24 @@ LARGEST = 1e3
 
 
 def states(instance: Instance, run: Trajectory, like: Trajectory) -> Array:
-    """Position, velocity, attitude and omega (T, M) of a run in their scales; attitudes with the sign that is nearer to `like`."""
+    """Position, velocity, attitude and omega (T, M) of a run in their scales; attitudes with the
+    sign that is nearer to `like`.
+    """
     scales = instance.scales
     count = len(run.t)
     columns = [run.position / scales.length, run.velocity / scales.speed]
     if "rotation" in instance.scene.features:
-        nearer = np.where(np.sum(run.attitude * like.attitude, axis=-1, keepdims=True) < 0, -1.0, 1.0)
+        nearer = np.where(
+            np.sum(run.attitude * like.attitude, axis=-1, keepdims=True) < 0, -1.0, 1.0
+        )
         columns += [run.attitude * nearer, run.omega * scales.tau]
     return np.concatenate([column.reshape(count, -1) for column in columns], axis=1)
 
 
 def windows(defect: Array) -> list[int]:
-    """Numbers of samples, growing: from where the defect (T,) first shows clearly to the whole run."""
+    """Numbers of samples, growing: from where the defect (T,) first shows clearly to the whole
+    run.
+    """
     whole = len(defect)
     shown = np.flatnonzero(defect >= 0.02 * defect.max(initial=0.0))
     count = max(3, int(shown[0]) + 2) if len(shown) else whole
@@ -51,7 +59,9 @@ def windows(defect: Array) -> list[int]:
 
 
 def amplitude(difference: Difference, counts: list[int]) -> float | None:
-    """The amplitude at which a twin comes nearest to the run; 0 if the fault does not act, None if it does not move the twin there."""
+    """The amplitude at which a twin comes nearest to the run; 0 if the fault does not act, None if
+    it does not move the twin there.
+    """
     plain = difference(0.0, counts[0])
     probe, moved = _probed(difference, counts[0])
     if plain is None or moved is None:
@@ -71,7 +81,9 @@ def amplitude(difference: Difference, counts: list[int]) -> float | None:
 
 
 def _explains(difference: Difference, count: int, found: float) -> bool:
-    """Whether the amplitude leaves little of the defect over so many samples: what does not is not followed to the end of the run."""
+    """Whether the amplitude leaves little of the defect over so many samples: what does not is not
+    followed to the end of the run.
+    """
     plain, left = difference(0.0, count), difference(found, count)
     if plain is None or left is None:
         return False
@@ -79,7 +91,9 @@ def _explains(difference: Difference, count: int, found: float) -> bool:
 
 
 def _probed(difference: Difference, count: int) -> tuple[float, Array | None]:
-    """A small amplitude and its twin less the run; of the other sign where a larger number makes no scene."""
+    """A small amplitude and its twin less the run; of the other sign where a larger number makes no
+    scene.
+    """
     upwards = difference(PROBE, count)
     if upwards is not None:
         return PROBE, upwards
@@ -87,7 +101,10 @@ def _probed(difference: Difference, count: int) -> tuple[float, Array | None]:
 
 
 def _refined(difference: Difference, count: int, start: float) -> float:
-    """The amplitude of least squares over `count` samples, by secants from one that is near; `inf` if it is lost."""
+    """The amplitude of least squares over `count` samples, by secants from one that is near;
+
+    `inf` if it is lost.
+    """
     before, last = start * (1.0 - 1e-3), start
     old, new = difference(before, count), difference(last, count)
     for _ in range(ROUNDS):

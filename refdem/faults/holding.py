@@ -1,4 +1,6 @@
-"""Constraints of the transparent engine: rods, hooks that catch, strings over wheels of no size, and bodies on ball joints."""
+"""Constraints of the transparent engine: rods, hooks that catch, strings over wheels of no size,
+and bodies on ball joints.
+"""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -20,16 +22,22 @@ SWEEPS = 60
 ENOUGH = {True: 2e-16, False: 1e-7}
 """What a sweep in double (True) or single precision may leave, relative to lengths and speeds."""
 NEAR = {True: 1e-9, False: 1e-5}
-"""Relative distance beyond a hook's reach that rounding in double (True) or single precision may make of the reach."""
+"""Relative distance beyond a hook's reach that rounding in double (True) or single precision may
+make of the reach.
+"""
 
 
 def line_caught(hook: Catch, distance: Number, near: float) -> Number:
-    """Length [m] of the line between hook and body from closest approach on; 0 if it is out of reach."""
+    """Length [m] of the line between hook and body from closest approach on; 0 if it is out of
+    reach.
+    """
     return distance if distance <= hook.radius * (1 + near) else 0.0
 
 
 def string_excess(string: StringOverWheel, length: Number, now: Number) -> Number:
-    """By how much a string of that length is too short for the way from body to body over the wheel [m]."""
+    """By how much a string of that length is too short for the way from body to body over the wheel
+    [m].
+    """
     return now - length
 
 
@@ -59,15 +67,24 @@ SOUND_HOLDING = HoldingParts()
 def about_tip(inertia: Vector, mass: Number, anchor: Vector) -> Vector:
     """Principal moments about an anchor on a principal axis (parallel axes)."""
     x, y, z = anchor
-    return inertia[0] + mass * (y * y + z * z), inertia[1] + mass * (x * x + z * z), inertia[2] + mass * (x * x + y * y)
+    return (
+        inertia[0] + mass * (y * y + z * z),
+        inertia[1] + mass * (x * x + z * z),
+        inertia[2] + mass * (x * x + y * y),
+    )
 
 
-def turned_at_joints(world: "World", state: "State", parts: "Parts", found: "Loads", *_: Any) -> None:
+def turned_at_joints(
+    world: "World", state: "State", parts: "Parts", found: "Loads", *_: Any
+) -> None:
     """Adds what the forces on bodies on joints do about their joints."""
     for joint in world.joints:
         i = joint.a
         arm = vec.times(-1.0, parts.to_space(state.q[i], joint.anchor_a))
-        found.torque[i] = vec.plus(found.torque[i], parts.to_body(state.q[i], parts.holding.tip_torque(arm, found.force[i])))
+        found.torque[i] = vec.plus(
+            found.torque[i],
+            parts.to_body(state.q[i], parts.holding.tip_torque(arm, found.force[i])),
+        )
 
 
 def follow(m: "Moving", state: "State") -> "State":
@@ -77,13 +94,20 @@ def follow(m: "Moving", state: "State") -> "State":
     for joint in m.world.joints:
         i = joint.a
         arm = vec.times(-1.0, m.parts.to_space(state.q[i], joint.anchor_a))
-        state.r[i], state.v[i] = vec.plus(joint.anchor_b, arm), vec.cross(m.parts.to_space(state.q[i], state.w[i]), arm)
+        state.r[i], state.v[i] = (
+            vec.plus(joint.anchor_b, arm),
+            vec.cross(m.parts.to_space(state.q[i], state.w[i]), arm),
+        )
     return state
 
 
 def rods_of(world: "World", state: "State") -> list[Rod]:
     """Rods, and the lines to hooks that have caught."""
-    return [*world.rods, *(line for line in state.caught if line is not None)] if world.hooks else world.rods
+    return (
+        [*world.rods, *(line for line in state.caught if line is not None)]
+        if world.hooks
+        else world.rods
+    )
 
 
 def _ends(m: "Moving", rod: Rod, state: "State") -> tuple[Vector, Vector, Number]:
@@ -100,7 +124,9 @@ def _pull(m: "Moving", rod: Rod, state: "State", along: Vector, amount: Number) 
     a, b = rod.a, rod.b
     state.v[a] = vec.moved(state.v[a], -amount / m.world.mass[a], along)
     if b >= 0:
-        state.v[b] = vec.moved(state.v[b], 1.0 / m.world.mass[b], m.parts.reaction(vec.times(-amount, along)))
+        state.v[b] = vec.moved(
+            state.v[b], 1.0 / m.world.mass[b], m.parts.reaction(vec.times(-amount, along))
+        )
 
 
 def _sides(string: StringOverWheel, r: list[Vector]) -> list[tuple[int, Vector, Number]]:
@@ -113,23 +139,32 @@ def _sides(string: StringOverWheel, r: list[Vector]) -> list[tuple[int, Vector, 
     return found
 
 
-def _haul(m: "Moving", state: "State", sides: list[tuple[int, Vector, Number]], amount: Number) -> None:
+def _haul(
+    m: "Moving", state: "State", sides: list[tuple[int, Vector, Number]], amount: Number
+) -> None:
     """The string pulls both bodies to the wheel by an impulse [N s]."""
     for i, away, _ in sides:
         state.v[i] = vec.moved(state.v[i], -amount / m.world.mass[i], away)
 
 
-def _hold_string(m: "Moving", string: StringOverWheel, length: Number, state: "State", sides: Any, h: Number) -> Number:
+def _hold_string(
+    m: "Moving", string: StringOverWheel, length: Number, state: "State", sides: Any, h: Number
+) -> Number:
     """One Newton step for a string's length at the end of a drift of h; how far it was off [m]."""
     reached = _sides(string, [vec.moved(r, h, v) for r, v in zip(state.r, state.v, strict=True)])
     excess = m.parts.holding.string_excess(string, length, reached[0][2] + reached[1][2])
-    gives = sum(vec.dot(old[1], new[1]) / m.world.mass[old[0]] for old, new in zip(sides, reached, strict=True))
+    gives = sum(
+        vec.dot(old[1], new[1]) / m.world.mass[old[0]]
+        for old, new in zip(sides, reached, strict=True)
+    )
     _haul(m, state, sides, excess / (h * gives))
     return excess
 
 
 def hold_length(m: "Moving", before: "State", state: "State", h: Number) -> "State":
-    """Velocities with which a drift of h ends at the lengths of rods and strings: Newton steps along them as they were."""
+    """Velocities with which a drift of h ends at the lengths of rods and strings: Newton steps
+    along them as they were.
+    """
     if not m.tied:
         return state
     rods = rods_of(m.world, before)
@@ -167,7 +202,9 @@ def hold_speed(m: "Moving", state: "State") -> "State":
             break
     for string in m.world.strings:
         sides = _sides(string, state.r)
-        speed = m.parts.holding.string_speed(string, *(vec.dot(state.v[i], away) for i, away, _ in sides))
+        speed = m.parts.holding.string_speed(
+            string, *(vec.dot(state.v[i], away) for i, away, _ in sides)
+        )
         _haul(m, state, sides, speed / sum(1.0 / m.world.mass[i] for i, _, _ in sides))
     return follow(m, state)
 
@@ -183,11 +220,15 @@ def rod_forces(m: "Moving", state: "State") -> list[Number]:
     return found
 
 
-def margins(world: "World", before: "State", after: "State", h: Number) -> list[tuple[Number, tuple[str, int]]]:
+def margins(
+    world: "World", before: "State", after: "State", h: Number
+) -> list[tuple[Number, tuple[str, int]]]:
     """How far bodies are from closest approach to the hooks that may catch them."""
     found = []
     for number, hook in enumerate(world.hooks):
-        was, now = (vec.dot(vec.minus(s.r[hook.a], hook.anchor_b), s.v[hook.a]) * h for s in (before, after))
+        was, now = (
+            vec.dot(vec.minus(s.r[hook.a], hook.anchor_b), s.v[hook.a]) * h for s in (before, after)
+        )
         if before.caught[number] is None and was < 0:
             found.append((-now, ("catch", number)))
     return found

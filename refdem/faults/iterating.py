@@ -1,4 +1,6 @@
-"""Maps in the open, for faults to be planted in: the logistic map and equation, billiards bounce by bounce, in plain Python."""
+"""Maps in the open, for faults to be planted in: the logistic map and equation, billiards bounce by
+bounce, in plain Python.
+"""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -28,14 +30,23 @@ def logistic_flow(x: float, eta: float) -> float:
 def ahead(place: Pair, direction: Pair, table: Billiard) -> float:
     """The way to the straight wall that is met next; a fault that hits the wrong one flies on."""
     half = (table.width / 2, table.height / 2)
-    ways = [(h - x if u > 0 else -h - x) / u if u else float("inf") for x, u, h in zip(place, direction, half, strict=True)]
+    ways = [
+        (h - x if u > 0 else -h - x) / u if u else float("inf")
+        for x, u, h in zip(place, direction, half, strict=True)
+    ]
     return min(ways)
 
 
 def straight_normal(place: Pair, table: Billiard) -> Pair:
-    """The normal out of the table at a place on a straight wall: that of the wall it is nearest to."""
+    """The normal out of the table at a place on a straight wall: that of the wall it is nearest
+    to.
+    """
     from_x, from_y = table.width / 2 - abs(place[0]), table.height / 2 - abs(place[1])
-    return (1.0 if place[0] > 0 else -1.0, 0.0) if from_x < from_y else (0.0, 1.0 if place[1] > 0 else -1.0)
+    return (
+        (1.0 if place[0] > 0 else -1.0, 0.0)
+        if from_x < from_y
+        else (0.0, 1.0 if place[1] > 0 else -1.0)
+    )
 
 
 def centre(table: Billiard) -> float:
@@ -84,7 +95,9 @@ def iterated(problem: Iteration, parts: MapParts) -> Trajectory:
             rows.append(state)
     out = np.array(rows)
     if isinstance(asked, Billiard):
-        return Trajectory.of_values(problem.times, {"position": out[:, :2].copy(), "direction": out[:, 2:].copy()})
+        return Trajectory.of_values(
+            problem.times, {"position": out[:, :2].copy(), "direction": out[:, 2:].copy()}
+        )
     return Trajectory.of_values(problem.times, {"x": out[:, 0].copy()})
 
 
@@ -96,11 +109,18 @@ def _next(state: State, asked: Any, parts: MapParts) -> State:
     place, direction = (state[0], state[1]), (state[2], state[3])
     way = parts.ahead(place, direction, asked)
     hit = (place[0] + way * direction[0], place[1] + way * direction[1])
-    if isinstance(asked, StadiumBilliard) and (abs(hit[0]) > parts.centre(asked) or not direction[1]):
-        hit, normal = _on_arc(place, direction, asked, parts.centre(asked) * (1.0 if hit[0] > 0 else -1.0))
+    if isinstance(asked, StadiumBilliard) and (
+        abs(hit[0]) > parts.centre(asked) or not direction[1]
+    ):
+        hit, normal = _on_arc(
+            place, direction, asked, parts.centre(asked) * (1.0 if hit[0] > 0 else -1.0)
+        )
     else:
         normal = parts.straight_normal(hit, asked)
-        hit = tuple(n * h if n else x for n, h, x in zip(normal, (asked.width / 2, asked.height / 2), hit, strict=True))  # type: ignore[assignment]
+        hit = tuple(
+            n * h if n else x
+            for n, h, x in zip(normal, (asked.width / 2, asked.height / 2), hit, strict=True)
+        )  # type: ignore[assignment]
     return (*hit, *parts.reflected(direction, normal))
 
 

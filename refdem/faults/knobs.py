@@ -1,7 +1,8 @@
-"""Faults with an amplitude: a parameter that is misread by a factor, and every known fault made smaller or larger.
+"""Faults with an amplitude: a parameter that is misread by a factor, and every known fault made
+smaller or larger.
 
-At amplitude 0 nothing is wrong; a fault of the catalogue has amplitude 1. Between the two, numbers of
-the question, of the answer or of a part's result are mixed: sound + amplitude (faulty - sound).
+At amplitude 0 nothing is wrong; a fault of the catalogue has amplitude 1. Between the two, numbers
+of the question, of the answer or of a part's result are mixed: sound + amplitude (faulty - sound).
 """
 
 from collections.abc import Callable, Iterator
@@ -37,19 +38,27 @@ class Knob:
 
 
 def misread(scene: Scene) -> Iterator[Knob]:
-    """Every number of a scene that may be taken a little too large or too small: amplitude a is a factor of 1 + a."""
+    """Every number of a scene that may be taken a little too large or too small: amplitude a is a
+    factor of 1 + a.
+    """
     for number, element in enumerate(scene.elements):
         for name in element.__struct_fields__:
             value = getattr(element, name)
             if name not in NOT_FACTORS and _is_numeric(value) and np.any(value):
                 kind = element.kind.replace("_", "-")
-                yield _misread(f"{kind}-{name}", f"{name} of element {number} ({kind})", _field(number, name))
+                yield _misread(
+                    f"{kind}-{name}", f"{name} of element {number} ({kind})", _field(number, name)
+                )
     for name in ("mass", "inertia", "velocity", "omega"):
         if np.any(getattr(scene.bodies, name)):
             yield _misread(f"body-{name}", f"{name} of the bodies", _column(name, ...))
     if np.any(scene.bodies.inertia):
         for axis in range(3):
-            yield _misread(f"inertia-{axis + 1}", f"moment of inertia {axis + 1}", _column("inertia", (slice(None), axis)))
+            yield _misread(
+                f"inertia-{axis + 1}",
+                f"moment of inertia {axis + 1}",
+                _column("inertia", (slice(None), axis)),
+            )
     for body in range(len(scene.bodies)) if len(scene.bodies) == 2 else ():
         yield _misread(f"mass-of-body-{body}", f"mass of body {body}", _column("mass", body))
     if any(isinstance(shape, Sphere) for shape in scene.bodies.shapes):
@@ -73,7 +82,11 @@ def _misread(name: str, what: str, change: Misreading) -> Knob:
         )
         return Carrier(Transparent(), fault)
 
-    return Knob(name=name, says=lambda amplitude: f"the {what} is {1.0 + amplitude:.6g} times what was asked", carrier=carrier)
+    return Knob(
+        name=name,
+        says=lambda amplitude: f"the {what} is {1.0 + amplitude:.6g} times what was asked",
+        carrier=carrier,
+    )
 
 
 def _field(number: int, name: str) -> Misreading:
@@ -107,27 +120,42 @@ def _column(name: str, where: Any) -> Misreading:
 def _radii(request: Request, factor: float) -> Request:
     """All radii times a factor."""
     scene = request.problem.scene
-    shapes = tuple(Sphere(radius=factor * shape.radius) if isinstance(shape, Sphere) else shape for shape in scene.bodies.shape)
+    shapes = tuple(
+        Sphere(radius=factor * shape.radius) if isinstance(shape, Sphere) else shape
+        for shape in scene.bodies.shape
+    )
     bodies = replace(scene.bodies, shape=shapes)
     return request.with_scene(Scene(bodies, scene.elements))
 
 
 def _is_numeric(value: Any) -> bool:
     """A float, or a tuple of floats."""
-    return isinstance(value, float) or (isinstance(value, tuple) and all(isinstance(x, float) for x in value))
+    return isinstance(value, float) or (
+        isinstance(value, tuple) and all(isinstance(x, float) for x in value)
+    )
 
 
 def paced() -> Iterator[Knob]:
-    """Steps of positions, velocities or attitudes that are a little longer or shorter than asked: amplitude a is a factor of 1 + a."""
+    """Steps of positions, velocities or attitudes that are a little longer or shorter than asked:
+    amplitude a is a factor of 1 + a.
+    """
     steps: dict[str, Callable[[float], dict[str, Any]]] = {
         "drift": lambda pace: {"drifted": lambda r, v, h: SOUND.drifted(r, v, pace * h)},
-        "kick": lambda pace: {"kicked": lambda v, force, mass, h: SOUND.kicked(v, force, mass, pace * h)},
+        "kick": lambda pace: {
+            "kicked": lambda v, force, mass, h: SOUND.kicked(v, force, mass, pace * h)
+        },
         "turn": lambda pace: {
-            "axis_turn": lambda axis, inertia, omega, q, h: SOUND.axis_turn(axis, inertia, omega, q, pace * h),
+            "axis_turn": lambda axis, inertia, omega, q, h: SOUND.axis_turn(
+                axis, inertia, omega, q, pace * h
+            ),
             "turn_rate": lambda q, omega: tuple(pace * x for x in SOUND.turn_rate(q, omega)),
         },
     }
-    steps["step"] = lambda pace: {**steps["drift"](pace), **steps["kick"](pace), **steps["turn"](pace)}
+    steps["step"] = lambda pace: {
+        **steps["drift"](pace),
+        **steps["kick"](pace),
+        **steps["turn"](pace),
+    }
     for name, parts in steps.items():
         yield _paced(name, parts)
 
@@ -142,7 +170,10 @@ def _paced(name: str, parts: Callable[[float], dict[str, Any]]) -> Knob:
 
 
 def continued(fault: Fault) -> Knob | None:
-    """The fault of any amplitude; None for one that misreads the question: `misread` has all of those that are a matter of degree."""
+    """The fault of any amplitude;
+
+    None for one that misreads the question: `misread` has all of those that are a matter of degree.
+    """
     if fault.before is not None:
         return None
 
@@ -164,7 +195,10 @@ def _answer(fault: Fault, amplitude: float) -> Callable[[Request, Trajectory], T
 
     def after(request: Request, run: Trajectory) -> Trajectory:
         spoiled = spoil(request, run)
-        columns: Any = {name: _mixed(getattr(run, name), getattr(spoiled, name), amplitude) for name in ("t", *STATE)}
+        columns: Any = {
+            name: _mixed(getattr(run, name), getattr(spoiled, name), amplitude)
+            for name in ("t", *STATE)
+        }
         return replace(run, **columns)
 
     return after
@@ -176,13 +210,16 @@ def _parts(fault: Fault, amplitude: float) -> dict[str, Any]:
     return {
         name: part if name == "fresh" else _part(getattr(SOUND, name), part, amplitude)
         for name, part in fault.inside(SOUND).items()
-    }  # fmt: skip
+    }
 
 
 def _part(sound: Any, faulty: Any, amplitude: float) -> Any:
     """A part between the sound and the faulty one, or several such parts in one record."""
     if is_dataclass(sound) and not isinstance(sound, type):
-        changed = {f.name: _part(getattr(sound, f.name), getattr(faulty, f.name), amplitude) for f in fields(sound)}
+        changed = {
+            f.name: _part(getattr(sound, f.name), getattr(faulty, f.name), amplitude)
+            for f in fields(sound)
+        }
         return replace(sound, **changed)
     if sound is faulty:
         return sound
@@ -192,13 +229,18 @@ def _part(sound: Any, faulty: Any, amplitude: float) -> Any:
 
 
 def _mixed(sound: Any, faulty: Any, amplitude: float) -> Any:
-    """sound + amplitude (faulty - sound), number by number; raises TypeError for what is no number and not the same."""
+    """sound + amplitude (faulty - sound), number by number; raises TypeError for what is no number
+    and not the same.
+    """
     if isinstance(sound, np.ndarray) and sound.shape == np.shape(faulty):
         return sound + amplitude * (faulty - sound)
     if isinstance(sound, tuple | list):
         return type(sound)(_mixed(x, y, amplitude) for x, y in zip(sound, faulty, strict=True))
     if is_dataclass(sound) and not isinstance(sound, type):
-        changed = {f.name: _mixed(getattr(sound, f.name), getattr(faulty, f.name), amplitude) for f in fields(sound)}
+        changed = {
+            f.name: _mixed(getattr(sound, f.name), getattr(faulty, f.name), amplitude)
+            for f in fields(sound)
+        }
         return replace(sound, **changed)
     if isinstance(sound, int | float | np.floating) and not isinstance(sound, bool):
         return sound + amplitude * (faulty - sound)

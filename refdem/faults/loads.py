@@ -16,7 +16,9 @@ if TYPE_CHECKING:
 
 @dataclass(slots=True)
 class Loads:
-    """Force (space) and torque (body axes) on every body; normal, slip and spring of every pair; and the power that is lost."""
+    """Force (space) and torque (body axes) on every body; normal, slip and spring of every pair;
+    and the power that is lost.
+    """
 
     force: list[Vector]
     torque: list[Vector]
@@ -26,11 +28,15 @@ class Loads:
     power: Number
 
 
-def loads(world: World, state: State, parts: "Parts", before: Loads | None = None, h: Number = 0.0) -> Loads:
+def loads(
+    world: World, state: State, parts: "Parts", before: Loads | None = None, h: Number = 0.0
+) -> Loads:
     """The loads of a state that was reached from one with the loads `before` in a step of h [s]."""
     bodies = len(world.mass)
     pairs = len(world.pairs)
-    found = Loads([ZERO] * bodies, [ZERO] * bodies, [ZERO] * pairs, [ZERO] * pairs, list(state.stretch), 0.0)
+    found = Loads(
+        [ZERO] * bodies, [ZERO] * bodies, [ZERO] * pairs, [ZERO] * pairs, list(state.stretch), 0.0
+    )
     for source in world.sources:
         SOURCES[source](world, state, parts, found, before, h)
     return found
@@ -59,7 +65,9 @@ def _fields(world: World, state: State, parts: "Parts", found: Loads, *_: Any) -
             found.force[i] = vec.plus(found.force[i], parts.central_force(mass, gm, state.r[i]))
 
 
-def _contacts(world: World, state: State, parts: "Parts", found: Loads, before: Loads | None, h: Number) -> None:
+def _contacts(
+    world: World, state: State, parts: "Parts", found: Loads, before: Loads | None, h: Number
+) -> None:
     for number, acts in enumerate(state.acting):
         if acts:
             _touch(world, state, parts, found, number, before, h)
@@ -117,22 +125,39 @@ def _add(found: Loads, a: int, b: int, force: Vector, parts: "Parts") -> None:
         found.force[b] = vec.plus(found.force[b], parts.reaction(force))
 
 
-def meeting(world: World, state: State, parts: "Parts", number: int) -> tuple[Vector, Number, Number, Vector]:
+def meeting(
+    world: World, state: State, parts: "Parts", number: int
+) -> tuple[Vector, Number, Number, Vector]:
     """Normal from i to j, overlap, its rate, and velocity of i against j, of a pair."""
     i, j = world.pairs[number]
     if world.corners[number] is not None:
         arm, plane = arm_of(world, state, parts, number), world.planes[-1 - j]
-        normal, speed = vec.times(-1.0, plane.normal), vec.plus(state.v[i], vec.cross(parts.to_space(state.q[i], state.w[i]), arm))
-        return normal, vec.dot(vec.minus(vec.plus(state.r[i], arm), plane.point), normal), vec.dot(speed, normal), speed
+        normal, speed = (
+            vec.times(-1.0, plane.normal),
+            vec.plus(state.v[i], vec.cross(parts.to_space(state.q[i], state.w[i]), arm)),
+        )
+        return (
+            normal,
+            vec.dot(vec.minus(vec.plus(state.r[i], arm), plane.point), normal),
+            vec.dot(speed, normal),
+            speed,
+        )
     if j < 0:
         plane = world.planes[-1 - j]
         normal = vec.times(-1.0, plane.normal)
-        depth = parts.overlap(world.radius[i], 0.0, -vec.dot(vec.minus(state.r[i], plane.point), normal))
+        depth = parts.overlap(
+            world.radius[i], 0.0, -vec.dot(vec.minus(state.r[i], plane.point), normal)
+        )
         return normal, depth, vec.dot(state.v[i], normal), state.v[i]
     apart = parts.away(state.r[i], state.r[j])
     distance = vec.size(apart)
     normal, relative = vec.times(1.0 / distance, apart), vec.minus(state.v[i], state.v[j])
-    return normal, parts.overlap(world.radius[i], world.radius[j], distance), vec.dot(relative, normal), relative
+    return (
+        normal,
+        parts.overlap(world.radius[i], world.radius[j], distance),
+        vec.dot(relative, normal),
+        relative,
+    )
 
 
 def arm_of(world: World, state: State, parts: "Parts", number: int) -> Vector:
@@ -140,8 +165,12 @@ def arm_of(world: World, state: State, parts: "Parts", number: int) -> Vector:
     return parts.to_space(state.q[world.pairs[number][0]], world.corners[number])  # type: ignore[no-any-return]
 
 
-def _corner(world: World, state: State, parts: "Parts", found: Loads, number: int, h: Number) -> None:
-    """Adds force and torque on a corner that presses on a plane: sliding friction, no tangential spring."""
+def _corner(
+    world: World, state: State, parts: "Parts", found: Loads, number: int, h: Number
+) -> None:
+    """Adds force and torque on a corner that presses on a plane: sliding friction, no tangential
+    spring.
+    """
     law, (i, j) = world.law, world.pairs[number]
     normal, depth, rate, speed = meeting(world, state, parts, number)
     push = parts.normal_force(law, depth, rate)
@@ -156,7 +185,15 @@ def _corner(world: World, state: State, parts: "Parts", found: Loads, number: in
     found.torque[i] = vec.plus(found.torque[i], parts.to_body(state.q[i], torque))
 
 
-def _touch(world: World, state: State, parts: "Parts", found: Loads, number: int, before: Loads | None, h: Number) -> None:
+def _touch(
+    world: World,
+    state: State,
+    parts: "Parts",
+    found: Loads,
+    number: int,
+    before: Loads | None,
+    h: Number,
+) -> None:
     """Adds the contact forces and torques of one pair."""
     if world.corners[number] is not None:
         return _corner(world, state, parts, found, number, h)
@@ -177,7 +214,10 @@ def _touch(world: World, state: State, parts: "Parts", found: Loads, number: int
         stretch, found.normal[number] = state.stretch[number], normal
         if before is not None:
             old = before.normal[number]
-            stretch, was = parts.transported(stretch, old, normal), parts.transported(before.slip[number], old, normal)
+            stretch, was = (
+                parts.transported(stretch, old, normal),
+                parts.transported(before.slip[number], old, normal),
+            )
             if state.sliding[number] and vec.size(stretch) > abs(h) * vec.size(slip):
                 stretch = vec.times(0.5, vec.plus(stretch, parts.clipped(law, stretch, push)))
                 turns = _turning(stretch, vec.plus(was, slip), h)
@@ -199,10 +239,12 @@ def _touch(world: World, state: State, parts: "Parts", found: Loads, number: int
 
 
 def _turning(stretch: Vector, slips: Vector, h: Number) -> Callable[[Vector], Vector]:
-    """What is left of a slip across a spring at its limit, which turns and does not grow; `slips` is the sum of those at both ends of h.
+    """What is left of a slip across a spring at its limit, which turns and does not grow; `slips`
+    is the sum of those at both ends of h.
 
-    The spring has the length of the middle of the step, and the slip is taken across its direction there: with those of the
-    start, the direction of friction would be of first order. A spring shorter than the way of a step just points along it.
+    The spring has the length of the middle of the step, and the slip is taken across its direction
+    there: with those of the start, the direction of friction would be of first order. A spring
+    shorter than the way of a step just points along it.
     """
 
     def across(spring: Vector, slip: Vector) -> Vector:
@@ -213,6 +255,8 @@ def _turning(stretch: Vector, slips: Vector, h: Number) -> Callable[[Vector], Ve
 
 
 def _stopping(world: World, i: int, j: int, h: Number) -> Number:
-    """The factor [kg/s] with which friction would undo the slip of two solid spheres in one step."""
+    """The factor [kg/s] with which friction would undo the slip of two solid spheres in one
+    step.
+    """
     ease = sum(3.5 / world.mass[body] for body in (i, j) if body >= 0)
     return 1.0 / (abs(h) * ease) if h else world.number(1e300 if world.number is float else 1e30)

@@ -1,4 +1,6 @@
-"""Random parameters of the iterations and of the long motion that faults act on, all of them dyadic."""
+"""Random parameters of the iterations and of the long motion that faults act on, all of them
+dyadic.
+"""
 
 from fractions import Fraction
 
@@ -22,12 +24,23 @@ def growth(rng: np.random.Generator) -> dict[str, str]:
 
 def stadium(rng: np.random.Generator) -> dict[str, str]:
     """A stadium with straight walls, entered along neither of its axes."""
-    return {"start": _inside(rng), "direction": _slanted(rng), "size": f"{3 + _part(rng, 0, 64)},2", "n": "40"}
+    return {
+        "start": _inside(rng),
+        "direction": _slanted(rng),
+        "size": f"{3 + _part(rng, 0, 64)},2",
+        "n": "40",
+    }
 
 
 def rectangle(rng: np.random.Generator) -> dict[str, str]:
     """A rectangle without a corner on the way, as far as it goes."""
-    return {"geometry": "rectangle", "start": _inside(rng), "direction": _slanted(rng), "size": "3,2", "n": "100"}
+    return {
+        "geometry": "rectangle",
+        "start": _inside(rng),
+        "direction": _slanted(rng),
+        "size": "3,2",
+        "n": "100",
+    }
 
 
 def _inside(rng: np.random.Generator) -> str:
@@ -40,13 +53,24 @@ def _slanted(rng: np.random.Generator) -> str:
 
 def long_oscillator(rng: np.random.Generator) -> dict[str, str]:
     """A hundred shortest times and a few more, for exponents."""
-    return {"x0": str(_part(rng, 32, 96)), "v0": str(_part(rng, -64, 64)), "duration": "112", "samples": "64"}
+    return {
+        "x0": str(_part(rng, 32, 96)),
+        "v0": str(_part(rng, -64, 64)),
+        "duration": "112",
+        "samples": "64",
+    }
 
 
 def head(rng: np.random.Generator) -> dict[str, str]:
     """A cat's head in the phase space of an oscillator."""
     centre = f"{_part(rng, 32, 96)},{_part(rng, -96, -32)}"
-    return {"centre": centre, "size": str(_part(rng, 8, 32)), "points": "96", "samples": "12", "duration": "8"}
+    return {
+        "centre": centre,
+        "size": str(_part(rng, 8, 32)),
+        "points": "96",
+        "samples": "12",
+        "duration": "8",
+    }
 
 
 def wet_head(rng: np.random.Generator) -> dict[str, str]:

@@ -1,4 +1,6 @@
-"""An outline carried by a linear flow in the open, for faults to be planted in: x'' + 2 delta x' + w0^2 x = 0, start by start."""
+"""An outline carried by a linear flow in the open, for faults to be planted in: x'' + 2 delta x' +
+w0^2 x = 0, start by start.
+"""
 
 from cmath import exp, sqrt
 from collections.abc import Callable
@@ -29,8 +31,12 @@ def carried(problem: Ensemble, flow: Callable[..., Any]) -> Trajectory:
     delta = sum(dashpot.damping for dashpot in scene.all(Dashpot)) / (2 * mass)
     shape = (len(problem.times), len(problem.position), 1, 3)
     position, velocity = np.zeros(shape), np.zeros(shape)
-    starts = list(zip(problem.position[:, 0, 0].tolist(), problem.velocity[:, 0, 0].tolist(), strict=True))
+    starts = list(
+        zip(problem.position[:, 0, 0].tolist(), problem.velocity[:, 0, 0].tolist(), strict=True)
+    )
     for sample, t in enumerate((problem.times - problem.times[0]).tolist()):
         for member, (x, v) in enumerate(starts):
-            position[sample, member, 0, 0], velocity[sample, member, 0, 0] = flow(x, v, square, delta, t)
+            position[sample, member, 0, 0], velocity[sample, member, 0, 0] = flow(
+                x, v, square, delta, t
+            )
     return Trajectory.of_values(problem.times, {"position": position, "velocity": velocity})

@@ -1,4 +1,6 @@
-"""The parts of the transparent engine, each a small plain function or constant: what a fault replaces (`inside`)."""
+"""The parts of the transparent engine, each a small plain function or constant: what a fault
+replaces (`inside`).
+"""
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
@@ -29,7 +31,10 @@ def spring_force(spring: Spring, a: Vector, b: Vector) -> Vector:
         return vec.times(spring.stiffness, apart)
     distance = vec.size(apart)
     s = distance - spring.length
-    pull = spring.stiffness * abs(s) ** spring.exponent * (1 if s > 0 else -1) + (spring.quadratic + spring.cubic * s) * s * s
+    pull = (
+        spring.stiffness * abs(s) ** spring.exponent * (1 if s > 0 else -1)
+        + (spring.quadratic + spring.cubic * s) * s * s
+    )
     return vec.times(pull / distance, apart) if distance > 0 else vec.ZERO
 
 
@@ -41,7 +46,11 @@ def dashpot_force(dashpot: Dashpot, apart: Vector, relative: Vector) -> Vector:
 def drive_force(force: Force, t: float, number: Callable[[float], Number]) -> Vector:
     """Force [N] at the time t [s]."""
     strength = number(force.amplitude * cos(force.frequency * t + force.phase))
-    return strength * number(force.axis[0]), strength * number(force.axis[1]), strength * number(force.axis[2])
+    return (
+        strength * number(force.axis[0]),
+        strength * number(force.axis[1]),
+        strength * number(force.axis[2]),
+    )
 
 
 def weight(mass: Number, g: Vector) -> Vector:
@@ -71,8 +80,12 @@ def turned(q: Quaternion, omega: Vector, h: Number) -> Quaternion:
     return vec.product(q, vec.turn_by(vec.times(h, omega)))
 
 
-def axis_turn(axis: int, inertia: Vector, omega: Vector, q: Quaternion, h: Number) -> tuple[Vector, Quaternion]:
-    """omega_body and attitude after the exact rotation of the body about one principal axis for h [s]."""
+def axis_turn(
+    axis: int, inertia: Vector, omega: Vector, q: Quaternion, h: Number
+) -> tuple[Vector, Quaternion]:
+    """omega_body and attitude after the exact rotation of the body about one principal axis for h
+    [s].
+    """
     angle = h * omega[axis]
     c, s = cos(angle), sin(angle)
     momentum = list(vec.per_axis(inertia, omega))
@@ -80,7 +93,9 @@ def axis_turn(axis: int, inertia: Vector, omega: Vector, q: Quaternion, h: Numbe
     momentum[i], momentum[j] = c * momentum[i] + s * momentum[j], c * momentum[j] - s * momentum[i]
     half = [cos(angle / 2), 0.0, 0.0, 0.0]
     half[1 + axis] = sin(angle / 2)
-    return vec.over_axis((momentum[0], momentum[1], momentum[2]), inertia), vec.product(q, (half[0], half[1], half[2], half[3]))
+    return vec.over_axis((momentum[0], momentum[1], momentum[2]), inertia), vec.product(
+        q, (half[0], half[1], half[2], half[3])
+    )
 
 
 def to_body(q: Quaternion, a: Vector) -> Vector:
@@ -100,7 +115,11 @@ def kicked(v: Vector, force: Vector, mass: Number, h: Number) -> Vector:
 
 def spun_up(omega: Vector, torque: Vector, inertia: Vector, h: Number) -> Vector:
     """omega_body after a torque in body axes for h [s]."""
-    return omega[0] + h * torque[0] / inertia[0], omega[1] + h * torque[1] / inertia[1], omega[2] + h * torque[2] / inertia[2]
+    return (
+        omega[0] + h * torque[0] / inertia[0],
+        omega[1] + h * torque[1] / inertia[1],
+        omega[2] + h * torque[2] / inertia[2],
+    )
 
 
 def drifted(r: Vector, v: Vector, h: Number) -> Vector:
@@ -125,7 +144,10 @@ def overlap(radius_a: Number, radius_b: Number, distance: Number) -> Number:
 
 def normal_force(law: Contact, depth: Number, rate: Number) -> Number:
     """k d + c d' [N], pulls when negative; k d^(3/2) for Hertz's law."""
-    return law.stiffness * (max(depth, 0.0) ** 1.5 if law.law == "hertz" else depth) + law.damping * rate
+    return (
+        law.stiffness * (max(depth, 0.0) ** 1.5 if law.law == "hertz" else depth)
+        + law.damping * rate
+    )
 
 
 def lever(law: Contact, radius: Number, depth: Number) -> Number:
@@ -135,11 +157,15 @@ def lever(law: Contact, radius: Number, depth: Number) -> Number:
 
 def slip(velocity: Vector, spin: Vector, normal: Vector) -> Vector:
     """Tangential velocity of surface a against b [m/s]; spin = arm_a omega_a + arm_b omega_b."""
-    return vec.plus(vec.moved(velocity, -vec.dot(velocity, normal), normal), vec.cross(spin, normal))
+    return vec.plus(
+        vec.moved(velocity, -vec.dot(velocity, normal), normal), vec.cross(spin, normal)
+    )
 
 
 def transported(stretch: Vector, old: Vector, normal: Vector) -> Vector:
-    """A vector of one tangent plane turned into another, by the least rotation from normal to normal."""
+    """A vector of one tangent plane turned into another, by the least rotation from normal to
+    normal.
+    """
     both = vec.plus(old, normal)
     return vec.moved(stretch, -vec.dot(normal, stretch) / (1.0 + vec.dot(old, normal)), both)
 
@@ -161,7 +187,9 @@ def spring_friction(law: Contact, stretch: Vector) -> Vector:
 
 
 def sliding_friction(law: Contact, normal: Number, slide: Vector, stopping: Number) -> Vector:
-    """Friction of full size against the slip; raises UnsupportedError where a step of it (`stopping` [kg/s]) would stop the slip."""
+    """Friction of full size against the slip; raises UnsupportedError where a step of it
+    (`stopping` [kg/s]) would stop the slip.
+    """
     speed, limit = vec.size(slide), law.friction * max(normal, 0.0)
     if limit > stopping * speed:
         raise UnsupportedError("a contact without a tangential spring that comes to stick")
@@ -169,7 +197,9 @@ def sliding_friction(law: Contact, normal: Number, slide: Vector, stopping: Numb
 
 
 def torque_on(arm: Number, normal: Vector, force: Vector) -> Vector:
-    """Torque [N m] of the tangential force on a; the reaction turns b the same way with its own arm."""
+    """Torque [N m] of the tangential force on a; the reaction turns b the same way with its own
+    arm.
+    """
     return vec.times(arm, vec.cross(normal, force))
 
 
@@ -194,8 +224,12 @@ def holds(slider: Slider, along: Number) -> bool:
 
 
 def rod_position(rod: Rod, apart: Vector, direction: Vector, ease: Number) -> Number:
-    """Impulse over time [kg] along `direction` that brings the ends to the rod's length (one Newton step)."""
-    return (vec.dot(apart, apart) - rod.length * rod.length) / (2 * ease * vec.dot(apart, direction))
+    """Impulse over time [kg] along `direction` that brings the ends to the rod's length (one Newton
+    step).
+    """
+    return (vec.dot(apart, apart) - rod.length * rod.length) / (
+        2 * ease * vec.dot(apart, direction)
+    )
 
 
 def rod_velocity(rod: Rod, apart: Vector, relative: Vector, ease: Number) -> Number:
@@ -204,7 +238,10 @@ def rod_velocity(rod: Rod, apart: Vector, relative: Vector, ease: Number) -> Num
 
 
 def rod_tension(rod: Rod, apart: Vector, relative: Vector, pull: Vector, ease: Number) -> Number:
-    """Rod force [N], positive in tension: (|v|^2 + r.a)/(r ease); `pull` is the relative acceleration without it."""
+    """Rod force [N], positive in tension: (|v|^2 + r.a)/(r ease);
+
+    `pull` is the relative acceleration without it.
+    """
     return (vec.dot(relative, relative) + vec.dot(apart, pull)) / (ease * rod.length)
 
 
@@ -219,7 +256,9 @@ def fresh(kept: dict[str, Any]) -> None:
 
 
 def output(state: Any) -> Any:
-    """The state with which the run goes on after a sample was written: it is read, never changed."""
+    """The state with which the run goes on after a sample was written: it is read, never
+    changed.
+    """
     return state
 
 

@@ -1,4 +1,6 @@
-"""Parts of the transparent engine for forces that place and orientation choose, and the draws of their settings."""
+"""Parts of the transparent engine for forces that place and orientation choose, and the draws of
+their settings.
+"""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -32,7 +34,11 @@ def wedge_force(wall: Wedge, depth: Number, edge_first: bool, rate: Number) -> N
 
 def wedge_energy(wall: Wedge, depth: Number, edge_first: bool) -> Number:
     """What the wall holds [J]."""
-    return wall.quadratic * depth * depth * depth / 3 if edge_first else wall.stiffness * depth * depth / 2
+    return (
+        wall.quadratic * depth * depth * depth / 3
+        if edge_first
+        else wall.stiffness * depth * depth / 2
+    )
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -59,19 +65,31 @@ def pushed_by_walls(world: Any, state: Any, parts: Any, force: list[Any]) -> Non
     for wall, i in pairs(world):
         depth, rate, edge = approach(wall, state, parts, i)
         if depth > 0:
-            force[i] = vec.moved(force[i], parts.positional.wedge_force(wall, depth, edge, rate), wall.normal)
+            force[i] = vec.moved(
+                force[i], parts.positional.wedge_force(wall, depth, edge, rate), wall.normal
+            )
 
 
 def approach(wall: Wedge, state: Any, parts: Any, i: int) -> tuple[Number, Number, bool]:
     """Overlap, its rate, and whether the edge looks at the wall."""
-    depth, rate = vec.dot(vec.minus(wall.point, state.r[i]), wall.normal), -vec.dot(state.v[i], wall.normal)
+    depth, rate = (
+        vec.dot(vec.minus(wall.point, state.r[i]), wall.normal),
+        -vec.dot(state.v[i], wall.normal),
+    )
     return depth, rate, bool(vec.dot(parts.to_space(state.q[i], EDGE), wall.normal) < 0)
 
 
-def margins(world: Any, before: Any, after: Any, parts: Any, h: Number) -> list[tuple[Number, tuple[str, int]]]:
-    """How far a step stays from the next edge of a field or of a wall, and bodies that press on a wall from coming to a stop in it."""
+def margins(
+    world: Any, before: Any, after: Any, parts: Any, h: Number
+) -> list[tuple[Number, tuple[str, int]]]:
+    """How far a step stays from the next edge of a field or of a wall, and bodies that press on a
+    wall from coming to a stop in it.
+    """
     sides = zip(edges(world, before, parts), edges(world, after, parts), strict=True)
-    found = [((now if was > 0 else -now) or (-TINY if was > 0 else 0.0), ("edge", 0)) for was, now in sides]
+    found = [
+        ((now if was > 0 else -now) or (-TINY if was > 0 else 0.0), ("edge", 0))
+        for was, now in sides
+    ]
     for number, (wall, i) in enumerate(pairs(world)):
         _, rate, _ = approach(wall, before, parts, i)
         depth, now, _ = approach(wall, after, parts, i)
@@ -82,7 +100,11 @@ def margins(world: Any, before: Any, after: Any, parts: Any, h: Number) -> list[
 
 def edges(world: Any, state: Any, parts: Any) -> list[Number]:
     """How far beyond every edge every body is: a force has a corner there."""
-    places = [(vec.dot(vec.minus(r, field.point), field.axis), field) for field in world.tents for r in state.r]
+    places = [
+        (vec.dot(vec.minus(r, field.point), field.axis), field)
+        for field in world.tents
+        for r in state.r
+    ]
     beyond = [s - edge for s, field in places for edge in (field.x1, 0.0, field.x2)]
     return beyond + [approach(wall, state, parts, i)[0] for wall, i in pairs(world)]
 
@@ -106,7 +128,11 @@ def _between(rng: np.random.Generator, low: float, high: float) -> str:
 
 def hertz(rng: np.random.Generator) -> dict[str, str]:
     """Two Hertzian spheres."""
-    found = {"effective_mass": _between(rng, 0.5, 2), "stiffness": _between(rng, 500, 1500), "closing_speed": _between(rng, 0.5, 2)}
+    found = {
+        "effective_mass": _between(rng, 0.5, 2),
+        "stiffness": _between(rng, 500, 1500),
+        "closing_speed": _between(rng, 0.5, 2),
+    }
     return found | {"samples": "32"}
 
 
@@ -123,5 +149,9 @@ def tent(rng: np.random.Generator) -> dict[str, str]:
 
 def wedge(rng: np.random.Generator) -> dict[str, str]:
     """A wedge that loses about half of its energy."""
-    found = {"mass": _between(rng, 0.75, 1.25), "k1": _between(rng, 1.5, 2.5), "k2": _between(rng, 10, 14)}
+    found = {
+        "mass": _between(rng, 0.75, 1.25),
+        "k1": _between(rng, 1.5, 2.5),
+        "k2": _between(rng, 10, 14),
+    }
     return found | {"closing_speed": _between(rng, 0.875, 1.25), "samples": "32"}

@@ -1,6 +1,8 @@
-"""Settings for faults to act on: cases with random parameters, drawn by a seed inside sensible bounds, all of them dyadic.
+"""Settings for faults to act on: cases with random parameters, drawn by a seed inside sensible
+bounds, all of them dyadic.
 
-Each is a short motion (about eight shortest times), so that faults x settings x seeds fit into minutes.
+Each is a short motion (about eight shortest times), so that faults x settings x seeds fit into
+minutes.
 """
 
 from collections.abc import Callable, Mapping
@@ -16,7 +18,10 @@ Draw = Callable[[np.random.Generator], dict[str, str]]
 
 @dataclass(frozen=True)
 class Setting:
-    """A case with random parameters; `methods` are those of the transparent engine that run it; truth is withheld unless `proved`."""
+    """A case with random parameters;
+
+    `methods` are those of the transparent engine that run it; truth is withheld unless `proved`.
+    """
 
     case: str
     draw: Draw
@@ -49,35 +54,67 @@ def _inertia(rng: np.random.Generator) -> list[Fraction]:
 
 
 def _tumbler(rng: np.random.Generator) -> dict[str, str]:
-    """A free body with three moments of inertia, spinning about no axis in particular, attitude anything."""
+    """A free body with three moments of inertia, spinning about no axis in particular, attitude
+    anything.
+    """
     omega = [_sign(rng) * _between(rng, 0.5, 1.25) for _ in range(3)]
     attitude = [int(rng.integers(1, 5)), *(_sign(rng) * int(rng.integers(1, 5)) for _ in range(3))]
-    return {"inertia": _list(_inertia(rng)), "omega_body": _list(omega), "attitude": _list(attitude), "duration": "6", "samples": "32"}
+    return {
+        "inertia": _list(_inertia(rng)),
+        "omega_body": _list(omega),
+        "attitude": _list(attitude),
+        "duration": "6",
+        "samples": "32",
+    }
 
 
 def _flipper(rng: np.random.Generator) -> dict[str, str]:
     """A body that turns over once about its intermediate axis."""
-    return {"offset": str(_between(rng, 1 / 16, 1 / 8, 128)), "direction": str(rng.choice(("1", "3"))), "duration": "24", "samples": "48"}
+    return {
+        "offset": str(_between(rng, 1 / 16, 1 / 8, 128)),
+        "direction": str(rng.choice(("1", "3"))),
+        "duration": "24",
+        "samples": "48",
+    }
 
 
 def _swing(rng: np.random.Generator) -> dict[str, str]:
     """A pendulum that swings."""
-    found = {"mass": _between(rng, 0.5, 3), "length": _between(rng, 0.5, 2), "gravity": _between(rng, 4, 12)}
-    found |= {"theta0": _sign(rng) * _between(rng, 0.75, 1.75), "thetadot0": _between(rng, -0.5, 0.5)}
+    found = {
+        "mass": _between(rng, 0.5, 3),
+        "length": _between(rng, 0.5, 2),
+        "gravity": _between(rng, 4, 12),
+    }
+    found |= {
+        "theta0": _sign(rng) * _between(rng, 0.75, 1.75),
+        "thetadot0": _between(rng, -0.5, 0.5),
+    }
     return {name: str(value) for name, value in found.items()} | {"duration": "3", "samples": "32"}
 
 
 def _circler(rng: np.random.Generator) -> dict[str, str]:
     """A pendulum that goes round."""
-    found = {"mass": _between(rng, 0.5, 3), "length": _between(rng, 1, 2), "gravity": _between(rng, 1, 2)}
+    found = {
+        "mass": _between(rng, 0.5, 3),
+        "length": _between(rng, 1, 2),
+        "gravity": _between(rng, 1, 2),
+    }
     found |= {"theta0": _between(rng, -1, 1), "thetadot0": _sign(rng) * _between(rng, 4, 5)}
     return {name: str(value) for name, value in found.items()} | {"duration": "2", "samples": "32"}
 
 
 def _oscillator(rng: np.random.Generator) -> dict[str, str]:
     """A mass on a spring."""
-    found = {"mass": _between(rng, 0.5, 2), "stiffness": _between(rng, 0.5, 2), "x0": _sign(rng) * _between(rng, 0.5, 2)}
-    return {name: str(value) for name, value in found.items()} | {"v0": str(_between(rng, -1, 1)), "duration": "8", "samples": "32"}
+    found = {
+        "mass": _between(rng, 0.5, 2),
+        "stiffness": _between(rng, 0.5, 2),
+        "x0": _sign(rng) * _between(rng, 0.5, 2),
+    }
+    return {name: str(value) for name, value in found.items()} | {
+        "v0": str(_between(rng, -1, 1)),
+        "duration": "8",
+        "samples": "32",
+    }
 
 
 def _hanging(rng: np.random.Generator) -> dict[str, str]:
@@ -92,52 +129,97 @@ def _viscous(rng: np.random.Generator) -> dict[str, str]:
 
 def _driven(rng: np.random.Generator) -> dict[str, str]:
     """A periodic force on a heavy mass, without damping, away from resonance."""
-    found = {"mass": _between(rng, 1.5, 2), "stiffness": _between(rng, 1, 2), "f0": _between(rng, 0.75, 1.5), "delta": 0}
-    return {name: str(value) for name, value in (found | {"drive": _between(rng, 1.5, 2)}).items()} | {"duration": "8", "samples": "32"}
+    found = {
+        "mass": _between(rng, 1.5, 2),
+        "stiffness": _between(rng, 1, 2),
+        "f0": _between(rng, 0.75, 1.5),
+        "delta": 0,
+    }
+    return {
+        name: str(value) for name, value in (found | {"drive": _between(rng, 1.5, 2)}).items()
+    } | {"duration": "8", "samples": "32"}
 
 
 def _hardening(rng: np.random.Generator) -> dict[str, str]:
     """A spring with a cube."""
-    found = {"alpha": _between(rng, 0.75, 1.5), "beta": _between(rng, 0.25, 0.5), "amplitude": _sign(rng) * _between(rng, 0.5, 1)}
+    found = {
+        "alpha": _between(rng, 0.75, 1.5),
+        "beta": _between(rng, 0.25, 0.5),
+        "amplitude": _sign(rng) * _between(rng, 0.5, 1),
+    }
     return {name: str(value) for name, value in found.items()} | {"duration": "6", "samples": "32"}
 
 
 def _lopsided(rng: np.random.Generator) -> dict[str, str]:
     """A spring with a square, let go, neither damped nor driven."""
-    found = {"eps": _sign(rng) * _between(rng, 0.125, 0.25), "x0": _sign(rng) * _between(rng, 0.5, 1), "delta": 0, "f0": "0,0"}
+    found = {
+        "eps": _sign(rng) * _between(rng, 0.125, 0.25),
+        "x0": _sign(rng) * _between(rng, 0.5, 1),
+        "delta": 0,
+        "f0": "0,0",
+    }
     return {name: str(value) for name, value in found.items()} | {"duration": "6", "samples": "32"}
 
 
 def _steep(rng: np.random.Generator) -> dict[str, str]:
     """A spring that pulls with the power 3/2 of its stretch."""
-    found = {"mass": _between(rng, 0.5, 2), "stiffness": _between(rng, 0.5, 2), "amplitude": _sign(rng) * _between(rng, 0.5, 2)}
+    found = {
+        "mass": _between(rng, 0.5, 2),
+        "stiffness": _between(rng, 0.5, 2),
+        "amplitude": _sign(rng) * _between(rng, 0.5, 2),
+    }
     return {name: str(value) for name, value in found.items()} | {"duration": "6", "samples": "32"}
 
 
 def _cycle(rng: np.random.Generator) -> dict[str, str]:
     """Van der Pol's oscillator on the way to its cycle."""
-    found = {"mu": _between(rng, 0.25, 0.5), "p": _between(rng, 0.25, 0.5), "x0": _between(rng, 1, 1.5)}
+    found = {
+        "mu": _between(rng, 0.25, 0.5),
+        "p": _between(rng, 0.25, 0.5),
+        "x0": _between(rng, 1, 1.5),
+    }
     return {name: str(value) for name, value in found.items()} | {"duration": "6", "samples": "24"}
 
 
 def _rubbing(rng: np.random.Generator) -> dict[str, str]:
-    """A mass on a spring that friction stops after two to four half cycles, well away from the edge between two numbers of them."""
+    """A mass on a spring that friction stops after two to four half cycles, well away from the edge
+    between two numbers of them.
+    """
     stiffness, x0 = _between(rng, 0.75, 2), _between(rng, 0.75, 1.5)
     share = Fraction(1, 2 * int(rng.integers(2, 5))) + Fraction(1, 128)
-    found = {"mass": _between(rng, 0.75, 1.5), "stiffness": stiffness, "x0": _sign(rng) * x0, "friction_force": stiffness * x0 * share}
+    found = {
+        "mass": _between(rng, 0.75, 1.5),
+        "stiffness": stiffness,
+        "x0": _sign(rng) * x0,
+        "friction_force": stiffness * x0 * share,
+    }
     return {name: str(value) for name, value in found.items()} | {"duration": "20", "samples": "64"}
 
 
 def _sticking(rng: np.random.Generator) -> dict[str, str]:
     """A driven mass that a belt catches, carries and lets go again."""
-    found = {"eta": _between(rng, 1, 1.5), "gamma": _between(rng, 0.375, 0.75), "x0": _between(rng, 0.75, 1.25)}
-    found |= {"mu0": _between(rng, 0.375, 0.4375), "mu1": Fraction(1, 8), "lambda0": _between(rng, 1.25, 1.5), "lambda1": Fraction(1, 64)}
+    found = {
+        "eta": _between(rng, 1, 1.5),
+        "gamma": _between(rng, 0.375, 0.75),
+        "x0": _between(rng, 0.75, 1.25),
+    }
+    found |= {
+        "mu0": _between(rng, 0.375, 0.4375),
+        "mu1": Fraction(1, 8),
+        "lambda0": _between(rng, 1.25, 1.5),
+        "lambda1": Fraction(1, 64),
+    }
     return {name: str(value) for name, value in found.items()} | {"duration": "8", "samples": "32"}
 
 
 def _orbit(rng: np.random.Generator) -> dict[str, str]:
     """About one revolution about a centre of attraction."""
-    return {"gm": str(_between(rng, 0.75, 1.5)), "eccentricity": str(_between(rng, 0.0625, 0.375)), "duration": "6", "samples": "32"}
+    return {
+        "gm": str(_between(rng, 0.75, 1.5)),
+        "eccentricity": str(_between(rng, 0.0625, 0.375)),
+        "duration": "6",
+        "samples": "32",
+    }
 
 
 def _ellipse(rng: np.random.Generator) -> dict[str, str]:
@@ -158,7 +240,13 @@ def _pair(rng: np.random.Generator, low: float, high: float) -> str:
 
 
 def _collision(rng: np.random.Generator, **more: object) -> dict[str, str]:
-    found = {**_spheres(rng), **more, "masses": _pair(rng, 0.75, 1.25), "radii": _pair(rng, 0.375, 0.625), "samples": 16}
+    found = {
+        **_spheres(rng),
+        **more,
+        "masses": _pair(rng, 0.75, 1.25),
+        "radii": _pair(rng, 0.375, 0.625),
+        "samples": 16,
+    }
     return {name: str(value) for name, value in found.items()}
 
 
@@ -209,7 +297,9 @@ def _bristle(rng: np.random.Generator) -> dict[str, str]:
 
 
 def _spinner(rng: np.random.Generator) -> dict[str, str]:
-    """Head-on; sphere 2 spins so fast that it slides all the time, sphere 1 slowly the other way."""
+    """Head-on; sphere 2 spins so fast that it slides all the time, sphere 1 slowly the other
+    way.
+    """
     side = _sign(rng)
     spins = f"0,0,{-side * _between(rng, 0.25, 0.5)},0,0,{side * _between(rng, 4, 6)}"
     return _collision(rng, damping=0, friction=_between(rng, 0.0625, 0.125), spins=spins)
@@ -218,24 +308,47 @@ def _spinner(rng: np.random.Generator) -> dict[str, str]:
 def _soft(rng: np.random.Generator) -> dict[str, str]:
     """Gross sliding of soft spheres: the normal turns far while the tangential spring remembers."""
     stiffness = _between(rng, 2, 4)
-    more = {"stiffness": stiffness, "tangential_stiffness": stiffness / 4, "closing_speed": _between(rng, 0.75, 0.875)}
-    return _collision(rng, damping=0, friction=_between(rng, 0.125, 0.1875), angle=_sign(rng) * _between(rng, 1.15, 1.2), **more)
+    more = {
+        "stiffness": stiffness,
+        "tangential_stiffness": stiffness / 4,
+        "closing_speed": _between(rng, 0.75, 0.875),
+    }
+    return _collision(
+        rng,
+        damping=0,
+        friction=_between(rng, 0.125, 0.1875),
+        angle=_sign(rng) * _between(rng, 1.15, 1.2),
+        **more,
+    )
 
 
 def _sticker(rng: np.random.Generator) -> dict[str, str]:
     """Oblique; the tangential spring holds, then slides."""
-    return _scrape(rng) | {"tangential_stiffness": str(_between(rng, 80, 128, 1)), "friction": "1", "angle": "1/4", "damping": "0"}
+    return _scrape(rng) | {
+        "tangential_stiffness": str(_between(rng, 80, 128, 1)),
+        "friction": "1",
+        "angle": "1/4",
+        "damping": "0",
+    }
 
 
 def _tumbling_spheres(rng: np.random.Generator) -> dict[str, str]:
     """The same with spins about all axes, so that the spring leaves the plane."""
-    return _sticker(rng) | {"spins": _list(_sign(rng) * _between(rng, 1, 2) for _ in range(6)), "damping": "1/2"}
+    return _sticker(rng) | {
+        "spins": _list(_sign(rng) * _between(rng, 1, 2) for _ in range(6)),
+        "damping": "1/2",
+    }
 
 
 def _flyer(rng: np.random.Generator) -> dict[str, str]:
     """A free body that flies straight and spins steadily."""
     velocity = _list(_sign(rng) * _between(rng, 0.25, 1) for _ in range(3))
-    return {"velocity": velocity, "spin": str(_between(rng, 0.75, 1.5)), "duration": "8", "samples": "32"}
+    return {
+        "velocity": velocity,
+        "spin": str(_between(rng, 0.75, 1.5)),
+        "duration": "8",
+        "samples": "32",
+    }
 
 
 def _resting(rng: np.random.Generator) -> dict[str, str]:
@@ -275,11 +388,15 @@ SETTINGS: Mapping[str, Setting] = {
     "spinner": Setting("two-spheres", _spinner, TOUCHING),
     "soft": Setting("two-spheres", _soft, TOUCHING),
     "sticker": Setting("two-spheres", _sticker, TOUCHING),
-    "gripper": Setting("two-spheres", lambda rng: _sticker(rng) | {"spins": "0,0,1,0,0,3/4"}, TOUCHING),  # spins add to the slip
+    "gripper": Setting(
+        "two-spheres", lambda rng: _sticker(rng) | {"spins": "0,0,1,0,0,3/4"}, TOUCHING
+    ),  # spins add to the slip
     "tumbling-spheres": Setting("two-spheres", _tumbling_spheres, TOUCHING, proved=False),
     "unproved": Setting("van-der-pol", _cycle, DAMPED, proved=False),
     "hertz": Setting("hertz-spheres", positional.hertz, TOUCHING),
-    "tent": Setting("asymmetric-field", positional.tent, ("verlet",)),  # in single precision one pair of levels is left above round-off
+    "tent": Setting(
+        "asymmetric-field", positional.tent, ("verlet",)
+    ),  # in single precision one pair of levels is left above round-off
     "wedge": Setting("wedge-collision", positional.wedge, TOUCHING),
     "flyer": Setting("newtons-first-law", _flyer, SMOOTH),
     "resting": Setting("newtons-first-law", _resting, TOUCHING),

@@ -63,7 +63,9 @@ def drift(m: Moving, state: State, h: Number) -> State:
 
 
 def verlet(m: Moving, state: State, load: Loads, h: Number) -> tuple[State, Loads]:
-    """Kick, drift, kick (Swope et al. 1982); with rods RATTLE (Andersen 1983); one correction where forces depend on velocity."""
+    """Kick, drift, kick (Swope et al. 1982); with rods RATTLE (Andersen 1983); one correction where
+    forces depend on velocity.
+    """
     first, second = m.parts.verlet_kicks
     moved = drift(m, hold_length(m, state, kick(m, state, load, first * h), h), h)
     moved.work = state.work + 0.5 * h * load.power
@@ -82,9 +84,16 @@ def verlet(m: Moving, state: State, load: Loads, h: Number) -> tuple[State, Load
 def euler(m: Moving, state: State, load: Loads, h: Number) -> tuple[State, Loads]:
     """Kick, drift: first order; gyroscopic term explicit."""
     moved = kick(m, state, load, h)
-    moved.r, moved.q, moved.w, moved.t = list(moved.r), list(moved.q), list(moved.w), state.t + float(h)
+    moved.r, moved.q, moved.w, moved.t = (
+        list(moved.r),
+        list(moved.q),
+        list(moved.w),
+        state.t + float(h),
+    )
     for i in m.turning:
-        moved.w[i] = m.parts.spun_up(moved.w[i], m.parts.gyroscopic(m.world.inertia[i], moved.w[i]), m.world.inertia[i], h)
+        moved.w[i] = m.parts.spun_up(
+            moved.w[i], m.parts.gyroscopic(m.world.inertia[i], moved.w[i]), m.world.inertia[i], h
+        )
     moved = hold_length(m, state, moved, h)
     for i in m.free:
         moved.r[i] = m.parts.drifted(moved.r[i], moved.v[i], h)
@@ -108,7 +117,9 @@ def drift_first(m: Moving, state: State, load: Loads, h: Number) -> tuple[State,
 
 
 def explicit(m: Moving, state: State, load: Loads, h: Number) -> tuple[State, Loads]:
-    """Explicit Euler: drift with the old velocity, kick with the old force; first order, and it gains energy."""
+    """Explicit Euler: drift with the old velocity, kick with the old force; first order, and it
+    gains energy.
+    """
     moved, r = kick(m, state, load, h), list(state.r)
     for i in m.free:
         r[i] = m.parts.drifted(r[i], state.v[i], h)
@@ -148,7 +159,8 @@ def onward(state: State, rate: Rates, h: Number) -> State:
     r = [vec.moved(place, h, by) for place, by in zip(state.r, rate[0], strict=True)]
     v = [vec.moved(velocity, h, by) for velocity, by in zip(state.v, rate[1], strict=True)]
     q: list[vec.Quaternion] = [
-        (w + h * a, x + h * b, y + h * c, z + h * d) for (w, x, y, z), (a, b, c, d) in zip(state.q, rate[2], strict=True)
+        (w + h * a, x + h * b, y + h * c, z + h * d)
+        for (w, x, y, z), (a, b, c, d) in zip(state.q, rate[2], strict=True)
     ]
     w = [vec.moved(omega, h, by) for omega, by in zip(state.w, rate[3], strict=True)]
     return state.moved(r, v, q, w, state.t + float(h))

@@ -1,4 +1,6 @@
-"""The transparent engine: small plain parts in the open, to carry known faults; it is not discovered among the engines."""
+"""The transparent engine: small plain parts in the open, to carry known faults; it is not
+discovered among the engines.
+"""
 
 from time import perf_counter
 from typing import Any
@@ -32,18 +34,61 @@ from refdem.scene.elements.string_over_wheel import StringOverWheel
 from refdem.scene.shapes import Polyhedron
 
 KEPT = frozenset({"momentum", "angular-momentum", "constraint"})
-_VERLET: dict[str, Any] = {"control": "step", "order": 2, "conserves": KEPT, "reversible": True, "symplectic": True, "backward": True}
+_VERLET: dict[str, Any] = {
+    "control": "step",
+    "order": 2,
+    "conserves": KEPT,
+    "reversible": True,
+    "symplectic": True,
+    "backward": True,
+}
 _VERLET |= {"locates_events": True}
 METHODS = (
-    Method(name="euler", summary="kick, drift; gyroscopic term explicit", control="step", order=1, conserves=frozenset({"momentum"})),
-    Method(name="drift-first", summary="drift, kick", control="step", order=1, conserves=frozenset({"momentum"})),
-    Method(name="explicit-euler", summary="explicit Euler", control="step", order=1, conserves=frozenset({"momentum"})),
-    Method(name="verlet", summary="velocity Verlet, RATTLE, rotations about principal axes; cut at events", **_VERLET),
+    Method(
+        name="euler",
+        summary="kick, drift; gyroscopic term explicit",
+        control="step",
+        order=1,
+        conserves=frozenset({"momentum"}),
+    ),
+    Method(
+        name="drift-first",
+        summary="drift, kick",
+        control="step",
+        order=1,
+        conserves=frozenset({"momentum"}),
+    ),
+    Method(
+        name="explicit-euler",
+        summary="explicit Euler",
+        control="step",
+        order=1,
+        conserves=frozenset({"momentum"}),
+    ),
+    Method(
+        name="verlet",
+        summary="velocity Verlet, RATTLE, rotations about principal axes; cut at events",
+        **_VERLET,
+    ),
     Method(name="suzuki", summary="five Verlet steps", **(_VERLET | {"order": 4})),
-    Method(name="rk4", summary="classical Runge-Kutta", control="step", order=4, conserves=frozenset({"momentum"}), backward=True),
+    Method(
+        name="rk4",
+        summary="classical Runge-Kutta",
+        control="step",
+        order=4,
+        conserves=frozenset({"momentum"}),
+        backward=True,
+    ),
     Method(name="iterated", summary="maps, iterate by iterate", control="exact"),
-    Method(name="carried", summary="linear flows, start by start", control="exact", answers="ensemble"),
-    Method(name="verlet-single", summary="velocity Verlet in single precision", precision="single", **_VERLET),
+    Method(
+        name="carried", summary="linear flows, start by start", control="exact", answers="ensemble"
+    ),
+    Method(
+        name="verlet-single",
+        summary="velocity Verlet in single precision",
+        precision="single",
+        **_VERLET,
+    ),
 )
 LINEAR = frozenset({"spring", "dashpot", "dimension:1"})
 
@@ -82,9 +127,15 @@ class Transparent(Engine):
                 return reason
         if reason := _corners_refused(scene):
             return reason
-        if method.name in ("drift-first", "explicit-euler") and {"rotation", "constraint"} & scene.features:
+        if (
+            method.name in ("drift-first", "explicit-euler")
+            and {"rotation", "constraint"} & scene.features
+        ):
             return "points without constraints alone"
-        if not method.name.startswith("verlet") and {"slider", "contact", "wedge", "piecewise_field", "catch"} & scene.features:
+        if (
+            not method.name.startswith("verlet")
+            and {"slider", "contact", "wedge", "piecewise_field", "catch"} & scene.features
+        ):
             return "no events"
         if method.name == "suzuki" and "dashpot" in scene.features:
             return "no forces that depend on velocity"
@@ -105,13 +156,23 @@ class Transparent(Engine):
         begun = perf_counter()
         self.parts.fresh(self.kept)
         if isinstance(request.problem, Iteration):
-            return iterated(request.problem, self.parts.maps), Cost(seconds=perf_counter() - begun, steps=request.problem.n)
+            return iterated(request.problem, self.parts.maps), Cost(
+                seconds=perf_counter() - begun, steps=request.problem.n
+            )
         if isinstance(request.problem, Ensemble):
             return carried(request.problem, self.parts.flow), Cost(seconds=perf_counter() - begun)
-        method, scene, times = self.method(request.method), request.problem.scene, request.problem.times
+        method, scene, times = (
+            self.method(request.method),
+            request.problem.scene,
+            request.problem.times,
+        )
         number = PRECISIONS[method.precision]
         world = world_of(scene, number)
-        m, state, h = Moving(world, self.parts), start_of(scene, world, self.parts.to_body), number(request.signed_step)
+        m, state, h = (
+            Moving(world, self.parts),
+            start_of(scene, world, self.parts.to_body),
+            number(request.signed_step),
+        )
         state.t = float(times[0])
         first_modes(m, state, h)
         load = self.parts.loads(world, state, self.parts)
@@ -129,11 +190,19 @@ def _refused(element: Element) -> str | None:
     """None for an element that the engine has, as it has it."""
     if not isinstance(element, SUPPORTED):
         return f"no {element.kind}"
-    if isinstance(element, Rod) and not any(element.anchor_a) and not (element.b >= 0 and any(element.anchor_b)):
+    if (
+        isinstance(element, Rod)
+        and not any(element.anchor_a)
+        and not (element.b >= 0 and any(element.anchor_b))
+    ):
         return None
     if isinstance(element, BallJoint) and element.b < 0:
-        return None if sum(x != 0 for x in element.anchor_a) <= 1 else "a joint off the principal axes"
-    if isinstance(element, BallJoint | Catch | Dashpot | Force | Spring | Rod | Slider) and (any(element.anchor_a) or element.b >= 0):
+        return (
+            None if sum(x != 0 for x in element.anchor_a) <= 1 else "a joint off the principal axes"
+        )
+    if isinstance(element, BallJoint | Catch | Dashpot | Force | Spring | Rod | Slider) and (
+        any(element.anchor_a) or element.b >= 0
+    ):
         return f"a {element.kind} that does not join a centre to the world"
     if isinstance(element, StringOverWheel) and element.radius > 0:
         return "a string over a wheel that has a size"
@@ -144,11 +213,17 @@ def _refused(element: Element) -> str | None:
 
 def _corners_refused(scene: Scene) -> str | None:
     """None without polyhedra that can touch, or for one alone whose corners slide on planes."""
-    if not scene.all(Contact) or not any(isinstance(shape, Polyhedron) for shape in scene.bodies.shape):
+    if not scene.all(Contact) or not any(
+        isinstance(shape, Polyhedron) for shape in scene.bodies.shape
+    ):
         return None
     law = scene.all(Contact)[0]
     spring = law.friction > 0 and (law.tangential_stiffness > 0 or law.branch != "R")
-    return "no contact of polyhedra" if len(scene.bodies) > 1 or spring or law.law != "linear" else None
+    return (
+        "no contact of polyhedra"
+        if len(scene.bodies) > 1 or spring or law.law != "linear"
+        else None
+    )
 
 
 class Recording:
@@ -158,7 +233,9 @@ class Recording:
         bodies = len(m.world.mass)
         self.m, self.start, self.interval = m, start, interval
         self.t = np.zeros(samples)
-        self.columns: dict[str, Any] = {name: np.zeros((samples, bodies, width)) for name, width in WIDTHS.items()}
+        self.columns: dict[str, Any] = {
+            name: np.zeros((samples, bodies, width)) for name, width in WIDTHS.items()
+        }
         self.columns["attitude"][..., 0] = 1.0
         self.channels: dict[str, NDArray[np.float64]] = {}
         if m.world.rods and all(rod.b < 0 for rod in m.world.rods):

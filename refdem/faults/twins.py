@@ -1,8 +1,10 @@
-"""Diagnosis by twins: the transparent engine with one fault or another integrator on the same scene, laid beside a code's run.
+"""Diagnosis by twins: the transparent engine with one fault or another integrator on the same
+scene, laid beside a code's run.
 
 A fault that is a matter of degree is fitted: its amplitude is solved for. It is named only where
 it explains the run to three digits, explains a thousand times more than the same twin without the
-fault, and, where the code has a run at another step as well, explains that one with the same amplitude.
+fault, and, where the code has a run at another step as well, explains that one with the same
+amplitude.
 """
 
 from collections.abc import Iterator
@@ -31,9 +33,13 @@ Array = NDArray[np.float64]
 LEAST_DIGITS = 3.0
 """A twin that agrees to fewer digits of the scale explains nothing."""
 LEFT = 1e-3
-"""Part of the defect of its sound twin that a fault may leave unexplained: three digits of the defect."""
+"""Part of the defect of its sound twin that a fault may leave unexplained: three digits of the
+defect.
+"""
 FINER = 4
-"""Steps of the best method in one of the code's: its run is then nearer to the motion itself, with the fault or without."""
+"""Steps of the best method in one of the code's: its run is then nearer to the motion itself, with
+the fault or without.
+"""
 TOLD = ("euler", "verlet", "rk4")
 """Methods in which every fault is tried."""
 MOST_STEPS = 600
@@ -41,9 +47,12 @@ MOST_STEPS = 600
 TELLING = 1e-11
 """A twin without any fault that is as near as this leaves nothing to explain."""
 SOUND = 1e-9
-"""A code that is farther from every twin without fault has more to it than another order of its sums."""
+"""A code that is farther from every twin without fault has more to it than another order of its
+sums.
+"""
 ALIKE = 10.0
-"""Of two twins whose distances differ by less than this factor, neither is the better explanation."""
+"""Of two twins whose distances differ by less than this factor, neither is the better explanation.
+"""
 FLOOR = 1e-12
 """Distances below this are round-off, and alike."""
 SAME = 1e-9
@@ -51,7 +60,9 @@ SAME = 1e-9
 HOPELESS = 10.0
 """A method whose sound twin is so many times farther than the best is not the code's."""
 PROMISING = 0.3
-"""A known fault is followed to the end of the run if it leaves at most this part of the first defect."""
+"""A known fault is followed to the end of the run if it leaves at most this part of the first
+defect.
+"""
 FOLLOWED = 12
 """Known faults that are followed, the nearest."""
 MOST_DIGITS = 16.0
@@ -59,9 +70,11 @@ MOST_DIGITS = 16.0
 
 @dataclass(frozen=True, kw_only=True)
 class Twin:
-    """A twin's run beside the code's: what is wrong with it (no fault and no knob: nothing), its method, and the largest distance.
+    """A twin's run beside the code's: what is wrong with it (no fault and no knob: nothing), its
+    method, and the largest distance.
 
-    `distance` is in units of each scale, `beside` that of the twin of the same method and step without the fault.
+    `distance` is in units of each scale, `beside` that of the twin of the same method and step
+    without the fault.
     """
 
     method: str
@@ -75,7 +88,9 @@ class Twin:
     @property
     def digits(self) -> float:
         """To how many digits of the scale both agree."""
-        return MOST_DIGITS if self.distance == 0 else max(0.0, min(MOST_DIGITS, -log10(self.distance)))
+        return (
+            MOST_DIGITS if self.distance == 0 else max(0.0, min(MOST_DIGITS, -log10(self.distance)))
+        )
 
     @property
     def name(self) -> str:
@@ -95,7 +110,9 @@ class Twin:
 
     @property
     def is_telling(self) -> bool:
-        """It agrees to three digits, and explains three digits of what is wrong with the same twin without the fault."""
+        """It agrees to three digits, and explains three digits of what is wrong with the same twin
+        without the fault.
+        """
         is_near = self.digits >= LEAST_DIGITS
         if not self.name:
             return is_near and self.distance <= SOUND
@@ -104,7 +121,8 @@ class Twin:
 
 @dataclass(frozen=True, kw_only=True)
 class Diagnosis:
-    """All twins that were followed to the end, nearest first, and the distance of the code's run from the right motion.
+    """All twins that were followed to the end, nearest first, and the distance of the code's run
+    from the right motion.
 
     `refuted` are the names of faults that explain this run and not the code's run at another step.
     """
@@ -120,7 +138,9 @@ class Diagnosis:
 
     @property
     def explanation(self) -> Twin | None:
-        """The nearest twin that explains the run: one without a fault where that is as near as any other, then a known fault as it is."""
+        """The nearest twin that explains the run: one without a fault where that is as near as any
+        other, then a known fault as it is.
+        """
         telling = self._telling
         if not telling:
             return None
@@ -134,27 +154,37 @@ class Diagnosis:
         found = self.explanation
         if found is None or not found.name:
             return ()
-        names = [twin.name for twin in self._telling if _is_alike(twin, self._telling[0]) and twin.name != found.name]
+        names = [
+            twin.name
+            for twin in self._telling
+            if _is_alike(twin, self._telling[0]) and twin.name != found.name
+        ]
         return tuple(dict.fromkeys(name for name in names if name))
 
     def sentence(self) -> str:
         """What the run behaves as, or which twin is nearest and that it is no diagnosis."""
         if not self.twins:
             return "behaves as no twin: none can run this scene"
-        right = f"; the right motion is {_size(self.defect)} away" if np.isfinite(self.defect) else ""
+        right = (
+            f"; the right motion is {_size(self.defect)} away" if np.isfinite(self.defect) else ""
+        )
         found = self.explanation
         if found is not None:
             alike = "".join(f" (as does {name})" for name in self.alike)
-            return f"behaves as {found.behaviour}{alike}, agrees to {found.digits:.1f} digits{right}"
+            return (
+                f"behaves as {found.behaviour}{alike}, agrees to {found.digits:.1f} digits{right}"
+            )
         nearest = self.twins[0]
         return (
-            f"behaves as no twin; nearest: {nearest.behaviour}, at {nearest.digits:.1f} digits ({_size(nearest.distance)}): "
-            f"not a diagnosis{right}"
+            f"behaves as no twin; nearest: {nearest.behaviour}, at {nearest.digits:.1f} digits"
+            f" ({_size(nearest.distance)}): not a diagnosis{right}"
         )
 
 
 def _complexity(twin: Twin) -> int:
-    """Of alike explanations: nothing wrong, a known fault as it is, a number misread by a factor, a known fault of another size."""
+    """Of alike explanations: nothing wrong, a known fault as it is, a number misread by a factor, a
+    known fault of another size.
+    """
     if not twin.name:
         return 0
     if twin.knob is None:
@@ -167,8 +197,16 @@ def _is_alike(twin: Twin, nearest: Twin) -> bool:
     return twin.distance <= max(ALIKE * nearest.distance, FLOOR)
 
 
-def diagnosis(instance: Instance, request: Request, run: Trajectory, other: tuple[Request, Trajectory] | None = None) -> Diagnosis:
-    """The twins of a run that answers `request`, nearest first; `other` is a run of the code at another step, which confirms."""
+def diagnosis(
+    instance: Instance,
+    request: Request,
+    run: Trajectory,
+    other: tuple[Request, Trajectory] | None = None,
+) -> Diagnosis:
+    """The twins of a run that answers `request`, nearest first;
+
+    `other` is a run of the code at another step, which confirms.
+    """
     beside = Beside(instance, request, run)
     sound = beside.sound
     if not sound:
@@ -182,8 +220,12 @@ def diagnosis(instance: Instance, request: Request, run: Trajectory, other: tupl
     return Diagnosis(twins=tuple(found), defect=min(finest, default=inf), refuted=refuted)
 
 
-def _refuted(instance: Instance, twins: list[Twin], other: tuple[Request, Trajectory] | None) -> frozenset[str]:
-    """Faults that explain a run and, with the same amplitude, not the code's run at another step."""
+def _refuted(
+    instance: Instance, twins: list[Twin], other: tuple[Request, Trajectory] | None
+) -> frozenset[str]:
+    """Faults that explain a run and, with the same amplitude, not the code's run at another
+    step.
+    """
     if other is None or not twins:
         return frozenset()
     elsewhere = Beside(instance, *other)
@@ -192,13 +234,19 @@ def _refuted(instance: Instance, twins: list[Twin], other: tuple[Request, Trajec
     for twin in twins:
         step = twin.step * ratio if twin.step == twins[0].step else (other[0].step or 1.0) / FINER
         again = elsewhere.twin(twin, step)
-        explained[twin.name] = explained.get(twin.name, False) or (again is not None and again.is_telling)
+        explained[twin.name] = explained.get(twin.name, False) or (
+            again is not None and again.is_telling
+        )
     return frozenset(name for name, is_explained in explained.items() if not is_explained)
 
 
 def _is_foreign(twin: Twin, instance: Instance) -> bool:
-    """The fault is known from other cases: of two that do the same here, the one known from this case is named first."""
-    return twin.fault is not None and instance.case.id not in {SETTINGS[name].case for name in twin.fault.on}
+    """The fault is known from other cases: of two that do the same here, the one known from this
+    case is named first.
+    """
+    return twin.fault is not None and instance.case.id not in {
+        SETTINGS[name].case for name in twin.fault.on
+    }
 
 
 class Beside:
@@ -214,9 +262,15 @@ class Beside:
 
     @cached_property
     def sound(self) -> dict[tuple[str, float], Twin]:
-        """Twins without fault by method and step: every method at the code's own step, the best one at a finer step."""
+        """Twins without fault by method and step: every method at the code's own step, the best one
+        at a finer step.
+        """
         engine = Transparent()
-        able = [method.name for method in METHODS if engine.refuses(self.request.problem, method) is None]
+        able = [
+            method.name
+            for method in METHODS
+            if engine.refuses(self.request.problem, method) is None
+        ]
         asked = [(name, self.step) for name in able if self.request.step is not None]
         best = next((name for name in ("rk4", "verlet", "suzuki") if name in able), None)
         if best is not None:
@@ -229,16 +283,22 @@ class Beside:
                 found[method, step] = Twin(method=method, step=step, distance=away)
         return found
 
-    def ran(self, engine: Engine, method: str, step: float, samples: int | None = None) -> Trajectory | None:
+    def ran(
+        self, engine: Engine, method: str, step: float, samples: int | None = None
+    ) -> Trajectory | None:
         """A twin's run over the first samples (none: all); None if its fault breaks it."""
         motion = self.request.problem
-        asked = replace(self.request, method=method, step=step, tolerance=None).with_scene(motion.scene, motion.times[:samples])
+        asked = replace(self.request, method=method, step=step, tolerance=None).with_scene(
+            motion.scene, motion.times[:samples]
+        )
         try:
             with np.errstate(all="ignore"):
                 if isinstance(engine, Carrier) and engine.fault.after is not None:
                     return engine.fault.after(asked, self._answer(asked))
                 return engine.run(asked)[0]
-        except Exception:  # a fault may break anything; such a twin explains no run that went on to its end
+        except (
+            Exception
+        ):  # a fault may break anything; such a twin explains no run that went on to its end
             return None
 
     def _answer(self, asked: Request) -> Trajectory:
@@ -258,25 +318,40 @@ class Beside:
         if plain is None:
             return None
         away = self.distance(self.ran(_engine(like), like.method, step))
-        return None if away is None else replace(like, step=step, distance=away, beside=plain.distance)
+        return (
+            None if away is None else replace(like, step=step, distance=away, beside=plain.distance)
+        )
 
     @cached_property
     def counts(self) -> list[int]:
-        """Samples of growing windows, the first as short as shows the defect of the nearest sound twin."""
+        """Samples of growing windows, the first as short as shows the defect of the nearest sound
+        twin.
+        """
         nearest = min(self.sound.values(), key=lambda twin: twin.distance)
         twin = self.ran(Transparent(), nearest.method, nearest.step)
         assert twin is not None
-        return fit.windows(np.abs(fit.states(self.instance, twin, self.run) - self.like).max(axis=1))
+        return fit.windows(
+            np.abs(fit.states(self.instance, twin, self.run) - self.like).max(axis=1)
+        )
 
     def faulty(self) -> Iterator[Twin]:
-        """Known faults as they are, and faults of a fitted amplitude, in every method that may be the code's."""
+        """Known faults as they are, and faults of a fitted amplitude, in every method that may be
+        the code's.
+        """
         first = {key: self._early(Transparent(), *key) for key in self.sound}
         best = min(first.values())
-        # Own steps first: what does not act there need not be tried at the finer step, which costs most.
-        followed = sorted((key for key, away in first.items() if away <= HOPELESS * best), key=lambda key: -key[1])
+        # Own steps first: what does not act there need not be tried at the finer step, which costs
+        # most.
+        followed = sorted(
+            (key for key, away in first.items() if away <= HOPELESS * best), key=lambda key: -key[1]
+        )
         yield from self._known(followed, first)
         scene = self.request.problem.scene
-        knobs = [*misread(scene), *paced(), *(knob for fault in faults() if (knob := continued(fault)))]
+        knobs = [
+            *misread(scene),
+            *paced(),
+            *(knob for fault in faults() if (knob := continued(fault))),
+        ]
         for knob in knobs:
             yield from self._fitted(knob, followed)
 
@@ -286,23 +361,43 @@ class Beside:
         return inf if off is None or not np.all(np.isfinite(off)) else float(np.abs(off).max())
 
     def difference(self, engine: Engine, method: str, step: float, samples: int) -> Array | None:
-        """Twin less run (M,) over the first samples, in units of the scales; None if the twin cannot run."""
+        """Twin less run (M,) over the first samples, in units of the scales;
+
+        None if the twin cannot run.
+        """
         twin = self.ran(engine, method, step, samples)
-        if twin is None or twin.position.shape[1:] != self.run.position.shape[1:] or len(twin.t) != samples:
+        if (
+            twin is None
+            or twin.position.shape[1:] != self.run.position.shape[1:]
+            or len(twin.t) != samples
+        ):
             return None
-        short = Trajectory(**{name: getattr(self.run, name)[:samples] for name in ("t", "position", "velocity", "attitude", "omega")})
+        short = Trajectory(
+            **{
+                name: getattr(self.run, name)[:samples]
+                for name in ("t", "position", "velocity", "attitude", "omega")
+            }
+        )
         return np.asarray((fit.states(self.instance, twin, short) - self.like[:samples]).ravel())
 
-    def _tries(self, fault: Fault | None, followed: list[tuple[str, float]]) -> Iterator[tuple[str, float]]:
-        """Methods and steps in which a fault is tried: the common ones, its own, and the finer step."""
+    def _tries(
+        self, fault: Fault | None, followed: list[tuple[str, float]]
+    ) -> Iterator[tuple[str, float]]:
+        """Methods and steps in which a fault is tried: the common ones, its own, and the finer
+        step.
+        """
         for method, step in followed:
             is_usual = method in TOLD or step < self.step
             is_own = fault is not None and method == fault.method
-            may_act = fault is None or acts(fault, replace(self.request, method=method), self.heard[method])
+            may_act = fault is None or acts(
+                fault, replace(self.request, method=method), self.heard[method]
+            )
             if (is_usual or is_own) and may_act:
                 yield method, step
 
-    def _known(self, followed: list[tuple[str, float]], first: dict[tuple[str, float], float]) -> Iterator[Twin]:
+    def _known(
+        self, followed: list[tuple[str, float]], first: dict[tuple[str, float], float]
+    ) -> Iterator[Twin]:
         """Faults of the catalogue as they are, those first that are nearest in the first window."""
         early = []
         for number, fault in enumerate(faults()):
@@ -319,7 +414,13 @@ class Beside:
         for _, _, fault, method, step in sorted(early, key=lambda item: item[:2])[:FOLLOWED]:
             whole = self.distance(self.ran(fault.carrier(), method, step))
             if whole is not None:
-                yield Twin(fault=fault, method=method, step=step, distance=whole, beside=self.sound[method, step].distance)
+                yield Twin(
+                    fault=fault,
+                    method=method,
+                    step=step,
+                    distance=whole,
+                    beside=self.sound[method, step].distance,
+                )
 
     def _fitted(self, knob: Knob, followed: list[tuple[str, float]]) -> Iterator[Twin]:
         """The knob at the amplitude that the run shows, where it shows one, in each method."""
@@ -335,7 +436,15 @@ class Beside:
             away = self.distance(self.ran(knob.carrier(amplitude), method, step))
             if away is not None:
                 plain = self.sound[method, step].distance
-                yield Twin(fault=knob.fault, knob=knob, amplitude=amplitude, method=method, step=step, distance=away, beside=plain)
+                yield Twin(
+                    fault=knob.fault,
+                    knob=knob,
+                    amplitude=amplitude,
+                    method=method,
+                    step=step,
+                    distance=away,
+                    beside=plain,
+                )
 
     def _differences(self, knob: Knob, method: str, step: float) -> fit.Difference:
         """Twin less run at an amplitude over so many samples; that of the sound twin is kept."""
@@ -359,7 +468,9 @@ def _engine(twin: Twin) -> Engine:
 
 
 def first_part(request: Request) -> Request:
-    """The request for as many samples as MOST_STEPS steps reach: enough to tell twins apart, soon enough for hundreds of them."""
+    """The request for as many samples as MOST_STEPS steps reach: enough to tell twins apart, soon
+    enough for hundreds of them.
+    """
     times = request.problem.times
     if request.step is None:
         return request
@@ -368,7 +479,10 @@ def first_part(request: Request) -> Request:
 
 
 def distance(instance: Instance, run: Trajectory, twin: Trajectory) -> float | None:
-    """Largest difference of any state or observed quantity at any sample, in units of its scale; None if they are of other shapes."""
+    """Largest difference of any state or observed quantity at any sample, in units of its scale;
+
+    None if they are of other shapes.
+    """
     if run.position.shape != twin.position.shape:
         return None
     with np.errstate(all="ignore"):

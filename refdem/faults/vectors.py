@@ -1,4 +1,6 @@
-"""Vectors as tuples of three numbers and quaternions (w, x, y, z) as tuples of four, of whatever precision the numbers have."""
+"""Vectors as tuples of three numbers and quaternions (w, x, y, z) as tuples of four, of whatever
+precision the numbers have.
+"""
 
 from math import cos, sin, sqrt
 from typing import Any

@@ -32,16 +32,30 @@ SUPPORTED = (
     *(BallJoint, Catch, CentralField, Contact, Dashpot, Force, PiecewiseField, Plane),
     *(Rod, Slider, Spring, StringOverWheel, UniformGravity, Wedge),
 )
-SOURCES = ("springs", "dashpots", "drives", "fields", "pairs", "gravity", "tents", "walls", "joints", "sliders")
-"""Fields of a world whose contents act on bodies; joints and sliders last: they answer to all else."""
+SOURCES = (
+    "springs",
+    "dashpots",
+    "drives",
+    "fields",
+    "pairs",
+    "gravity",
+    "tents",
+    "walls",
+    "joints",
+    "sliders",
+)
+"""Fields of a world whose contents act on bodies; joints and sliders last: they answer to all else.
+"""
 
 
 @dataclass(slots=True)
 class State:
-    """Position, velocity, attitude and omega_body of every body; the spring of every pair; work against dissipation; the time.
+    """Position, velocity, attitude and omega_body of every body; the spring of every pair; work
+    against dissipation; the time.
 
-    Modes, constant within a step: which pairs act, which of them press, whose tangential springs slide at their limit,
-    towards which side every slider moves (0: sticks), and the line (a rod, or None) of every hook.
+    Modes, constant within a step: which pairs act, which of them press, whose tangential springs
+    slide at their limit, towards which side every slider moves (0: sticks), and the line (a rod, or
+    None) of every hook.
     """
 
     r: list[Vector]
@@ -57,19 +71,46 @@ class State:
     t: float = 0.0
     caught: list[Any] = field(default_factory=list)
 
-    def moved(self, r: list[Vector], v: list[Vector], q: list[Quaternion], w: list[Vector], t: float) -> "State":
-        """The state with other places and rates at the time t; it shares all else, and lists that are given as they are.
+    def moved(
+        self, r: list[Vector], v: list[Vector], q: list[Quaternion], w: list[Vector], t: float
+    ) -> "State":
+        """The state with other places and rates at the time t; it shares all else, and lists that
+        are given as they are.
 
-        So a list of a state that was handed on is replaced, never changed; who changes one in place takes a copy first.
+        So a list of a state that was handed on is replaced, never changed; who changes one in place
+        takes a copy first.
         """
-        return State(r, v, q, w, self.stretch, self.work, self.acting, self.pressing, self.sliding, self.side, t, self.caught)
+        return State(
+            r,
+            v,
+            q,
+            w,
+            self.stretch,
+            self.work,
+            self.acting,
+            self.pressing,
+            self.sliding,
+            self.side,
+            t,
+            self.caught,
+        )
 
     def copy(self) -> "State":
         """A state that can be changed without changing this one."""
         return State(
-            list(self.r), list(self.v), list(self.q), list(self.w), list(self.stretch), self.work,
-            list(self.acting), list(self.pressing), list(self.sliding), list(self.side), self.t, list(self.caught),
-        )  # fmt: skip
+            list(self.r),
+            list(self.v),
+            list(self.q),
+            list(self.w),
+            list(self.stretch),
+            self.work,
+            list(self.acting),
+            list(self.pressing),
+            list(self.sliding),
+            list(self.side),
+            self.t,
+            list(self.caught),
+        )
 
 
 @dataclass(frozen=True)
@@ -116,18 +157,29 @@ class World:
 
 
 def world_of(scene: Scene, number: Callable[[float], Number]) -> World:
-    """The scene in numbers of one precision; pairs (i, j) of bodies, or (i, -1 - n) of a body, or a corner of it, and plane n."""
+    """The scene in numbers of one precision; pairs (i, j) of bodies, or (i, -1 - n) of a body, or a
+    corner of it, and plane n.
+    """
     bodies = scene.bodies
     planes, laws = scene.all(Plane), scene.all(Contact)
     round_bodies = [i for i, radius in enumerate(bodies.radius) if radius > 0]
-    pairs = [*combinations(round_bodies, 2), *((i, -1 - n) for i in round_bodies for n in range(len(planes)))] if laws else []
+    pairs = (
+        [
+            *combinations(round_bodies, 2),
+            *((i, -1 - n) for i in round_bodies for n in range(len(planes))),
+        ]
+        if laws
+        else []
+    )
     corners: list[Vector | None] = [None] * len(pairs)
     for i, shape in enumerate(bodies.shape) if laws else ():
         if isinstance(shape, Polyhedron):
             found = [(-1 - n, corner) for n in range(len(planes)) for corner in shape.vertices]
             pairs += [(i, plane) for plane, _ in found]
             corners += [_tuple(corner, number) for _, corner in found]
-    joints, strings = ([_rounded(e, number) for e in scene.all(kind)] for kind in (BallJoint, StringOverWheel))
+    joints, strings = (
+        [_rounded(e, number) for e in scene.all(kind)] for kind in (BallJoint, StringOverWheel)
+    )
     return World(
         number=number,
         mass=[number(m) for m in bodies.mass],
@@ -149,7 +201,13 @@ def world_of(scene: Scene, number: Callable[[float], Number]) -> World:
         walls=[_rounded(e, number) for e in scene.all(Wedge)],
         hooks=[_rounded(e, number) for e in scene.all(Catch)],
         strings=strings,
-        string_lengths=[sum(number(float(np.linalg.norm(bodies.position[i] - np.array(s.centre)))) for i in (s.a, s.b)) for s in strings],
+        string_lengths=[
+            sum(
+                number(float(np.linalg.norm(bodies.position[i] - np.array(s.centre))))
+                for i in (s.a, s.b)
+            )
+            for s in strings
+        ],
         joints=joints,
     )
 
@@ -171,7 +229,10 @@ def start_of(scene: Scene, world: World, to_body: Callable[..., Vector]) -> Stat
         r=[_tuple(r, number) for r in bodies.position],
         v=[_tuple(v, number) for v in bodies.velocity],
         q=q,
-        w=[to_body(turn, _tuple(omega, number)) for turn, omega in zip(q, bodies.omega, strict=True)],
+        w=[
+            to_body(turn, _tuple(omega, number))
+            for turn, omega in zip(q, bodies.omega, strict=True)
+        ],
         stretch=[ZERO] * len(world.pairs),
         work=number(0.0),
         acting=[False] * len(world.pairs),

@@ -1,1 +1,3 @@
-"""The computed figures of the chapter, each from the project's own runs: one figure a file in figures/."""
+"""The computed figures of the chapter, each from the project's own runs: one figure a file in
+figures/.
+"""

@@ -1,4 +1,6 @@
-"""Settled motions and sections of the stick-slip oscillator over the frequency of its drive (1.125)."""
+"""Settled motions and sections of the stick-slip oscillator over the frequency of its drive
+(1.125).
+"""
 
 from typing import Any
 
@@ -11,7 +13,9 @@ SKIPPED, PER_PERIOD = 60, 240
 
 
 def orbit(eta: str, periods: int = 12, **parameters: Any) -> Seen:
-    """A motion after SKIPPED periods of the drive, over some more; one sample stands for what was left out."""
+    """A motion after SKIPPED periods of the drive, over some more; one sample stands for what was
+    left out.
+    """
     asked = instance("stick-slip", eta=eta, **parameters)
     remember(command(asked))
     period = 2 * np.pi / asked.p.eta

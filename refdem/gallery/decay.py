@@ -18,11 +18,21 @@ def decaying(name: str, quantity: str, title: str, caption: str) -> Figure:
     p = dry.instance.p
     w0 = float(np.sqrt(p.stiffness / p.mass))
     slope = 2 * p.friction_force * w0 / (np.pi * p.stiffness)
-    first = p.x0 if quantity == "x" else w0 * (p.x0 - p.friction_force / p.stiffness) + slope * w0 * np.pi / (2 * w0)
+    first = (
+        p.x0
+        if quantity == "x"
+        else w0 * (p.x0 - p.friction_force / p.stiffness) + slope * w0 * np.pi / (2 * w0)
+    )
     ends = np.array([0.0, first / (slope * (1 if quantity == "x" else w0))])
-    envelopes = [Series(x=ends, y=np.array([sign * first, 0.0]), ink=GREY, dashed=True, width=1) for sign in (1, -1)]
+    envelopes = [
+        Series(x=ends, y=np.array([sign * first, 0.0]), ink=GREY, dashed=True, width=1)
+        for sign in (1, -1)
+    ]
     places = turning_points(dry.t, dry["x"], dry["v"])[1]
-    numbers = {"stop of the dry one [s]": dry.trajectory.events[0].time, "its place there [m]": float(dry["x"][-1])}
+    numbers = {
+        "stop of the dry one [s]": dry.trajectory.events[0].time,
+        "its place there [m]": float(dry["x"][-1]),
+    }
     numbers |= {f"turning point {n + 1} [m]": float(x) for n, x in enumerate(places[:3])}
     curves = (
         Series(x=free.t, y=free[quantity], label="undamped", ink=GREY, dashed=True),
@@ -30,5 +40,16 @@ def decaying(name: str, quantity: str, title: str, caption: str) -> Figure:
         Series(x=dry.t, y=dry[quantity], label="Coulomb, f = 0.15", ink=1, width=2),
     )
     unit = {"x": "x [m]", "v": "v [m/s]"}[quantity]
-    panel = Panel(series=(*curves, *envelopes), x=Axis(title="t [s]", ends=(0.0, DURATION)), y=Axis(title=unit), size=(620, 300))
-    return Figure(id=name, title=title, caption=caption, panels=(panel,), numbers=numbers if quantity == "x" else {})
+    panel = Panel(
+        series=(*curves, *envelopes),
+        x=Axis(title="t [s]", ends=(0.0, DURATION)),
+        y=Axis(title=unit),
+        size=(620, 300),
+    )
+    return Figure(
+        id=name,
+        title=title,
+        caption=caption,
+        panels=(panel,),
+        numbers=numbers if quantity == "x" else {},
+    )

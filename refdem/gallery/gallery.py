@@ -16,7 +16,10 @@ FOLDER = Path(__file__).with_name("figures")
 def names() -> list[str]:
     """Ids of all figures: those of the chapter (1.15) in its order, then the others (co-4)."""
     stems = [path.stem.removeprefix("fig_") for path in FOLDER.glob("fig_*.py")]
-    numbered = sorted((s.replace("_", ".") for s in stems if s[0].isdigit()), key=lambda name: [int(part) for part in name.split(".")])
+    numbered = sorted(
+        (s.replace("_", ".") for s in stems if s[0].isdigit()),
+        key=lambda name: [int(part) for part in name.split(".")],
+    )
     return numbered + sorted(s.replace("_", "-") for s in stems if not s[0].isdigit())
 
 
@@ -25,10 +28,12 @@ def figure(name: str) -> Figure:
     if name not in names():
         raise UsageError(f"no figure {name!r}; {nearest(name, names())}")
     with recorded() as commands:
-        made: Figure = import_module(f"refdem.gallery.figures.fig_{name.replace('.', '_').replace('-', '_')}").figure()
+        made: Figure = import_module(
+            f"refdem.gallery.figures.fig_{name.replace('.', '_').replace('-', '_')}"
+        ).figure()
     return replace(made, commands=(f"refdem gallery {name}", *dict.fromkeys(commands)))
 
 
 def figures(chosen: Iterable[str] = ()) -> list[Figure]:
     """The figures chosen, or all of them."""
-    return [figure(name) for name in (list(chosen) or names())]
+    return [figure(name) for name in list(chosen) or names()]

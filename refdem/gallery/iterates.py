@@ -31,7 +31,9 @@ def period(eta: float, tolerance: float = 1e-7) -> int:
 
 
 def doubling(periods: int, low: float, high: float) -> float:
-    """Where the period passes `periods`, by halving of [low, high] until an orbit no longer settles in SETTLED iterates."""
+    """Where the period passes `periods`, by halving of [low, high] until an orbit no longer settles
+    in SETTLED iterates.
+    """
     while high - low > 2e-5:
         middle = (low + high) / 2
         low, high = (middle, high) if period(middle, 2e-3 / periods) <= periods else (low, middle)

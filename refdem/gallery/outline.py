@@ -31,18 +31,28 @@ class Outline:
 
 
 def carried(duration: float, samples: int, **parameters: Any) -> Outline:
-    """The head of `phase-flow` at these parameters: a coarse run tells how its sides stretch, a fine one is kept."""
-    asked = instance("phase-flow", duration=repr(float(duration)), samples=samples, points=COARSE, **parameters)
+    """The head of `phase-flow` at these parameters: a coarse run tells how its sides stretch, a
+    fine one is kept.
+    """
+    asked = instance(
+        "phase-flow", duration=repr(float(duration)), samples=samples, points=COARSE, **parameters
+    )
     remember(command(asked))
     case, coarse = asked.case, asked.problem
     assert isinstance(case, EnsembleCase)
     assert isinstance(coarse, Ensemble)
     x, v = case.outline(asked.p, answer(coarse))
-    long = np.hypot(np.diff(x, axis=1, append=x[:, :1]), np.diff(v, axis=1, append=v[:, :1])).max(axis=0)
+    long = np.hypot(np.diff(x, axis=1, append=x[:, :1]), np.diff(v, axis=1, append=v[:, :1])).max(
+        axis=0
+    )
     cuts = np.clip(np.ceil(long / long.sum() * FINE).astype(int), 1, MOST)
     while cuts.sum() < FINE:
         cuts += 1
-    fine = Ensemble(coarse.scene, coarse.times, *case.starts(asked.p, finer(np.stack((x[0], v[0]), axis=1), cuts)))
+    fine = Ensemble(
+        coarse.scene,
+        coarse.times,
+        *case.starts(asked.p, finer(np.stack((x[0], v[0]), axis=1), cuts)),
+    )
     trajectory = answer(fine)
     return Outline(trajectory.t, *case.outline(asked.p, trajectory))
 

@@ -1,4 +1,6 @@
-"""Figures 1.18 to 1.20 and 1.22: a phase portrait with trajectories, directions of the flow, and the cat's head at several times."""
+"""Figures 1.18 to 1.20 and 1.22: a phase portrait with trajectories, directions of the flow, and
+the cat's head at several times.
+"""
 
 from collections.abc import Sequence
 
@@ -9,7 +11,9 @@ from refdem.gallery.outline import Outline
 from refdem.gallery.runs import Array, Seen
 
 SHAFT, BARB, OPENING = 0.055, 0.35, 0.45
-"""An arrow's length in units of the picture, its barbs in units of the shaft, and their opening [rad]."""
+"""An arrow's length in units of the picture, its barbs in units of the shaft, and their opening
+[rad].
+"""
 
 
 def heads(outline: Outline, samples: Sequence[int], *, ink: int = 0) -> list[Series]:
@@ -26,8 +30,16 @@ def trajectories(runs: Sequence[Seen], *, names: tuple[str, str] = ("x", "v")) -
     return [Series(x=run[names[0]], y=run[names[1]], ink=GREY, width=1) for run in runs]
 
 
-def arrows(runs: Sequence[Seen], every: int, ends: tuple[float, float], *, names: tuple[str, str] = ("x", "v")) -> Series:
-    """Arrows along the flow at every so many samples of the runs, all of one length; none where nothing moves."""
+def arrows(
+    runs: Sequence[Seen],
+    every: int,
+    ends: tuple[float, float],
+    *,
+    names: tuple[str, str] = ("x", "v"),
+) -> Series:
+    """Arrows along the flow at every so many samples of the runs, all of one length; none where
+    nothing moves.
+    """
     lines: list[Array] = []
     for run in runs:
         place = np.stack((run[names[0]], run[names[1]]), axis=1)
@@ -43,10 +55,18 @@ def arrows(runs: Sequence[Seen], every: int, ends: tuple[float, float], *, names
 def _arrow(tip: Array, way: Array, length: float) -> Array:
     """Two barbs at the tip (3, 2), and a break after them."""
     back = -way * length
-    barbs = [tip + BARB * 2 * (back * np.cos(a) + np.array([-back[1], back[0]]) * np.sin(a)) for a in (OPENING, -OPENING)]
+    barbs = [
+        tip + BARB * 2 * (back * np.cos(a) + np.array([-back[1], back[0]]) * np.sin(a))
+        for a in (OPENING, -OPENING)
+    ]
     return np.array([barbs[0], tip, barbs[1], [np.nan, np.nan]])
 
 
 def portrait(series: Sequence[Series], ends: tuple[float, float], *, width: int = 440) -> Panel:
     """A square picture of place and velocity."""
-    return Panel(series=tuple(series), x=Axis(title="x [m]", ends=ends), y=Axis(title="v [m/s]", ends=ends), size=(width, width))
+    return Panel(
+        series=tuple(series),
+        x=Axis(title="x [m]", ends=ends),
+        y=Axis(title="v [m/s]", ends=ends),
+        size=(width, width),
+    )

@@ -1,4 +1,6 @@
-"""Runs of the reference that figures are drawn from; each is remembered as the command that makes it."""
+"""Runs of the reference that figures are drawn from; each is remembered as the command that makes
+it.
+"""
 
 import shlex
 from collections.abc import Iterator
@@ -53,7 +55,10 @@ class Seen:
 
 def instance(case: str, **parameters: Any) -> Instance:
     """A case at these parameters, numbers or text."""
-    given = {name: ",".join(map(_text, value)) if isinstance(value, tuple) else _text(value) for name, value in parameters.items()}
+    given = {
+        name: ",".join(map(_text, value)) if isinstance(value, tuple) else _text(value)
+        for name, value in parameters.items()
+    }
     return discovery.case(case).at(**given)
 
 
@@ -66,7 +71,9 @@ def seen(case: str, **parameters: Any) -> Seen:
 
 
 def moved(case: str, times: Array, **parameters: Any) -> Seen:
-    """The same seen at times (T,) of one's own, from the first of which the start counts; one of many, so it is not remembered."""
+    """The same seen at times (T,) of one's own, from the first of which the start counts; one of
+    many, so it is not remembered.
+    """
     asked = instance(case, **parameters)
     trajectory = answer(Motion(asked.scene, times))
     return Seen(asked, trajectory, asked.observe(trajectory))
@@ -75,16 +82,26 @@ def moved(case: str, times: Array, **parameters: Any) -> Seen:
 def answer(problem: Problem) -> Trajectory:
     """The reference's answer to any question."""
     reference: Any = discovery.engine("reference")
-    trajectory: Trajectory = reference.run(Request(problem=problem, method=reference.best(problem).name))[0]
+    trajectory: Trajectory = reference.run(
+        Request(problem=problem, method=reference.best(problem).name)
+    )[0]
     return trajectory
 
 
 def command(asked: Instance) -> str:
     """What a person types to see such a run judged."""
-    given = "".join(f" --set {shlex.quote(f'{name}={value}')}" for name, value in asked.p.changed().items())
+    given = "".join(
+        f" --set {shlex.quote(f'{name}={value}')}" for name, value in asked.p.changed().items()
+    )
     return f"refdem run {asked.case.id}{given} --engine reference"
 
 
 def _text(value: Any) -> str:
     """A parameter as the command line reads it."""
-    return value if isinstance(value, str) else repr(float(value)) if isinstance(value, float) else str(value)
+    return (
+        value
+        if isinstance(value, str)
+        else repr(float(value))
+        if isinstance(value, float)
+        else str(value)
+    )

@@ -20,6 +20,8 @@ def seen_from_above(points: Array) -> tuple[Array, Array, Array]:
 
 def axis(begin: Array, end: Array, name: str) -> tuple[Series, Series]:
     """A line in space, and its name at the end."""
-    right, up, _ = seen_from_above(np.array([begin, end, np.asarray(begin) + 1.1 * (np.asarray(end) - begin)]))
+    right, up, _ = seen_from_above(
+        np.array([begin, end, np.asarray(begin) + 1.1 * (np.asarray(end) - begin)])
+    )
     line = Series(x=right[:2], y=up[:2], ink=GREY, width=1)
     return line, Series(x=right[2:], y=up[2:], ink=GREY, mark="text", words=(name,))

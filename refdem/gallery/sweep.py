@@ -1,4 +1,6 @@
-"""Sweeps of the driven Duffing oscillator: each frequency goes on where the one before has settled."""
+"""Sweeps of the driven Duffing oscillator: each frequency goes on where the one before has
+settled.
+"""
 
 from functools import cache
 
@@ -14,7 +16,9 @@ SETTLED = 9.0
 
 @cache
 def amplitudes(delta: float, drives: tuple[float, ...]) -> Array:
-    """Half of the way from turning to turning (M,) [m] at the frequencies (M,) [rad/s] in their order."""
+    """Half of the way from turning to turning (M,) [m] at the frequencies (M,) [rad/s] in their
+    order.
+    """
     x, v, found = 0.1, 0.0, []
     for drive in drives:
         x, v, amplitude = settled(delta, drive, x, v)
@@ -23,7 +27,9 @@ def amplitudes(delta: float, drives: tuple[float, ...]) -> Array:
 
 
 def settled(delta: float, drive: float, x: float, v: float) -> tuple[float, float, float]:
-    """Place, velocity and amplitude after SETTLED/delta seconds and more, in whole periods of the drive."""
+    """Place, velocity and amplitude after SETTLED/delta seconds and more, in whole periods of the
+    drive.
+    """
     period = 2 * np.pi / drive
     whole = int(np.ceil(SETTLED / delta / period)) + 6
     t = np.r_[0.0, (whole - 1 + np.arange(PER_PERIOD + 1) / PER_PERIOD) * period]

@@ -24,7 +24,9 @@ class Accepted(msgspec.Struct, frozen=True, kw_only=True):
 
     @property
     def size(self) -> float | None:
-        """What a later run is compared with: the error constant, or the value where there is none."""
+        """What a later run is compared with: the error constant, or the value where there is
+        none.
+        """
         return self.constant if self.constant is not None else self.value
 
 
@@ -39,37 +41,68 @@ class Header(msgspec.Struct, frozen=True, kw_only=True):
 
 def accepted(record: Record, finding: Finding) -> Accepted:
     """A finding as a baseline keeps it."""
-    return Accepted(id=record.id(finding), outcome=finding.outcome, value=finding.value, constant=finding.constant_seen)
+    return Accepted(
+        id=record.id(finding),
+        outcome=finding.outcome,
+        value=finding.value,
+        constant=finding.constant_seen,
+    )
 
 
 def read(path: Path) -> tuple[Header, dict[str, Accepted]]:
-    """Header and findings by id; raises UsageError, saying how to make one, if the file is missing or broken."""
+    """Header and findings by id; raises UsageError, saying how to make one, if the file is missing
+    or broken.
+    """
     if not path.is_file():
-        raise UsageError(f'no baseline {path}; look at the findings, then accept them with: refdem gate --bless --why "first baseline"')
+        raise UsageError(
+            f"no baseline {path}; look at the findings, then accept them with: refdem gate --bless"
+            ' --why "first baseline"'
+        )
     lines = content(path, "a baseline that `refdem gate --bless` wrote").splitlines()
     if not lines:
         raise UsageError(f"baseline {path} is empty; restore it from version control")
     header = json_as(Header, lines[0], f"baseline {path}, line 1")
-    found = [json_as(Accepted, line, f"baseline {path}, line {number}") for number, line in enumerate(lines[1:], 2)]
+    found = [
+        json_as(Accepted, line, f"baseline {path}, line {number}")
+        for number, line in enumerate(lines[1:], 2)
+    ]
     for number, entry in enumerate(found, 2):
         if entry.id.count("/") < PARTS - 1:
             raise UsageError(
-                f"baseline {path}, line {number}: id is {one_line(entry.id, 80)!r}; expected case/engine/method/check/quantity"
+                f"baseline {path}, line {number}: id is {one_line(entry.id, 80)!r}; expected"
+                " case/engine/method/check/quantity"
             )
     if header.format != FORMAT:
-        raise UsageError(f"baseline {path} has format {header.format}; expected {FORMAT}: bless it anew")
+        raise UsageError(
+            f"baseline {path} has format {header.format}; expected {FORMAT}: bless it anew"
+        )
     return header, {entry.id: entry for entry in found}
 
 
 def write(path: Path, records: list[Record], why: str) -> int:
-    """Accepts what was decided, in order of id, all or nothing; returns how many findings; raises UsageError if none was."""
+    """Accepts what was decided, in order of id, all or nothing; returns how many findings; raises
+    UsageError if none was.
+    """
     if not why.strip():
-        raise UsageError("--bless came without --why; say in a few words why these findings are right")
-    kept = [accepted(record, finding) for record in records for finding in record.findings if finding.outcome in DECIDED]
+        raise UsageError(
+            "--bless came without --why; say in a few words why these findings are right"
+        )
+    kept = [
+        accepted(record, finding)
+        for record in records
+        for finding in record.findings
+        if finding.outcome in DECIDED
+    ]
     if not kept:
-        raise UsageError(f"nothing was decided, so there is nothing to accept; baseline {path} stays as it is; look at the errors first")
+        raise UsageError(
+            f"nothing was decided, so there is nothing to accept; baseline {path} stays as it is;"
+            " look at the errors first"
+        )
     header = Header(format=FORMAT, engine=records[0].engine, version=records[0].version, why=why)
-    lines = [msgspec.json.encode(header), *(msgspec.json.encode(entry) for entry in sorted(kept, key=lambda entry: entry.id))]
+    lines = [
+        msgspec.json.encode(header),
+        *(msgspec.json.encode(entry) for entry in sorted(kept, key=lambda entry: entry.id)),
+    ]
     beside = path.with_name(path.name + ".new")
     try:
         beside.write_bytes(b"\n".join(lines) + b"\n")
@@ -81,13 +114,20 @@ def write(path: Path, records: list[Record], why: str) -> int:
 
 def differences(before: dict[str, Accepted], records: list[Record]) -> list[str]:
     """What blessing would change, a line each, so that it is seen."""
-    now = {record.id(f): accepted(record, f) for record in records for f in record.findings if f.outcome in DECIDED}
+    now = {
+        record.id(f): accepted(record, f)
+        for record in records
+        for f in record.findings
+        if f.outcome in DECIDED
+    }
     lines = [f"+ {name}: {now[name].outcome}" for name in sorted(now.keys() - before.keys())]
     lines += [f"- {name}: {before[name].outcome}" for name in sorted(before.keys() - now.keys())]
     for name in sorted(now.keys() & before.keys()):
         old, new = before[name], now[name]
         if old.outcome != new.outcome or not _near(old.size, new.size):
-            lines.append(f"~ {name}: {old.outcome} {_number(old.size)} -> {new.outcome} {_number(new.size)}")
+            lines.append(
+                f"~ {name}: {old.outcome} {_number(old.size)} -> {new.outcome} {_number(new.size)}"
+            )
     return lines
 
 

@@ -1,4 +1,6 @@
-"""Findings against the baseline: worse than 1.5 times what was accepted and beyond noise, lost, or absent."""
+"""Findings against the baseline: worse than 1.5 times what was accepted and beyond noise, lost, or
+absent.
+"""
 
 from collections.abc import Callable
 
@@ -9,10 +11,14 @@ from refdem.core.finding import DECIDED, Finding, Record
 from refdem.gate.baseline import Accepted
 
 WORSE = 1.5
-"""A finding is worse when its size grows by more than this factor: a method's error constant does not move by itself."""
+"""A finding is worse when its size grows by more than this factor: a method's error constant does
+not move by itself.
+"""
 
 QUIET = 0.01
-"""Two decades inside its bound, a value that is no error constant is round-off: any rearrangement of sums may move it."""
+"""Two decades inside its bound, a value that is no error constant is round-off: any rearrangement
+of sums may move it.
+"""
 
 Noise = Callable[[Record, Finding], float]
 """How far a finding's size moves when the start moves by some units in the last place."""
@@ -24,16 +30,25 @@ def size(finding: Finding) -> float | None:
 
 
 def compared(records: list[Record], baseline: dict[str, Accepted], noise: Noise) -> list[Record]:
-    """The records with findings turned worse or lost, and what is gone absent or under the error that explains it."""
+    """The records with findings turned worse or lost, and what is gone absent or under the error
+    that explains it.
+    """
     changed = [
-        msgspec.structs.replace(record, findings=tuple(_compared(record, finding, baseline, noise) for finding in record.findings))
+        msgspec.structs.replace(
+            record,
+            findings=tuple(
+                _compared(record, finding, baseline, noise) for finding in record.findings
+            ),
+        )
         for record in records
     ]
     decided = [name for name, entry in baseline.items() if entry.outcome in DECIDED]
     return with_missing(changed, decided, "the baseline")
 
 
-def _compared(record: Record, finding: Finding, baseline: dict[str, Accepted], noise: Noise) -> Finding:
+def _compared(
+    record: Record, finding: Finding, baseline: dict[str, Accepted], noise: Noise
+) -> Finding:
     """The finding as it is, or worse, or lost."""
     entry = baseline.get(record.id(finding))
     if entry is None or finding.outcome == "fail":
@@ -48,14 +63,16 @@ def _compared(record: Record, finding: Finding, baseline: dict[str, Accepted], n
     if now - WORSE * before <= spread:
         return finding
     says = (
-        f"{finding.sentence} It is {_times(now, before)} the accepted {before:.2g}, beyond the factor {WORSE:g}"
-        f" and beyond the noise of a start moved by some ulp ({spread:.1g})."
+        f"{finding.sentence} It is {_times(now, before)} the accepted {before:.2g}, beyond the"
+        f" factor {WORSE:g} and beyond the noise of a start moved by some ulp ({spread:.1g})."
     )
     return msgspec.structs.replace(finding, outcome="worse", sentence=says)
 
 
 def _is_quiet(finding: Finding) -> bool:
-    """The value is far inside its bound and no error constant, which would tell of a change at any size."""
+    """The value is far inside its bound and no error constant, which would tell of a change at any
+    size.
+    """
     if finding.constant_seen is not None or finding.value is None or finding.bound is None:
         return False
     return finding.value <= QUIET * finding.bound

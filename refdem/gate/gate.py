@@ -1,4 +1,6 @@
-"""One gate: the program of a refdem.toml runs anew, is judged, and is compared with its baseline."""
+"""One gate: the program of a refdem.toml runs anew, is judged, and is compared with its
+baseline.
+"""
 
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -21,7 +23,9 @@ from refdem.gate.telling import settings
 ULPS = (2, -2, 6)
 """Starts moved by so many units in the last place show how much of a value is noise."""
 GRACE = 30.0
-"""Seconds beyond the program's own time limit before its worker is killed: the program's limit comes first."""
+"""Seconds beyond the program's own time limit before its worker is killed: the program's limit
+comes first.
+"""
 
 
 @dataclass
@@ -49,37 +53,65 @@ class Gate:
         )
 
     def sheets(self) -> list[Sheet]:
-        """Everything found now, without the baseline; raises UsageError if that is nothing, and nothing was accepted."""
-        sheets = Campaign(self.specification(), self.store, self.jobs, use_store=False, progress=self.progress).sheets()
+        """Everything found now, without the baseline; raises UsageError if that is nothing, and
+        nothing was accepted.
+        """
+        sheets = Campaign(
+            self.specification(), self.store, self.jobs, use_store=False, progress=self.progress
+        ).sheets()
         findings = [f for sheet in sheets if isinstance(sheet, Record) for f in sheet.findings]
-        if not self.baseline.is_file() and not any(f.outcome in (*DECIDED, "error") for f in findings):
+        if not self.baseline.is_file() and not any(
+            f.outcome in (*DECIDED, "error") for f in findings
+        ):
             reasons = "; ".join(dict.fromkeys(f.sentence for f in findings)) or "no case"
             raise UsageError(f"the gate of {self.engine.name} decided nothing: {reasons}")
         return sheets
 
     def against_baseline(self, sheets: list[Sheet]) -> list[Sheet]:
-        """The sheets with every record compared with the baseline; raises UsageError if there is none."""
+        """The sheets with every record compared with the baseline; raises UsageError if there is
+        none.
+        """
         _, accepted = baseline.read(self.baseline)
         records = [sheet for sheet in sheets if isinstance(sheet, Record)]
         rest = [sheet for sheet in sheets if not isinstance(sheet, Record)]
         return [*rest, *compare.compared(records, accepted, self.noise)]
 
     def noise(self, record: Record, finding: Finding) -> float:
-        """How far the size of a finding moves in reruns whose start is moved by some units in the last place."""
+        """How far the size of a finding moves in reruns whose start is moved by some units in the
+        last place.
+        """
         key = (record.label, record.method)
         if key not in self._noise:
             entry = Entry(*labelled(record.label))
             base = msgspec.structs.replace(self.specification(), case=[entry], method=record.method)
             moved = [msgspec.structs.replace(base, perturbed_ulps=ulps) for ulps in ULPS]
-            campaigns = [Campaign(specification, self.store, self.jobs, use_store=False) for specification in moved]
-            self._noise[key] = [sheet for campaign in campaigns for sheet in campaign.sheets() if isinstance(sheet, Record)]
+            campaigns = [
+                Campaign(specification, self.store, self.jobs, use_store=False)
+                for specification in moved
+            ]
+            self._noise[key] = [
+                sheet
+                for campaign in campaigns
+                for sheet in campaign.sheets()
+                if isinstance(sheet, Record)
+            ]
         name, now = record.id(finding), compare.size(finding)
-        again = [compare.size(f) for other in self._noise[key] for f in other.findings if other.id(f) == name]
-        return max((abs(value - now) for value in again if value is not None and now is not None), default=0.0)
+        again = [
+            compare.size(f)
+            for other in self._noise[key]
+            for f in other.findings
+            if other.id(f) == name
+        ]
+        return max(
+            (abs(value - now) for value in again if value is not None and now is not None),
+            default=0.0,
+        )
 
 
 def of_program(toml: Path, baseline_file: Path | None, jobs: int, progress: Progress) -> Gate:
-    """The gate that a refdem.toml describes; raises UsageError, or EngineMissingError if the program is not there."""
+    """The gate that a refdem.toml describes; raises UsageError, or EngineMissingError if the
+    program is not there.
+    """
 
     program = load(toml)
     if (reason := program.missing()) is not None:
@@ -87,14 +119,21 @@ def of_program(toml: Path, baseline_file: Path | None, jobs: int, progress: Prog
     table = program.description
     cases = [Entry(*labelled(label)) for label in table.gate.cases] or supported(program)
     if not cases:
-        raise UsageError(f"{toml}: engine.supports allows no case; expected features such as spring, rotation or contact:linear")
+        raise UsageError(
+            f"{toml}: engine.supports allows no case; expected features such as spring, rotation or"
+            " contact:linear"
+        )
     place = baseline_file or program.path.parent / table.gate.baseline
     store = Store(default_path())
-    return Gate(program, cases, table.gate.levels, place, table.engine.timeout, store, jobs, progress)
+    return Gate(
+        program, cases, table.gate.levels, place, table.engine.timeout, store, jobs, progress
+    )
 
 
 def supported(engine: Engine) -> list[Entry]:
-    """Every case that some method of the engine does not refuse, at its defaults and at settings that tell more."""
+    """Every case that some method of the engine does not refuse, at its defaults and at settings
+    that tell more.
+    """
     found = []
     for name in discovery.names("cases"):
         case = discovery.case(name)

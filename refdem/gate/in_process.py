@@ -15,10 +15,14 @@ from refdem.gate.gate import supported
 
 
 def records(engine: Engine, cases: Iterable[str] = (), *, levels: int = 4) -> list[Record]:
-    """The records of an engine object in the given cases (`pendulum[theta0=2]`), or in all that it supports."""
+    """The records of an engine object in the given cases (`pendulum[theta0=2]`), or in all that it
+    supports.
+    """
     with discovery.engine_here(engine), tempfile.TemporaryDirectory() as folder:
         entries = [Entry(*labelled(case)) for case in cases] or supported(engine)
-        specification = Specification(name=f"gate of {engine.name}", case=entries, engines=[engine.name], levels=levels)
+        specification = Specification(
+            name=f"gate of {engine.name}", case=entries, engines=[engine.name], levels=levels
+        )
         store = Store(Path(folder) / "store.sqlite")
         sheets = Campaign(specification, store, jobs=0, use_store=False).sheets()
         store.close()
@@ -27,4 +31,9 @@ def records(engine: Engine, cases: Iterable[str] = (), *, levels: int = 4) -> li
 
 def broken(found: Iterable[Record]) -> list[str]:
     """One text for every finding that closes the gate: its id and its sentence."""
-    return [f"{record.id(finding)}: {finding.sentence}" for record in found for finding in record.findings if finding.outcome in BROKEN]
+    return [
+        f"{record.id(finding)}: {finding.sentence}"
+        for record in found
+        for finding in record.findings
+        if finding.outcome in BROKEN
+    ]

@@ -1,4 +1,6 @@
-"""A gate's outcome as Markdown for a pull request: under 60 lines, worst first, with how to reproduce."""
+"""A gate's outcome as Markdown for a pull request: under 60 lines, worst first, with how to
+reproduce.
+"""
 
 from collections import Counter
 
@@ -16,9 +18,17 @@ def markdown(engine: str, sheets: list[Sheet]) -> str:
     broken = [(record, finding) for record, finding in pairs if finding.outcome in BROKEN]
     verdict = "closed" if broken else "open"
     lines = [f"## refdem: the gate of {markdown_text(engine)} is {verdict}", ""]
-    lines += [", ".join(f"{counts[name]} {name}" for name in WORST_FIRST if counts[name]) or "nothing was found", ""]
+    lines += [
+        ", ".join(f"{counts[name]} {name}" for name in WORST_FIRST if counts[name])
+        or "nothing was found",
+        "",
+    ]
     if broken:
-        lines += ["| outcome | finding | why |", "|---|---|---|", *(_row(*pair) for pair in broken[:SHOWN])]
+        lines += [
+            "| outcome | finding | why |",
+            "|---|---|---|",
+            *(_row(*pair) for pair in broken[:SHOWN]),
+        ]
         if len(broken) > SHOWN:
             lines.append(f"| | ... and {len(broken) - SHOWN} more | |")
         lines += ["", "To reproduce, beside `refdem.toml`:", "", "```"]
@@ -28,7 +38,11 @@ def markdown(engine: str, sheets: list[Sheet]) -> str:
 
 def _row(record: Record, finding: Finding) -> str:
     name = markdown_text(record.id(finding))
-    says = finding.sentence if len(finding.sentence) <= LONGEST else f"{finding.sentence[:LONGEST]} ..."
+    says = (
+        finding.sentence
+        if len(finding.sentence) <= LONGEST
+        else f"{finding.sentence[:LONGEST]} ..."
+    )
     return f"| {finding.outcome} | {name} | {markdown_text(says)} |"
 
 
@@ -42,7 +56,10 @@ def _commands(sheets: list[Sheet], broken: list[Record]) -> list[str]:
 def annotations(sheets: list[Sheet]) -> list[str]:
     """Workflow commands that make GitHub show the worst ten findings beside the change."""
     broken = [pair for pair in worst_first(sheets) if pair[1].outcome in BROKEN]
-    return [f"::error title={_data(record.id(finding), ',:')}::{_data(finding.sentence)}" for record, finding in broken[:10]]
+    return [
+        f"::error title={_data(record.id(finding), ',:')}::{_data(finding.sentence)}"
+        for record, finding in broken[:10]
+    ]
 
 
 def _data(text: str, more: str = "") -> str:

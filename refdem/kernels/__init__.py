@@ -23,7 +23,10 @@ def load(family: str) -> Any:
     try:
         return import_module(f"refdem.kernels._{family}")
     except ModuleNotFoundError:
-        raise EngineMissingError(f"the kernels {family!r} are not built here; run `make develop`, or install refdem with pip") from None
+        raise EngineMissingError(
+            f"the kernels {family!r} are not built here; run `make develop`, or install refdem"
+            " with pip"
+        ) from None
 
 
 @cache
@@ -36,20 +39,34 @@ def fingerprint(*families: str) -> str:
 
 
 def pointer(family: str, array: NDArray[np.float64], *, output: bool = False) -> Any:
-    """A `double *` to a C-contiguous float64 array, which the caller keeps alive; `output` asks for a writable one."""
-    if array.dtype != np.float64 or not array.flags.c_contiguous or (output and not array.flags.writeable):
-        raise TypeError(f"kernel {family}: got {array.dtype}, contiguous={array.flags.c_contiguous}; expected contiguous float64")
+    """A `double *` to a C-contiguous float64 array, which the caller keeps alive;
+
+    `output` asks for a writable one.
+    """
+    if (
+        array.dtype != np.float64
+        or not array.flags.c_contiguous
+        or (output and not array.flags.writeable)
+    ):
+        raise TypeError(
+            f"kernel {family}: got {array.dtype}, contiguous={array.flags.c_contiguous}; expected"
+            " contiguous float64"
+        )
     return load(family).ffi.from_buffer("double[]", array, require_writable=output)
 
 
 def repeats() -> int:
-    """How often what takes less than a clock can tell is done within one reading of it; 1 but for `repeated`."""
+    """How often what takes less than a clock can tell is done within one reading of it; 1 but for
+    `repeated`.
+    """
     return _repeats
 
 
 @contextmanager
 def repeated(times: int) -> Iterator[None]:
-    """Within it, `timed` calls so many times: a benchmark's runs of microseconds, with code and data at hand as in a program's own loop."""
+    """Within it, `timed` calls so many times: a benchmark's runs of microseconds, with code and
+    data at hand as in a program's own loop.
+    """
     global _repeats
     before, _repeats = _repeats, times
     try:
@@ -59,7 +76,10 @@ def repeated(times: int) -> Iterator[None]:
 
 
 def timed(call: Callable[..., Any], *arguments: Any) -> float:
-    """Seconds of one call: what a kernel takes to answer, once all that it is told is at hand. It answers the same when asked again."""
+    """Seconds of one call: what a kernel takes to answer, once all that it is told is at hand.
+
+    It answers the same when asked again.
+    """
     times = range(_repeats)
     started = perf_counter()
     for _ in times:
@@ -68,7 +88,9 @@ def timed(call: Callable[..., Any], *arguments: Any) -> float:
 
 
 def prepared(family: str) -> Any:
-    """Room for what a kernel makes of a start before it is asked for samples: the family's `refdem_<family>_size` doubles."""
+    """Room for what a kernel makes of a start before it is asked for samples: the family's
+    `refdem_<family>_size` doubles.
+    """
     module = load(family)
     return module.ffi.new("double[]", getattr(module.lib, f"refdem_{family}_size")())
 

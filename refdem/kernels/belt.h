@@ -1,10 +1,12 @@
-/* A point on a spring that rubs on a moving belt and is driven: m x'' in F cos(w t + phase) + weight - k x - N mu(|u|) Sgn(u), u = x' - belt.
+/* A point on a spring that rubs on a moving belt and is driven: m x'' in F cos(w t + phase) +
+ * weight - k x - N mu(|u|) Sgn(u), u = x' - belt.
  *
- * mu(s) = (mu0 - mu1)/(1 + lambda0 s) + mu1 + lambda1 s^2, or lambda1 s in its last term. While it slips: Taylor series of order 20 by
- * the recurrences of products and of the quotient (Jorba and Zou 2005, proposition 1), the step such that they end at round-off. Events
- * are zeros of these series to the last bit: a stretch without one is told by bounds of the series, never by its ends alone. While it
- * sticks the pull P = F cos + weight - k x is monotone between turning points known in closed form. A slip begins with u = 0 and, after
- * sticking, u' = 0, exactly.
+ * mu(s) = (mu0 - mu1)/(1 + lambda0 s) + mu1 + lambda1 s^2, or lambda1 s in its last term. While it
+ * slips: Taylor series of order 20 by the recurrences of products and of the quotient (Jorba and
+ * Zou 2005, proposition 1), the step such that they end at round-off. Events are zeros of these
+ * series to the last bit: a stretch without one is told by bounds of the series, never by its ends
+ * alone. While it sticks the pull P = F cos + weight - k x is monotone between turning points known
+ * in closed form. A slip begins with u = 0 and, after sticking, u' = 0, exactly.
  */
 #ifndef REFDEM_BELT_H
 #define REFDEM_BELT_H
@@ -17,14 +19,15 @@ enum { STICKS = 0, STOPS = 1, LEAVES = 2, MOST_PIECES = 1 << 30 };
 
 typedef refdem_belt belt;
 
-/* A stretch: series of x, of |u|, of the work done against friction and drive; where it ends, and by which event. */
+/* A stretch: series of x, of |u|, of the work done against friction and drive; where it ends, and
+ * by which event. */
 typedef struct {
     double x[ORDER + 1], w[ORDER + 1], work[ORDER + 1], rate[ORDER + 1], end;
     int event, leads;
 } piece;
 
-/* Now: side is the sign of u, 0 while it sticks; fresh is the order of the zero of u with which a slip began. tangent: x, u.
- * swing: amplitude w^n/n! of the drive. */
+/* Now: side is the sign of u, 0 while it sticks; fresh is the order of the zero of u with which a
+ * slip began. tangent: x, u. swing: amplitude w^n/n! of the drive. */
 typedef struct {
     dd now, x, work;
     double w, tangent[2], swing[ORDER];
@@ -57,24 +60,32 @@ static inline void driven(const belt *p, const motion *m, double *restrict force
             force[n + i] = m->swing[n + i] * turn[i];
 }
 
-/* The series of a slip to the given side; the rate of the friction by |u| too, for tangents. What a coefficient waits for is kept short. */
+/* The series of a slip to the given side; the rate of the friction by |u| too, for tangents. What a
+ * coefficient waits for is kept short. */
 static inline void expand(const belt *p, const motion *m, int with_work, piece *restrict y)
 {
-    double force[ORDER], q[ORDER], side = m->side, drop = p->normal_force * (p->mu0 - p->mu1), curve = p->normal_force * p->lambda1;
+    double force[ORDER], q[ORDER], side = m->side, drop = p->normal_force * (p->mu0 - p->mu1),
+                                   curve = p->normal_force * p->lambda1;
     growing share, bent, power;
     cleared(&share), cleared(&bent);
     if (with_work)
         cleared(&power);
     driven(p, m, force);
     y->x[0] = m->x.hi, y->w[0] = m->w, y->work[0] = 0.0;
-    double first = 1.0 / (1.0 + p->lambda0 * m->w), fall = -first * p->lambda0, ease = 1.0 / p->mass;
+    double first = 1.0 / (1.0 + p->lambda0 * m->w), fall = -first * p->lambda0,
+           ease = 1.0 / p->mass;
 #pragma GCC unroll 32
     for (int n = 0; n < ORDER; n++) {
-        double w = y->w[n], part = PART[n + 1], v = side * w + (n ? 0.0 : p->belt), bend = p->linear ? w : coefficient(&bent, w, w, n);
-        double pull = force[n] + (n ? 0.0 : p->weight) - p->stiffness * y->x[n], even = n ? 0.0 : p->normal_force * p->mu1;
+        double w = y->w[n], part = PART[n + 1], v = side * w + (n ? 0.0 : p->belt),
+               bend = p->linear ? w : coefficient(&bent, w, w, n);
+        double pull = force[n] + (n ? 0.0 : p->weight) - p->stiffness * y->x[n],
+               even = n ? 0.0 : p->normal_force * p->mu1;
         q[n] = n ? fma(w, fall * first, fall * share.sum[n]) : first;
         y->x[n + 1] = v * part;
-        y->w[n + 1] = n == 0 && m->fresh == 2 ? 0.0 : fma(-drop * ease * part, q[n], ease * part * (side * pull - even - curve * bend));
+        y->w[n + 1] = n == 0 && m->fresh == 2
+                          ? 0.0
+                          : fma(-drop * ease * part, q[n],
+                                ease * part * (side * pull - even - curve * bend));
         grow(&share, w, q[n], n);
         if (!p->linear)
             grow(&bent, w, w, n);
@@ -85,20 +96,26 @@ static inline void expand(const belt *p, const motion *m, int with_work, piece *
         }
     }
     for (int n = 0; m->follows && n < ORDER; n++)
-        y->rate[n] = p->normal_force * (p->lambda1 * (p->linear ? (n == 0) : 2.0 * y->w[n]) - (p->mu0 - p->mu1) * p->lambda0 * square(q, n));
+        y->rate[n] = p->normal_force
+                     * (p->lambda1 * (p->linear ? (n == 0) : 2.0 * y->w[n])
+                        - (p->mu0 - p->mu1) * p->lambda0 * square(q, n));
 }
 
-/* The longest step for which the last terms stay at a quarter of an ulp of the motion's own sizes: what is cut off is far below. */
+/* The longest step for which the last terms stay at a quarter of an ulp of the motion's own sizes:
+ * what is cut off is far below. */
 static inline double step_of(const belt *p, const piece *y)
 {
-    double rate = sqrt(p->stiffness / p->mass), reach = p->normal_force * p->mu0 / p->stiffness + fabs(y->x[0]) + y->w[0] / rate;
+    double rate = sqrt(p->stiffness / p->mass),
+           reach = p->normal_force * p->mu0 / p->stiffness + fabs(y->x[0]) + y->w[0] / rate;
     double a = fmax(fabs(y->x[ORDER]), fabs(y->w[ORDER]) / rate) / reach;
     double b = fmax(fabs(y->x[ORDER - 1]), fabs(y->w[ORDER - 1]) / rate) / reach;
-    double h = exp2((-54.0 - log2(fmax(a, 1e-300))) / ORDER), k = exp2((-54.0 - log2(fmax(b, 1e-300))) / (ORDER - 1));
+    double h = exp2((-54.0 - log2(fmax(a, 1e-300))) / ORDER),
+           k = exp2((-54.0 - log2(fmax(b, 1e-300))) / (ORDER - 1));
     return fmin(fmin(h, k), 2.0 / rate);
 }
 
-/* The first zero of |u| in a slip: of the series without the zero with which it began. The step ends early where that tells sooner. */
+/* The first zero of |u| in a slip: of the series without the zero with which it began. The step
+ * ends early where that tells sooner. */
 static inline double stop_of(const motion *m, const piece *y, double *restrict h)
 {
     double a[ORDER + 1];
@@ -129,11 +146,14 @@ static inline double passing(const belt *p, const motion *m, double limit, doubl
 /* When it is released, since now; infinity if it sticks for ever. */
 static inline double release_of(const belt *p, const motion *m)
 {
-    double limit = p->normal_force * p->mu0, slope, lead = p->stiffness * p->belt, swing = fabs(p->amplitude * p->frequency);
+    double limit = p->normal_force * p->mu0, slope, lead = p->stiffness * p->belt,
+           swing = fabs(p->amplitude * p->frequency);
     double first = pull_at(p, m, 0.0, &slope), low = 0.0;
     if (fabs(first) >= limit && first * slope > 0.0)
         return 0.0;
-    double longest = lead != 0.0 ? 2.0 * (limit + fabs(p->amplitude)) / fabs(lead) + 1.0 / fmax(p->frequency, 1.0) : INFINITY;
+    double longest = lead != 0.0 ? 2.0 * (limit + fabs(p->amplitude)) / fabs(lead)
+                                       + 1.0 / fmax(p->frequency, 1.0)
+                                 : INFINITY;
     if (swing <= fabs(lead))
         return lead != 0.0 ? passing(p, m, limit, 0.0, longest) : INFINITY;
     /* P' = 0 where sin(phase) = -k belt/(F w) */
@@ -143,7 +163,8 @@ static inline double release_of(const belt *p, const motion *m)
     for (int i = 0; i < 2; i++)
         next[i] -= turn * floor(next[i] / turn);
     for (int64_t k = 0; k < MOST_PIECES; k++) {
-        double phase = (k % 2 ? fmax(next[0], next[1]) : fmin(next[0], next[1])) + turn * (double)(k / 2);
+        double phase
+            = (k % 2 ? fmax(next[0], next[1]) : fmin(next[0], next[1])) + turn * (double)(k / 2);
         double high = phase / p->frequency;
         if (fabs(pull_at(p, m, high, &slope)) > limit)
             return passing(p, m, limit, low, high);
@@ -161,7 +182,8 @@ static inline void next_piece(const belt *p, const motion *m, int with_work, pie
         for (int n = 0; n <= ORDER; n++)
             y->x[n] = y->w[n] = y->work[n] = y->rate[n] = 0.0;
         y->x[0] = m->x.hi, y->x[1] = p->belt;
-        y->work[1] = p->belt * (p->weight - p->stiffness * m->x.hi), y->work[2] = -0.5 * p->stiffness * p->belt * p->belt;
+        y->work[1] = p->belt * (p->weight - p->stiffness * m->x.hi),
+        y->work[2] = -0.5 * p->stiffness * p->belt * p->belt;
         y->end = release_of(p, m), y->event = LEAVES;
         return;
     }
@@ -183,7 +205,8 @@ static inline void carried(const belt *p, motion *m, const piece *y)
     m->tangent[0] = value(a, y->end), m->tangent[1] = value(b, y->end);
 }
 
-/* Moves to the end of a stretch and through its event; returns STICKS + 1 if it comes to stick, LEAVES if it leaves, else 0. */
+/* Moves to the end of a stretch and through its event; returns STICKS + 1 if it comes to stick,
+ * LEAVES if it leaves, else 0. */
 static inline int pass(const belt *p, motion *m, const piece *y)
 {
     if (m->follows && m->side)
@@ -212,7 +235,11 @@ static inline int pass(const belt *p, motion *m, const piece *y)
 
 static inline motion begun(const belt *p, double x0, double v0, double t0)
 {
-    motion m = {.now = dd_of(t0), .x = dd_of(x0), .work = dd_of(0.0), .w = fabs(v0 - p->belt), .tangent = {1.0, 0.0}};
+    motion m = {.now = dd_of(t0),
+                .x = dd_of(x0),
+                .work = dd_of(0.0),
+                .w = fabs(v0 - p->belt),
+                .tangent = {1.0, 0.0}};
     m.swing[0] = p->amplitude;
     for (int n = 1; n < ORDER; n++)
         m.swing[n] = m.swing[n - 1] * p->frequency * PART[n];

@@ -1,4 +1,6 @@
-"""Writes the cffi glue of one kernel family: `build.py FAMILY kernels.h OUTPUT.c`, called by meson."""
+"""Writes the cffi glue of one kernel family: `build.py FAMILY kernels.h OUTPUT.c`, called by
+meson.
+"""
 
 import re
 import sys
@@ -8,7 +10,9 @@ from cffi import FFI
 
 
 def declarations(header: str, family: str) -> str:
-    """The part of the header between `/* == family == */` and the next such line, without comments."""
+    """The part of the header between `/* == family == */` and the next such line, without
+    comments.
+    """
     parts = re.split(r"/\* == (\w+) == \*/", header)
     sections = dict(zip(parts[1::2], parts[2::2], strict=True))
     if family not in sections:

@@ -1,19 +1,20 @@
 /* Chipmunk (the engine of pymunk): a loop over its own step that records.
  *
- * The engine's functions come as addresses; no header of Chipmunk is used. Its numbers are doubles (the adapter checks),
- * its vectors are passed by value.
+ * The engine's functions come as addresses; no header of Chipmunk is used. Its numbers are doubles
+ * (the adapter checks), its vectors are passed by value.
  */
 #include "kernels.h"
 
-int refdem_chipmunk_record(const refdem_chipmunk_engine *engine, int64_t bodies, void *const *body, double h, int64_t samples,
-                           int64_t stride, double *out)
+int refdem_chipmunk_record(const refdem_chipmunk_engine *engine, int64_t bodies, void *const *body,
+                           double h, int64_t samples, int64_t stride, double *out)
 {
     for (int64_t k = 0; k < samples; k++) {
         if (k > 0)
             for (int64_t j = 0; j < stride; j++)
                 engine->step(engine->space, h);
         for (int64_t i = 0; i < bodies; i++, out += 6) {
-            refdem_vector2 position = engine->position(body[i]), velocity = engine->velocity(body[i]);
+            refdem_vector2 position = engine->position(body[i]),
+                           velocity = engine->velocity(body[i]);
             out[0] = position.x;
             out[1] = position.y;
             out[2] = velocity.x;

@@ -6,13 +6,16 @@
 
 enum { GAP, PULL, HOLD, GUARDS };
 
-/* What must stay above zero for pair k to stay in its mode, in units of its own size; INFINITY if the mode does not ask. */
-static inline double guard(const runner *r, int64_t k, int kind, const double *restrict y, const double *restrict dy)
+/* What must stay above zero for pair k to stay in its mode, in units of its own size; INFINITY if
+ * the mode does not ask. */
+static inline double guard(const runner *r, int64_t k, int kind, const double *restrict y,
+                           const double *restrict dy)
 {
     const refdem_particles *p = r->p;
     int64_t mode = r->mode[k];
     meeting m = meet(p, k, y);
-    double radius = p->radius[m.i], strain = m.overlap / radius, force = m.normal / (p->stiffness * radius);
+    double radius = p->radius[m.i], strain = m.overlap / radius,
+           force = m.normal / (p->stiffness * radius);
     if (mode == APART)
         return kind == GAP ? -strain : INFINITY;
     if (mode == PARTED)
@@ -35,7 +38,9 @@ static inline double guard(const runner *r, int64_t k, int kind, const double *r
         double bend = dot(m.w, m.turn);
         for (int c = 0; c < 3; c++)
             bend += (a[3 * m.i + c] - (m.j < 0 ? 0.0 : a[3 * m.j + c])) * m.n[c];
-        growth = p->friction / stiffness * (p->stiffness * m.rate + p->damping * bend); /* no jump where the force ends: no stick there */
+        growth = p->friction / stiffness
+                 * (p->stiffness * m.rate
+                    + p->damping * bend); /* no jump where the force ends: no stick there */
     }
     return (along - growth) / (1e11 * least_slip(p, &m));
 }
@@ -57,7 +62,8 @@ static inline int64_t pressing(const refdem_particles *p, int64_t k, double *res
 }
 
 /* The mode of pair k after it has left its own through one of the guards. */
-static inline int64_t next_mode(const runner *r, int64_t k, int kind, double *restrict y, const double *restrict dy)
+static inline int64_t next_mode(const runner *r, int64_t k, int kind, double *restrict y,
+                                const double *restrict dy)
 {
     const refdem_particles *p = r->p;
     int64_t mode = r->mode[k];

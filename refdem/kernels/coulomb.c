@@ -1,22 +1,24 @@
 /* The mass on a spring that rubs: m x'' + f Sgn(x') + k x = m g, in exact pieces.
  *
- * About the equilibrium, with s = f/k and w^2 = k/m: from a turning point Y it swings about sgn(Y) s to the next one, whose
- * size is |Y| - 2 s, half a period pi/w later; it stays for ever at the first turning point with |Y| <= s (Sgn(0) = [-1, 1]).
- * Turning points and times are kept as hi + lo, so that neither sums up rounding.
+ * About the equilibrium, with s = f/k and w^2 = k/m: from a turning point Y it swings about sgn(Y)
+ * s to the next one, whose size is |Y| - 2 s, half a period pi/w later; it stays for ever at the
+ * first turning point with |Y| <= s (Sgn(0) = [-1, 1]). Turning points and times are kept as hi +
+ * lo, so that neither sums up rounding.
  */
 #include "elliptic.h"
 #include "kernels.h"
 
 typedef struct {
-    dd rate, shift;        /* w, s */
-    dd first, opening;     /* size of the first turning point, and the time after which it is reached */
+    dd rate, shift;    /* w, s */
+    dd first, opening; /* size of the first turning point, and the time after which it is reached */
     double side, heading;  /* its sign; direction before it, 0 if it is the start */
     dd centre, reach, lag; /* before it: centre, amplitude, phase left */
     int64_t halves;        /* half cycles after it */
     dd half;               /* how long one takes */
 } rubbing;
 
-/* Least n >= 0 with |Y| - 2 n s <= s: closed, also where |Y| and s are known only to the rounding of what they came from. */
+/* Least n >= 0 with |Y| - 2 n s <= s: closed, also where |Y| and s are known only to the rounding
+ * of what they came from. */
 static int64_t half_cycles(dd first, dd shift)
 {
     double n = ceil(0.5 * (first.hi / shift.hi - 1.0)) - 1.0;
@@ -53,7 +55,8 @@ static double turning_point(const rubbing *b, int64_t n)
 }
 
 /* Place, velocity and way gone since the start x, at the time `since` the start. */
-static void at(const rubbing *b, dd since, dd x, double *restrict place, double *restrict speed, double *restrict way)
+static void at(const rubbing *b, dd since, dd x, double *restrict place, double *restrict speed,
+               double *restrict way)
 {
     double c, s, shift = dd_round(b->shift), first = turning_point(b, 0);
     dd late = dd_sub(since, b->opening);
@@ -79,7 +82,8 @@ static void at(const rubbing *b, dd since, dd x, double *restrict place, double 
         *way = opening + 2.0 * n * (first - shift * n);
         return;
     }
-    double side = b->side * (fmod(n, 2.0) != 0.0 ? -1.0 : 1.0), size = turning_point(b, (int64_t)n), reach = size - shift;
+    double side = b->side * (fmod(n, 2.0) != 0.0 ? -1.0 : 1.0), size = turning_point(b, (int64_t)n),
+           reach = size - shift;
     turned(dd_mul(b->rate, dd_sub(late, dd_scale(half, n))), &c, &s);
     *place = side * fma(reach, c, shift);
     *speed = -side * reach * b->rate.hi * s;
@@ -102,8 +106,9 @@ int64_t refdem_coulomb_size(void)
 }
 
 REFDEM_EVERY_CPU
-int refdem_coulomb_prepare(double mass, double stiffness, double friction, double normal_force, double gravity, double x0, double v0,
-                           double t0, int64_t samples, const double *t, double *stop, double *out, double *motion)
+int refdem_coulomb_prepare(double mass, double stiffness, double friction, double normal_force,
+                           double gravity, double x0, double v0, double t0, int64_t samples,
+                           const double *t, double *stop, double *out, double *motion)
 {
     rubbed *r = (rubbed *)motion;
     dd m = dd_of(mass), k = dd_of(stiffness);
@@ -131,10 +136,12 @@ int refdem_coulomb_run(const double *motion)
     return 0;
 }
 
-int refdem_coulomb(double mass, double stiffness, double friction, double normal_force, double gravity, double x0, double v0,
-                   double t0, int64_t samples, const double *t, double *stop, double *out)
+int refdem_coulomb(double mass, double stiffness, double friction, double normal_force,
+                   double gravity, double x0, double v0, double t0, int64_t samples,
+                   const double *t, double *stop, double *out)
 {
     rubbed r;
-    refdem_coulomb_prepare(mass, stiffness, friction, normal_force, gravity, x0, v0, t0, samples, t, stop, out, (double *)&r);
+    refdem_coulomb_prepare(mass, stiffness, friction, normal_force, gravity, x0, v0, t0, samples, t,
+                           stop, out, (double *)&r);
     return refdem_coulomb_run((const double *)&r);
 }

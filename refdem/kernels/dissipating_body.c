@@ -1,7 +1,8 @@
 /* A body with damping inside: its angular momentum stays in space while its energy goes.
  *
- * In principal axes, with w = J^-1 L and the rate of turning W = w + c L x w:  L' = L x W,  q' = q W/2
- * (Bloch, Krishnaprasad, Marsden and Ratiu, Commun. Math. Phys. 175 (1996) 1: the double bracket).
+ * In principal axes, with w = J^-1 L and the rate of turning W = w + c L x w:  L' = L x W,  q' = q
+ * W/2 (Bloch, Krishnaprasad, Marsden and Ratiu, Commun. Math. Phys. 175 (1996) 1: the double
+ * bracket).
  */
 #include "kernels.h"
 #include "taylor.h"
@@ -21,7 +22,8 @@ static void expand(const void *system, dd time, series *y, double *scale)
             omega[i][k] = y[i][k] * p->inverse[i];
         for (int i = 0; i < 3; i++) {
             int j = (i + 1) % 3, l = (i + 2) % 3;
-            turn[i][k] = omega[i][k] + p->damping * (cauchy(y[j], omega[l], k) - cauchy(y[l], omega[j], k));
+            turn[i][k] = omega[i][k]
+                         + p->damping * (cauchy(y[j], omega[l], k) - cauchy(y[l], omega[j], k));
         }
         for (int i = 0; i < 3; i++) {
             int j = (i + 1) % 3, l = (i + 2) % 3;
@@ -40,7 +42,8 @@ static void expand(const void *system, dd time, series *y, double *scale)
         scale[i] = 1.0;
 }
 
-int refdem_dissipating_body(const double *inertia, double damping, int64_t samples, const double *t, double *out)
+int refdem_dissipating_body(const double *inertia, double damping, int64_t samples, const double *t,
+                            double *out)
 {
     damped p = {{1.0 / inertia[0], 1.0 / inertia[1], 1.0 / inertia[2]}, damping};
     series y[7];

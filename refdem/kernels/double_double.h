@@ -1,7 +1,8 @@
-/* Double-double arithmetic: an unevaluated sum hi + lo of two doubles, some 32 digits (Dekker 1971; Knuth, TAOCP 4.2.2).
+/* Double-double arithmetic: an unevaluated sum hi + lo of two doubles, some 32 digits (Dekker 1971;
+ * Knuth, TAOCP 4.2.2).
  *
- * A phase that grows with time is kept so, reduced by a period known to the same precision, and only then rounded: the error of what
- * is made of it does not grow with time.
+ * A phase that grows with time is kept so, reduced by a period known to the same precision, and
+ * only then rounded: the error of what is made of it does not grow with time.
  */
 #ifndef REFDEM_DOUBLE_DOUBLE_H
 #define REFDEM_DOUBLE_DOUBLE_H

@@ -1,8 +1,10 @@
-/* Elliptic integrals and Jacobi functions: double-double where phases are made, theta series in binary64 where they are used.
+/* Elliptic integrals and Jacobi functions: double-double where phases are made, theta series in
+ * binary64 where they are used.
  *
- * Complete integrals: arithmetic-geometric mean (DLMF 19.8.5) and Bulirsch's cel (Numer. Math. 13 (1969) 305).
- * Incomplete ones: Carlson's duplication (DLMF 19.36.1). Functions: theta series (DLMF 20.2, 22.2), after Jacobi's imaginary
- * transformation (DLMF 22.6.1) where m > 1/2, so that the nome never exceeds exp(-pi).
+ * Complete integrals: arithmetic-geometric mean (DLMF 19.8.5) and Bulirsch's cel (Numer. Math. 13
+ * (1969) 305). Incomplete ones: Carlson's duplication (DLMF 19.36.1). Functions: theta series
+ * (DLMF 20.2, 22.2), after Jacobi's imaginary transformation (DLMF 22.6.1) where m > 1/2, so that
+ * the nome never exceeds exp(-pi).
  */
 #ifndef REFDEM_ELLIPTIC_H
 #define REFDEM_ELLIPTIC_H
@@ -21,7 +23,8 @@ static inline dd quarter_period(dd m1)
     return dd_div(DD_PI, dd_add(a, b));
 }
 
-/* Bulirsch: integral over 0..pi/2 of dx / ((cos^2 + p sin^2) sqrt(cos^2 + m1 sin^2)), p > 0, m1 > 0. */
+/* Bulirsch: integral over 0..pi/2 of dx / ((cos^2 + p sin^2) sqrt(cos^2 + m1 sin^2)), p > 0, m1 >
+ * 0. */
 static inline dd complete_third(dd m1, dd p)
 {
     dd kc = dd_sqrt(m1), e = kc, m = dd_of(1.0), a = dd_of(1.0), b;
@@ -35,7 +38,8 @@ static inline dd complete_third(dd m1, dd p)
         g = m;
         m = dd_add(kc, m);
         if (i == 40 || fabs(dd_sub(g, kc).hi) <= 1e-16 * g.hi)
-            return dd_div(dd_mul(dd_scale(DD_PI, 0.5), dd_add(b, dd_mul(a, m))), dd_mul(m, dd_add(m, p)));
+            return dd_div(dd_mul(dd_scale(DD_PI, 0.5), dd_add(b, dd_mul(a, m))),
+                          dd_mul(m, dd_add(m, p)));
         kc = dd_scale(dd_sqrt(e), 2.0);
         e = dd_mul(kc, m);
     }
@@ -65,21 +69,25 @@ static inline dd carlson_rf(dd x, dd y, dd z)
     return dd_div(sum, dd_sqrt(mean));
 }
 
-/* The angle (-pi, pi] [rad] whose sine and cosine these are: s R_F(c^2, 1, 1) and its continuation. */
+/* The angle (-pi, pi] [rad] whose sine and cosine these are: s R_F(c^2, 1, 1) and its continuation.
+ */
 static inline dd angle_of(dd s, dd c)
 {
     dd one = dd_of(1.0), size = dd_sqrt(dd_add(dd_square(s), dd_square(c)));
     if (size.hi == 0.0)
         return dd_of(0.0);
     s = dd_div(s, size), c = dd_div(c, size);
-    dd acute = fabs(s.hi) < fabs(c.hi) ? dd_mul(dd_abs(s), carlson_rf(dd_square(c), one, one))
-                                       : dd_sub(dd_scale(DD_PI, 0.5), dd_mul(dd_abs(c), carlson_rf(dd_square(s), one, one)));
+    dd acute
+        = fabs(s.hi) < fabs(c.hi)
+              ? dd_mul(dd_abs(s), carlson_rf(dd_square(c), one, one))
+              : dd_sub(dd_scale(DD_PI, 0.5), dd_mul(dd_abs(c), carlson_rf(dd_square(s), one, one)));
     if (c.hi < 0.0)
         acute = dd_sub(DD_PI, acute);
     return s.hi < 0.0 ? dd_neg(acute) : acute;
 }
 
-/* What the Jacobi functions of one parameter need. Circular series for m <= 1/2, hyperbolic for m > 1/2, tanh and sech at 1. */
+/* What the Jacobi functions of one parameter need. Circular series for m <= 1/2, hyperbolic for m >
+ * 1/2, tanh and sech at 1. */
 enum { CIRCULAR, HYPERBOLIC, SEPARATRIX };
 enum { TERMS = 4 };
 
@@ -90,11 +98,12 @@ typedef struct {
     double square[TERMS];  /* nome^(n^2) */
     double oblong[TERMS];  /* nome^(n (n + 1)) */
     double sn, cn, dn;     /* factors */
-    double theta[4][4];    /* circular: theta1 / sin x, theta2 / cos x, theta3, theta4 as polynomials in sin^2 x, with the factors */
+    double theta[4][4]; /* circular: theta1 / sin x, theta2 / cos x, theta3, theta4 as polynomials
+                           in sin^2 x, with the factors */
 } jacobi;
 
-/* Points u = 2K (f + n), by columns; `first` and `second`: cos and sin of 2 pi f if circular; if hyperbolic exp(-|xi|) and
- * sqrt(nome) exp(|xi|), xi = pi K f / K', both at most 1. */
+/* Points u = 2K (f + n), by columns; `first` and `second`: cos and sin of 2 pi f if circular; if
+ * hyperbolic exp(-|xi|) and sqrt(nome) exp(|xi|), xi = pi K f / K', both at most 1. */
 typedef struct {
     double f[BLOCK], sn[BLOCK], cn[BLOCK], dn[BLOCK], first[BLOCK], second[BLOCK];
 } jacobi_points;
@@ -162,20 +171,28 @@ static inline void circular_series(const jacobi *restrict j, int count, jacobi_p
     }
 }
 
-/* The same of m1 at i u (DLMF 22.6.1): sn = -i sc(iu|m1), cn = nc, dn = dc; every exponential is scaled to be at most 1. Sums over
- * nome^(n^2) x^n and nome^(n(n+1)) x^(n+1), in their even and odd parts. */
+/* The same of m1 at i u (DLMF 22.6.1): sn = -i sc(iu|m1), cn = nc, dn = dc; every exponential is
+ * scaled to be at most 1. Sums over nome^(n^2) x^n and nome^(n(n+1)) x^(n+1), in their even and odd
+ * parts. */
 static inline void hyperbolic_series(const jacobi *restrict j, int count, jacobi_points *restrict p)
 {
     double root = exp(0.5 * j->log_nome);
     for (int k = 0; k < count; k++) {
-        double decay = exponential(j->log_nome * fabs(p->f[k])), growth = root / decay, low = decay * decay, high = growth * growth;
+        double decay = exponential(j->log_nome * fabs(p->f[k])), growth = root / decay,
+               low = decay * decay, high = growth * growth;
         double low2 = low * low, high2 = high * high, sign = p->sn[k];
-        double even_high = fma(high2, j->square[2], 1.0), odd_high = high * fma(high2, j->square[3], j->square[1]);
-        double even_low = fma(low2, j->square[2], 1.0), odd_low = low * fma(low2, j->square[3], j->square[1]);
-        double more_low = low * fma(low2, j->oblong[2], 1.0), less_low = low2 * fma(low2, j->oblong[3], j->oblong[1]);
-        double more_high = high * fma(high2, j->oblong[2], 1.0), less_high = high2 * fma(high2, j->oblong[3], j->oblong[1]);
-        double one = (even_high - more_low) + (less_low - odd_high), two = (even_high + more_low) + (odd_high + less_low);
-        double three = (even_low + more_high) + (odd_low + less_high), four = (even_low - more_high) + (less_high - odd_low);
+        double even_high = fma(high2, j->square[2], 1.0),
+               odd_high = high * fma(high2, j->square[3], j->square[1]);
+        double even_low = fma(low2, j->square[2], 1.0),
+               odd_low = low * fma(low2, j->square[3], j->square[1]);
+        double more_low = low * fma(low2, j->oblong[2], 1.0),
+               less_low = low2 * fma(low2, j->oblong[3], j->oblong[1]);
+        double more_high = high * fma(high2, j->oblong[2], 1.0),
+               less_high = high2 * fma(high2, j->oblong[3], j->oblong[1]);
+        double one = (even_high - more_low) + (less_low - odd_high),
+               two = (even_high + more_low) + (odd_high + less_low);
+        double three = (even_low + more_high) + (odd_low + less_high),
+               four = (even_low - more_high) + (less_high - odd_low);
         double per = 1.0 / two, twice = 2.0 * decay * per;
         p->sn[k] = copysign(j->sn * one * per, p->f[k]) * sign;
         p->cn[k] = j->cn * four * twice * sign;
@@ -184,9 +201,10 @@ static inline void hyperbolic_series(const jacobi *restrict j, int count, jacobi
     }
 }
 
-/* sn, cn, dn at start + rate (t - t0), count <= BLOCK, absolute errors a few ulp of 1 however large that is; `phase` counts in 2K,
- * on the separatrix in 1. */
-static inline void jacobi_at(const jacobi *restrict j, turns phase, double t0, int count, const double *restrict t, jacobi_points *restrict p)
+/* sn, cn, dn at start + rate (t - t0), count <= BLOCK, absolute errors a few ulp of 1 however large
+ * that is; `phase` counts in 2K, on the separatrix in 1. */
+static inline void jacobi_at(const jacobi *restrict j, turns phase, double t0, int count,
+                             const double *restrict t, jacobi_points *restrict p)
 {
     if (j->kind == SEPARATRIX) {
         for (int k = 0; k < count; k++) {
@@ -211,7 +229,8 @@ static inline turns jacobi_turns(const jacobi *j, dd rate, dd start)
     return (turns){dd_div(rate, period), dd_div(start, period)};
 }
 
-/* The u in (-2K, 2K] with these sn, cn, dn (dn > 0): sn R_F(cn^2, dn^2, 1), measured from K where that is nearer. */
+/* The u in (-2K, 2K] with these sn, cn, dn (dn > 0): sn R_F(cn^2, dn^2, 1), measured from K where
+ * that is nearer. */
 static inline dd jacobi_inverse(const jacobi *j, dd sn, dd cn, dd dn)
 {
     dd one = dd_of(1.0), kc = dd_sqrt(j->m1), u;
@@ -221,7 +240,8 @@ static inline dd jacobi_inverse(const jacobi *j, dd sn, dd cn, dd dn)
         u = dd_mul(dd_abs(sn), carlson_rf(dd_square(cn), dd_square(dn), one));
     } else {
         dd ratio = dd_div(kc, dn), s = dd_div(dd_abs(cn), dn);
-        u = dd_sub(j->quarter, dd_mul(s, carlson_rf(dd_square(dd_mul(sn, ratio)), dd_square(ratio), one)));
+        u = dd_sub(j->quarter,
+                   dd_mul(s, carlson_rf(dd_square(dd_mul(sn, ratio)), dd_square(ratio), one)));
     }
     if (cn.hi < 0.0)
         u = dd_sub(dd_scale(j->quarter, 2.0), u);

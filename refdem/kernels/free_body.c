@@ -1,12 +1,15 @@
-/* One free rigid body in closed form: omega_body by Jacobi functions, attitude by one theta function.
+/* One free rigid body in closed form: omega_body by Jacobi functions, attitude by one theta
+ * function.
  *
- * Euler's equations: C. G. J. Jacobi (1849); Landau and Lifshitz, Mechanics, section 37. Labels 1, 2, 3 by moment of inertia, 3 the
- * axis that omega_body circles: w1 = A1 cn u, w2 = A2 sn u, w3 = A3 dn u, u = rate t + start.
- * Attitude: van Zon and Schofield, J. Comput. Phys. 225 (2007) 145, here in swing-twist form, which is nowhere singular:
- * q(t) = base exp(e Psi / 2) quaternion_swing(n -> e), n the direction of L in body axes, e = +-e3 with n.e > 0, and
- * Psi' = (2E + L w.e) / (L + l.e) = L/J3 + B rate / (1 + c dn u), B rate = (2 E J3 - L^2)/(L J3), c = |J3 A3|/L.
- * 1/(1 + c dn) has simple poles at u = 2iK' +- ia (mod 2K, 4iK'), dn(ia) = 1/c, with residues that make
- * Psi/2 = turn t -+ [arg theta4(pi (u + ia)/(2K), nome^2)], the mean rate by complete integrals of the first and third kind.
+ * Euler's equations: C. G. J. Jacobi (1849); Landau and Lifshitz, Mechanics, section 37. Labels 1,
+ * 2, 3 by moment of inertia, 3 the axis that omega_body circles: w1 = A1 cn u, w2 = A2 sn u, w3 =
+ * A3 dn u, u = rate t + start. Attitude: van Zon and Schofield, J. Comput. Phys. 225 (2007) 145,
+ * here in swing-twist form, which is nowhere singular: q(t) = base exp(e Psi / 2)
+ * quaternion_swing(n -> e), n the direction of L in body axes, e = +-e3 with n.e > 0, and Psi' =
+ * (2E + L w.e) / (L + l.e) = L/J3 + B rate / (1 + c dn u), B rate = (2 E J3 - L^2)/(L J3), c = |J3
+ * A3|/L. 1/(1 + c dn) has simple poles at u = 2iK' +- ia (mod 2K, 4iK'), dn(ia) = 1/c, with
+ * residues that make Psi/2 = turn t -+ [arg theta4(pi (u + ia)/(2K), nome^2)], the mean rate by
+ * complete integrals of the first and third kind.
  */
 #include "free_body_start.h"
 #include "kernels.h"
@@ -17,25 +20,32 @@ typedef struct {
 } states;
 
 /* base, the turn about b->along, the tilt back: count <= BLOCK times. */
-static inline void tumbling_at(const free_body *restrict b, int count, const double *restrict t, states *restrict out)
+static inline void tumbling_at(const free_body *restrict b, int count, const double *restrict t,
+                               states *restrict out)
 {
     jacobi_points p;
     double x[BLOCK], y[BLOCK];
     jacobi_at(&b->j, b->phase, b->t0, count, t, &p);
     theta_direction(b, count, &p, x, y);
-    double e = b->along[b->axis[2]], hand = (b->axis[1] + 3 - b->axis[0]) % 3 == 1 ? e : -e, order = b->order;
-    double slope = -order * b->slope * (b->j.kind == SEPARATRIX ? 1.0 : 2.0 * b->j.quarter.hi) / DD_PI.hi;
+    double e = b->along[b->axis[2]], hand = (b->axis[1] + 3 - b->axis[0]) % 3 == 1 ? e : -e,
+           order = b->order;
+    double slope
+        = -order * b->slope * (b->j.kind == SEPARATRIX ? 1.0 : 2.0 * b->j.quarter.hi) / DD_PI.hi;
     for (int k = 0; k < count; k++) {
         double sign, c, s, part = fraction(b->mean, two_sum(t[k], -b->t0), &sign);
         part = fma(slope, p.f[k] - b->f0, part);
         double whole = nearest(part), odd = whole - 2.0 * nearest(0.5 * whole);
         sine_cosine_pi(part - whole, &s, &c);
         sign = fma(-2.0 * fabs(odd), sign, sign);
-        double re = fma(x[k], b->cos0, y[k] * b->sin0), im = -order * fma(y[k], b->cos0, -(x[k] * b->sin0));
+        double re = fma(x[k], b->cos0, y[k] * b->sin0),
+               im = -order * fma(y[k], b->cos0, -(x[k] * b->sin0));
         double turn = sign * fma(c, re, -(s * im)), twist = sign * fma(s, re, c * im);
-        double n1 = b->direction[0] * p.cn[k], n2 = b->direction[1] * p.sn[k], a = fma(e, b->direction[2] * p.dn[k], 1.0);
-        double tall = hand * turn, q0 = turn * a, q1 = fma(tall, n2, twist * n1), q2 = fma(twist, n2, -(tall * n1)), q3 = twist * e * a;
-        out->w[0][k] = b->size[0] * p.cn[k], out->w[1][k] = b->size[1] * p.sn[k], out->w[2][k] = b->size[2] * p.dn[k];
+        double n1 = b->direction[0] * p.cn[k], n2 = b->direction[1] * p.sn[k],
+               a = fma(e, b->direction[2] * p.dn[k], 1.0);
+        double tall = hand * turn, q0 = turn * a, q1 = fma(tall, n2, twist * n1),
+               q2 = fma(twist, n2, -(tall * n1)), q3 = twist * e * a;
+        out->w[0][k] = b->size[0] * p.cn[k], out->w[1][k] = b->size[1] * p.sn[k],
+        out->w[2][k] = b->size[2] * p.dn[k];
         out->q[0][k] = q0, out->q[1][k] = q1, out->q[2][k] = q2, out->q[3][k] = q3;
     }
 }
@@ -63,8 +73,8 @@ static void turning_at(const free_body *b, dd time, double *restrict q, double *
 }
 
 /* Unit attitudes and omega in space axes. */
-static inline void turned_out(const free_body *restrict b, int count, const states *restrict from, double *restrict attitude,
-                              double *restrict omega)
+static inline void turned_out(const free_body *restrict b, int count, const states *restrict from,
+                              double *restrict attitude, double *restrict omega)
 {
     const double *w[3];
     for (int i = 0; i < 3; i++)
@@ -73,12 +83,15 @@ static inline void turned_out(const free_body *restrict b, int count, const stat
     for (int k = 0; k < count; k++) {
         double u[4];
         for (int i = 0; i < 4; i++)
-            u[i] = fma(b->frame[i][0], from->q[0][k], fma(b->frame[i][1], from->q[1][k],
-                   fma(b->frame[i][2], from->q[2][k], b->frame[i][3] * from->q[3][k])));
+            u[i] = fma(b->frame[i][0], from->q[0][k],
+                       fma(b->frame[i][1], from->q[1][k],
+                           fma(b->frame[i][2], from->q[2][k], b->frame[i][3] * from->q[3][k])));
         double scale = 1.0 / sqrt(fma(u[0], u[0], fma(u[1], u[1], fma(u[2], u[2], u[3] * u[3]))));
         double a = scale * u[0], x = scale * u[1], y = scale * u[2], z = scale * u[3];
-        double cx = 2.0 * fma(y, r[k], -(z * q[k])), cy = 2.0 * fma(z, p[k], -(x * r[k])), cz = 2.0 * fma(x, q[k], -(y * p[k]));
-        attitude[4 * k] = a, attitude[4 * k + 1] = x, attitude[4 * k + 2] = y, attitude[4 * k + 3] = z;
+        double cx = 2.0 * fma(y, r[k], -(z * q[k])), cy = 2.0 * fma(z, p[k], -(x * r[k])),
+               cz = 2.0 * fma(x, q[k], -(y * p[k]));
+        attitude[4 * k] = a, attitude[4 * k + 1] = x, attitude[4 * k + 2] = y,
+                     attitude[4 * k + 3] = z;
         omega[3 * k] = p[k] + fma(a, cx, fma(y, cz, -(z * cy)));
         omega[3 * k + 1] = q[k] + fma(a, cy, fma(z, cx, -(x * cz)));
         omega[3 * k + 2] = r[k] + fma(a, cz, fma(x, cy, -(y * cx)));
@@ -91,11 +104,17 @@ int64_t refdem_free_body_size(void)
 }
 
 REFDEM_EVERY_CPU
-int refdem_free_body_prepare(const double *inertia, const double *attitude, const double *omega, double t0, int64_t samples,
-                             const double *t, double *out_attitude, double *out_omega, double *motion)
+int refdem_free_body_prepare(const double *inertia, const double *attitude, const double *omega,
+                             double t0, int64_t samples, const double *t, double *out_attitude,
+                             double *out_omega, double *motion)
 {
     free_body *b = (free_body *)motion;
-    *b = (free_body){.kind = STEADY, .t0 = t0, .samples = samples, .t = t, .out_attitude = out_attitude, .out_omega = out_omega};
+    *b = (free_body){.kind = STEADY,
+                     .t0 = t0,
+                     .samples = samples,
+                     .t = t,
+                     .out_attitude = out_attitude,
+                     .out_omega = out_omega};
     memcpy(b->attitude, attitude, sizeof b->attitude);
     memcpy(b->omega, omega, sizeof b->omega);
     prepare(b, inertia, attitude, omega);
@@ -124,10 +143,11 @@ int refdem_free_body_run(const double *motion)
     return 0;
 }
 
-int refdem_free_body(const double *inertia, const double *attitude, const double *omega, double t0, int64_t samples, const double *t,
-                     double *out_attitude, double *out_omega)
+int refdem_free_body(const double *inertia, const double *attitude, const double *omega, double t0,
+                     int64_t samples, const double *t, double *out_attitude, double *out_omega)
 {
     free_body b;
-    refdem_free_body_prepare(inertia, attitude, omega, t0, samples, t, out_attitude, out_omega, (double *)&b);
+    refdem_free_body_prepare(inertia, attitude, omega, t0, samples, t, out_attitude, out_omega,
+                             (double *)&b);
     return refdem_free_body_run((const double *)&b);
 }

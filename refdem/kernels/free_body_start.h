@@ -11,21 +11,23 @@ enum { STEADY, SYMMETRIC, TUMBLING };
 enum { THETA_TERMS = 5 };
 
 typedef struct {
-    int kind, axis[3];                 /* axes of the labels 1, 2, 3 */
-    dd w[3], rate, start;              /* omega_body at the start; u = rate t + start, or the spin about axis 3 of a symmetric body */
-    dd turn;                           /* mean of Psi' / 2 */
-    turns phase, mean;                 /* u in periods of sn, the mean turn in half turns */
-    double t0, attitude[4], omega[3];  /* the start, as given */
-    double frame[4][4];                /* left product by `base`, vector parts by label */
+    int kind, axis[3];    /* axes of the labels 1, 2, 3 */
+    dd w[3], rate, start; /* omega_body at the start; u = rate t + start, or the spin about axis 3
+                             of a symmetric body */
+    dd turn;              /* mean of Psi' / 2 */
+    turns phase, mean;    /* u in periods of sn, the mean turn in half turns */
+    double t0, attitude[4], omega[3]; /* the start, as given */
+    double frame[4][4];               /* left product by `base`, vector parts by label */
     int64_t samples;
     const double *t;
     double *out_attitude, *out_omega;
-    double base[4], along[3];          /* attitude before the turn, and its unit axis */
-    double size[3], direction[3];      /* amplitudes of omega_body and of n, by label */
-    double order;                      /* +1 if J3 is the largest moment, -1 if the smallest */
-    double phase_shift, slope;             /* of theta: tan(a/2), or how a enters; linear part of its argument */
+    double base[4], along[3];     /* attitude before the turn, and its unit axis */
+    double size[3], direction[3]; /* amplitudes of omega_body and of n, by label */
+    double order;                 /* +1 if J3 is the largest moment, -1 if the smallest */
+    double phase_shift,
+        slope; /* of theta: tan(a/2), or how a enters; linear part of its argument */
     double rise[2][THETA_TERMS], fall[2][THETA_TERMS]; /* its coefficients, real and imaginary */
-    double cos0, sin0, f0;             /* its argument at the start */
+    double cos0, sin0, f0;                             /* its argument at the start */
     jacobi j;
 } free_body;
 
@@ -45,7 +47,8 @@ static void prepare_steady(free_body *b)
         b->along[i] = size.hi > 0.0 ? dd_round(dd_div(b->w[i], size)) : 0.0;
 }
 
-/* J1 = J2: q(t) = q0 exp(l t / (2 J1)) exp(e3 (1 - J3/J1) w3 t / 2), l the angular momentum in body axes at the start. */
+/* J1 = J2: q(t) = q0 exp(l t / (2 J1)) exp(e3 (1 - J3/J1) w3 t / 2), l the angular momentum in body
+ * axes at the start. */
 static void prepare_symmetric(free_body *b, const double *restrict inertia)
 {
     dd l[3], size, across = dd_of(inertia[b->axis[0]]);
@@ -59,7 +62,8 @@ static void prepare_symmetric(free_body *b, const double *restrict inertia)
         b->along[i] = dd_round(dd_div(l[i], size));
 }
 
-/* Coefficients of theta4 of nome^2 at pi (u + ia)/(2K), up to a positive factor; of theta2 after z -> z/tau where m > 1/2. */
+/* Coefficients of theta4 of nome^2 at pi (u + ia)/(2K), up to a positive factor; of theta2 after z
+ * -> z/tau where m > 1/2. */
 static void prepare_theta(free_body *b, double a, double c)
 {
     const jacobi *j = &b->j;
@@ -70,9 +74,11 @@ static void prepare_theta(free_body *b, double a, double c)
     b->phase_shift = DD_PI.hi * a / (j->kind == CIRCULAR ? 2.0 * j->quarter.hi : 4.0 * j->other.hi);
     b->slope = j->kind == CIRCULAR ? 0.0 : -DD_PI.hi * a / (4.0 * j->quarter.hi * j->other.hi);
     for (int n = 0; n < THETA_TERMS; n++) {
-        double log_nome = j->log_nome, sign = n % 2 ? -1.0 : 1.0, angle = (2 * n + 1) * b->phase_shift;
+        double log_nome = j->log_nome, sign = n % 2 ? -1.0 : 1.0,
+               angle = (2 * n + 1) * b->phase_shift;
         if (j->kind == CIRCULAR) {
-            double grown = exp(2.0 * n * (log_nome * n + b->phase_shift)), shrunk = exp(2.0 * n * (log_nome * n - b->phase_shift));
+            double grown = exp(2.0 * n * (log_nome * n + b->phase_shift)),
+                   shrunk = exp(2.0 * n * (log_nome * n - b->phase_shift));
             b->rise[0][n] = n ? sign * (grown + shrunk) : 1.0;
             b->rise[1][n] = n ? sign * (shrunk - grown) : 0.0;
         } else {
@@ -88,9 +94,11 @@ static inline double quartic(const double *restrict a, double x)
     return fma(x, fma(x, fma(x, fma(x, a[4], a[3]), a[2]), a[1]), a[0]);
 }
 
-/* Its direction in the complex plane, of any length (DLMF 20.2.4; 20.2.2 with 20.7.33); on the separatrix that of
- * 1 + i tan(a/2) tanh(u/2). The first three terms of the circular series are all that binary64 can hold. */
-static inline void theta_direction(const free_body *restrict b, int count, const jacobi_points *restrict p, double *restrict x,
+/* Its direction in the complex plane, of any length (DLMF 20.2.4; 20.2.2 with 20.7.33); on the
+ * separatrix that of 1 + i tan(a/2) tanh(u/2). The first three terms of the circular series are all
+ * that binary64 can hold. */
+static inline void theta_direction(const free_body *restrict b, int count,
+                                   const jacobi_points *restrict p, double *restrict x,
                                    double *restrict y)
 {
     if (b->j.kind == SEPARATRIX)
@@ -106,11 +114,13 @@ static inline void theta_direction(const free_body *restrict b, int count, const
         for (int k = 0; k < count; k++) {
             double down = p->first[k], up = p->second[k];
             x[k] = fma(down, quartic(b->fall[0], down), quartic(b->rise[0], up));
-            y[k] = copysign(1.0, p->f[k]) * fma(down, quartic(b->fall[1], down), quartic(b->rise[1], up));
+            y[k] = copysign(1.0, p->f[k])
+                   * fma(down, quartic(b->fall[1], down), quartic(b->rise[1], up));
         }
 }
 
-/* Mean of Psi'/2 = L/(2 J3) + X/(2 L J3) <1/(1 + c dn)>, X = 2 E J3 - L^2; 1 - c^2 = n1^2, 1 - c^2 m1 = n2^2 (amplitudes). */
+/* Mean of Psi'/2 = L/(2 J3) + X/(2 L J3) <1/(1 + c dn)>, X = 2 E J3 - L^2; 1 - c^2 = n1^2, 1 - c^2
+ * m1 = n2^2 (amplitudes). */
 static dd mean_turn(const free_body *b, dd l, dd j3, dd x, dd p, const dd *restrict n)
 {
     dd across = dd_mul(n[0], n[1]), mean = dd_of(1.0);
@@ -128,16 +138,22 @@ typedef struct {
     dd j[3], d32, d31, d21;
 } moments;
 
-/* The parameter m and 1 - m, amplitudes a of omega_body and n of the direction of L; X = 2 E J3 - L^2, without cancellation. */
-static dd amplitudes(free_body *b, const moments *k, const dd *restrict w, dd *restrict a, dd *restrict n, dd *restrict x)
+/* The parameter m and 1 - m, amplitudes a of omega_body and n of the direction of L; X = 2 E J3 -
+ * L^2, without cancellation. */
+static dd amplitudes(free_body *b, const moments *k, const dd *restrict w, dd *restrict a,
+                     dd *restrict n, dd *restrict x)
 {
     dd square[3], l[3], size;
     for (int i = 0; i < 3; i++)
         square[i] = dd_square(w[i]), l[i] = dd_mul(w[i], k->j[i]);
-    dd flat = dd_div(dd_mul(k->j[1], k->d32), dd_mul(k->j[0], k->d31)), steep = dd_div(dd_mul(k->j[1], k->d21), dd_mul(k->j[2], k->d31));
-    dd y = dd_add(dd_mul(dd_mul(k->j[1], k->d21), square[1]), dd_mul(dd_mul(k->j[2], k->d31), square[2]));
-    dd z = dd_sub(dd_mul(dd_mul(k->j[2], k->d32), square[2]), dd_mul(dd_mul(k->j[0], k->d21), square[0]));
-    *x = dd_add(dd_mul(dd_mul(k->j[0], k->d31), square[0]), dd_mul(dd_mul(k->j[1], k->d32), square[1]));
+    dd flat = dd_div(dd_mul(k->j[1], k->d32), dd_mul(k->j[0], k->d31)),
+       steep = dd_div(dd_mul(k->j[1], k->d21), dd_mul(k->j[2], k->d31));
+    dd y = dd_add(dd_mul(dd_mul(k->j[1], k->d21), square[1]),
+                  dd_mul(dd_mul(k->j[2], k->d31), square[2]));
+    dd z = dd_sub(dd_mul(dd_mul(k->j[2], k->d32), square[2]),
+                  dd_mul(dd_mul(k->j[0], k->d21), square[0]));
+    *x = dd_add(dd_mul(dd_mul(k->j[0], k->d31), square[0]),
+                dd_mul(dd_mul(k->j[1], k->d32), square[1]));
     a[0] = dd_sqrt(dd_add(square[0], dd_mul(flat, square[1])));
     a[1] = dd_sqrt(dd_add(square[1], dd_div(square[0], flat)));
     a[2] = dd_sqrt(dd_add(square[2], dd_mul(steep, square[1])));
@@ -154,7 +170,8 @@ static dd amplitudes(free_body *b, const moments *k, const dd *restrict w, dd *r
 static void prepare_signs(free_body *b, dd *restrict w, const dd *restrict a, const dd *restrict n)
 {
     double parity = (b->axis[1] + 3 - b->axis[0]) % 3 == 1 ? 1.0 : -1.0;
-    double sign[3] = {b->j.kind == SEPARATRIX ? copysign(1.0, w[0].hi) : 1.0, 1.0, copysign(1.0, w[2].hi)};
+    double sign[3]
+        = {b->j.kind == SEPARATRIX ? copysign(1.0, w[0].hi) : 1.0, 1.0, copysign(1.0, w[2].hi)};
     sign[1] = sign[0] * sign[2] * parity * b->order;
     for (int i = 0; i < 3; i++) {
         b->size[i] = sign[i] * dd_round(a[i]), b->direction[i] = sign[i] * dd_round(n[i]);
@@ -165,7 +182,8 @@ static void prepare_signs(free_body *b, dd *restrict w, const dd *restrict a, co
     b->along[b->axis[2]] = sign[2];
 }
 
-/* What the motion is counted from: with turn and tilt at the start taken away, `base` is the given attitude. */
+/* What the motion is counted from: with turn and tilt at the start taken away, `base` is the given
+ * attitude. */
 static void prepare_frame(free_body *b)
 {
     jacobi_points p;
@@ -197,7 +215,8 @@ static void prepare_tumbling(free_body *b, const double *restrict inertia)
     dd w[3], a[3], n[3], x, one = dd_of(1.0);
     for (int i = 0; i < 3; i++)
         w[i] = b->w[b->axis[i]], k.j[i] = dd_of(inertia[b->axis[i]]);
-    k.d32 = two_sum(k.j[2].hi, -k.j[1].hi), k.d31 = two_sum(k.j[2].hi, -k.j[0].hi), k.d21 = two_sum(k.j[1].hi, -k.j[0].hi);
+    k.d32 = two_sum(k.j[2].hi, -k.j[1].hi), k.d31 = two_sum(k.j[2].hi, -k.j[0].hi),
+    k.d21 = two_sum(k.j[1].hi, -k.j[0].hi);
     b->kind = TUMBLING, b->order = copysign(1.0, k.d31.hi);
     dd size = amplitudes(b, &k, w, a, n, &x), below = dd_mul(k.j[0], k.d32);
     dd p = dd_div(dd_mul(k.j[1], k.d31), below), above = dd_div(dd_mul(k.j[2], k.d21), below);
@@ -217,8 +236,8 @@ static void exchange(int *a, int *b)
     *a = *b, *b = kept;
 }
 
-/* Labels: 2 the middle axis, 3 the one whose side of the separatrix J1 (J2-J1) w1^2 = J3 (J3-J2) w3^2 the body is on, or the axis
- * of symmetry. */
+/* Labels: 2 the middle axis, 3 the one whose side of the separatrix J1 (J2-J1) w1^2 = J3 (J3-J2)
+ * w3^2 the body is on, or the axis of symmetry. */
 static void label(free_body *b, const double *restrict inertia)
 {
     int *axis = b->axis;
@@ -233,14 +252,17 @@ static void label(free_body *b, const double *restrict inertia)
         exchange(&axis[0], &axis[2]);
 }
 
-/* Steady: about a principal axis, or so close to a stable one that the tilt, 1e-30, is beyond all digits. */
-static void prepare(free_body *b, const double *restrict inertia, const double *restrict attitude, const double *restrict omega)
+/* Steady: about a principal axis, or so close to a stable one that the tilt, 1e-30, is beyond all
+ * digits. */
+static void prepare(free_body *b, const double *restrict inertia, const double *restrict attitude,
+                    const double *restrict omega)
 {
     dd q[4];
     quaternion_body(attitude, omega, q, b->w);
     rounded(q, 4, b->base);
     label(b, inertia);
-    double j1 = inertia[b->axis[0]], j2 = inertia[b->axis[1]], j3 = inertia[b->axis[2]], w3 = b->w[b->axis[2]].hi;
+    double j1 = inertia[b->axis[0]], j2 = inertia[b->axis[1]], j3 = inertia[b->axis[2]],
+           w3 = b->w[b->axis[2]].hi;
     double across = dd_add(dd_square(b->w[b->axis[0]]), dd_square(b->w[b->axis[1]])).hi;
     int is_middle = b->w[b->axis[0]].hi == 0.0 && w3 == 0.0, is_symmetric = j1 == j2;
     if (j1 == j3 || is_middle || across <= 1e-60 * w3 * w3 || (is_symmetric && w3 == 0.0))

@@ -1,19 +1,26 @@
-/* A gas of equal spheres under a linear contact law with friction, in a periodic box, between planes or in the open.
+/* A gas of equal spheres under a linear contact law with friction, in a periodic box, between
+ * planes or in the open.
  *
- * Velocity Verlet (Swope et al. 1982), synchronous; what depends on velocities sees those of the end of the step, predicted with the last
- * acceleration. Verlet's list (1967) of pairs closer than a diameter and a skin is rebuilt, from a counting sort of the bodies into cells,
- * before the two fastest bodies could have crossed the skin. Bodies lie in memory in the order of their cells. Work is done on a velocity
- * only while a contact lasts, and on an attitude only when its spin changes. Impulses are rounded to a grid on which velocities lie, and
- * given to both bodies of a pair with opposite signs: sums are then exact, and so is total momentum. Positions are kept in the box, with
- * whole boxes counted apart, so that a body's velocity knows nothing of the walls of the box.
+ * Velocity Verlet (Swope et al. 1982), synchronous; what depends on velocities sees those of the
+ * end of the step, predicted with the last acceleration. Verlet's list (1967) of pairs closer than
+ * a diameter and a skin is rebuilt, from a counting sort of the bodies into cells, before the two
+ * fastest bodies could have crossed the skin. Bodies lie in memory in the order of their cells.
+ * Work is done on a velocity only while a contact lasts, and on an attitude only when its spin
+ * changes. Impulses are rounded to a grid on which velocities lie, and given to both bodies of a
+ * pair with opposite signs: sums are then exact, and so is total momentum. Positions are kept in
+ * the box, with whole boxes counted apart, so that a body's velocity knows nothing of the walls of
+ * the box.
  *
- * Threads own bodies that are neighbours in memory. Each finds the contacts of its own, and gathers for its own, from all contacts in the
- * order of the list: the result has the same bits for any number of threads.
+ * Threads own bodies that are neighbours in memory. Each finds the contacts of its own, and gathers
+ * for its own, from all contacts in the order of the list: the result has the same bits for any
+ * number of threads.
  */
 #include "gas_contact.h"
 #include "gas_list.h"
 
-#define GRID 8.0      /* times the fastest body at the start: faster ones are still right, but no longer on the grid */
+#define GRID                                                                                       \
+    8.0 /* times the fastest body at the start: faster ones are still right, but no longer on the  \
+           grid */
 
 int64_t refdem_gas_room(const refdem_gas *p, int64_t threads)
 {
@@ -44,10 +51,12 @@ static void touch(gas *g, share *t, int rank, double time)
         c->a = t->a[m], c->b = t->b[m], c->deep = deep;
         moved(c->n, n);
         if (!was && t->events < g->most)
-            t->event[2 * t->events] = time, t->event[2 * t->events + 1] = (double)g->now.label[c->a];
+            t->event[2 * t->events] = time,
+                         t->event[2 * t->events + 1] = (double)g->now.label[c->a];
         t->events += !was;
         if (g->p->friction > 0.0)
-            stretch(g, c, was ? before + (was > 0 ? was : -was) - 1 : NULL, was < 0 ? -1.0 : 1.0, time != 0.0);
+            stretch(g, c, was ? before + (was > 0 ? was : -was) - 1 : NULL, was < 0 ? -1.0 : 1.0,
+                    time != 0.0);
         press(g, c);
         if (c->b >= 0 && (c->b < t->from || c->b >= t->to))
             t->out[t->crossing++] = (int32_t)t->contacts;
@@ -71,7 +80,8 @@ static inline void given(gas *g, share *t, int64_t i, double sign, const contact
         turn[k] += c->twist[k];
 }
 
-/* The kicks of the share's own bodies, from all contacts in the order of the list, and the work of its own contacts. */
+/* The kicks of the share's own bodies, from all contacts in the order of the list, and the work of
+ * its own contacts. */
 static void gathered(gas *g, share *t, int rank)
 {
     for (int64_t k = 0; k < t->touched; k++) {
@@ -100,16 +110,19 @@ static void gathered(gas *g, share *t, int rank)
     }
 }
 
-/* q (4) turned by the rotation vector w time, exactly, and put back to unit length by one step of Newton's. */
+/* q (4) turned by the rotation vector w time, exactly, and put back to unit length by one step of
+ * Newton's. */
 static void turned(const double *w, double time, const double *q, double *out)
 {
-    double angle = 0.5 * time * sqrt(dot(w, w)), part = angle != 0.0 ? 0.5 * time * sin(angle) / angle : 0.5 * time, c = cos(angle);
+    double angle = 0.5 * time * sqrt(dot(w, w)),
+           part = angle != 0.0 ? 0.5 * time * sin(angle) / angle : 0.5 * time, c = cos(angle);
     double v[3] = {part * w[0], part * w[1], part * w[2]}, across[3], found[4];
     cross(v, q + 1, across);
     found[0] = c * q[0] - dot(v, q + 1);
     for (int k = 0; k < 3; k++)
         found[1 + k] = c * q[1 + k] + q[0] * v[k] + across[k];
-    double unit = angle != 0.0 ? 1.5 - 0.5 * (found[0] * found[0] + dot(found + 1, found + 1)) : 1.0;
+    double unit
+        = angle != 0.0 ? 1.5 - 0.5 * (found[0] * found[0] + dot(found + 1, found + 1)) : 1.0;
     for (int k = 0; k < 4; k++)
         out[k] = found[k] * unit;
 }
@@ -126,7 +139,8 @@ static void kick(gas *g, share *t, int64_t taken)
             continue;
         double *w = g->now.w + 3 * i;
         if (g->since[label] != taken)
-            turned(w, (double)(taken - g->since[label]) * g->h, g->attitude + 4 * label, g->attitude + 4 * label);
+            turned(w, (double)(taken - g->since[label]) * g->h, g->attitude + 4 * label,
+                   g->attitude + 4 * label);
         g->since[label] = (int32_t)taken;
         add(w, 1.0, g->now.turn + 3 * i);
     }
@@ -141,7 +155,8 @@ static void drift(const gas *g, const share *t)
         x[i] += h * v[i];
 }
 
-/* The share's bodies at sample s; once for all, contacts and work: lost, less half a step of power and what tangential springs hold. */
+/* The share's bodies at sample s; once for all, contacts and work: lost, less half a step of power
+ * and what tangential springs hold. */
 static void recorded(gas *g, share *t, int rank, int64_t s, int64_t taken)
 {
     for (int64_t i = t->from; i < t->to; i++) {
@@ -152,7 +167,8 @@ static void recorded(gas *g, share *t, int rank, int64_t s, int64_t taken)
         if (!g->p->turning)
             continue;
         moved(g->out_w + 3 * row, g->now.w + 3 * i);
-        turned(g->now.w + 3 * i, (double)(taken - g->since[label]) * g->h, g->attitude + 4 * label, g->out_q + 4 * row);
+        turned(g->now.w + 3 * i, (double)(taken - g->since[label]) * g->h, g->attitude + 4 * label,
+               g->out_q + 4 * row);
     }
     together(&g->team);
     if (rank > 0)
@@ -162,7 +178,8 @@ static void recorded(gas *g, share *t, int rank, int64_t s, int64_t taken)
     for (int64_t i = 0; i < g->n; i++)
         work += g->lost[i];
     for (int64_t k = 0; k < g->threads; k++) {
-        const contact *c = g->contact[t->side] + k * g->p->most_contacts, *end = c + g->share[k].contacts;
+        const contact *c = g->contact[t->side] + k * g->p->most_contacts,
+                      *end = c + g->share[k].contacts;
         for (channel[0] += (double)g->share[k].contacts; c < end; c++)
             work -= 0.5 * g->h * c->power + stored(g, c);
     }
@@ -186,7 +203,8 @@ static double fastest(const gas *g)
     return most;
 }
 
-/* Contacts at time `taken` steps, and the kicks that they give. Returns 1 if some share had no room. */
+/* Contacts at time `taken` steps, and the kicks that they give. Returns 1 if some share had no
+ * room. */
 static int met(gas *g, share *t, int rank, int64_t taken)
 {
     touch(g, t, rank, (double)taken * g->h);
@@ -230,25 +248,29 @@ static void begun(gas *g, double step)
     int64_t n = g->n;
     double room = p->size > 0.0 ? 0.5 * p->size - p->diameter : SKIN * p->diameter, most = 0.0;
     size_t three = (size_t)(3 * n) * sizeof(double);
-    memcpy(g->now.x, g->out_x, three), memcpy(g->now.v, g->out_v, three), memset(g->now.kick, 0, three);
+    memcpy(g->now.x, g->out_x, three), memcpy(g->now.v, g->out_v, three),
+        memset(g->now.kick, 0, three);
     if (p->turning) {
         memcpy(g->now.w, g->out_w, three), memset(g->now.turn, 0, three);
         memcpy(g->attitude, g->out_q, (size_t)(4 * n) * sizeof(double));
     }
     memset(g->now.boxes, 0, (size_t)(3 * n) * sizeof(int32_t)), memset(g->now.mark, 0, (size_t)n);
-    memset(g->since, 0, (size_t)n * sizeof(int32_t)), memset(g->lost, 0, (size_t)n * sizeof(double));
+    memset(g->since, 0, (size_t)n * sizeof(int32_t)),
+        memset(g->lost, 0, (size_t)n * sizeof(double));
     for (int64_t i = 0; i < n; i++) {
         g->now.label[i] = (int32_t)i;
         most = fmax(most, dot(g->now.v + 3 * i, g->now.v + 3 * i));
     }
     most = sqrt(most);
     g->skin = fmin(SKIN * p->diameter, 0.9 * room), g->reach = p->diameter + g->skin, g->h = step;
-    g->round = most > 0.0 ? ldexp(0.75, ilogb(GRID * most) + 1) : 0.0; /* 1.5 2^52 times a grid of 2^-53 of the next power of two */
+    g->round = most > 0.0 ? ldexp(0.75, ilogb(GRID * most) + 1)
+                          : 0.0; /* 1.5 2^52 times a grid of 2^-53 of the next power of two */
     images_placed(g);
 }
 
-int64_t refdem_gas_run(const refdem_gas *p, int64_t threads, double step, int64_t samples, int64_t stride, int64_t most, uint8_t *room,
-                       int64_t *events, double *event, double *channel, double *position, double *velocity, double *omega,
+int64_t refdem_gas_run(const refdem_gas *p, int64_t threads, double step, int64_t samples,
+                       int64_t stride, int64_t most, uint8_t *room, int64_t *events, double *event,
+                       double *channel, double *position, double *velocity, double *omega,
                        double *attitude)
 {
     gas g = {.samples = samples, .stride = stride, .most = most, .channel = channel};

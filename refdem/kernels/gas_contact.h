@@ -1,14 +1,19 @@
-/* The contact of two equal spheres, or of one with a plane: linear spring and dashpot, tangential spring, Coulomb's limit.
+/* The contact of two equal spheres, or of one with a plane: linear spring and dashpot, tangential
+ * spring, Coulomb's limit.
  *
- * Cundall and Strack 1979; signs and levers are those of particles.h. The tangential spring grows by the slip of both halves of a step,
- * each with its own geometry, and turns with the normal in between; where it would exceed friction times the normal force it is cut.
+ * Cundall and Strack 1979; signs and levers are those of particles.h. The tangential spring grows
+ * by the slip of both halves of a step, each with its own geometry, and turns with the normal in
+ * between; where it would exceed friction times the normal force it is cut.
  */
 #ifndef REFDEM_GAS_CONTACT_H
 #define REFDEM_GAS_CONTACT_H
 
 #include "gas_state.h"
 
-static inline double dot(const double *a, const double *b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
+static inline double dot(const double *a, const double *b)
+{
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
 
 static inline void cross(const double *a, const double *b, double *out)
 {
@@ -46,9 +51,10 @@ static inline double overlap(const gas *g, int64_t a, int64_t b, int image, doub
     return d - r;
 }
 
-/* Velocity of a against b at the ends of their levers, without what is along the normal; `later`: as the last forces predict it for the
- * end of the step. Returns the rate of the overlap. */
-static inline double slips(const gas *g, const contact *c, const double *n, double deep, int later, double *slip)
+/* Velocity of a against b at the ends of their levers, without what is along the normal; `later`:
+ * as the last forces predict it for the end of the step. Returns the rate of the overlap. */
+static inline double slips(const gas *g, const contact *c, const double *n, double deep, int later,
+                           double *slip)
 {
     int64_t a = 3 * (int64_t)c->a, b = 3 * (int64_t)c->b;
     double arm = 0.5 * g->p->diameter - g->p->branch * deep, spin[3], turned[3];
@@ -70,13 +76,15 @@ static inline double slips(const gas *g, const contact *c, const double *n, doub
     return rate;
 }
 
-/* The tangential spring over the step: from that of the contact before, or from the moment at which a new one has begun; at the start
- * of a run it is slack. */
-static inline void stretch(const gas *g, contact *c, const contact *before, double sense, int has_moved)
+/* The tangential spring over the step: from that of the contact before, or from the moment at which
+ * a new one has begun; at the start of a run it is slack. */
+static inline void stretch(const gas *g, contact *c, const contact *before, double sense,
+                           int has_moved)
 {
     double slip[3], half = 0.5 * g->h;
     if (before == NULL) {
-        double rate = slips(g, c, c->n, c->deep, 0, slip), since = rate * g->h > 0.0 ? c->deep / rate : g->h;
+        double rate = slips(g, c, c->n, c->deep, 0, slip),
+               since = rate * g->h > 0.0 ? c->deep / rate : g->h;
         memset(c->bend, 0, sizeof c->bend);
         if (has_moved)
             add(c->bend, fabs(since) < fabs(g->h) ? since : g->h, slip);
@@ -84,7 +92,8 @@ static inline void stretch(const gas *g, contact *c, const contact *before, doub
     }
     double old[3], both[3];
     for (int k = 0; k < 3; k++)
-        old[k] = sense * before->n[k], c->bend[k] = sense * before->bend[k], both[k] = old[k] + c->n[k];
+        old[k] = sense * before->n[k], c->bend[k] = sense * before->bend[k],
+        both[k] = old[k] + c->n[k];
     slips(g, c, old, before->deep, 0, slip);
     add(c->bend, half, slip);
     add(c->bend, -dot(c->n, c->bend) / (1.0 + dot(old, c->n)), both);
@@ -92,11 +101,13 @@ static inline void stretch(const gas *g, contact *c, const contact *before, doub
     add(c->bend, half, slip);
 }
 
-/* Half a step's change of velocity, on the grid, and of spin; the power of damping and of friction. */
+/* Half a step's change of velocity, on the grid, and of spin; the power of damping and of friction.
+ */
 static inline void press(const gas *g, contact *c)
 {
     const refdem_gas *p = g->p;
-    double slip[3], rate = slips(g, c, c->n, c->deep, 1, slip), pull = p->damping * rate, normal = p->stiffness * c->deep + pull;
+    double slip[3], rate = slips(g, c, c->n, c->deep, 1, slip), pull = p->damping * rate,
+                    normal = p->stiffness * c->deep + pull;
     double ease = 0.5 * g->h / p->mass, force[3];
     if (p->no_pull && normal < 0.0)
         pull -= normal, normal = 0.0;
@@ -104,8 +115,10 @@ static inline void press(const gas *g, contact *c)
     for (int k = 0; k < 3; k++)
         force[k] = -normal * c->n[k];
     if (p->friction > 0.0) {
-        double limit = p->friction * fmax(normal, 0.0), held = p->tangential_stiffness * sqrt(dot(c->bend, c->bend));
-        double kept = held > limit ? limit / held : 1.0, rub[3], arm = 0.5 * p->diameter - p->branch * c->deep;
+        double limit = p->friction * fmax(normal, 0.0),
+               held = p->tangential_stiffness * sqrt(dot(c->bend, c->bend));
+        double kept = held > limit ? limit / held : 1.0, rub[3],
+               arm = 0.5 * p->diameter - p->branch * c->deep;
         for (int k = 0; k < 3; k++)
             c->bend[k] *= kept, rub[k] = -p->tangential_stiffness * c->bend[k], force[k] += rub[k];
         c->power -= dot(rub, slip);

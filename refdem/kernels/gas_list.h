@@ -1,16 +1,19 @@
-/* The bodies of a gas in the order of their cells, and Verlet's list of the pairs that may meet before it is rebuilt (gas.c).
+/* The bodies of a gas in the order of their cells, and Verlet's list of the pairs that may meet
+ * before it is rebuilt (gas.c).
  *
- * Positions are kept in the box, with whole boxes counted apart. The list has each pair once, from half of the cells around each body,
- * with the image by which the two are near; planes are -1 - k. Contacts that last are found again in a new list. Every thread does its
- * share, and the list is the same for any number of them.
+ * Positions are kept in the box, with whole boxes counted apart. The list has each pair once, from
+ * half of the cells around each body, with the image by which the two are near; planes are -1 - k.
+ * Contacts that last are found again in a new list. Every thread does its share, and the list is
+ * the same for any number of them.
  */
 #ifndef REFDEM_GAS_LIST_H
 #define REFDEM_GAS_LIST_H
 
 #include "gas_state.h"
 
-#define SKIN 0.5      /* diameters; measured: the flat minimum of cost at packing fractions of 1 to 5 % */
-#define LONGEST 1024  /* cells along an edge, at most */
+#define SKIN                                                                                       \
+    0.5 /* diameters; measured: the flat minimum of cost at packing fractions of 1 to 5 % */
+#define LONGEST 1024 /* cells along an edge, at most */
 
 /* d of the nearest image of a body, for bodies less than one box and a half apart. */
 static inline double nearest(double d, double size)
@@ -20,7 +23,10 @@ static inline double nearest(double d, double size)
 }
 
 /* Image of the box that is x, y, z = -1, 0 or 1 boxes away. */
-static inline int image_of(int x, int y, int z) { return ((x + 3) % 3) + 3 * ((y + 3) % 3) + 9 * ((z + 3) % 3); }
+static inline int image_of(int x, int y, int z)
+{
+    return ((x + 3) % 3) + 3 * ((y + 3) % 3) + 9 * ((z + 3) % 3);
+}
 
 static void images_placed(gas *g)
 {
@@ -46,7 +52,8 @@ static void wrapped(gas *g, share *t)
     }
 }
 
-/* Cells at least `reach` wide, not many more of them than bodies; 1 where the nearest images would meet a cell twice. */
+/* Cells at least `reach` wide, not many more of them than bodies; 1 where the nearest images would
+ * meet a cell twice. */
 static void measured(gas *g)
 {
     int64_t most = 1;
@@ -76,10 +83,12 @@ static inline int64_t cell_of(const gas *g, const double *x)
     return (at[2] * g->cells[1] + at[1]) * g->cells[0] + at[0];
 }
 
-/* Where the bodies of every cell and thread begin: a sum over cells, then over threads, each thread for its share of the cells. */
+/* Where the bodies of every cell and thread begin: a sum over cells, then over threads, each thread
+ * for its share of the cells. */
 static void counted(gas *g, share *t, int rank)
 {
-    int64_t all = g->cells[0] * g->cells[1] * g->cells[2], from = share_of(g, all, rank), to = share_of(g, all, rank + 1), sum = 0;
+    int64_t all = g->cells[0] * g->cells[1] * g->cells[2], from = share_of(g, all, rank),
+            to = share_of(g, all, rank + 1), sum = 0;
     for (int64_t k = 0; k < g->threads; k++)
         for (int64_t c = from; c < to; c++)
             sum += g->share[k].count[c];
@@ -100,7 +109,10 @@ static void counted(gas *g, share *t, int rank)
     together(&g->team);
 }
 
-static inline void moved(double *to, const double *from) { memcpy(to, from, 3 * sizeof(double)); }
+static inline void moved(double *to, const double *from)
+{
+    memcpy(to, from, 3 * sizeof(double));
+}
 
 /* The share's part of the sorted columns; its fastest body and those that are to be kicked. */
 static void permuted(gas *g, share *t)
@@ -111,7 +123,8 @@ static void permuted(gas *g, share *t)
     t->touched = 0;
     for (int64_t i = t->from; i < t->to; i++) {
         int64_t j = g->order[i];
-        moved(new->x + 3 * i, old->x + 3 * j), moved(new->v + 3 * i, old->v + 3 * j), moved(new->kick + 3 * i, old->kick + 3 * j);
+        moved(new->x + 3 * i, old->x + 3 * j), moved(new->v + 3 * i, old->v + 3 * j),
+            moved(new->kick + 3 * i, old->kick + 3 * j);
         if (g->p->turning)
             moved(new->w + 3 * i, old->w + 3 * j), moved(new->turn + 3 * i, old->turn + 3 * j);
         memcpy(new->boxes + 3 * i, old->boxes + 3 * j, 3 * sizeof(int32_t));
@@ -124,7 +137,8 @@ static void permuted(gas *g, share *t)
     t->fastest = sqrt(most);
 }
 
-/* Counting sort: the bodies in the order of their cells, and of their places before within a cell. */
+/* Counting sort: the bodies in the order of their cells, and of their places before within a cell.
+ */
 static void sorted(gas *g, share *t, int rank)
 {
     int64_t all = g->cells[0] * g->cells[1] * g->cells[2];
@@ -150,7 +164,8 @@ static void sorted(gas *g, share *t, int rank)
     together(&g->team);
 }
 
-/* Pairs of body i with those from `from` up to `to` in an image, as far as they are within reach. */
+/* Pairs of body i with those from `from` up to `to` in an image, as far as they are within reach.
+ */
 static inline void listed(gas *g, share *t, int64_t i, int64_t from, int64_t to, int image)
 {
     const double *x = g->now.x + 3 * i, *s = g->shift[image], reach2 = g->reach * g->reach;
@@ -164,7 +179,8 @@ static inline void listed(gas *g, share *t, int64_t i, int64_t from, int64_t to,
             t->failed = 1;
             return;
         }
-        t->a[t->pairs] = (int32_t)i, t->b[t->pairs] = (int32_t)j, t->image[t->pairs] = (uint8_t)image, t->was[t->pairs++] = 0;
+        t->a[t->pairs] = (int32_t)i, t->b[t->pairs] = (int32_t)j,
+        t->image[t->pairs] = (uint8_t)image, t->was[t->pairs++] = 0;
     }
 }
 
@@ -186,7 +202,8 @@ static void all_listed(gas *g, share *t, int64_t i)
 static void row_listed(gas *g, share *t, int64_t i, int64_t x, int64_t base, int own, int y, int z)
 {
     int64_t n = g->cells[0], low = own ? x : x > 0 ? x - 1 : 0, high = x + 1 < n ? x + 1 : n - 1;
-    listed(g, t, i, own ? i + 1 : g->start[base + low], g->start[base + high + 1], image_of(0, y, z));
+    listed(g, t, i, own ? i + 1 : g->start[base + low], g->start[base + high + 1],
+           image_of(0, y, z));
     if (!(g->p->size > 0.0))
         return;
     if (x == 0 && !own)
@@ -199,7 +216,8 @@ static void row_listed(gas *g, share *t, int64_t i, int64_t x, int64_t base, int
 static void neighbours_listed(gas *g, share *t, int64_t i)
 {
     static const int rows[5][2] = {{0, 0}, {1, 0}, {-1, 1}, {0, 1}, {1, 1}};
-    int64_t *n = g->cells, at = cell_of(g, g->now.x + 3 * i), x = at % n[0], y = at / n[0] % n[1], z = at / n[0] / n[1];
+    int64_t *n = g->cells, at = cell_of(g, g->now.x + 3 * i), x = at % n[0], y = at / n[0] % n[1],
+            z = at / n[0] / n[1];
     for (int k = 0; k < 5; k++) {
         int64_t to[2] = {y + rows[k][0], z + rows[k][1]};
         int over[2] = {0, 0};
@@ -222,7 +240,8 @@ static void planes_listed(gas *g, share *t, int64_t i)
             t->failed = 1;
             return;
         }
-        t->a[t->pairs] = (int32_t)i, t->b[t->pairs] = (int32_t)(-1 - k), t->image[t->pairs] = 0, t->was[t->pairs++] = 0;
+        t->a[t->pairs] = (int32_t)i, t->b[t->pairs] = (int32_t)(-1 - k), t->image[t->pairs] = 0,
+        t->was[t->pairs++] = 0;
     }
 }
 
@@ -237,13 +256,16 @@ static int64_t place_of(const share *t, int64_t a, int64_t b)
     return -1;
 }
 
-/* The list knows its contacts of the step before by number: k + 1, or -(k + 1) where a pair has changed its order. */
+/* The list knows its contacts of the step before by number: k + 1, or -(k + 1) where a pair has
+ * changed its order. */
 static void found_again(gas *g, share *t)
 {
     for (int64_t s = 0; s < g->threads; s++)
-        for (int64_t k = s * g->p->most_contacts; k < s * g->p->most_contacts + g->share[s].contacts; k++) {
+        for (int64_t k = s * g->p->most_contacts;
+             k < s * g->p->most_contacts + g->share[s].contacts; k++) {
             const contact *c = g->contact[t->side] + k;
-            int64_t same = place_of(t, c->a, c->b), turned = same < 0 && c->b >= 0 ? place_of(t, c->b, c->a) : -1;
+            int64_t same = place_of(t, c->a, c->b),
+                    turned = same < 0 && c->b >= 0 ? place_of(t, c->b, c->a) : -1;
             if (same >= 0)
                 t->was[same] = (int32_t)(k + 1);
             if (turned >= 0)

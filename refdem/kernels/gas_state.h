@@ -1,7 +1,8 @@
-/* What a run of a gas works on: columns of the bodies in the order of their cells, and every thread's share of pairs and contacts.
+/* What a run of a gas works on: columns of the bodies in the order of their cells, and every
+ * thread's share of pairs and contacts.
  *
- * All of it lies in one piece of memory. A thread owns the bodies `from` up to `to`, the listed pairs whose first body is its own, and
- * the contacts that it finds among them.
+ * All of it lies in one piece of memory. A thread owns the bodies `from` up to `to`, the listed
+ * pairs whose first body is its own, and the contacts that it finds among them.
  */
 #ifndef REFDEM_GAS_STATE_H
 #define REFDEM_GAS_STATE_H
@@ -11,10 +12,11 @@
 #include <math.h>
 #include <string.h>
 
-#define IMAGES 27 /* a body's own place and its neighbours in a periodic box; the first is the own */
+#define IMAGES                                                                                     \
+    27 /* a body's own place and its neighbours in a periodic box; the first is the own */
 
-/* Bodies a and b, or plane -1 - b; normal from a to b, overlap, tangential spring (of a against b), and half a step's change of the
- * velocity of a (-b), and of the spin of both. */
+/* Bodies a and b, or plane -1 - b; normal from a to b, overlap, tangential spring (of a against b),
+ * and half a step's change of the velocity of a (-b), and of the spin of both. */
 typedef struct {
     int32_t a, b;
     double n[3], deep, bend[3], push[3], twist[3], power;
@@ -50,9 +52,15 @@ typedef struct {
     share *share;
 } gas;
 
-static inline int64_t most_cells(const refdem_gas *p) { return 2 * p->bodies + 64; }
+static inline int64_t most_cells(const refdem_gas *p)
+{
+    return 2 * p->bodies + 64;
+}
 
-static inline int64_t share_of(const gas *g, int64_t whole, int64_t rank) { return whole * rank / g->threads; }
+static inline int64_t share_of(const gas *g, int64_t whole, int64_t rank)
+{
+    return whole * rank / g->threads;
+}
 
 /* `size` bytes at the next cache line. */
 static void *placed(uint8_t **at, int64_t size)
@@ -73,7 +81,8 @@ static void columns_placed(const refdem_gas *p, columns *c, uint8_t **at)
 static void share_placed(const gas *g, share *t, uint8_t **at)
 {
     const refdem_gas *p = g->p;
-    t->a = placed(at, 4 * p->most_pairs), t->b = placed(at, 4 * p->most_pairs), t->was = placed(at, 4 * p->most_pairs);
+    t->a = placed(at, 4 * p->most_pairs), t->b = placed(at, 4 * p->most_pairs),
+    t->was = placed(at, 4 * p->most_pairs);
     t->image = placed(at, p->most_pairs), t->out = placed(at, 4 * p->most_contacts);
     t->first = placed(at, 4 * (t->to - t->from + 1)), t->marked = placed(at, 4 * (t->to - t->from));
     t->count = placed(at, 4 * most_cells(p));
@@ -87,8 +96,10 @@ static int64_t laid_out(gas *g, const refdem_gas *p, int64_t threads, uint8_t *r
     g->p = p, g->n = n, g->threads = threads;
     g->share = placed(&at, threads * (int64_t)sizeof(share));
     columns_placed(p, &g->now, &at), columns_placed(p, &g->next, &at);
-    g->order = placed(&at, 4 * n), g->cell = placed(&at, 4 * n), g->gone = placed(&at, 4 * n), g->since = placed(&at, 4 * n);
-    g->start = placed(&at, 4 * (most_cells(p) + 1)), g->lost = placed(&at, 8 * n), g->attitude = placed(&at, p->turning ? 32 * n : 0);
+    g->order = placed(&at, 4 * n), g->cell = placed(&at, 4 * n), g->gone = placed(&at, 4 * n),
+    g->since = placed(&at, 4 * n);
+    g->start = placed(&at, 4 * (most_cells(p) + 1)), g->lost = placed(&at, 8 * n),
+    g->attitude = placed(&at, p->turning ? 32 * n : 0);
     for (int k = 0; k < 2; k++)
         g->contact[k] = placed(&at, threads * p->most_contacts * (int64_t)sizeof(contact));
     for (int64_t k = 0; k < threads; k++) {

@@ -1,6 +1,7 @@
 /* Threads that go through one piece of work side by side and wait for each other at barriers.
  *
- * A thread that waits spins for a while, for barriers are microseconds apart, and then lets others have its core.
+ * A thread that waits spins for a while, for barriers are microseconds apart, and then lets others
+ * have its core.
  */
 #ifndef REFDEM_GAS_TEAM_H
 #define REFDEM_GAS_TEAM_H
@@ -57,7 +58,8 @@ static void *on_duty(void *given)
     return NULL;
 }
 
-/* work(shared, rank) on every member, rank 0 on the caller's own thread. Returns 0, or 1 if a thread could not be had: nothing is done. */
+/* work(shared, rank) on every member, rank 0 on the caller's own thread. Returns 0, or 1 if a
+ * thread could not be had: nothing is done. */
 static int at_work(team *t, int members, void (*work)(void *shared, int rank), void *shared)
 {
     pthread_t thread[MOST_THREADS];

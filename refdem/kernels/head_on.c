@@ -1,7 +1,9 @@
-/* Head-on contact of two spheres with a linear spring and dashpot, in closed form: m d'' + c d' + k d = 0.
+/* Head-on contact of two spheres with a linear spring and dashpot, in closed form: m d'' + c d' + k
+ * d = 0.
  *
- * With m the effective mass, b = c/(2m), w0^2 = k/m, w^2 = w0^2 - b^2 and V the closing speed: d = V exp(-b t) sin(w t)/w, or
- * sinh(W t)/W, or t in place of sin(w t)/w. Either cut-off leaves the speed V exp(-b t_end) (Schwager and Poeschel 2007).
+ * With m the effective mass, b = c/(2m), w0^2 = k/m, w^2 = w0^2 - b^2 and V the closing speed: d =
+ * V exp(-b t) sin(w t)/w, or sinh(W t)/W, or t in place of sin(w t)/w. Either cut-off leaves the
+ * speed V exp(-b t_end) (Schwager and Poeschel 2007).
  */
 #include "double_double.h"
 #include "kernels.h"
@@ -13,11 +15,16 @@ typedef struct {
 
 static damped prepared(dd mass, double stiffness, double damping, int no_pull)
 {
-    dd b = dd_div(dd_of(0.5 * damping), mass), square = dd_sub(dd_div(dd_of(stiffness), mass), dd_square(b));
+    dd b = dd_div(dd_of(0.5 * damping), mass),
+       square = dd_sub(dd_div(dd_of(stiffness), mass), dd_square(b));
     damped s = {.decay = dd_round(b), .rate = sqrt(fabs(dd_round(square)))};
     s.kind = (square.hi > 0.0) - (square.hi < 0.0);
-    double lag = s.kind == 0 ? 1.0 / s.decay : s.kind > 0 ? atan2(s.rate, s.decay) / s.rate : atanh(s.rate / s.decay) / s.rate;
-    s.end = no_pull && damping > 0.0 ? 2.0 * lag : s.kind > 0 ? dd_round(dd_div(DD_PI, dd_sqrt(square))) : INFINITY;
+    double lag = s.kind == 0  ? 1.0 / s.decay
+                 : s.kind > 0 ? atan2(s.rate, s.decay) / s.rate
+                              : atanh(s.rate / s.decay) / s.rate;
+    s.end = no_pull && damping > 0.0 ? 2.0 * lag
+            : s.kind > 0             ? dd_round(dd_div(DD_PI, dd_sqrt(square)))
+                                     : INFINITY;
     return s;
 }
 
@@ -33,12 +40,14 @@ static void pressed(const damped *s, double t, double *restrict overlap, double 
     *rate = size * (wave - s->decay * swing);
 }
 
-int refdem_head_on(double mass1, double mass2, double stiffness, double damping, int no_pull, double overlap, double closing,
-                   int64_t samples, const double *t, double *touch, double *out)
+int refdem_head_on(double mass1, double mass2, double stiffness, double damping, int no_pull,
+                   double overlap, double closing, int64_t samples, const double *t, double *touch,
+                   double *out)
 {
     dd total = two_sum(mass1, mass2), mass = dd_div(two_product(mass1, mass2), total);
     damped s = prepared(mass, stiffness, damping, no_pull);
-    double m = dd_round(mass), begin = closing > 0.0 ? fmax(0.0, -overlap / closing) : INFINITY, left, speed;
+    double m = dd_round(mass), begin = closing > 0.0 ? fmax(0.0, -overlap / closing) : INFINITY,
+           left, speed;
     pressed(&s, fmin(s.end, 1e300), &left, &speed);
     left = no_pull && damping > 0.0 ? left * closing : 0.0;
     speed = -closing * exp(-s.decay * s.end);
@@ -54,7 +63,8 @@ int refdem_head_on(double mass1, double mass2, double stiffness, double damping,
         }
         out[2] = presses ? 1.0 : 0.0;
         out[3] = presses ? stiffness * *d + damping * *rate : 0.0;
-        out[4] = 0.5 * m * (closing - *rate) * (closing + *rate) - 0.5 * stiffness * fmax(*d, 0.0) * fmax(*d, 0.0);
+        out[4] = 0.5 * m * (closing - *rate) * (closing + *rate)
+                 - 0.5 * stiffness * fmax(*d, 0.0) * fmax(*d, 0.0);
     }
     touch[0] = begin, touch[1] = begin + s.end;
     return 0;

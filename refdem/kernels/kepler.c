@@ -1,17 +1,18 @@
 /* A point in Newton's central field, bound orbits, in closed form.
  *
- * alpha = 1/a = 2/r - v^2/gm, n = sqrt(gm alpha^3), e cos E0 = 1 - r alpha, e sin E0 = (r.v) sqrt(alpha/gm); Kepler's equation
- * M = E - e sin E; r = a (cos E - e) P + a sqrt(1 - e^2) sin E Q (Danby, Fundamentals of Celestial Mechanics, 6.2-6.8).
- * The mean anomaly counts from periapsis in double-double: near it M is small, and so is its error.
+ * alpha = 1/a = 2/r - v^2/gm, n = sqrt(gm alpha^3), e cos E0 = 1 - r alpha, e sin E0 = (r.v)
+ * sqrt(alpha/gm); Kepler's equation M = E - e sin E; r = a (cos E - e) P + a sqrt(1 - e^2) sin E Q
+ * (Danby, Fundamentals of Celestial Mechanics, 6.2-6.8). The mean anomaly counts from periapsis in
+ * double-double: near it M is small, and so is its error.
  */
 #include "elliptic.h"
 #include "kernels.h"
 
 typedef struct {
-    dd rate, start;          /* n and M at the start */
-    double e, less, flat;    /* e, 1 - e, sqrt(1 - e^2) */
-    double a, speed;         /* a, n a */
-    double p[3], q[3];       /* towards periapsis; a quarter turn on */
+    dd rate, start;       /* n and M at the start */
+    double e, less, flat; /* e, 1 - e, sqrt(1 - e^2) */
+    double a, speed;      /* a, n a */
+    double p[3], q[3];    /* towards periapsis; a quarter turn on */
     double t0, position[3], velocity[3];
     int64_t samples;
     const double *t;
@@ -31,12 +32,15 @@ static double excess(double x, double s)
     return sum;
 }
 
-/* Cos and sin of E for M in -pi..pi: Danby's start and quartic steps (6.6.7), the last one on the residual with M's low part. */
+/* Cos and sin of E for M in -pi..pi: Danby's start and quartic steps (6.6.7), the last one on the
+ * residual with M's low part. */
 static void eccentric(const orbit *o, dd mean, double *restrict c, double *restrict s)
 {
-    double m = mean.hi, x = fabs(m) < 0.1 * o->less ? m / o->less : m + copysign(0.85 * o->e, m), change = 1.0;
+    double m = mean.hi, x = fabs(m) < 0.1 * o->less ? m / o->less : m + copysign(0.85 * o->e, m),
+           change = 1.0;
     for (int i = 0; i < 30 && fabs(change) > 1e-9 * fabs(x); i++) {
-        double s0 = sin(x), f = o->less * x + o->e * excess(x, s0) - m, sine = o->e * s0, cosine = o->e * cos(x), slope = 1.0 - cosine;
+        double s0 = sin(x), f = o->less * x + o->e * excess(x, s0) - m, sine = o->e * s0,
+               cosine = o->e * cos(x), slope = 1.0 - cosine;
         double first = -f / slope, second = -f / (slope + 0.5 * first * sine);
         change = -f / (slope + 0.5 * second * sine + second * second * cosine / 6.0);
         x += change;
@@ -48,18 +52,21 @@ static void eccentric(const orbit *o, dd mean, double *restrict c, double *restr
 }
 
 /* 0, or 1 if the orbit is not bound or goes through the centre. */
-static int prepare(orbit *o, double gm, const double *restrict position, const double *restrict velocity)
+static int prepare(orbit *o, double gm, const double *restrict position,
+                   const double *restrict velocity)
 {
     dd r[3], v[3], one = dd_of(1.0), mu = dd_of(gm);
     for (int i = 0; i < 3; i++)
         r[i] = dd_of(position[i]), v[i] = dd_of(velocity[i]);
-    dd distance = dd_sqrt(dd_dot(r, r)), alpha = dd_sub(dd_div(dd_of(2.0), distance), dd_div(dd_dot(v, v), mu));
+    dd distance = dd_sqrt(dd_dot(r, r)),
+       alpha = dd_sub(dd_div(dd_of(2.0), distance), dd_div(dd_dot(v, v), mu));
     if (!(alpha.hi > 0.0))
         return 1;
     dd root = dd_sqrt(dd_div(alpha, mu)), a = dd_div(one, alpha);
     dd cosine = dd_sub(one, dd_mul(distance, alpha)), sine = dd_mul(dd_dot(r, v), root);
     dd e = dd_sqrt(dd_add(dd_square(cosine), dd_square(sine)));
-    dd square = dd_mul(dd_sub(dd_mul(dd_dot(r, r), dd_dot(v, v)), dd_square(dd_dot(r, v))), dd_div(alpha, mu));
+    dd square = dd_mul(dd_sub(dd_mul(dd_dot(r, r), dd_dot(v, v)), dd_square(dd_dot(r, v))),
+                       dd_div(alpha, mu));
     if (!(square.hi > 1e-16))
         return 1;
     dd flat = dd_sqrt(square), anomaly = angle_of(sine, cosine), c = one, s = dd_of(0.0);
@@ -67,7 +74,8 @@ static int prepare(orbit *o, double gm, const double *restrict position, const d
         c = dd_div(cosine, e), s = dd_div(sine, e);
     o->rate = dd_mul(alpha, dd_sqrt(dd_mul(mu, alpha)));
     o->start = dd_sub(anomaly, sine);
-    o->e = e.hi, o->less = dd_div(square, dd_add(one, e)).hi, o->flat = flat.hi, o->a = a.hi, o->speed = dd_mul(o->rate, a).hi;
+    o->e = e.hi, o->less = dd_div(square, dd_add(one, e)).hi, o->flat = flat.hi, o->a = a.hi,
+    o->speed = dd_mul(o->rate, a).hi;
     for (int i = 0; i < 3; i++) {
         dd out = dd_div(r[i], distance), on = dd_div(v[i], dd_sqrt(dd_mul(mu, alpha)));
         o->position[i] = position[i], o->velocity[i] = velocity[i];
@@ -83,11 +91,13 @@ int64_t refdem_kepler_size(void)
 }
 
 REFDEM_EVERY_CPU
-int refdem_kepler_prepare(double gm, const double *position, const double *velocity, double t0, int64_t samples, const double *t,
-                          double *out_position, double *out_velocity, double *motion)
+int refdem_kepler_prepare(double gm, const double *position, const double *velocity, double t0,
+                          int64_t samples, const double *t, double *out_position,
+                          double *out_velocity, double *motion)
 {
     orbit *o = (orbit *)motion;
-    o->t0 = t0, o->samples = samples, o->t = t, o->out_position = out_position, o->out_velocity = out_velocity;
+    o->t0 = t0, o->samples = samples, o->t = t, o->out_position = out_position,
+    o->out_velocity = out_velocity;
     return prepare(o, gm, position, velocity);
 }
 
@@ -109,7 +119,8 @@ int refdem_kepler_run(const double *motion)
         dd mean = dd_add(o->start, dd_mul(o->rate, two_sum(t[n], -o->t0)));
         eccentric(o, dd_reduced(mean, turn, &odd), &c, &s);
         double small = s * s / (1.0 + fabs(c)), above = c > 0.0 ? small : 1.0 - c; /* 1 - cos E */
-        double x = o->a * (o->less - above), y = o->a * o->flat * s, per = o->speed / (o->less + o->e * above);
+        double x = o->a * (o->less - above), y = o->a * o->flat * s,
+               per = o->speed / (o->less + o->e * above);
         for (int i = 0; i < 3; i++) {
             out_position[3 * n + i] = x * o->p[i] + y * o->q[i];
             out_velocity[3 * n + i] = per * (o->flat * c * o->q[i] - s * o->p[i]);
@@ -118,11 +129,12 @@ int refdem_kepler_run(const double *motion)
     return 0;
 }
 
-int refdem_kepler(double gm, const double *position, const double *velocity, double t0, int64_t samples, const double *t,
-                  double *out_position, double *out_velocity)
+int refdem_kepler(double gm, const double *position, const double *velocity, double t0,
+                  int64_t samples, const double *t, double *out_position, double *out_velocity)
 {
     orbit o;
-    if (refdem_kepler_prepare(gm, position, velocity, t0, samples, t, out_position, out_velocity, (double *)&o))
+    if (refdem_kepler_prepare(gm, position, velocity, t0, samples, t, out_position, out_velocity,
+                              (double *)&o))
         return 1;
     return refdem_kepler_run((const double *)&o);
 }

@@ -1,28 +1,36 @@
-/* Verlet's method on a lattice: places and velocities are whole numbers of their units, so that every kick and drift is undone exactly.
+/* Verlet's method on a lattice: places and velocities are whole numbers of their units, so that
+ * every kick and drift is undone exactly.
  *
- * D. Levesque and L. Verlet, J. Stat. Phys. 72 (1993) 519; here in velocity form: V += [h a(X)/2], X += [h V], V += [h a(X)/2], [] to
- * the nearest whole number. With time reversed the same whole numbers are taken away again. Nothing is lost in large sums either.
+ * D. Levesque and L. Verlet, J. Stat. Phys. 72 (1993) 519; here in velocity form: V += [h a(X)/2],
+ * X += [h V], V += [h a(X)/2], [] to the nearest whole number. With time reversed the same whole
+ * numbers are taken away again. Nothing is lost in large sums either.
  */
 #include "kernels.h"
 #include "simd.h"
 
 static inline double acceleration(const refdem_lattice *p, double x)
 {
-    double size = fabs(x), pull = p->exponent == 1.0 ? p->stiffness * x : copysign(p->stiffness * pow(size, p->exponent), x);
+    double size = fabs(x), pull = p->exponent == 1.0
+                                      ? p->stiffness * x
+                                      : copysign(p->stiffness * pow(size, p->exponent), x);
     return (p->weight - pull - x * x * (p->quadratic + p->cubic * x)) / p->mass;
 }
 
-/* The whole number nearest to part * count, though count may have more bits than binary64, and so may the product. */
+/* The whole number nearest to part * count, though count may have more bits than binary64, and so
+ * may the product. */
 static inline int64_t share(double part, int64_t count)
 {
     double rough = (double)count;
     dd product = two_product(part, rough);
     int64_t whole = llrint(product.hi);
-    return whole + llrint((product.hi - (double)whole) + fma(part, (double)(count - (int64_t)rough), product.lo));
+    return whole
+           + llrint((product.hi - (double)whole)
+                    + fma(part, (double)(count - (int64_t)rough), product.lo));
 }
 
 REFDEM_EVERY_CPU
-int refdem_lattice_verlet(const refdem_lattice *p, double x0, double v0, double h, int64_t samples, int64_t stride, double *out)
+int refdem_lattice_verlet(const refdem_lattice *p, double x0, double v0, double h, int64_t samples,
+                          int64_t stride, double *out)
 {
     int64_t place = llrint(x0 / p->place), speed = llrint(v0 / p->speed);
     double kick = 0.5 * h / p->speed, drift = h * p->speed / p->place;

@@ -1,9 +1,11 @@
 /* A point on a line: linear spring, linear damping, constant and periodic forces, in closed form.
  *
- * About the equilibrium X'' + 2 b X' + w0^2 X = sum f cos(w s + psi), s = t - t0. Free part: exp(-b s) times cos, sin (b < w0), 1, s
- * (b = w0) or cosh, sinh (b > w0). A drive, from rest, where damping is light: with L = -b + i W, W^2 = w0^2 - b^2,
- *   x + ... = f/(2 W) Im(exp(i psi) K(L, i w) + exp(-i psi) K(L, -i w)),   K(L, M) = exp(M s) (exp((L - M) s) - 1)/(L - M),
- * which loses nothing at resonance, where L = M; where it is heavy: the steady motion and the free one that cancels it at the start.
+ * About the equilibrium X'' + 2 b X' + w0^2 X = sum f cos(w s + psi), s = t - t0. Free part: exp(-b
+ * s) times cos, sin (b < w0), 1, s (b = w0) or cosh, sinh (b > w0). A drive, from rest, where
+ * damping is light: with L = -b + i W, W^2 = w0^2 - b^2, x + ... = f/(2 W) Im(exp(i psi) K(L, i w)
+ * + exp(-i psi) K(L, -i w)),   K(L, M) = exp(M s) (exp((L - M) s) - 1)/(L - M), which loses nothing
+ * at resonance, where L = M; where it is heavy: the steady motion and the free one that cancels it
+ * at the start.
  */
 #include <complex.h>
 
@@ -19,9 +21,13 @@ enum { CRITICAL, UNDER, OVER };
 
 static linear prepared(double mass, double stiffness, double damping)
 {
-    dd m = dd_of(mass), square = dd_div(dd_of(stiffness), m), b = dd_div(dd_scale(dd_of(damping), 0.5), m);
+    dd m = dd_of(mass), square = dd_div(dd_of(stiffness), m),
+       b = dd_div(dd_scale(dd_of(damping), 0.5), m);
     dd gap = dd_sub(square, dd_square(b));
-    linear p = {dd_sqrt(square), b, dd_sqrt(dd_abs(gap)), gap.hi > 0.0 ? UNDER : gap.hi < 0.0 ? OVER : CRITICAL};
+    linear p = {dd_sqrt(square), b, dd_sqrt(dd_abs(gap)),
+                gap.hi > 0.0   ? UNDER
+                : gap.hi < 0.0 ? OVER
+                               : CRITICAL};
     return p;
 }
 
@@ -36,7 +42,8 @@ static void shapes(const linear *p, dd s, double *restrict c, double *restrict d
     } else if (p->kind == CRITICAL) {
         *c = exp(-dd_round(dd_mul(p->decay, s)));
         *d = *c * dd_round(s);
-    } else { /* the slow rate b - W = w0^2/(b + W), without cancellation; backwards both are as they are */
+    } else { /* the slow rate b - W = w0^2/(b + W), without cancellation; backwards both are as they
+                are */
         dd slow = dd_div(dd_square(p->rate), dd_add(p->decay, p->width));
         double fade = exp(-dd_round(dd_mul(slow, s))), rest = expm1(-2.0 * dd_round(phase));
         *c = fade * (1.0 + 0.5 * rest), *d = -0.5 * fade * rest / p->width.hi;
@@ -44,7 +51,8 @@ static void shapes(const linear *p, dd s, double *restrict c, double *restrict d
 }
 
 /* The free motion after s from X, V. */
-static void freely(const linear *p, dd s, double from, double speed, double *restrict x, double *restrict v)
+static void freely(const linear *p, dd s, double from, double speed, double *restrict x,
+                   double *restrict v)
 {
     double c, d, b = p->decay.hi, square = p->rate.hi * p->rate.hi;
     shapes(p, s, &c, &d);
@@ -66,26 +74,31 @@ static double complex answer(dd decay, dd gap, dd w, dd s)
 }
 
 /* A drive of light damping from rest. */
-static void resounding(const linear *p, dd s, double f, double w, double c0, double s0, double *restrict x, double *restrict v)
+static void resounding(const linear *p, dd s, double f, double w, double c0, double s0,
+                       double *restrict x, double *restrict v)
 {
     dd up = dd_of(w), b = p->decay, wide = p->width;
-    double complex sum = CMPLX(c0, s0) * answer(b, dd_sub(wide, up), up, s) + CMPLX(c0, -s0) * answer(b, dd_add(wide, up), dd_neg(up), s);
+    double complex sum = CMPLX(c0, s0) * answer(b, dd_sub(wide, up), up, s)
+                         + CMPLX(c0, -s0) * answer(b, dd_add(wide, up), dd_neg(up), s);
     double scale = 0.5 * f / wide.hi;
     *x += scale * cimag(sum);
     *v += scale * cimag(CMPLX(-b.hi, wide.hi) * sum);
 }
 
 /* The steady motion at a phase whose cos and sin are given. */
-static void steady(const linear *p, double f, double w, double c, double s, double *restrict x, double *restrict v)
+static void steady(const linear *p, double f, double w, double c, double s, double *restrict x,
+                   double *restrict v)
 {
     dd up = dd_of(w);
-    double gap = dd_round(dd_sub(dd_square(p->rate), dd_square(up))), drag = 2.0 * p->decay.hi * w, size = gap * gap + drag * drag;
+    double gap = dd_round(dd_sub(dd_square(p->rate), dd_square(up))), drag = 2.0 * p->decay.hi * w,
+           size = gap * gap + drag * drag;
     *x = f * fma(gap, c, drag * s) / size;
     *v = f * w * fma(drag, c, -gap * s) / size;
 }
 
 /* A drive from rest: what it adds after s. */
-static void drive(const linear *p, dd s, double mass, const double *restrict d, double t0, double *restrict x, double *restrict v)
+static void drive(const linear *p, dd s, double mass, const double *restrict d, double t0,
+                  double *restrict x, double *restrict v)
 {
     double c0, s0, f = d[0] / mass, w = d[1];
     dd start = dd_add(two_product(w, t0), dd_of(d[2]));
@@ -103,7 +116,8 @@ static void drive(const linear *p, dd s, double mass, const double *restrict d, 
     *x -= x1, *v -= v1;
 }
 
-int refdem_linear_oscillator(const refdem_linear *p, double x0, double v0, double t0, int64_t samples, const double *t, double *out)
+int refdem_linear_oscillator(const refdem_linear *p, double x0, double v0, double t0,
+                             int64_t samples, const double *t, double *out)
 {
     linear b = prepared(p->mass, p->linear, p->damping);
     dd middle = dd_div(dd_of(p->weight), dd_of(p->linear));

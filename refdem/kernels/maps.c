@@ -1,13 +1,16 @@
-/* Maps applied again and again: the logistic map and equation, billiards in a rectangle and in a stadium.
+/* Maps applied again and again: the logistic map and equation, billiards in a rectangle and in a
+ * stadium.
  *
- * The rectangle is unfolded (the path is a straight line through mirrored tables), in double-double, so that nothing adds up from bounce
- * to bounce. The stadium goes from bounce to bounce; place and direction are put back on the wall and to length 1 each time, so that
- * only what the motion itself amplifies grows.
+ * The rectangle is unfolded (the path is a straight line through mirrored tables), in
+ * double-double, so that nothing adds up from bounce to bounce. The stadium goes from bounce to
+ * bounce; place and direction are put back on the wall and to length 1 each time, so that only what
+ * the motion itself amplifies grows.
  */
 #include "kernels.h"
 #include "double_double.h"
 
-int refdem_logistic(double eta, double x0, int64_t samples, const double *restrict n, double *restrict out)
+int refdem_logistic(double eta, double x0, int64_t samples, const double *restrict n,
+                    double *restrict out)
 {
     double x = x0;
     int64_t at = 0;
@@ -20,14 +23,16 @@ int refdem_logistic(double eta, double x0, int64_t samples, const double *restri
 }
 
 /* 1/(1 + (1/x0 - 1) e^(-eta n)), as x0/(x0 + (1 - x0) e^(-eta n)): no division by x0 = 0. */
-int refdem_logistic_flow(double eta, double x0, int64_t samples, const double *restrict n, double *restrict out)
+int refdem_logistic_flow(double eta, double x0, int64_t samples, const double *restrict n,
+                         double *restrict out)
 {
     for (int64_t k = 0; k < samples; k++)
         out[k] = x0 / (x0 + (1.0 - x0) * exp(-eta * n[k]));
     return 0;
 }
 
-/* One coordinate of the unfolded path: how many of its walls are behind it, and when it meets the next. */
+/* One coordinate of the unfolded path: how many of its walls are behind it, and when it meets the
+ * next. */
 typedef struct {
     double start, rate, size, sense;
     int64_t count;
@@ -40,7 +45,8 @@ static inline void ahead(unfolded *c)
     c->next = c->rate == 0.0 ? dd_of(INFINITY) : dd_div(reach, dd_of(fabs(c->rate)));
 }
 
-/* Its place in the table at time t: the unfolded one, less the tables passed, mirrored in every other. */
+/* Its place in the table at time t: the unfolded one, less the tables passed, mirrored in every
+ * other. */
 static inline double folded(const unfolded *c, dd t)
 {
     dd place = dd_add(dd_of(c->start), dd_mul(dd_of(c->rate), t));
@@ -49,14 +55,16 @@ static inline double folded(const unfolded *c, dd t)
     return fmax(-0.5 * c->size, fmin(0.5 * c->size, x));
 }
 
-int refdem_rectangle(double width, double height, const double *restrict start, int64_t samples, const double *restrict n,
-                     double *restrict out)
+int refdem_rectangle(double width, double height, const double *restrict start, int64_t samples,
+                     const double *restrict n, double *restrict out)
 {
     unfolded c[2];
     dd t = {0.0, 0.0};
     int64_t at = 0;
     for (int i = 0; i < 2; i++) {
-        c[i] = (unfolded){start[i], start[2 + i], i ? height : width, start[2 + i] > 0.0 ? 1.0 : -1.0, 0, {0.0, 0.0}};
+        c[i] = (unfolded){
+            start[i], start[2 + i], i ? height : width, start[2 + i] > 0.0 ? 1.0 : -1.0,
+            0,        {0.0, 0.0}};
         ahead(&c[i]);
     }
     if (start[2] == 0.0 && start[3] == 0.0)
@@ -72,15 +80,18 @@ int refdem_rectangle(double width, double height, const double *restrict start, 
         }
         for (int i = 0; i < 2; i++) {
             double mirrored = c[i].count % 2 ? -1.0 : 1.0;
-            out[4 * k + i] = i == last ? -mirrored * c[i].sense * 0.5 * c[i].size : at ? folded(&c[i], t) : start[i];
+            out[4 * k + i] = i == last ? -mirrored * c[i].sense * 0.5 * c[i].size
+                             : at      ? folded(&c[i], t)
+                                       : start[i];
             out[4 * k + 2 + i] = mirrored * start[2 + i];
         }
     }
     return 0;
 }
 
-/* On to the next bounce in a stadium of radius r and half length a of its straight walls: s is place and direction, arc the half circle
- * on which it stands (-1, 1), 0 if on none. Returns the half circle that it met, 0 for a straight wall. */
+/* On to the next bounce in a stadium of radius r and half length a of its straight walls: s is
+ * place and direction, arc the half circle on which it stands (-1, 1), 0 if on none. Returns the
+ * half circle that it met, 0 for a straight wall. */
 static inline int bounced(double r, double a, int arc, double *restrict s)
 {
     double x = s[0], y = s[1], u = s[2], v = s[3], up = v > 0.0 ? 1.0 : -1.0;
@@ -108,10 +119,11 @@ static inline int bounced(double r, double a, int arc, double *restrict s)
     return side;
 }
 
-int refdem_stadium(double width, double height, const double *restrict start, int64_t samples, const double *restrict n,
-                   double *restrict out)
+int refdem_stadium(double width, double height, const double *restrict start, int64_t samples,
+                   const double *restrict n, double *restrict out)
 {
-    double s[4] = {start[0], start[1], start[2], start[3]}, r = 0.5 * height, a = 0.5 * (width - height);
+    double s[4] = {start[0], start[1], start[2], start[3]}, r = 0.5 * height,
+           a = 0.5 * (width - height);
     int64_t at = 0;
     int arc = 0;
     for (int64_t k = 0; k < samples; k++) {

@@ -1,13 +1,17 @@
-/* Two spheres that rub on each other in a plane, by the linear law with a tangential spring: Taylor series of order 20 from event to event.
+/* Two spheres that rub on each other in a plane, by the linear law with a tangential spring: Taylor
+ * series of order 20 from event to event.
  *
- * Coordinates: overlap d, its rate g, the transverse relative velocity q (of j from i), the angle of the line of centres, spins, spring s.
- * With D = R - d, o = q/D and the force F = k d + c g along the line, f across it (on i):
- *   g' = -q o - F/m, q' = g o - f/m, spin_i' = l_i f/J_i (j alike), slip = l_i spin_i + l_j spin_j - q, l = R - branch d.
- * HOLDS: f = -k_t s, s' = slip. SLIPS: f = -side mu F, the spring as long as that force asks. FREE: f = 0, there is no friction or F
- * pulls. APART: straight on, for ever: nothing brings two spheres back, nor can a force that has ended press again.
- * Coefficients by the recurrences of products and of the quotient (Jorba and Zou 2005, proposition 1). Events are zeros of the series to
- * the last bit; a function that begins at a zero of its own is asked without it. The work lost is the integral of products of these
- * series, which turn twice as fast as the motion: its series has all terms of the products, so that it does not ask for shorter steps.
+ * Coordinates: overlap d, its rate g, the transverse relative velocity q (of j from i), the angle
+ * of the line of centres, spins, spring s. With D = R - d, o = q/D and the force F = k d + c g
+ * along the line, f across it (on i): g' = -q o - F/m, q' = g o - f/m, spin_i' = l_i f/J_i (j
+ * alike), slip = l_i spin_i + l_j spin_j - q, l = R - branch d. HOLDS: f = -k_t s, s' = slip.
+ * SLIPS: f = -side mu F, the spring as long as that force asks. FREE: f = 0, there is no friction
+ * or F pulls. APART: straight on, for ever: nothing brings two spheres back, nor can a force that
+ * has ended press again. Coefficients by the recurrences of products and of the quotient (Jorba and
+ * Zou 2005, proposition 1). Events are zeros of the series to the last bit; a function that begins
+ * at a zero of its own is asked without it. The work lost is the integral of products of these
+ * series, which turn twice as fast as the motion: its series has all terms of the products, so that
+ * it does not ask for shorter steps.
  */
 #include "kernels.h"
 #include "series_zeros.h"
@@ -19,8 +23,8 @@ enum { D, G, Q, TURN, SPIN_I, SPIN_J, ANGLE_I, ANGLE_J, WORK, STATES };
 typedef refdem_oblique_pair pair;
 typedef double series[ORDER + 1];
 
-/* A stretch: series of the state but for the work, of the forces along and across, of the slip, of the spring and of the work that is
- * lost; where it ends and the mode after it. */
+/* A stretch: series of the state but for the work, of the forces along and across, of the slip, of
+ * the spring and of the work that is lost; where it ends and the mode after it. */
 typedef struct {
     series y[WORK], force, across, slip, spring;
     double work[2 * ORDER + 1];
@@ -28,36 +32,42 @@ typedef struct {
     int next;
 } stretch;
 
-/* Now: time, state, spring; side of the slip; how many zeros of the overlap and of the limit it begins with. */
+/* Now: time, state, spring; side of the slip; how many zeros of the overlap and of the limit it
+ * begins with. */
 typedef struct {
     double now, y[STATES], spring;
     int mode, side, touch, fresh;
 } motion;
 
-/* Products of series of the state: overlap with spins, with the force across and with the turning of the line o; o with q and g. */
+/* Products of series of the state: overlap with spins, with the force across and with the turning
+ * of the line o; o with q and g. */
 typedef struct {
     growing spun, levered, turned, swept, thrown;
 } products;
 
 /* Coefficients n of the force, of the slip and of the force across, from those of the state. */
-static inline void pressed(const pair *p, const motion *m, stretch *restrict z, products *restrict by, int n)
+static inline void pressed(const pair *p, const motion *m, stretch *restrict z,
+                           products *restrict by, int n)
 {
     double d = z->y[D][n], wi = z->y[SPIN_I][n], wj = z->y[SPIN_J][n], spins = wi + wj;
     z->force[n] = p->stiffness * d + p->damping * z->y[G][n];
-    z->slip[n] = p->radius_i * wi + p->radius_j * wj - z->y[Q][n] - p->branch * coefficient(&by->spun, d, spins, n);
+    z->slip[n] = p->radius_i * wi + p->radius_j * wj - z->y[Q][n]
+                 - p->branch * coefficient(&by->spun, d, spins, n);
     z->across[n] = m->mode == HOLDS   ? -p->tangential_stiffness * z->spring[n]
                    : m->mode == SLIPS ? -m->side * p->friction * z->force[n]
                                       : 0.0;
     grow(&by->spun, d, spins, n);
 }
 
-/* The integral of the power c g^2 - f slip to the last product of what is known: row by row of the triangle of products, in vectors. */
+/* The integral of the power c g^2 - f slip to the last product of what is known: row by row of the
+ * triangle of products, in vectors. */
 static inline void spent(const pair *p, const motion *m, stretch *restrict z)
 {
     double g[ROOM], slip[ROOM], sum[2 * ROOM], friction = m->mode == FREE ? 0.0 : -1.0;
     for (int n = 0; n < ROOM; n++) {
         int is_known = n <= ORDER;
-        g[n] = is_known ? z->y[G][n] : 0.0, slip[n] = is_known ? z->slip[n] : 0.0, sum[n] = sum[ROOM + n] = 0.0;
+        g[n] = is_known ? z->y[G][n] : 0.0, slip[n] = is_known ? z->slip[n] : 0.0,
+        sum[n] = sum[ROOM + n] = 0.0;
     }
     for (int n = 0; n <= ORDER; n++) {
         double a = p->damping * g[n], b = friction * z->across[n];
@@ -78,44 +88,50 @@ static void expand(const pair *p, const motion *m, stretch *restrict z)
 {
     products by;
     double reach = 1.0 / (p->radius_i + p->radius_j - m->y[D]), first = m->y[Q] * reach;
-    cleared(&by.spun), cleared(&by.levered), cleared(&by.turned), cleared(&by.swept), cleared(&by.thrown);
+    cleared(&by.spun), cleared(&by.levered), cleared(&by.turned), cleared(&by.swept),
+        cleared(&by.thrown);
     for (int i = 0; i < WORK; i++)
         z->y[i][0] = m->y[i];
     z->spring[0] = m->spring;
     for (int n = 0; n < ORDER; n++) {
         pressed(p, m, z, &by, n);
         double part = PART[n + 1], d = z->y[D][n], g = z->y[G][n], q = z->y[Q][n], f = z->across[n];
-        double o = n ? (q + fma(d, first, by.turned.sum[n])) * reach : first, lever = p->branch * coefficient(&by.levered, d, f, n);
+        double o = n ? (q + fma(d, first, by.turned.sum[n])) * reach : first,
+               lever = p->branch * coefficient(&by.levered, d, f, n);
         z->y[D][n + 1] = g * part;
         z->y[G][n + 1] = -(coefficient(&by.swept, q, o, n) + p->ease * z->force[n]) * part;
         z->y[Q][n + 1] = (coefficient(&by.thrown, g, o, n) - p->ease * f) * part;
         z->y[SPIN_I][n + 1] = p->turn_ease_i * (p->radius_i * f - lever) * part;
         z->y[SPIN_J][n + 1] = p->turn_ease_j * (p->radius_j * f - lever) * part;
-        z->y[TURN][n + 1] = o * part, z->y[ANGLE_I][n + 1] = z->y[SPIN_I][n] * part, z->y[ANGLE_J][n + 1] = z->y[SPIN_J][n] * part;
+        z->y[TURN][n + 1] = o * part, z->y[ANGLE_I][n + 1] = z->y[SPIN_I][n] * part,
+                       z->y[ANGLE_J][n + 1] = z->y[SPIN_J][n] * part;
         z->spring[n + 1] = z->slip[n] * part;
-        grow(&by.levered, d, f, n), grow(&by.turned, d, o, n), grow(&by.swept, q, o, n), grow(&by.thrown, g, o, n);
+        grow(&by.levered, d, f, n), grow(&by.turned, d, o, n), grow(&by.swept, q, o, n),
+            grow(&by.thrown, g, o, n);
     }
     pressed(p, m, z, &by, ORDER);
     spent(p, m, z);
 }
 
-/* The longest step for which the last terms stay at an ulp of the motion's own sizes: as the terms fall by factorials, what is cut off
- * is far below. */
+/* The longest step for which the last terms stay at an ulp of the motion's own sizes: as the terms
+ * fall by factorials, what is cut off is far below. */
 static double step_of(const pair *p, const stretch *z)
 {
-    double speed = fabs(z->y[G][0]) + fabs(z->y[Q][0]) + fabs(p->radius_i * z->y[SPIN_I][0]) + fabs(p->radius_j * z->y[SPIN_J][0]);
+    double speed = fabs(z->y[G][0]) + fabs(z->y[Q][0]) + fabs(p->radius_i * z->y[SPIN_I][0])
+                   + fabs(p->radius_j * z->y[SPIN_J][0]);
     double rate = sqrt(fmax(p->stiffness, p->tangential_stiffness) * p->ease), h = INFINITY;
     speed += fabs(z->y[D][0]) * rate;
     for (int n = ORDER - 1; n <= ORDER; n++) {
         double last = fmax(fabs(z->y[G][n]), fabs(z->y[Q][n]));
-        last = fmax(last, fmax(fabs(p->radius_i * z->y[SPIN_I][n]), fabs(p->radius_j * z->y[SPIN_J][n])));
+        last = fmax(last,
+                    fmax(fabs(p->radius_i * z->y[SPIN_I][n]), fabs(p->radius_j * z->y[SPIN_J][n])));
         h = fmin(h, exp2((-53.0 - log2(fmax(last / speed, 1e-300))) / n));
     }
     return fmin(h, p->longest);
 }
 
-/* The first zero of a series that begins with `skip` zeros; the event with the mode that follows is kept if it is the first. The stretch
- * ends early where that tells sooner. */
+/* The first zero of a series that begins with `skip` zeros; the event with the mode that follows is
+ * kept if it is the first. The stretch ends early where that tells sooner. */
 static void watched(const double *a, int skip, int next, stretch *restrict z)
 {
     series b;
@@ -128,7 +144,8 @@ static void watched(const double *a, int skip, int next, stretch *restrict z)
         z->end = end, z->next = -1;
 }
 
-/* Watches what ends a slip, the rate at which the spring would have to grow, or a hold, the spring's longest. */
+/* Watches what ends a slip, the rate at which the spring would have to grow, or a hold, the
+ * spring's longest. */
 static void rubbing(const pair *p, const motion *m, stretch *restrict z)
 {
     series a;
@@ -161,7 +178,8 @@ static void next_stretch(const pair *p, const motion *m, stretch *restrict z)
 /* Straight on: the line of centres turns, spins stay. */
 static void apart(const pair *p, const motion *m, double since, double *restrict y)
 {
-    double reach = p->radius_i + p->radius_j - m->y[D], along = reach - m->y[G] * since, across = m->y[Q] * since;
+    double reach = p->radius_i + p->radius_j - m->y[D], along = reach - m->y[G] * since,
+           across = m->y[Q] * since;
     double distance = hypot(along, across);
     memcpy(y, m->y, STATES * sizeof *y);
     y[D] = p->radius_i + p->radius_j - distance;
@@ -182,19 +200,23 @@ static void at(const pair *p, const motion *m, const stretch *z, double since, d
     y[WORK] = m->y[WORK] + lost(z, since);
 }
 
-/* What springs hold and do not give back: the tangential one, and the normal one once the force has ended. */
+/* What springs hold and do not give back: the tangential one, and the normal one once the force has
+ * ended. */
 static double held(const pair *p, const motion *m, const double *restrict y, double spring)
 {
     double force = p->stiffness * y[D] + p->damping * y[G], left = fmax(y[D], 0.0);
     if (m->mode == APART)
         return 0.5 * p->stiffness * left * left;
-    double bent = m->mode == HOLDS ? spring : m->mode == SLIPS ? p->friction * force / p->tangential_stiffness : 0.0;
+    double bent = m->mode == HOLDS   ? spring
+                  : m->mode == SLIPS ? p->friction * force / p->tangential_stiffness
+                                     : 0.0;
     return 0.5 * p->tangential_stiffness * bent * bent;
 }
 
 static void pass(const pair *p, motion *m, const stretch *z)
 {
-    double y[STATES], share = p->tangential_stiffness > 0.0 ? p->friction / p->tangential_stiffness : 0.0;
+    double y[STATES],
+        share = p->tangential_stiffness > 0.0 ? p->friction / p->tangential_stiffness : 0.0;
     at(p, m, z, z->end, y);
     double spring = z->spring[0] + gained(z->spring, z->end);
     memcpy(m->y, y, sizeof y);
@@ -216,15 +238,20 @@ static motion begun(const pair *p, const double *start)
     motion m = {.touch = start[D] <= 0.0, .fresh = start[D] <= 0.0 && p->damping == 0.0};
     memcpy(m.y, start, 6 * sizeof *start);
     m.y[D] = fmax(m.y[D], 0.0);
-    double force = p->stiffness * m.y[D] + p->damping * m.y[G], limit = m.fresh ? p->stiffness * m.y[G] : INFINITY;
-    double slip = (p->radius_i - p->branch * m.y[D]) * m.y[SPIN_I] + (p->radius_j - p->branch * m.y[D]) * m.y[SPIN_J] - m.y[Q];
+    double force = p->stiffness * m.y[D] + p->damping * m.y[G],
+           limit = m.fresh ? p->stiffness * m.y[G] : INFINITY;
+    double slip = (p->radius_i - p->branch * m.y[D]) * m.y[SPIN_I]
+                  + (p->radius_j - p->branch * m.y[D]) * m.y[SPIN_J] - m.y[Q];
     m.side = slip > 0.0 ? 1 : -1;
-    m.mode = p->friction == 0.0 || force < 0.0 ? FREE : fabs(slip) * p->tangential_stiffness > p->friction * limit ? SLIPS : HOLDS;
+    m.mode = p->friction == 0.0 || force < 0.0                            ? FREE
+             : fabs(slip) * p->tangential_stiffness > p->friction * limit ? SLIPS
+                                                                          : HOLDS;
     return m;
 }
 
 REFDEM_EVERY_CPU
-int64_t refdem_oblique(const refdem_oblique_pair *p, const double *start, int64_t samples, const double *t, double *release, double *out)
+int64_t refdem_oblique(const refdem_oblique_pair *p, const double *start, int64_t samples,
+                       const double *t, double *release, double *out)
 {
     stretch z;
     motion m = begun(p, start);
@@ -239,7 +266,8 @@ int64_t refdem_oblique(const refdem_oblique_pair *p, const double *start, int64_
             at(p, &m, &z, since, out);
             int presses = m.mode != APART;
             out[9] = presses, out[10] = presses ? p->stiffness * out[D] + p->damping * out[G] : 0.0;
-            out[11] = out[WORK] - held(p, &m, out, presses ? z.spring[0] + gained(z.spring, since) : 0.0);
+            out[11] = out[WORK]
+                      - held(p, &m, out, presses ? z.spring[0] + gained(z.spring, since) : 0.0);
         }
         if (row == samples)
             break;

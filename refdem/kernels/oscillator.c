@@ -1,10 +1,11 @@
-/* A point on a linear spring of no natural length, in closed form: x = xe + (x0 - xe) cos wt + (v0/w) sin wt in each direction,
- * w^2 = k/m, xe = anchor + m g/k. */
+/* A point on a linear spring of no natural length, in closed form: x = xe + (x0 - xe) cos wt +
+ * (v0/w) sin wt in each direction, w^2 = k/m, xe = anchor + m g/k. */
 #include "double_double.h"
 #include "kernels.h"
 
-int refdem_harmonic(double mass, double stiffness, const double *gravity, const double *anchor, const double *position,
-                    const double *velocity, double t0, int64_t samples, const double *t, double *out_position, double *out_velocity)
+int refdem_harmonic(double mass, double stiffness, const double *gravity, const double *anchor,
+                    const double *position, const double *velocity, double t0, int64_t samples,
+                    const double *t, double *out_position, double *out_velocity)
 {
     dd m = dd_of(mass), k = dd_of(stiffness), w = dd_sqrt(dd_div(k, m));
     double rest[3], from[3], speed[3];
@@ -19,8 +20,10 @@ int refdem_harmonic(double mass, double stiffness, const double *gravity, const 
         turned(dd_mul(w, two_sum(t[n], -t0)), &c, &s);
         for (int i = 0; i < 3; i++) {
             int is_start = t[n] == t0;
-            out_position[3 * n + i] = is_start ? position[i] : rest[i] + fma(from[i], c, speed[i] * s);
-            out_velocity[3 * n + i] = is_start ? velocity[i] : w.hi * fma(speed[i], c, -from[i] * s);
+            out_position[3 * n + i]
+                = is_start ? position[i] : rest[i] + fma(from[i], c, speed[i] * s);
+            out_velocity[3 * n + i]
+                = is_start ? velocity[i] : w.hi * fma(speed[i], c, -from[i] * s);
         }
     }
     return 0;

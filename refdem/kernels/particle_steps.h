@@ -1,6 +1,8 @@
-/* One step of points and spheres within the modes of their contacts: velocity Verlet, Runge-Kutta, extrapolation.
+/* One step of points and spheres within the modes of their contacts: velocity Verlet, Runge-Kutta,
+ * extrapolation.
  *
- * Every sum is compensated: after its `size` numbers a state has as many that hold what rounding has lost.
+ * Every sum is compensated: after its `size` numbers a state has as many that hold what rounding
+ * has lost.
  */
 #ifndef REFDEM_PARTICLE_STEPS_H
 #define REFDEM_PARTICLE_STEPS_H
@@ -19,7 +21,8 @@ typedef struct {
     double length, speed, turning, way; /* what an error is compared with */
 } runner;
 
-/* Number c of a state grows by `by`; what rounding loses is kept beside the state (Kahan 1965; Knuth's sum, TAOCP 4.2.2). */
+/* Number c of a state grows by `by`; what rounding loses is kept beside the state (Kahan 1965;
+ * Knuth's sum, TAOCP 4.2.2). */
 static inline void gain(const runner *r, const double *from, int64_t c, double by, double *to)
 {
     double part = from[r->size + c] + by, sum = from[c] + part, taken = sum - from[c];
@@ -29,27 +32,33 @@ static inline void gain(const runner *r, const double *from, int64_t c, double b
 
 /* Velocity Verlet (Swope et al. 1982): kick, drift, kick. */
 
-/* Turns the unit vector s towards the slip: tan(angle/2) falls as exp(-|slip| t k_t/limit), exactly for constant slip. */
+/* Turns the unit vector s towards the slip: tan(angle/2) falls as exp(-|slip| t k_t/limit), exactly
+ * for constant slip. */
 static inline void lean(const meeting *m, double stiffness, double h, double *restrict s)
 {
     double fast = size(m->slip);
     if (fast == 0.0)
         return;
-    double along = dot(s, m->slip) / fast, decay = m->limit > 0.0 ? exp(-fast * stiffness * h / m->limit) : 0.0;
+    double along = dot(s, m->slip) / fast,
+           decay = m->limit > 0.0 ? exp(-fast * stiffness * h / m->limit) : 0.0;
     double tangent = decay * sqrt(fmax(0.0, 1.0 - along) / fmax(1e-300, 1.0 + along));
-    double cosine = (1.0 - tangent * tangent) / (1.0 + tangent * tangent), sine = 2.0 * tangent / (1.0 + tangent * tangent);
+    double cosine = (1.0 - tangent * tangent) / (1.0 + tangent * tangent),
+           sine = 2.0 * tangent / (1.0 + tangent * tangent);
     double across[3];
     for (int c = 0; c < 3; c++)
         across[c] = s[c] - along * m->slip[c] / fast;
     double rest = size(across);
-    if (rest < STRAIGHT) /* motion in a plane: rounding must not turn the spring, least of all from where it points against the slip */
+    if (rest < STRAIGHT) /* motion in a plane: rounding must not turn the spring, least of all from
+                            where it points against the slip */
         return;
     for (int c = 0; c < 3; c++)
         s[c] = cosine * m->slip[c] / fast + sine * across[c] / rest;
 }
 
-/* Half a step of every tangential spring; keeps the normals it saw, or turns the springs from those to the new ones. */
-static inline void stretch(const runner *r, double *restrict y, double h, double *restrict normal, int carried)
+/* Half a step of every tangential spring; keeps the normals it saw, or turns the springs from those
+ * to the new ones. */
+static inline void stretch(const runner *r, double *restrict y, double h, double *restrict normal,
+                           int carried)
 {
     const refdem_particles *p = r->p;
     for (int64_t k = 0; k < p->pairs; k++) {
@@ -69,13 +78,16 @@ static inline void stretch(const runner *r, double *restrict y, double h, double
     }
 }
 
-/* q turned by the rotation vector w h, exactly, and put back to unit length by one step of Newton's: the same turn rounds the
-   same way every time, so that the length would drift with the number of steps. */
+/* q turned by the rotation vector w h, exactly, and put back to unit length by one step of
+   Newton's: the same turn rounds the same way every time, so that the length would drift with the
+   number of steps. */
 static inline void spin(int64_t n, const double *restrict w, double h, double *restrict q)
 {
     for (int64_t i = 0; i < n; i++, w += 3, q += 4) {
-        double angle = 0.5 * h * size(w), part = angle != 0.0 ? 0.5 * h * sin(angle) / angle : 0.5 * h, c = cos(angle);
-        double v[3] = {part * w[0], part * w[1], part * w[2]}, old[4] = {q[0], q[1], q[2], q[3]}, across[3];
+        double angle = 0.5 * h * size(w),
+               part = angle != 0.0 ? 0.5 * h * sin(angle) / angle : 0.5 * h, c = cos(angle);
+        double v[3] = {part * w[0], part * w[1], part * w[2]}, old[4] = {q[0], q[1], q[2], q[3]},
+               across[3];
         cross(v, old + 1, across);
         q[0] = c * old[0] - dot(v, old + 1);
         for (int k = 0; k < 3; k++)
@@ -87,16 +99,18 @@ static inline void spin(int64_t n, const double *restrict w, double h, double *r
 }
 
 /* Velocities and turning rates. */
-static inline void kick(const runner *r, const double *from, const double *restrict dy, double h, double *to)
+static inline void kick(const runner *r, const double *from, const double *restrict dy, double h,
+                        double *to)
 {
     int64_t n = r->p->bodies;
     for (int64_t c = 3 * n; c < (r->p->turning ? 9 * n : 6 * n); c++)
         gain(r, from, c, h * dy[c], to);
 }
 
-/* Forces that depend on velocities get a predicted velocity and one correction, which keeps the second order. */
-static inline int verlet(const runner *r, const double *restrict y, const double *restrict dy, double h, double *restrict out,
-                   double *restrict rate)
+/* Forces that depend on velocities get a predicted velocity and one correction, which keeps the
+ * second order. */
+static inline int verlet(const runner *r, const double *restrict y, const double *restrict dy,
+                         double h, double *restrict out, double *restrict rate)
 {
     const refdem_particles *p = r->p;
     double *half = r->scratch, *normal = half + 2 * r->size;
@@ -145,8 +159,8 @@ static inline void settle(const runner *r, double *restrict y)
 }
 
 /* Kutta 1901. */
-static inline int runge_kutta(const runner *r, const double *restrict y, const double *restrict dy, double h, double *restrict out,
-                        double *restrict rate)
+static inline int runge_kutta(const runner *r, const double *restrict y, const double *restrict dy,
+                              double h, double *restrict out, double *restrict rate)
 {
     double *b = r->scratch, *c = b + r->size, *d = c + r->size, *at = d + r->size;
     for (int64_t i = 0; i < r->size; i++)
@@ -165,9 +179,10 @@ static inline int runge_kutta(const runner *r, const double *restrict y, const d
     return 1;
 }
 
-/* The change over h by n steps of the modified midpoint rule (Gragg 1965), n even, as an increment. */
-static inline void midpoint(const runner *r, const double *restrict y, const double *restrict dy, double h, int n,
-                     double *restrict change, double *restrict work)
+/* The change over h by n steps of the modified midpoint rule (Gragg 1965), n even, as an increment.
+ */
+static inline void midpoint(const runner *r, const double *restrict y, const double *restrict dy,
+                            double h, int n, double *restrict change, double *restrict work)
 {
     double *at = work, *rate = at + r->size, *before = rate + r->size, step = h / n;
     for (int64_t i = 0; i < r->size; i++)
@@ -177,40 +192,49 @@ static inline void midpoint(const runner *r, const double *restrict y, const dou
             at[i] = y[i] + change[i];
         rates(r->p, r->mode, at, rate);
         for (int64_t i = 0; i < r->size; i++) {
-            double next = k < n ? before[i] + 2.0 * step * rate[i] : 0.5 * (before[i] + change[i] + step * rate[i]);
+            double next = k < n ? before[i] + 2.0 * step * rate[i]
+                                : 0.5 * (before[i] + change[i] + step * rate[i]);
             before[i] = change[i], change[i] = next;
         }
     }
 }
 
-/* The larger one, and what is not a number if either is none: a step that overflows has not settled. */
+/* The larger one, and what is not a number if either is none: a step that overflows has not
+ * settled. */
 static inline double larger(double a, double b)
 {
     return a > b || a != a ? a : b;
 }
 
-/* Largest difference of two rows in units of each block's scale; the direction of a slipping spring counts as its force does. */
-static inline double gap(const runner *r, const double *restrict end, const double *restrict a, const double *restrict b)
+/* Largest difference of two rows in units of each block's scale; the direction of a slipping spring
+ * counts as its force does. */
+static inline double gap(const runner *r, const double *restrict end, const double *restrict a,
+                         const double *restrict b)
 {
     const refdem_particles *p = r->p;
     int64_t n = p->bodies;
     double worst = 0.0;
     for (int64_t i = 0; i < history_at(p); i++) {
         double scale = i < 3 * n ? r->length : i < 6 * n ? r->speed : i < 9 * n ? r->turning : 1.0;
-        worst = a[i] == b[i] ? worst : larger(fabs(a[i] - b[i]) / scale, worst); /* at rest there is no scale */
+        worst = a[i] == b[i]
+                    ? worst
+                    : larger(fabs(a[i] - b[i]) / scale, worst); /* at rest there is no scale */
     }
     for (int64_t k = 0; p->friction > 0.0 && p->tangential_stiffness > 0.0 && k < p->pairs; k++) {
         if (r->mode[k] < STICK)
             continue;
         meeting m = meet(p, k, end);
-        double strain = m.normal / (p->stiffness * p->radius[m.i]), unit = r->mode[k] == STICK ? r->way : 1e-3 / strain;
+        double strain = m.normal / (p->stiffness * p->radius[m.i]),
+               unit = r->mode[k] == STICK ? r->way : 1e-3 / strain;
         for (int64_t i = history_at(p) + 3 * k; i < history_at(p) + 3 * k + 3; i++)
-            worst = larger(fabs(a[i] - b[i]) / fmax(fabs(unit), r->mode[k] == STICK ? 0.0 : 1.0), worst);
+            worst = larger(fabs(a[i] - b[i]) / fmax(fabs(unit), r->mode[k] == STICK ? 0.0 : 1.0),
+                           worst);
     }
     return worst;
 }
 
-/* Raises the scales to what the state shows: lengths, speeds, turning rates, and the way of a step. */
+/* Raises the scales to what the state shows: lengths, speeds, turning rates, and the way of a step.
+ */
 static inline void measure(runner *r, const double *restrict y, const double *restrict dy, double h)
 {
     const refdem_particles *p = r->p;
@@ -223,7 +247,8 @@ static inline void measure(runner *r, const double *restrict y, const double *re
         r->length = fmax(r->length, fmax(fabs(y[i]), radius));
         r->speed = fmax(r->speed, fmax(fabs(y[3 * n + i]), fabs(h * dy[3 * n + i])));
     }
-    for (int64_t k = 0; k < p->pairs; k++) { /* forces that hold each other leave the rounding of each */
+    for (int64_t k = 0; k < p->pairs;
+         k++) { /* forces that hold each other leave the rounding of each */
         meeting m = meet(p, k, y);
         double ease = m.j < 0 ? p->ease[m.i] : fmax(p->ease[m.i], p->ease[m.j]);
         r->speed = fmax(r->speed, r->mode[k] < FREE ? 0.0 : fabs(h * m.normal) * ease);
@@ -235,15 +260,18 @@ static inline void measure(runner *r, const double *restrict y, const double *re
     r->length = fmax(r->length, r->way);
 }
 
-/* One step by Aitken-Neville extrapolation in (h/n)^2; 0 if ten columns do not settle it to round-off. */
-static inline int extrapolated(const runner *r, const double *restrict y, const double *restrict dy, double h, double *restrict out)
+/* One step by Aitken-Neville extrapolation in (h/n)^2; 0 if ten columns do not settle it to
+ * round-off. */
+static inline int extrapolated(const runner *r, const double *restrict y, const double *restrict dy,
+                               double h, double *restrict out)
 {
     double *table = r->scratch, *work = table + COLUMNS * r->size;
     for (int j = 0; j < COLUMNS; j++) {
         int n = 2 * (j + 1);
         double *row = table + j * r->size;
         midpoint(r, y, dy, h, n, row, work);
-        /* Row m holds T(m, j - m ...): each older entry is replaced by the next one of the new diagonal. */
+        /* Row m holds T(m, j - m ...): each older entry is replaced by the next one of the new
+         * diagonal. */
         for (int m = j - 1; m >= 0; m--) {
             double ratio = (double)(j + 1) / (m + 1), factor = 1.0 / (ratio * ratio - 1.0);
             double *older = table + m * r->size;
@@ -262,8 +290,9 @@ static inline int extrapolated(const runner *r, const double *restrict y, const 
 }
 
 /* Bulirsch and Stoer 1966; 0 if the step is too long. */
-static inline int extrapolation(const runner *r, const double *restrict y, const double *restrict dy, double h, double *restrict out,
-                         double *restrict rate)
+static inline int extrapolation(const runner *r, const double *restrict y,
+                                const double *restrict dy, double h, double *restrict out,
+                                double *restrict rate)
 {
     int held = extrapolated(r, y, dy, h, out);
     settle(r, out);
@@ -271,8 +300,8 @@ static inline int extrapolation(const runner *r, const double *restrict y, const
     return held;
 }
 
-static inline int step(const runner *r, const double *restrict y, const double *restrict dy, double h, double *restrict out,
-                double *restrict rate)
+static inline int step(const runner *r, const double *restrict y, const double *restrict dy,
+                       double h, double *restrict out, double *restrict rate)
 {
     return r->method == VERLET        ? verlet(r, y, dy, h, out, rate)
            : r->method == RUNGE_KUTTA ? runge_kutta(r, y, dy, h, out, rate)

@@ -1,7 +1,9 @@
-/* Points and spheres, stepped from event to event: contacts begin, stick, slip and end inside a step.
+/* Points and spheres, stepped from event to event: contacts begin, stick, slip and end inside a
+ * step.
  *
- * A step that leaves the mode of a pair is repeated up to the moment at which it does (Illinois rule on the method's own map),
- * the mode changes, and the rest of the step follows: a method keeps its order through contacts, and a reversible one stays so.
+ * A step that leaves the mode of a pair is repeated up to the moment at which it does (Illinois
+ * rule on the method's own map), the mode changes, and the rest of the step follows: a method keeps
+ * its order through contacts, and a reversible one stays so.
  */
 #include "contact_modes.h"
 
@@ -14,7 +16,9 @@ typedef struct {
 } course;
 
 static const double SLACK = 1e-15, SHORTEST = 1e-6;
-static const double EDGE = 1.0 / 16.0, NARROW = 1e-4; /* parts of a step: where guards are seen to fall and to rise, how narrow a dip is seen */
+static const double EDGE = 1.0 / 16.0,
+                    NARROW = 1e-4; /* parts of a step: where guards are seen to fall and to rise,
+                                      how narrow a dip is seen */
 
 /* A guard at a part of the step, by a step that ends there. */
 static double guard_at(const runner *r, course *c, int64_t k, int kind, double h, double part)
@@ -23,9 +27,11 @@ static double guard_at(const runner *r, course *c, int64_t k, int kind, double h
     return guard(r, k, kind, c->next, c->rate);
 }
 
-/* Where a guard that begins at zero has risen before it fails at the part `high` of the step: the last such place that halves of it
- * show, as after a slip that ends and begins anew; 0 if it falls at once. */
-static double risen(const runner *r, course *c, int64_t k, int kind, double h, double high, double *restrict value)
+/* Where a guard that begins at zero has risen before it fails at the part `high` of the step: the
+ * last such place that halves of it show, as after a slip that ends and begins anew; 0 if it falls
+ * at once. */
+static double risen(const runner *r, course *c, int64_t k, int kind, double h, double high,
+                    double *restrict value)
 {
     double found = 0.0;
     for (int i = 1; i <= HALVES; i++) {
@@ -38,13 +44,16 @@ static double risen(const runner *r, course *c, int64_t k, int kind, double h, d
     return found;
 }
 
-/* Fraction of the step at which a guard that fails at the part `high` of it becomes zero (Illinois rule; Dowell and Jarratt 1971). */
-static double crossing(const runner *r, course *c, int64_t k, int kind, double h, double high, double last)
+/* Fraction of the step at which a guard that fails at the part `high` of it becomes zero (Illinois
+ * rule; Dowell and Jarratt 1971). */
+static double crossing(const runner *r, course *c, int64_t k, int kind, double h, double high,
+                       double last)
 {
     double low = 0.0, at_low = guard(r, k, kind, c->y, c->dy), at_high = last, found = high;
     int side = 0;
     if (kind == GAP && at_low <= SLACK && meet(r->p, k, c->y).rate * h < 0.0)
-        return 0.0; /* what parts within rounding parts now: else it would stick and slip without end at the last bit */
+        return 0.0; /* what parts within rounding parts now: else it would stick and slip without
+                       end at the last bit */
     if (at_low <= SLACK && (low = risen(r, c, k, kind, h, high, &at_low)) == 0.0)
         return 0.0;
     if (at_low <= 0.0)
@@ -67,49 +76,62 @@ static double crossing(const runner *r, course *c, int64_t k, int kind, double h
 }
 
 /* The state at a part of the step by Hermite's cubic through its ends, and its rates. */
-static void between(const runner *r, const course *c, double h, double part, double *restrict y, double *restrict dy)
+static void between(const runner *r, const course *c, double h, double part, double *restrict y,
+                    double *restrict dy)
 {
-    double left = 1.0 - part, first = left * left * (1.0 + 2.0 * part), last = part * part * (3.0 - 2.0 * part);
+    double left = 1.0 - part, first = left * left * (1.0 + 2.0 * part),
+           last = part * part * (3.0 - 2.0 * part);
     double begins = left * left * part * h, ends = -part * part * left * h;
     for (int64_t i = 0; i < r->size; i++)
         y[i] = first * c->y[i] + begins * c->dy[i] + last * c->next[i] + ends * c->rate[i];
     rates(r->p, r->mode, y, dy);
 }
 
-/* Which guards of pair k fall at the start of the step and rise at its end, where neither fails: bits by kind. */
-static int dipping(const runner *r, const course *c, int64_t k, const double *early, const double *late, const double *last)
+/* Which guards of pair k fall at the start of the step and rise at its end, where neither fails:
+ * bits by kind. */
+static int dipping(const runner *r, const course *c, int64_t k, const double *early,
+                   const double *late, const double *last)
 {
     int found = 0;
     for (int g = 0; g < GUARDS; g++)
-        if (guard(r, k, g, early, early + r->size) < guard(r, k, g, c->y, c->dy) && guard(r, k, g, late, late + r->size) < last[g])
+        if (guard(r, k, g, early, early + r->size) < guard(r, k, g, c->y, c->dy)
+            && guard(r, k, g, late, late + r->size) < last[g])
             found |= 1 << g;
     return found;
 }
 
-/* The part of the step at which such a guard is lowest, or fails for the first time that is seen (golden section). */
-static double lowest(const runner *r, course *c, int64_t k, int kind, double h, double *restrict value)
+/* The part of the step at which such a guard is lowest, or fails for the first time that is seen
+ * (golden section). */
+static double lowest(const runner *r, course *c, int64_t k, int kind, double h,
+                     double *restrict value)
 {
     const double golden = 0.6180339887498949;
     double low = 0.0, high = 1.0, a = 1.0 - golden, b = golden;
-    double at_a = guard_at(r, c, k, kind, h, a), at_b = at_a < -SLACK ? INFINITY : guard_at(r, c, k, kind, h, b);
+    double at_a = guard_at(r, c, k, kind, h, a),
+           at_b = at_a < -SLACK ? INFINITY : guard_at(r, c, k, kind, h, b);
     while (!(fmin(at_a, at_b) < -SLACK) && high - low > NARROW) {
         if (at_a < at_b)
-            high = b, b = a, at_b = at_a, a = high - golden * (high - low), at_a = guard_at(r, c, k, kind, h, a);
+            high = b, b = a, at_b = at_a, a = high - golden * (high - low),
+            at_a = guard_at(r, c, k, kind, h, a);
         else
-            low = a, a = b, at_a = at_b, b = low + golden * (high - low), at_b = guard_at(r, c, k, kind, h, b);
+            low = a, a = b, at_a = at_b, b = low + golden * (high - low),
+            at_b = guard_at(r, c, k, kind, h, b);
     }
     *value = fmin(at_a, at_b);
     return at_a < at_b ? a : b;
 }
 
-/* The first guard that fails within the step, as (fraction, pair, kind); 0 if none does. Extrapolation, which claims round-off, sees those
- * too that fail for a while between the ends of the step. */
+/* The first guard that fails within the step, as (fraction, pair, kind); 0 if none does.
+ * Extrapolation, which claims round-off, sees those too that fail for a while between the ends of
+ * the step. */
 static int leaving(const runner *r, course *c, double h, double *fraction, int64_t *pair, int *kind)
 {
     int found = 0, elsewhere = 0, looks_inside = r->method == EXTRAPOLATION;
-    double value[GUARDS], *early = r->scratch + (COLUMNS + 3) * r->size, *late = early + 2 * r->size;
+    double value[GUARDS], *early = r->scratch + (COLUMNS + 3) * r->size,
+                          *late = early + 2 * r->size;
     if (looks_inside)
-        between(r, c, h, EDGE, early, early + r->size), between(r, c, h, 1.0 - EDGE, late, late + r->size);
+        between(r, c, h, EDGE, early, early + r->size),
+            between(r, c, h, 1.0 - EDGE, late, late + r->size);
     for (int64_t k = 0; k < r->p->pairs; k++) {
         if (elsewhere) /* searches overwrite the end of the step */
             step(r, c->y, c->dy, h, c->next, c->rate), elsewhere = 0;
@@ -157,7 +179,8 @@ static void accept(const runner *r, course *c)
     }
 }
 
-/* What is left of a slip that has ended along its direction is taken away by one impulse: sticking would keep it for ever. */
+/* What is left of a slip that has ended along its direction is taken away by one impulse: sticking
+ * would keep it for ever. */
 static void stop(const refdem_particles *p, int64_t k, double *restrict y)
 {
     meeting m = meet(p, k, y);
@@ -176,8 +199,10 @@ static void change(runner *r, course *c, int64_t k, int kind, double t)
     if (before >= SLIP && now == STICK && r->p->tangential_stiffness == 0.0)
         stop(r->p, k, c->y);
     meeting m = meet(r->p, k, c->y);
-    if (before == PARTED || now == PARTED) /* what the spring still holds when the force ends is lost */
-        c->y[work_at(r->p)] += (now == PARTED ? 0.5 : -0.5) * r->p->stiffness * m.overlap * m.overlap;
+    if (before == PARTED
+        || now == PARTED) /* what the spring still holds when the force ends is lost */
+        c->y[work_at(r->p)]
+            += (now == PARTED ? 0.5 : -0.5) * r->p->stiffness * m.overlap * m.overlap;
     if ((before >= FREE) != (now >= FREE))
         note(c, t, now >= FREE ? 1.0 : 2.0, (double)r->p->pair[2 * k]);
     rates(r->p, r->mode, c->y, c->dy);
@@ -191,8 +216,9 @@ static int finite(const runner *r, const double *restrict y)
     return none == 0.0;
 }
 
-/* One step of size h from time t, cut at events, and halved where extrapolation needs that. What the shortest piece does not settle,
- * no other will: the rest of the step is then taken as it comes, for the checks to judge, and not in a million pieces. */
+/* One step of size h from time t, cut at events, and halved where extrapolation needs that. What
+ * the shortest piece does not settle, no other will: the rest of the step is then taken as it
+ * comes, for the checks to judge, and not in a million pieces. */
 static void advance(runner *r, course *c, double t, double h)
 {
     double left = h, piece = h, fraction = 0.0;
@@ -203,14 +229,16 @@ static void advance(runner *r, course *c, double t, double h)
             rough = fabs(piece) <= SHORTEST * fabs(h) || !finite(r, c->y);
             piece *= rough ? 1.0 : 0.5;
         }
-        if (r->p->pairs == 0 || events == MOST_EVENTS || !leaving(r, c, piece, &fraction, &pair, &kind)) {
+        if (r->p->pairs == 0 || events == MOST_EVENTS
+            || !leaving(r, c, piece, &fraction, &pair, &kind)) {
             accept(r, c);
             left -= piece;
             if (r->mode[pair] == FADE)
                 r->mode[pair] = SLIP, rates(r->p, r->mode, c->y, c->dy);
             continue;
         }
-        if (kind == HOLD && r->mode[pair] == SLIP && r->p->tangential_stiffness == 0.0 && r->method != EXTRAPOLATION) {
+        if (kind == HOLD && r->mode[pair] == SLIP && r->p->tangential_stiffness == 0.0
+            && r->method != EXTRAPOLATION) {
             r->mode[pair] = FADE; /* the same piece again */
             continue;
         }
@@ -224,7 +252,8 @@ static void advance(runner *r, course *c, double t, double h)
     }
 }
 
-/* Pairs that press, largest overlap, largest normal force, and the work lost so far (less what tangential springs hold). */
+/* Pairs that press, largest overlap, largest normal force, and the work lost so far (less what
+ * tangential springs hold). */
 static void observe(const runner *r, const double *restrict y, double *restrict channel)
 {
     const refdem_particles *p = r->p;
@@ -239,7 +268,8 @@ static void observe(const runner *r, const double *restrict y, double *restrict 
             continue;
         channel[0] += 1.0;
         channel[2] = fabs(m.normal) > fabs(channel[2]) ? m.normal : channel[2];
-        if (p->tangential_stiffness == 0.0 || p->hertz || r->mode[k] < STICK) /* Hertz's spring keeps no account: see Contact */
+        if (p->tangential_stiffness == 0.0 || p->hertz
+            || r->mode[k] < STICK) /* Hertz's spring keeps no account: see Contact */
             continue;
         const double *s = y + history_at(p) + 3 * k;
         double bent = r->mode[k] == STICK ? size(s) : m.limit / p->tangential_stiffness;
@@ -257,8 +287,9 @@ int64_t refdem_particles_work(const refdem_particles *p)
     return (COLUMNS + 13) * refdem_particles_size(p);
 }
 
-int64_t refdem_particles_run(const refdem_particles *p, int method, double h, int64_t samples, int64_t stride, int64_t most,
-                             int64_t *mode, double *work, double *event, double *channel, double *out)
+int64_t refdem_particles_run(const refdem_particles *p, int method, double h, int64_t samples,
+                             int64_t stride, int64_t most, int64_t *mode, double *work,
+                             double *event, double *channel, double *out)
 {
     int64_t size = refdem_particles_size(p);
     runner r = {.p = p, .method = method, .size = size, .mode = mode, .scratch = work + 6 * size};

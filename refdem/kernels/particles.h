@@ -1,8 +1,10 @@
-/* Points and spheres: springs, gravity, a central field, and the linear contact law with friction, as rates of a state.
+/* Points and spheres: springs, gravity, a central field, and the linear contact law with friction,
+ * as rates of a state.
  *
- * Contact law (Cundall and Strack 1979): normal force F = k d + c d', tangential spring s with s' = slip, |k_t s| <= mu F.
- * Every pair is in one mode; within a mode the rates are smooth, so that a method keeps its order if a step ends where a mode
- * does. n points from i to j (or into the plane); slip is the velocity of i against j at the ends of the lever arms.
+ * Contact law (Cundall and Strack 1979): normal force F = k d + c d', tangential spring s with s' =
+ * slip, |k_t s| <= mu F. Every pair is in one mode; within a mode the rates are smooth, so that a
+ * method keeps its order if a step ends where a mode does. n points from i to j (or into the
+ * plane); slip is the velocity of i against j at the ends of the lever arms.
  */
 #ifndef REFDEM_PARTICLES_H
 #define REFDEM_PARTICLES_H
@@ -13,21 +15,23 @@
 #include "kernels.h"
 #include "space.h"
 
-/* APART: no overlap. PARTED: overlap, but the force would pull. FREE: normal force only. STICK: the spring holds (without
- * a spring: no slip). SLIP: friction at its limit; s is then the unit vector of the spring, whose length is mu F / k_t.
- * FADE: a SLIP without a spring that may end in this step. Its direction may turn ever faster, so that friction keeps that of
- * the start of the step: the rates are smooth in it, and the end is located to rounding. */
+/* APART: no overlap. PARTED: overlap, but the force would pull. FREE: normal force only. STICK: the
+ * spring holds (without a spring: no slip). SLIP: friction at its limit; s is then the unit vector
+ * of the spring, whose length is mu F / k_t. FADE: a SLIP without a spring that may end in this
+ * step. Its direction may turn ever faster, so that friction keeps that of the start of the step:
+ * the rates are smooth in it, and the end is located to rounding. */
 enum { APART, PARTED, FREE, STICK, SLIP, FADE };
 
 typedef struct {
     int64_t i, j;
     double n[3], turn[3], w[3], slip[3]; /* normal and its rate, velocity of i against j, slip */
-    double overlap, rate, normal, limit; /* d, d', F, mu F (also below zero: a step may look beyond a release) */
+    double overlap, rate, normal,
+        limit; /* d, d', F, mu F (also below zero: a step may look beyond a release) */
     double arm_i, arm_j;
 } meeting;
 
-/* Where the blocks of a state (or of its rates) begin: x, v (3 N); w (3 N), q (4 N) if bodies turn; s (3 pairs) if they rub;
- * last the work done against damping and friction. */
+/* Where the blocks of a state (or of its rates) begin: x, v (3 N); w (3 N), q (4 N) if bodies turn;
+ * s (3 pairs) if they rub; last the work done against damping and friction. */
 static inline int64_t spin_at(const refdem_particles *p)
 {
     return 6 * p->bodies;
@@ -44,7 +48,8 @@ static inline int64_t work_at(const refdem_particles *p)
 }
 
 /* Geometry of pair k: normal, overlap and its rate. */
-static inline void approach(const refdem_particles *p, int64_t k, const double *restrict y, meeting *restrict m)
+static inline void approach(const refdem_particles *p, int64_t k, const double *restrict y,
+                            meeting *restrict m)
 {
     const double *x = y, *v = y + 3 * p->bodies;
     int64_t i = m->i = p->pair[2 * k], j = m->j = p->pair[2 * k + 1];
@@ -76,7 +81,8 @@ static inline meeting meet(const refdem_particles *p, int64_t k, const double *r
 {
     meeting m;
     approach(p, k, y, &m);
-    m.normal = p->stiffness * m.overlap * (p->hertz ? sqrt(fmax(m.overlap, 0.0)) : 1.0) + p->damping * m.rate;
+    m.normal = p->stiffness * m.overlap * (p->hertz ? sqrt(fmax(m.overlap, 0.0)) : 1.0)
+               + p->damping * m.rate;
     m.limit = p->friction * m.normal;
     if (p->friction > 0.0) {
         const double *w = y + spin_at(p);
@@ -92,7 +98,8 @@ static inline meeting meet(const refdem_particles *p, int64_t k, const double *r
     return m;
 }
 
-/* Stiffness of the tangential spring: that of Hertz's contact grows with its circle, as the root of the overlap. */
+/* Stiffness of the tangential spring: that of Hertz's contact grows with its circle, as the root of
+ * the overlap. */
 static inline double grip(const refdem_particles *p, const meeting *m)
 {
     return p->tangential_stiffness * (p->hertz ? sqrt(fmax(m->overlap, 0.0)) : 1.0);
@@ -101,10 +108,12 @@ static inline double grip(const refdem_particles *p, const meeting *m)
 /* The stretch at which the spring begins to slip. */
 static inline double longest(const refdem_particles *p, const meeting *m)
 {
-    return p->hertz ? p->friction * p->stiffness / p->tangential_stiffness * m->overlap : m->limit / p->tangential_stiffness;
+    return p->hertz ? p->friction * p->stiffness / p->tangential_stiffness * m->overlap
+                    : m->limit / p->tangential_stiffness;
 }
 
-/* A speed [m/s] below which slip has no direction of its own: 1e-11 of the radius times the pair's own frequency. */
+/* A speed [m/s] below which slip has no direction of its own: 1e-11 of the radius times the pair's
+ * own frequency. */
 static inline double least_slip(const refdem_particles *p, const meeting *m)
 {
     double ease = p->ease[m->i] + (m->j < 0 ? 0.0 : p->ease[m->j]);
@@ -118,9 +127,10 @@ static inline double yields(const refdem_particles *p, const meeting *m)
     return m->j < 0 ? ease : ease + p->ease[m->j] + m->arm_j * m->arm_j * p->turn_ease[m->j];
 }
 
-/* The force that keeps the slip at zero, from the accelerations without it: -(slip rate) / (1/m + 1/m + l^2/J + l^2/J). */
-static inline void holding(const refdem_particles *p, const meeting *m, const double *restrict y, const double *restrict dy,
-                           double *restrict force)
+/* The force that keeps the slip at zero, from the accelerations without it: -(slip rate) / (1/m +
+ * 1/m + l^2/J + l^2/J). */
+static inline void holding(const refdem_particles *p, const meeting *m, const double *restrict y,
+                           const double *restrict dy, double *restrict force)
 {
     const double *w = y + spin_at(p), *a = dy + 3 * p->bodies, *b = dy + spin_at(p);
     double spin[3], rate[3], carried[3], turned[3], ease = yields(p, m);
@@ -146,29 +156,36 @@ static inline void holding(const refdem_particles *p, const meeting *m, const do
 /* Angle [rad] within which a spring and the slip lie on a line. */
 static const double STRAIGHT = 1e-9;
 
-/* Tangential force on i, and the rate of the spring; where nothing but the lack of slip defines the force, the force itself
- * stands in the place of that rate. */
-static inline void rub(const refdem_particles *p, int64_t mode, const meeting *m, const double *restrict y,
-                       const double *restrict dy, const double *restrict s, double *restrict force, double *restrict rate)
+/* Tangential force on i, and the rate of the spring; where nothing but the lack of slip defines the
+ * force, the force itself stands in the place of that rate. */
+static inline void rub(const refdem_particles *p, int64_t mode, const meeting *m,
+                       const double *restrict y, const double *restrict dy,
+                       const double *restrict s, double *restrict force, double *restrict rate)
 {
     double k = grip(p, m), along = dot(s, m->slip), carried = dot(s, m->turn);
     double least = 1e-8 * p->friction * p->stiffness * p->radius[m->i], limit = fmax(m->limit, 0.0);
-    double lean = k * limit / (limit * limit + least * least); /* k/limit, but finite where the force vanishes */
-    double across[3], inside[3], towards[3] = {s[0], s[1], s[2]}, fast = size(m->slip), flat = 1.0, out = dot(s, m->n);
+    double lean
+        = k * limit
+          / (limit * limit + least * least); /* k/limit, but finite where the force vanishes */
+    double across[3], inside[3], towards[3] = {s[0], s[1], s[2]}, fast = size(m->slip), flat = 1.0,
+                                 out = dot(s, m->n);
     int bends = p->tangential_stiffness > 0.0;
-    if (!bends && mode >= SLIP) { /* along the slip; where that has no direction, as it was; in the plane of contact, for a slip
-                                     * that ends is all rounding, and friction may be many times the normal force */
+    if (!bends && mode >= SLIP) { /* along the slip; where that has no direction, as it was; in the
+                                   * plane of contact, for a slip that ends is all rounding, and
+                                   * friction may be many times the normal force */
         for (int c = 0; mode == SLIP && along > least_slip(p, m) && c < 3; c++)
             towards[c] = m->slip[c] / fast;
         add(towards, -dot(towards, m->n), m->n);
-        flat = fmax(size(towards), 1e-300); /* no direction yet, as after sticking without any pull: no friction */
+        flat = fmax(size(towards),
+                    1e-300); /* no direction yet, as after sticking without any pull: no friction */
     }
     for (int c = 0; c < 3; c++)
         inside[c] = s[c] - out * m->n[c], towards[c] /= flat;
     for (int c = 0; c < 3; c++)
         across[c] = m->slip[c] - along * inside[c] / fmax(dot(inside, inside), 1e-300);
-    if (mode == SLIP && size(across) < STRAIGHT * fast) /* motion in a plane: rounding must not turn the spring, nor a trial step that has */
-        lean = 0.0;                                 /* tilted it out of the plane of contact */
+    if (mode == SLIP && size(across) < STRAIGHT * fast) /* motion in a plane: rounding must not turn
+                                                           the spring, nor a trial step that has */
+        lean = 0.0;                                     /* tilted it out of the plane of contact */
     for (int c = 0; c < 3; c++) {
         force[c] = mode == STICK ? -k * s[c] : mode >= SLIP ? -m->limit * towards[c] : 0.0;
         rate[c] = 0.0;
@@ -183,8 +200,10 @@ static inline void rub(const refdem_particles *p, int64_t mode, const meeting *m
     }
 }
 
-/* Adds the acceleration and the angular accelerations that a tangential force on i (its reaction on j) makes. */
-static inline void twist(const refdem_particles *p, const meeting *m, const double *restrict force, double *restrict dy)
+/* Adds the acceleration and the angular accelerations that a tangential force on i (its reaction on
+ * j) makes. */
+static inline void twist(const refdem_particles *p, const meeting *m, const double *restrict force,
+                         double *restrict dy)
 {
     double *a = dy + 3 * p->bodies, *b = dy + spin_at(p), torque[3];
     cross(m->n, force, torque);
@@ -196,7 +215,8 @@ static inline void twist(const refdem_particles *p, const meeting *m, const doub
         add(b + 3 * m->j, m->arm_j * p->turn_ease[m->j], torque);
 }
 
-static inline void pull_springs(const refdem_particles *p, const double *restrict x, double *restrict force)
+static inline void pull_springs(const refdem_particles *p, const double *restrict x,
+                                double *restrict force)
 {
     for (int64_t k = 0; k < p->springs; k++) {
         const double *spring = p->spring + 8 * k;
@@ -206,8 +226,13 @@ static inline void pull_springs(const refdem_particles *p, const double *restric
             to[c] = (j < 0 ? spring[3 + c] : x[3 * j + c]) - x[3 * i + c];
         if (spring[1] != 0.0 || spring[2] != 1.0 || spring[6] != 0.0 || spring[7] != 0.0) {
             double distance = size(to), stretch = distance - spring[1];
-            double pull = factor * copysign(spring[2] == 1.0 ? fabs(stretch) : pow(fabs(stretch), spring[2]), stretch);
-            factor = distance > 0.0 ? (pull + (spring[6] + spring[7] * stretch) * stretch * stretch) / distance : 0.0;
+            double pull
+                = factor
+                  * copysign(spring[2] == 1.0 ? fabs(stretch) : pow(fabs(stretch), spring[2]),
+                             stretch);
+            factor = distance > 0.0
+                         ? (pull + (spring[6] + spring[7] * stretch) * stretch * stretch) / distance
+                         : 0.0;
         }
         add(force + 3 * i, factor, to);
         if (j >= 0)
@@ -216,7 +241,8 @@ static inline void pull_springs(const refdem_particles *p, const double *restric
 }
 
 /* Adds the normal forces; returns the power of damping. */
-static inline double press(const refdem_particles *p, const int64_t *restrict mode, const double *restrict y, double *restrict force)
+static inline double press(const refdem_particles *p, const int64_t *restrict mode,
+                           const double *restrict y, double *restrict force)
 {
     double power = 0.0;
     for (int64_t k = 0; k < p->pairs; k++) {
@@ -231,9 +257,10 @@ static inline double press(const refdem_particles *p, const int64_t *restrict mo
     return power;
 }
 
-/* Adds the tangential forces and the rates of their springs; returns the power of friction. Accelerations must be complete
- * but for these. */
-static inline double rub_all(const refdem_particles *p, const int64_t *restrict mode, const double *restrict y, double *restrict dy)
+/* Adds the tangential forces and the rates of their springs; returns the power of friction.
+ * Accelerations must be complete but for these. */
+static inline double rub_all(const refdem_particles *p, const int64_t *restrict mode,
+                             const double *restrict y, double *restrict dy)
 {
     double power = 0.0, force[3];
     for (int64_t k = 0; k < p->pairs; k++) {
@@ -248,7 +275,8 @@ static inline double rub_all(const refdem_particles *p, const int64_t *restrict 
 }
 
 /* q' = w q / 2 for every body. */
-static inline void turn(const refdem_particles *p, const double *restrict w, const double *restrict q, double *restrict dq)
+static inline void turn(const refdem_particles *p, const double *restrict w,
+                        const double *restrict q, double *restrict dq)
 {
     for (int64_t i = 0; i < p->bodies; i++, w += 3, q += 4, dq += 4) {
         double across[3];
@@ -259,8 +287,10 @@ static inline void turn(const refdem_particles *p, const double *restrict w, con
     }
 }
 
-/* Rates of everything: y' = dy. Forces are summed before they are divided by the mass, so that what balances exactly rests. */
-static inline void rates(const refdem_particles *p, const int64_t *restrict mode, const double *restrict y, double *restrict dy)
+/* Rates of everything: y' = dy. Forces are summed before they are divided by the mass, so that what
+ * balances exactly rests. */
+static inline void rates(const refdem_particles *p, const int64_t *restrict mode,
+                         const double *restrict y, double *restrict dy)
 {
     int64_t n = p->bodies;
     double *a = dy + 3 * n;
@@ -275,7 +305,9 @@ static inline void rates(const refdem_particles *p, const int64_t *restrict mode
             cube = p->gm / (square * sqrt(square));
         }
         for (int c = 0; c < 3; c++)
-            a[3 * i + c] = p->ease[i] > 0.0 ? (a[3 * i + c] / p->mass[i] + p->gravity[c]) - cube * y[3 * i + c] : 0.0;
+            a[3 * i + c] = p->ease[i] > 0.0
+                               ? (a[3 * i + c] / p->mass[i] + p->gravity[c]) - cube * y[3 * i + c]
+                               : 0.0;
     }
     if (p->turning)
         turn(p, y + spin_at(p), y + 9 * n, dy + 9 * n);

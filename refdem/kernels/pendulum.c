@@ -1,8 +1,9 @@
 /* A point on a rigid rod that swings in one plane, in closed form.
  *
- * theta'' = -w0^2 sin theta, w0^2 = g/l; S = sin(theta/2), C = cos(theta/2), P = theta'/(2 w0), k^2 = S^2 + P^2:
- * k < 1: S = k sn(w0 t + u0 | k^2), C = dn, P = k cn;  k > 1: S = sn(k w0 t + u0 | 1/k^2), C = cn, P = k dn;
- * k = 1: S = tanh, C = P = sech (Whittaker, Analytical Dynamics, section 44; DLMF 22.19.2-5).
+ * theta'' = -w0^2 sin theta, w0^2 = g/l; S = sin(theta/2), C = cos(theta/2), P = theta'/(2 w0), k^2
+ * = S^2 + P^2: k < 1: S = k sn(w0 t + u0 | k^2), C = dn, P = k cn;  k > 1: S = sn(k w0 t + u0 |
+ * 1/k^2), C = cn, P = k dn; k = 1: S = tanh, C = P = sech (Whittaker, Analytical Dynamics, section
+ * 44; DLMF 22.19.2-5).
  */
 #include "elliptic.h"
 #include "kernels.h"
@@ -11,10 +12,10 @@ enum { RESTING, TURNING, SWINGING, ROTATING };
 
 typedef struct {
     int kind;
-    dd rate, start;   /* u = rate t + start; without gravity theta itself */
-    turns phase;      /* the same in periods of sn */
-    double k, sense;  /* modulus as above; -1 mirrors the motion */
-    double w0;        /* sqrt(g/l) */
+    dd rate, start;     /* u = rate t + start; without gravity theta itself */
+    turns phase;        /* the same in periods of sn */
+    double k, sense;    /* modulus as above; -1 mirrors the motion */
+    double w0;          /* sqrt(g/l) */
     double s, c, omega; /* sin and cos of theta, and theta', at the start */
     jacobi j;
 } pendulum;
@@ -50,7 +51,8 @@ static dd perpendicular(const dd *restrict v, const dd *restrict n, dd *restrict
     return size;
 }
 
-static plane plane_of(const double *restrict gravity, const dd *restrict rod, const dd *restrict velocity)
+static plane plane_of(const double *restrict gravity, const dd *restrict rod,
+                      const dd *restrict velocity)
 {
     plane p;
     dd down[3], size;
@@ -73,12 +75,14 @@ static plane plane_of(const double *restrict gravity, const dd *restrict rod, co
 /* S and C >= 0 from sin and cos of theta, without cancellation. */
 static void halved(dd s, dd c, dd *restrict sine, dd *restrict cosine)
 {
-    dd one = dd_of(1.0), large = dd_sqrt(dd_scale(dd_add(one, dd_abs(c)), 0.5)), small = dd_div(dd_scale(s, 0.5), large);
+    dd one = dd_of(1.0), large = dd_sqrt(dd_scale(dd_add(one, dd_abs(c)), 0.5)),
+       small = dd_div(dd_scale(s, 0.5), large);
     *cosine = c.hi > 0.0 ? large : dd_abs(small);
     *sine = c.hi > 0.0 ? small : s.hi < 0.0 ? dd_neg(large) : large;
 }
 
-/* Which of the forms the motion has, its modulus, rate and phase, from sin and cos of theta, theta' and w0. */
+/* Which of the forms the motion has, its modulus, rate and phase, from sin and cos of theta, theta'
+ * and w0. */
 static void prepare(pendulum *b, dd s, dd c, dd omega, dd w0)
 {
     dd sine, cosine, one = dd_of(1.0);
@@ -113,7 +117,8 @@ typedef struct {
 } angles;
 
 /* At the times t, count <= BLOCK, in any order. */
-static inline void at(const pendulum *restrict b, double t0, int count, const double *restrict t, angles *restrict out)
+static inline void at(const pendulum *restrict b, double t0, int count, const double *restrict t,
+                      angles *restrict out)
 {
     if (b->kind == RESTING || b->kind == TURNING) {
         for (int k = 0; k < count; k++) {
@@ -136,14 +141,16 @@ static inline void at(const pendulum *restrict b, double t0, int count, const do
 }
 
 /* Place, velocity and force of columns of angles. */
-static inline void placed(const hung *restrict m, int count, const angles *restrict a, double *restrict position,
-                          double *restrict velocity, double *restrict force)
+static inline void placed(const hung *restrict m, int count, const angles *restrict a,
+                          double *restrict position, double *restrict velocity,
+                          double *restrict force)
 {
     double down[3], across[3];
     for (int i = 0; i < 3; i++)
         down[i] = m->length * m->down[i], across[i] = m->length * m->across[i];
     for (int k = 0; k < count; k++) {
-        double s = a->s[k], c = a->c[k], omega = a->omega[k], speed_c = omega * c, speed_s = -omega * s;
+        double s = a->s[k], c = a->c[k], omega = a->omega[k], speed_c = omega * c,
+               speed_s = -omega * s;
         position[3 * k] = fma(s, across[0], fma(c, down[0], m->anchor[0]));
         position[3 * k + 1] = fma(s, across[1], fma(c, down[1], m->anchor[1]));
         position[3 * k + 2] = fma(s, across[2], fma(c, down[2], m->anchor[2]));
@@ -161,21 +168,29 @@ int64_t refdem_pendulum_size(void)
 }
 
 REFDEM_EVERY_CPU
-int refdem_pendulum_prepare(double mass, double length, const double *gravity, const double *anchor, const double *position,
-                            const double *velocity, double t0, int64_t samples, const double *t, double *out_position,
+int refdem_pendulum_prepare(double mass, double length, const double *gravity, const double *anchor,
+                            const double *position, const double *velocity, double t0,
+                            int64_t samples, const double *t, double *out_position,
                             double *out_velocity, double *out_force, double *motion)
 {
     dd rod[3], v[3], across, along, size;
     hung *m = (hung *)motion;
-    *m = (hung){.mass = mass, .length = length, .t0 = t0, .samples = samples, .t = t, .out_position = out_position,
-                .out_velocity = out_velocity, .out_force = out_force};
+    *m = (hung){.mass = mass,
+                .length = length,
+                .t0 = t0,
+                .samples = samples,
+                .t = t,
+                .out_position = out_position,
+                .out_velocity = out_velocity,
+                .out_force = out_force};
     for (int i = 0; i < 3; i++)
         rod[i] = two_sum(position[i], -anchor[i]), v[i] = dd_of(velocity[i]);
     plane way = plane_of(gravity, rod, v);
     across = dd_dot(rod, way.across), along = dd_dot(rod, way.down);
     size = dd_sqrt(dd_add(dd_square(across), dd_square(along)));
     dd s = dd_div(across, size), c = dd_div(along, size);
-    dd omega = dd_div(dd_sub(dd_mul(dd_dot(v, way.across), c), dd_mul(dd_dot(v, way.down), s)), dd_of(length));
+    dd omega = dd_div(dd_sub(dd_mul(dd_dot(v, way.across), c), dd_mul(dd_dot(v, way.down), s)),
+                      dd_of(length));
     dd fall[3] = {dd_of(gravity[0]), dd_of(gravity[1]), dd_of(gravity[2])}, g = length_of(fall);
     prepare(&m->b, s, c, omega, dd_sqrt(dd_div(g, dd_of(length))));
     m->gravity = g.hi;
@@ -186,7 +201,8 @@ int refdem_pendulum_prepare(double mass, double length, const double *gravity, c
     return 0;
 }
 
-/* The start itself, as it was given, wherever it is asked for among count samples; everywhere if the point rests. */
+/* The start itself, as it was given, wherever it is asked for among count samples; everywhere if
+ * the point rests. */
 static inline void started(const hung *m, int64_t first, int count)
 {
     int is_resting = m->b.kind == RESTING, meets = is_resting;
@@ -208,18 +224,19 @@ int refdem_pendulum_run(const double *motion)
         int count = m->samples - first < BLOCK ? (int)(m->samples - first) : BLOCK;
         angles a;
         at(&m->b, m->t0, count, m->t + first, &a);
-        placed(m, count, &a, m->out_position + 3 * first, m->out_velocity + 3 * first, m->out_force + first);
+        placed(m, count, &a, m->out_position + 3 * first, m->out_velocity + 3 * first,
+               m->out_force + first);
         started(m, first, count);
     }
     return 0;
 }
 
-int refdem_pendulum(double mass, double length, const double *gravity, const double *anchor, const double *position,
-                    const double *velocity, double t0, int64_t samples, const double *t, double *out_position, double *out_velocity,
-                    double *out_force)
+int refdem_pendulum(double mass, double length, const double *gravity, const double *anchor,
+                    const double *position, const double *velocity, double t0, int64_t samples,
+                    const double *t, double *out_position, double *out_velocity, double *out_force)
 {
     hung m;
-    refdem_pendulum_prepare(mass, length, gravity, anchor, position, velocity, t0, samples, t, out_position, out_velocity, out_force,
-                            (double *)&m);
+    refdem_pendulum_prepare(mass, length, gravity, anchor, position, velocity, t0, samples, t,
+                            out_position, out_velocity, out_force, (double *)&m);
     return refdem_pendulum_run((const double *)&m);
 }

@@ -1,15 +1,20 @@
-/* Many plane pendulums at once: theta'' = -w0^2 sin theta by a symmetric composition of Verlet's method, a block of them at a time.
+/* Many plane pendulums at once: theta'' = -w0^2 sin theta by a symmetric composition of Verlet's
+ * method, a block of them at a time.
  *
- * Angles are counted in half turns while they are carried, as are rates: what is taken off them is then a whole number. The sine is a
- * polynomial interpolated at Chebyshev's nodes on -1/2..1/2 half turns.
+ * Angles are counted in half turns while they are carried, as are rates: what is taken off them is
+ * then a whole number. The sine is a polynomial interpolated at Chebyshev's nodes on -1/2..1/2 half
+ * turns.
  */
 #include "kernels.h"
 #include "simd.h"
 
-enum { MEMBERS = 512, MOST_STAGES = 63 }; /* angles and rates of a block fill a quarter of a first cache */
+enum {
+    MEMBERS = 512,
+    MOST_STAGES = 63
+}; /* angles and rates of a block fill a quarter of a first cache */
 
-/* sin(pi x) / pi, absolute error 2e-16 / pi and no reduction to speak of: x less a whole number is exact. The last bit of the shifted sum
- * is that number's parity, which becomes the sign. */
+/* sin(pi x) / pi, absolute error 2e-16 / pi and no reduction to speak of: x less a whole number is
+ * exact. The last bit of the shifted sum is that number's parity, which becomes the sign. */
 static inline double sine_of_half_turns(double x)
 {
     double shifted = x + 0x1.8p52, r = x - (shifted - 0x1.8p52), z = r * r, p;
@@ -35,8 +40,10 @@ static inline void converted(int count, dd factor, double *restrict x)
         x[k] = fma(x[k], factor.hi, x[k] * factor.lo);
 }
 
-/* h of each drift and kick of one step; `weight` holds the first half of the kicks and the middle one, which the others mirror. */
-static void staged(int stages, const double *weight, double h, double *restrict drift, double *restrict kick)
+/* h of each drift and kick of one step; `weight` holds the first half of the kicks and the middle
+ * one, which the others mirror. */
+static void staged(int stages, const double *weight, double h, double *restrict drift,
+                   double *restrict kick)
 {
     for (int s = 0; s < stages; s++)
         kick[s] = h * weight[s < stages / 2 ? s : stages - 1 - s];
@@ -45,8 +52,8 @@ static void staged(int stages, const double *weight, double h, double *restrict 
 }
 
 REFDEM_EVERY_CPU
-int refdem_pendulum_ensemble(int stages, const double *weight, double square, double h, int64_t steps, int64_t members, double *angle,
-                             double *rate)
+int refdem_pendulum_ensemble(int stages, const double *weight, double square, double h,
+                             int64_t steps, int64_t members, double *angle, double *rate)
 {
     double drift[MOST_STAGES + 1], kick[MOST_STAGES];
     if (stages > MOST_STAGES)

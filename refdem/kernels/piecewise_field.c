@@ -1,7 +1,9 @@
-/* A point in a force that rises linearly from x1 to 0 and falls linearly to x2 (source: Matuttis and Chen 2014, (1.139)), in closed form.
+/* A point in a force that rises linearly from x1 to 0 and falls linearly to x2 (source: Matuttis
+ * and Chen 2014, (1.139)), in closed form.
  *
- * On the rising flank x - x1 = A exp(lambda t) + B exp(-lambda t), lambda^2 = k1/m; on the falling one x - x2 = R cos(omega t + delta),
- * omega^2 = -k2/m; outside, free flight. Each phase ends where its own formula says.
+ * On the rising flank x - x1 = A exp(lambda t) + B exp(-lambda t), lambda^2 = k1/m; on the falling
+ * one x - x2 = R cos(omega t + delta), omega^2 = -k2/m; outside, free flight. Each phase ends where
+ * its own formula says.
  */
 #include <math.h>
 
@@ -15,8 +17,8 @@ typedef struct {
 
 typedef struct {
     int region;
-    double x, v;          /* at its begin */
-    double a, b, lag;     /* A, B; or R and delta in a and lag */
+    double x, v;      /* at its begin */
+    double a, b, lag; /* A, B; or R and delta in a and lag */
     double lasts;
     int next;
 } phase;
@@ -33,9 +35,15 @@ static phase free_flight(const tent *f, int region, double x, double v)
 static phase rising(const tent *f, double x, double v)
 {
     double s = x - f->x1, h = -f->x1;
-    phase p = {.region = RISING, .x = x, .v = v, .lasts = INFINITY, .a = 0.5 * (s + v / f->lambda), .b = 0.5 * (s - v / f->lambda)};
+    phase p = {.region = RISING,
+               .x = x,
+               .v = v,
+               .lasts = INFINITY,
+               .a = 0.5 * (s + v / f->lambda),
+               .b = 0.5 * (s - v / f->lambda)};
     if (p.a > 0.0)
-        p.lasts = log((h + sqrt(fmax(0.0, h * h - 4.0 * p.a * p.b))) / (2.0 * p.a)) / f->lambda, p.next = FALLING;
+        p.lasts = log((h + sqrt(fmax(0.0, h * h - 4.0 * p.a * p.b))) / (2.0 * p.a)) / f->lambda,
+        p.next = FALLING;
     if (p.a < 0.0)
         p.lasts = 0.5 * log(-p.b / p.a) / f->lambda, p.next = LEFT;
     return p;
@@ -45,7 +53,12 @@ static phase falling(const tent *f, double x, double v)
 {
     const double pi = 3.14159265358979323846;
     double s = x - f->x2;
-    phase p = {.region = FALLING, .x = x, .v = v, .lasts = INFINITY, .a = hypot(s, v / f->omega), .lag = atan2(-v / f->omega, s)};
+    phase p = {.region = FALLING,
+               .x = x,
+               .v = v,
+               .lasts = INFINITY,
+               .a = hypot(s, v / f->omega),
+               .lag = atan2(-v / f->omega, s)};
     if (p.lag < 0.0)
         p.lag += 2.0 * pi;
     if (v < 0.0 && p.a > f->x2)
@@ -57,7 +70,9 @@ static phase falling(const tent *f, double x, double v)
 
 static phase entered(const tent *f, int region, double x, double v)
 {
-    return region == RISING ? rising(f, x, v) : region == FALLING ? falling(f, x, v) : free_flight(f, region, x, v);
+    return region == RISING    ? rising(f, x, v)
+           : region == FALLING ? falling(f, x, v)
+                               : free_flight(f, region, x, v);
 }
 
 static void state(const tent *f, const phase *p, double t, double *restrict x, double *restrict v)
@@ -68,7 +83,8 @@ static void state(const tent *f, const phase *p, double t, double *restrict x, d
         *x = f->x1 + (grown + left), *v = f->lambda * (grown - left);
     }
     if (p->region == FALLING)
-        *x = f->x2 + p->a * cos(f->omega * t + p->lag), *v = -f->omega * p->a * sin(f->omega * t + p->lag);
+        *x = f->x2 + p->a * cos(f->omega * t + p->lag),
+        *v = -f->omega * p->a * sin(f->omega * t + p->lag);
 }
 
 static int region_at(const tent *f, double x, double v)
@@ -80,8 +96,8 @@ static int region_at(const tent *f, double x, double v)
     return x < f->x2 || (x == f->x2 && v < 0.0) ? FALLING : RIGHT;
 }
 
-int refdem_piecewise_field(double mass, double k1, double k2, double x1, double x2, double x0, double v0, int64_t samples,
-                           const double *t, double *out)
+int refdem_piecewise_field(double mass, double k1, double k2, double x1, double x2, double x0,
+                           double v0, int64_t samples, const double *t, double *out)
 {
     tent f = {x1, x2, sqrt(k1 / mass), sqrt(-k2 / mass)};
     double begin = 0.0, edges[4] = {x1, 0.0, x2, 0.0};

@@ -1,17 +1,19 @@
-/* A contact whose force is a power of the overlap, one law on the way in and one on the way out, in closed form.
+/* A contact whose force is a power of the overlap, one law on the way in and one on the way out, in
+ * closed form.
  *
- * m d'' = -k d^n. With a = 1/(n+1), greatest overlap D = ((n+1) m v^2/(2k))^a, y = d/D and s = d'/v the energy is
- * y^(n+1) + s^2 = 1, and the time, in units of D/v, is y 2F1(1/2, a; 1+a; y^(n+1)) since touch, 2a s 2F1(1-a, 1/2; 3/2; s^2) before
- * the turn; each is solved by Newton's rule where its series has an argument below 0.6 (Hertz 1882: n = 3/2).
+ * m d'' = -k d^n. With a = 1/(n+1), greatest overlap D = ((n+1) m v^2/(2k))^a, y = d/D and s = d'/v
+ * the energy is y^(n+1) + s^2 = 1, and the time, in units of D/v, is y 2F1(1/2, a; 1+a; y^(n+1))
+ * since touch, 2a s 2F1(1-a, 1/2; 3/2; s^2) before the turn; each is solved by Newton's rule where
+ * its series has an argument below 0.6 (Hertz 1882: n = 3/2).
  */
 #include <math.h>
 
 #include "kernels.h"
 
 typedef struct {
-    double a, power;             /* 1/(n+1), n+1 */
-    double depth, speed, unit;   /* D, v, D/v */
-    double half;                 /* time from touch to the turn */
+    double a, power;           /* 1/(n+1), n+1 */
+    double depth, speed, unit; /* D, v, D/v */
+    double half;               /* time from touch to the turn */
 } leg;
 
 enum { TERMS = 120, TRIES = 40 };
@@ -60,11 +62,13 @@ static double reached(double mass, double stiffness, double exponent, double ove
 static double elapsed(const leg *l, double overlap, double rate)
 {
     double y = overlap / l->depth, z = pow(y, l->power);
-    return z < 0.5 ? l->unit * since_touch(l, y, z) : l->half - l->unit * before_turn(l, rate / l->speed);
+    return z < 0.5 ? l->unit * since_touch(l, y, z)
+                   : l->half - l->unit * before_turn(l, rate / l->speed);
 }
 
 /* Overlap and rate at `since` touch, up to the turn. */
-static void pressed(const leg *l, double since, double left, double *restrict overlap, double *restrict rate)
+static void pressed(const leg *l, double since, double left, double *restrict overlap,
+                    double *restrict rate)
 {
     double goal = since / l->unit, x = goal, change = 1.0;
     if (goal < NEAR_TOUCH) {
@@ -89,18 +93,21 @@ static void pressed(const leg *l, double since, double left, double *restrict ov
     *overlap = l->depth * pow(1.0 - x * x, l->a), *rate = l->speed * x;
 }
 
-int refdem_power_contact(double mass, const double *in, const double *out_law, double overlap, double rate, int64_t samples,
-                         const double *t, double *touch, double *out)
+int refdem_power_contact(double mass, const double *in, const double *out_law, double overlap,
+                         double rate, int64_t samples, const double *t, double *touch, double *out)
 {
     const double *law = overlap > 0.0 && rate < 0.0 ? out_law : in;
     int meets = overlap > 0.0 || rate > 0.0;
     double depth = meets ? reached(mass, law[0], law[1], overlap, rate) : 1.0;
-    leg inward = prepared(mass, in[0], in[1], depth), outward = prepared(mass, out_law[0], out_law[1], depth);
-    if (meets && !(overlap > 0.0)) /* the speed of touch is given: it need not go through the powers */
+    leg inward = prepared(mass, in[0], in[1], depth),
+        outward = prepared(mass, out_law[0], out_law[1], depth);
+    if (meets
+        && !(overlap > 0.0)) /* the speed of touch is given: it need not go through the powers */
         inward.half *= inward.speed / rate, inward.speed = rate, inward.unit = depth / rate;
     double turn = inward.half - (overlap > 0.0 ? 0.0 : overlap / rate);
     if (overlap > 0.0)
-        turn = rate < 0.0 ? elapsed(&outward, overlap, -rate) - outward.half : inward.half - elapsed(&inward, overlap, rate);
+        turn = rate < 0.0 ? elapsed(&outward, overlap, -rate) - outward.half
+                          : inward.half - elapsed(&inward, overlap, rate);
     if (!meets)
         turn = INFINITY;
     touch[0] = turn - inward.half, touch[1] = turn, touch[2] = turn + outward.half;

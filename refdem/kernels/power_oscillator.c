@@ -1,8 +1,9 @@
 /* m x'' + k |x|^n sgn x = 0 in closed form, n >= 1, by incomplete beta functions and their inverse.
  *
- * p = n + 1; y = x/A, w = -v/u, y^p + w^2 = 1 with u = sqrt(2 k/(m p)) A^(p/2); time in units of A/u. From the centre
- *   q(y) = y 2F1(1/2, 1/p; 1 + 1/p; y^p),   from the turning point   s(w) = (2/p) w 2F1(1/2, 1 - 1/p; 3/2; w^2),
- * each used up to y^p = w^2 = 1/2, where both meet: a quarter of the period is their sum there (DLMF 8.17.7).
+ * p = n + 1; y = x/A, w = -v/u, y^p + w^2 = 1 with u = sqrt(2 k/(m p)) A^(p/2); time in units of
+ * A/u. From the centre q(y) = y 2F1(1/2, 1/p; 1 + 1/p; y^p),   from the turning point   s(w) =
+ * (2/p) w 2F1(1/2, 1 - 1/p; 3/2; w^2), each used up to y^p = w^2 = 1/2, where both meet: a quarter
+ * of the period is their sum there (DLMF 8.17.7).
  */
 #include "double_double.h"
 #include "kernels.h"
@@ -12,11 +13,13 @@ enum { MOST = 120 };
 typedef struct {
     double p, rise; /* n + 1, 1/p */
     double reach, fastest;
-    dd rate, quarter, start; /* 1/time unit; a quarter of the period and the phase of the start, in time units */
-    double turn;             /* s(sqrt(1/2)) */
+    dd rate, quarter,
+        start; /* 1/time unit; a quarter of the period and the phase of the start, in time units */
+    double turn; /* s(sqrt(1/2)) */
 } power_law;
 
-/* 2F1(1/2, b; b + 1; z)-like sums: c_0 = 1 and c_(i+1)/c_i = (a + i)/(1 + i), each over (b + i)/b; z <= 1/2. */
+/* 2F1(1/2, b; b + 1; z)-like sums: c_0 = 1 and c_(i+1)/c_i = (a + i)/(1 + i), each over (b + i)/b;
+ * z <= 1/2. */
 static dd hyper(double a, dd b, double z)
 {
     dd sum = dd_of(1.0), factor = dd_of(1.0);
@@ -88,7 +91,8 @@ static power_law prepared(double mass, double stiffness, double exponent, double
     double middle = exp2(-b.rise), speed = sqrt(2.0 * stiffness / (mass * b.p));
     b.turn = from_turning(&b, sqrt(0.5)).hi;
     b.quarter = dd_add(from_centre(&b, middle), from_turning(&b, sqrt(0.5)));
-    double size = fmax(fabs(x), pow(fabs(v) / speed, 2.0 * b.rise)), a = fabs(x) / size, c = fabs(v) / speed / pow(size, 0.5 * b.p);
+    double size = fmax(fabs(x), pow(fabs(v) / speed, 2.0 * b.rise)), a = fabs(x) / size,
+           c = fabs(v) / speed / pow(size, 0.5 * b.p);
     b.reach = v == 0.0 ? fabs(x) : size * pow(pow(a, b.p) + c * c, b.rise);
     b.fastest = speed * pow(b.reach, 0.5 * b.p);
     dd unit = dd_sqrt(dd_div(dd_of(2.0 * stiffness), dd_mul(dd_of(mass), dd_of(b.p))));
@@ -112,8 +116,8 @@ static void at(const power_law *b, dd since, double *restrict x, double *restric
     *x = side * b->reach * y, *v = -side * b->fastest * w;
 }
 
-int refdem_power_oscillator(double mass, double stiffness, double exponent, double x0, double v0, double t0, int64_t samples,
-                            const double *t, double *out)
+int refdem_power_oscillator(double mass, double stiffness, double exponent, double x0, double v0,
+                            double t0, int64_t samples, const double *t, double *out)
 {
     if (x0 == 0.0 && v0 == 0.0) {
         for (int64_t i = 0; i < 2 * samples; i++)

@@ -5,7 +5,8 @@
 #include "double_double.h"
 
 /* q p. */
-static inline void quaternion_product(const double *restrict q, const double *restrict p, double *restrict out)
+static inline void quaternion_product(const double *restrict q, const double *restrict p,
+                                      double *restrict out)
 {
     out[0] = q[0] * p[0] - q[1] * p[1] - q[2] * p[2] - q[3] * p[3];
     out[1] = q[0] * p[1] + q[1] * p[0] + q[2] * p[3] - q[3] * p[2];
@@ -21,7 +22,8 @@ static inline void quaternion_normalised(double *restrict q)
 }
 
 /* The shortest rotation that takes the unit vector n to the unit vector e, not opposite to it. */
-static inline void quaternion_swing(const double *restrict n, const double *restrict e, double *restrict q)
+static inline void quaternion_swing(const double *restrict n, const double *restrict e,
+                                    double *restrict q)
 {
     q[0] = 1.0 + (n[0] * e[0] + n[1] * e[1] + n[2] * e[2]);
     q[1] = n[1] * e[2] - n[2] * e[1];
@@ -31,16 +33,19 @@ static inline void quaternion_swing(const double *restrict n, const double *rest
 }
 
 /* q v q* = v + 2 w (u x v) + 2 u x (u x v), u the vector part. */
-static inline void quaternion_rotated(const double *restrict q, const double *restrict v, double *restrict out)
+static inline void quaternion_rotated(const double *restrict q, const double *restrict v,
+                                      double *restrict out)
 {
-    double x = 2.0 * (q[2] * v[2] - q[3] * v[1]), y = 2.0 * (q[3] * v[0] - q[1] * v[2]), z = 2.0 * (q[1] * v[1] - q[2] * v[0]);
+    double x = 2.0 * (q[2] * v[2] - q[3] * v[1]), y = 2.0 * (q[3] * v[0] - q[1] * v[2]),
+           z = 2.0 * (q[1] * v[1] - q[2] * v[0]);
     out[0] = v[0] + (q[0] * x + (q[2] * z - q[3] * y));
     out[1] = v[1] + (q[0] * y + (q[3] * x - q[1] * z));
     out[2] = v[2] + (q[0] * z + (q[1] * y - q[2] * x));
 }
 
 /* The unit quaternion and omega in body axes of omega in space axes, in twice binary64. */
-static inline void quaternion_body(const double *restrict attitude, const double *restrict omega, dd *restrict q, dd *restrict w)
+static inline void quaternion_body(const double *restrict attitude, const double *restrict omega,
+                                   dd *restrict q, dd *restrict w)
 {
     dd size = dd_of(0.0), twist[3];
     for (int i = 0; i < 4; i++)
@@ -50,7 +55,8 @@ static inline void quaternion_body(const double *restrict attitude, const double
         q[i] = dd_div(dd_of(attitude[i]), size);
     for (int i = 0; i < 3; i++) {
         int j = (i + 1) % 3, k = (i + 2) % 3;
-        twist[i] = dd_scale(dd_sub(dd_scale(q[k + 1], omega[j]), dd_scale(q[j + 1], omega[k])), 2.0);
+        twist[i]
+            = dd_scale(dd_sub(dd_scale(q[k + 1], omega[j]), dd_scale(q[j + 1], omega[k])), 2.0);
     }
     for (int i = 0; i < 3; i++) {
         int j = (i + 1) % 3, k = (i + 2) % 3;

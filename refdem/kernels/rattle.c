@@ -1,8 +1,10 @@
-/* RATTLE: velocity Verlet for points joined by rods (Andersen, J. Comput. Phys. 52 (1983) 24; Hairer, Lubich, Wanner VII.1.4).
+/* RATTLE: velocity Verlet for points joined by rods (Andersen, J. Comput. Phys. 52 (1983) 24;
+ * Hairer, Lubich, Wanner VII.1.4).
  *
- * kick and drift by h/2 and h; rods of the new positions by multipliers along the old ones (Newton to round-off); kick by h/2;
- * then rods of the velocities. Positions and velocities carry what their sums left over (Kahan), so that round-off does not pile up.
- * The rod force is the exact one of the sampled state: G M^-1 G^T T = G a + |relative velocity|^2.
+ * kick and drift by h/2 and h; rods of the new positions by multipliers along the old ones (Newton
+ * to round-off); kick by h/2; then rods of the velocities. Positions and velocities carry what
+ * their sums left over (Kahan), so that round-off does not pile up. The rod force is the exact one
+ * of the sampled state: G M^-1 G^T T = G a + |relative velocity|^2.
  */
 #include <string.h>
 
@@ -21,7 +23,8 @@ typedef struct {
 } system_of_rods;
 
 /* From the second end (or the world's anchor) to the first. */
-static void separation(const int64_t *restrict ends, const double *restrict anchor, const double *restrict x, double *restrict d)
+static void separation(const int64_t *restrict ends, const double *restrict anchor,
+                       const double *restrict x, double *restrict d)
 {
     for (int i = 0; i < 3; i++)
         d[i] = x[3 * ends[0] + i] - (ends[1] < 0 ? anchor[i] : x[3 * ends[1] + i]);
@@ -59,7 +62,8 @@ static void accelerate(const system_of_rods *s, const double *restrict x)
         separation(ends, s->spring_anchor + 3 * k, x, d);
         size = sqrt(dot(d, d));
         stretch = size - law[1];
-        pull = law[2] == 1.0 ? law[0] * stretch : law[0] * copysign(pow(fabs(stretch), law[2]), stretch);
+        pull = law[2] == 1.0 ? law[0] * stretch
+                             : law[0] * copysign(pow(fabs(stretch), law[2]), stretch);
         pull = law[1] == 0.0 && law[2] == 1.0 ? law[0] : size > 0.0 ? pull / size : 0.0;
         for (int end = 0; end < 2; end++)
             if (ends[end] >= 0)
@@ -76,7 +80,8 @@ static void couple(const system_of_rods *s, const double *restrict d1, const dou
             double shared = 0.0;
             for (int p = 0; p < 2; p++)
                 for (int q = 0; q < 2; q++)
-                    if (s->rod_ends[2 * i + p] == s->rod_ends[2 * j + q] && s->rod_ends[2 * i + p] >= 0)
+                    if (s->rod_ends[2 * i + p] == s->rod_ends[2 * j + q]
+                        && s->rod_ends[2 * i + p] >= 0)
                         shared += (p == q ? 1.0 : -1.0) / s->mass[s->rod_ends[2 * i + p]];
             s->matrix[i * s->rods + j] = shared == 0.0 ? 0.0 : shared * dot(d1 + 3 * i, d0 + 3 * j);
         }
@@ -132,18 +137,21 @@ static inline void grow(double *restrict value, double *restrict low, double by)
 }
 
 /* values -= scale M^-1 G(d)^T solution. */
-static void push(const system_of_rods *s, const double *restrict d, double scale, double *restrict values, double *restrict low)
+static void push(const system_of_rods *s, const double *restrict d, double scale,
+                 double *restrict values, double *restrict low)
 {
     for (int64_t r = 0; r < s->rods; r++)
         for (int end = 0; end < 2; end++) {
             int64_t b = s->rod_ends[2 * r + end];
             if (b >= 0)
                 for (int i = 0; i < 3; i++)
-                    grow(&values[3 * b + i], &low[3 * b + i], (end ? scale : -scale) * s->solution[r] * d[3 * r + i] / s->mass[b]);
+                    grow(&values[3 * b + i], &low[3 * b + i],
+                         (end ? scale : -scale) * s->solution[r] * d[3 * r + i] / s->mass[b]);
         }
 }
 
-/* Newton on the multipliers until the rods' lengths are right to round-off; 0, or 1 if they never are. */
+/* Newton on the multipliers until the rods' lengths are right to round-off; 0, or 1 if they never
+ * are. */
 static int hold_lengths(const system_of_rods *s, double h, double *restrict x, double *restrict v)
 {
     double before = INFINITY;
@@ -184,7 +192,8 @@ static void hold_rates(const system_of_rods *s, const double *restrict x, double
 }
 
 /* Tension (rods,) of the state. */
-static void tension(const system_of_rods *s, const double *restrict x, const double *restrict v, double *restrict out)
+static void tension(const system_of_rods *s, const double *restrict x, const double *restrict v,
+                    double *restrict out)
 {
     static const double still[3] = {0.0, 0.0, 0.0};
     accelerate(s, x);
@@ -221,14 +230,34 @@ static int step(const system_of_rods *s, double h, double *restrict x, double *r
     return 0;
 }
 
-int refdem_rattle(int64_t n, const double *mass, const double *gravity, int64_t rods, const int64_t *rod_ends, const double *rod_anchor,
-                  const double *rod_length, int64_t springs, const int64_t *spring_ends, const double *spring_anchor,
-                  const double *spring_law, double h, int64_t samples, int64_t stride, double *work, double *position, double *velocity,
-                  double *force)
+int refdem_rattle(int64_t n, const double *mass, const double *gravity, int64_t rods,
+                  const int64_t *rod_ends, const double *rod_anchor, const double *rod_length,
+                  int64_t springs, const int64_t *spring_ends, const double *spring_anchor,
+                  const double *spring_law, double h, int64_t samples, int64_t stride, double *work,
+                  double *position, double *velocity, double *force)
 {
-    system_of_rods s = {n, rods, springs, mass, gravity, rod_ends, rod_anchor, rod_length, spring_ends, spring_anchor, spring_law,
-                        work, work + 3 * n, work + 6 * n, work + 9 * n, work + 9 * n + 3 * rods, 0, 0, 0, 0};
-    s.rhs = s.new + 3 * rods, s.solution = s.rhs + rods, s.column = s.solution + rods, s.matrix = s.column + rods;
+    system_of_rods s = {n,
+                        rods,
+                        springs,
+                        mass,
+                        gravity,
+                        rod_ends,
+                        rod_anchor,
+                        rod_length,
+                        spring_ends,
+                        spring_anchor,
+                        spring_law,
+                        work,
+                        work + 3 * n,
+                        work + 6 * n,
+                        work + 9 * n,
+                        work + 9 * n + 3 * rods,
+                        0,
+                        0,
+                        0,
+                        0};
+    s.rhs = s.new + 3 * rods, s.solution = s.rhs + rods, s.column = s.solution + rods,
+    s.matrix = s.column + rods;
     memset(s.low_x, 0, (size_t)(6 * n) * sizeof(double));
     tension(&s, position, velocity, force);
     for (int64_t k = 1; k < samples; k++) {

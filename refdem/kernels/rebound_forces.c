@@ -1,14 +1,15 @@
-/* Force fields, dashpots, drives, rods and Euler's equations in REBOUND's words: its callbacks, and a loop over its own steps.
+/* Force fields, dashpots, drives, rods and Euler's equations in REBOUND's words: its callbacks, and
+ * a loop over its own steps.
  *
- * REBOUND calls back with the address of its simulation (or set of equations) alone. What the callback needs hangs on a
- * pointer that the engine keeps for its users; where that pointer lies depends on the engine's version, so there is one
- * callback for each place, and the adapter takes the one for the layout that the installed engine reports. No header of
- * REBOUND is used.
+ * REBOUND calls back with the address of its simulation (or set of equations) alone. What the
+ * callback needs hangs on a pointer that the engine keeps for its users; where that pointer lies
+ * depends on the engine's version, so there is one callback for each place, and the adapter takes
+ * the one for the layout that the installed engine reports. No header of REBOUND is used.
  *
  * Rod between a and b with d = x_a - x_b, w = v_a - v_b: d.d'' + w.w = 0 gives the multiplier
  *   lambda = (w.w + d.(a_a - a_b)) / (d.d (1/m_a + 1/m_b)),   force on a: -lambda d,
- * divided by d.d, not by length^2: then d.d'' + w.w = 0 whatever the drift, which grows as t and not exponentially.
- * Euler's equations in body axes and q' = q omega_body / 2.
+ * divided by d.d, not by length^2: then d.d'' + w.w = 0 whatever the drift, which grows as t and
+ * not exponentially. Euler's equations in body axes and q' = q omega_body / 2.
  */
 #define _POSIX_C_SOURCE 200809L
 #include <math.h>
@@ -24,10 +25,15 @@ static double *column(const scene_t *scene, int64_t body, int64_t offset)
     return (double *)(void *)(scene->particle + body * scene->size + offset);
 }
 
-static double dot(const double *p, const double *q) { return p[0] * q[0] + p[1] * q[1] + p[2] * q[2]; }
+static double dot(const double *p, const double *q)
+{
+    return p[0] * q[0] + p[1] * q[1] + p[2] * q[2];
+}
 
-/* Difference of one column between body a and body b; for the world (-1) `rest` takes the place of b's. */
-static void difference(const scene_t *scene, const int64_t *end, int64_t offset, const double *rest, double *out)
+/* Difference of one column between body a and body b; for the world (-1) `rest` takes the place of
+ * b's. */
+static void difference(const scene_t *scene, const int64_t *end, int64_t offset, const double *rest,
+                       double *out)
 {
     const double *a = column(scene, end[0], offset);
     const double *b = end[1] < 0 ? rest : column(scene, end[1], offset);
@@ -58,7 +64,11 @@ static void spring(const scene_t *scene, const int64_t *end, const double *p)
     }
     double distance = sqrt(dot(d, d)), stretch = distance - p[1];
     if (distance > 0)
-        push(scene, end, -(p[0] * copysign(pow(fabs(stretch), p[2]), stretch) + (p[6] + p[7] * stretch) * stretch * stretch) / distance, d);
+        push(scene, end,
+             -(p[0] * copysign(pow(fabs(stretch), p[2]), stretch)
+               + (p[6] + p[7] * stretch) * stretch * stretch)
+                 / distance,
+             d);
 }
 
 static void dashpot(const scene_t *scene, const int64_t *end, const double *p)
@@ -89,7 +99,8 @@ static double rod(const scene_t *scene, const int64_t *end, const double *anchor
     difference(scene, end, scene->velocity, rest, w);
     difference(scene, end, scene->acceleration, rest, a);
     double square = dot(d, d);
-    double lambda = (dot(w, w) + dot(d, a)) / (square * (inverse_mass(scene, end[0]) + inverse_mass(scene, end[1])));
+    double lambda = (dot(w, w) + dot(d, a))
+                    / (square * (inverse_mass(scene, end[0]) + inverse_mass(scene, end[1])));
     push(scene, end, -lambda, d);
     return lambda * sqrt(square);
 }
@@ -127,13 +138,32 @@ static void euler(const scene_t *scene, double *restrict rate, const double *res
 }
 
 #define EIGHT(X, n) X(n##0) X(n##1) X(n##2) X(n##3) X(n##4) X(n##5) X(n##6) X(n##7)
-#define PLACES(X)                                                                                                          \
-    EIGHT(X, 0) EIGHT(X, 01) EIGHT(X, 02) EIGHT(X, 03) EIGHT(X, 04) EIGHT(X, 05) EIGHT(X, 06) EIGHT(X, 07) EIGHT(X, 010)  \
-    EIGHT(X, 011) EIGHT(X, 012) EIGHT(X, 013) EIGHT(X, 014) EIGHT(X, 015) EIGHT(X, 016) EIGHT(X, 017)
+#define PLACES(X)                                                                                  \
+    EIGHT(X, 0)                                                                                    \
+    EIGHT(X, 01)                                                                                   \
+    EIGHT(X, 02)                                                                                   \
+    EIGHT(X, 03)                                                                                   \
+    EIGHT(X, 04)                                                                                   \
+    EIGHT(X, 05)                                                                                   \
+    EIGHT(X, 06)                                                                                   \
+    EIGHT(X, 07)                                                                                   \
+    EIGHT(X, 010)                                                                                  \
+    EIGHT(X, 011)                                                                                  \
+    EIGHT(X, 012) EIGHT(X, 013) EIGHT(X, 014) EIGHT(X, 015) EIGHT(X, 016) EIGHT(X, 017)
 /* The places are octal numbers of 8-byte words: 000 .. 0177. */
-#define KEPT(owner, place) (*(const scene_t *const *)(const void *)((const char *)(owner) + 8 * (place)))
-#define FORCES(place) static void forces_##place(void *simulation) { forces(KEPT(simulation, place)); }
-#define EULER(place) static void euler_##place(void *ode, double *rate, const double *y, double t) { (void)t; euler(KEPT(ode, place), rate, y); }
+#define KEPT(owner, place)                                                                         \
+    (*(const scene_t *const *)(const void *)((const char *)(owner) + 8 * (place)))
+#define FORCES(place)                                                                              \
+    static void forces_##place(void *simulation)                                                   \
+    {                                                                                              \
+        forces(KEPT(simulation, place));                                                           \
+    }
+#define EULER(place)                                                                               \
+    static void euler_##place(void *ode, double *rate, const double *y, double t)                  \
+    {                                                                                              \
+        (void)t;                                                                                   \
+        euler(KEPT(ode, place), rate, y);                                                          \
+    }
 #define NAME_FORCES(place) forces_##place,
 #define NAME_EULER(place) euler_##place,
 PLACES(FORCES)
@@ -170,8 +200,8 @@ static double *row(const refdem_rebound_engine *engine, const scene_t *scene, do
     return out;
 }
 
-int refdem_rebound_record(const refdem_rebound_engine *engine, const refdem_rebound_scene *scene, int64_t stride,
-                          int64_t samples, const double *times, double *out)
+int refdem_rebound_record(const refdem_rebound_engine *engine, const refdem_rebound_scene *scene,
+                          int64_t stride, int64_t samples, const double *times, double *out)
 {
     struct sigaction interrupt;
     int failed = 0;

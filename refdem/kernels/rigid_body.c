@@ -1,9 +1,10 @@
 /* One free rigid body, step by step: exact rotations, and the classical Runge-Kutta method.
  *
- * The splitting leaves out what commutes with all: with J_m the middle moment, H = |l|^2/(2 J_m) + sum of l_i^2/2 (1/J_i - 1/J_m). The
- * first part turns the body about L in space by |L| t/J_m, in one rotation for any time; of the sum two axes are left, and turn in each
- * other's flow: a half step, a whole one, a half (Fasso, J. Comput. Phys. 189 (2003) 527). Turns about all three axes would leave an error
- * that grows as J_3/J_1: for a needle, two long turns that nearly cancel.
+ * The splitting leaves out what commutes with all: with J_m the middle moment, H = |l|^2/(2 J_m) +
+ * sum of l_i^2/2 (1/J_i - 1/J_m). The first part turns the body about L in space by |L| t/J_m, in
+ * one rotation for any time; of the sum two axes are left, and turn in each other's flow: a half
+ * step, a whole one, a half (Fasso, J. Comput. Phys. 189 (2003) 527). Turns about all three axes
+ * would leave an error that grows as J_3/J_1: for a needle, two long turns that nearly cancel.
  */
 #include <string.h>
 
@@ -11,7 +12,8 @@
 #include "kernels.h"
 #include "quaternion.h"
 
-/* Angular momentum l in body axes and the attitude q, each with the low parts that its sums left over. */
+/* Angular momentum l in body axes and the attitude q, each with the low parts that its sums left
+ * over. */
 typedef struct {
     double l[3], l_low[3], q[4], q_low[4];
 } spinning;
@@ -22,8 +24,9 @@ static inline void grow(double *restrict value, double *restrict low, double by)
     *value = sum.hi, *low = sum.lo;
 }
 
-/* The exact flow of l_i^2/(2 J_i) over h: l turns about axis i by -angle, the body by angle = h l_i / J_i. Increments, so that |l|
- * and |q| stay: with s = sin(angle/2), cos(angle) - 1 = -2 s^2 and cos(angle/2) - 1 = -s^2/(1 + cos(angle/2)). */
+/* The exact flow of l_i^2/(2 J_i) over h: l turns about axis i by -angle, the body by angle = h l_i
+ * / J_i. Increments, so that |l| and |q| stay: with s = sin(angle/2), cos(angle) - 1 = -2 s^2 and
+ * cos(angle/2) - 1 = -s^2/(1 + cos(angle/2)). */
 static inline void turn_about(spinning *b, int i, double rate)
 {
     int j = (i + 1) % 3, k = (i + 2) % 3;
@@ -39,7 +42,8 @@ static inline void turn_about(spinning *b, int i, double rate)
     grow(&b->q[1 + k], &b->q_low[1 + k], less * z - s * y);
 }
 
-static void start(spinning *b, const double *restrict inertia, const double *restrict attitude, const double *restrict omega)
+static void start(spinning *b, const double *restrict inertia, const double *restrict attitude,
+                  const double *restrict omega)
 {
     dd q[4], w[3];
     quaternion_body(attitude, omega, q, w);
@@ -52,7 +56,8 @@ static void start(spinning *b, const double *restrict inertia, const double *res
 }
 
 /* omega in space axes of l in body axes; an axis without inertia does not turn. */
-static void finish(const spinning *b, const double *restrict inertia, double *restrict attitude, double *restrict omega)
+static void finish(const spinning *b, const double *restrict inertia, double *restrict attitude,
+                   double *restrict omega)
 {
     double w[3];
     for (int i = 0; i < 3; i++)
@@ -101,9 +106,11 @@ static precession precessing(const spinning *b, double middle)
     return p;
 }
 
-/* The state at a sample: what is left of the outer turn, then the turn about the angular momentum. */
-static void sampled(const spinning *now, int axis, double rest, const precession *p, dd since, const double *restrict inertia,
-                    double *restrict attitude, double *restrict omega)
+/* The state at a sample: what is left of the outer turn, then the turn about the angular momentum.
+ */
+static void sampled(const spinning *now, int axis, double rest, const precession *p, dd since,
+                    const double *restrict inertia, double *restrict attitude,
+                    double *restrict omega)
 {
     spinning b = *now;
     double turn[4], inner[4], sine;
@@ -116,15 +123,17 @@ static void sampled(const spinning *now, int axis, double rest, const precession
     finish(&b, inertia, attitude, omega);
 }
 
-int refdem_rigid_body_splitting(const double *inertia, const double *attitude, const double *omega, double h, int64_t samples,
-                                int64_t stride, double *out_attitude, double *out_omega)
+int refdem_rigid_body_splitting(const double *inertia, const double *attitude, const double *omega,
+                                double h, int64_t samples, int64_t stride, double *out_attitude,
+                                double *out_omega)
 {
     spinning b;
     int least, most;
     start(&b, inertia, attitude, omega);
     finish(&b, inertia, out_attitude, out_omega);
     extremes(inertia, &least, &most);
-    double middle = inertia[3 - least - most], inner = rate_about(inertia[most], middle, h), outer = rate_about(inertia[least], middle, h);
+    double middle = inertia[3 - least - most], inner = rate_about(inertia[most], middle, h),
+           outer = rate_about(inertia[least], middle, h);
     precession p = precessing(&b, middle);
     turn_about(&b, least, 0.5 * outer);
     for (int64_t k = 1; k < samples; k++) {
@@ -134,7 +143,8 @@ int refdem_rigid_body_splitting(const double *inertia, const double *attitude, c
             turn_about(&b, most, inner);
         }
         dd since = two_product(h, (double)(k * stride));
-        sampled(&b, least, 0.5 * outer, &p, since, inertia, out_attitude + 4 * k, out_omega + 3 * k);
+        sampled(&b, least, 0.5 * outer, &p, since, inertia, out_attitude + 4 * k,
+                out_omega + 3 * k);
     }
     return 0;
 }
@@ -169,15 +179,17 @@ static void rk4_step(double *restrict y, double *restrict low, const double *res
         grow(&y[i], &low[i], -excess * (1.0 - 1.5 * excess) * y[i]);
 }
 
-int refdem_rigid_body_rk4(const double *inertia, const double *attitude, const double *omega, double h, int64_t samples,
-                          int64_t stride, double *out_attitude, double *out_omega)
+int refdem_rigid_body_rk4(const double *inertia, const double *attitude, const double *omega,
+                          double h, int64_t samples, int64_t stride, double *out_attitude,
+                          double *out_omega)
 {
     spinning b;
     double y[7], low[7], per[3];
     start(&b, inertia, attitude, omega);
     finish(&b, inertia, out_attitude, out_omega);
     for (int i = 0; i < 3; i++)
-        per[i] = inertia[i] > 0.0 ? 1.0 / inertia[i] : 0.0, y[4 + i] = b.l[i], low[4 + i] = b.l_low[i];
+        per[i] = inertia[i] > 0.0 ? 1.0 / inertia[i] : 0.0, y[4 + i] = b.l[i],
+        low[4 + i] = b.l_low[i];
     for (int i = 0; i < 4; i++)
         y[i] = b.q[i], low[i] = b.q_low[i];
     for (int64_t k = 1; k < samples; k++) {

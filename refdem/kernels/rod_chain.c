@@ -1,9 +1,12 @@
-/* A planar chain of points on rigid rods that hangs from a pivot, at rest or moved along a line by a law of time, in angles.
+/* A planar chain of points on rigid rods that hangs from a pivot, at rest or moved along a line by
+ * a law of time, in angles.
  *
- * r_i = pivot + sum over j <= i of l_j (sin th_j, -cos th_j), mu_i = m_i + ... + m_N (Lagrange; Landau and Lifshitz, Mechanics, sec. 5):
- * sum_j mu_max(i,j) l_i l_j (cos(th_i - th_j) th_j'' + sin(th_i - th_j) th_j'^2) = mu_i l_i G.(cos th_i, sin th_i),
- * G = gravity - pivot'', pivot'' = -drive Omega^2 cos(Omega t + phase). The matrix is factored once a step; its Taylor coefficients of
- * higher order go to the other side. The pivot does work at the rate F.pivot', F = sum mu_i l_i (sin th_i, -cos th_i)'' - mu_1 G.
+ * r_i = pivot + sum over j <= i of l_j (sin th_j, -cos th_j), mu_i = m_i + ... + m_N (Lagrange;
+ * Landau and Lifshitz, Mechanics, sec. 5): sum_j mu_max(i,j) l_i l_j (cos(th_i - th_j) th_j'' +
+ * sin(th_i - th_j) th_j'^2) = mu_i l_i G.(cos th_i, sin th_i), G = gravity - pivot'', pivot'' =
+ * -drive Omega^2 cos(Omega t + phase). The matrix is factored once a step; its Taylor coefficients
+ * of higher order go to the other side. The pivot does work at the rate F.pivot', F = sum mu_i l_i
+ * (sin th_i, -cos th_i)'' - mu_1 G.
  */
 #include "kernels.h"
 #include "taylor.h"
@@ -12,12 +15,14 @@ enum { MOST = 8 };
 
 typedef struct {
     int n;
-    const double *length, *aim; /* aim (n, 2): sine and cosine of each rod's angle at the start, from which angles count */
+    const double *length, *aim; /* aim (n, 2): sine and cosine of each rod's angle at the start,
+                                   from which angles count */
     double load[MOST];          /* mu */
     double gravity[2], drive[2], frequency, phase;
 } chain;
 
-/* Sine and cosine of the whole angle from those since the start: exact there, so that what stands upright stays. */
+/* Sine and cosine of the whole angle from those since the start: exact there, so that what stands
+ * upright stays. */
 static void aimed(const double *restrict aim, double *restrict s, double *restrict c)
 {
     double sine = *s, cosine = *c;
@@ -64,7 +69,8 @@ static void felt_gravity(const chain *p, dd time, series *g, series *velocity)
     double wave[4] = {c, -s, -c, s};
     for (int k = 0; k <= TERMS; k++) {
         for (int axis = 0; axis < 2; axis++)
-            g[axis][k] = (k ? 0.0 : p->gravity[axis]) + p->drive[axis] * p->frequency * power * wave[k % 4];
+            g[axis][k] = (k ? 0.0 : p->gravity[axis])
+                         + p->drive[axis] * p->frequency * power * wave[k % 4];
         for (int axis = 0; axis < 2; axis++)
             velocity[axis][k] = p->drive[axis] * power * wave[(k + 1) % 4];
         power *= p->frequency / (k + 1);
@@ -74,7 +80,8 @@ static void felt_gravity(const chain *p, dd time, series *g, series *velocity)
 static void expand(const void *system, dd time, series *y, double *scale)
 {
     const chain *p = system;
-    series g[2], moved[2], pull[2], s[MOST], c[MOST], square[MOST], turn[MOST], across[MOST][MOST], along[MOST][MOST];
+    series g[2], moved[2], pull[2], s[MOST], c[MOST], square[MOST], turn[MOST], across[MOST][MOST],
+        along[MOST][MOST];
     double matrix[MOST][MOST], b[MOST];
     int n = p->n;
     felt_gravity(p, time, g, moved);
@@ -88,8 +95,10 @@ static void expand(const void *system, dd time, series *y, double *scale)
         for (int i = 0; i < n; i++)
             for (int j = 0; j < n; j++) {
                 double weight = coupling(p, i, j);
-                along[i][j][k] = i == j ? (k ? 0.0 : weight) : weight * (cauchy(c[i], c[j], k) + cauchy(s[i], s[j], k));
-                across[i][j][k] = i == j ? 0.0 : weight * (cauchy(s[i], c[j], k) - cauchy(c[i], s[j], k));
+                along[i][j][k] = i == j ? (k ? 0.0 : weight)
+                                        : weight * (cauchy(c[i], c[j], k) + cauchy(s[i], s[j], k));
+                across[i][j][k]
+                    = i == j ? 0.0 : weight * (cauchy(s[i], c[j], k) - cauchy(c[i], s[j], k));
             }
         for (int i = 0; i < n; i++) {
             b[i] = p->load[i] * p->length[i] * (cauchy(g[0], c[i], k) + cauchy(g[1], s[i], k));
@@ -122,10 +131,12 @@ static void expand(const void *system, dd time, series *y, double *scale)
     scale[2 * n] = 0.0;
 }
 
-int refdem_rod_chain(int64_t rods, const double *length, const double *aim, const double *mass, const double *gravity,
-                     const double *drive, double frequency, double phase, int64_t samples, const double *t, double *out)
+int refdem_rod_chain(int64_t rods, const double *length, const double *aim, const double *mass,
+                     const double *gravity, const double *drive, double frequency, double phase,
+                     int64_t samples, const double *t, double *out)
 {
-    chain p = {.n = (int)rods, .length = length, .aim = aim, .frequency = frequency, .phase = phase};
+    chain p
+        = {.n = (int)rods, .length = length, .aim = aim, .frequency = frequency, .phase = phase};
     series y[2 * MOST + 1];
     double load = 0.0;
     if (rods < 1 || rods > MOST)

@@ -1,11 +1,14 @@
-/* A point on a rigid rod in uniform gravity, in Cartesian coordinates, in space: a Taylor method held to its rod.
+/* A point on a rigid rod in uniform gravity, in Cartesian coordinates, in space: a Taylor method
+ * held to its rod.
  *
- * r'' = g - lambda r, lambda = (v.v + g.r)/l^2 the multiplier. The rod does no work, (v.v)' = 2 g.v, so that lambda' = 3 g.v/l^2: one
- * product a coefficient, and no division, which would carry what r.r is off by (Hairer, Lubich and Wanner, sec. IV.4). After
- * each step the state goes back to |r| = l, r.v = 0. Step: radius of convergence / e^2 (Jorba and Zou, Exp. Math. 14 (2005) 99).
+ * r'' = g - lambda r, lambda = (v.v + g.r)/l^2 the multiplier. The rod does no work, (v.v)' = 2
+ * g.v, so that lambda' = 3 g.v/l^2: one product a coefficient, and no division, which would carry
+ * what r.r is off by (Hairer, Lubich and Wanner, sec. IV.4). After each step the state goes back to
+ * |r| = l, r.v = 0. Step: radius of convergence / e^2 (Jorba and Zou, Exp. Math. 14 (2005) 99).
  *
- * At small speeds an error e along the rod obeys e'' = -(lambda + g.r/l^2) e. Near the top it grows as exp(t sqrt(2 g/l)) until the state
- * is held again, and there the series converge far beyond that time: so a step is no longer than the inverse of such a rate.
+ * At small speeds an error e along the rod obeys e'' = -(lambda + g.r/l^2) e. Near the top it grows
+ * as exp(t sqrt(2 g/l)) until the state is held again, and there the series converge far beyond
+ * that time: so a step is no longer than the inverse of such a rate.
  */
 #include "kernels.h"
 #include "simd.h"
@@ -13,7 +16,8 @@
 enum { ORDER = 24 };
 static const float STEP_PART = 0.18f, LEAST = 1e-30f;
 
-/* Three components and one that stays zero: one register where there are such, arithmetic by component everywhere. */
+/* Three components and one that stays zero: one register where there are such, arithmetic by
+ * component everywhere. */
 typedef double wide __attribute__((vector_size(32)));
 typedef wide series[ORDER + 1];
 
@@ -28,7 +32,8 @@ static inline double dot(const wide *restrict a, const wide *restrict b)
     return fma((*a)[0], (*b)[0], fma((*a)[1], (*b)[1], (*a)[2] * (*b)[2]));
 }
 
-static inline double multiplier(const hanging *restrict m, const wide *restrict r, const wide *restrict v)
+static inline double multiplier(const hanging *restrict m, const wide *restrict r,
+                                const wide *restrict v)
 {
     return (dot(v, v) + dot(&m->pull, r)) / (m->length * m->length);
 }
@@ -37,7 +42,8 @@ static inline double multiplier(const hanging *restrict m, const wide *restrict 
 static inline void expanded(const hanging *restrict m, wide *restrict r, wide *restrict v)
 {
     double lambda[ORDER + 1];
-    r[0] = (wide){m->r[0].hi, m->r[1].hi, m->r[2].hi, 0.0}, v[0] = (wide){m->v[0].hi, m->v[1].hi, m->v[2].hi, 0.0};
+    r[0] = (wide){m->r[0].hi, m->r[1].hi, m->r[2].hi, 0.0},
+    v[0] = (wide){m->v[0].hi, m->v[1].hi, m->v[2].hi, 0.0};
     lambda[0] = multiplier(m, r, v);
     for (int n = 0; n < ORDER; n++) {
         double per = 1.0 / (n + 1.0);
@@ -59,14 +65,17 @@ static inline float largest(const wide *restrict a, double scale)
 }
 
 /* Square of the rate at which an error along the rod grows; negative where it swings instead. */
-static inline double unheld(const hanging *restrict m, const wide *restrict r, const wide *restrict v)
+static inline double unheld(const hanging *restrict m, const wide *restrict r,
+                            const wide *restrict v)
 {
     return -(dot(v, v) + 2.0 * dot(&m->pull, r)) / (m->length * m->length);
 }
 
-static inline double step_of(const hanging *restrict m, const wide *restrict r, const wide *restrict v)
+static inline double step_of(const hanging *restrict m, const wide *restrict r,
+                             const wide *restrict v)
 {
-    float worst = fmaxf(powf(largest(r + ORDER - 1, m->length), 1.0f / (ORDER - 1)), powf(largest(r + ORDER, m->length), 1.0f / ORDER));
+    float worst = fmaxf(powf(largest(r + ORDER - 1, m->length), 1.0f / (ORDER - 1)),
+                        powf(largest(r + ORDER, m->length), 1.0f / ORDER));
     double reach = STEP_PART / worst, square = unheld(m, r, v);
     return square * reach * reach > 1.0 ? 1.0 / sqrt(square) : reach;
 }
@@ -95,11 +104,14 @@ static inline void held(hanging *m)
 }
 
 REFDEM_EVERY_CPU
-int refdem_rod_taylor(double mass, double length, const double *gravity, const double *anchor, const double *position,
-                      const double *velocity, double t0, int64_t samples, const double *t, double *out_position, double *out_velocity,
+int refdem_rod_taylor(double mass, double length, const double *gravity, const double *anchor,
+                      const double *position, const double *velocity, double t0, int64_t samples,
+                      const double *t, double *out_position, double *out_velocity,
                       double *out_force)
 {
-    hanging m = {.length = length, .pull = {gravity[0], gravity[1], gravity[2], 0.0}, .per = 3.0 / (length * length)};
+    hanging m = {.length = length,
+                 .pull = {gravity[0], gravity[1], gravity[2], 0.0},
+                 .per = 3.0 / (length * length)};
     series r, v;
     double reach = 0.0, sense = samples > 1 && t[samples - 1] < t0 ? -1.0 : 1.0;
     dd now = dd_of(0.0);
@@ -114,7 +126,8 @@ int refdem_rod_taylor(double mass, double length, const double *gravity, const d
             wide gain_r, gain_v;
             gained(r, sense * reach, &gain_r), gained(v, sense * reach, &gain_v);
             for (int i = 0; i < 3; i++)
-                m.r[i] = dd_add(m.r[i], dd_of(gain_r[i])), m.v[i] = dd_add(m.v[i], dd_of(gain_v[i]));
+                m.r[i] = dd_add(m.r[i], dd_of(gain_r[i])),
+                m.v[i] = dd_add(m.v[i], dd_of(gain_v[i]));
             held(&m);
             now = dd_add(now, dd_of(sense * reach)), left = dd_sub(target, now);
             expanded(&m, r, v);
@@ -125,7 +138,8 @@ int refdem_rod_taylor(double mass, double length, const double *gravity, const d
         wide place, speed;
         gained(r, left.hi, &place), gained(v, left.hi, &speed);
         for (int i = 0; i < 3; i++) {
-            place[i] = dd_round(dd_add(m.r[i], dd_of(place[i]))), speed[i] = dd_round(dd_add(m.v[i], dd_of(speed[i])));
+            place[i] = dd_round(dd_add(m.r[i], dd_of(place[i]))),
+            speed[i] = dd_round(dd_add(m.v[i], dd_of(speed[i])));
             out_position[3 * k + i] = t[k] == t0 ? position[i] : anchor[i] + place[i];
             out_velocity[3 * k + i] = t[k] == t0 ? velocity[i] : speed[i];
         }

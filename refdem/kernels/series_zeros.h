@@ -1,7 +1,8 @@
 /* Taylor series of order 20: products, values, and their first zeros to the last bit.
  *
- * A stretch without a zero is told by bounds of the series, never by its ends alone: where the sum of what lowers it leaves it positive
- * there is none, where the slope is nowhere positive there is at most one; else the stretch is halved.
+ * A stretch without a zero is told by bounds of the series, never by its ends alone: where the sum
+ * of what lowers it leaves it positive there is none, where the slope is nowhere positive there is
+ * at most one; else the stretch is halved.
  */
 #ifndef REFDEM_SERIES_ZEROS_H
 #define REFDEM_SERIES_ZEROS_H
@@ -9,15 +10,21 @@
 #include <math.h>
 #include <string.h>
 
-enum { ORDER = 20, LANES = 4, ROOM = ORDER + 2 * LANES }; /* room for a whole vector beyond the last coefficient */
+enum {
+    ORDER = 20,
+    LANES = 4,
+    ROOM = ORDER + 2 * LANES
+}; /* room for a whole vector beyond the last coefficient */
 
-/* A product of two series that grow with it: `sum[n]` holds of coefficient n what the coefficients known so far give it, but for those
- * of order 0. Short vectors without a sum across them: what is waited for is a single multiplication and addition. */
+/* A product of two series that grow with it: `sum[n]` holds of coefficient n what the coefficients
+ * known so far give it, but for those of order 0. Short vectors without a sum across them: what is
+ * waited for is a single multiplication and addition. */
 typedef struct {
     double a[ROOM], b[ROOM], sum[ROOM];
 } growing;
 
-/* Nothing taken in yet; stores that stay short vectors, where one call for all of it took a quarter of an expansion. */
+/* Nothing taken in yet; stores that stay short vectors, where one call for all of it took a quarter
+ * of an expansion. */
 static inline void cleared(growing *g)
 {
     for (int k = 0; k < ROOM; k += LANES) {
@@ -50,8 +57,9 @@ static inline double coefficient(const growing *g, double a, double b, int n)
 
 /* 1/n: a product is ready sooner than a quotient. */
 static const double PART[ORDER + 1] = {
-    0.0,      1.0 / 1,  1.0 / 2,  1.0 / 3,  1.0 / 4,  1.0 / 5,  1.0 / 6,  1.0 / 7,  1.0 / 8,  1.0 / 9, 1.0 / 10,
-    1.0 / 11, 1.0 / 12, 1.0 / 13, 1.0 / 14, 1.0 / 15, 1.0 / 16, 1.0 / 17, 1.0 / 18, 1.0 / 19, 1.0 / 20,
+    0.0,      1.0 / 1,  1.0 / 2,  1.0 / 3,  1.0 / 4,  1.0 / 5,  1.0 / 6,
+    1.0 / 7,  1.0 / 8,  1.0 / 9,  1.0 / 10, 1.0 / 11, 1.0 / 12, 1.0 / 13,
+    1.0 / 14, 1.0 / 15, 1.0 / 16, 1.0 / 17, 1.0 / 18, 1.0 / 19, 1.0 / 20,
 };
 
 static inline double product(const double *restrict a, const double *restrict b, int n)
@@ -74,7 +82,8 @@ static inline double square(const double *a, int n)
     return n % 2 ? 2.0 * sum : 2.0 * sum + a[n / 2] * a[n / 2];
 }
 
-/* a[0] + a[1] s + .. + a[count - 1] s^(count - 1), by four sums in s^4 that do not wait for each other. */
+/* a[0] + a[1] s + .. + a[count - 1] s^(count - 1), by four sums in s^4 that do not wait for each
+ * other. */
 static inline double polynomial(const double *restrict a, int count, double s)
 {
     double square = s * s, fourth = square * square, sum[LANES] = {0.0, 0.0, 0.0, 0.0};
@@ -106,8 +115,9 @@ static inline void moved(const double *restrict a, double at, double *restrict b
             b[n] += at * b[n + 1];
 }
 
-/* A bracket [low, high] of a zero where a function falls through it, at `at` next: Newton's steps, then a few ulps beyond the zero, so
- * that both ends close in on it, then halves, to the last bit. */
+/* A bracket [low, high] of a zero where a function falls through it, at `at` next: Newton's steps,
+ * then a few ulps beyond the zero, so that both ends close in on it, then halves, to the last bit.
+ */
 typedef struct {
     double low, high, at, beyond;
 } bracket;
@@ -146,7 +156,8 @@ static inline double zero_between(const double *restrict a, double low, double h
     double rate[ORDER];
     for (int n = 0; n < ORDER; n++)
         rate[n] = (n + 1) * a[n + 1];
-    for (int i = 0; i < 200 && open_still(&b); i++) /* a half now and then, where Newton's steps creep */
+    for (int i = 0; i < 200 && open_still(&b);
+         i++) /* a half now and then, where Newton's steps creep */
         narrowed(&b, value(a, b.at), i % 8 == 7 ? 0.0 : polynomial(rate, ORDER, b.at));
     return b.high;
 }
@@ -154,7 +165,8 @@ static inline double zero_between(const double *restrict a, double low, double h
 /* Below the series on (0, w]: what lowers it at w, by four sums. */
 static inline double least_of(const double *restrict b, double w)
 {
-    double square = w * w, fourth = square * square, power[LANES] = {w, square, w * square, fourth}, sum[LANES] = {0.0, 0.0, 0.0, 0.0};
+    double square = w * w, fourth = square * square, power[LANES] = {w, square, w * square, fourth},
+           sum[LANES] = {0.0, 0.0, 0.0, 0.0};
     for (int n = 1; n <= ORDER; n += LANES)
         for (int i = 0; i < LANES; i++) {
             double part = b[n + i] * power[i];
@@ -167,7 +179,8 @@ static inline double least_of(const double *restrict b, double w)
 /* Above its slope there. */
 static inline double steepest_of(const double *restrict b, double w)
 {
-    double square = w * w, fourth = square * square, power[LANES] = {1.0, w, square, w * square}, sum[LANES] = {0.0, 0.0, 0.0, 0.0};
+    double square = w * w, fourth = square * square, power[LANES] = {1.0, w, square, w * square},
+           sum[LANES] = {0.0, 0.0, 0.0, 0.0};
     for (int n = 1; n <= ORDER; n += LANES)
         for (int i = 0; i < LANES; i++) {
             double part = (n + i) * b[n + i] * power[i];
@@ -203,7 +216,8 @@ static inline double first_zero(const double *restrict a, double h)
     return -1.0;
 }
 
-/* The same where a stretch may end early: `h` becomes shorter, to where there is no zero, rather than that the series is moved. */
+/* The same where a stretch may end early: `h` becomes shorter, to where there is no zero, rather
+ * than that the series is moved. */
 static inline double first_zero_soon(const double *restrict a, double *restrict h)
 {
     for (double w = *h; w > 0x1p-12 * *h; w *= 0.5) {

@@ -1,6 +1,8 @@
-/* Loops over many samples: compiled for each kind of processor, and without calls or branches, so that the compiler makes vectors of them.
+/* Loops over many samples: compiled for each kind of processor, and without calls or branches, so
+ * that the compiler makes vectors of them.
  *
- * Every product that is added to something is an explicit fma(), and nothing is reordered: all kinds of processor give the same bits.
+ * Every product that is added to something is an explicit fma(), and nothing is reordered: all
+ * kinds of processor give the same bits.
  */
 #ifndef REFDEM_SIMD_H
 #define REFDEM_SIMD_H
@@ -10,31 +12,37 @@
 
 #include "double_double.h"
 
-/* Before a function: all that it calls becomes part of it, and the processor that it meets (AVX-512, AVX2 with FMA, or any) chooses
- * among its versions when the extension is loaded. Instrumented code cannot choose so early. REFDEM_ONE_CPU=x86-64-v3 builds one
- * version alone, so that a test can hold each of them on one processor (ci/test-machines). */
+/* Before a function: all that it calls becomes part of it, and the processor that it meets
+ * (AVX-512, AVX2 with FMA, or any) chooses among its versions when the extension is loaded.
+ * Instrumented code cannot choose so early. REFDEM_ONE_CPU=x86-64-v3 builds one version alone, so
+ * that a test can hold each of them on one processor (ci/test-machines). */
 #ifdef REFDEM_ONE_CPU
 #define REFDEM_AS_TEXT(words) #words
 #define REFDEM_OF_ARCH(name) "arch=" REFDEM_AS_TEXT(name)
 #define REFDEM_EVERY_CPU __attribute__((target(REFDEM_OF_ARCH(REFDEM_ONE_CPU)), flatten))
-#elif defined(__x86_64__) && defined(__ELF__) && defined(__GNUC__) && __GNUC__ >= 12 && !defined(__clang__) && \
-    !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
-#define REFDEM_EVERY_CPU __attribute__((target_clones("arch=x86-64-v4", "arch=x86-64-v3", "default"), flatten))
+#elif defined(__x86_64__) && defined(__ELF__) && defined(__GNUC__) && __GNUC__ >= 12               \
+    && !defined(__clang__) && !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
+#define REFDEM_EVERY_CPU                                                                           \
+    __attribute__((target_clones("arch=x86-64-v4", "arch=x86-64-v3", "default"), flatten))
 #elif defined(__GNUC__)
 #define REFDEM_EVERY_CPU __attribute__((flatten))
 #else
 #define REFDEM_EVERY_CPU
 #endif
 
-enum { BLOCK = 128 }; /* samples that are in work at one time: their columns stay in the first cache */
+enum {
+    BLOCK = 128
+}; /* samples that are in work at one time: their columns stay in the first cache */
 
-/* The whole number nearest to x, |x| < 2^51, ties to even: sums beyond 1.5 * 2^52 have no fractions. */
+/* The whole number nearest to x, |x| < 2^51, ties to even: sums beyond 1.5 * 2^52 have no
+ * fractions. */
 static inline double nearest(double x)
 {
     return (x + 0x1.8p52) - 0x1.8p52;
 }
 
-/* sin and cos of x in -pi/4..pi/4 [rad], under an ulp; coefficients of least largest error (as in fdlibm's kernels). */
+/* sin and cos of x in -pi/4..pi/4 [rad], under an ulp; coefficients of least largest error (as in
+ * fdlibm's kernels). */
 static inline void sine_cosine_octant(double x, double *restrict s, double *restrict c)
 {
     double z = x * x, p, q;
@@ -62,10 +70,12 @@ static inline void sine_cosine_pi(double f, double *restrict s, double *restrict
     *c = fma(-2.0 * half_sine, half_sine, 1.0);
 }
 
-/* exp(x) for -700 < x < 1, under two ulps: 2^n exp(r), |r| <= ln(2)/2, and the Taylor series of exp. */
+/* exp(x) for -700 < x < 1, under two ulps: 2^n exp(r), |r| <= ln(2)/2, and the Taylor series of
+ * exp. */
 static inline double exponential(double x)
 {
-    double n = nearest(x * 1.4426950408889634), r = fma(n, -1.9082149292705877e-10, fma(n, -6.93147180369123816490e-01, x)), p, scale;
+    double n = nearest(x * 1.4426950408889634),
+           r = fma(n, -1.9082149292705877e-10, fma(n, -6.93147180369123816490e-01, x)), p, scale;
     p = fma(r, 1.0 / 6227020800.0, 1.0 / 479001600.0);
     p = fma(r, p, 1.0 / 39916800.0);
     p = fma(r, p, 1.0 / 3628800.0);
@@ -91,11 +101,13 @@ typedef struct {
     dd rate, start;
 } turns;
 
-/* Its fraction in -1/2..1/2, exact to the rounding of the result however many turns it has made; -1 in `sign` after an odd number. */
+/* Its fraction in -1/2..1/2, exact to the rounding of the result however many turns it has made; -1
+ * in `sign` after an odd number. */
 static inline double fraction(turns phase, dd time, double *restrict sign)
 {
     dd turned = two_product(phase.rate.hi, time.hi);
-    double low = fma(phase.rate.hi, time.lo, fma(phase.rate.lo, time.hi, turned.lo)), n = nearest(turned.hi), m;
+    double low = fma(phase.rate.hi, time.lo, fma(phase.rate.lo, time.hi, turned.lo)),
+           n = nearest(turned.hi), m;
     dd sum = two_sum(turned.hi - n, phase.start.hi);
     m = nearest(sum.hi);
     double whole = n + m, odd = whole - 2.0 * nearest(0.5 * whole);

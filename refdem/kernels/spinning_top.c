@@ -1,6 +1,8 @@
-/* A rigid body about a fixed point in uniform gravity: q' = q w/2, J w' = (J w) x w + arm x (R^T weight), in body axes.
+/* A rigid body about a fixed point in uniform gravity: q' = q w/2, J w' = (J w) x w + arm x (R^T
+ * weight), in body axes.
  *
- * J: principal moments about the fixed point; arm: from it to the centre of mass (Euler 1758; Landau and Lifshitz, section 36).
+ * J: principal moments about the fixed point; arm: from it to the centre of mass (Euler 1758;
+ * Landau and Lifshitz, section 36).
  */
 #include "kernels.h"
 #include "taylor.h"
@@ -17,9 +19,12 @@ static void felt(const top *p, series *q, int k, double *restrict f)
         for (int j = i; j < 4; j++)
             w[i][j] = w[j][i] = cauchy(q[i], q[j], k);
     const double *g = p->weight;
-    f[0] = g[0] * (w[0][0] + w[1][1] - w[2][2] - w[3][3]) + 2.0 * (g[1] * (w[1][2] + w[0][3]) + g[2] * (w[1][3] - w[0][2]));
-    f[1] = g[1] * (w[0][0] - w[1][1] + w[2][2] - w[3][3]) + 2.0 * (g[2] * (w[2][3] + w[0][1]) + g[0] * (w[1][2] - w[0][3]));
-    f[2] = g[2] * (w[0][0] - w[1][1] - w[2][2] + w[3][3]) + 2.0 * (g[0] * (w[1][3] + w[0][2]) + g[1] * (w[2][3] - w[0][1]));
+    f[0] = g[0] * (w[0][0] + w[1][1] - w[2][2] - w[3][3])
+           + 2.0 * (g[1] * (w[1][2] + w[0][3]) + g[2] * (w[1][3] - w[0][2]));
+    f[1] = g[1] * (w[0][0] - w[1][1] + w[2][2] - w[3][3])
+           + 2.0 * (g[2] * (w[2][3] + w[0][1]) + g[0] * (w[1][2] - w[0][3]));
+    f[2] = g[2] * (w[0][0] - w[1][1] - w[2][2] + w[3][3])
+           + 2.0 * (g[0] * (w[1][3] + w[0][2]) + g[1] * (w[2][3] - w[0][1]));
 }
 
 static void expand(const void *system, dd time, series *y, double *scale)
@@ -30,11 +35,15 @@ static void expand(const void *system, dd time, series *y, double *scale)
     for (int k = 0; k < TERMS; k++) {
         double f[3], rate = 0.5 / (k + 1);
         felt(p, q, k, f);
-        q[0][k + 1] = -rate * (cauchy(q[1], w[0], k) + cauchy(q[2], w[1], k) + cauchy(q[3], w[2], k));
+        q[0][k + 1]
+            = -rate * (cauchy(q[1], w[0], k) + cauchy(q[2], w[1], k) + cauchy(q[3], w[2], k));
         for (int i = 0; i < 3; i++) {
             int j = (i + 1) % 3, m = (i + 2) % 3;
-            q[i + 1][k + 1] = rate * (cauchy(q[0], w[i], k) + cauchy(q[j + 1], w[m], k) - cauchy(q[m + 1], w[j], k));
-            double turning = (p->inertia[j] - p->inertia[m]) * cauchy(w[j], w[m], k) + p->arm[j] * f[m] - p->arm[m] * f[j];
+            q[i + 1][k + 1]
+                = rate
+                  * (cauchy(q[0], w[i], k) + cauchy(q[j + 1], w[m], k) - cauchy(q[m + 1], w[j], k));
+            double turning = (p->inertia[j] - p->inertia[m]) * cauchy(w[j], w[m], k)
+                             + p->arm[j] * f[m] - p->arm[m] * f[j];
             w[i][k + 1] = turning / p->inertia[i] / (k + 1);
         }
     }
@@ -43,7 +52,8 @@ static void expand(const void *system, dd time, series *y, double *scale)
     scale[4] = scale[5] = scale[6] = 0.0;
 }
 
-int refdem_spinning_top(const double *inertia, const double *arm, const double *weight, int64_t samples, const double *t, double *out)
+int refdem_spinning_top(const double *inertia, const double *arm, const double *weight,
+                        int64_t samples, const double *t, double *out)
 {
     top p = {inertia, arm, weight};
     series y[7];

@@ -1,9 +1,10 @@
-/* The motion on a belt (belt.h) at given times, and its section v = 0, x > 0 for many frequencies of the drive, with growth of tangents. */
+/* The motion on a belt (belt.h) at given times, and its section v = 0, x > 0 for many frequencies
+ * of the drive, with growth of tangents. */
 #include "belt.h"
 #include "simd.h"
 
-int64_t refdem_stick_slip(const refdem_belt *p, double x0, double v0, double t0, int64_t samples, const double *t, int64_t most,
-                          double *event, double *out)
+int64_t refdem_stick_slip(const refdem_belt *p, double x0, double v0, double t0, int64_t samples,
+                          const double *t, int64_t most, double *event, double *out)
 {
     piece y = {0};
     motion m = begun(p, x0, v0, t0);
@@ -30,7 +31,8 @@ int64_t refdem_stick_slip(const refdem_belt *p, double x0, double v0, double t0,
 }
 
 /* Places x + origin > 0 at which v = 0 along a slip, in order, added to `out` from `count` on. */
-static int64_t crossings(const belt *p, const motion *m, const piece *y, double origin, int64_t most, int64_t count, double *restrict out)
+static int64_t crossings(const belt *p, const motion *m, const piece *y, double origin,
+                         int64_t most, int64_t count, double *restrict out)
 {
     double v[ORDER + 1], a[ORDER + 1], from = 0.0, sum = 0.0, power = 1.0;
     for (int n = 0; n <= ORDER; n++, power *= y->end) {
@@ -60,8 +62,10 @@ static int64_t crossings(const belt *p, const motion *m, const piece *y, double 
 }
 
 REFDEM_EVERY_CPU
-int refdem_stick_slip_section(const refdem_belt *p, int64_t n, const double *frequency, double origin, double x0, double v0, int64_t skip,
-                              int64_t keep, int64_t blocks, int64_t most, double *counts, double *sums, double *out)
+int refdem_stick_slip_section(const refdem_belt *p, int64_t n, const double *frequency,
+                              double origin, double x0, double v0, int64_t skip, int64_t keep,
+                              int64_t blocks, int64_t most, double *counts, double *sums,
+                              double *out)
 {
     for (int64_t i = 0; i < n; i++, out += most, sums += blocks) {
         belt own = *p;
@@ -69,7 +73,8 @@ int refdem_stick_slip_section(const refdem_belt *p, int64_t n, const double *fre
         motion m = begun(&own, x0, v0, 0.0);
         piece y = {0};
         m.follows = blocks > 0;
-        double period = 2.0 * DD_PI.hi / frequency[i], begin = period * (double)skip, end = period * (double)(skip + keep);
+        double period = 2.0 * DD_PI.hi / frequency[i], begin = period * (double)skip,
+               end = period * (double)(skip + keep);
         int64_t count = 0;
         for (int64_t k = 0; k < blocks; k++)
             sums[k] = 0.0;
@@ -85,7 +90,8 @@ int refdem_stick_slip_section(const refdem_belt *p, int64_t n, const double *fre
                 double size = fmax(hypot(m.tangent[0], m.tangent[1]), 1e-300);
                 m.tangent[0] /= size, m.tangent[1] /= size;
                 if (at >= begin)
-                    sums[(int64_t)fmin((at - begin) / (end - begin) * (double)blocks, (double)(blocks - 1))] += log(size);
+                    sums[(int64_t)fmin((at - begin) / (end - begin) * (double)blocks,
+                                       (double)(blocks - 1))] += log(size);
             }
         }
         counts[i] = (double)count;

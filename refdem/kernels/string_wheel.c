@@ -1,9 +1,11 @@
-/* A string over a wheel: a pendulum of changing length on one side, a mass that moves straight up and down on the other.
+/* A string over a wheel: a pendulum of changing length on one side, a mass that moves straight up
+ * and down on the other.
  *
- * r: free string of the pendulum, th its angle from straight down, u = r' - R th' the speed of the string, w = th':
- * (M + m + J/R^2) u' = m r w^2 - M g + m g cos th,  r w' = -(2 u w + R w^2 + g sin th)
- * (Lagrange's equations with the velocity of the pendulum u along the string and r w across it; for R = 0 Swinging Atwood's machine,
- * Tufillaro, Abbott and Griffiths, Am. J. Phys. 52 (1984) 895).
+ * r: free string of the pendulum, th its angle from straight down, u = r' - R th' the speed of the
+ * string, w = th': (M + m + J/R^2) u' = m r w^2 - M g + m g cos th,  r w' = -(2 u w + R w^2 + g sin
+ * th) (Lagrange's equations with the velocity of the pendulum u along the string and r w across it;
+ * for R = 0 Swinging Atwood's machine, Tufillaro, Abbott and Griffiths, Am. J. Phys. 52 (1984)
+ * 895).
  */
 #include "kernels.h"
 #include "taylor.h"
@@ -21,7 +23,8 @@ static void expand(const void *system, dd time, series *y, double *scale)
     for (int k = 0; k < TERMS; k++) {
         sine_cosine(angle, w, s, c, k);
         swing[k] = cauchy(r, w, k);
-        double pull = p->mass * (cauchy(swing, w, k) + p->gravity * c[k]) - (k ? 0.0 : p->counter * p->gravity);
+        double pull = p->mass * (cauchy(swing, w, k) + p->gravity * c[k])
+                      - (k ? 0.0 : p->counter * p->gravity);
         double across = 2.0 * cauchy(u, w, k) + p->radius * cauchy(w, w, k) + p->gravity * s[k];
         turn[k] = -(across + cauchy_rest(r, turn, k)) / r[0];
         r[k + 1] = (u[k] + p->radius * w[k]) / (k + 1);
@@ -32,13 +35,14 @@ static void expand(const void *system, dd time, series *y, double *scale)
     scale[0] = fabs(r[0]), scale[1] = 1.0, scale[2] = scale[3] = 0.0;
 }
 
-int refdem_string_wheel(double mass, double counter, double drag, double radius, double gravity, int64_t samples, const double *t,
-                        double *out)
+int refdem_string_wheel(double mass, double counter, double drag, double radius, double gravity,
+                        int64_t samples, const double *t, double *out)
 {
     wheel p = {mass, counter, mass + counter + drag, radius, gravity};
     series y[4];
     int failed = taylor_run(expand, &p, 4, y, samples, t, out);
-    for (int64_t k = 0; !failed && k < samples; k++) /* straight down nothing diverges where the pendulum meets the wheel */
+    for (int64_t k = 0; !failed && k < samples;
+         k++) /* straight down nothing diverges where the pendulum meets the wheel */
         if (!(out[4 * k] > 0.0))
             return (int)k + 1;
     return failed;

@@ -1,8 +1,10 @@
-/* A point on a line under polynomial forces and periodic ones, by Taylor series of order 24 whose step keeps them at round-off.
+/* A point on a line under polynomial forces and periodic ones, by Taylor series of order 24 whose
+ * step keeps them at round-off.
  *
- * m X'' = -(k X + q X^2 + c X^3) - (d + e (X + r)^2) X' + m g + sum F cos(w t + phase). Coefficients by the recurrences of products
- * (Jorba and Zou 2005, proposition 1); the phases of the drives are kept in double-double and made anew in every step; what a step
- * adds to the state is summed with what rounding loses (Knuth, TAOCP 4.2.2). Samples are read off the series.
+ * m X'' = -(k X + q X^2 + c X^3) - (d + e (X + r)^2) X' + m g + sum F cos(w t + phase).
+ * Coefficients by the recurrences of products (Jorba and Zou 2005, proposition 1); the phases of
+ * the drives are kept in double-double and made anew in every step; what a step adds to the state
+ * is summed with what rounding loses (Knuth, TAOCP 4.2.2). Samples are read off the series.
  */
 #include "double_double.h"
 #include "kernels.h"
@@ -38,7 +40,8 @@ static void driven(const oscillator *p, dd t, double *restrict force)
     }
 }
 
-/* The series of the motion from (x, v) at t, and of the work done on what is outside: damping less drives. */
+/* The series of the motion from (x, v) at t, and of the work done on what is outside: damping less
+ * drives. */
 static void expand(const oscillator *p, dd t, double x, double v, series *restrict y)
 {
     double force[ORDER + 1], square[ORDER + 1], far[ORDER + 1], from[ORDER + 1], lost[ORDER + 1];
@@ -63,7 +66,8 @@ static void expand(const oscillator *p, dd t, double x, double v, series *restri
     y->x[ORDER + 1] = y->v[ORDER] / (ORDER + 1);
 }
 
-/* Largest factor by which a step h of one series may be longer for its last two terms to stay at round-off of its largest. */
+/* Largest factor by which a step h of one series may be longer for its last two terms to stay at
+ * round-off of its largest. */
 static double slack(const double *restrict a, int last, double h)
 {
     double largest = 0.0, tail = 0.0, power = 1.0;
@@ -81,7 +85,8 @@ static double step_of(const series *y, double first)
 {
     double h = first;
     for (int tries = 0; tries < 8; tries++) {
-        double factor = fmin(slack(y->x, ORDER + 1, h), fmin(slack(y->v, ORDER, h), slack(y->work, ORDER, h)));
+        double factor = fmin(slack(y->x, ORDER + 1, h),
+                             fmin(slack(y->v, ORDER, h), slack(y->work, ORDER, h)));
         if (factor >= 1.0 && (factor < 1.25 || tries > 4))
             break;
         h *= fmin(fmax(0.95 * factor, 0.0625), 8.0);
@@ -113,10 +118,12 @@ static double shortest(const oscillator *p, double span)
     return 1.0 / rate;
 }
 
-int refdem_taylor_oscillator(const refdem_oscillator *p, double x0, double v0, double t0, int64_t samples, const double *t, double *out)
+int refdem_taylor_oscillator(const refdem_oscillator *p, double x0, double v0, double t0,
+                             int64_t samples, const double *t, double *out)
 {
     series y;
-    double side = t[samples - 1] < t0 ? -1.0 : 1.0, span = t[samples - 1] - t0, h = shortest(p, span != 0.0 ? span : 1.0);
+    double side = t[samples - 1] < t0 ? -1.0 : 1.0, span = t[samples - 1] - t0,
+           h = shortest(p, span != 0.0 ? span : 1.0);
     dd x = dd_of(x0), v = dd_of(v0), work = dd_of(0.0), now = dd_of(t0);
     for (int64_t row = 0; row < samples;) {
         expand(p, now, x.hi, v.hi, &y);

@@ -1,8 +1,10 @@
-/* A convex body whose corners press on a plane, from event to event: Taylor series of order 20 in body axes.
+/* A convex body whose corners press on a plane, from event to event: Taylor series of order 20 in
+ * body axes.
  *
- * q' = q w/2, J w' = (J w) x w + sum c x F, V' = V x w + R^T g + sum F/m, r' = R V with V = R^T v. A corner c of depth d = -n.(r + R c)
- * and velocity u presses with N = k d + c d', rubs with friction N against its slip along the plane, and stops where N would pull
- * (cutoff zero_force); it then idles until it leaves or presses again. The last coordinate is the work that is lost.
+ * q' = q w/2, J w' = (J w) x w + sum c x F, V' = V x w + R^T g + sum F/m, r' = R V with V = R^T v.
+ * A corner c of depth d = -n.(r + R c) and velocity u presses with N = k d + c d', rubs with
+ * friction N against its slip along the plane, and stops where N would pull (cutoff zero_force); it
+ * then idles until it leaves or presses again. The last coordinate is the work that is lost.
  */
 #include "kernels.h"
 #include "double_double.h"
@@ -11,8 +13,10 @@
 enum { STATES = 14, MOST_CORNERS = 32, OFF = 0, PRESSES = 1, IDLES = 2 };
 typedef double line[ORDER + 1];
 
-static const double STEP_PART = 0.1353352832366127; /* exp(-2): what is cut off is exp(-40), Jorba and Zou 2005 */
-static const double SHORTEST = 1e-10;               /* of the interval of the samples: a slip has come to an end */
+static const double STEP_PART
+    = 0.1353352832366127; /* exp(-2): what is cut off is exp(-40), Jorba and Zou 2005 */
+static const double SHORTEST
+    = 1e-10; /* of the interval of the samples: a slip has come to an end */
 
 typedef struct {
     line gap, push, closing, square, inverse, rub, slip[3], speed[3], force[3];
@@ -46,7 +50,8 @@ static void turn(motion *m, int k)
     }
     const double *n = m->given->plane + 3;
     for (int j = 0; j < 3; j++)
-        m->normal[j][k] = n[0] * m->turned[0][j][k] + n[1] * m->turned[1][j][k] + n[2] * m->turned[2][j][k];
+        m->normal[j][k]
+            = n[0] * m->turned[0][j][k] + n[1] * m->turned[1][j][k] + n[2] * m->turned[2][j][k];
 }
 
 /* Coefficient k of a series to the power -1/2. */
@@ -130,12 +135,17 @@ static void expand(motion *m)
         q[0][k + 1] = -0.5 * part * triple(q + 1, w, k);
         for (int i = 0; i < 3; i++) {
             int j = (i + 1) % 3, l = (i + 2) % 3;
-            double fall = 0.0, turning = (p->inertia[j] - p->inertia[l]) * product(w[j], w[l], k) + torque[i];
+            double fall = 0.0,
+                   turning = (p->inertia[j] - p->inertia[l]) * product(w[j], w[l], k) + torque[i];
             for (int a = 0; a < 3; a++)
                 fall += p->gravity[a] * m->turned[a][i][k];
-            q[i + 1][k + 1] = 0.5 * part * (product(q[0], w[i], k) + product(q[j + 1], w[l], k) - product(q[l + 1], w[j], k));
+            q[i + 1][k + 1] = 0.5 * part
+                              * (product(q[0], w[i], k) + product(q[j + 1], w[l], k)
+                                 - product(q[l + 1], w[j], k));
             w[i][k + 1] = part * turning / p->inertia[i];
-            v[i][k + 1] = part * (product(v[j], w[l], k) - product(v[l], w[j], k) + fall + force[i] / p->mass);
+            v[i][k + 1]
+                = part
+                  * (product(v[j], w[l], k) - product(v[l], w[j], k) + fall + force[i] / p->mass);
             r[i][k + 1] = part * triple(m->turned[i], v, k);
         }
         m->y[13][k + 1] = part * lost;
@@ -161,7 +171,8 @@ static double step(const motion *m)
     return radius * STEP_PART;
 }
 
-/* When a guard, a series or its negative, first falls through zero in (0, h]; -1 if it does not. One that is fresh starts at zero. */
+/* When a guard, a series or its negative, first falls through zero in (0, h]; -1 if it does not.
+ * One that is fresh starts at zero. */
 static double falls(const double *a, double sign, int fresh, double h)
 {
     line b;
@@ -185,7 +196,8 @@ static double first_event(motion *m, double h, int *which, int *guard)
         for (int kind = GAP; kind <= PUSH; kind++) {
             if ((kind == GAP && at->mode == PRESSES) || (kind == PUSH && at->mode == OFF))
                 continue;
-            double when = falls(kind == GAP ? at->gap : at->push, at->mode == IDLES ? -1.0 : 1.0, at->fresh == kind, h);
+            double when = falls(kind == GAP ? at->gap : at->push, at->mode == IDLES ? -1.0 : 1.0,
+                                at->fresh == kind, h);
             if (when >= 0.0 && (when < h || *guard == NONE))
                 h = when, *which = number, *guard = kind;
         }
@@ -197,8 +209,12 @@ static double first_event(motion *m, double h, int *which, int *guard)
 static void switched(motion *m, corner *at, int guard)
 {
     int damped = m->given->damping > 0.0, before = at->mode;
-    at->mode = before == OFF || (before == IDLES && guard == PUSH) ? PRESSES : before == PRESSES && damped ? IDLES : OFF;
-    at->fresh = at->mode == OFF ? GAP : at->mode == PRESSES && before == OFF && damped ? NONE : PUSH;
+    at->mode = before == OFF || (before == IDLES && guard == PUSH) ? PRESSES
+               : before == PRESSES && damped                       ? IDLES
+                                                                   : OFF;
+    at->fresh = at->mode == OFF                                  ? GAP
+                : at->mode == PRESSES && before == OFF && damped ? NONE
+                                                                 : PUSH;
 }
 
 static void advance(motion *m, double h)
@@ -211,7 +227,8 @@ static void advance(motion *m, double h)
         m->at[number].fresh = NONE;
 }
 
-/* The state, how many corners touch, the largest depth and the largest push, `since` after the begin of the step. */
+/* The state, how many corners touch, the largest depth and the largest push, `since` after the
+ * begin of the step. */
 static void record(const motion *m, double since, double *out, double *channel)
 {
     memset(channel, 0, 3 * sizeof *channel);
@@ -242,8 +259,9 @@ static void begin(motion *m, const double *start)
     }
 }
 
-int64_t refdem_tumbling_body_run(const refdem_tumbling_body *given, int64_t samples, const double *t, int64_t most, double *event,
-                                 double *channel, double *out)
+int64_t refdem_tumbling_body_run(const refdem_tumbling_body *given, int64_t samples,
+                                 const double *t, int64_t most, double *event, double *channel,
+                                 double *out)
 {
     motion m = {.given = given};
     int64_t k = 1, events = 0;

@@ -1,1 +1,3 @@
-"""The verification manual: for each case what is claimed, how it is proved and witnessed, which checks apply; slips of the source."""
+"""The verification manual: for each case what is claimed, how it is proved and witnessed, which
+checks apply; slips of the source.
+"""

@@ -1,4 +1,6 @@
-"""What the committed pages were made from: a digest a case, so that a page that is out of date is seen without making it."""
+"""What the committed pages were made from: a digest a case, so that a page that is out of date is
+seen without making it.
+"""
 
 import hashlib
 from pathlib import Path
@@ -10,15 +12,30 @@ from refdem.truth.witnesses.testimony import witness_files, witnesses
 
 NAME = "inputs.txt"
 """Beside the pages: a line a case, `digest  case`."""
-WRITERS = ("manual/pages.py", "manual/slips.py", "report/manual.py", "core/manual.py", "campaign/certified_list.py")
+WRITERS = (
+    "manual/pages.py",
+    "manual/slips.py",
+    "report/manual.py",
+    "core/manual.py",
+    "campaign/certified_list.py",
+)
 
 
 def digests(folder: Path) -> dict[str, str]:
-    """sha256 by case of the code behind its truth and its witness, its certified values, what checks say of themselves, and the writers."""
-    said = [(check.name, check.title, check.kills) for check in map(discovery.check, discovery.names("checks"))]
+    """sha256 by case of the code behind its truth and its witness, its certified values, what
+    checks say of themselves, and the writers.
+    """
+    said = [
+        (check.name, check.title, check.kills)
+        for check in map(discovery.check, discovery.names("checks"))
+    ]
     common = f"{digest_of_files({ROOT / name for name in WRITERS})}{said}"
-    cases = [name for name in discovery.names("cases") if not isinstance(discovery.case(name), Selection)]
-    return {name: hashlib.sha256(f"{common}{_own(name, folder)}".encode()).hexdigest() for name in cases}
+    cases = [
+        name for name in discovery.names("cases") if not isinstance(discovery.case(name), Selection)
+    ]
+    return {
+        name: hashlib.sha256(f"{common}{_own(name, folder)}".encode()).hexdigest() for name in cases
+    }
 
 
 def _own(case: str, folder: Path) -> str:
@@ -34,9 +51,17 @@ def text_of(found: dict[str, str]) -> str:
 
 
 def out_of_date(pages: Path, folder: Path) -> list[str]:
-    """Cases whose page was made from something else than there is now, is missing, or is of no case any more."""
+    """Cases whose page was made from something else than there is now, is missing, or is of no case
+    any more.
+    """
     path = pages / NAME
     lines = [line.split("  ") for line in path.read_text().splitlines()] if path.is_file() else []
     made, now = {case: digest for digest, case in lines}, digests(folder)
     there = {page.stem for page in pages.glob("*.md")} - {"index"}
-    return sorted({case for case in {*made, *now, *there} if case not in there or case not in now or made.get(case) != now[case]})
+    return sorted(
+        {
+            case
+            for case in {*made, *now, *there}
+            if case not in there or case not in now or made.get(case) != now[case]
+        }
+    )

@@ -44,9 +44,13 @@ def page(case: Canonical, sets: list[CertifiedSet]) -> ManualPage:
         kind=instance.problem.words,
         features=tuple(sorted(instance.problem.features)),
         parameters=tuple(
-            ParameterLine(name=p.name, default=p.default, unit=p.unit, bounds=p.bounds(), doc=p.doc) for p in instance.p.declared.values()
+            ParameterLine(name=p.name, default=p.default, unit=p.unit, bounds=p.bounds(), doc=p.doc)
+            for p in instance.p.declared.values()
         ),
-        quantities=tuple(QuantityLine(name=q.name, unit=q.unit, scale=q.scale) for q in instance.quantities.values()),
+        quantities=tuple(
+            QuantityLine(name=q.name, unit=q.unit, scale=q.scale)
+            for q in instance.quantities.values()
+        ),
         scalars=scalars(instance),
         truth=truth_line(case.id, instance, sets),
         checks=tuple(checks(instance)),
@@ -61,8 +65,14 @@ def scalars(instance: Instance) -> tuple[QuantityLine, ...]:
         found = instance.truth().refined(DIGITS).scalars()
     except NotCertifiedError:
         return ()
-    named = {name: ball.decimals(DIGITS) for name, ball in found.items() if name not in instance.quantities}
-    return tuple(QuantityLine(name=name, mid=mid, radius=radius) for name, (mid, radius) in named.items())
+    named = {
+        name: ball.decimals(DIGITS)
+        for name, ball in found.items()
+        if name not in instance.quantities
+    }
+    return tuple(
+        QuantityLine(name=name, mid=mid, radius=radius) for name, (mid, radius) in named.items()
+    )
 
 
 def truth_line(name: str, instance: Instance, sets: list[CertifiedSet]) -> TruthLine:
@@ -80,24 +90,40 @@ def truth_line(name: str, instance: Instance, sets: list[CertifiedSet]) -> Truth
         digits=found.digits,
         has_no_witness=witness is None and (found.own_witness or truth.witness) in ("", "none"),
         labels=tuple(one.label for one in sets),
-        not_certified=tuple((one.label, t, reason) for one in sets for t, reason in one.not_certified.items()),
+        not_certified=tuple(
+            (one.label, t, reason) for one in sets for t, reason in one.not_certified.items()
+        ),
     )
 
 
 def checks(instance: Instance) -> Iterator[CheckLine]:
-    """Every check; one is for this case if it applies in some method of the reference that can run it."""
+    """Every check; one is for this case if it applies in some method of the reference that can run
+    it.
+    """
     specification = Specification(name="manual", case=[], engines=["reference"])
-    tasks = [task for task in plan.tasks(specification, instance, (), discovery.engine("reference"), None) if task.refusal is None]
+    tasks = [
+        task
+        for task in plan.tasks(specification, instance, (), discovery.engine("reference"), None)
+        if task.refusal is None
+    ]
     applied = {check.name for task in tasks for check in task.checks}
     for name in discovery.names("checks"):
         check = discovery.check(name)
-        reasons = list(dict.fromkeys(task.left_out[name] for task in tasks if name in task.left_out))
-        known = {"left_out": ""} if name in applied else {"left_out": "; ".join(reasons) or "no method of the reference runs it"}
+        reasons = list(
+            dict.fromkeys(task.left_out[name] for task in tasks if name in task.left_out)
+        )
+        known = (
+            {"left_out": ""}
+            if name in applied
+            else {"left_out": "; ".join(reasons) or "no method of the reference runs it"}
+        )
         yield CheckLine(name=name, title=check.title, kills=check.kills, **known)
 
 
 def certified_time(instance: Instance) -> str:
-    """A time [s] at which the case has certified values, as text; empty if there is none (a mean over many starts has no states)."""
+    """A time [s] at which the case has certified values, as text; empty if there is none (a mean
+    over many starts has no states).
+    """
     if not instance.quantities or len(instance.times) < 2:
         return ""
     time = f"{float(instance.times[1]):g}"
@@ -112,4 +138,9 @@ def reproduce(name: str, instance: Instance) -> tuple[str, ...]:
     """Commands that show the same; every one of them ends well."""
     time = certified_time(instance)
     at = f" --at {time}" if time else ""
-    return f"refdem truth {name}{at}", f"refdem truth --list {name}", f"refdem run {name}", f"refdem explain {name}"
+    return (
+        f"refdem truth {name}{at}",
+        f"refdem truth --list {name}",
+        f"refdem run {name}",
+        f"refdem explain {name}",
+    )

@@ -1,4 +1,6 @@
-"""Slips of the source chapter (Matuttis and Chen 2014, chapter 1), each with the measurement that settles it, made when it is asked for."""
+"""Slips of the source chapter (Matuttis and Chen 2014, chapter 1), each with the measurement that
+settles it, made when it is asked for.
+"""
 
 import math
 from collections.abc import Callable, Mapping
@@ -17,7 +19,9 @@ Measured = tuple[tuple[str, str], ...]
 
 def frequency_rises() -> Measured:
     """The certified frequency of x'' + x + 0.1 x^3 at amplitude 1, beside both signs."""
-    period = float(truth_of("duffing", alpha="1", beta="1/10", amplitude="1").scalars()["period"].mid)
+    period = float(
+        truth_of("duffing", alpha="1", beta="1/10", amplitude="1").scalars()["period"].mid
+    )
     return (
         ("certified frequency, alpha = 1, beta = 0.1, A = 1", number(2 * math.pi / period)),
         ("w0 (1 + 3 eps A^2/(8 w0^2))", number(1 + 3 * 0.1 / 8)),
@@ -26,7 +30,9 @@ def frequency_rises() -> Measured:
 
 
 def damping_per_mass() -> Measured:
-    """The certified decay over a period with m = 2, beside what the two readings of the damping term say."""
+    """The certified decay over a period with m = 2, beside what the two readings of the damping
+    term say.
+    """
     truth = truth_of("viscous-oscillator", mass="2", stiffness="5", delta="1/10")
     period = truth.scalars()["period"].mid
     t = Fraction(round(period * 2**40), 2**40)
@@ -43,23 +49,53 @@ def sense_of_turn() -> Measured:
     half = math.sqrt(0.5)
     shown = []
     for text, sign in (("(cos, +sin e_x), (1.64)", 1), ("(cos, -sin e_x), (1.62)", -1)):
-        shown.append((f"e_y turned by {text}", vector(rotated(np.array([half, sign * half, 0, 0]), np.array([0.0, 1, 0])))))
-    return (*shown, ("e_y under the matrix of a turn by +90 degrees about x", vector(about_axis(0, math.pi / 2) @ [0, 1, 0])))
+        shown.append(
+            (
+                f"e_y turned by {text}",
+                vector(rotated(np.array([half, sign * half, 0, 0]), np.array([0.0, 1, 0]))),
+            )
+        )
+    return (
+        *shown,
+        (
+            "e_y under the matrix of a turn by +90 degrees about x",
+            vector(about_axis(0, math.pi / 2) @ [0, 1, 0]),
+        ),
+    )
 
 
 def euler_angles_diverge() -> Measured:
-    """phi' for omega = e_y at phi = 0 by theta: large where sin theta is small, and nowhere else."""
-    rates = [(theta, euler_rates(0.0, theta, np.array([0.0, 1.0, 0.0]))[0]) for theta in (math.pi / 2, 1e-1, 1e-3, 1e-6)]
-    return tuple((f"phi' [rad/s] at theta = {number(theta)}, omega = e_y", number(rate)) for theta, rate in rates)
+    """phi' for omega = e_y at phi = 0 by theta: large where sin theta is small, and nowhere
+    else.
+    """
+    rates = [
+        (theta, euler_rates(0.0, theta, np.array([0.0, 1.0, 0.0]))[0])
+        for theta in (math.pi / 2, 1e-1, 1e-3, 1e-6)
+    ]
+    return tuple(
+        (f"phi' [rad/s] at theta = {number(theta)}, omega = e_y", number(rate))
+        for theta, rate in rates
+    )
 
 
 def spin_wanders() -> Measured:
     """How far omega in space goes while L stays: about no principal axis, and about one."""
     shown = []
-    for text, omega in (("(0.9, 1.1, 1.3)", "0.9,1.1,1.3"), ("(0, 0, 1), a principal axis", "0,0,1")):
+    for text, omega in (
+        ("(0.9, 1.1, 1.3)", "0.9,1.1,1.3"),
+        ("(0, 0, 1), a principal axis", "0,0,1"),
+    ):
         truth = truth_of("free-rigid-body", omega_body=omega)
-        start, later = (np.array([float(truth.at(Fraction(t))[f"omega.{a}"].mid) for a in "xyz"]) for t in (0, 3))
-        shown.append((f"|omega(3 s) - omega(0)| in space [rad/s], J = (1, 2, 3), omega_body = {text}", number(norm(later - start))))
+        start, later = (
+            np.array([float(truth.at(Fraction(t))[f"omega.{a}"].mid) for a in "xyz"])
+            for t in (0, 3)
+        )
+        shown.append(
+            (
+                f"|omega(3 s) - omega(0)| in space [rad/s], J = (1, 2, 3), omega_body = {text}",
+                number(norm(later - start)),
+            )
+        )
     return tuple(shown)
 
 
@@ -70,8 +106,14 @@ def quaternion_and_rate() -> Measured:
     omega = np.array([0.0, *(float(found[f"omega.{a}"].mid) for a in "xyz")])
     rate = product(omega, q) / 2
     return (
-        ("|q qdot - qdot q| at t = 1 s of the free rigid body", number(norm(product(q, rate) - product(rate, q)))),
-        ("|q qdot* + qdot q*|", number(norm(product(q, conjugate(rate)) + product(rate, conjugate(q))))),
+        (
+            "|q qdot - qdot q| at t = 1 s of the free rigid body",
+            number(norm(product(q, rate) - product(rate, q))),
+        ),
+        (
+            "|q qdot* + qdot q*|",
+            number(norm(product(q, conjugate(rate)) + product(rate, conjugate(q)))),
+        ),
         ("q . qdot", number(float(q @ rate))),
     )
 
@@ -81,12 +123,19 @@ def peak_only_if_weakly_damped() -> Measured:
     shown = []
     for drive in ("1/100", "1/4", "1/2", "1"):
         truth = truth_of("driven-oscillator", delta="4/5", drive=drive)
-        shown.append((f"steady amplitude at w = {drive}, w0 = 1, delta = 0.8", number(float(truth.scalars()["steady_amplitude"].mid))))
+        shown.append(
+            (
+                f"steady amplitude at w = {drive}, w0 = 1, delta = 0.8",
+                number(float(truth.scalars()["steady_amplitude"].mid)),
+            )
+        )
     return (*shown, ("w0^2 - 2 delta^2, the square of the would-be peak", number(1 - 2 * 0.64)))
 
 
 def resonance_curve() -> Measured:
-    """What (1.120), |w0^2 + 3/4 eps A^2 - W^2 + 2 i delta W| A = f0, leaves of the roots that either reading of (1.121) gives."""
+    """What (1.120), |w0^2 + 3/4 eps A^2 - W^2 + 2 i delta W| A = f0, leaves of the roots that
+    either reading of (1.121) gives.
+    """
     eps, f0, delta, amplitude = 0.4, 1.5, 0.1, 1.5
     stiff = 0.75 * eps * amplitude**2
     shown = []
@@ -111,24 +160,36 @@ def energy_of_spin() -> Measured:
 
 
 def driven_paths_cross() -> Measured:
-    """How often the path of a driven and of a free oscillator crosses itself in the plane of x and v, on certified samples."""
+    """How often the path of a driven and of a free oscillator crosses itself in the plane of x and
+    v, on certified samples.
+    """
     shown = []
-    for text, name, given in (("driven", "driven-oscillator", {"drive": "3", "f0": "4"}), ("free", "viscous-oscillator", {})):
+    for text, name, given in (
+        ("driven", "driven-oscillator", {"drive": "3", "f0": "4"}),
+        ("free", "viscous-oscillator", {}),
+    ):
         truth = truth_of(name, **given)
         states = [truth.at(Fraction(n, 16)) for n in range(321)]
         path = np.array([[float(state[column].mid) for column in ("x", "v")] for state in states])
-        shown.append((f"crossings of the path with itself in 20 s, {name} ({text})", str(crossings(path))))
+        shown.append(
+            (f"crossings of the path with itself in 20 s, {name} ({text})", str(crossings(path)))
+        )
     return tuple(shown)
 
 
 def resonance_grows_linearly() -> Measured:
-    """The certified motion at resonance from rest, beside f0 t sin(w0 t)/(2 w0), the real part of the stated solution."""
+    """The certified motion at resonance from rest, beside f0 t sin(w0 t)/(2 w0), the real part of
+    the stated solution.
+    """
     truth = truth_of("driven-oscillator", delta="0", drive="1", x0="0", v0="0")
     return tuple(
         line
         for t in (10, 100)
         for line in (
-            (f"certified x({t} s), f0 = w0 = w = 1, from rest", number(float(truth.at(Fraction(t))["x"].mid))),
+            (
+                f"certified x({t} s), f0 = w0 = w = 1, from rest",
+                number(float(truth.at(Fraction(t))["x"].mid)),
+            ),
             (f"Re(f0 t exp(i w t)/(2 i w0)) at {t} s", number(t * math.sin(t) / 2)),
         )
     )
@@ -138,21 +199,32 @@ def one_vector() -> Measured:
     """The product of two quarter turns is no quarter turn, though it takes e_x to e_y."""
     turn = about_axis(0, -math.pi / 2) @ about_axis(1, -math.pi / 2)
     angle = math.degrees(math.acos((np.trace(turn) - 1) / 2))
-    moved = [(f"Rx(-90) Ry(-90) {name}", vector(turn @ axis)) for name, axis in zip(("e_x", "e_y", "e_z"), np.eye(3), strict=True)]
+    moved = [
+        (f"Rx(-90) Ry(-90) {name}", vector(turn @ axis))
+        for name, axis in zip(("e_x", "e_y", "e_z"), np.eye(3), strict=True)
+    ]
     return (*moved, ("angle of the product [degrees]", number(angle)))
 
 
 def kept_with_minus_integral() -> Measured:
-    """T + Phi at start and end of a pass through the asymmetric field, with Phi = -integral of F, and with the other sign."""
+    """T + Phi at start and end of a pass through the asymmetric field, with Phi = -integral of F,
+    and with the other sign.
+    """
     instance = case("asymmetric-field").at()
     truth, t = instance.truth(), np.linspace(0.0, float(instance.times[-1]), 2001)
-    x, v = (np.array([float(ball.mid) for ball in column]) for column in zip(*(_place(truth.at(Fraction(s))) for s in t), strict=True))
+    x, v = (
+        np.array([float(ball.mid) for ball in column])
+        for column in zip(*(_place(truth.at(Fraction(s))) for s in t), strict=True)
+    )
     mass = float(instance.p.mass)
     force = mass * np.gradient(v, t)
     potential = -np.concatenate([[0.0], np.cumsum((force[1:] + force[:-1]) / 2 * np.diff(x))])
     kinetic = mass * v * v / 2
     return tuple(
-        (f"range of {text} along the certified motion [J]", number(np.ptp(kinetic + sign * potential)))
+        (
+            f"range of {text} along the certified motion [J]",
+            number(np.ptp(kinetic + sign * potential)),
+        )
         for text, sign in (("T", 0), ("T + Phi", 1), ("T - Phi", -1))
     )
 
@@ -166,7 +238,9 @@ def crossings(path: np.ndarray) -> int:
     a, b = path[:-1], path[1:]
 
     def side(p: np.ndarray, q: np.ndarray, r: np.ndarray) -> np.ndarray:
-        return (q[..., 0] - p[..., 0]) * (r[..., 1] - p[..., 1]) - (q[..., 1] - p[..., 1]) * (r[..., 0] - p[..., 0])
+        return (q[..., 0] - p[..., 0]) * (r[..., 1] - p[..., 1]) - (q[..., 1] - p[..., 1]) * (
+            r[..., 0] - p[..., 0]
+        )
 
     i, j = np.triu_indices(len(a), 2)
     apart = side(a[i], b[i], a[j]) * side(a[i], b[i], b[j])
@@ -194,7 +268,10 @@ SLIPS: tuple[tuple[tuple[str, ...], str, str, str, Callable[[], Measured]], ...]
         ("duffing", "driven-duffing"),
         "(1.116)",
         "the frequency is w0 (1 - 3 eps A^2/(8 w0^2))",
-        "it rises with the amplitude for eps > 0: w0 (1 + 3 eps A^2/(8 w0^2)), as the text beside it says",
+        (
+            "it rises with the amplitude for eps > 0: w0 (1 + 3 eps A^2/(8 w0^2)), as the text"
+            " beside it says"
+        ),
         frequency_rises,
     ),
     (
@@ -243,7 +320,10 @@ SLIPS: tuple[tuple[tuple[str, ...], str, str, str, Callable[[], Measured]], ...]
         ("driven-duffing",),
         "(1.121)",
         "inside the root 3/4 eps A^2 counts with the other sign than w0^2",
-        "W^2 = w0^2 + 3/4 eps A^2 - 2 delta^2 +- sqrt(f0^2/A^2 - 4 delta^2 (w0^2 + 3/4 eps A^2 - delta^2))",
+        (
+            "W^2 = w0^2 + 3/4 eps A^2 - 2 delta^2 +- sqrt(f0^2/A^2 - 4 delta^2 (w0^2 + 3/4 eps A^2"
+            " - delta^2))"
+        ),
         resonance_curve,
     ),
     (
@@ -257,7 +337,10 @@ SLIPS: tuple[tuple[tuple[str, ...], str, str, str, Callable[[], Measured]], ...]
         ("driven-oscillator", "van-der-pol", "stick-slip"),
         "sections 1.5.4, 1.6.2",
         "the theorem of Poincare and Bendixson is named for driven oscillators",
-        "it does not bind them: time is a third coordinate, and paths cross in the plane of x and v",
+        (
+            "it does not bind them: time is a third coordinate, and paths cross in the plane of x"
+            " and v"
+        ),
         driven_paths_cross,
     ),
     (
@@ -288,5 +371,7 @@ SLIPS: tuple[tuple[tuple[str, ...], str, str, str, Callable[[], Measured]], ...]
 def slips_of(case: str) -> tuple[Slip, ...]:
     """The slips that concern a case, measured now."""
     return tuple(
-        Slip(where=where, says=says, holds=holds, measured=measure()) for cases, where, says, holds, measure in SLIPS if case in cases
+        Slip(where=where, says=says, holds=holds, measured=measure())
+        for cases, where, says, holds, measure in SLIPS
+        if case in cases
     )

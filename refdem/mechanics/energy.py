@@ -11,8 +11,11 @@ Array = NDArray[np.float64]
 def kinetic(mass: Array, inertia: Array, velocity: Array, attitude: Array, omega: Array) -> Array:
     """Kinetic energy (T,) [J], translation and rotation.
 
-    mass (N,) [kg], principal inertia (N, 3) [kg m^2], velocity (T, N, 3) [m/s], attitude (T, N, 4), omega (T, N, 3)
-    [rad/s] in space axes.
+    mass (N,) [kg], principal inertia (N, 3) [kg m^2], velocity (T, N, 3) [m/s], attitude (T, N, 4),
+    omega (T, N, 3) [rad/s] in space axes.
     """
     body_omega = rotated(conjugate(attitude), omega)
-    return 0.5 * (np.einsum("n,tnk,tnk->t", mass, velocity, velocity) + np.einsum("nk,tnk,tnk->t", inertia, body_omega, body_omega))
+    return 0.5 * (
+        np.einsum("n,tnk,tnk->t", mass, velocity, velocity)
+        + np.einsum("nk,tnk,tnk->t", inertia, body_omega, body_omega)
+    )

@@ -1,4 +1,6 @@
-"""Degrees of freedom of points on rods: variables minus the rank of the constraint Jacobian (chapter 1, section 1.1)."""
+"""Degrees of freedom of points on rods: variables minus the rank of the constraint Jacobian
+(chapter 1, section 1.1).
+"""
 
 from collections.abc import Sequence
 
@@ -8,11 +10,15 @@ from numpy.typing import ArrayLike, NDArray
 Array = NDArray[np.float64]
 
 RANK_TOLERANCE = 1e-9
-"""Singular values below this part of the largest are zero: those of unit rods that are independent are far above."""
+"""Singular values below this part of the largest are zero: those of unit rods that are independent
+are far above.
+"""
 
 
 def rod_jacobian(position: ArrayLike, rods: Sequence[tuple[int, int]]) -> Array:
-    """Derivative (M, N D) of every rod's length by the coordinates of points at `position` (N, D) [m]: unit vectors along it."""
+    """Derivative (M, N D) of every rod's length by the coordinates of points at `position` (N, D)
+    [m]: unit vectors along it.
+    """
     points = np.asarray(position, float)
     count, dimension = points.shape
     rows = np.zeros((len(rods), count, dimension))
@@ -24,7 +30,8 @@ def rod_jacobian(position: ArrayLike, rods: Sequence[tuple[int, int]]) -> Array:
 
 
 def first_order_freedom(position: ArrayLike, rods: Sequence[tuple[int, int]]) -> int:
-    """Independent velocities that keep the rods to first order: N D minus the rank, at this placement of the points.
+    """Independent velocities that keep the rods to first order: N D minus the rank, at this
+    placement of the points.
 
     A degenerate placement (all in a plane, all on a line) has more of them than finite motions.
     """
@@ -33,7 +40,9 @@ def first_order_freedom(position: ArrayLike, rods: Sequence[tuple[int, int]]) ->
 
 
 def rigid_freedom(position: ArrayLike) -> int:
-    """Dimension of the finite motions of points whose distances are all kept: translations, and turns that move some point."""
+    """Dimension of the finite motions of points whose distances are all kept: translations, and
+    turns that move some point.
+    """
     points = np.asarray(position, float)
     dimension = points.shape[1]
     idle = dimension - rank(points - points.mean(axis=0))
@@ -43,7 +52,11 @@ def rigid_freedom(position: ArrayLike) -> int:
 def rank(matrix: Array) -> int:
     """The numerical rank."""
     sizes = np.linalg.svd(matrix, compute_uv=False)
-    return int(np.count_nonzero(sizes > RANK_TOLERANCE * sizes[0])) if sizes.size and sizes[0] > 0 else 0
+    return (
+        int(np.count_nonzero(sizes > RANK_TOLERANCE * sizes[0]))
+        if sizes.size and sizes[0] > 0
+        else 0
+    )
 
 
 def complete_graph(count: int) -> list[tuple[int, int]]:

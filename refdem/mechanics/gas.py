@@ -1,4 +1,7 @@
-"""Kinetic theory of a dilute gas of equal smooth spheres with constant restitution (Haff 1983; Brilliantov and Poeschel 2004)."""
+"""Kinetic theory of a dilute gas of equal smooth spheres with constant restitution (Haff 1983;
+
+Brilliantov and Poeschel 2004).
+"""
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,43 +15,56 @@ def haff_temperature(t: Array, t0: float, tau: float) -> Array:
 
 
 def collisions(t: Array, temperature: Array, rate: float, n: int) -> Array:
-    """Mean number (T,) of collisions of n spheres up to t (T,) [s]: integral of (n - 1)/2 rate sqrt(T), rate = w_c/sqrt(T) [J^-1/2/s].
+    """Mean number (T,) of collisions of n spheres up to t (T,) [s]: integral of (n - 1)/2 rate
+    sqrt(T), rate = w_c/sqrt(T) [J^-1/2/s].
 
-    Between samples 1/sqrt(T) is taken as linear, as Haff's law has it. A sphere has n - 1 partners, not n.
+    Between samples 1/sqrt(T) is taken as linear, as Haff's law has it. A sphere has n - 1 partners,
+    not n.
     """
     u = 1 / np.sqrt(temperature)
     step = np.diff(u)
     with np.errstate(divide="ignore", invalid="ignore"):
-        mean = np.where(np.abs(step) < 1e-6 * u[:-1], 2 / (u[1:] + u[:-1]), np.log(u[1:] / u[:-1]) / step)
+        mean = np.where(
+            np.abs(step) < 1e-6 * u[:-1], 2 / (u[1:] + u[:-1]), np.log(u[1:] / u[:-1]) / step
+        )
     return np.concatenate([[0.0], np.cumsum(0.5 * (n - 1) * rate * mean * np.diff(t))])
 
 
 def loss_error(restitution: float, n: int, met: Array) -> Array:
     """Standard error (T,) of ln T after `met` (T,) collisions.
 
-    Each takes (1 - e^2) m v_n^2/4 with v_n^2 exponential, of mean 4 T/m, from 3 (n - 1) T/2: a compound Poisson sum, whose variance is
-    the number times the mean square, 2 ((1 - e^2) T)^2. That a gas that is too cold cools less makes it smaller yet.
+    Each takes (1 - e^2) m v_n^2/4 with v_n^2 exponential, of mean 4 T/m, from 3 (n - 1) T/2: a
+    compound Poisson sum, whose variance is the number times the mean square, 2 ((1 - e^2) T)^2.
+    That a gas that is too cold cools less makes it smaller yet.
     """
     return np.asarray(2 * (1 - restitution**2) / (3 * (n - 1)) * np.sqrt(2 * met))
 
 
 def velocity_kurtosis(velocity: Array) -> float:
-    """Excess kurtosis of the components of velocities (N, 3) [m/s] about those of the centre of mass; 0 for Maxwell's."""
+    """Excess kurtosis of the components of velocities (N, 3) [m/s] about those of the centre of
+    mass; 0 for Maxwell's.
+    """
     own = velocity - velocity.mean(axis=0)
     return float(np.mean(own**4) / np.mean(own**2) ** 2 - 3)
 
 
 def kurtosis_error(n: int) -> float:
-    """Standard error sqrt(24/M) of the excess kurtosis of M = 3 (n - 1) Gaussian numbers, and its mean -6/M."""
+    """Standard error sqrt(24/M) of the excess kurtosis of M = 3 (n - 1) Gaussian numbers, and its
+    mean -6/M.
+    """
     return float(np.sqrt(24 / (3 * (n - 1))) + 6 / (3 * (n - 1)))
 
 
-def rough_temperatures(t: Array, t0: float, frequency: float, inertia: float) -> tuple[Array, Array]:
-    """Temperatures (T,) [J] of flight and of spin at t (T,) [s] of elastic, perfectly rough spheres that do not spin at first.
+def rough_temperatures(
+    t: Array, t0: float, frequency: float, inertia: float
+) -> tuple[Array, Array]:
+    """Temperatures (T,) [J] of flight and of spin at t (T,) [s] of elastic, perfectly rough spheres
+    that do not spin at first.
 
-    `frequency` is that of collisions at the start, `inertia` = 4 J/(m d^2). Both are Maxwellian; their difference falls by
-    8/3 w_c inertia/(1 + inertia)^2, where w_c goes with the square root of the first; their sum is kept (Huthmann and Zippelius 1997,
-    with e = beta = 1). u = sqrt(T_flight/t0) obeys u' = -rate/2 (2 u^2 - 1), which tanh solves.
+    `frequency` is that of collisions at the start, `inertia` = 4 J/(m d^2). Both are Maxwellian;
+    their difference falls by 8/3 w_c inertia/(1 + inertia)^2, where w_c goes with the square root
+    of the first; their sum is kept (Huthmann and Zippelius 1997, with e = beta = 1). u =
+    sqrt(T_flight/t0) obeys u' = -rate/2 (2 u^2 - 1), which tanh solves.
     """
     rate = 4 / 3 * frequency * inertia / (1 + inertia) ** 2
     root = np.sqrt(2)

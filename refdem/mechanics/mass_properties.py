@@ -1,6 +1,8 @@
-"""Mass, centre of mass and inertia of bodies: point clouds, polygons and polyhedra, and what moving and turning does to them.
+"""Mass, centre of mass and inertia of bodies: point clouds, polygons and polyhedra, and what moving
+and turning does to them.
 
-Matuttis and Chen 2014, chapter 1, (1.14) to (1.31); a polyhedron is the signed sum of the tetrahedra between its faces and a point.
+Matuttis and Chen 2014, chapter 1, (1.14) to (1.31); a polyhedron is the signed sum of the
+tetrahedra between its faces and a point.
 """
 
 from collections.abc import Sequence
@@ -26,7 +28,9 @@ class MassProperties:
         return self.inertia + _of_point(self.mass, np.asarray(point, float) - self.centre)
 
     def turned(self, turn: Array) -> Self:
-        """The same body after the rotation matrix `turn` (3, 3) about the origin: R J R^T (1.30)."""
+        """The same body after the rotation matrix `turn` (3, 3) about the origin: R J R^T
+        (1.30).
+        """
         return type(self)(self.mass, turn @ self.centre, turn @ self.inertia @ turn.T)
 
     def __add__(self, other: Self) -> Self:
@@ -61,11 +65,15 @@ def of_points(mass: ArrayLike, position: ArrayLike) -> MassProperties:
     return MassProperties(total, centre, inertia)
 
 
-def of_polyhedron(vertices: ArrayLike, faces: Sequence[Sequence[int]], density: float) -> MassProperties:
-    """Of a solid with flat faces, convex or not: vertices (V, 3) [m], faces counter-clockwise from outside, density [kg/m^3].
+def of_polyhedron(
+    vertices: ArrayLike, faces: Sequence[Sequence[int]], density: float
+) -> MassProperties:
+    """Of a solid with flat faces, convex or not: vertices (V, 3) [m], faces counter-clockwise from
+    outside, density [kg/m^3].
 
-    Each triangle of a face spans a tetrahedron with the mean of the vertices. Its volume has a sign, so what lies outside
-    cancels. Over a tetrahedron with corners 0, p, q, r the mean of x x^T is (sum of the corners' own + s s^T)/20, s = p + q + r.
+    Each triangle of a face spans a tetrahedron with the mean of the vertices. Its volume has a
+    sign, so what lies outside cancels. Over a tetrahedron with corners 0, p, q, r the mean of x x^T
+    is (sum of the corners' own + s s^T)/20, s = p + q + r.
     """
     corners = np.asarray(vertices, float)
     origin = corners.mean(axis=0)
@@ -74,14 +82,18 @@ def of_polyhedron(vertices: ArrayLike, faces: Sequence[Sequence[int]], density: 
     mass = density * np.einsum("ij,ij->i", p, np.cross(q, r)) / 6
     total, s = float(np.sum(mass)), p + q + r
     centre = mass @ s / (4 * total)
-    second = sum(np.einsum("i,ij,ik->jk", mass, a, a) for a in (p, q, r, s)) / 20 - total * np.outer(centre, centre)
+    second = sum(
+        np.einsum("i,ij,ik->jk", mass, a, a) for a in (p, q, r, s)
+    ) / 20 - total * np.outer(centre, centre)
     return MassProperties(total, origin + centre, np.trace(second) * np.eye(3) - second)
 
 
 def of_polygon(vertices: ArrayLike, density: float) -> MassProperties:
-    """Of a simple polygon in x-y, convex or not: vertices (V, 2) [m] counter-clockwise, density [kg/m^2]; `inertia[2, 2]` is its J.
+    """Of a simple polygon in x-y, convex or not: vertices (V, 2) [m] counter-clockwise, density
+    [kg/m^2]; `inertia[2, 2]` is its J.
 
-    A triangle with corners p, q and the mean of the vertices has m (p.p + p.q + q.q)/6 about the latter, with the sign of p x q.
+    A triangle with corners p, q and the mean of the vertices has m (p.p + p.q + q.q)/6 about the
+    latter, with the sign of p x q.
     """
     corners = np.asarray(vertices, float)
     origin = corners.mean(axis=0)
@@ -90,7 +102,9 @@ def of_polygon(vertices: ArrayLike, density: float) -> MassProperties:
     mass = density * (p[:, 0] * q[:, 1] - p[:, 1] * q[:, 0]) / 2
     total, s = float(np.sum(mass)), p + q
     centre = mass @ s / (3 * total)
-    second = sum(np.einsum("i,ij,ik->jk", mass, a, a) for a in (p, q, s)) / 12 - total * np.outer(centre, centre)
+    second = sum(np.einsum("i,ij,ik->jk", mass, a, a) for a in (p, q, s)) / 12 - total * np.outer(
+        centre, centre
+    )
     flat = np.zeros((3, 3))
     flat[:2, :2] = second
     return MassProperties(total, np.append(origin + centre, 0.0), np.trace(flat) * np.eye(3) - flat)
@@ -104,7 +118,9 @@ def of_ellipsoid(half_axes: Sequence[float], density: float) -> MassProperties:
 
 
 def of_cylinder(half_axes: Sequence[float], height: float, density: float) -> MassProperties:
-    """Of an elliptical cylinder about the origin, half axes (2,) in x and y, height [m] along z, density [kg/m^3]."""
+    """Of an elliptical cylinder about the origin, half axes (2,) in x and y, height [m] along z,
+    density [kg/m^3].
+    """
     squares = np.array([half_axes[0] ** 2 / 4, half_axes[1] ** 2 / 4, height**2 / 12])
     mass = float(np.pi * half_axes[0] * half_axes[1] * height * density)
     return MassProperties(mass, np.zeros(3), mass * np.diag(np.sum(squares) - squares))

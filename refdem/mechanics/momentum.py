@@ -19,5 +19,7 @@ def orbital(mass: Array, position: Array, velocity: Array) -> Array:
 
 
 def spin(inertia: Array, attitude: Array, omega: Array) -> Array:
-    """Spin angular momentum sum J_s omega (T, 3) [kg m^2/s]; principal inertia (N, 3), omega (T, N, 3) in space axes."""
+    """Spin angular momentum sum J_s omega (T, 3) [kg m^2/s]; principal inertia (N, 3), omega (T, N,
+    3) in space axes.
+    """
     return rotated(attitude, inertia * rotated(conjugate(attitude), omega)).sum(axis=1)

@@ -1,4 +1,6 @@
-"""Pairs of points that are near each other, from cells: cost proportional to the number of points (Hockney and Eastwood 1981)."""
+"""Pairs of points that are near each other, from cells: cost proportional to the number of points
+(Hockney and Eastwood 1981).
+"""
 
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -16,16 +18,24 @@ CHUNK = 20_000
 """Points whose neighbours are looked at in one go: what that takes stays in a cache."""
 ROWS = [(y, z) for z in (-1, 0, 1) for y in (-1, 0, 1)]
 UPPER = [(y, z) for y, z in ROWS if (z, y) >= (0, 0)]
-"""Rows of cells along x around a point's own, by steps in y and z: all, and one of every two opposite ones with the own."""
+"""Rows of cells along x around a point's own, by steps in y and z: all, and one of every two
+opposite ones with the own.
+"""
 
 
-def near_pairs(position: Array, reach: float, size: float = 0.0, among: Whole | None = None) -> Pairs:
-    """Numbers i and j (P,), i != j, of the pairs of points (N, 3) [m] that are less than `reach` [m] apart, each pair once.
+def near_pairs(
+    position: Array, reach: float, size: float = 0.0, among: Whole | None = None
+) -> Pairs:
+    """Numbers i and j (P,), i != j, of the pairs of points (N, 3) [m] that are less than `reach`
+    [m] apart, each pair once.
 
-    With `size` > 0 space repeats itself after `size` [m] along x, y and z, and the nearest images count; reach is at most size/2.
-    With `among` (M,) only those pairs whose first is one of these numbers; a pair of two of them comes in both orders.
+    With `size` > 0 space repeats itself after `size` [m] along x, y and z, and the nearest images
+    count; reach is at most size/2. With `among` (M,) only those pairs whose first is one of these
+    numbers; a pair of two of them comes in both orders.
     """
-    found = [_near(position, i, j, reach, size) for i, j in _candidates(position, reach, size, among)]
+    found = [
+        _near(position, i, j, reach, size) for i, j in _candidates(position, reach, size, among)
+    ]
     return np.concatenate([i for i, _ in found]), np.concatenate([j for _, j in found])
 
 
@@ -47,7 +57,11 @@ def _candidates(position: Array, reach: float, size: float, among: Whole | None)
     cells = np.clip((extent / reach).astype(int), 1, most)
     if count <= FEW or (size and cells.min() < 3):
         i, j = np.triu_indices(count, 1)
-        yield (i, j) if among is None else _led_by(among, np.concatenate([i, j]), np.concatenate([j, i]))
+        yield (
+            (i, j)
+            if among is None
+            else _led_by(among, np.concatenate([i, j]), np.concatenate([j, i]))
+        )
         return
     place = (np.mod(position, size) if size else position - low) / extent
     at = np.clip((place * cells).astype(np.intp), 0, cells - 1)
@@ -71,7 +85,9 @@ def _led_by(among: Whole, i: Whole, j: Whole) -> Pairs:
 
 @dataclass(frozen=True, eq=False)
 class Grid:
-    """Points sorted by cells: cell (N, 3) of each, number of cells (3,), and where each cell's points start (cells + 1,)."""
+    """Points sorted by cells: cell (N, 3) of each, number of cells (3,), and where each cell's
+    points start (cells + 1,).
+    """
 
     at: Whole
     cells: Whole
@@ -79,7 +95,9 @@ class Grid:
     periodic: bool
 
     def beside(self, points: Whole, *, only_later: bool) -> Iterator[Pairs]:
-        """Points and those in their own and the neighbouring cells; each pair once if only those count that come later."""
+        """Points and those in their own and the neighbouring cells; each pair once if only those
+        count that come later.
+        """
         for y, z in UPPER if only_later else ROWS:
             there = self.at[points, 1:] + (y, z)
             inside = np.all((there >= 0) & (there < self.cells[1:]), axis=1)
@@ -89,14 +107,18 @@ class Grid:
             yield from self._row(led, base, own=only_later and (y, z) == (0, 0))
 
     def _row(self, points: Whole, base: Whole, *, own: bool) -> Iterator[Pairs]:
-        """The three cells around each point's x in the row that begins at `base`; of the own row, those that come later."""
+        """The three cells around each point's x in the row that begins at `base`; of the own row,
+        those that come later.
+        """
         x, last = self.at[points, 0], self.cells[0] - 1
         low = points + 1 if own else self.starts[base + np.maximum(x - 1, 0)]
         yield _within(points, low, self.starts[base + np.minimum(x + 1, last) + 1])
         for edge, cell in ((last, 0), (0, last)) if self.periodic else ():
             on = np.flatnonzero(x == edge)
             if not (own and edge == 0):
-                yield _within(points[on], self.starts[base[on] + cell], self.starts[base[on] + cell + 1])
+                yield _within(
+                    points[on], self.starts[base[on] + cell], self.starts[base[on] + cell + 1]
+                )
 
 
 def _within(points: Whole, low: Whole, high: Whole) -> Pairs:

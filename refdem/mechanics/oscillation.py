@@ -1,4 +1,6 @@
-"""Sampled oscillations: turning points, amplitude, period, and how an area of phase space shrinks or grows."""
+"""Sampled oscillations: turning points, amplitude, period, and how an area of phase space shrinks
+or grows.
+"""
 
 import numpy as np
 from numpy.typing import NDArray
@@ -7,9 +9,11 @@ Array = NDArray[np.float64]
 
 
 def turning_points(t: Array, x: Array, v: Array) -> tuple[Array, Array]:
-    """Times (M,) [s] and places (M,) at which the velocity changes its sign, by cubic Hermite interpolation of (x, v).
+    """Times (M,) [s] and places (M,) at which the velocity changes its sign, by cubic Hermite
+    interpolation of (x, v).
 
-    t, x, v (T,). Times are off by the third power of the interval between samples, places by the fourth.
+    t, x, v (T,). Times are off by the third power of the interval between samples, places by the
+    fourth.
     """
     first = np.flatnonzero((v[:-1] != 0) & (v[:-1] * v[1:] <= 0))
     h = t[first + 1] - t[first]
@@ -36,16 +40,20 @@ def period(t: Array, x: Array, v: Array) -> float:
 
 
 def phase_area(x: Array, v: Array) -> Array:
-    """Area (...) of polygons in phase space with corners x, v (..., N) in turn, positive if they go round against the clock."""
+    """Area (...) of polygons in phase space with corners x, v (..., N) in turn, positive if they go
+    round against the clock.
+    """
     x_next, v_next = np.roll(x, -1, axis=-1), np.roll(v, -1, axis=-1)
     area: Array = np.sum(x * v_next - x_next * v, axis=-1) / 2
     return area
 
 
 def carried_area(x: Array, v: Array) -> Array:
-    """Area (T - 2,) of the triangle of every three neighbouring samples (T,) of an autonomous motion.
+    """Area (T - 2,) of the triangle of every three neighbouring samples (T,) of an autonomous
+    motion.
 
-    The flow carries the first triangle through all the others; one that is linear carries areas exactly.
+    The flow carries the first triangle through all the others; one that is linear carries areas
+    exactly.
     """
     corners = np.lib.stride_tricks.sliding_window_view
     return phase_area(corners(x, 3), corners(v, 3))

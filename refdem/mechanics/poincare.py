@@ -1,4 +1,6 @@
-"""Sections of trajectories by a plane of phase space, and Lyapunov exponents with error bars that tell periodic from chaotic."""
+"""Sections of trajectories by a plane of phase space, and Lyapunov exponents with error bars that
+tell periodic from chaotic.
+"""
 
 from typing import NamedTuple
 
@@ -18,16 +20,19 @@ class Exponent(NamedTuple):
     error: Array
 
     def regimes(self) -> NDArray[np.str_]:
-        """`chaotic` and `periodic` where the exponent is above or below zero by three standard errors, else `quasi-periodic` (M,)."""
+        """`chaotic` and `periodic` where the exponent is above or below zero by three standard
+        errors, else `quasi-periodic` (M,).
+        """
         beyond = np.sign(self.value) * (np.abs(self.value) > SIGMAS * self.error)
         return np.array(["periodic", "quasi-periodic", "chaotic"])[beyond.astype(int) + 1]
 
 
 def exponent(growth: Array, seconds: Array) -> Exponent:
-    """Exponents (M,) from the growth of the logarithm of a tangent over blocks (M, B) of equal parts of `seconds` (M,).
+    """Exponents (M,) from the growth of the logarithm of a tangent over blocks (M, B) of equal
+    parts of `seconds` (M,).
 
-    The error is that of the mean of the blocks, and not less than 1/seconds: a tangent may differ by a factor e between begin and end
-    of what does not grow.
+    The error is that of the mean of the blocks, and not less than 1/seconds: a tangent may differ
+    by a factor e between begin and end of what does not grow.
     """
     blocks = growth.shape[1]
     rates = growth * (blocks / seconds[:, None])
@@ -36,20 +41,27 @@ def exponent(growth: Array, seconds: Array) -> Exponent:
 
 
 def section(t: Array, x: Array, v: Array, level: float = 0.0) -> tuple[Array, Array]:
-    """Times [s] and places (K,) at which the velocity passes `level`, from samples x (T,) [m] and v (T,) [m/s] of x' = v.
+    """Times [s] and places (K,) at which the velocity passes `level`, from samples x (T,) [m] and v
+    (T,) [m/s] of x' = v.
 
-    v is interpolated linearly, x by Hermite's cubic: errors are of second order in the samples' interval in time, and, for level 0, of
-    fourth in place.
+    v is interpolated linearly, x by Hermite's cubic: errors are of second order in the samples'
+    interval in time, and, for level 0, of fourth in place.
     """
     above = v > level
     at = np.flatnonzero(above[1:] != above[:-1])
     h = t[at + 1] - t[at]
     s = (level - v[at]) / (v[at + 1] - v[at])
     a, b = x[at], x[at + 1]
-    place = a * (1 + 2 * s) * (1 - s) ** 2 + b * s**2 * (3 - 2 * s) + h * s * (1 - s) * ((1 - s) * v[at] - s * v[at + 1])
+    place = (
+        a * (1 + 2 * s) * (1 - s) ** 2
+        + b * s**2 * (3 - 2 * s)
+        + h * s * (1 - s) * ((1 - s) * v[at] - s * v[at + 1])
+    )
     return t[at] + s * h, place
 
 
 def distinct(values: Array, tolerance: float) -> int:
-    """How many values there are, counting those as one that lie within `tolerance` of their neighbour in size."""
+    """How many values there are, counting those as one that lie within `tolerance` of their
+    neighbour in size.
+    """
     return 1 + int(np.sum(np.diff(np.sort(values)) > tolerance)) if len(values) else 0

@@ -27,7 +27,8 @@ def rotated(q: Array, v: Array) -> Array:
 
 
 def angle_between(p: Array, q: Array) -> Array:
-    """Angle (...,) [rad] in [0, pi] of the rotation that takes attitude q to attitude p; q and -q are the same attitude.
+    """Angle (...,) [rad] in [0, pi] of the rotation that takes attitude q to attitude p; q and -q
+    are the same attitude.
 
     `2 atan2(|vector part|, |scalar part|)` of p q*: accurate for small angles, where arccos is not.
     """

@@ -1,4 +1,6 @@
-"""Answers of driven oscillators in formulas: linear (1.105), (1.106), harmonic balance (1.115), (1.121), and hysteresis of sweeps."""
+"""Answers of driven oscillators in formulas: linear (1.105), (1.106), harmonic balance (1.115),
+(1.121), and hysteresis of sweeps.
+"""
 
 import numpy as np
 from numpy.typing import NDArray
@@ -7,24 +9,36 @@ Array = NDArray[np.float64]
 
 
 def linear_amplitude(drive: Array, square: float, delta: float, f0: float) -> Array:
-    """|A| = f0/sqrt((w0^2 - w^2)^2 + 4 delta^2 w^2) at w = `drive` [rad/s]; `square` is w0^2 (1.105)."""
+    """|A| = f0/sqrt((w0^2 - w^2)^2 + 4 delta^2 w^2) at w = `drive` [rad/s];
+
+    `square` is w0^2 (1.105).
+    """
     amplitude: Array = f0 / np.hypot(square - drive**2, 2 * delta * drive)
     return amplitude
 
 
 def linear_peak(square: float, delta: float, f0: float) -> tuple[float, float]:
-    """Frequency and height f0/(2 delta sqrt(w0^2 - delta^2)) of the largest amplitude, for 2 delta^2 < w0^2 (1.106)."""
-    return float(np.sqrt(square - 2 * delta**2)), float(f0 / (2 * delta * np.sqrt(square - delta**2)))
+    """Frequency and height f0/(2 delta sqrt(w0^2 - delta^2)) of the largest amplitude, for 2
+    delta^2 < w0^2 (1.106).
+    """
+    return float(np.sqrt(square - 2 * delta**2)), float(
+        f0 / (2 * delta * np.sqrt(square - delta**2))
+    )
 
 
 def balanced_frequency(amplitude: Array, alpha: float, beta: float) -> Array:
-    """Frequency of free oscillations by harmonic balance, sqrt(alpha + 3 beta A^2/4) (1.115); too high by 3/256 (beta A^2/alpha)^2 w0."""
+    """Frequency of free oscillations by harmonic balance, sqrt(alpha + 3 beta A^2/4) (1.115); too
+    high by 3/256 (beta A^2/alpha)^2 w0.
+    """
     frequency: Array = np.sqrt(alpha + 0.75 * beta * amplitude**2)
     return frequency
 
 
-def balanced_drives(amplitude: Array, alpha: float, beta: float, delta: float, f0: float) -> tuple[Array, Array]:
-    """The lower and the higher frequency at which harmonic balance has that amplitude (1.121); nan where it has not.
+def balanced_drives(
+    amplitude: Array, alpha: float, beta: float, delta: float, f0: float
+) -> tuple[Array, Array]:
+    """The lower and the higher frequency at which harmonic balance has that amplitude (1.121); nan
+    where it has not.
 
     W^2 = k - 2 delta^2 -+ sqrt(f0^2/A^2 - 4 delta^2 (k - delta^2)), k = alpha + 3 beta A^2/4.
     """
@@ -39,8 +53,8 @@ def balanced_drives(amplitude: Array, alpha: float, beta: float, delta: float, f
 def balanced_amplitude(drive: float, alpha: float, beta: float, delta: float, f0: float) -> float:
     """The largest amplitude that harmonic balance has at a drive (1.120), beta != 0.
 
-    S = A^2 solves S ((g + h S)^2 + d) = f0^2, g = alpha - w^2, h = 3 beta/4, d = 4 delta^2 w^2; by bisection beyond the last turning
-    point of the cubic.
+    S = A^2 solves S ((g + h S)^2 + d) = f0^2, g = alpha - w^2, h = 3 beta/4, d = 4 delta^2 w^2; by
+    bisection beyond the last turning point of the cubic.
     """
     gap, h, drag = alpha - drive**2, 0.75 * beta, (2 * delta * drive) ** 2
 
@@ -60,14 +74,20 @@ def balanced_amplitude(drive: float, alpha: float, beta: float, delta: float, f0
 
 
 def fold(amplitude: Array, alpha: float, beta: float, delta: float, f0: float) -> float | None:
-    """The frequency from which harmonic balance has three amplitudes: the least of the higher branch inside `amplitude`, or None."""
+    """The frequency from which harmonic balance has three amplitudes: the least of the higher
+    branch inside `amplitude`, or None.
+    """
     _, higher = balanced_drives(amplitude, alpha, beta, delta, f0)
     higher = higher[np.isfinite(higher)]
     least = np.flatnonzero((higher[1:-1] < higher[:-2]) & (higher[1:-1] <= higher[2:])) + 1
     return float(higher[least[0]]) if len(least) else None
 
 
-def hysteresis(drive: Array, up: Array, down: Array, *, part: float = 0.05) -> tuple[float, float] | None:
-    """Lowest and highest of the frequencies `drive` (M,) at which the amplitudes of the two sweeps differ by more than a part."""
+def hysteresis(
+    drive: Array, up: Array, down: Array, *, part: float = 0.05
+) -> tuple[float, float] | None:
+    """Lowest and highest of the frequencies `drive` (M,) at which the amplitudes of the two sweeps
+    differ by more than a part.
+    """
     apart = np.flatnonzero(np.abs(up - down) > part * np.maximum(up, down))
     return (float(drive[apart[0]]), float(drive[apart[-1]])) if len(apart) else None

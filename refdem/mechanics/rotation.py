@@ -1,4 +1,5 @@
-"""Rotation matrices and Euler angles z-x-z, and how they and quaternions become each other (chapter 1, (1.9) to (1.79)).
+"""Rotation matrices and Euler angles z-x-z, and how they and quaternions become each other (chapter
+1, (1.9) to (1.79)).
 
 Every matrix here maps body vectors to space (the transpose of the chapter's (1.21)).
 """
@@ -12,7 +13,9 @@ Array = NDArray[np.float64]
 
 
 def about_axis(axis: int, angle: float) -> Array:
-    """The matrix (3, 3) that turns vectors by `angle` [rad] about x, y or z (0, 1, 2), counter-clockwise seen against the axis."""
+    """The matrix (3, 3) that turns vectors by `angle` [rad] about x, y or z (0, 1, 2),
+    counter-clockwise seen against the axis.
+    """
     turn = np.eye(3)
     i, j = (axis + 1) % 3, (axis + 2) % 3
     turn[i, i] = turn[j, j] = np.cos(angle)
@@ -22,14 +25,17 @@ def about_axis(axis: int, angle: float) -> Array:
 
 
 def about_axis_quaternion(axis: Array, angle: float) -> Array:
-    """The unit quaternion (4,) of a turn by `angle` [rad] about the unit vector `axis` (3,) (1.64)."""
+    """The unit quaternion (4,) of a turn by `angle` [rad] about the unit vector `axis` (3,)
+    (1.64).
+    """
     return np.concatenate([[np.cos(angle / 2)], np.sin(angle / 2) * np.asarray(axis, float)])
 
 
 def quaternion_of_matrix(turn: Array) -> Array:
     """The unit quaternion (4,), w >= 0, of a rotation matrix (3, 3).
 
-    The largest of |w|, |x|, |y|, |z| is taken from the diagonal, so that nothing is divided by a small number (Shepperd 1978).
+    The largest of |w|, |x|, |y|, |z| is taken from the diagonal, so that nothing is divided by a
+    small number (Shepperd 1978).
     """
     trace = np.trace(turn)
     squares = np.array([trace, *np.diag(turn)])
@@ -51,26 +57,36 @@ def matrix_of_euler(phi: float, theta: float, psi: float) -> Array:
 
 
 def quaternion_of_euler(phi: float, theta: float, psi: float) -> Array:
-    """The unit quaternion (4,) of the Euler angles z-x-z (1.76) to (1.79); its w may be negative."""
+    """The unit quaternion (4,) of the Euler angles z-x-z (1.76) to (1.79); its w may be
+    negative.
+    """
     c, s = np.cos(theta / 2), np.sin(theta / 2)
     total, apart = (phi + psi) / 2, (phi - psi) / 2
     return np.array([c * np.cos(total), s * np.cos(apart), s * np.sin(apart), c * np.sin(total)])
 
 
 def euler_of_matrix(turn: Array) -> Array:
-    """phi, theta, psi (3,) [rad], theta in [0, pi], of a rotation matrix; where sin theta = 0, psi is 0."""
+    """phi, theta, psi (3,) [rad], theta in [0, pi], of a rotation matrix; where sin theta = 0, psi
+    is 0.
+    """
     sine = np.hypot(turn[0, 2], turn[1, 2])
     theta = np.arctan2(sine, turn[2, 2])
     if sine == 0:
         return np.array([np.arctan2(turn[1, 0], turn[0, 0]), theta, 0.0])
-    return np.array([np.arctan2(turn[0, 2], -turn[1, 2]), theta, np.arctan2(turn[2, 0], turn[2, 1])])
+    return np.array(
+        [np.arctan2(turn[0, 2], -turn[1, 2]), theta, np.arctan2(turn[2, 0], turn[2, 1])]
+    )
 
 
 def euler_rates(phi: float, theta: float, omega: Array) -> Array:
-    """phi', theta', psi' (3,) [rad/s] for omega (3,) in space axes (1.39) to (1.41); they diverge where sin theta = 0."""
+    """phi', theta', psi' (3,) [rad/s] for omega (3,) in space axes (1.39) to (1.41); they diverge
+    where sin theta = 0.
+    """
     x, y, z = omega
     across = x * np.sin(phi) - y * np.cos(phi)
-    return np.array([z - across / np.tan(theta), x * np.cos(phi) + y * np.sin(phi), across / np.sin(theta)])
+    return np.array(
+        [z - across / np.tan(theta), x * np.cos(phi) + y * np.sin(phi), across / np.sin(theta)]
+    )
 
 
 def quaternion_rate(q: Array, omega: Array) -> Array:
@@ -85,6 +101,8 @@ def real_matrix(q: Array) -> Array:
 
 
 def complex_matrix(q: Array) -> NDArray[np.complex128]:
-    """The matrix (2, 2) w 1 - i (x s1 + y s2 + z s3) with Pauli's matrices: their products are those of quaternions."""
+    """The matrix (2, 2) w 1 - i (x s1 + y s2 + z s3) with Pauli's matrices: their products are
+    those of quaternions.
+    """
     w, x, y, z = q
     return np.array([[w - 1j * z, -y - 1j * x], [y - 1j * x, w + 1j * z]])

@@ -1,6 +1,8 @@
-"""Spectra of sampled signals: the amplitude of a line, the whole spectrum, and the frequency of a line.
+"""Spectra of sampled signals: the amplitude of a line, the whole spectrum, and the frequency of a
+line.
 
-A Hann window makes the leakage of every other line fall as the inverse cube of its distance in units of 2 pi/T.
+A Hann window makes the leakage of every other line fall as the inverse cube of its distance in
+units of 2 pi/T.
 """
 
 import numpy as np
@@ -15,7 +17,8 @@ def hann(count: int) -> Array:
 
 
 def line(t: Array, x: Array, frequency: float) -> complex:
-    """Complex amplitude c of the line Re(c exp(i w t)) at w = `frequency` [rad/s]; of the mean for w = 0.
+    """Complex amplitude c of the line Re(c exp(i w t)) at w = `frequency` [rad/s]; of the mean for
+    w = 0.
 
     t (T,) [s] evenly spaced, x (T,). Other lines leak in by (2 pi/(T dw))^3.
     """
@@ -24,14 +27,18 @@ def line(t: Array, x: Array, frequency: float) -> complex:
 
 
 def spectrum(t: Array, x: Array) -> tuple[Array, Array]:
-    """Frequencies (F,) [rad/s] and amplitudes (F,) of evenly spaced samples x (T,) at t (T,) [s]; a line a cos(w t) has height a."""
+    """Frequencies (F,) [rad/s] and amplitudes (F,) of evenly spaced samples x (T,) at t (T,) [s]; a
+    line a cos(w t) has height a.
+    """
     amplitude = 2 * np.abs(np.fft.rfft(hann(len(t)) * x)) / len(t)
     amplitude[0] /= 2
     return 2 * np.pi * np.fft.rfftfreq(len(t), t[1] - t[0]), amplitude
 
 
 def frequency_of(t: Array, x: Array, near: float) -> float:
-    """The frequency [rad/s] of the line next to `near`, which is within 2 pi/T of it: from its phase in two halves of the record."""
+    """The frequency [rad/s] of the line next to `near`, which is within 2 pi/T of it: from its
+    phase in two halves of the record.
+    """
     half, w = len(t) // 2, near
     for _ in range(20):
         first, second = line(t[:half], x[:half], w), line(t[half : 2 * half], x[half : 2 * half], w)

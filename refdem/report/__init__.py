@@ -1,4 +1,6 @@
-"""The report: a function of core's records, and nothing else; also the records themselves, as lines and as tables."""
+"""The report: a function of core's records, and nothing else; also the records themselves, as lines
+and as tables.
+"""
 
 from collections.abc import Iterable, Sequence
 from pathlib import Path
@@ -21,17 +23,20 @@ def write_records(folder: Path, sheets: "Iterable[Sheet]") -> None:
 
 
 def read_records(folder: Path) -> "list[Sheet]":
-    """The sheets of `records.jsonl`; raises StoreError if there is none, UsageError that names a malformed line."""
+    """The sheets of `records.jsonl`; raises StoreError if there is none, UsageError that names a
+    malformed line.
+    """
     from refdem.report.jsonl import sheets_in
 
     return sheets_in(Path(folder))
 
 
 def write_report(folder: Path, sheets: "Sequence[Sheet]", store: "Store | None" = None) -> None:
-    """Writes the whole report: pages, Markdown with figures, JUnit, CSV and records; `store` keeps charts for next time.
+    """Writes the whole report: pages, Markdown with figures, JUnit, CSV and records; `store` keeps
+    charts for next time.
 
-    With a store, a report that stands in the folder as it was made of the same findings is left alone.
-    Raises StoreError if the folder cannot be written.
+    With a store, a report that stands in the folder as it was made of the same findings is left
+    alone. Raises StoreError if the folder cannot be written.
     """
     from refdem.report import unchanged
 
@@ -45,16 +50,24 @@ def write_report(folder: Path, sheets: "Sequence[Sheet]", store: "Store | None" 
 
 
 def write_manual(folder: Path, pages: "Sequence[ManualPage]", *, version: str) -> None:
-    """Writes the verification manual into `folder`/manual, Markdown and HTML; raises StoreError if it cannot be written."""
+    """Writes the verification manual into `folder`/manual, Markdown and HTML; raises StoreError if
+    it cannot be written.
+    """
     from refdem.report.manual import write_pages
 
     write_pages(Path(folder), pages, version=version)
 
 
 def write_gallery(
-    folder: Path, figures: "Sequence[Figure]", *, version: str, store: "Store | None" = None, every: "Sequence[str]" = ()
+    folder: Path,
+    figures: "Sequence[Figure]",
+    *,
+    version: str,
+    store: "Store | None" = None,
+    every: "Sequence[str]" = (),
 ) -> None:
-    """Writes gallery.html, gallery.md and a picture a figure into `folder`, where others stay if their ids are among `every`.
+    """Writes gallery.html, gallery.md and a picture a figure into `folder`, where others stay if
+    their ids are among `every`.
 
     Raises StoreError if it cannot be written.
     """

@@ -39,8 +39,19 @@ def chart(section: Section) -> ChartData | None:
     writer = csv.writer(out, lineterminator="\n")
     writer.writerow(("series", "quantity", "seconds", "error", "shown_error"))
     for engine, method, _, time, error in section.points:
-        writer.writerow((f"{engine} {method}", "largest", rounded(time), rounded(error), rounded(max(error, floor))))
-    ends = {"error": (floor, 10.0 * max(1e-1, max(positive))), "seconds": (min(seconds) / 1.5, max(seconds) * 1.5)}
+        writer.writerow(
+            (
+                f"{engine} {method}",
+                "largest",
+                rounded(time),
+                rounded(error),
+                rounded(max(error, floor)),
+            )
+        )
+    ends = {
+        "error": (floor, 10.0 * max(1e-1, max(positive))),
+        "seconds": (min(seconds) / 1.5, max(seconds) * 1.5),
+    }
     return ChartData("costs", out.getvalue(), ("largest",), tuple(_styles(section)), ends)
 
 
@@ -53,10 +64,16 @@ def _styles(section: Section) -> list[tuple[str, str, str]]:
         colours.setdefault(engine, REFERENCE if reference else ENGINES[others % len(ENGINES)])
         if method not in methods.setdefault(engine, []):
             methods[engine].append(method)
-    return [(f"{e} {m}", colours[e], SHAPES[k % len(SHAPES)]) for e, mine in methods.items() for k, m in enumerate(mine)]
+    return [
+        (f"{e} {m}", colours[e], SHAPES[k % len(SHAPES)])
+        for e, mine in methods.items()
+        for k, m in enumerate(mine)
+    ]
 
 
-def markdown(title: str, words: str, tables: Sequence[Cells], sections: Sequence[Section], pictures: str = "") -> str:
+def markdown(
+    title: str, words: str, tables: Sequence[Cells], sections: Sequence[Section], pictures: str = ""
+) -> str:
     """The report as Markdown; `pictures` is the folder of its SVG figures, none if empty."""
     parts = [f"# {title}", words, *map(_markdown, tables)]
     for number, section in enumerate(sections, 1):
@@ -69,17 +86,28 @@ def markdown(title: str, words: str, tables: Sequence[Cells], sections: Sequence
 
 def _markdown(cells: Cells) -> str:
     title, header, rows = cells
-    return f"{title}:\n\n{table(list(header), [[markdown_text(cell) for cell in row] for row in rows])}"
+    told = [[markdown_text(cell) for cell in row] for row in rows]
+    return f"{title}:\n\n{table(list(header), told)}"
 
 
 def page(title: str, words: str, tables: Sequence[Cells], sections: Sequence[Section]) -> str:
     """The report as HTML with interactive charts, in the frame of every page."""
     drawn = [None if data is None else specification(data, None) for data in map(chart, sections)]
     sheet = environment().get_template("bench.html")
-    return sheet.render(root="", name="bench", title=title, words=words, tables=tables, sections=sections, specs=drawn)
+    return sheet.render(
+        root="",
+        name="bench",
+        title=title,
+        words=words,
+        tables=tables,
+        sections=sections,
+        specs=drawn,
+    )
 
 
-def write(folder: Path, title: str, words: str, tables: Sequence[Cells], sections: Sequence[Section]) -> None:
+def write(
+    folder: Path, title: str, words: str, tables: Sequence[Cells], sections: Sequence[Section]
+) -> None:
     """Writes bench.md, bench.html, bench-N.svg and what the page needs into a folder."""
     written(folder / "bench.md", markdown(title, words, tables, sections, "."))
     written(folder / "bench.html", page(title, words, tables, sections))

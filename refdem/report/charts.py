@@ -14,9 +14,18 @@ PICKED = {"errors": "quantity", "costs": "quantity", "drifts": "check"}
 
 
 def specification(data: ChartData) -> dict[str, Any]:
-    """The Vega-Lite specification of a chart; Altair's validation, half of the time, is left to the tests."""
+    """The Vega-Lite specification of a chart;
+
+    Altair's validation, half of the time, is left to the tests.
+    """
     with debug_mode(False):
-        chart = {"errors": _errors, "costs": _costs, "drifts": _drifts, "overview": _overview, "ladders": _ladders}[data.kind](data)
+        chart = {
+            "errors": _errors,
+            "costs": _costs,
+            "drifts": _drifts,
+            "overview": _overview,
+            "ladders": _ladders,
+        }[data.kind](data)
         spec: dict[str, Any] = chart.to_dict(validate=False)
         if data.kind in PICKED:  # Altair would copy the whole chart several times over for it
             spec["params"] = [_picked(data, PICKED[data.kind])]
@@ -25,27 +34,48 @@ def specification(data: ChartData) -> dict[str, Any]:
 
 def _chart(data: ChartData, **types: str) -> Any:
     """A chart of the rows, without marks."""
-    return alt.Chart(alt.InlineData(values=data.csv, format=alt.CsvDataFormat(type="csv", parse=types)))
+    return alt.Chart(
+        alt.InlineData(values=data.csv, format=alt.CsvDataFormat(type="csv", parse=types))
+    )
 
 
 def _powers(ends: tuple[float, float], most: int) -> list[float]:
-    """At most `most` powers of ten between two ends, evenly apart; with 2 and 5 times these where there are less than two."""
+    """At most `most` powers of ten between two ends, evenly apart; with 2 and 5 times these where
+    there are less than two.
+    """
     first, last = math.ceil(math.log10(ends[0]) - 1e-9), math.floor(math.log10(ends[1]) + 1e-9)
     if last > first:
         return [float(f"1e{k}") for k in range(first, last + 1, -(-(last - first + 1) // most))]
-    return [x for k in range(first - 1, last + 2) for x in (float(f"{m}e{k}") for m in (1, 2, 5)) if ends[0] <= x <= ends[1]]
+    return [
+        x
+        for k in range(first - 1, last + 2)
+        for x in (float(f"{m}e{k}") for m in (1, 2, 5))
+        if ends[0] <= x <= ends[1]
+    ]
 
 
 def _log(name: str, title: str, data: ChartData, ticks: int = 9, *, labels: bool = True) -> alt.Y:
     """A logarithmic axis from the chart's floor up."""
-    axis = alt.Axis(format=".0e", values=_powers(data.extents["error"], ticks), labels=labels, ticks=labels)
-    return alt.Y(f"{name}:Q", title=title, scale=alt.Scale(type="log", domain=data.extents["error"], nice=False), axis=axis)
+    axis = alt.Axis(
+        format=".0e", values=_powers(data.extents["error"], ticks), labels=labels, ticks=labels
+    )
+    return alt.Y(
+        f"{name}:Q",
+        title=title,
+        scale=alt.Scale(type="log", domain=data.extents["error"], nice=False),
+        axis=axis,
+    )
 
 
 def _log_x(name: str, title: str, ends: tuple[float, float]) -> alt.X:
     """A logarithmic axis with room on both sides."""
     axis = alt.Axis(format="~e", values=_powers(ends, 5), labelOverlap=True)
-    return alt.X(f"{name}:Q", title=title, scale=alt.Scale(type="log", nice=False, padding=14, domain=ends), axis=axis)
+    return alt.X(
+        f"{name}:Q",
+        title=title,
+        scale=alt.Scale(type="log", nice=False, padding=14, domain=ends),
+        axis=axis,
+    )
 
 
 def _style(data: ChartData) -> tuple[alt.Color, alt.Shape]:
@@ -53,8 +83,12 @@ def _style(data: ChartData) -> tuple[alt.Color, alt.Shape]:
     names, colours, shapes = (list(column) for column in zip(*data.styles, strict=True))
     legend = alt.Legend(orient="bottom", columns=3, symbolOpacity=1)
     return (
-        alt.Color("series:N", title=None, scale=alt.Scale(domain=names, range=colours), legend=legend),
-        alt.Shape("series:N", title=None, scale=alt.Scale(domain=names, range=shapes), legend=legend),
+        alt.Color(
+            "series:N", title=None, scale=alt.Scale(domain=names, range=colours), legend=legend
+        ),
+        alt.Shape(
+            "series:N", title=None, scale=alt.Scale(domain=names, range=shapes), legend=legend
+        ),
     )
 
 
@@ -69,54 +103,102 @@ def _picked(data: ChartData, name: str) -> dict[str, Any]:
 
 
 def _curves(
-    base: Any, data: ChartData, x: alt.X, y: alt.Y, tips: list[alt.Tooltip], *, bound: str = "", size: int = 50, **more: Any
+    base: Any,
+    data: ChartData,
+    x: alt.X,
+    y: alt.Y,
+    tips: list[alt.Tooltip],
+    *,
+    bound: str = "",
+    size: int = 50,
+    **more: Any,
 ) -> Any:
     """Lines with points, and dashed lines for bounds; `more` are properties of the whole."""
     colour, shape = _style(data)
     lines = base.mark_line(opacity=0.8, strokeWidth=1.5).encode(x=x, y=y, color=colour)
-    points = base.mark_point(filled=True, size=size, opacity=1).encode(x=x, y=y, color=colour, shape=shape, tooltip=tips)
+    points = base.mark_point(filled=True, size=size, opacity=1).encode(
+        x=x, y=y, color=colour, shape=shape, tooltip=tips
+    )
     if not bound:
         return alt.layer(lines, points, **more)
-    bounds = base.mark_line(strokeDash=[5, 4], opacity=0.85, strokeWidth=1.2).encode(x=x, y=alt.Y(f"{bound}:Q"), color=colour)
+    bounds = base.mark_line(strokeDash=[5, 4], opacity=0.85, strokeWidth=1.2).encode(
+        x=x, y=alt.Y(f"{bound}:Q"), color=colour
+    )
     return alt.layer(bounds, lines, points, **more)
 
 
 def _errors(data: ChartData) -> Any:
     """Panels for step, tolerance and exact methods, with one axis of errors."""
-    base = _chart(data, level="number", shown_error="number", shown_bound="number").transform_filter("datum.quantity == pick")
+    base = _chart(
+        data, level="number", shown_error="number", shown_bound="number"
+    ).transform_filter("datum.quantity == pick")
     tips = _tips("series", "quantity", "level", "error", "bound")
     kinds = [kind for kind in ("step", "tolerance", "exact") if kind in data.extents]
     panels: list[Any] = []
     for kind in kinds:
-        y = _log("shown_error", "largest error / scale", data) if not panels else _log("shown_error", "", data, labels=False)
+        y = (
+            _log("shown_error", "largest error / scale", data)
+            if not panels
+            else _log("shown_error", "", data, labels=False)
+        )
         chosen = base.transform_filter(f"datum.control == '{kind}'")
         if kind == "exact":
             panels.append(_exact(chosen, data, y, tips))
             continue
-        x = _log_x("level", {"step": "step [s]", "tolerance": "tolerance"}[kind] + "; dashed: bound", data.extents[kind])
+        x = _log_x(
+            "level",
+            {"step": "step [s]", "tolerance": "tolerance"}[kind] + "; dashed: bound",
+            data.extents[kind],
+        )
         width = WIDTH - SIDE * (len(kinds) - 1) if kind == kinds[0] else 3 * SIDE // 2
-        panels.append(_curves(chosen, data, x, y, tips, bound="shown_bound", width=width, height=HEIGHT))
-    return alt.hconcat(*panels, spacing=8, resolve=alt.Resolve(scale=alt.ScaleResolveMap(y="shared")))
+        panels.append(
+            _curves(chosen, data, x, y, tips, bound="shown_bound", width=width, height=HEIGHT)
+        )
+    return alt.hconcat(
+        *panels, spacing=8, resolve=alt.Resolve(scale=alt.ScaleResolveMap(y="shared"))
+    )
 
 
 def _exact(chosen: Any, data: ChartData, y: alt.Y, tips: list[alt.Tooltip]) -> Any:
     """Methods without a step, side by side; a bar for the bound."""
     colour, shape = _style(data)
     x = alt.X("series:N", title="exact", axis=alt.Axis(labels=False, ticks=False))
-    bars = chosen.mark_tick(thickness=1.5, opacity=0.7).encode(x=x, y=alt.Y("shown_bound:Q"), color=colour)
-    points = chosen.mark_point(filled=True, size=60, opacity=1).encode(x=x, y=y, color=colour, shape=shape, tooltip=tips)
+    bars = chosen.mark_tick(thickness=1.5, opacity=0.7).encode(
+        x=x, y=alt.Y("shown_bound:Q"), color=colour
+    )
+    points = chosen.mark_point(filled=True, size=60, opacity=1).encode(
+        x=x, y=y, color=colour, shape=shape, tooltip=tips
+    )
     return alt.layer(bars, points, width=alt.Step(28), height=HEIGHT)
 
 
 def _costs(data: ChartData) -> Any:
-    base = _chart(data, seconds="number", shown_error="number").transform_filter("datum.quantity == pick")
-    x, y = _log_x("seconds", "seconds in the engine's loop", data.extents["seconds"]), _log("shown_error", "largest error / scale", data)
-    return _curves(base, data, x, y, _tips("series", "quantity", "seconds", "error"), width=WIDTH, height=HEIGHT)
+    base = _chart(data, seconds="number", shown_error="number").transform_filter(
+        "datum.quantity == pick"
+    )
+    x, y = (
+        _log_x("seconds", "seconds in the engine's loop", data.extents["seconds"]),
+        _log("shown_error", "largest error / scale", data),
+    )
+    return _curves(
+        base,
+        data,
+        x,
+        y,
+        _tips("series", "quantity", "seconds", "error"),
+        width=WIDTH,
+        height=HEIGHT,
+    )
 
 
 def _drifts(data: ChartData) -> Any:
-    base = _chart(data, t="number", shown_value="number", shown_bound="number").transform_filter("datum.what == pick")
-    x, y = alt.X("t:Q", title="t [s]; dashed: bound", scale=alt.Scale(nice=False)), _log("shown_value", "value", data)
+    base = _chart(data, t="number", shown_value="number", shown_bound="number").transform_filter(
+        "datum.what == pick"
+    )
+    x, y = (
+        alt.X("t:Q", title="t [s]; dashed: bound", scale=alt.Scale(nice=False)),
+        _log("shown_value", "value", data),
+    )
     tips = _tips("series", "what", "t", "value", "bound")
     return _curves(base, data, x, y, tips, bound="shown_bound", size=16, width=WIDTH, height=HEIGHT)
 
@@ -127,12 +209,22 @@ def _overview(data: ChartData) -> Any:
     base = _chart(data, halvings="number", error="number")
     x = alt.X("halvings:Q", title="halvings of the step", axis=alt.Axis(tickMinStep=1, tickCount=5))
     legend = alt.Legend(orient="top", symbolOpacity=1)
-    colour = alt.Color("engine:N", title=None, scale=alt.Scale(domain=names, range=colours), legend=legend)
+    colour = alt.Color(
+        "engine:N", title=None, scale=alt.Scale(domain=names, range=colours), legend=legend
+    )
     lines = base.mark_line(point=alt.OverlayMarkDef(filled=True, size=22), strokeWidth=1.5)
     tips = _tips("case", "series", "error")
-    drawn = lines.encode(x=x, y=_log("error", "error / scale", data, 4), color=colour, detail="series:N", tooltip=tips)
+    drawn = lines.encode(
+        x=x,
+        y=_log("error", "error / scale", data, 4),
+        color=colour,
+        detail="series:N",
+        tooltip=tips,
+    )
     header = alt.Header(title=None, labelFontWeight="bold", labelLimit=200)
-    return drawn.properties(width=190, height=110).facet(facet=alt.Facet("case:N", header=header), columns=4, spacing=14)
+    return drawn.properties(width=190, height=110).facet(
+        facet=alt.Facet("case:N", header=header), columns=4, spacing=14
+    )
 
 
 def _ladders(data: ChartData) -> Any:
@@ -140,16 +232,31 @@ def _ladders(data: ChartData) -> Any:
     panels = []
     for number, name in enumerate(data.choices):
         title, _, along = name.partition("\n")
-        base = _chart(data, ladder="number", shown="number", ratio="number").transform_filter(f"datum.ladder == {number}")
-        rungs = [label.partition("\t")[2] for label in data.labels if label.partition("\t")[0] == name]
+        base = _chart(data, ladder="number", shown="number", ratio="number").transform_filter(
+            f"datum.ladder == {number}"
+        )
+        rungs = [
+            label.partition("\t")[2] for label in data.labels if label.partition("\t")[0] == name
+        ]
         axis = alt.Axis(labelAngle=-40, labelOverlap=True)
         x = alt.X("rung:N", title=along, scale=alt.Scale(domain=rungs), axis=axis)
         y = _log("shown", "value / bound", data, 5)
         ran = base.transform_filter("datum.verdict == 'pass' || datum.verdict == 'fail'")
         curves = _curves(ran, data, x, y, _tips("series", "rung", "ratio", "verdict"), size=36)
         colour, _ = _style(data)
-        marks = base.transform_filter("datum.verdict == 'error' || datum.verdict == 'undecided'").mark_text(fontSize=13, fontWeight="bold")
-        signs = marks.encode(x=x, y=y, color=colour, text=alt.condition("datum.verdict == 'error'", alt.value("x"), alt.value("?")))
+        marks = base.transform_filter(
+            "datum.verdict == 'error' || datum.verdict == 'undecided'"
+        ).mark_text(fontSize=13, fontWeight="bold")
+        signs = marks.encode(
+            x=x,
+            y=y,
+            color=colour,
+            text=alt.condition("datum.verdict == 'error'", alt.value("x"), alt.value("?")),
+        )
         rule = base.mark_rule(strokeDash=[5, 4], color="#888888").encode(y=alt.datum(1.0))
-        panels.append(alt.layer(rule, curves, signs, title=alt.Title(title, fontSize=11, limit=260)).properties(width=230, height=130))
+        panels.append(
+            alt.layer(
+                rule, curves, signs, title=alt.Title(title, fontSize=11, limit=260)
+            ).properties(width=230, height=130)
+        )
     return alt.concat(*panels, columns=3, spacing=16).resolve_scale(x="independent")

@@ -6,7 +6,18 @@ from collections import Counter
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 
-from refdem.core.finding import BROKEN, DECIDED, WORST_FIRST, CampaignSheet, CaseSheet, EngineSheet, Finding, Outcome, Record, Sheet
+from refdem.core.finding import (
+    BROKEN,
+    DECIDED,
+    WORST_FIRST,
+    CampaignSheet,
+    CaseSheet,
+    EngineSheet,
+    Finding,
+    Outcome,
+    Record,
+    Sheet,
+)
 from refdem.report.jsonl import finite
 
 
@@ -25,7 +36,11 @@ class Contents:
 
     def counts(self, records: Iterable[Record] | None = None) -> dict[Outcome, int]:
         """How many findings have each outcome, worst first, without zeros."""
-        seen = Counter(finding.outcome for record in (self.records if records is None else records) for finding in record.findings)
+        seen = Counter(
+            finding.outcome
+            for record in (self.records if records is None else records)
+            for finding in record.findings
+        )
         return {outcome: seen[outcome] for outcome in WORST_FIRST if seen[outcome]}
 
     def findings(self) -> Iterator[tuple[Record, Finding]]:
@@ -36,7 +51,9 @@ class Contents:
 
 
 def contents_of(sheets: Iterable[Sheet]) -> Contents:
-    """The contents of a report; a case or an engine without a sheet of its own gets an empty one."""
+    """The contents of a report; a case or an engine without a sheet of its own gets an empty
+    one.
+    """
     campaign = CampaignSheet(name="records", refdem="", runs_made=0, runs_read=0, seconds=0.0)
     cases: dict[str, CaseSheet] = {}
     engines: dict[str, EngineSheet] = {}
@@ -64,16 +81,33 @@ def contents_of(sheets: Iterable[Sheet]) -> Contents:
 
 def _bare_case(record: Record) -> CaseSheet:
     return CaseSheet(
-        case=record.case, label=record.label, title=record.case, statement="", latex="", source="", parameters=record.parameters,
-        units={}, scene="", scales={}, quantities={}, truth_method="", truth_witness="", truth_scalars={},
-    )  # fmt: skip
+        case=record.case,
+        label=record.label,
+        title=record.case,
+        statement="",
+        latex="",
+        source="",
+        parameters=record.parameters,
+        units={},
+        scene="",
+        scales={},
+        quantities={},
+        truth_method="",
+        truth_witness="",
+        truth_scalars={},
+    )
 
 
 def _bare_engine(record: Record) -> EngineSheet:
     return EngineSheet(
-        engine=record.engine, title=record.engine, version=record.version, licence="", is_reference=record.is_reference,
-        methods={}, audit=(),
-    )  # fmt: skip
+        engine=record.engine,
+        title=record.engine,
+        version=record.version,
+        licence="",
+        is_reference=record.is_reference,
+        methods={},
+        audit=(),
+    )
 
 
 def page(label: str) -> str:
@@ -92,15 +126,42 @@ def _digest(text: str) -> str:
 
 
 ADVICE: dict[Outcome, str] = {
-    "fail": "A measured value lies beyond its bound. Read each failed finding: its sentence names the quantity and the basis of the bound.",
-    "worse": "An error constant grew beyond what the baseline accepts. Find the change that did it, or bless the new one with a reason.",
-    "lost": "What the baseline, or the list of the campaign, has decided could not be decided now. Each finding says why.",
-    "absent": "What the baseline, or the list of the campaign, has was not found now. Restore it, or bless its absence.",
-    "error": "An engine crashed, hung or broke the contract. What it ran is unjudged: repair the engine or its adapter, then run again.",
-    "stale": "An expected deviation is not needed any more: the ordinary bound holds. Delete it from the list of expected deviations.",
-    "undecided": "Nothing failed, but some findings could not be decided; each says why. They are not passes.",
-    "expected": "All bounds hold, except where a known deviation is expected, with its reason. Nothing to do.",
-    "unsupported": "Everything that the engines can say holds. What they cannot say is listed with the missing feature. Nothing to do.",
+    "fail": (
+        "A measured value lies beyond its bound. Read each failed finding: its sentence names the"
+        " quantity and the basis of the bound."
+    ),
+    "worse": (
+        "An error constant grew beyond what the baseline accepts. Find the change that did it, or"
+        " bless the new one with a reason."
+    ),
+    "lost": (
+        "What the baseline, or the list of the campaign, has decided could not be decided now. Each"
+        " finding says why."
+    ),
+    "absent": (
+        "What the baseline, or the list of the campaign, has was not found now. Restore it, or"
+        " bless its absence."
+    ),
+    "error": (
+        "An engine crashed, hung or broke the contract. What it ran is unjudged: repair the engine"
+        " or its adapter, then run again."
+    ),
+    "stale": (
+        "An expected deviation is not needed any more: the ordinary bound holds. Delete it from the"
+        " list of expected deviations."
+    ),
+    "undecided": (
+        "Nothing failed, but some findings could not be decided; each says why. They are not"
+        " passes."
+    ),
+    "expected": (
+        "All bounds hold, except where a known deviation is expected, with its reason. Nothing"
+        " to do."
+    ),
+    "unsupported": (
+        "Everything that the engines can say holds. What they cannot say is listed with the missing"
+        " feature. Nothing to do."
+    ),
     "pass": "Everything holds. Choose a step from the tolerance table below.",
 }
 
@@ -110,5 +171,8 @@ def advice(counts: dict[Outcome, int]) -> str:
     if not counts:
         return "There are no findings: nothing was judged."
     if not any(outcome in counts for outcome in (*DECIDED, *BROKEN)):
-        return "Nothing was judged: no engine could say what was asked, or no check could decide it. Each finding says why."
+        return (
+            "Nothing was judged: no engine could say what was asked, or no check could decide it."
+            " Each finding says why."
+        )
     return next(ADVICE[outcome] for outcome in WORST_FIRST if outcome in counts)

@@ -1,4 +1,6 @@
-"""Specifications and pictures of charts, kept in the store under the digest of what they are made from."""
+"""Specifications and pictures of charts, kept in the store under the digest of what they are made
+from.
+"""
 
 import hashlib
 import json
@@ -25,10 +27,17 @@ PAPER = {
     "background": "white",
     "font": "DejaVu Sans, Arial, sans-serif",
     "view": {"stroke": "#d0d4d9"},
-    "axis": {"gridColor": "#eceef1", "labelColor": "#30363d", "titleColor": "#30363d", "titleFontWeight": "normal"},
+    "axis": {
+        "gridColor": "#eceef1",
+        "labelColor": "#30363d",
+        "titleColor": "#30363d",
+        "titleFontWeight": "normal",
+    },
     "legend": {"labelColor": "#30363d", "titleColor": "#30363d", "labelLimit": 260},
 }
-"""How a chart looks on paper; pages have a light and a dark configuration of their own in report.js."""
+"""How a chart looks on paper; pages have a light and a dark configuration of their own in
+report.js.
+"""
 
 
 def equip(folder: Path, store: Store | None) -> None:
@@ -44,7 +53,9 @@ def specification(data: ChartData, store: Store | None) -> str:
     What is kept is the definition without its rows, which change with every run.
     """
     bare = replace(data, csv=ROWS)
-    spec = _kept(store, "chart-spec", [_definitions(), asdict(bare)], lambda: _specification(bare)).decode()
+    spec = _kept(
+        store, "chart-spec", [_definitions(), asdict(bare)], lambda: _specification(bare)
+    ).decode()
     return spec.replace(json.dumps(ROWS), json.dumps(data.csv))
 
 
@@ -68,13 +79,17 @@ def _picture(spec: str) -> bytes:
 
 
 def _normalised(svg: str) -> str:
-    """The picture with its ids numbered in their own order, as Vega counts them through the life of a process.
+    """The picture with its ids numbered in their own order, as Vega counts them through the life of
+    a process.
 
-    Descriptions of single marks are left out: half of the bytes, and nothing reads them in an image.
+    Descriptions of single marks are left out: half of the bytes, and nothing reads them in an
+    image.
     """
     svg = re.sub(r"<[^>]+>", lambda tag: re.sub(r'\s(aria-[a-z]+|role)="[^"]*"', "", tag[0]), svg)
     for index, name in enumerate(dict.fromkeys(re.findall(r'\bid="([A-Za-z_]+\d+)"', svg))):
-        svg = re.sub(rf'(\bid="|url\(#|href="#){re.escape(name)}(?=["\)])', rf"\g<1>part-{index}", svg)
+        svg = re.sub(
+            rf'(\bid="|url\(#|href="#){re.escape(name)}(?=["\)])', rf"\g<1>part-{index}", svg
+        )
     return svg + "\n"
 
 
@@ -105,7 +120,9 @@ def _definitions() -> str:
     """The digest of the charts' definitions and the version of Altair."""
     from importlib.metadata import version
 
-    return hashlib.sha256(Path(__file__).with_name("charts.py").read_bytes()).hexdigest() + version("altair")
+    return hashlib.sha256(Path(__file__).with_name("charts.py").read_bytes()).hexdigest() + version(
+        "altair"
+    )
 
 
 @cache

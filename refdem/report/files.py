@@ -7,7 +7,9 @@ from refdem.errors import StoreError
 
 
 def written(path: Path, content: str | bytes) -> None:
-    """Puts `content` at `path`, through a file beside it; raises StoreError that says what to do."""
+    """Puts `content` at `path`, through a file beside it; raises StoreError that says what to
+    do.
+    """
     data = content.encode("utf-8", "replace") if isinstance(content, str) else content
     beside = path.with_name(f".{path.name}.{os.getpid()}")
     try:
@@ -16,7 +18,9 @@ def written(path: Path, content: str | bytes) -> None:
         beside.replace(path)
     except OSError as error:
         beside.unlink(missing_ok=True) if path.parent.is_dir() else None
-        raise StoreError(f"cannot write {path}: {error.strerror or error}. Choose another folder with --out.") from None
+        raise StoreError(
+            f"cannot write {path}: {error.strerror or error}. Choose another folder with --out."
+        ) from None
 
 
 def removed(path: Path) -> None:
@@ -24,4 +28,6 @@ def removed(path: Path) -> None:
     try:
         path.unlink(missing_ok=True)
     except OSError as error:
-        raise StoreError(f"cannot remove {path}: {error.strerror or error}. Choose another folder with --out.") from None
+        raise StoreError(
+            f"cannot remove {path}: {error.strerror or error}. Choose another folder with --out."
+        ) from None

@@ -18,8 +18,8 @@ from refdem.report.numbers import two
 from refdem.report.panels import specification
 
 INTRODUCTION = (
-    "The computed figures of the source chapter, drawn from runs of the reference, and what was measured beside a benchmark; "
-    "`refdem gallery` makes them."
+    "The computed figures of the source chapter, drawn from runs of the reference, and what was"
+    " measured beside a benchmark; `refdem gallery` makes them."
 )
 SECTION = re.compile(r'<section id="fig-[^"]*">\n<h2>Figure ([^:<]+):.*?</section>\n', re.DOTALL)
 """A figure in the page."""
@@ -27,17 +27,35 @@ CHAPTER = re.compile(r"^## Figure ([^:]+):.*?(?=^## Figure |\Z)", re.DOTALL | re
 """A figure in the Markdown."""
 
 
-def write_figures(folder: Path, drawn: Sequence[Figure], *, version: str, store: Store | None, every: Sequence[str] = ()) -> None:
+def write_figures(
+    folder: Path,
+    drawn: Sequence[Figure],
+    *,
+    version: str,
+    store: Store | None,
+    every: Sequence[str] = (),
+) -> None:
     """Writes gallery.html, gallery.md, `fig-….svg` and what the page needs.
 
-    Figures that the folder has already stay if they are among `every`, the ids in their order; pictures of others are removed.
+    Figures that the folder has already stay if they are among `every`, the ids in their order;
+    pictures of others are removed.
     """
-    specs = {figure.id: json.dumps(specification(figure), separators=(",", ":"), sort_keys=True) for figure in drawn}
+    specs = {
+        figure.id: json.dumps(specification(figure), separators=(",", ":"), sort_keys=True)
+        for figure in drawn
+    }
     drawing = environment().get_template("figure.html")
-    made = {figure.id: drawing.render(figure=figure, spec=specs[figure.id]).strip() + "\n" for figure in drawn}
+    made = {
+        figure.id: drawing.render(figure=figure, spec=specs[figure.id]).strip() + "\n"
+        for figure in drawn
+    }
     order = list(every or specs)
     shown = merged(order, earlier(folder / "gallery.html", SECTION), made)
-    told = merged(order, earlier(folder / "gallery.md", CHAPTER), {figure.id: chapter(figure) for figure in drawn})
+    told = merged(
+        order,
+        earlier(folder / "gallery.md", CHAPTER),
+        {figure.id: chapter(figure) for figure in drawn},
+    )
     for path in sorted(folder.glob("fig-*.svg")):
         if path.stem not in map(file_name, order):
             removed(path)
@@ -47,7 +65,10 @@ def write_figures(folder: Path, drawn: Sequence[Figure], *, version: str, store:
     written(folder / "gallery.md", "\n".join(["# Gallery\n", INTRODUCTION + "\n", *told.values()]))
     named, sections = {id: file_name(id) for id in shown}, map(Markup, shown.values())
     written(
-        folder / "gallery.html", environment().get_template("gallery.html").render(root="", named=named, sections=sections, version=version)
+        folder / "gallery.html",
+        environment()
+        .get_template("gallery.html")
+        .render(root="", named=named, sections=sections, version=version),
     )
 
 
@@ -57,7 +78,9 @@ def earlier(path: Path, part: re.Pattern[str]) -> dict[str, str]:
     return {found[1]: found[0].rstrip("\n") + "\n" for found in part.finditer(text)}
 
 
-def merged(order: Sequence[str], before: Mapping[str, str], made: Mapping[str, str]) -> dict[str, str]:
+def merged(
+    order: Sequence[str], before: Mapping[str, str], made: Mapping[str, str]
+) -> dict[str, str]:
     """What was made, and else what was there before, in order."""
     return {id: made.get(id) or before[id] for id in order if id in made or id in before}
 
@@ -68,7 +91,16 @@ def chapter(figure: Figure) -> str:
         f"## Figure {figure.id}: {markdown_text(figure.title)}",
         f"![Figure {figure.id}: {markdown_text(figure.title)}]({figure.name}.svg)",
         markdown_text(figure.caption),
-        *([table(["measured in it", "value"], [[markdown_text(k), two(v)] for k, v in figure.numbers.items()])] if figure.numbers else []),
+        *(
+            [
+                table(
+                    ["measured in it", "value"],
+                    [[markdown_text(k), two(v)] for k, v in figure.numbers.items()],
+                )
+            ]
+            if figure.numbers
+            else []
+        ),
         "```\n" + "\n".join(figure.commands) + "\n```",
     ]
     return "\n\n".join(parts) + "\n"

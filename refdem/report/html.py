@@ -42,21 +42,52 @@ MEANINGS = {
 
 
 def pages(
-    contents: Contents, rows: dict[str, list[Row]], specs: dict[str, dict[str, str]], *, has_gallery: bool = False
+    contents: Contents,
+    rows: dict[str, list[Row]],
+    specs: dict[str, dict[str, str]],
+    *,
+    has_gallery: bool = False,
 ) -> Iterator[tuple[str, str]]:
-    """(file name, text) of every page: cases, engines, and at last the index, which has a link to a gallery if there is one."""
+    """(file name, text) of every page: cases, engines, and at last the index, which has a link to a
+    gallery if there is one.
+    """
     templates = environment()
-    everywhere = {"contents": contents, "counts": contents.counts(), "marks": MARKS, "meanings": MEANINGS, "targets": TARGETS}
+    everywhere = {
+        "contents": contents,
+        "counts": contents.counts(),
+        "marks": MARKS,
+        "meanings": MEANINGS,
+        "targets": TARGETS,
+    }
     labels = [sheet.label for sheet in contents.cases]
     for index, sheet in enumerate(contents.cases):
-        yield f"cases/{page(sheet.label)}.html", templates.get_template("case.html").render(
-            everywhere, root="../", sheet=sheet, engines=by_engine(contents, sheet.label), rows=rows[sheet.label], specs=specs[sheet.label],
-            equations=equations(sheet.latex), counts=contents.counts(contents.of(sheet.label)), distances=distances(rows[sheet.label]),
-            before=labels[index - 1] if index else None, after=labels[index + 1] if index + 1 < len(labels) else None,
-        )  # fmt: skip
+        yield (
+            f"cases/{page(sheet.label)}.html",
+            templates.get_template("case.html").render(
+                everywhere,
+                root="../",
+                sheet=sheet,
+                engines=by_engine(contents, sheet.label),
+                rows=rows[sheet.label],
+                specs=specs[sheet.label],
+                equations=equations(sheet.latex),
+                counts=contents.counts(contents.of(sheet.label)),
+                distances=distances(rows[sheet.label]),
+                before=labels[index - 1] if index else None,
+                after=labels[index + 1] if index + 1 < len(labels) else None,
+            ),
+        )
     yield "engines.html", templates.get_template("engines.html").render(everywhere, root="")
-    cells = {(label, sheet.engine): cell(contents, rows[label], label, sheet.engine) for label in labels for sheet in contents.engines}
-    groups = {outcome: grouped(contents, outcome) for outcome in WORST_FIRST if outcome != "pass" and outcome in contents.counts()}
+    cells = {
+        (label, sheet.engine): cell(contents, rows[label], label, sheet.engine)
+        for label in labels
+        for sheet in contents.engines
+    }
+    groups = {
+        outcome: grouped(contents, outcome)
+        for outcome in WORST_FIRST
+        if outcome != "pass" and outcome in contents.counts()
+    }
     yield (
         "index.html",
         templates.get_template("index.html").render(
@@ -94,7 +125,10 @@ def refusals(found: list[tuple[Record, Finding]]) -> list[tuple[str, list[str], 
 
 def by_engine(contents: Contents, label: str) -> list[tuple[EngineSheet, list[Record]]]:
     """The engines that have records of an instance, with these, in the order of the report."""
-    groups = [(sheet, [record for record in contents.of(label) if record.engine == sheet.engine]) for sheet in contents.engines]
+    groups = [
+        (sheet, [record for record in contents.of(label) if record.engine == sheet.engine])
+        for sheet in contents.engines
+    ]
     return [(sheet, records) for sheet, records in groups if records]
 
 
@@ -104,7 +138,9 @@ def worst_first(findings: tuple[Finding, ...]) -> list[Finding]:
 
 
 def distances(rows: list[Row]) -> list[tuple[str, str, float, float]]:
-    """(engine, engine, at least, at most) for each pair, from the errors of their best methods at the finest level."""
+    """(engine, engine, at least, at most) for each pair, from the errors of their best methods at
+    the finest level.
+    """
     best = best_errors(rows, WORST)
     names = list(best)
     pairs = [(a, b) for index, a in enumerate(names) for b in names[index + 1 :]]
@@ -115,9 +151,25 @@ def environment() -> Environment:
     """The environment: undefined names are errors, everything is escaped."""
     templates = Environment(
         loader=FileSystemLoader(Path(__file__).with_name("templates")),
-        autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True, finalize=shown,
-    )  # fmt: skip
-    functions = (two, decades, page, anchor, script_json, shade, step, target, worst_first, refusals, span)
+        autoescape=True,
+        undefined=StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+        finalize=shown,
+    )
+    functions = (
+        two,
+        decades,
+        page,
+        anchor,
+        script_json,
+        shade,
+        step,
+        target,
+        worst_first,
+        refusals,
+        span,
+    )
     templates.filters |= {function.__name__: function for function in functions}
     templates.tests["joined"] = lambda row: row.quantity == WORST
     return templates
@@ -152,7 +204,9 @@ def span(apart: tuple[str, float, float]) -> str:
 
 
 def step(row: Row, index: int) -> str:
-    """The largest step that holds a target, as text: `≥` if the coarsest one that ran does, a dash if none does."""
+    """The largest step that holds a target, as text: `≥` if the coarsest one that ran does, a dash
+    if none does.
+    """
     held: Any = row.steps[index]
     if held is None:
         return ABSENT

@@ -22,19 +22,26 @@ _DECODER: msgspec.json.Decoder[Sheet] = msgspec.json.Decoder(Sheet)
 
 
 def lines(sheets: Iterable[Sheet]) -> bytes:
-    """The sheets as JSON lines, the same whether they come from a campaign or from such lines: 0 is written as 0.0."""
+    """The sheets as JSON lines, the same whether they come from a campaign or from such lines: 0 is
+    written as 0.0.
+    """
     decoded = (_DECODER.decode(msgspec.json.encode(finite(sheet))) for sheet in sheets)
     return b"".join(msgspec.json.encode(sheet) + b"\n" for sheet in decoded)
 
 
 def sheets_in(folder: Path) -> list[Sheet]:
-    """The sheets of `records.jsonl` in a folder; raises StoreError or, with the line, UsageError."""
+    """The sheets of `records.jsonl` in a folder; raises StoreError or, with the line,
+    UsageError.
+    """
     path = folder / RECORDS
     try:
         data = path.read_bytes()
     except OSError as error:
         why = error.strerror or error
-        raise StoreError(f"cannot read {path}: {why}. Expected the folder of a report; make one with `refdem run`.") from None
+        raise StoreError(
+            f"cannot read {path}: {why}. Expected the folder of a report; make one with `refdem"
+            " run`."
+        ) from None
     sheets = []
     for number, line in enumerate(data.splitlines(), 1):
         if not line.strip():
@@ -43,7 +50,10 @@ def sheets_in(folder: Path) -> list[Sheet]:
             sheets.append(_DECODER.decode(_printable(line)))
         except UNREADABLE as error:
             told = said(error, Record)
-            raise UsageError(f"{path}, line {number}: {told}. Expected one sheet of the schema of `refdem schema records`.") from None
+            raise UsageError(
+                f"{path}, line {number}: {told}. Expected one sheet of the schema of `refdem schema"
+                " records`."
+            ) from None
     return sheets
 
 
@@ -66,21 +76,36 @@ def _cleaned(part: Any) -> Any:
 
 
 def finite(sheet: Sheet) -> Sheet:
-    """The sheet as JSON can carry it: levels and points that are not finite left out, other numbers absent.
+    """The sheet as JSON can carry it: levels and points that are not finite left out, other numbers
+    absent.
 
     The finding stays, with its outcome and its sentence, which say that a number was not finite.
     """
     if not isinstance(sheet, Record):
         return sheet
-    return msgspec.structs.replace(sheet, findings=tuple(_finite_finding(finding) for finding in sheet.findings))
+    return msgspec.structs.replace(
+        sheet, findings=tuple(_finite_finding(finding) for finding in sheet.findings)
+    )
 
 
 def _finite_finding(finding: Finding) -> Finding:
-    levels = tuple(x for x in finding.levels if all(map(math.isfinite, (x.level, x.error, x.bound, x.seconds))))
+    levels = tuple(
+        x for x in finding.levels if all(map(math.isfinite, (x.level, x.error, x.bound, x.seconds)))
+    )
     series = finding.series
     if series is not None:
-        points = [point for point in zip(series.t, series.value, series.bound, strict=False) if all(map(math.isfinite, point))]
-        series = Series(t=[p[0] for p in points], value=[p[1] for p in points], bound=[p[2] for p in points]) if points else None
+        points = [
+            point
+            for point in zip(series.t, series.value, series.bound, strict=False)
+            if all(map(math.isfinite, point))
+        ]
+        series = (
+            Series(
+                t=[p[0] for p in points], value=[p[1] for p in points], bound=[p[2] for p in points]
+            )
+            if points
+            else None
+        )
     numbers = {name: _number(getattr(finding, name)) for name in NUMBERS}
     return msgspec.structs.replace(finding, levels=levels, series=series, **numbers)
 

@@ -11,15 +11,24 @@ _FORBIDDEN = re.compile("[^\t\n\r\u0020-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff
 
 
 def junit(contents: Contents) -> bytes:
-    """The XML: failures for what closes a gate or breaks a run; skipped, with the reason, for unsupported and undecided."""
+    """The XML: failures for what closes a gate or breaks a run; skipped, with the reason, for
+    unsupported and undecided.
+    """
     found = list(contents.findings())
     counts: dict[str, int] = {str(outcome): count for outcome, count in contents.counts().items()}
     root = Element("testsuites", name="refdem")
     numbers = {
-        "tests": len(found), "failures": sum(counts.get(x, 0) for x in FAILING),
-        "errors": counts.get("error", 0), "skipped": sum(counts.get(x, 0) for x in SKIPPED),
-    }  # fmt: skip
-    suite = SubElement(root, "testsuite", name=_text(contents.campaign.name), attrib={key: str(value) for key, value in numbers.items()})
+        "tests": len(found),
+        "failures": sum(counts.get(x, 0) for x in FAILING),
+        "errors": counts.get("error", 0),
+        "skipped": sum(counts.get(x, 0) for x in SKIPPED),
+    }
+    suite = SubElement(
+        root,
+        "testsuite",
+        name=_text(contents.campaign.name),
+        attrib={key: str(value) for key, value in numbers.items()},
+    )
     for record, finding in found:
         _testcase(suite, record, finding)
     indent(root)
@@ -27,10 +36,17 @@ def junit(contents: Contents) -> bytes:
 
 
 def _testcase(suite: Element, record: Record, finding: Finding) -> None:
-    item = SubElement(suite, "testcase", classname=_text(f"{record.label}/{record.engine}"), name=_text(record.id(finding)))
+    item = SubElement(
+        suite,
+        "testcase",
+        classname=_text(f"{record.label}/{record.engine}"),
+        name=_text(record.id(finding)),
+    )
     if finding.outcome in BROKEN:
         tag = "error" if finding.outcome == "error" else "failure"
-        SubElement(item, tag, type=finding.outcome, message=_text(finding.sentence)).text = _text(finding.basis)
+        SubElement(item, tag, type=finding.outcome, message=_text(finding.sentence)).text = _text(
+            finding.basis
+        )
     elif finding.outcome in SKIPPED:
         SubElement(item, "skipped", type=finding.outcome, message=_text(finding.sentence))
 

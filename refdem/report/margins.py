@@ -1,7 +1,9 @@
-"""How far bounds are above what is measured: the margins of a campaign's findings, by check, case and engine.
+"""How far bounds are above what is measured: the margins of a campaign's findings, by check, case
+and engine.
 
-A bound that lies three decades above everything that was ever measured against it sees little. `python -m refdem.report.margins
-FOLDER` prints the groups of a report's records whose margins are all that wide, and how wide margins are check by check.
+A bound that lies three decades above everything that was ever measured against it sees little.
+`python -m refdem.report.margins FOLDER` prints the groups of a report's records whose margins are
+all that wide, and how wide margins are check by check.
 """
 
 import math
@@ -19,12 +21,16 @@ from refdem.report.jsonl import sheets_in
 LOOSE = 3.0
 """Decades: a group all of whose margins are at least this wide is loose."""
 AT_ROUND_OFF = 1e-9
-"""A bound below this part of a scale is one of round-off, which keeps two decades of room for other processors."""
+"""A bound below this part of a scale is one of round-off, which keeps two decades of room for other
+processors.
+"""
 
 
 @dataclass(frozen=True)
 class Group:
-    """The decided findings of one check on one instance in one engine that have a finite margin, of whatever method and quantity."""
+    """The decided findings of one check on one instance in one engine that have a finite margin, of
+    whatever method and quantity.
+    """
 
     check: str
     label: str
@@ -57,11 +63,16 @@ class Group:
         nearest = self.nearest
         told = f"value {nearest.value:.1e}, bound {nearest.bound:.1e}, sharpness "
         told += "-" if nearest.sharpness is None else f"{nearest.sharpness:.1e}"
-        return f"{self.check}  {self.label}  {self.engine}: {nearest.quantity} has {nearest.margin:.1f} decades ({told})"
+        return (
+            f"{self.check}  {self.label}  {self.engine}: {nearest.quantity} has"
+            f" {nearest.margin:.1f} decades ({told})"
+        )
 
 
 def groups(records: Iterable[Record]) -> list[Group]:
-    """The groups, in the order of their names; what nobody decided and what is exactly 0 has no margin to compare."""
+    """The groups, in the order of their names; what nobody decided and what is exactly 0 has no
+    margin to compare.
+    """
     found: dict[tuple[str, str, str], list[Finding]] = defaultdict(list)
     for record in records:
         for finding in record.findings:
@@ -85,21 +96,32 @@ def margins_by_check(found: Iterable[Group], *, at_round_off: bool) -> dict[str,
 def summary(found: list[Group]) -> list[str]:
     """Lines for people: loose groups, then medians."""
     loose = [group for group in found if group.is_loose]
-    lines = [f"{len(loose)} of {len(found)} groups are {LOOSE:g} decades or more above what is measured throughout."]
+    lines = [
+        f"{len(loose)} of {len(found)} groups are {LOOSE:g} decades or more above what is measured"
+        " throughout."
+    ]
     lines += [f"  {group.line}" for group in loose]
     for at_round_off, words in ((True, "at round-off"), (False, "above round-off")):
         by_check = margins_by_check(found, at_round_off=at_round_off)
         every = [margin for margins in by_check.values() for margin in margins]
         if every:
-            lines.append(f"{len(every)} bounds {words}: the median margin is {median(every):.2f} decades.")
-        lines += [f"  {check}: {median(margins):.2f} of {len(margins)}" for check, margins in sorted(by_check.items())]
+            lines.append(
+                f"{len(every)} bounds {words}: the median margin is {median(every):.2f} decades."
+            )
+        lines += [
+            f"  {check}: {median(margins):.2f} of {len(margins)}"
+            for check, margins in sorted(by_check.items())
+        ]
     return lines
 
 
 def main(arguments: list[str]) -> int:
     """Prints the summary of the records in a folder; 2 for bad input."""
     if len(arguments) != 1:
-        print("usage: python -m refdem.report.margins FOLDER (of a report with records.jsonl)", file=sys.stderr)
+        print(
+            "usage: python -m refdem.report.margins FOLDER (of a report with records.jsonl)",
+            file=sys.stderr,
+        )
         return 2
     try:
         records = [sheet for sheet in sheets_in(Path(arguments[0])) if isinstance(sheet, Record)]

@@ -13,10 +13,18 @@ MOST_PLACES = 8
 
 def validation(contents: Contents, rows: dict[str, list[Row]], pictures: set[str]) -> str:
     """The whole text."""
-    parts = [_head(contents), _tolerance(contents, rows), _matrix(contents, rows), _findings(contents)]
+    parts = [
+        _head(contents),
+        _tolerance(contents, rows),
+        _matrix(contents, rows),
+        _findings(contents),
+    ]
     if "tolerance.svg" in pictures:
         parts.insert(1, "![Error against step, every case, every engine](figures/tolerance.svg)")
-    parts += [_case(sheet.label, sheet.title, sheet.truth_method, sheet.reproduce, pictures) for sheet in contents.cases]
+    parts += [
+        _case(sheet.label, sheet.title, sheet.truth_method, sheet.reproduce, pictures)
+        for sheet in contents.cases
+    ]
     return "\n\n".join(part for part in parts if part) + "\n"
 
 
@@ -30,23 +38,43 @@ def _head(contents: Contents) -> str:
     counts = contents.counts()
     listed = ", ".join(f"**{number} {outcome}**" for outcome, number in counts.items())
     engines = ", ".join(_named(sheet) for sheet in contents.engines)
-    return f"# Validation: {markdown_text(contents.campaign.name)}\n\n{listed or 'no findings'}. {advice(counts)}\n\nEngines: {engines}."
+    return (
+        f"# Validation: {markdown_text(contents.campaign.name)}\n\n{listed or 'no findings'}."
+        f" {advice(counts)}\n\nEngines: {engines}."
+    )
 
 
 def _tolerance(contents: Contents, rows: dict[str, list[Row]]) -> str:
-    """The tolerance table, the worst of all quantities in each line; costs are in the pages only."""
-    head = ["case", "engine", "method", "smallest bound held", *(f"step for {target(value)}" for value in TARGETS),
-            "order seen / claimed", "C", "farthest engine"]  # fmt: skip
-    lines = [_tolerance_line(row) for sheet in contents.cases for row in worst_rows(rows[sheet.label])]
+    """The tolerance table, the worst of all quantities in each line; costs are in the pages
+    only.
+    """
+    head = [
+        "case",
+        "engine",
+        "method",
+        "smallest bound held",
+        *(f"step for {target(value)}" for value in TARGETS),
+        "order seen / claimed",
+        "C",
+        "farthest engine",
+    ]
+    lines = [
+        _tolerance_line(row) for sheet in contents.cases for row in worst_rows(rows[sheet.label])
+    ]
     note = (
-        "Errors are in units of each quantity's scale, the largest over the run and over all quantities. "
-        "A step with ≥ is the coarsest one that ran. The reference is shown as the reference."
+        "Errors are in units of each quantity's scale, the largest over the run and over all"
+        " quantities. A step with ≥ is the coarsest one that ran. The reference is shown as the"
+        " reference."
     )
     return f"## Tolerance table\n\n{note}\n\n{table(head, lines)}" if lines else ""
 
 
 def _tolerance_line(row: Row) -> list[str]:
-    order = f"{two(row.order_seen)} / {two(row.order_claimed)}" if row.control == "step" else row.control
+    order = (
+        f"{two(row.order_seen)} / {two(row.order_claimed)}"
+        if row.control == "step"
+        else row.control
+    )
     apart = f"{markdown_text(row.apart[0])}: {span(row.apart)}" if row.apart else ABSENT
     steps = [step(row, index) for index in range(len(TARGETS))]
     run = [markdown_text(row.record.label), _engine(row.record), markdown_text(row.record.method)]
@@ -59,22 +87,34 @@ def _engine(record: Record) -> str:
 
 def _tagged(engine: str, is_reference: bool) -> str:
     """The engine, said to be the reference if its name does not say so."""
-    return markdown_text(engine) + (" (reference)" if is_reference and engine != "reference" else "")
+    return markdown_text(engine) + (
+        " (reference)" if is_reference and engine != "reference" else ""
+    )
 
 
 def _matrix(contents: Contents, rows: dict[str, list[Row]]) -> str:
     """Correct digits of the best method of each engine."""
     lines = []
     for sheet in contents.cases:
-        cells = [cell(contents, rows[sheet.label], sheet.label, engine.engine) for engine in contents.engines]
+        cells = [
+            cell(contents, rows[sheet.label], sheet.label, engine.engine)
+            for engine in contents.engines
+        ]
         texts = [
             f"{'' if c.worst in (None, 'pass', 'unsupported') else MARKS[c.worst] + ' '}"
-            + (("exact" if c.digits == float("inf") else f"{c.digits:.0f}") if c.digits is not None else (c.worst or ABSENT))
+            + (
+                ("exact" if c.digits == float("inf") else f"{c.digits:.0f}")
+                if c.digits is not None
+                else (c.worst or ABSENT)
+            )
             for c in cells
         ]
         lines.append([markdown_text(sheet.label), *texts])
     head = ["case", *(_tagged(engine.engine, engine.is_reference) for engine in contents.engines)]
-    note = "The decimal logarithm of 1 / error at the finest level: the worst quantity, the best method of each engine."
+    note = (
+        "The decimal logarithm of 1 / error at the finest level: the worst quantity, the best"
+        " method of each engine."
+    )
     return f"## Correct digits\n\n{note}\n\n{table(head, lines)}" if lines else ""
 
 
@@ -83,19 +123,29 @@ def _findings(contents: Contents) -> str:
     for outcome in WORST_FIRST:
         groups = grouped(contents, outcome) if outcome != "pass" else {}
         if groups:
-            lines = [_group(sentence, [record.id(finding) for record, finding in found]) for sentence, found in groups.items()]
+            lines = [
+                _group(sentence, [record.id(finding) for record, finding in found])
+                for sentence, found in groups.items()
+            ]
             parts.append(f"### {outcome}\n\n" + "\n".join(lines))
     return "## What is not a pass\n\n" + ("\n\n".join(parts) or "Nothing: every finding passed.")
 
 
 def _group(sentence: str, places: list[str]) -> str:
     more = f" and {len(places) - MOST_PLACES} more" if len(places) > MOST_PLACES else ""
-    return f"- {markdown_text(sentence)}  \n  {', '.join(map(markdown_text, places[:MOST_PLACES]))}{more}"
+    return (
+        f"- {markdown_text(sentence)}  \n "
+        f" {', '.join(map(markdown_text, places[:MOST_PLACES]))}{more}"
+    )
 
 
 def _case(label: str, title: str, method: str, reproduce: str, pictures: set[str]) -> str:
     name = f"{page(label)}.svg"
-    picture = f"\n\n![Error against step: {markdown_text(label)}](figures/{name})" if name in pictures else ""
+    picture = (
+        f"\n\n![Error against step: {markdown_text(label)}](figures/{name})"
+        if name in pictures
+        else ""
+    )
     truth = f"Truth: {markdown_text(method)}. " if method else ""
     again = f"Again: {markdown_text(reproduce)}." if reproduce else ""
     return f"## {markdown_text(label)}\n\n{markdown_text(title)}. {truth}{again}{picture}"

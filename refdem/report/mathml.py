@@ -1,4 +1,6 @@
-"""Equations as MathML, from LaTeX that is not trusted: only elements and attributes of a closed list get through."""
+"""Equations as MathML, from LaTeX that is not trusted: only elements and attributes of a closed
+list get through.
+"""
 
 import html
 import re
@@ -7,18 +9,62 @@ from xml.etree.ElementTree import Element
 from markupsafe import Markup
 
 ELEMENTS = {
-    "math", "mrow", "mi", "mn", "mo", "ms", "mtext", "mspace", "mfrac", "msqrt", "mroot", "msub", "msup", "msubsup", "munder", "mover",
-    "munderover", "mmultiscripts", "mtable", "mtr", "mtd", "mstyle", "mpadded", "mphantom",
-}  # fmt: skip
+    "math",
+    "mrow",
+    "mi",
+    "mn",
+    "mo",
+    "ms",
+    "mtext",
+    "mspace",
+    "mfrac",
+    "msqrt",
+    "mroot",
+    "msub",
+    "msup",
+    "msubsup",
+    "munder",
+    "mover",
+    "munderover",
+    "mmultiscripts",
+    "mtable",
+    "mtr",
+    "mtd",
+    "mstyle",
+    "mpadded",
+    "mphantom",
+}
 ATTRIBUTES = {
-    "mathvariant", "stretchy", "fence", "separator", "form", "accent", "accentunder", "displaystyle", "scriptlevel", "columnalign",
-    "rowspacing", "columnspacing", "linethickness", "width", "height", "depth", "lspace", "rspace", "minsize", "maxsize", "symmetric",
-    "largeop", "movablelimits",
-}  # fmt: skip
+    "mathvariant",
+    "stretchy",
+    "fence",
+    "separator",
+    "form",
+    "accent",
+    "accentunder",
+    "displaystyle",
+    "scriptlevel",
+    "columnalign",
+    "rowspacing",
+    "columnspacing",
+    "linethickness",
+    "width",
+    "height",
+    "depth",
+    "lspace",
+    "rspace",
+    "minsize",
+    "maxsize",
+    "symmetric",
+    "largeop",
+    "movablelimits",
+}
 
 
 def equations(latex: str) -> list[Markup]:
-    """Each equation of a text that has them separated by `\\quad`, `\\qquad`, `\\\\` or line ends; source text if it is no LaTeX."""
+    """Each equation of a text that has them separated by `\\quad`, `\\qquad`, `\\\\` or line ends;
+    source text if it is no LaTeX.
+    """
     return [_equation(part) for part in _parts(latex)]
 
 
@@ -52,7 +98,11 @@ def _clean(element: Element) -> str:
     inside = _text(element.text) + "".join(_clean(child) + _text(child.tail) for child in element)
     if element.tag not in ELEMENTS:
         return inside
-    attributes = "".join(f' {name}="{html.escape(value)}"' for name, value in element.attrib.items() if name in ATTRIBUTES)
+    attributes = "".join(
+        f' {name}="{html.escape(value)}"'
+        for name, value in element.attrib.items()
+        if name in ATTRIBUTES
+    )
     if element.tag == "math":
         attributes += ' display="block"'
     return f"<{element.tag}{attributes}>{inside}</{element.tag}>"

@@ -6,9 +6,20 @@ from refdem.report.contents import Contents
 
 REFERENCE = "#767676"
 ENGINES = ("#0072b2", "#d55e00", "#008a64", "#b65c93", "#8c6d00", "#2a86c8", "#a0522d", "#6a5acd")
-"""After Okabe and Ito (2008), darkened or lightened until each has a contrast of 3 with both backgrounds."""
+"""After Okabe and Ito (2008), darkened or lightened until each has a contrast of 3 with both
+backgrounds.
+"""
 
-SHAPES = ("circle", "square", "triangle-up", "diamond", "cross", "triangle-down", "triangle-right", "triangle-left")
+SHAPES = (
+    "circle",
+    "square",
+    "triangle-up",
+    "diamond",
+    "cross",
+    "triangle-down",
+    "triangle-right",
+    "triangle-left",
+)
 
 
 def engine_colours(contents: Contents) -> dict[str, str]:
@@ -26,5 +37,7 @@ def styles(pairs: Iterable[tuple[str, str]], colours: dict[str, str]) -> list[tu
         mine = methods.setdefault(engine, [])
         if method not in mine:
             mine.append(method)
-            found.append((f"{engine} {method}", colours[engine], SHAPES[(len(mine) - 1) % len(SHAPES)]))
+            found.append(
+                (f"{engine} {method}", colours[engine], SHAPES[(len(mine) - 1) % len(SHAPES)])
+            )
     return found

@@ -1,4 +1,6 @@
-"""Panels of figures as Vega-Lite: curves thinned to what a screen shows, clouds as pictures of their density."""
+"""Panels of figures as Vega-Lite: curves thinned to what a screen shows, clouds as pictures of
+their density.
+"""
 
 import base64
 import csv
@@ -30,8 +32,14 @@ def specification(figure: Figure) -> dict[str, Any]:
     """The Vega-Lite specification of a figure."""
     with debug_mode(False):
         drawn = [_panel(panel) for panel in figure.panels]
-        chart = drawn[0] if len(drawn) == 1 else alt.concat(*drawn, columns=figure.columns, spacing=18)
-        chart = chart.resolve_scale(color="independent", strokeDash="independent") if len(drawn) > 1 else chart
+        chart = (
+            drawn[0] if len(drawn) == 1 else alt.concat(*drawn, columns=figure.columns, spacing=18)
+        )
+        chart = (
+            chart.resolve_scale(color="independent", strokeDash="independent")
+            if len(drawn) > 1
+            else chart
+        )
         spec: dict[str, Any] = chart.to_dict(validate=False)
     return spec
 
@@ -57,7 +65,11 @@ def _scaled(panel: Panel, name: Any) -> Any:
     scale = alt.Scale(domain=panel.ends(name), nice=False, **kept_zero)
     ticks = max(3, panel.size[name == "y"] // (70 if name == "x" else 50))
     written: dict[str, Any] = {"format": "~e"} if axis.is_log else {}
-    shown = None if axis.is_hidden else alt.Axis(tickCount=min(ticks, 9), labelOverlap=True, grid=True, **written)
+    shown = (
+        None
+        if axis.is_hidden
+        else alt.Axis(tickCount=min(ticks, 9), labelOverlap=True, grid=True, **written)
+    )
     return kind(f"{name}:Q", title=axis.title or None, scale=scale, axis=shown)
 
 
@@ -65,35 +77,59 @@ def _layer(series: Series, panel: Panel, x: Any, y: Any, labels: dict[str, Serie
     if series.mark == "cloud":
         picture = alt.Chart(alt.InlineData(values=[{}])).mark_image(
             url=density(series, panel), width=panel.size[0], height=panel.size[1], aspect=False
-        )  # fmt: skip
-        return picture.encode(x=alt.value(panel.size[0] / 2), y=alt.value(panel.size[1] / 2)) + _frame(panel, x, y)
+        )
+        return picture.encode(
+            x=alt.value(panel.size[0] / 2), y=alt.value(panel.size[1] / 2)
+        ) + _frame(panel, x, y)
     base = alt.Chart(_rows(series, panel))
     paint = colour(series.ink)
     if series.mark == "text":
         return base.mark_text(color=paint, fontSize=12, align="center").encode(x=x, y=y, text="w:N")
-    tips = [alt.Tooltip(f"{name}:Q", title=getattr(panel, name).title or name, format=".5~g") for name in "xy"]
+    tips = [
+        alt.Tooltip(f"{name}:Q", title=getattr(panel, name).title or name, format=".5~g")
+        for name in "xy"
+    ]
     if series.mark == "points":
         drawn = base.mark_point(filled=True, size=26, opacity=0.9, clip=True)
     elif series.mark == "area":
-        drawn = base.mark_line(filled=True, fillOpacity=0.4, stroke=paint, strokeWidth=1.2, clip=True, interpolate="linear-closed")
+        drawn = base.mark_line(
+            filled=True,
+            fillOpacity=0.4,
+            stroke=paint,
+            strokeWidth=1.2,
+            clip=True,
+            interpolate="linear-closed",
+        )
     else:
-        drawn = base.mark_line(strokeWidth=series.width, strokeDash=[5, 4] if series.dashed else [1, 0], clip=True)
-    encoded = drawn.encode(x=x, y=y, tooltip=tips, **({} if series.mark == "points" else {"order": alt.Order("i:Q")}))
+        drawn = base.mark_line(
+            strokeWidth=series.width, strokeDash=[5, 4] if series.dashed else [1, 0], clip=True
+        )
+    encoded = drawn.encode(
+        x=x, y=y, tooltip=tips, **({} if series.mark == "points" else {"order": alt.Order("i:Q")})
+    )
     if not series.label:
         return encoded.encode(color=alt.value(paint))
     return encoded.encode(**_legend(series, labels, panel.size[0]))
 
 
 def _legend(series: Series, labels: dict[str, Series], width: int) -> dict[str, Any]:
-    """Colour and dash of a label, joined in one legend of as many columns as fit under the panel; of more than three labels two."""
+    """Colour and dash of a label, joined in one legend of as many columns as fit under the panel;
+    of more than three labels two.
+    """
     fit = max(1, int(width // (SYMBOL + LETTER * max(map(len, labels)))))
     columns = min(fit, 2 if len(labels) > 3 else len(labels))
     legend = alt.Legend(orient="bottom", columns=columns, symbolOpacity=1, symbolType="stroke")
     inks = alt.Scale(domain=list(labels), range=[colour(s.ink) for s in labels.values()])
-    found: dict[str, Any] = {"color": alt.ColorDatum(series.label, type="nominal", title=None, scale=inks, legend=legend)}
+    found: dict[str, Any] = {
+        "color": alt.ColorDatum(series.label, type="nominal", title=None, scale=inks, legend=legend)
+    }
     if any(s.dashed for s in labels.values()):
-        dashes = alt.Scale(domain=list(labels), range=[[5, 4] if s.dashed else [1, 0] for s in labels.values()])
-        found["strokeDash"] = alt.StrokeDashDatum(series.label, type="nominal", title=None, scale=dashes, legend=legend)
+        dashes = alt.Scale(
+            domain=list(labels), range=[[5, 4] if s.dashed else [1, 0] for s in labels.values()]
+        )
+        found["strokeDash"] = alt.StrokeDashDatum(
+            series.label, type="nominal", title=None, scale=dashes, legend=legend
+        )
     return found
 
 
@@ -111,7 +147,10 @@ def _rows(series: Series, panel: Panel) -> Any:
     writer = csv.writer(out, lineterminator="\n")
     writer.writerow(["i", "x", "y", *(["w"] if series.words else [])])
     for i, k in enumerate(pick):
-        place = [format(value, ".6g") if np.isfinite(value) else "" for value in (series.x[k], series.y[k])]
+        place = [
+            format(value, ".6g") if np.isfinite(value) else ""
+            for value in (series.x[k], series.y[k])
+        ]
         writer.writerow([i, *place, *([series.words[k]] if series.words else [])])
     parse = {"i": "number", "x": "number", "y": "number"}
     return alt.InlineData(values=out.getvalue(), format=alt.CsvDataFormat(type="csv", parse=parse))
@@ -129,7 +168,9 @@ def pixels(series: Series, panel: Panel) -> Array:
 
 
 def kept(series: Series, panel: Panel) -> NDArray[np.int64]:
-    """Which points are drawn: of points one in each dot, of a curve those that it needs to be off by no more than FINE pixels."""
+    """Which points are drawn: of points one in each dot, of a curve those that it needs to be off
+    by no more than FINE pixels.
+    """
     place = pixels(series, panel)
     if series.mark == "points":
         return np.sort(np.unique(np.round(place), axis=0, return_index=True)[1])
@@ -142,7 +183,9 @@ def kept(series: Series, panel: Panel) -> NDArray[np.int64]:
 
 
 def _corners(place: Array) -> NDArray[np.int64]:
-    """Numbers of the points of a curve (N, 2) that stay: Douglas and Peucker 1973, from an explicit stack."""
+    """Numbers of the points of a curve (N, 2) that stay: Douglas and Peucker 1973, from an explicit
+    stack.
+    """
     stay = np.zeros(len(place), bool)
     stay[[0, -1]] = True
     stack = [(0, len(place) - 1)]
@@ -152,7 +195,11 @@ def _corners(place: Array) -> NDArray[np.int64]:
             continue
         inner, chord = place[first + 1 : last] - place[first], place[last] - place[first]
         length = float(np.hypot(*chord))
-        off: Any = np.abs(inner[:, 0] * chord[1] - inner[:, 1] * chord[0]) / length if length > FINE else np.hypot(*inner.T)
+        off: Any = (
+            np.abs(inner[:, 0] * chord[1] - inner[:, 1] * chord[0]) / length
+            if length > FINE
+            else np.hypot(*inner.T)
+        )
         along = inner @ chord / length if length > FINE else np.zeros(len(inner))
         off = np.maximum(off, np.maximum(-along, along - length)) if length > FINE else off
         worst = int(np.argmax(off))
@@ -164,30 +211,47 @@ def _corners(place: Array) -> NDArray[np.int64]:
 
 
 def density(series: Series, panel: Panel) -> str:
-    """A cloud as a picture (PNG in a data address): the more points in a dot, the less it lets through."""
+    """A cloud as a picture (PNG in a data address): the more points in a dot, the less it lets
+    through.
+    """
     place = pixels(series, panel)
     width, height = panel.size[0] * SHARP, panel.size[1] * SHARP
     across, up = (np.floor(place * SHARP)).astype(np.int64).T
     inside = (across >= 0) & (across < width) & (up >= 0) & (up < height)
-    counts = np.bincount((height - 1 - up[inside]) * width + across[inside], minlength=width * height).reshape(height, width)
+    counts = np.bincount(
+        (height - 1 - up[inside]) * width + across[inside], minlength=width * height
+    ).reshape(height, width)
     grown = counts
     for axis in (0, 1):  # a point is as wide as its series says
-        grown = np.maximum.reduce([np.roll(grown, shift, axis) for shift in range(round(series.width * SHARP))])
+        grown = np.maximum.reduce(
+            [np.roll(grown, shift, axis) for shift in range(round(series.width * SHARP))]
+        )
     typical = max(1.0, float(np.quantile(counts[counts > 0], 0.9))) if counts.any() else 1.0
-    alpha = np.where(grown > 0, np.clip(FAINTEST + (255 - FAINTEST) * np.sqrt(grown / typical), 0, 255), 0).astype(np.uint8)
+    alpha = np.where(
+        grown > 0, np.clip(FAINTEST + (255 - FAINTEST) * np.sqrt(grown / typical), 0, 255), 0
+    ).astype(np.uint8)
     ink = tuple(int(colour(series.ink)[k : k + 2], 16) for k in (1, 3, 5))
     levels = (alpha // 16).astype(np.uint8)
     return "data:image/png;base64," + base64.b64encode(_png(levels, ink)).decode()
 
 
 def _png(levels: NDArray[np.uint8], ink: tuple[int, ...]) -> bytes:
-    """A picture (height, width) of one ink in 16 levels of opacity, 4 bits a dot (ISO/IEC 15948)."""
+    """A picture (height, width) of one ink in 16 levels of opacity, 4 bits a dot (ISO/IEC
+    15948).
+    """
     height, width = levels.shape
     packed = (levels[:, ::2] << 4) | levels[:, 1::2]
     lines = np.hstack([np.zeros((height, 1), np.uint8), packed]).tobytes()
     head = struct.pack(">IIBBBBB", width, height, 4, 3, 0, 0, 0)
     opacity = bytes([0, *(round(255 * level / 15) for level in range(1, 16))])
-    parts = [(b"IHDR", head), (b"PLTE", bytes(ink) * 16), (b"tRNS", opacity), (b"IDAT", zlib.compress(lines, 9)), (b"IEND", b"")]
+    parts = [
+        (b"IHDR", head),
+        (b"PLTE", bytes(ink) * 16),
+        (b"tRNS", opacity),
+        (b"IDAT", zlib.compress(lines, 9)),
+        (b"IEND", b""),
+    ]
     return b"\x89PNG\r\n\x1a\n" + b"".join(
-        struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data)) for kind, data in parts
+        struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data))
+        for kind, data in parts
     )

@@ -21,12 +21,16 @@ Cells = tuple[str, Sequence[str], Sequence[Sequence[str]]]
 """A title, a header, and rows."""
 LOW, HIGH = 1e-4, 1e4
 """Values over their bounds are drawn between these; what is beyond lies on the edge."""
-CAPTION = "largest value over its bound, rung by rung; above 1 a rung fails, x: no run, ?: undecided"
+CAPTION = (
+    "largest value over its bound, rung by rung; above 1 a rung fails, x: no run, ?: undecided"
+)
 
 
 @dataclass(frozen=True)
 class Point:
-    """One rung of one method: ladder, number and name of the rung, value over bound (None: no run), and its verdict."""
+    """One rung of one method: ladder, number and name of the rung, value over bound (None: no run),
+    and its verdict.
+    """
 
     ladder: str
     along: str
@@ -52,7 +56,9 @@ class Section:
 
 def chart(section: Section) -> ChartData | None:
     """The points as the chart `ladders` takes them; None without any."""
-    shown = [point for point in section.points if point.verdict in ("pass", "fail", "error", "undecided")]
+    shown = [
+        point for point in section.points if point.verdict in ("pass", "fail", "error", "undecided")
+    ]
     if not shown:
         return None
     out = io.StringIO()
@@ -64,8 +70,24 @@ def chart(section: Section) -> ChartData | None:
         told = "" if point.ratio is None else rounded(point.ratio)
         mark = point.verdict if point.ratio is not None or point.verdict == "undecided" else "error"
         edge = min(max(ratio, LOW), HIGH)
-        writer.writerow((ladders.index(_name(point)), point.rung, f"{point.engine} {point.method}", told, rounded(edge), mark))
-    return ChartData("ladders", out.getvalue(), ladders, tuple(_styles(shown)), {"error": (LOW, HIGH)}, labels=_rungs(shown))
+        writer.writerow(
+            (
+                ladders.index(_name(point)),
+                point.rung,
+                f"{point.engine} {point.method}",
+                told,
+                rounded(edge),
+                mark,
+            )
+        )
+    return ChartData(
+        "ladders",
+        out.getvalue(),
+        ladders,
+        tuple(_styles(shown)),
+        {"error": (LOW, HIGH)},
+        labels=_rungs(shown),
+    )
 
 
 def _name(point: Point) -> str:
@@ -74,7 +96,10 @@ def _name(point: Point) -> str:
 
 def _rungs(points: Sequence[Point]) -> tuple[str, ...]:
     """`ladder<tab>rung` of every rung, in order."""
-    pairs = sorted({(_name(point), point.index, point.rung) for point in points}, key=lambda pair: (pair[0], pair[1]))
+    pairs = sorted(
+        {(_name(point), point.index, point.rung) for point in points},
+        key=lambda pair: (pair[0], pair[1]),
+    )
     return tuple(f"{ladder}\t{rung}" for ladder, _, rung in pairs)
 
 
@@ -84,14 +109,22 @@ def _styles(points: Sequence[Point]) -> list[tuple[str, str, str]]:
     colours: dict[str, str] = {}
     for point in points:
         others = sum(colour != REFERENCE for colour in colours.values())
-        colours.setdefault(point.engine, REFERENCE if point.is_reference else ENGINES[others % len(ENGINES)])
+        colours.setdefault(
+            point.engine, REFERENCE if point.is_reference else ENGINES[others % len(ENGINES)]
+        )
         mine = methods.setdefault(point.engine, [])
         if point.method not in mine:
             mine.append(point.method)
-    return [(f"{e} {m}", colours[e], SHAPES[k % len(SHAPES)]) for e, mine in methods.items() for k, m in enumerate(mine)]
+    return [
+        (f"{e} {m}", colours[e], SHAPES[k % len(SHAPES)])
+        for e, mine in methods.items()
+        for k, m in enumerate(mine)
+    ]
 
 
-def markdown(title: str, words: str, tables: Sequence[Cells], sections: Sequence[Section], pictures: str) -> str:
+def markdown(
+    title: str, words: str, tables: Sequence[Cells], sections: Sequence[Section], pictures: str
+) -> str:
     """The report as Markdown; `pictures` is the folder of its figures, none if empty."""
     parts = [f"# {title}", words, *map(_markdown, tables)]
     for section in sections:
@@ -104,17 +137,43 @@ def markdown(title: str, words: str, tables: Sequence[Cells], sections: Sequence
 
 def _markdown(cells: Cells) -> str:
     title, header, rows = cells
-    return f"{title}:\n\n{table(list(header), [[markdown_text(cell) for cell in row] for row in rows])}"
+    told = [[markdown_text(cell) for cell in row] for row in rows]
+    return f"{title}:\n\n{table(list(header), told)}"
 
 
-def page(title: str, words: str, tables: Sequence[Cells], sections: Sequence[Section], drawn: Sequence[str | None]) -> str:
-    """The report as HTML with interactive charts, one specification a section, in the frame of every page."""
+def page(
+    title: str,
+    words: str,
+    tables: Sequence[Cells],
+    sections: Sequence[Section],
+    drawn: Sequence[str | None],
+) -> str:
+    """The report as HTML with interactive charts, one specification a section, in the frame of
+    every page.
+    """
     sheet = environment().get_template("stress.html")
-    return sheet.render(root="", title=title, words=words, tables=tables, sections=sections, specs=drawn, caption=CAPTION)
+    return sheet.render(
+        root="",
+        title=title,
+        words=words,
+        tables=tables,
+        sections=sections,
+        specs=drawn,
+        caption=CAPTION,
+    )
 
 
-def write(folder: Path, title: str, words: str, tables: Sequence[Cells], sections: Sequence[Section], store: Store | None = None) -> None:
-    """Writes stress.md, stress.html, figures/stress-BATTERY.svg and what the page needs into a folder."""
+def write(
+    folder: Path,
+    title: str,
+    words: str,
+    tables: Sequence[Cells],
+    sections: Sequence[Section],
+    store: Store | None = None,
+) -> None:
+    """Writes stress.md, stress.html, figures/stress-BATTERY.svg and what the page needs into a
+    folder.
+    """
     drawn = [None if data is None else specification(data, store) for data in map(chart, sections)]
     for section, spec in zip(sections, drawn, strict=True):
         if spec is not None:

@@ -10,17 +10,22 @@ from refdem.report.contents import Contents
 
 TARGETS = (1e-3, 1e-6, 1e-9)
 WORST = "worst of all"
-"""The name of the row that joins all quantities of a run: at every level the largest error and the smallest bound."""
+"""The name of the row that joins all quantities of a run: at every level the largest error and the
+smallest bound.
+"""
 
 Control = Literal["step", "tolerance", "exact"]
 
 
 @dataclass(frozen=True, kw_only=True)
 class Row:
-    """One line: a case in one method of one engine, in one quantity; errors are in units of the quantity's scale.
+    """One line: a case in one method of one engine, in one quantity; errors are in units of the
+    quantity's scale.
 
-    `steps` has the largest step (or tolerance) that holds each of TARGETS, and whether it is the coarsest that ran.
-    `apart`: the engine that is farthest off, and bounds on the distance: |a - b| <= distance <= a + b for errors a, b.
+    `steps` has the largest step (or tolerance) that holds each of TARGETS, and whether it is the
+    coarsest that ran.
+    `apart`: the engine that is farthest off, and bounds on the distance: |a - b| <= distance <= a +
+    b for errors a, b.
     """
 
     record: Record
@@ -55,10 +60,14 @@ def control_of(finding: Finding) -> Control:
 
 
 def rows_of(contents: Contents, label: str) -> list[Row]:
-    """All rows of one instance: for every engine and method the worst of all, then each quantity."""
+    """All rows of one instance: for every engine and method the worst of all, then each
+    quantity.
+    """
     rows = []
     for record in contents.of(label):
-        errors = [finding for finding in record.findings if finding.check == "error" and finding.levels]
+        errors = [
+            finding for finding in record.findings if finding.check == "error" and finding.levels
+        ]
         each = [_row(record, finding) for finding in errors]
         if each:
             rows += [_joined(record, each), *(each if len(each) > 1 else [])]
@@ -74,42 +83,68 @@ def _row(record: Record, finding: Finding) -> Row:
     levels, control = finding.levels, control_of(finding)
     steps = tuple(_largest(levels, target) for target in TARGETS)
     return Row(
-        record=record, quantity=finding.quantity, control=control, outcome=finding.outcome, levels=levels,
-        bound_held=min((level.bound for level in levels if level.error <= level.bound), default=None),
-        steps=steps, order_seen=finding.order_seen, order_claimed=finding.order_claimed, constant=finding.constant_seen,
+        record=record,
+        quantity=finding.quantity,
+        control=control,
+        outcome=finding.outcome,
+        levels=levels,
+        bound_held=min(
+            (level.bound for level in levels if level.error <= level.bound), default=None
+        ),
+        steps=steps,
+        order_seen=finding.order_seen,
+        order_claimed=finding.order_claimed,
+        constant=finding.constant_seen,
         seconds=_seconds_at(levels, steps[1]),
-    )  # fmt: skip
+    )
 
 
 def _joined(record: Record, each: list[Row]) -> Row:
-    """The worst of all quantities; the order is that of the check of the order, where it was measured."""
+    """The worst of all quantities; the order is that of the check of the order, where it was
+    measured.
+    """
     by_level: dict[float, list[Level]] = {}
     for row in each:
         for level in row.levels:
             by_level.setdefault(level.level, []).append(level)
     levels = tuple(_worst(by_level[h]) for h in sorted(by_level, reverse=True))
     held = [row.bound_held for row in each]
-    seen = [finding.order_seen for finding in record.findings if finding.check == "order" and finding.order_seen is not None]
+    seen = [
+        finding.order_seen
+        for finding in record.findings
+        if finding.check == "order" and finding.order_seen is not None
+    ]
     steps = tuple(_largest(levels, target) for target in TARGETS)
     return Row(
-        record=record, quantity=WORST, control=each[0].control, levels=levels,
+        record=record,
+        quantity=WORST,
+        control=each[0].control,
+        levels=levels,
         outcome=min((row.outcome for row in each), key=WORST_FIRST.index),
         bound_held=None if None in held else max(x for x in held if x is not None),
-        steps=steps, order_seen=min(seen, default=None), order_claimed=each[0].order_claimed,
-        constant=max((row.constant for row in each if row.constant is not None), default=None), seconds=_seconds_at(levels, steps[1]),
-    )  # fmt: skip
+        steps=steps,
+        order_seen=min(seen, default=None),
+        order_claimed=each[0].order_claimed,
+        constant=max((row.constant for row in each if row.constant is not None), default=None),
+        seconds=_seconds_at(levels, steps[1]),
+    )
 
 
 def _worst(same: list[Level]) -> Level:
     """One level of all quantities: the largest error, the smallest bound."""
     return Level(
-        level=same[0].level, error=max(x.error for x in same), bound=min(x.bound for x in same), seconds=same[0].seconds,
+        level=same[0].level,
+        error=max(x.error for x in same),
+        bound=min(x.bound for x in same),
+        seconds=same[0].seconds,
         counts=any(x.counts for x in same),
-    )  # fmt: skip
+    )
 
 
 def _largest(levels: tuple[Level, ...], target: float) -> tuple[float, bool] | None:
-    """The largest level at which, and below which, the error stays under the target; and whether it is the coarsest."""
+    """The largest level at which, and below which, the error stays under the target; and whether it
+    is the coarsest.
+    """
     held = None
     for index in range(len(levels) - 1, -1, -1):
         if not levels[index].error <= target:
@@ -119,7 +154,9 @@ def _largest(levels: tuple[Level, ...], target: float) -> tuple[float, bool] | N
 
 
 def _seconds_at(levels: tuple[Level, ...], step: tuple[float, bool] | None) -> float | None:
-    return None if step is None else next(level.seconds for level in levels if level.level == step[0])
+    return (
+        None if step is None else next(level.seconds for level in levels if level.level == step[0])
+    )
 
 
 def best_errors(rows: Iterable[Row], quantity: str) -> dict[str, float]:
@@ -132,7 +169,11 @@ def best_errors(rows: Iterable[Row], quantity: str) -> dict[str, float]:
 
 
 def _apart(row: Row, rows: list[Row]) -> tuple[str, float, float] | None:
-    others = {name: error for name, error in best_errors(rows, row.quantity).items() if name != row.record.engine}
+    others = {
+        name: error
+        for name, error in best_errors(rows, row.quantity).items()
+        if name != row.record.engine
+    }
     if not others:
         return None
     name = max(sorted(others), key=lambda other: abs(others[other] - row.error))
@@ -141,7 +182,9 @@ def _apart(row: Row, rows: list[Row]) -> tuple[str, float, float] | None:
 
 @dataclass(frozen=True)
 class Cell:
-    """One instance in one engine: the method with most correct digits (None if nothing was measured) and outcomes."""
+    """One instance in one engine: the method with most correct digits (None if nothing was
+    measured) and outcomes.
+    """
 
     digits: float | None
     method: str

@@ -1,4 +1,6 @@
-"""A report of which nothing has changed is not written again: what it was made of, and how its files were left, is in the store."""
+"""A report of which nothing has changed is not written again: what it was made of, and how its
+files were left, is in the store.
+"""
 
 import hashlib
 from collections.abc import Sequence
@@ -23,9 +25,15 @@ class _State(msgspec.Struct):
 
 
 def stands(folder: Path, sheets: Sequence[Sheet], store: Store) -> bool:
-    """True if the report in the folder was made of these sheets (how long they took apart) and nobody has touched it since."""
+    """True if the report in the folder was made of these sheets (how long they took apart) and
+    nobody has touched it since.
+    """
     state = store.read("report", str(folder.resolve()), msgspec.json.Decoder(_State).decode)
-    return state is not None and state.made_of == _made_of(folder, sheets) and state.files == _files(folder)
+    return (
+        state is not None
+        and state.made_of == _made_of(folder, sheets)
+        and state.files == _files(folder)
+    )
 
 
 def left(folder: Path, sheets: Sequence[Sheet], store: Store) -> None:
@@ -37,12 +45,23 @@ def left(folder: Path, sheets: Sequence[Sheet], store: Store) -> None:
 def _made_of(folder: Path, sheets: Sequence[Sheet]) -> str:
     told = [sheet for sheet in sheets if not isinstance(sheet, CampaignSheet)]
     names = [sheet.name for sheet in sheets if isinstance(sheet, CampaignSheet)]
-    under = [fingerprint.of_refdem(), *map(installed, ("altair", "vl-convert-python", "jinja2", "latex2mathml"))]
+    under = [
+        fingerprint.of_refdem(),
+        *map(installed, ("altair", "vl-convert-python", "jinja2", "latex2mathml")),
+    ]
     parts = [names, told, under, (folder / "gallery" / "gallery.html").exists()]
     return hashlib.sha256(msgspec.msgpack.encode(parts, order="deterministic")).hexdigest()
 
 
 def _files(folder: Path) -> Files:
     """Every file of the folder and of the folders of a report in it."""
-    found = [path for part in (".", "cases", "figures", "assets") for path in (folder / part).glob("*") if path.is_file()]
-    return {str(path.relative_to(folder)): (path.stat().st_size, path.stat().st_mtime_ns) for path in found}
+    found = [
+        path
+        for part in (".", "cases", "figures", "assets")
+        for path in (folder / part).glob("*")
+        if path.is_file()
+    ]
+    return {
+        str(path.relative_to(folder)): (path.stat().st_size, path.stat().st_mtime_ns)
+        for path in found
+    }

@@ -15,26 +15,37 @@ from refdem.report.tolerance import Row, rows_of
 
 
 def write_everything(folder: Path, sheets: Sequence[Sheet], store: Store | None) -> None:
-    """Records first, so that the report can be made again if a later file cannot be written; index.html last."""
+    """Records first, so that the report can be made again if a later file cannot be written;
+    index.html last.
+    """
     contents = contents_of(sheets)
     rows = {sheet.label: rows_of(contents, sheet.label) for sheet in contents.cases}
     _clear(folder, set(rows))
     everything = [row for label in rows for row in rows[label]]
     written(folder / RECORDS, lines(sheets))
     written(folder / "findings.csv", tables.csv_text(tables.FINDING, tables.finding_rows(contents)))
-    written(folder / "tolerance.csv", tables.csv_text(tables.TOLERANCE, tables.tolerance_rows(everything)))
+    written(
+        folder / "tolerance.csv",
+        tables.csv_text(tables.TOLERANCE, tables.tolerance_rows(everything)),
+    )
     written(folder / "junit.xml", junit(contents))
     figures.equip(folder, store)
     pictures, specs = _charts(folder, contents, rows, store)
     written(folder / "validation.md", markdown.validation(contents, rows, pictures))
-    for name, text in html.pages(contents, rows, specs, has_gallery=(folder / "gallery" / "gallery.html").exists()):
+    for name, text in html.pages(
+        contents, rows, specs, has_gallery=(folder / "gallery" / "gallery.html").exists()
+    ):
         written(folder / name, text)
 
 
 def _clear(folder: Path, labels: set[str]) -> None:
-    """Removes pages and pictures of instances that the report in this folder had and the new one has not."""
+    """Removes pages and pictures of instances that the report in this folder had and the new one
+    has not.
+    """
     try:
-        before = {sheet.label for sheet in sheets_in(folder) if isinstance(sheet, CaseSheet | Record)}
+        before = {
+            sheet.label for sheet in sheets_in(folder) if isinstance(sheet, CaseSheet | Record)
+        }
     except RefdemError:
         return  # no report here, or one that says nothing of what it wrote
     for label in before - labels:
@@ -44,17 +55,29 @@ def _clear(folder: Path, labels: set[str]) -> None:
 
 def _charts(
     folder: Path, contents: Contents, rows: dict[str, list[Row]], store: Store | None
-) -> tuple[set[str], dict[str, dict[str, str]]]:  # fmt: skip
+) -> tuple[set[str], dict[str, dict[str, str]]]:
     """Names of the pictures drawn in figures/, and the specifications of every page by kind."""
     everything = [row for label in rows for row in rows[label]]
-    charts: dict[str, dict[str, chart_data.ChartData | None]] = {"": {"tolerance": chart_data.overview(contents, everything)}}
+    charts: dict[str, dict[str, chart_data.ChartData | None]] = {
+        "": {"tolerance": chart_data.overview(contents, everything)}
+    }
     for label, mine in rows.items():
         errors, costs = chart_data.errors(contents, mine), chart_data.costs(contents, mine)
-        charts[label] = {"errors": errors, "drifts": chart_data.drifts(contents, label), "costs": costs}
-    specs = {label: {kind: figures.specification(data, store) for kind, data in mine.items() if data} for label, mine in charts.items()}
+        charts[label] = {
+            "errors": errors,
+            "drifts": chart_data.drifts(contents, label),
+            "costs": costs,
+        }
+    specs = {
+        label: {kind: figures.specification(data, store) for kind, data in mine.items() if data}
+        for label, mine in charts.items()
+    }
     pictures = set()
     for label, mine_specs in specs.items():
-        for kind in ("tolerance", "errors"):  # costs hold times, which a committed file must not; curves are in the pages
+        for kind in (
+            "tolerance",
+            "errors",
+        ):  # costs hold times, which a committed file must not; curves are in the pages
             if kind in mine_specs:
                 name = f"{page(label)}.svg" if label else f"{kind}.svg"
                 written(folder / "figures" / name, figures.picture(mine_specs[kind], store))

@@ -5,4 +5,14 @@ from refdem.scene.element import Element
 from refdem.scene.scene import Scene, SceneDocument
 from refdem.scene.shapes import Point, Polyhedron, Sphere, box
 
-__all__ = ["Bodies", "Body", "Element", "Point", "Polyhedron", "Scene", "SceneDocument", "Sphere", "box"]
+__all__ = [
+    "Bodies",
+    "Body",
+    "Element",
+    "Point",
+    "Polyhedron",
+    "Scene",
+    "SceneDocument",
+    "Sphere",
+    "box",
+]

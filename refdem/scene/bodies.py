@@ -16,7 +16,9 @@ Array = NDArray[np.float64]
 
 
 class Body(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """One body: principal `inertia` (zeros for a point), `attitude` (w, x, y, z) body to space, `omega` in space axes."""
+    """One body: principal `inertia` (zeros for a point), `attitude` (w, x, y, z) body to space,
+    `omega` in space axes.
+    """
 
     mass: Mass
     inertia: Inertia = (0.0, 0.0, 0.0)
@@ -30,7 +32,9 @@ class Body(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Bodies:
-    """Columns of N bodies: mass (N,) [kg], inertia (N, 3) [kg m^2], position, velocity (N, 3), attitude (N, 4), omega (N, 3)."""
+    """Columns of N bodies: mass (N,) [kg], inertia (N, 3) [kg m^2], position, velocity (N, 3),
+    attitude (N, 4), omega (N, 3).
+    """
 
     mass: Array
     inertia: Array
@@ -52,8 +56,14 @@ class Bodies:
         """Columns from single bodies."""
         if not bodies:
             raise SceneError("scene.bodies: no body came; expected at least one")
-        columns: dict[str, Any] = {name: np.array([getattr(body, name) for body in bodies], float) for name in COLUMNS}
-        return cls(shape=tuple(body.shape for body in bodies), fixed=np.array([body.fixed for body in bodies]), **columns)
+        columns: dict[str, Any] = {
+            name: np.array([getattr(body, name) for body in bodies], float) for name in COLUMNS
+        }
+        return cls(
+            shape=tuple(body.shape for body in bodies),
+            fixed=np.array([body.fixed for body in bodies]),
+            **columns,
+        )
 
     def single(self) -> list[Body]:
         """The bodies one by one, as JSON has them."""
@@ -85,7 +95,9 @@ class Bodies:
     @cached_property
     def radius(self) -> Array:
         """Radius (N,) [m], not to be written to; zero for a body that is no sphere."""
-        found = np.array([s.radius if isinstance(s, Sphere) else 0.0 for s in self.shapes])[self.shape_number]
+        found = np.array([s.radius if isinstance(s, Sphere) else 0.0 for s in self.shapes])[
+            self.shape_number
+        ]
         found.setflags(write=False)
         return found
 
@@ -101,12 +113,16 @@ class Bodies:
 
     @cached_property
     def _numbered(self) -> tuple[tuple[Shape, ...], NDArray[np.int64]]:
-        """Shapes and numbers; of many bodies most have one shape, which is found without a loop over them."""
+        """Shapes and numbers; of many bodies most have one shape, which is found without a loop
+        over them.
+        """
         if self.shape[:1] and self.shape.count(self.shape[0]) == len(self.shape):
             return self.shape[:1], np.zeros(len(self.shape), np.int64)
         shapes = {id(s): s for s in self.shape}
         numbers = {key: number for number, key in enumerate(shapes)}
-        return tuple(shapes.values()), np.fromiter(map(numbers.__getitem__, map(id, self.shape)), np.int64, len(self.shape))
+        return tuple(shapes.values()), np.fromiter(
+            map(numbers.__getitem__, map(id, self.shape)), np.int64, len(self.shape)
+        )
 
 
 COLUMNS = ("mass", "inertia", "position", "velocity", "attitude", "omega")
@@ -120,7 +136,12 @@ def _suspect(bodies: Bodies) -> NDArray[np.bool_]:
         wrong |= ~(np.abs(np.linalg.norm(bodies.attitude, axis=1) - 1) < 5e-10)
         for name in COLUMNS:
             wrong |= ~np.isfinite(getattr(bodies, name)).reshape(len(wrong), -1).all(axis=1)
-    return np.asarray(wrong | np.array([isinstance(s, Polyhedron) or not _is_sound(s) for s in bodies.shapes])[bodies.shape_number])
+    return np.asarray(
+        wrong
+        | np.array([isinstance(s, Polyhedron) or not _is_sound(s) for s in bodies.shapes])[
+            bodies.shape_number
+        ]
+    )
 
 
 def _is_sound(shape: Shape) -> bool:
@@ -134,7 +155,9 @@ def _refuse_unphysical(bodies: Bodies, number: int) -> None:
     for name in COLUMNS:
         value = getattr(bodies, name)[number]
         if not np.all(np.isfinite(value)):
-            raise SceneError(f"{where}.{name} is {np.asarray(value).tolist()}; expected finite numbers")
+            raise SceneError(
+                f"{where}.{name} is {np.asarray(value).tolist()}; expected finite numbers"
+            )
     mass, inertia = bodies.mass[number], bodies.inertia[number]
     if not mass > 0:
         raise SceneError(f"{where}.mass is {mass}; expected > 0")
@@ -147,17 +170,22 @@ def _refuse_unphysical(bodies: Bodies, number: int) -> None:
         )
     norm = float(np.linalg.norm(bodies.attitude[number]))
     if abs(norm - 1) > 1e-9:
-        raise SceneError(f"{where}.attitude has norm {norm}; expected a unit quaternion (w, x, y, z)")
+        raise SceneError(
+            f"{where}.attitude has norm {norm}; expected a unit quaternion (w, x, y, z)"
+        )
     _refuse_shape(bodies.shape[number], where)
 
 
 def _refuse_shape(shape: Shape, where: str) -> None:
-    """Raises SceneError for a sphere without radius or a polyhedron whose faces name no vertices."""
+    """Raises SceneError for a sphere without radius or a polyhedron whose faces name no
+    vertices.
+    """
     if isinstance(shape, Sphere) and not 0 < shape.radius < float("inf"):
         raise SceneError(f"{where}.shape.radius is {shape.radius}; expected > 0")
     if isinstance(shape, Polyhedron):
         count = len(shape.vertices)
         if count < 4 or any(not 0 <= v < count for face in shape.faces for v in face):
             raise SceneError(
-                f"{where}.shape: {count} vertices and faces that name others; expected at least 4, faces naming 0..{count - 1}"
+                f"{where}.shape: {count} vertices and faces that name others; expected at least 4,"
+                f" faces naming 0..{count - 1}"
             )

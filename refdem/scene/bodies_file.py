@@ -1,7 +1,9 @@
-"""Bodies in a file of their own, `bodies.npz`: what a scene's JSON refers to where it has too many bodies to list them.
+"""Bodies in a file of their own, `bodies.npz`: what a scene's JSON refers to where it has too many
+bodies to list them.
 
-The file is NumPy's archive without pickles: mass (N,), inertia, position, velocity, omega (N, 3), attitude (N, 4), float64; fixed
-(N,), bool; shape (N,), int64, numbers of the shapes (bytes of JSON, a list of shapes).
+The file is NumPy's archive without pickles: mass (N,), inertia, position, velocity, omega (N, 3),
+attitude (N, 4), float64; fixed (N,), bool; shape (N,), int64, numbers of the shapes (bytes of JSON,
+a list of shapes).
 """
 
 import hashlib
@@ -29,7 +31,9 @@ MOST_SHAPES = 1 << 26
 
 
 class BodiesFile(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """In the place of a list of bodies: the file beside the JSON, how many bodies it has, and the sha256 of their content."""
+    """In the place of a list of bodies: the file beside the JSON, how many bodies it has, and the
+    sha256 of their content.
+    """
 
     file: str
     count: int
@@ -57,7 +61,9 @@ def packed(bodies: Bodies) -> bytes:
 
 
 def unpacked(data: bytes | Path, told: BodiesFile) -> Bodies:
-    """The bodies of a file; raises SceneError if it is not what the reference says, or holds what bodies cannot be."""
+    """The bodies of a file; raises SceneError if it is not what the reference says, or holds what
+    bodies cannot be.
+    """
     where = f"scene.bodies: {told.file}"
     if told.count < 1:
         raise SceneError(f"scene.bodies.count is {told.count}; expected at least 1")
@@ -68,41 +74,68 @@ def unpacked(data: bytes | Path, told: BodiesFile) -> Bodies:
     shapes = _shapes(columns.pop("shapes"), where)
     number, fixed = columns.pop("shape"), columns.pop("fixed")
     if len(number) and not 0 <= number.min() <= number.max() < len(shapes):
-        raise SceneError(f"{where}: shape has numbers from {number.min()} to {number.max()}; expected 0..{len(shapes) - 1}")
+        raise SceneError(
+            f"{where}: shape has numbers from {number.min()} to {number.max()}; expected"
+            f" 0..{len(shapes) - 1}"
+        )
     bodies = Bodies(shape=tuple(map(shapes.__getitem__, number.tolist())), fixed=fixed, **columns)
     if content(bodies) != told.sha256:
-        raise SceneError(f"{where} has other content than the scene was written with: its sha256 is {content(bodies)}, not {told.sha256}")
+        raise SceneError(
+            f"{where} has other content than the scene was written with: its sha256 is"
+            f" {content(bodies)}, not {told.sha256}"
+        )
     return bodies
 
 
 def _columns(bodies: Bodies) -> dict[str, NDArray[Any]]:
     """Every array of the file by name, in the byte order that the file has."""
     shapes: dict[Shape, int] = {}
-    number = np.array([shapes.setdefault(shape, len(shapes)) for shape in bodies.shapes], "<i8")[bodies.shape_number]
-    held: dict[str, NDArray[Any]] = {name: np.ascontiguousarray(getattr(bodies, name), "<f8") for name in COLUMNS}
+    number = np.array([shapes.setdefault(shape, len(shapes)) for shape in bodies.shapes], "<i8")[
+        bodies.shape_number
+    ]
+    held: dict[str, NDArray[Any]] = {
+        name: np.ascontiguousarray(getattr(bodies, name), "<f8") for name in COLUMNS
+    }
     listed = np.frombuffer(msgspec.json.encode(list(shapes)), np.uint8)
-    return held | {"fixed": np.ascontiguousarray(bodies.fixed, bool), "shape": number, "shapes": listed}
+    return held | {
+        "fixed": np.ascontiguousarray(bodies.fixed, bool),
+        "shape": number,
+        "shapes": listed,
+    }
 
 
 def _read(data: bytes | Path, count: int, where: str) -> dict[str, NDArray[Any]]:
-    """The arrays, each of the type and shape it must have; sizes are looked at before anything is read."""
-    kinds: dict[str, tuple[str, tuple[int, ...]]] = {n: ("<f8", (count, w) if w > 1 else (count,)) for n, w in WIDTH.items()}
+    """The arrays, each of the type and shape it must have; sizes are looked at before anything is
+    read.
+    """
+    kinds: dict[str, tuple[str, tuple[int, ...]]] = {
+        n: ("<f8", (count, w) if w > 1 else (count,)) for n, w in WIDTH.items()
+    }
     kinds |= {"fixed": ("|b1", (count,)), "shape": ("<i8", (count,)), "shapes": ("|u1", ())}
     source: Any = io.BytesIO(data) if isinstance(data, bytes) else data
     with zipfile.ZipFile(source) as archive:
         sizes = {info.filename.removesuffix(".npy"): info.file_size for info in archive.infolist()}
     if sizes.keys() != kinds.keys():
-        raise SceneError(f"{where} has {', '.join(sorted(sizes)) or 'nothing'}; expected {', '.join(sorted(kinds))}")
+        raise SceneError(
+            f"{where} has {', '.join(sorted(sizes)) or 'nothing'}; expected"
+            f" {', '.join(sorted(kinds))}"
+        )
     for name, (kind, shape) in kinds.items():
         most = HEADER + (int(np.prod(shape)) * np.dtype(kind).itemsize if shape else MOST_SHAPES)
         if sizes[name] > most:
-            raise SceneError(f"{where}: {name} has {sizes[name]} bytes; expected at most {most} for {count} bodies")
+            raise SceneError(
+                f"{where}: {name} has {sizes[name]} bytes; expected at most {most} for {count}"
+                " bodies"
+            )
     found: dict[str, NDArray[Any]] = {}
     with np.load(source, allow_pickle=False) as archive:
         for name, (kind, shape) in kinds.items():
             column = found[name] = archive[name]
             if column.dtype.str != kind or (column.shape != shape if shape else column.ndim != 1):
-                raise SceneError(f"{where}: {name} is {column.dtype.str} {column.shape}; expected {kind} {shape or '(bytes,)'}")
+                raise SceneError(
+                    f"{where}: {name} is {column.dtype.str} {column.shape}; expected {kind}"
+                    f" {shape or '(bytes,)'}"
+                )
     return found
 
 

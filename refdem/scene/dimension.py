@@ -1,4 +1,6 @@
-"""Physical dimensions as types: a field annotated `Stiffness` carries (mass, length, time) exponents that tools can read."""
+"""Physical dimensions as types: a field annotated `Stiffness` carries (mass, length, time)
+exponents that tools can read.
+"""
 
 from typing import Annotated, NamedTuple
 

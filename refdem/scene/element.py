@@ -14,11 +14,16 @@ Array = NDArray[np.float64]
 
 @cache
 def types_of(kind: type) -> dict[str, Any]:
-    """The types of a record's fields, with their dimensions; Python looks them up anew at every call."""
+    """The types of a record's fields, with their dimensions;
+
+    Python looks them up anew at every call.
+    """
     return get_type_hints(kind, include_extras=True)
 
 
-class Element(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True, tag_field="kind"):
+class Element(
+    msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True, tag_field="kind"
+):
     """One force, constraint or field. `kind` is its tag in JSON."""
 
     conservative: ClassVar[bool] = True
@@ -28,7 +33,9 @@ class Element(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=T
 
     @property
     def reversible(self) -> bool:
-        """With all velocities flipped its motion runs back: what conserves energy does, and an element that knows better overrides this."""
+        """With all velocities flipped its motion runs back: what conserves energy does, and an
+        element that knows better overrides this.
+        """
         return self.conservative
 
     @property
@@ -39,7 +46,10 @@ class Element(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=T
     def dimension(self, field: str) -> Dimension | None:
         """The dimension of one field, from its type; None for a number of a body."""
         hint = types_of(type(self))[field]
-        return next((part for part in getattr(hint, "__metadata__", ()) if isinstance(part, Dimension)), None)
+        return next(
+            (part for part in getattr(hint, "__metadata__", ()) if isinstance(part, Dimension)),
+            None,
+        )
 
     def features(self) -> frozenset[str]:
         """What an engine must be able to do to carry this element."""
@@ -50,20 +60,28 @@ class Element(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=T
         return []
 
     def delayed(self, delay: float) -> "Element":
-        """The element of the same motion that begins `delay` [s] later; one that reads the clock overrides this."""
+        """The element of the same motion that begins `delay` [s] later; one that reads the clock
+        overrides this.
+        """
         return self
 
     def potential(self, scene: Any, position: Array, attitude: Array) -> Array:
-        """Potential energy (T,) [J] for position (T, N, 3) [m], attitude (T, N, 4); zero by default."""
+        """Potential energy (T,) [J] for position (T, N, 3) [m], attitude (T, N, 4); zero by
+        default.
+        """
         return np.zeros(len(position))
 
     def kinetic(self, scene: Any, velocity: Array) -> Array:
-        """Kinetic energy (T,) [J] of what the element itself moves, for velocity (T, N, 3) [m/s]; zero by default."""
+        """Kinetic energy (T,) [J] of what the element itself moves, for velocity (T, N, 3) [m/s];
+        zero by default.
+        """
         return np.zeros(len(velocity))
 
 
 class Link(Element, frozen=True, kw_only=True):
-    """An element between body `a` and body `b`, or the world (-1); anchors in body axes (world axes for the world) [m]."""
+    """An element between body `a` and body `b`, or the world (-1); anchors in body axes (world axes
+    for the world) [m].
+    """
 
     a: int
     b: int = -1

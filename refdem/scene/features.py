@@ -16,13 +16,21 @@ ALIGNED = 1e-14
 
 
 def features(scene: "Scene") -> frozenset[str]:
-    """Names of what an engine must carry: element kinds, laws, `rotation`, `tumbling`, shapes, `dimension:1|2|3`."""
+    """Names of what an engine must carry: element kinds, laws, `rotation`, `tumbling`, shapes,
+    `dimension:1|2|3`.
+    """
     names: set[str] = set()
     for element in scene.elements:
         names |= element.features()
     if scene.has_shapes() and "contact" in names:
         for shape in scene.bodies.shapes:
-            names |= {"shape:sphere"} if isinstance(shape, Sphere) else {"shape:polyhedron"} if isinstance(shape, Polyhedron) else set()
+            names |= (
+                {"shape:sphere"}
+                if isinstance(shape, Sphere)
+                else {"shape:polyhedron"}
+                if isinstance(shape, Polyhedron)
+                else set()
+            )
     if _turns(scene):
         names.add("rotation")
         if _tumbles(scene):
@@ -46,11 +54,15 @@ def _turns(scene: "Scene") -> bool:
                 return True
         if "contact:friction" in element.features() and scene.has_shapes():
             return True
-    return "contact" in {e.kind for e in scene.elements} and any(isinstance(s, Polyhedron) for s in bodies.shapes)
+    return "contact" in {e.kind for e in scene.elements} and any(
+        isinstance(s, Polyhedron) for s in bodies.shapes
+    )
 
 
 def _tumbles(scene: "Scene") -> bool:
-    """Some spinning body's axis of rotation is not one about which omega stays: Euler's equations are needed."""
+    """Some spinning body's axis of rotation is not one about which omega stays: Euler's equations
+    are needed.
+    """
     from refdem.mechanics.quaternion import conjugate, rotated
 
     bodies = scene.bodies
@@ -71,6 +83,10 @@ def _dimension(scene: "Scene") -> int:
     stacked = np.concatenate(vectors)
     if np.any(stacked[:, 2]) or np.any(bodies.omega[:, :2]) or np.any(bodies.attitude[:, 1:3]):
         return 3
-    if np.any(stacked[:, 1]) or np.any(bodies.omega) or not all(isinstance(s, Point | Sphere) for s in bodies.shapes):
+    if (
+        np.any(stacked[:, 1])
+        or np.any(bodies.omega)
+        or not all(isinstance(s, Point | Sphere) for s in bodies.shapes)
+    ):
         return 2
     return 1

@@ -30,7 +30,10 @@ class SceneDocument(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fi
 
 @dataclass(frozen=True, eq=False)
 class Scene:
-    """Bodies as columns and the elements that act on them. Raises SceneError if it is not physical."""
+    """Bodies as columns and the elements that act on them.
+
+    Raises SceneError if it is not physical.
+    """
 
     bodies: Bodies
     elements: tuple[Element, ...] = ()
@@ -54,7 +57,9 @@ class Scene:
 
     @classmethod
     def from_json(cls, text: bytes | str, file: bytes | Path | None = None) -> "Scene":
-        """Reads a scene, and its bodies' file if it names one; raises SceneError with the path of the first fault."""
+        """Reads a scene, and its bodies' file if it names one; raises SceneError with the path of
+        the first fault.
+        """
         try:
             document = msgspec.json.decode(text, type=SceneDocument)
         except msgspec.MsgspecError as error:
@@ -63,11 +68,15 @@ class Scene:
 
     @classmethod
     def of_document(cls, document: SceneDocument, file: bytes | Path | None = None) -> "Scene":
-        """The scene of a document, and of its bodies' file; raises SceneError if that is not there or not what it should be."""
+        """The scene of a document, and of its bodies' file; raises SceneError if that is not there
+        or not what it should be.
+        """
         if not isinstance(document.bodies, bodies_file.BodiesFile):
             return cls.of(document.bodies, document.elements)
         if file is None:
-            raise SceneError(f"scene.bodies names the file {document.bodies.file}, which did not come with it")
+            raise SceneError(
+                f"scene.bodies names the file {document.bodies.file}, which did not come with it"
+            )
         return cls(bodies_file.unpacked(file, document.bodies), tuple(document.elements))
 
     @property
@@ -78,7 +87,10 @@ class Scene:
     def document(self, *, listed: bool = False) -> SceneDocument:
         """The scene as JSON has it; `listed`: with every body, however many there are."""
         refers = self.has_bodies_file and not listed
-        return SceneDocument(bodies=bodies_file.reference(self.bodies) if refers else self.bodies.single(), elements=list(self.elements))
+        return SceneDocument(
+            bodies=bodies_file.reference(self.bodies) if refers else self.bodies.single(),
+            elements=list(self.elements),
+        )
 
     def to_json(self) -> bytes:
         """The scene as JSON; the same bytes for the same scene."""
@@ -116,7 +128,9 @@ class Scene:
         return any(e.drives for e in self.elements)
 
     def potential(self, position: Array, attitude: Array) -> Array:
-        """Potential energy of every element (T,) [J] for position (T, N, 3) [m] and attitude (T, N, 4)."""
+        """Potential energy of every element (T,) [J] for position (T, N, 3) [m] and attitude (T, N,
+        4).
+        """
         total: Any = sum(e.potential(self, position, attitude) for e in self.elements)
         return np.broadcast_to(np.asarray(total, float), (len(position),))
 
@@ -140,5 +154,6 @@ def _refuse_ends(link: Any, count: int, where: str) -> None:
     """Raises SceneError if an element names bodies that do not exist."""
     if not 0 <= link.a < count or not -1 <= link.b < count or link.a == link.b:
         raise SceneError(
-            f"{where}: joins bodies {link.a} and {link.b}; expected two different ones of 0..{count - 1}, b may be -1 (the world)"
+            f"{where}: joins bodies {link.a} and {link.b}; expected two different ones of"
+            f" 0..{count - 1}, b may be -1 (the world)"
         )

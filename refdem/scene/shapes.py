@@ -9,14 +9,30 @@ class Point(msgspec.Struct, frozen=True, tag="point", tag_field="kind", forbid_u
     """No extent."""
 
 
-class Sphere(msgspec.Struct, frozen=True, kw_only=True, tag="sphere", tag_field="kind", forbid_unknown_fields=True):
+class Sphere(
+    msgspec.Struct,
+    frozen=True,
+    kw_only=True,
+    tag="sphere",
+    tag_field="kind",
+    forbid_unknown_fields=True,
+):
     """A ball of `radius` [m] about the body's centre."""
 
     radius: Length
 
 
-class Polyhedron(msgspec.Struct, frozen=True, kw_only=True, tag="polyhedron", tag_field="kind", forbid_unknown_fields=True):
-    """A convex body: vertices [m] in body axes; faces as lists of vertex numbers, counter-clockwise from outside."""
+class Polyhedron(
+    msgspec.Struct,
+    frozen=True,
+    kw_only=True,
+    tag="polyhedron",
+    tag_field="kind",
+    forbid_unknown_fields=True,
+):
+    """A convex body: vertices [m] in body axes; faces as lists of vertex numbers, counter-clockwise
+    from outside.
+    """
 
     vertices: tuple[Position, ...]
     faces: tuple[tuple[int, ...], ...]
@@ -27,6 +43,8 @@ Shape = Point | Sphere | Polyhedron
 
 def box(x: float, y: float, z: float) -> Polyhedron:
     """A box with full side lengths x, y, z [m] about its centre."""
-    vertices = tuple((sx * x / 2, sy * y / 2, sz * z / 2) for sx in (-1, 1) for sy in (-1, 1) for sz in (-1, 1))
+    vertices = tuple(
+        (sx * x / 2, sy * y / 2, sz * z / 2) for sx in (-1, 1) for sy in (-1, 1) for sz in (-1, 1)
+    )
     faces = ((0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4), (1, 5, 7, 3))
     return Polyhedron(vertices=vertices, faces=faces)

@@ -1,4 +1,6 @@
-"""Whether a scene at rest certainly stays at rest: forces that add up to zero, or stacks that stand on a plane."""
+"""Whether a scene at rest certainly stays at rest: forces that add up to zero, or stacks that stand
+on a plane.
+"""
 
 from dataclasses import dataclass
 
@@ -31,7 +33,10 @@ def unbalanced(scene: Scene) -> str | None:
             size[body] += np.linalg.norm(force)
 
     for spring in scene.all(Spring):
-        ends = (bodies.position[spring.a], bodies.position[spring.b] if spring.b >= 0 else np.array(spring.anchor_b))
+        ends = (
+            bodies.position[spring.a],
+            bodies.position[spring.b] if spring.b >= 0 else np.array(spring.anchor_b),
+        )
         line = ends[1] - ends[0]
         distance = float(np.linalg.norm(line))
         stretch = distance - spring.length
@@ -45,7 +50,13 @@ def unbalanced(scene: Scene) -> str | None:
         for gravity in scene.all(UniformGravity):
             push(number, mass * np.array(gravity.g))
         for field in scene.all(CentralField):
-            push(number, -field.gm * mass * bodies.position[number] / np.linalg.norm(bodies.position[number]) ** 3)
+            push(
+                number,
+                -field.gm
+                * mass
+                * bodies.position[number]
+                / np.linalg.norm(bodies.position[number]) ** 3,
+            )
     for i, j in _particles.pairs(scene):
         overlap, normal = _overlap(scene, i, j)
         law = scene.all(Contact)[0]
@@ -58,19 +69,26 @@ def unbalanced(scene: Scene) -> str | None:
 
 
 def _overlap(scene: Scene, i: int, j: int) -> tuple[float, Array]:
-    """Overlap [m] of sphere i with sphere j or plane -1 - j, and the unit normal from i to the other."""
+    """Overlap [m] of sphere i with sphere j or plane -1 - j, and the unit normal from i to the
+    other.
+    """
     bodies = scene.bodies
     if j < 0:
         plane = scene.all(Plane)[-1 - j]
         normal = -np.array(plane.normal)
-        return float(bodies.radius[i] + (bodies.position[i] - np.array(plane.point)) @ normal), normal
+        return (
+            float(bodies.radius[i] + (bodies.position[i] - np.array(plane.point)) @ normal),
+            normal,
+        )
     line = bodies.position[j] - bodies.position[i]
     distance = float(np.linalg.norm(line))
     return float(bodies.radius[i] + bodies.radius[j] - distance), line / distance
 
 
 def falling(scene: Scene, law: Contact) -> str | None:
-    """None if every body stands on the one plane, or on exactly one other body, with its load's centre over the support."""
+    """None if every body stands on the one plane, or on exactly one other body, with its load's
+    centre over the support.
+    """
     if isinstance(load := pressed(scene), str):
         return load
     if load.steepness > law.friction * (1 + SLACK):
@@ -80,7 +98,9 @@ def falling(scene: Scene, law: Contact) -> str | None:
 
 @dataclass(frozen=True)
 class Load:
-    """Gravity (3,) [m/s^2] on one plane: its part `pressing` against the `normal`, and `along` (3,) the plane."""
+    """Gravity (3,) [m/s^2] on one plane: its part `pressing` against the `normal`, and `along` (3,)
+    the plane.
+    """
 
     normal: Array
     point: Array
@@ -100,7 +120,10 @@ class Load:
 
 def pressed(scene: Scene) -> Load | str:
     """Gravity on the one plane, or why there is no such thing."""
-    planes, gravity = scene.all(Plane), np.sum([np.zeros(3), *(np.array(e.g) for e in scene.all(UniformGravity))], axis=0)
+    planes, gravity = (
+        scene.all(Plane),
+        np.sum([np.zeros(3), *(np.array(e.g) for e in scene.all(UniformGravity))], axis=0),
+    )
     if len(planes) != 1:
         return f"{len(planes)} planes; expected one"
     normal = np.array(planes[0].normal)
@@ -111,7 +134,9 @@ def pressed(scene: Scene) -> Load | str:
 
 
 def tipping(scene: Scene, law: Contact, load: Load) -> str | None:
-    """None if the one body slides down the plane without turning: what carries it, tilted by friction, goes through its foot."""
+    """None if the one body slides down the plane without turning: what carries it, tilted by
+    friction, goes through its foot.
+    """
     if not load.steepness > law.friction * (1 + SLACK):
         return "static friction holds it"
     downhill = load.along / np.linalg.norm(load.along)
@@ -119,11 +144,15 @@ def tipping(scene: Scene, law: Contact, load: Load) -> str | None:
 
 
 class _Standing:
-    """Bodies on a plane as columns over it: heights of their lowest and highest vertices, and who stands on whom."""
+    """Bodies on a plane as columns over it: heights of their lowest and highest vertices, and who
+    stands on whom.
+    """
 
     def __init__(self, scene: Scene, normal: Array, point: Array, down: Array) -> None:
         self.scene, self.normal, self.down = scene, normal, down
-        self.vertices = [_outline(scene, number, normal) - point for number in range(len(scene.bodies))]
+        self.vertices = [
+            _outline(scene, number, normal) - point for number in range(len(scene.bodies))
+        ]
         self.heights = [v @ normal for v in self.vertices]
         self.size = max(float(np.abs(v).max()) for v in self.vertices)
 
@@ -139,7 +168,11 @@ class _Standing:
         low = self.heights[body].min()
         found = [-1] if abs(low) <= SLACK * self.size else []
         others = [other for other in range(len(self.heights)) if other != body]
-        return found + [other for other in others if abs(self.heights[other].max() - low) <= SLACK * self.size and self._over(body, other)]
+        return found + [
+            other
+            for other in others
+            if abs(self.heights[other].max() - low) <= SLACK * self.size and self._over(body, other)
+        ]
 
     def _over(self, body: int, other: int) -> bool:
         centre = self.faces(body, highest=False).mean(axis=0)
@@ -174,7 +207,9 @@ class _Standing:
             if under[body] >= 0:
                 faces.append(self.faces(under[body], highest=True))
             if not all(self._inside(centre, face) for face in faces):
-                return f"the centre of mass of what stands on the foot of body {body} is not over it"
+                return (
+                    f"the centre of mass of what stands on the foot of body {body} is not over it"
+                )
         return None
 
     def _origin(self, body: int) -> Array:
@@ -198,6 +233,10 @@ def _outline(scene: Scene, body: int, normal: Array) -> Array:
     if isinstance(shape, Polyhedron):
         from_centre = rotated(scene.bodies.attitude[body], np.array(shape.vertices, float))
     else:
-        from_centre = np.array([-1.0, 1.0])[:, None] * (shape.radius if isinstance(shape, Sphere) else 0.0) * normal
+        from_centre = (
+            np.array([-1.0, 1.0])[:, None]
+            * (shape.radius if isinstance(shape, Sphere) else 0.0)
+            * normal
+        )
     outline: Array = place + from_centre
     return outline

@@ -1,4 +1,6 @@
-"""The Poincare section of a point on a belt over the frequency of its drive, with the largest Lyapunov exponent (kernels/stick_slip.c)."""
+"""The Poincare section of a point on a belt over the frequency of its drive, with the largest
+Lyapunov exponent (kernels/stick_slip.c).
+"""
 
 from concurrent.futures import ThreadPoolExecutor
 from typing import NamedTuple
@@ -22,7 +24,9 @@ PER_PERIOD = 8
 
 
 class Section(NamedTuple):
-    """Frequencies (M,) [rad/s]; for each, places x > 0 [m] from the spring's anchor + `origin` at which v = 0; exponents (M,) [1/s]."""
+    """Frequencies (M,) [rad/s]; for each, places x > 0 [m] from the spring's anchor + `origin` at
+    which v = 0; exponents (M,) [1/s].
+    """
 
     frequency: Array
     places: tuple[Array, ...]
@@ -30,23 +34,52 @@ class Section(NamedTuple):
 
 
 def section(scene: Scene, frequency: Array, *, skip: int, keep: int, workers: int = 2) -> Section:
-    """The section after `skip` periods of the drive over `keep` more, for every frequency (M,) > 0 of the scene's force."""
+    """The section after `skip` periods of the drive over `keep` more, for every frequency (M,) > 0
+    of the scene's force.
+    """
     axis = np.array(scene.all(Slider)[0].axis)
     origin = float(axis @ single.anchor(scene.all(Spring)[0]))
-    start = [float(axis @ scene.bodies.position[0]) - origin, float(axis @ scene.bodies.velocity[0])]
+    start = [
+        float(axis @ scene.bodies.position[0]) - origin,
+        float(axis @ scene.bodies.velocity[0]),
+    ]
     with ThreadPoolExecutor(workers) as pool:
-        parts = list(pool.map(lambda own: _part(scene, own, origin, start, skip, keep), np.array_split(frequency, 4 * workers)))
+        parts = list(
+            pool.map(
+                lambda own: _part(scene, own, origin, start, skip, keep),
+                np.array_split(frequency, 4 * workers),
+            )
+        )
     growth = np.concatenate([sums for _, sums in parts])
-    return Section(frequency, tuple(place for places, _ in parts for place in places), exponent(growth, 2 * np.pi / frequency * keep))
+    return Section(
+        frequency,
+        tuple(place for places, _ in parts for place in places),
+        exponent(growth, 2 * np.pi / frequency * keep),
+    )
 
 
-def _part(scene: Scene, frequency: Array, origin: float, start: list[float], skip: int, keep: int) -> tuple[list[Array], Array]:
-    """Places of some frequencies, and growths (M, BLOCKS); the kernel leaves the interpreter to other threads."""
+def _part(
+    scene: Scene, frequency: Array, origin: float, start: list[float], skip: int, keep: int
+) -> tuple[list[Array], Array]:
+    """Places of some frequencies, and growths (M, BLOCKS); the kernel leaves the interpreter to
+    other threads.
+    """
     count, most = len(frequency), PER_PERIOD * keep
     own = np.ascontiguousarray(frequency, dtype=np.float64)
     counts, sums, out = np.zeros(count), np.zeros((count, BLOCKS)), np.zeros((count, most))
     if count:
         buffers = [pointer(FAMILY, array, output=True) for array in (counts, sums, out)]
         call = load(FAMILY).lib.refdem_stick_slip_section
-        call(belt_law(scene), count, pointer(FAMILY, own), origin, *start, skip, keep, BLOCKS, most, *buffers)
+        call(
+            belt_law(scene),
+            count,
+            pointer(FAMILY, own),
+            origin,
+            *start,
+            skip,
+            keep,
+            BLOCKS,
+            most,
+            *buffers,
+        )
     return [row[: int(n)].copy() for row, n in zip(out, counts, strict=True)], sums

@@ -1,4 +1,6 @@
-"""Many starts of one plane pendulum, stepped together by symplectic methods of order 8 and 10 (kernels/pendulum_ensemble.c)."""
+"""Many starts of one plane pendulum, stepped together by symplectic methods of order 8 and 10
+(kernels/pendulum_ensemble.c).
+"""
 
 from time import perf_counter
 
@@ -19,26 +21,50 @@ Array = NDArray[np.float64]
 FAMILY = "pendulum_ensemble"
 WEIGHTS = {
     8: (
-        0.13020248308889008088, 0.56116298177510838456, -0.38947496264484728641, 0.15884190655515560090, -0.39590389413323757734,
-        0.18453964097831570709, 0.25837438768632204729, 0.29501172360931029887, -0.60550853383003451170,
+        0.13020248308889008088,
+        0.56116298177510838456,
+        -0.38947496264484728641,
+        0.15884190655515560090,
+        -0.39590389413323757734,
+        0.18453964097831570709,
+        0.25837438768632204729,
+        0.29501172360931029887,
+        -0.60550853383003451170,
     ),
     10: (
-        0.07879572252168641926, 0.31309610341510852776, 0.02791838323507806611, -0.22959284159390709415, 0.13096206107716486317,
-        -0.26973340565451071434, 0.07497334315589143567, 0.11199342399981020489, 0.36613344954622675119, -0.39910563013603589788,
-        0.10308739852747107732, 0.41143087395589023782, -0.00486636058313526176, -0.39203335370863990644, 0.05194250296244964704,
-        0.05066509075992449634, 0.04967437063972987905, 0.04931773575959453792,
+        0.07879572252168641926,
+        0.31309610341510852776,
+        0.02791838323507806611,
+        -0.22959284159390709415,
+        0.13096206107716486317,
+        -0.26973340565451071434,
+        0.07497334315589143567,
+        0.11199342399981020489,
+        0.36613344954622675119,
+        -0.39910563013603589788,
+        0.10308739852747107732,
+        0.41143087395589023782,
+        -0.00486636058313526176,
+        -0.39203335370863990644,
+        0.05194250296244964704,
+        0.05066509075992449634,
+        0.04967437063972987905,
+        0.04931773575959453792,
     ),
-}  # fmt: skip
-"""Parts of a step, by order: the first half and the middle one, which the others mirror. Order 8: W. Kahan and R.-C. Li, Math. Comp. 66
-(1997) 1089; order 10: M. Sofroniou and G. Spaletta, Optim. Methods Softw. 20 (2005) 597; both in Hairer, Lubich and Wanner, Geometric
-Numerical Integration, V.3.2."""
+}
+"""Parts of a step, by order: the first half and the middle one, which the others mirror. Order 8:
+W. Kahan and R.-C. Li, Math. Comp. 66 (1997) 1089; order 10: M. Sofroniou and G. Spaletta, Optim.
+Methods Softw. 20 (2005) 597; both in Hairer, Lubich and Wanner, Geometric Numerical Integration,
+V.3.2."""
 
 
 def claimed(name: str, order: int) -> Method:
     """The claims of a composition of that order."""
     return Method(
         name=name,
-        summary=f"pendulums stepped together: Verlet composed to order {order}, the sine in vectors",
+        summary=(
+            f"pendulums stepped together: Verlet composed to order {order}, the sine in vectors"
+        ),
         control="step",
         order=order,
         reversible=True,
@@ -79,18 +105,38 @@ class EnsembleSymplectic(Solver):
             call(*law, request.signed_step, request.stride, len(angle), *state)
             seconds += perf_counter() - started
             position[row, :, 0], velocity[row, :, 0] = frame.placed(angle, rate)
-        cost = Cost(seconds=seconds, setup=perf_counter() - begun - seconds, steps=request.stride * (len(problem.times) - 1))
-        return Trajectory.of_values(problem.times, {"position": position, "velocity": velocity}), cost
+        cost = Cost(
+            seconds=seconds,
+            setup=perf_counter() - begun - seconds,
+            steps=request.stride * (len(problem.times) - 1),
+        )
+        return (
+            Trajectory.of_values(problem.times, {"position": position, "velocity": velocity}),
+            cost,
+        )
 
 
 class _Frame:
-    """The plane of the swing: unit vectors along gravity and across it, the anchor, the length, and w0^2 = g/l [1/s^2]."""
+    """The plane of the swing: unit vectors along gravity and across it, the anchor, the length, and
+    w0^2 = g/l [1/s^2].
+    """
 
     def __init__(self, scene: Scene) -> None:
-        rod, gravity, arm = scene.all(Rod)[0], single.gravity(scene), scene.bodies.position[0] - single.anchor(scene.all(Rod)[0])
+        rod, gravity, arm = (
+            scene.all(Rod)[0],
+            single.gravity(scene),
+            scene.bodies.position[0] - single.anchor(scene.all(Rod)[0]),
+        )
         size = float(np.linalg.norm(gravity))
-        self.anchor, self.length, self.square, self.down = single.anchor(rod), rod.length, size / rod.length, gravity / size
-        aside = [vector - (vector @ self.down) * self.down for vector in (arm, scene.bodies.velocity[0])]
+        self.anchor, self.length, self.square, self.down = (
+            single.anchor(rod),
+            rod.length,
+            size / rod.length,
+            gravity / size,
+        )
+        aside = [
+            vector - (vector @ self.down) * self.down for vector in (arm, scene.bodies.velocity[0])
+        ]
         longest = max(aside, key=lambda vector: float(np.linalg.norm(vector)))
         self.across = longest / (np.linalg.norm(longest) or 1.0)
 
@@ -98,7 +144,9 @@ class _Frame:
         """Angles [rad] and rates [rad/s] (M,)."""
         arm = position - self.anchor
         angle = np.arctan2(arm @ self.across, arm @ self.down)
-        rate = (np.cos(angle) * (velocity @ self.across) - np.sin(angle) * (velocity @ self.down)) / self.length
+        rate = (
+            np.cos(angle) * (velocity @ self.across) - np.sin(angle) * (velocity @ self.down)
+        ) / self.length
         return angle, rate
 
     def placed(self, angle: Array, rate: Array) -> tuple[Array, Array]:

@@ -16,7 +16,10 @@ Array = NDArray[np.float64]
 
 
 class FreeBodies(Solver):
-    """Bodies on which nothing acts; `turn` fills in the attitude and omega of one of them, and says how long the kernel took."""
+    """Bodies on which nothing acts;
+
+    `turn` fills in the attitude and omega of one of them, and says how long the kernel took.
+    """
 
     def refusal(self, problem: Motion) -> str | None:
         """None if nothing acts on any body."""
@@ -27,14 +30,19 @@ class FreeBodies(Solver):
 
     @abstractmethod
     def turn(self, request: Request, number: int, attitude: Array, omega: Array) -> float:
-        """Fills attitude (T, 4) and omega (T, 3) [rad/s] of one body that spins; seconds in the kernel."""
+        """Fills attitude (T, 4) and omega (T, 3) [rad/s] of one body that spins; seconds in the
+        kernel.
+        """
 
     def run(self, request: Request) -> tuple[Trajectory, Cost]:
         """Centres at x0 + v (t - t0), attitudes by `turn` for the bodies that spin."""
         begun = perf_counter()
         t, bodies = request.problem.times, request.problem.scene.bodies
         position = bodies.position + bodies.velocity * (t - t[0])[:, None, None]
-        velocity, attitude, omega = (np.repeat(column[None], len(t), axis=0) for column in (bodies.velocity, bodies.attitude, bodies.omega))
+        velocity, attitude, omega = (
+            np.repeat(column[None], len(t), axis=0)
+            for column in (bodies.velocity, bodies.attitude, bodies.omega)
+        )
         seconds = 0.0
         for number in spinning(bodies):
             alone = len(bodies) == 1
@@ -44,8 +52,13 @@ class FreeBodies(Solver):
             if not alone:
                 attitude[:, number], omega[:, number] = turned, rate
         steps = 0 if request.step is None else request.stride * (len(t) - 1)
-        cost = Cost(seconds=seconds, setup=perf_counter() - begun - repeats() * seconds, steps=steps)
-        return Trajectory(t=t, position=position, velocity=velocity, attitude=attitude, omega=omega), cost
+        cost = Cost(
+            seconds=seconds, setup=perf_counter() - begun - repeats() * seconds, steps=steps
+        )
+        return (
+            Trajectory(t=t, position=position, velocity=velocity, attitude=attitude, omega=omega),
+            cost,
+        )
 
 
 class SteppedFreeBodies(FreeBodies):
@@ -60,12 +73,19 @@ class SteppedFreeBodies(FreeBodies):
 
     def refusal(self, problem: Motion) -> str | None:
         """None if nothing acts on any body and some body turns."""
-        idle = None if "rotation" in problem.scene.features else "nothing turns; uniform motion needs no steps"
+        idle = (
+            None
+            if "rotation" in problem.scene.features
+            else "nothing turns; uniform motion needs no steps"
+        )
         return super().refusal(problem) or idle
 
     def turn(self, request: Request, number: int, attitude: Array, omega: Array) -> float:
         """Attitude (T, 4) and omega (T, 3) after every `stride` steps."""
-        state = [pointer("rigid_body", column) for column in first_state(request.problem.scene.bodies, number)]
+        state = [
+            pointer("rigid_body", column)
+            for column in first_state(request.problem.scene.bodies, number)
+        ]
         out = [pointer("rigid_body", column, output=True) for column in (attitude, omega)]
         steps = getattr(load("rigid_body").lib, self.function)
         started = perf_counter()
@@ -80,4 +100,8 @@ def spinning(bodies: Bodies) -> list[int]:
 
 def first_state(bodies: Bodies, number: int) -> tuple[Array, Array, Array]:
     """Principal inertia (3,), attitude (4,) and omega (3,) of one body, each contiguous."""
-    return bodies.inertia[number].copy(), bodies.attitude[number].copy(), bodies.omega[number].copy()
+    return (
+        bodies.inertia[number].copy(),
+        bodies.attitude[number].copy(),
+        bodies.omega[number].copy(),
+    )

@@ -1,4 +1,6 @@
-"""A point that moves along one line: the line, its spring, dashpot, weight and drives, read off a scene."""
+"""A point that moves along one line: the line, its spring, dashpot, weight and drives, read off a
+scene.
+"""
 
 from dataclasses import dataclass
 from typing import Any
@@ -21,14 +23,18 @@ Array = NDArray[np.float64]
 
 ELEMENTS = (Spring, Dashpot, Force, UniformGravity)
 ASKEW = 1e-15
-"""Part of a vector that may point off the line: round-off of a scene turned into some other direction."""
+"""Part of a vector that may point off the line: round-off of a scene turned into some other
+direction.
+"""
 
 
 @dataclass(frozen=True)
 class Line:
-    """`axis` (3,) and `origin` (3,) [m], where the spring is at rest; on it place [m], velocity [m/s] and weight [N] of the point.
+    """`axis` (3,) and `origin` (3,) [m], where the spring is at rest; on it place [m], velocity
+    [m/s] and weight [N] of the point.
 
-    `drives` (M, 3): force [N], frequency [rad/s] and phase along the axis; `offset` [m] from the dashpot's anchor to the origin.
+    `drives` (M, 3): force [N], frequency [rad/s] and phase along the axis; `offset` [m] from the
+    dashpot's anchor to the origin.
     """
 
     axis: Array
@@ -44,15 +50,22 @@ class Line:
     drives: Array
 
     def trajectory(self, t: Array, x: Array, v: Array, **more: Any) -> Trajectory:
-        """The motion in space of places x (T,) and velocities v (T,); raises UnsupportedError if it passed the spring's anchor."""
+        """The motion in space of places x (T,) and velocities v (T,); raises UnsupportedError if it
+        passed the spring's anchor.
+        """
         if self.spring.length > 0 and np.any(x <= -self.spring.length):
-            raise UnsupportedError("the point passes the anchor of its spring: the force turns round there, which no series shows")
+            raise UnsupportedError(
+                "the point passes the anchor of its spring: the force turns round there, which no"
+                " series shows"
+            )
         position = self.origin + x[:, None, None] * self.axis
         return Trajectory.of_points(t, position, v[:, None, None] * self.axis, **more)
 
 
 def refusal(problem: Motion) -> str | None:
-    """None for one point on one spring to the world, with at most one dashpot, forces and gravity, all along one line."""
+    """None for one point on one spring to the world, with at most one dashpot, forces and gravity,
+    all along one line.
+    """
     scene = problem.scene
     others = [element.kind for element in scene.elements if not isinstance(element, ELEMENTS)]
     if others:
@@ -60,7 +73,10 @@ def refusal(problem: Motion) -> str | None:
     if len(scene.bodies) != 1 or scene.bodies.fixed.any():
         return f"{len(scene.bodies)} bodies, or a fixed one; expected one that moves"
     if len(scene.all(Spring)) != 1 or len(scene.all(Dashpot)) > 1:
-        return f"{len(scene.all(Spring))} springs and {len(scene.all(Dashpot))} dashpots; expected one and at most one"
+        return (
+            f"{len(scene.all(Spring))} springs and {len(scene.all(Dashpot))} dashpots; expected one"
+            " and at most one"
+        )
     return single.turning(scene) or _askew(scene)
 
 
@@ -71,7 +87,10 @@ def line_of(request: Request) -> Line:
     axis = _axis(scene)
     origin = np.array(spring.anchor_b) + spring.length * axis
     dashpot = next(iter(scene.all(Dashpot)), Dashpot(a=0))
-    drives = [(f.amplitude * float(axis @ np.array(f.axis)), f.frequency, f.phase) for f in scene.all(Force)]
+    drives = [
+        (f.amplitude * float(axis @ np.array(f.axis)), f.frequency, f.phase)
+        for f in scene.all(Force)
+    ]
     return Line(
         axis=axis,
         origin=origin,
@@ -90,7 +109,12 @@ def line_of(request: Request) -> Line:
 def _axis(scene: Scene) -> Array:
     """The unit vector of the line; away from the anchor of a spring that has a length."""
     arm = scene.bodies.position[0] - np.array(scene.all(Spring)[0].anchor_b)
-    candidates = [arm, *(np.array(force.axis) for force in scene.all(Force)), scene.bodies.velocity[0], single.gravity(scene)]
+    candidates = [
+        arm,
+        *(np.array(force.axis) for force in scene.all(Force)),
+        scene.bodies.velocity[0],
+        single.gravity(scene),
+    ]
     longest = next((vector for vector in candidates if np.any(vector)), np.array([1.0, 0.0, 0.0]))
     axis: Array = longest / np.linalg.norm(longest)
     return axis
@@ -103,6 +127,11 @@ def _askew(scene: Scene) -> str | None:
         return "a link between bodies"
     axis, anchor = _axis(scene), np.array(scene.all(Spring)[0].anchor_b)
     vectors = [scene.bodies.position[0] - anchor, scene.bodies.velocity[0], single.gravity(scene)]
-    vectors += [np.array(force.axis) for force in scene.all(Force)] + [np.array(pot.anchor_b) - anchor for pot in scene.all(Dashpot)]
-    off = any(np.linalg.norm(vector - (vector @ axis) * axis) > ASKEW * np.linalg.norm(vector) for vector in vectors)
+    vectors += [np.array(force.axis) for force in scene.all(Force)] + [
+        np.array(pot.anchor_b) - anchor for pot in scene.all(Dashpot)
+    ]
+    off = any(
+        np.linalg.norm(vector - (vector @ axis) * axis) > ASKEW * np.linalg.norm(vector)
+        for vector in vectors
+    )
     return "the motion is not along one line" if off else None

@@ -1,8 +1,11 @@
-"""Slip against a wall under a tangential spring that stiffens as the root of the overlap: Taylor series in a time that makes it smooth.
+"""Slip against a wall under a tangential spring that stiffens as the root of the overlap: Taylor
+series in a time that makes it smooth.
 
-In units of the greatest overlap and the speed at touch, with w = sqrt(d) and dt = w ds, Hertz's contact is w' = v/2, v' = -5/4 w^4 in s,
-analytic from touch to release. The slip p has the way q, q' = w p; while the spring sticks p' = -35/8 (k_t/k) w^2 stretch, while it
-slides p' = -+35/8 mu w^4 and its stretch is +-g d, g = mu k/k_t. Pieces end where the spring comes to its limit, is caught, or is let go.
+In units of the greatest overlap and the speed at touch, with w = sqrt(d) and dt = w ds, Hertz's
+contact is w' = v/2, v' = -5/4 w^4 in s, analytic from touch to release. The slip p has the way q,
+q' = w p; while the spring sticks p' = -35/8 (k_t/k) w^2 stretch, while it slides p' = -+35/8 mu w^4
+and its stretch is +-g d, g = mu k/k_t. Pieces end where the spring comes to its limit, is caught,
+or is let go.
 """
 
 from collections.abc import Callable, Sequence
@@ -35,7 +38,9 @@ class Spring:
         return self.friction / self.ratio
 
     def series(self, start: Sequence[float], side: int, hangs: float) -> Array:
-        """Taylor coefficients (4, ORDER + 1) of w, v, p, q in s; the stretch is q - hangs while it sticks (side 0)."""
+        """Taylor coefficients (4, ORDER + 1) of w, v, p, q in s; the stretch is q - hangs while it
+        sticks (side 0).
+        """
         c = np.zeros((4, ORDER + 1))
         c[:, 0] = start
         square, fourth, pull = np.zeros((3, ORDER + 1))
@@ -44,7 +49,11 @@ class Spring:
             square[n] = c[W, : n + 1] @ c[W, back]
             fourth[n] = square[: n + 1] @ square[back]
             stretch = c[Q, : n + 1] - np.eye(1, n + 1)[0] * hangs
-            pull[n] = self.ratio * (square[: n + 1] @ stretch[::-1]) if side == STICKS else side * self.friction * fourth[n]
+            pull[n] = (
+                self.ratio * (square[: n + 1] @ stretch[::-1])
+                if side == STICKS
+                else side * self.friction * fourth[n]
+            )
             rates = c[V, n] / 2, -1.25 * fourth[n], -4.375 * pull[n], c[W, : n + 1] @ c[P, back]
             c[:, n + 1] = np.array(rates) / (n + 1)
         return c
@@ -68,9 +77,13 @@ class Course:
     pieces: list[tuple[Array, float]]
 
     def at(self, depth: float, rate: float) -> tuple[float, float]:
-        """Slip and its way at an overlap and its rate: by the one of w and v that changes faster there."""
+        """Slip and its way at an overlap and its rate: by the one of w and v that changes faster
+        there.
+        """
         row, goal = (W, sqrt(depth)) if abs(rate) > 0.7 else (V, rate)
-        c, length = next((piece for piece in self.pieces if _at(piece[0][V], piece[1]) <= rate), self.pieces[-1])
+        c, length = next(
+            (piece for piece in self.pieces if _at(piece[0][V], piece[1]) <= rate), self.pieces[-1]
+        )
         s, slope = length / 2, polynomial.polyder(c[row])
         for _ in range(50):
             change = (goal - _at(c[row], s)) / _at(slope, s)
@@ -106,10 +119,14 @@ def _at(row: Array, s: float) -> float:
 
 
 def _first(ends: Sequence[tuple[Value, int | None]], mode: int) -> tuple[float, int | None]:
-    """Length of a piece and the next mode: where the first function falls through 0, found by bisection; STEP and the same if none does."""
+    """Length of a piece and the next mode: where the first function falls through 0, found by
+    bisection; STEP and the same if none does.
+    """
     for look in range(LOOKS):
         low, high = STEP * look / LOOKS, STEP * (look + 1) / LOOKS
-        fallen = [(_zero(value, low, high), n) for n, (value, _) in enumerate(ends) if value(high) < 0]
+        fallen = [
+            (_zero(value, low, high), n) for n, (value, _) in enumerate(ends) if value(high) < 0
+        ]
         if fallen:
             length, n = min(fallen)
             return length, ends[n][1]

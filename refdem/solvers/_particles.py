@@ -1,4 +1,6 @@
-"""What the methods for points and spheres share: which scenes they can say, and the scene in the kernel's words."""
+"""What the methods for points and spheres share: which scenes they can say, and the scene in the
+kernel's words.
+"""
 
 from time import perf_counter
 from typing import Any
@@ -26,7 +28,9 @@ METHODS = {"velocity-verlet": 0, "rk4": 1, "contact-events": 2}
 FAMILY = "particles"
 ORIGIN = np.zeros(3)
 FAR = 16.0
-"""Places that are more than so many sizes of the scene away cost digits; nearer ones are left as they are given."""
+"""Places that are more than so many sizes of the scene away cost digits; nearer ones are left as
+they are given.
+"""
 MANY = 12
 """Pairs that are looked at one by one in every step, and whose events cut it."""
 
@@ -40,14 +44,20 @@ def contact_of(scene: Scene) -> Contact | None:
 def _can_meet(scene: Scene) -> bool:
     """Whether there is a pair at all; of many spheres nobody writes all of them down."""
     shaped = np.array([not isinstance(shape, Point) for shape in scene.bodies.shape])
-    return bool(np.any(shaped & ~scene.bodies.fixed)) and bool(np.count_nonzero(shaped) > 1 or scene.all(Plane))
+    return bool(np.any(shaped & ~scene.bodies.fixed)) and bool(
+        np.count_nonzero(shaped) > 1 or scene.all(Plane)
+    )
 
 
 def pairs(scene: Scene) -> NDArray[np.int64]:
-    """Pairs (P, 2) of a body with a later one, or with plane k as -1 - k, that can meet and are not both fixed."""
+    """Pairs (P, 2) of a body with a later one, or with plane k as -1 - k, that can meet and are not
+    both fixed.
+    """
     if not scene.all(Contact) or not scene.has_shapes():
         return np.zeros((0, 2), np.int64)
-    has_shape = [number for number, shape in enumerate(scene.bodies.shape) if not isinstance(shape, Point)]
+    has_shape = [
+        number for number, shape in enumerate(scene.bodies.shape) if not isinstance(shape, Point)
+    ]
     fixed = scene.bodies.fixed
     found = [(i, j) for i in has_shape for j in has_shape if i < j and not (fixed[i] and fixed[j])]
     found += [(i, -1 - k) for i in has_shape for k in range(len(scene.all(Plane))) if not fixed[i]]
@@ -55,7 +65,9 @@ def pairs(scene: Scene) -> NDArray[np.int64]:
 
 
 def refusal(problem: Motion) -> str | None:
-    """None if the scene is points and spheres under springs, gravity, a central field and linear or Hertzian contact."""
+    """None if the scene is points and spheres under springs, gravity, a central field and linear or
+    Hertzian contact.
+    """
     scene = problem.scene
     for element in scene.elements:
         reason = _element_refusal(element)
@@ -108,7 +120,9 @@ def _contact_refusal(scene: Scene, law: Contact) -> str | None:
 
 
 def middle(scene: Scene) -> Array:
-    """The middle (3,) [m] of shapes that are far away; else, and where a field has its centre there, the origin."""
+    """The middle (3,) [m] of shapes that are far away; else, and where a field has its centre
+    there, the origin.
+    """
     shapes = scene.bodies.radius > 0
     places = scene.bodies.position[shapes]
     if not len(places) or scene.all(CentralField):
@@ -119,7 +133,10 @@ def middle(scene: Scene) -> Array:
 
 
 class Packed:
-    """A scene in the kernel's words, from `origin` (3,) [m]; keeps its arrays alive. `turning`: omega and attitude are in the state."""
+    """A scene in the kernel's words, from `origin` (3,) [m]; keeps its arrays alive.
+
+    `turning`: omega and attitude are in the state.
+    """
 
     def __init__(self, scene: Scene, origin: Array) -> None:
         self.origin = origin
@@ -135,26 +152,59 @@ class Packed:
             "ease": np.where(free, 1.0 / bodies.mass, 0.0),
             "turn_ease": np.where(turns, 1.0 / np.where(turns, inertia, 1.0), 0.0),
             "radius": bodies.radius,
-            "gravity": np.sum([e.g for e in scene.all(UniformGravity)], axis=0) if scene.all(UniformGravity) else np.zeros(3),
-            "spring": np.array([(s.stiffness, s.length, s.exponent, *(s.anchor_b - origin), s.quadratic, s.cubic) for s in springs], float),
+            "gravity": (
+                np.sum([e.g for e in scene.all(UniformGravity)], axis=0)
+                if scene.all(UniformGravity)
+                else np.zeros(3)
+            ),
+            "spring": np.array(
+                [
+                    (
+                        s.stiffness,
+                        s.length,
+                        s.exponent,
+                        *(s.anchor_b - origin),
+                        s.quadratic,
+                        s.cubic,
+                    )
+                    for s in springs
+                ],
+                float,
+            ),
             "spring_end": np.array([(s.a, s.b) for s in springs], np.int64),
             "plane": np.array([(*(p.point - origin), *p.normal) for p in planes], float),
             "pair": self.pairs,
         }
-        numbers: dict[str, Any] = {"bodies": len(bodies), "springs": len(springs), "pairs": len(self.pairs), "turning": self.turning}
+        numbers: dict[str, Any] = {
+            "bodies": len(bodies),
+            "springs": len(springs),
+            "pairs": len(self.pairs),
+            "turning": self.turning,
+        }
         numbers["gm"] = sum(e.gm for e in scene.all(CentralField))
         if law:
-            numbers |= {name: getattr(law, name) for name in ("stiffness", "damping", "tangential_stiffness", "friction")}
-            numbers |= {"branch": BRANCH[law.branch], "no_pull": law.cutoff == "zero_force", "hertz": law.law == "hertz"}
+            numbers |= {
+                name: getattr(law, name)
+                for name in ("stiffness", "damping", "tangential_stiffness", "friction")
+            }
+            numbers |= {
+                "branch": BRANCH[law.branch],
+                "no_pull": law.cutoff == "zero_force",
+                "hertz": law.law == "hertz",
+            }
         ffi = kernels.load(FAMILY).ffi
-        arrays = {name: _address(ffi, np.ascontiguousarray(value)) for name, value in self._kept.items()}
+        arrays = {
+            name: _address(ffi, np.ascontiguousarray(value)) for name, value in self._kept.items()
+        }
         self._buffers = arrays
         self.struct = ffi.new("refdem_particles *", {**arrays, **numbers})
 
     def start(self, scene: Scene, size: int) -> Array:
         """The state (size,) at the start."""
         bodies = scene.bodies
-        columns = [bodies.position - self.origin, bodies.velocity] + ([bodies.omega, bodies.attitude] if self.turning else [])
+        columns = [bodies.position - self.origin, bodies.velocity] + (
+            [bodies.omega, bodies.attitude] if self.turning else []
+        )
         flat = np.concatenate([column.ravel() for column in columns])
         return np.concatenate([flat, np.zeros(size - len(flat))])
 
@@ -164,14 +214,21 @@ def _address(ffi: Any, array: NDArray[Any]) -> Any:
     return ffi.from_buffer(kind, array) if array.size else ffi.NULL
 
 
-def run(request: Request, step: float, stride: int, origin: Array = ORIGIN) -> tuple[Trajectory, Cost]:
-    """The motion by the method that the request names, `stride` signed steps `step` [s] a sample; places count from `origin` (3,) [m]."""
+def run(
+    request: Request, step: float, stride: int, origin: Array = ORIGIN
+) -> tuple[Trajectory, Cost]:
+    """The motion by the method that the request names, `stride` signed steps `step` [s] a sample;
+    places count from `origin` (3,) [m].
+    """
     begun = perf_counter()
     scene, times = request.problem.scene, request.problem.times
     kernel, packed = kernels.load(FAMILY), Packed(scene, origin)
     size = kernel.lib.refdem_particles_size(packed.struct)
     out, channel = np.zeros((len(times), size)), np.zeros((len(times), 4))
-    work, mode = np.zeros(kernel.lib.refdem_particles_work(packed.struct)), np.zeros(max(1, len(packed.pairs)), np.int64)
+    work, mode = (
+        np.zeros(kernel.lib.refdem_particles_work(packed.struct)),
+        np.zeros(max(1, len(packed.pairs)), np.int64),
+    )
     event = np.zeros((1024, 3))
     out[0] = packed.start(scene, size)
     buffers = (kernels.pointer(FAMILY, a, output=True) for a in (work, event, channel, out))
@@ -180,24 +237,46 @@ def run(request: Request, step: float, stride: int, origin: Array = ORIGIN) -> t
     started = perf_counter()
     method = METHODS[request.method]
     events = kernel.lib.refdem_particles_run(
-        packed.struct, method, step, len(times), stride, len(event), modes, work_at, event_at, channel_at, out_at
+        packed.struct,
+        method,
+        step,
+        len(times),
+        stride,
+        len(event),
+        modes,
+        work_at,
+        event_at,
+        channel_at,
+        out_at,
     )
     seconds = perf_counter() - started
     cost = Cost(seconds=seconds, setup=started - begun, steps=stride * (len(times) - 1))
     return _trajectory(scene, times, packed, out, channel, event[:events]), cost
 
 
-def _trajectory(scene: Scene, times: Array, packed: Packed, out: Array, channel: Array, event: Array) -> Trajectory:
+def _trajectory(
+    scene: Scene, times: Array, packed: Packed, out: Array, channel: Array, event: Array
+) -> Trajectory:
     """The kernel's rows as states, channels and events."""
     count, n = len(times), len(scene.bodies)
-    blocks = np.split(out[:, : 13 * n if packed.turning else 6 * n], np.cumsum([3 * n, 3 * n, 3 * n])[: 3 if packed.turning else 1], axis=1)
-    columns: dict[str, Any] = {name: np.ascontiguousarray(b).reshape(count, n, -1) for name, b in zip(_COLUMNS, blocks, strict=False)}
+    blocks = np.split(
+        out[:, : 13 * n if packed.turning else 6 * n],
+        np.cumsum([3 * n, 3 * n, 3 * n])[: 3 if packed.turning else 1],
+        axis=1,
+    )
+    columns: dict[str, Any] = {
+        name: np.ascontiguousarray(b).reshape(count, n, -1)
+        for name, b in zip(_COLUMNS, blocks, strict=False)
+    }
     columns["position"] += packed.origin
     columns["position"][0] = scene.bodies.position
     if not packed.turning:
         columns["omega"] = np.zeros((count, n, 3))
         columns["attitude"] = np.broadcast_to(scene.bodies.attitude, (count, n, 4)).copy()
-    told = tuple(Event(time=float(times[0] + t), kind="contact" if what == 1 else "release", body=int(body)) for t, what, body in event)
+    told = tuple(
+        Event(time=float(times[0] + t), kind="contact" if what == 1 else "release", body=int(body))
+        for t, what, body in event
+    )
     channels = dict(zip(_CHANNELS, channel.T.copy(), strict=True)) if len(packed.pairs) else {}
     return Trajectory(t=times, channels=channels, events=told, **columns)
 

@@ -1,4 +1,6 @@
-"""What the methods for one point in a field or on one link share: reasons to refuse, and the scene's gravity."""
+"""What the methods for one point in a field or on one link share: reasons to refuse, and the
+scene's gravity.
+"""
 
 from math import inf, log2
 
@@ -17,28 +19,46 @@ ORDINARY = 2.0**20
 
 def gravity(scene: Scene) -> Array:
     """Acceleration (3,) [m/s^2] of all uniform fields together."""
-    return np.sum([np.zeros(3), *(np.asarray(field.g, float) for field in scene.all(UniformGravity))], axis=0)
+    return np.sum(
+        [np.zeros(3), *(np.asarray(field.g, float) for field in scene.all(UniformGravity))], axis=0
+    )
 
 
 def refusal(scene: Scene, *kinds: type[Element]) -> str | None:
-    """None if one body that does not turn is acted on by exactly one element of each kind, and by gravity where it may be.
+    """None if one body that does not turn is acted on by exactly one element of each kind, and by
+    gravity where it may be.
 
     Every link of one body is then one to the world: a scene has no link from a body to itself.
     """
-    others = [element.kind for element in scene.elements if not isinstance(element, (*kinds, UniformGravity))]
+    others = [
+        element.kind
+        for element in scene.elements
+        if not isinstance(element, (*kinds, UniformGravity))
+    ]
     if others:
         return f"{others[0]} is more than the closed form has"
     for kind in kinds:
         if len(scene.all(kind)) != 1:
-            return f"{len(scene.all(kind))} elements of kind {kind.__struct_config__.tag}; expected one"
-    return turning(scene) or (None if len(scene.bodies) == 1 else f"{len(scene.bodies)} bodies; expected one")
+            return (
+                f"{len(scene.all(kind))} elements of kind {kind.__struct_config__.tag};"
+                " expected one"
+            )
+    return turning(scene) or (
+        None if len(scene.bodies) == 1 else f"{len(scene.bodies)} bodies; expected one"
+    )
 
 
 def turning(scene: Scene) -> str | None:
-    """None if every body is a point as far as the motion goes: nothing turns, and no link holds it off its centre."""
+    """None if every body is a point as far as the motion goes: nothing turns, and no link holds it
+    off its centre.
+    """
     if "rotation" in scene.features:
         return "rotation is coupled to the motion"
-    off_centre = (link for link in scene.all(Link) if any(link.anchor_a) or (link.b >= 0 and any(link.anchor_b)))
+    off_centre = (
+        link
+        for link in scene.all(Link)
+        if any(link.anchor_a) or (link.b >= 0 and any(link.anchor_b))
+    )
     return "a link is off a body's centre" if any(off_centre) else None
 
 
@@ -48,10 +68,12 @@ def is_linear(spring: Spring) -> bool:
 
 
 def time_unit(times: list[float]) -> float:
-    """A power of two [s] near the shortest of the times of a motion; 1 where that is neither very short nor very long.
+    """A power of two [s] near the shortest of the times of a motion; 1 where that is neither very
+    short nor very long.
 
-    The n-th coefficient of a Taylor series in seconds is as t^-n: at order 20, times below 1e-15 s or above 1e15 s leave binary64.
-    Multiplied by powers of two, all numbers of a motion keep their digits.
+    The n-th coefficient of a Taylor series in seconds is as t^-n: at order 20, times below 1e-15 s
+    or above 1e15 s leave binary64. Multiplied by powers of two, all numbers of a motion keep their
+    digits.
     """
     found = [time for time in times if 0.0 < time < inf]
     shortest = min(found, default=1.0)

@@ -1,4 +1,6 @@
-"""Many starts of one scene, each by the closed form that one of them has (kernels coulomb, linear_oscillator, oscillator, pendulum)."""
+"""Many starts of one scene, each by the closed form that one of them has (kernels coulomb,
+linear_oscillator, oscillator, pendulum).
+"""
 
 from collections.abc import Callable
 from time import perf_counter
@@ -21,11 +23,15 @@ from refdem.solvers.solver import Solver
 Array = NDArray[np.float64]
 Flow = Callable[[Ensemble, Array, Array], None]
 OFF = 1e-12
-"""Part of its size by which a start may be off the line or the rod of the first: round-off of a scene turned some other way."""
+"""Part of its size by which a start may be off the line or the rod of the first: round-off of a
+scene turned some other way.
+"""
 
 
 class CarriedEnsemble(Solver):
-    """Harmonic, damped and driven, dry and pendulum flows; a linear flow is the sum of three motions."""
+    """Harmonic, damped and driven, dry and pendulum flows; a linear flow is the sum of three
+    motions.
+    """
 
     claims = Method(
         name="carried-ensemble",
@@ -40,7 +46,9 @@ class CarriedEnsemble(Solver):
     def refusal(self, problem: Ensemble) -> str | None:
         """None for starts of one point on a line or on a rod whose motion has a closed form."""
         reasons = [solver.refusal(problem.motion(0)) for solver, _ in FLOWS]
-        return "; ".join(reason for reason in reasons if reason) if all(reasons) else _astray(problem)
+        return (
+            "; ".join(reason for reason in reasons if reason) if all(reasons) else _astray(problem)
+        )
 
     def run(self, request: Request) -> tuple[Trajectory, Cost]:
         """`position` [m] and `velocity` [m/s] (T, M, 1, 3)."""
@@ -53,23 +61,41 @@ class CarriedEnsemble(Solver):
         started = perf_counter()
         flow(problem, position, velocity)
         cost = Cost(seconds=perf_counter() - started, setup=started - begun)
-        return Trajectory.of_values(problem.times, {"position": position, "velocity": velocity}), cost
+        return (
+            Trajectory.of_values(problem.times, {"position": position, "velocity": velocity}),
+            cost,
+        )
 
 
 def linear(problem: Ensemble, position: Array, velocity: Array) -> None:
-    """The motion from rest at the origin, and what a unit of place and a unit of velocity add to it."""
+    """The motion from rest at the origin, and what a unit of place and a unit of velocity add to
+    it.
+    """
     origin, axis = _frame(problem)
     solver = next(solver for solver, _ in FLOWS[:2] if solver.refusal(problem.motion(0)) is None)
     place, rate = (problem.position[:, 0] - origin) @ axis, problem.velocity[:, 0] @ axis
     units = max(float(np.abs(place).max()), float(np.abs(rate).max()))
-    columns = [_alone(solver, problem, origin + x * axis, v * axis, axis, origin) for x, v in ((0.0, 0.0), (units, 0.0), (0.0, units))]
-    rest, by_place, by_rate = columns[0], (columns[1] - columns[0]) / units, (columns[2] - columns[0]) / units
-    carried = rest[:, None] + by_place[:, None] * place[None, :, None] + by_rate[:, None] * rate[None, :, None]
+    columns = [
+        _alone(solver, problem, origin + x * axis, v * axis, axis, origin)
+        for x, v in ((0.0, 0.0), (units, 0.0), (0.0, units))
+    ]
+    rest, by_place, by_rate = (
+        columns[0],
+        (columns[1] - columns[0]) / units,
+        (columns[2] - columns[0]) / units,
+    )
+    carried = (
+        rest[:, None]
+        + by_place[:, None] * place[None, :, None]
+        + by_rate[:, None] * rate[None, :, None]
+    )
     position[:, :, 0] = origin + carried[..., :1] * axis
     velocity[:, :, 0] = carried[..., 1:] * axis
 
 
-def _alone(solver: Solver, problem: Ensemble, place: Array, rate: Array, axis: Array, origin: Array) -> Array:
+def _alone(
+    solver: Solver, problem: Ensemble, place: Array, rate: Array, axis: Array, origin: Array
+) -> Array:
     """Place and rate (T, 2) along the axis of one motion."""
     scene = problem.scene.with_state(position=place[None], velocity=rate[None])
     run, _ = solver.run(Request(problem=Motion(scene, problem.times), method=solver.claims.name))
@@ -82,9 +108,19 @@ def coulomb(problem: Ensemble, position: Array, velocity: Array) -> None:
     spring, slider = scene.all(Spring)[0], scene.all(Slider)[0]
     axis, origin = np.array(slider.axis), single.anchor(spring)
     place, rate = (problem.position[:, 0] - origin) @ axis, problem.velocity[:, 0] @ axis
-    law = (float(scene.bodies.mass[0]), spring.stiffness, slider.friction, slider.normal_force, float(axis @ single.gravity(scene)))
+    law = (
+        float(scene.bodies.mass[0]),
+        spring.stiffness,
+        slider.friction,
+        slider.normal_force,
+        float(axis @ single.gravity(scene)),
+    )
     out, stop = np.empty((len(place), len(t), 3)), np.empty(1)
-    call, rows, samples = load("coulomb").lib.refdem_coulomb, pointer("coulomb", out, output=True), pointer("coulomb", t)
+    call, rows, samples = (
+        load("coulomb").lib.refdem_coulomb,
+        pointer("coulomb", out, output=True),
+        pointer("coulomb", t),
+    )
     stopped, begin, count = pointer("coulomb", stop, output=True), float(t[0]), len(t)
     for member, (x, v) in enumerate(zip(place.tolist(), rate.tolist(), strict=True)):
         call(*law, x, v, begin, count, samples, stopped, rows + 3 * count * member)
@@ -96,15 +132,33 @@ def pendulum(problem: Ensemble, position: Array, velocity: Array) -> None:
     """Jacobi functions, start by start."""
     scene, t = problem.scene, problem.times
     rod, count, members = scene.all(Rod)[0], len(problem.times), len(problem.position)
-    starts = [np.ascontiguousarray(column.reshape(-1)) for column in (problem.position, problem.velocity)]
+    starts = [
+        np.ascontiguousarray(column.reshape(-1)) for column in (problem.position, problem.velocity)
+    ]
     fixed = [pointer("pendulum", column) for column in (single.gravity(scene), single.anchor(rod))]
     out = [np.empty((members, count, 3)), np.empty((members, count, 3)), np.empty((members, count))]
     x, v, force = (pointer("pendulum", column, output=True) for column in out)
     (r, u), samples = (pointer("pendulum", column) for column in starts), pointer("pendulum", t)
-    call, mass, begin = load("pendulum").lib.refdem_pendulum, float(scene.bodies.mass[0]), float(t[0])
+    call, mass, begin = (
+        load("pendulum").lib.refdem_pendulum,
+        float(scene.bodies.mass[0]),
+        float(t[0]),
+    )
     for member in range(members):
         at, row = 3 * member, 3 * count * member
-        call(mass, rod.length, *fixed, r + at, u + at, begin, count, samples, x + row, v + row, force + count * member)
+        call(
+            mass,
+            rod.length,
+            *fixed,
+            r + at,
+            u + at,
+            begin,
+            count,
+            samples,
+            x + row,
+            v + row,
+            force + count * member,
+        )
     position[:, :, 0], velocity[:, :, 0] = out[0].transpose(1, 0, 2), out[1].transpose(1, 0, 2)
 
 
@@ -117,7 +171,9 @@ FLOWS: tuple[tuple[Any, Flow], ...] = (
 
 
 def _frame(problem: Ensemble) -> tuple[Array, Array]:
-    """Where the spring is anchored, and the line along which the start that is farthest out moves."""
+    """Where the spring is anchored, and the line along which the start that is farthest out
+    moves.
+    """
     origin = single.anchor(problem.scene.all(Spring)[0])
     arms = np.concatenate((problem.position[:, 0] - origin, problem.velocity[:, 0]))
     farthest = arms[np.argmax(np.linalg.norm(arms, axis=1))]
@@ -128,7 +184,10 @@ def _astray(problem: Ensemble) -> str | None:
     """None if every start lies on the line, or the rod, of the first."""
     if problem.scene.all(Rod):
         solver: Solver = exact_pendulum.METHOD
-        off = next((member for member in _doubtful(problem) if solver.refusal(problem.motion(member))), None)
+        off = next(
+            (member for member in _doubtful(problem) if solver.refusal(problem.motion(member))),
+            None,
+        )
         return None if off is None else f"start {off} does not swing in the plane on its rod"
     if any(spring.length for spring in problem.scene.all(Spring)):
         return "the spring has a length: the starts may lie on both sides of its anchor"
@@ -138,17 +197,30 @@ def _astray(problem: Ensemble) -> str | None:
     slider = next(iter(problem.scene.all(Slider)), None)
     if slider is not None and abs(abs(float(axis @ np.array(slider.axis))) - 1) > OFF:
         return "the starts do not lie on the slider's line"
-    return "the starts do not lie on one line" if off_line.max() > OFF * np.linalg.norm(arms, axis=1).max() else None
+    return (
+        "the starts do not lie on one line"
+        if off_line.max() > OFF * np.linalg.norm(arms, axis=1).max()
+        else None
+    )
 
 
 def _doubtful(problem: Ensemble) -> list[int]:
-    """Numbers of the starts whose rod or plane seems off: those that the closed form must be asked about one by one."""
+    """Numbers of the starts whose rod or plane seems off: those that the closed form must be asked
+    about one by one.
+    """
     rod = problem.scene.all(Rod)[0]
-    arm, velocity, down = problem.position[:, 0] - single.anchor(rod), problem.velocity[:, 0], single.gravity(problem.scene)
+    arm, velocity, down = (
+        problem.position[:, 0] - single.anchor(rod),
+        problem.velocity[:, 0],
+        single.gravity(problem.scene),
+    )
     speed = np.linalg.norm(velocity, axis=1)
     length = np.abs(np.linalg.norm(arm, axis=1) - rod.length) > 1e-9 * rod.length
     along = np.abs(np.sum(arm * velocity, axis=1)) > OFF * rod.length * speed
-    sideways = np.abs(np.sum(np.cross(arm, down) * velocity, axis=1)) > OFF * rod.length * float(np.linalg.norm(down)) * speed
+    sideways = (
+        np.abs(np.sum(np.cross(arm, down) * velocity, axis=1))
+        > OFF * rod.length * float(np.linalg.norm(down)) * speed
+    )
     return [int(member) for member in np.flatnonzero(length | along | sideways)]
 
 

@@ -1,4 +1,6 @@
-"""Collisions to round-off: extrapolation (Bulirsch and Stoer 1966) from event to event of the contact law."""
+"""Collisions to round-off: extrapolation (Bulirsch and Stoer 1966) from event to event of the
+contact law.
+"""
 
 from math import ceil, log2, pi, sqrt
 
@@ -11,11 +13,15 @@ from refdem.solvers.solver import Solver
 
 
 class ContactEvents(Solver):
-    """Oblique, spinning, damped, rubbing collisions: contact, stick, slip and release are found to the last bits of the step."""
+    """Oblique, spinning, damped, rubbing collisions: contact, stick, slip and release are found to
+    the last bits of the step.
+    """
 
     claims = Method(
         name="contact-events",
-        summary="extrapolated midpoint rule to round-off; contact, stick, slip and release as events",
+        summary=(
+            "extrapolated midpoint rule to round-off; contact, stick, slip and release as events"
+        ),
         control="exact",
         conserves=frozenset({"momentum", "angular-momentum"}),
         backward=True,
@@ -33,9 +39,11 @@ class ContactEvents(Solver):
         return RK4.refusal(problem)
 
     def run(self, request: Request) -> tuple[Trajectory, Cost]:
-        """Steps of at most a twentieth of the shortest contact; events inside a step are found by its ends.
+        """Steps of at most a twentieth of the shortest contact; events inside a step are found by
+        its ends.
 
-        Places count from the middle of the shapes: far away their rounding would be what no step settles.
+        Places count from the middle of the shapes: far away their rounding would be what no step
+        settles.
         """
         scene = request.problem.scene
         law = _particles.contact_of(scene)
@@ -43,7 +51,9 @@ class ContactEvents(Solver):
         lightest = float(scene.bodies.mass.min())
         most = pi * sqrt(lightest / 2 / law.stiffness) / 20
         stride = 2 ** max(0, ceil(log2(abs(request.problem.interval) / most)))
-        return _particles.run(request, request.problem.interval / stride, stride, _particles.middle(scene))
+        return _particles.run(
+            request, request.problem.interval / stride, stride, _particles.middle(scene)
+        )
 
 
 METHOD = ContactEvents()

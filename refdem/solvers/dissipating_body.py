@@ -15,15 +15,22 @@ from refdem.solvers.solver import Solver
 
 
 class DissipatingBody(Solver):
-    """Angular momentum in principal axes and attitude by Taylor series; the centre flies straight."""
+    """Angular momentum in principal axes and attitude by Taylor series; the centre flies
+    straight.
+    """
 
     claims = Method(
         name="dissipating-body",
         summary="a body that loses energy inside: Taylor series of order 20, steps to round-off",
         control="exact",
         derived={
-            "attitude": "the attitude is divided by its length when it is handed out, so that it is always 1",
-            "dissipated_work": "it is told as what the energy lacks, so that the balance always holds",
+            "attitude": (
+                "the attitude is divided by its length when it is handed out, so that it is"
+                " always 1"
+            ),
+            "dissipated_work": (
+                "it is told as what the energy lacks, so that the balance always holds"
+            ),
         },
         conserves=frozenset({"momentum", "angular-momentum"}),
         backward=True,
@@ -32,9 +39,15 @@ class DissipatingBody(Solver):
     kernels = ("dissipating_body",)
 
     def refusal(self, problem: Motion) -> str | None:
-        """None for one free body with inertia about every axis and damping inside it, and nothing else."""
+        """None for one free body with inertia about every axis and damping inside it, and nothing
+        else.
+        """
         scene = problem.scene
-        if len(scene.bodies) != 1 or scene.bodies.fixed.any() or not np.all(scene.bodies.inertia > 0):
+        if (
+            len(scene.bodies) != 1
+            or scene.bodies.fixed.any()
+            or not np.all(scene.bodies.inertia > 0)
+        ):
             return "not one free body with inertia"
         if [element.kind for element in scene.elements] != ["internal_damping"]:
             return "not internal damping alone"
@@ -51,10 +64,15 @@ class DissipatingBody(Solver):
         given = [pointer("dissipating_body", column) for column in (inertia, t)]
         row = pointer("dissipating_body", out, output=True)
         started = perf_counter()
-        failed = load("dissipating_body").lib.refdem_dissipating_body(given[0], damping, len(t), given[1], row)
+        failed = load("dissipating_body").lib.refdem_dissipating_body(
+            given[0], damping, len(t), given[1], row
+        )
         cost = Cost(seconds=perf_counter() - started, setup=started - begun)
         if failed:
-            raise EngineError(f"dissipating-body: no step leads to t = {t[failed - 1]:.6g} s; take a smaller damping or duration")
+            raise EngineError(
+                f"dissipating-body: no step leads to t = {t[failed - 1]:.6g} s; take a smaller"
+                " damping or duration"
+            )
         turn = out[:, 3:] / np.linalg.norm(out[:, 3:], axis=1, keepdims=True)
         omega = rotated(turn, out[:, :3] / inertia)
         omega[0] = bodies.omega[0]

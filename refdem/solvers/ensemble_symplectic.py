@@ -1,4 +1,6 @@
-"""Many starts of one plane pendulum, stepped together to order 8: the cheaper one down to errors of 1e-11."""
+"""Many starts of one plane pendulum, stepped together to order 8: the cheaper one down to errors of
+1e-11.
+"""
 
 from refdem.solvers._ensemble_symplectic import EnsembleSymplectic, claimed
 

@@ -1,4 +1,6 @@
-"""Many starts of one plane pendulum, stepped together to order 10: the cheaper one from errors of 1e-11 down."""
+"""Many starts of one plane pendulum, stepped together to order 10: the cheaper one from errors of
+1e-11 down.
+"""
 
 from refdem.solvers._ensemble_symplectic import EnsembleSymplectic, claimed
 

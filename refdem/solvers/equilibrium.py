@@ -1,4 +1,6 @@
-"""Bodies that rest and stay: every force is balanced, so the state is the start at all times (Newton 1687, law I)."""
+"""Bodies that rest and stay: every force is balanced, so the state is the start at all times
+(Newton 1687, law I).
+"""
 
 from time import perf_counter
 from typing import Any
@@ -17,7 +19,9 @@ from refdem.solvers.solver import Solver
 
 
 class Equilibrium(Solver):
-    """Points and spheres whose forces add up to zero, and rigid bodies that stand in columns on a plane."""
+    """Points and spheres whose forces add up to zero, and rigid bodies that stand in columns on a
+    plane.
+    """
 
     claims = Method(
         name="equilibrium",
@@ -44,9 +48,13 @@ class Equilibrium(Solver):
         """The start at every sample."""
         bodies, times = request.problem.scene.bodies, request.problem.times
         started = perf_counter()
-        state: Any = {name: np.repeat(getattr(bodies, name)[None], len(times), axis=0) for name in STATE}
+        state: Any = {
+            name: np.repeat(getattr(bodies, name)[None], len(times), axis=0) for name in STATE
+        }
         seconds = perf_counter() - started
-        return Trajectory(t=times, channels={"dissipated_work": np.zeros(len(times))}, **state), Cost(seconds=seconds)
+        return Trajectory(
+            t=times, channels={"dissipated_work": np.zeros(len(times))}, **state
+        ), Cost(seconds=seconds)
 
 
 def _rigid_refusal(scene: Scene, law: Contact) -> str | None:

@@ -1,4 +1,6 @@
-"""A free point that a hook of the world catches at closest approach: a straight line, then a circle."""
+"""A free point that a hook of the world catches at closest approach: a straight line, then a
+circle.
+"""
 
 from time import perf_counter
 
@@ -49,21 +51,46 @@ class ExactCapture(Solver):
         hook, mass = scene.all(Catch)[0], scene.bodies.mass[0]
         arm, v = scene.bodies.position[0] - single.anchor(hook), scene.bodies.velocity[0]
         speed2, along = v @ v, arm @ v
-        late = -along / speed2 if speed2 > 0 and abs(along) > ACROSS * np.linalg.norm(arm) * np.sqrt(speed2) else 0.0
+        late = (
+            -along / speed2
+            if speed2 > 0 and abs(along) > ACROSS * np.linalg.norm(arm) * np.sqrt(speed2)
+            else 0.0
+        )
         nearest = arm + v * late
         distance = float(np.linalg.norm(nearest))
         holds = late >= 0 and 0 < distance <= hook.radius * REACH
         since = (t - t[0]) - late if holds else np.full(len(t), -1.0)
         caught, flight = since > 0, np.where(since > 0, late, t - t[0])
-        angle = np.where(caught, np.sqrt(speed2) / distance * since, 0.0)[:, None] if distance else np.zeros((len(t), 1))
-        cosine, sine, ahead = np.cos(angle), np.sin(angle), v * (distance / np.sqrt(speed2) if speed2 > 0 else 0.0)
-        place = np.where(caught[:, None], nearest * cosine + ahead * sine, arm + v * flight[:, None])
-        velocity = np.where(caught[:, None], v * cosine - nearest * (np.sqrt(speed2) / (distance or 1.0)) * sine, v)
+        angle = (
+            np.where(caught, np.sqrt(speed2) / distance * since, 0.0)[:, None]
+            if distance
+            else np.zeros((len(t), 1))
+        )
+        cosine, sine, ahead = (
+            np.cos(angle),
+            np.sin(angle),
+            v * (distance / np.sqrt(speed2) if speed2 > 0 else 0.0),
+        )
+        place = np.where(
+            caught[:, None], nearest * cosine + ahead * sine, arm + v * flight[:, None]
+        )
+        velocity = np.where(
+            caught[:, None], v * cosine - nearest * (np.sqrt(speed2) / (distance or 1.0)) * sine, v
+        )
         force = np.where(since >= 0, mass * speed2 / (distance or 1.0), 0.0)
         events = (Event(float(t[0] + late), "catch", 0),) if holds and t[0] + late <= t[-1] else ()
         cost = Cost(seconds=perf_counter() - begun)
         position = (place + single.anchor(hook))[:, None]
-        return Trajectory.of_points(t, position, velocity[:, None], channels={"rod_force": force[:, None]}, events=events), cost
+        return (
+            Trajectory.of_points(
+                t,
+                position,
+                velocity[:, None],
+                channels={"rod_force": force[:, None]},
+                events=events,
+            ),
+            cost,
+        )
 
 
 METHOD = ExactCapture()

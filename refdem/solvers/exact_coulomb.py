@@ -1,4 +1,6 @@
-"""A body on a spring and a slider to the world along one line, in exact half cycles (kernels/coulomb.c); it stops for ever."""
+"""A body on a spring and a slider to the world along one line, in exact half cycles
+(kernels/coulomb.c); it stops for ever.
+"""
 
 from time import perf_counter
 
@@ -31,7 +33,9 @@ class ExactCoulomb(Solver):
     kernels = ("coulomb",)
 
     def refusal(self, problem: Motion) -> str | None:
-        """None for one point on a linear spring of natural length 0 and a slider, both to the world, moving along the slider."""
+        """None for one point on a linear spring of natural length 0 and a slider, both to the
+        world, moving along the slider.
+        """
         scene = problem.scene
         reason = single.refusal(scene, Spring, Slider)
         if reason:
@@ -46,7 +50,10 @@ class ExactCoulomb(Solver):
         if not slider.is_plain:
             return "the slider is on a belt, or its friction depends on the speed"
         if problem.interval < 0:
-            return "time runs backwards, and a body that friction brought to rest may have come from anywhere"
+            return (
+                "time runs backwards, and a body that friction brought to rest may have come from"
+                " anywhere"
+            )
         return _off_line(scene, np.array(slider.axis))
 
     def run(self, request: Request) -> tuple[Trajectory, Cost]:
@@ -55,10 +62,24 @@ class ExactCoulomb(Solver):
         scene, t = request.problem.scene, request.problem.times
         spring, slider, bodies = scene.all(Spring)[0], scene.all(Slider)[0], scene.bodies
         axis, anchor = np.array(slider.axis), single.anchor(spring)
-        start = [float(axis @ vector) for vector in (single.gravity(scene), bodies.position[0] - anchor, bodies.velocity[0])]
-        numbers = (float(bodies.mass[0]), spring.stiffness, slider.friction, slider.normal_force, *start, float(t[0]))
+        start = [
+            float(axis @ vector)
+            for vector in (single.gravity(scene), bodies.position[0] - anchor, bodies.velocity[0])
+        ]
+        numbers = (
+            float(bodies.mass[0]),
+            spring.stiffness,
+            slider.friction,
+            slider.normal_force,
+            *start,
+            float(t[0]),
+        )
         out, stop = np.empty((len(t), 3)), np.empty(1)
-        stopped, rows, samples = pointer("coulomb", stop, output=True), pointer("coulomb", out, output=True), pointer("coulomb", t)
+        stopped, rows, samples = (
+            pointer("coulomb", stop, output=True),
+            pointer("coulomb", out, output=True),
+            pointer("coulomb", t),
+        )
         lib, motion = load("coulomb").lib, prepared("coulomb")
         lib.refdem_coulomb_prepare(*numbers, len(t), samples, stopped, rows, motion)
         started = perf_counter()
@@ -66,14 +87,26 @@ class ExactCoulomb(Solver):
         cost = Cost(seconds=seconds, setup=started - begun)
         position, velocity = anchor + out[:, :1, None] * axis, out[:, 1:2, None] * axis
         events = (Event(time=float(stop[0]), kind="stop", body=0),) if stop[0] <= t[-1] else ()
-        return Trajectory.of_points(t, position, velocity, channels={"dissipated_work": out[:, 2].copy()}, events=events), cost
+        return (
+            Trajectory.of_points(
+                t, position, velocity, channels={"dissipated_work": out[:, 2].copy()}, events=events
+            ),
+            cost,
+        )
 
 
 def _off_line(scene: Scene, axis: Array) -> str | None:
     """None if place, velocity and gravity lie along the axis through the anchor."""
     bodies = scene.bodies
-    vectors = (bodies.position[0] - single.anchor(scene.all(Spring)[0]), bodies.velocity[0], single.gravity(scene))
-    across = [np.linalg.norm(vector - (vector @ axis) * axis) > 4e-16 * np.linalg.norm(vector) for vector in vectors]
+    vectors = (
+        bodies.position[0] - single.anchor(scene.all(Spring)[0]),
+        bodies.velocity[0],
+        single.gravity(scene),
+    )
+    across = [
+        np.linalg.norm(vector - (vector @ axis) * axis) > 4e-16 * np.linalg.norm(vector)
+        for vector in vectors
+    ]
     return "the motion is not along the slider" if any(across) else None
 
 

@@ -1,4 +1,6 @@
-"""Free bodies in closed form: Euler's equations by Jacobi functions, attitude by one theta function (kernels/free_body.c)."""
+"""Free bodies in closed form: Euler's equations by Jacobi functions, attitude by one theta function
+(kernels/free_body.c).
+"""
 
 from refdem.core.engine import Method
 from refdem.core.problem import Request
@@ -11,7 +13,10 @@ class ExactFreeBody(FreeBodies):
 
     claims = Method(
         name="exact-free-body",
-        summary="free rigid bodies in closed form: Jacobi functions for omega, a theta function for the attitude",
+        summary=(
+            "free rigid bodies in closed form: Jacobi functions for omega, a theta function for the"
+            " attitude"
+        ),
         control="exact",
         conserves=frozenset({"momentum", "angular-momentum", "energy"}),
         reversible=True,
@@ -24,7 +29,10 @@ class ExactFreeBody(FreeBodies):
     def turn(self, request: Request, number: int, attitude: Array, omega: Array) -> float:
         """Attitude (T, 4) and omega (T, 3) at the samples; errors of a few ulp."""
         t = request.problem.times
-        state = [pointer("free_body", column) for column in first_state(request.problem.scene.bodies, number)]
+        state = [
+            pointer("free_body", column)
+            for column in first_state(request.problem.scene.bodies, number)
+        ]
         out = [pointer("free_body", column, output=True) for column in (attitude, omega)]
         lib, motion = load("free_body").lib, prepared("free_body")
         lib.refdem_free_body_prepare(*state, t[0], len(t), pointer("free_body", t), *out, motion)

@@ -1,4 +1,6 @@
-"""A point on a linear spring of natural length 0 to the world, in uniform gravity or none, in closed form (kernels/oscillator.c)."""
+"""A point on a linear spring of natural length 0 to the world, in uniform gravity or none, in
+closed form (kernels/oscillator.c).
+"""
 
 from time import perf_counter
 
@@ -46,13 +48,26 @@ class ExactHarmonic(Solver):
         begun = perf_counter()
         scene, t = request.problem.scene, request.problem.times
         spring = scene.all(Spring)[0]
-        given = (single.gravity(scene), single.anchor(spring), scene.bodies.position[0].copy(), scene.bodies.velocity[0].copy())
+        given = (
+            single.gravity(scene),
+            single.anchor(spring),
+            scene.bodies.position[0].copy(),
+            scene.bodies.velocity[0].copy(),
+        )
         position, velocity = np.empty((len(t), 1, 3)), np.empty((len(t), 1, 3))
         columns = [pointer("oscillator", column) for column in given]
         out = [pointer("oscillator", column, output=True) for column in (position, velocity)]
         lib = load("oscillator").lib
         started = perf_counter()
-        lib.refdem_harmonic(scene.bodies.mass[0], spring.stiffness, *columns, t[0], len(t), pointer("oscillator", t), *out)
+        lib.refdem_harmonic(
+            scene.bodies.mass[0],
+            spring.stiffness,
+            *columns,
+            t[0],
+            len(t),
+            pointer("oscillator", t),
+            *out,
+        )
         cost = Cost(seconds=perf_counter() - started, setup=started - begun)
         return Trajectory.of_points(t, position, velocity), cost
 

@@ -1,4 +1,6 @@
-"""Two spheres that meet along the line of their centres, in closed form (kernels/head_on.c); both cut-offs, any damping."""
+"""Two spheres that meet along the line of their centres, in closed form (kernels/head_on.c); both
+cut-offs, any damping.
+"""
 
 from math import hypot
 from time import perf_counter
@@ -17,7 +19,9 @@ from refdem.solvers.solver import Solver
 Array = NDArray[np.float64]
 
 ROUNDED = 4 * 2.0**-52
-"""Overlaps of so many times the distance, and sideways speeds of so many times the speed, are rounding."""
+"""Overlaps of so many times the distance, and sideways speeds of so many times the speed, are
+rounding.
+"""
 
 
 class ExactHeadOn(Solver):
@@ -36,10 +40,16 @@ class ExactHeadOn(Solver):
     kernels = ("head_on",)
 
     def refusal(self, problem: Motion) -> str | None:
-        """None for two free spheres that do not turn, nothing but linear contact, and no sideways velocity."""
+        """None for two free spheres that do not turn, nothing but linear contact, and no sideways
+        velocity.
+        """
         scene, bodies = problem.scene, problem.scene.bodies
         laws = scene.all(Contact)
-        if len(bodies) != 2 or not all(isinstance(shape, Sphere) for shape in bodies.shape) or bodies.fixed.any():
+        if (
+            len(bodies) != 2
+            or not all(isinstance(shape, Sphere) for shape in bodies.shape)
+            or bodies.fixed.any()
+        ):
             return "not two free spheres"
         if len(laws) != 1 or len(scene.elements) != 1 or laws[0].law != "linear":
             return "something else than one linear contact law"
@@ -51,7 +61,11 @@ class ExactHeadOn(Solver):
         distance = float(bodies.radius.sum())
         if overlap > ROUNDED * distance:
             return "the spheres overlap at the start"
-        return "the spheres do not meet along the line of their centres" if sideways > ROUNDED * abs(closing) else None
+        return (
+            "the spheres do not meet along the line of their centres"
+            if sideways > ROUNDED * abs(closing)
+            else None
+        )
 
     def run(self, request: Request) -> tuple[Trajectory, Cost]:
         """States at the samples; a run backwards is one with flipped velocities."""
@@ -62,25 +76,51 @@ class ExactHeadOn(Solver):
         overlap, closing, _ = approach(scene)
         start = min(overlap, 0.0) if abs(overlap) > ROUNDED * bodies.radius.sum() else 0.0
         since, out, touch = sense * (t - t[0]), np.empty((len(t), 5)), np.empty(2)
-        numbers = (*bodies.mass.tolist(), law.stiffness, law.damping, law.cutoff == "zero_force", start, sense * closing)
+        numbers = (
+            *bodies.mass.tolist(),
+            law.stiffness,
+            law.damping,
+            law.cutoff == "zero_force",
+            start,
+            sense * closing,
+        )
         buffers = [pointer("head_on", array, output=True) for array in (touch, out)]
         lib = load("head_on").lib
         started = perf_counter()
         lib.refdem_head_on(*numbers, len(t), pointer("head_on", since), *buffers)
         cost = Cost(seconds=perf_counter() - started, setup=started - begun)
-        position, velocity = states(scene, since * sense, out[:, 0] - start, sense * out[:, 1] - closing)
+        position, velocity = states(
+            scene, since * sense, out[:, 0] - start, sense * out[:, 1] - closing
+        )
         names = ("contacts", "contact_force", "dissipated_work")
-        channels = {"overlap": np.maximum(out[:, 0], 0.0)} | {n: out[:, 2 + k].copy() for k, n in enumerate(names)}
+        channels = {"overlap": np.maximum(out[:, 0], 0.0)} | {
+            n: out[:, 2 + k].copy() for k, n in enumerate(names)
+        }
         pairs = zip(touch, ("contact", "release"), strict=True)
-        events = tuple(Event(time=float(t[0] + sense * when), kind=kind, body=0) for when, kind in pairs if 0 < when <= since[-1])
+        events = tuple(
+            Event(time=float(t[0] + sense * when), kind=kind, body=0)
+            for when, kind in pairs
+            if 0 < when <= since[-1]
+        )
         attitude = np.repeat(bodies.attitude[None], len(t), axis=0)
-        return Trajectory(
-            t=t, position=position, velocity=velocity, attitude=attitude, omega=np.zeros_like(velocity), channels=channels, events=events
-        ), cost
+        return (
+            Trajectory(
+                t=t,
+                position=position,
+                velocity=velocity,
+                attitude=attitude,
+                omega=np.zeros_like(velocity),
+                channels=channels,
+                events=events,
+            ),
+            cost,
+        )
 
 
 def approach(scene: Scene) -> tuple[float, float, float]:
-    """Overlap [m], speed at which it grows [m/s] and sideways speed [m/s] at the start; no square of a small length underflows."""
+    """Overlap [m], speed at which it grows [m/s] and sideways speed [m/s] at the start; no square
+    of a small length underflows.
+    """
     bodies = scene.bodies
     normal, relative = along(scene), bodies.velocity[0] - bodies.velocity[1]
     closing = float(relative @ normal)
@@ -95,7 +135,9 @@ def along(scene: Scene) -> Array:
 
 
 def states(scene: Scene, t: Array, pressed: Array, sped: Array) -> tuple[Array, Array]:
-    """Positions and velocities (T, 2, 3) where the overlap and its rate have grown by `pressed` [m] and `sped` [m/s]."""
+    """Positions and velocities (T, 2, 3) where the overlap and its rate have grown by `pressed` [m]
+    and `sped` [m/s].
+    """
     bodies = scene.bodies
     centre = bodies.mass @ bodies.velocity / bodies.mass.sum()
     share = np.array([bodies.mass[1], -bodies.mass[0]])[:, None] / bodies.mass.sum() * along(scene)

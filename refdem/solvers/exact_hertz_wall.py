@@ -1,7 +1,8 @@
-"""One sphere against a wall under Hertz's law: kernels/power_contact.c along the normal, sliding friction by its impulse.
+"""One sphere against a wall under Hertz's law: kernels/power_contact.c along the normal, sliding
+friction by its impulse.
 
-Across, whatever the friction, the slip p and its way q say all: of what the slip loses the velocity takes 2/7 and the spin, times R,
-5/7, and the work done against friction is m (p0^2 - p^2)/7.
+Across, whatever the friction, the slip p and its way q say all: of what the slip loses the velocity
+takes 2/7 and the spin, times R, 5/7, and the work done against friction is m (p0^2 - p^2)/7.
 """
 
 from time import perf_counter
@@ -25,11 +26,18 @@ ROUNDED = 4 * 2.0**-52
 
 
 class ExactHertzWall(Solver):
-    """The slip keeps its line. Sliding it falls by 7/2 mu times the normal impulse per mass, and stays zero then; or a spring takes it."""
+    """The slip keeps its line.
+
+    Sliding it falls by 7/2 mu times the normal impulse per mass, and stays zero then; or a spring
+    takes it.
+    """
 
     claims = Method(
         name="exact-hertz-wall",
-        summary="Hertz's contact with a wall in closed form; sliding friction by the impulse, or a tangential spring by Taylor series",
+        summary=(
+            "Hertz's contact with a wall in closed form; sliding friction by the impulse, or a"
+            " tangential spring by Taylor series"
+        ),
         control="exact",
         conserves=frozenset({"energy"}),
         complete_state=False,
@@ -38,7 +46,9 @@ class ExactHertzWall(Solver):
     kernels = ("power_contact",)
 
     def refusal(self, problem: Motion) -> str | None:
-        """None for one free solid sphere at or before a plane, forward in time, under nothing but Hertz's contact."""
+        """None for one free solid sphere at or before a plane, forward in time, under nothing but
+        Hertz's contact.
+        """
         scene, bodies = problem.scene, problem.scene.bodies
         laws, planes = scene.all(Contact), scene.all(Plane)
         if len(bodies) != 1 or not isinstance(bodies.shape[0], Sphere) or bodies.fixed.any():
@@ -51,7 +61,10 @@ class ExactHertzWall(Solver):
             return "friction with another lever than R, or on a sphere that is not solid"
         if np.any(bodies.omega) and not (solid and np.all(bodies.omega[0, :2] == 0)):
             return "the sphere turns about another axis than z"
-        gap = float((bodies.position[0] - np.array(planes[0].point)) @ np.array(planes[0].normal)) - bodies.radius[0]
+        gap = (
+            float((bodies.position[0] - np.array(planes[0].point)) @ np.array(planes[0].normal))
+            - bodies.radius[0]
+        )
         if problem.interval < 0 or gap < -ROUNDED * bodies.radius[0]:
             return "time runs backwards, or they overlap at the start"
         return None
@@ -66,8 +79,14 @@ class ExactHertzWall(Solver):
         across = impact.bent if impact.springs else impact.rubbed
         found = impact.moved(t - t[0], out, *across(t - t[0], out, touch))
         pairs = zip(touch[[0, 2]], ("contact", "release"), strict=True)
-        events = tuple(Event(time=float(t[0] + when), kind=kind, body=0) for when, kind in pairs if 0 < when <= t[-1] - t[0])
-        return Trajectory(t=t, events=events, **found), Cost(seconds=perf_counter() - started, setup=started - begun)
+        events = tuple(
+            Event(time=float(t[0] + when), kind=kind, body=0)
+            for when, kind in pairs
+            if 0 < when <= t[-1] - t[0]
+        )
+        return Trajectory(t=t, events=events, **found), Cost(
+            seconds=perf_counter() - started, setup=started - begun
+        )
 
 
 class Impact:
@@ -76,49 +95,87 @@ class Impact:
     def __init__(self, scene: Scene) -> None:
         bodies, self.law = scene.bodies, scene.all(Contact)[0]
         plane = scene.all(Plane)[0]
-        self.n, self.mass, self.radius = -np.array(plane.normal), float(bodies.mass[0]), float(bodies.radius[0])
-        self.place, self.velocity, self.omega = bodies.position[0], bodies.velocity[0], bodies.omega[0]
+        self.n, self.mass, self.radius = (
+            -np.array(plane.normal),
+            float(bodies.mass[0]),
+            float(bodies.radius[0]),
+        )
+        self.place, self.velocity, self.omega = (
+            bodies.position[0],
+            bodies.velocity[0],
+            bodies.omega[0],
+        )
         self.attitude = bodies.attitude[0]
         overlap = self.radius + float((self.place - np.array(plane.point)) @ self.n)
         self.overlap = 0.0 if abs(overlap) <= ROUNDED * self.radius else overlap
         self.rate = float(self.velocity @ self.n)
         self.across = self.velocity - self.rate * self.n
         slip = self.across + self.radius * np.cross(self.omega, self.n)
-        self.slip = float(np.linalg.norm(slip)) if np.linalg.norm(slip) > ROUNDED * np.linalg.norm(self.velocity) else 0.0
+        self.slip = (
+            float(np.linalg.norm(slip))
+            if np.linalg.norm(slip) > ROUNDED * np.linalg.norm(self.velocity)
+            else 0.0
+        )
         self.along = slip / self.slip if self.slip else 0.0 * slip
         self.springs = self.slip > 0 and self.law.friction > 0 and self.law.tangential_stiffness > 0
 
     def normal(self, t: Array) -> tuple[Array, Array]:
         """Overlap and rate (T, 2), and when it touches, turns and parts."""
-        out, touch, law = np.empty((len(t), 2)), np.empty(3), np.array([self.law.stiffness, self.law.exponent])
+        out, touch, law = (
+            np.empty((len(t), 2)),
+            np.empty(3),
+            np.array([self.law.stiffness, self.law.exponent]),
+        )
         laws, kernel = pointer("power_contact", law), load("power_contact").lib
         buffers = [pointer("power_contact", array, output=True) for array in (touch, out)]
         since = np.ascontiguousarray(t)
-        kernel.refdem_power_contact(self.mass, laws, laws, self.overlap, self.rate, len(t), pointer("power_contact", since), *buffers)
+        kernel.refdem_power_contact(
+            self.mass,
+            laws,
+            laws,
+            self.overlap,
+            self.rate,
+            len(t),
+            pointer("power_contact", since),
+            *buffers,
+        )
         return out, touch
 
     def stop(self, impulse: float, touch: Array) -> float:
-        """When the normal impulse per mass has come to `impulse`, by bisection (the motion is smooth there)."""
+        """When the normal impulse per mass has come to `impulse`, by bisection (the motion is
+        smooth there).
+        """
         low, high = touch[0], touch[2]
         for _ in range(60):
             middle = (low + high) / 2
-            low, high = (low, middle) if self.rate - self.normal(np.array([middle]))[0][0, 1] > impulse else (middle, high)
+            low, high = (
+                (low, middle)
+                if self.rate - self.normal(np.array([middle]))[0][0, 1] > impulse
+                else (middle, high)
+            )
         return float(low + high) / 2
 
     def rubbed(self, t: Array, out: Array, touch: Array) -> tuple[Array, Array]:
-        """What the slip has lost (T,) [m/s] by sliding friction, and its way that is missing (T,) [m]."""
+        """What the slip has lost (T,) [m/s] by sliding friction, and its way that is missing (T,)
+        [m].
+        """
         friction = self.law.friction if self.slip > 0 else 0.0
         enough = self.slip * 2 / 7 / friction if friction else np.inf
         end = self.stop(enough, touch) if enough < 2 * self.rate else np.inf
         until = np.minimum(t, end)
         way = self.rate * until - (self.normal(until)[0][:, 0] - self.overlap)
         rolled = enough * (t - until) if np.isfinite(end) else 0.0
-        return 3.5 * friction * np.minimum(self.rate - out[:, 1], enough), 3.5 * friction * (way + rolled)
+        return 3.5 * friction * np.minimum(self.rate - out[:, 1], enough), 3.5 * friction * (
+            way + rolled
+        )
 
     def bent(self, t: Array, out: Array, touch: Array) -> tuple[Array, Array]:
         """The same by a tangential spring, which begins unstretched at touch."""
         speed, deep = self.rate, float(self.normal(touch[1:2])[0][0, 0])
-        found = course(Spring(self.law.tangential_stiffness / self.law.stiffness, self.law.friction), self.slip / speed)
+        found = course(
+            Spring(self.law.tangential_stiffness / self.law.stiffness, self.law.friction),
+            self.slip / speed,
+        )
         slip, way = np.full(len(t), self.slip), self.slip * t
         last, gone = found.end()
         after = t - touch[2]
@@ -126,21 +183,38 @@ class Impact:
             p, q = found.at(max(out[n, 0], 0.0) / deep, out[n, 1] / speed)
             slip[n], way[n] = p * speed, self.slip * touch[0] + q * deep
         parted = after >= 0
-        slip[parted], way[parted] = last * speed, self.slip * touch[0] + gone * deep + last * speed * after[parted]
+        slip[parted], way[parted] = (
+            last * speed,
+            self.slip * touch[0] + gone * deep + last * speed * after[parted],
+        )
         return self.slip - slip, self.slip * t - way
 
     def moved(self, t: Array, out: Array, lost: Array, missed: Array) -> dict[str, Any]:
         """Columns and channels of a trajectory, from what the slip has lost and its way misses."""
         pressed = out[:, 0] - self.overlap
-        position = self.place + self.across * t[:, None] + pressed[:, None] * self.n - missed[:, None] * self.along * (2 / 7)
+        position = (
+            self.place
+            + self.across * t[:, None]
+            + pressed[:, None] * self.n
+            - missed[:, None] * self.along * (2 / 7)
+        )
         velocity = self.across + out[:, 1:] * self.n - lost[:, None] * self.along * (2 / 7)
         omega = self.omega - lost[:, None] * np.cross(self.n, self.along) * (5 / 7 / self.radius)
         work = self.mass / 7 * lost * (2 * self.slip - lost)
         depth = np.maximum(out[:, 0], 0.0)
         force = self.law.stiffness * depth**self.law.exponent
-        channels = {"overlap": depth, "contacts": (depth > 0).astype(float), "contact_force": force, "dissipated_work": work}
+        channels = {
+            "overlap": depth,
+            "contacts": (depth > 0).astype(float),
+            "contact_force": force,
+            "dissipated_work": work,
+        }
         attitude = np.repeat(self.attitude[None, None], len(t), axis=0)
-        columns = {"position": position[:, None], "velocity": velocity[:, None], "omega": omega[:, None]}
+        columns = {
+            "position": position[:, None],
+            "velocity": velocity[:, None],
+            "omega": omega[:, None],
+        }
         return columns | {"attitude": attitude, "channels": channels}
 
 

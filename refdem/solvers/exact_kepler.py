@@ -1,4 +1,6 @@
-"""A point on a bound orbit in a central field, in closed form: Kepler's equation (kernels/kepler.c)."""
+"""A point on a bound orbit in a central field, in closed form: Kepler's equation
+(kernels/kepler.c).
+"""
 
 from time import perf_counter
 
@@ -45,7 +47,10 @@ class ExactKepler(Solver):
         begun = perf_counter()
         scene, t = request.problem.scene, request.problem.times
         gm = scene.all(CentralField)[0].gm
-        start = [pointer("kepler", column[0].copy()) for column in (scene.bodies.position, scene.bodies.velocity)]
+        start = [
+            pointer("kepler", column[0].copy())
+            for column in (scene.bodies.position, scene.bodies.velocity)
+        ]
         position, velocity = np.empty((len(t), 1, 3)), np.empty((len(t), 1, 3))
         out = [pointer("kepler", column, output=True) for column in (position, velocity)]
         lib, motion = load("kepler").lib, prepared("kepler")

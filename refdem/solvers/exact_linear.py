@@ -1,4 +1,6 @@
-"""A point on a linear spring and a linear dashpot, driven or not, along a line, in closed form (kernels/linear_oscillator.c)."""
+"""A point on a linear spring and a linear dashpot, driven or not, along a line, in closed form
+(kernels/linear_oscillator.c).
+"""
 
 from time import perf_counter
 
@@ -28,7 +30,9 @@ class ExactLinear(Solver):
     kernels = ("linear_oscillator",)
 
     def refusal(self, problem: Motion) -> str | None:
-        """None for a linear spring that pulls, and a dashpot or a force; without these the motion is harmonic."""
+        """None for a linear spring that pulls, and a dashpot or a force; without these the motion
+        is harmonic.
+        """
         reason = _line.refusal(problem)
         if reason:
             return reason
@@ -38,7 +42,11 @@ class ExactLinear(Solver):
             return "the spring is not linear"
         if any(dashpot.van_der_pol for dashpot in scene.all(Dashpot)):
             return "the dashpot is not linear"
-        return None if {"dashpot", "force"} & scene.features else "nothing damps or drives: the motion is harmonic"
+        return (
+            None
+            if {"dashpot", "force"} & scene.features
+            else "nothing damps or drives: the motion is harmonic"
+        )
 
     def run(self, request: Request) -> tuple[Trajectory, Cost]:
         """Position and velocity at the samples."""
@@ -46,11 +54,23 @@ class ExactLinear(Solver):
         line, t = _line.line_of(request), request.problem.times
         kernel, out = load("linear_oscillator"), np.empty((len(t), 2))
         drives = pointer("linear_oscillator", line.drives)
-        given = {"mass": line.mass, "linear": line.spring.stiffness, "damping": line.damping, "weight": line.weight}
-        struct = kernel.ffi.new("refdem_linear *", {**given, "drives": len(line.drives), "drive": drives})
-        samples, rows = pointer("linear_oscillator", t), pointer("linear_oscillator", out, output=True)
+        given = {
+            "mass": line.mass,
+            "linear": line.spring.stiffness,
+            "damping": line.damping,
+            "weight": line.weight,
+        }
+        struct = kernel.ffi.new(
+            "refdem_linear *", {**given, "drives": len(line.drives), "drive": drives}
+        )
+        samples, rows = (
+            pointer("linear_oscillator", t),
+            pointer("linear_oscillator", out, output=True),
+        )
         started = perf_counter()
-        kernel.lib.refdem_linear_oscillator(struct, line.place, line.speed, t[0], len(t), samples, rows)
+        kernel.lib.refdem_linear_oscillator(
+            struct, line.place, line.speed, t[0], len(t), samples, rows
+        )
         cost = Cost(seconds=perf_counter() - started, setup=started - begun)
         return line.trajectory(t, out[:, 0], out[:, 1]), cost
 

@@ -14,11 +14,15 @@ from refdem.solvers import _single_point as single
 from refdem.solvers.solver import Solver
 
 PLANAR = 1e-12
-"""Part of the speed that may point out of the plane or along the rod: round-off of a scene turned into some other plane."""
+"""Part of the speed that may point out of the plane or along the rod: round-off of a scene turned
+into some other plane.
+"""
 
 
 class ExactPendulum(Solver):
-    """Swinging, rotating, on the separatrix, at rest at the bottom or at the top, in any plane that contains gravity."""
+    """Swinging, rotating, on the separatrix, at rest at the bottom or at the top, in any plane that
+    contains gravity.
+    """
 
     claims = Method(
         name="exact-pendulum",
@@ -47,13 +51,29 @@ class ExactPendulum(Solver):
         begun = perf_counter()
         scene, t = request.problem.scene, request.problem.times
         rod = scene.all(Rod)[0]
-        given = (single.gravity(scene), single.anchor(rod), scene.bodies.position[0].copy(), scene.bodies.velocity[0].copy())
+        given = (
+            single.gravity(scene),
+            single.anchor(rod),
+            scene.bodies.position[0].copy(),
+            scene.bodies.velocity[0].copy(),
+        )
         # Filled, not only allocated: the first touch of memory is set-up.
-        position, velocity, force = (np.full((len(t), *shape), np.nan) for shape in ((1, 3), (1, 3), (1,)))
+        position, velocity, force = (
+            np.full((len(t), *shape), np.nan) for shape in ((1, 3), (1, 3), (1,))
+        )
         columns = [pointer("pendulum", column) for column in given]
         out = [pointer("pendulum", column, output=True) for column in (position, velocity, force)]
         lib, motion = load("pendulum").lib, prepared("pendulum")
-        lib.refdem_pendulum_prepare(scene.bodies.mass[0], rod.length, *columns, t[0], len(t), pointer("pendulum", t), *out, motion)
+        lib.refdem_pendulum_prepare(
+            scene.bodies.mass[0],
+            rod.length,
+            *columns,
+            t[0],
+            len(t),
+            pointer("pendulum", t),
+            *out,
+            motion,
+        )
         started = perf_counter()
         seconds = timed(lib.refdem_pendulum_run, motion)
         cost = Cost(seconds=seconds, setup=started - begun)
@@ -70,7 +90,10 @@ def _astray(scene: Scene) -> str | None:
         return f"the rod of length {rod.length} starts {reach} long"
     if abs(arm @ velocity) > PLANAR * reach * speed:
         return "the point starts with a speed along the rod"
-    if abs(np.cross(arm, gravity) @ velocity) > PLANAR * reach * float(np.linalg.norm(gravity)) * speed:
+    if (
+        abs(np.cross(arm, gravity) @ velocity)
+        > PLANAR * reach * float(np.linalg.norm(gravity)) * speed
+    ):
         return "the motion is not in a plane: a spherical pendulum"
     return None
 

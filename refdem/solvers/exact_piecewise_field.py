@@ -1,4 +1,6 @@
-"""A point that moves along the axis of a piecewise linear field, in closed form phase by phase (kernels/piecewise_field.c)."""
+"""A point that moves along the axis of a piecewise linear field, in closed form phase by phase
+(kernels/piecewise_field.c).
+"""
 
 from time import perf_counter
 
@@ -35,7 +37,11 @@ class ExactPiecewiseField(Solver):
         if len(bodies) != 1 or bodies.fixed.any() or np.any(bodies.omega):
             return "not one free body that does not turn"
         across = np.cross(bodies.velocity[0], scene.elements[0].axis)
-        return "it moves across the axis of the field" if np.linalg.norm(across) > 1e-15 * np.linalg.norm(bodies.velocity[0]) else None
+        return (
+            "it moves across the axis of the field"
+            if np.linalg.norm(across) > 1e-15 * np.linalg.norm(bodies.velocity[0])
+            else None
+        )
 
     def run(self, request: Request) -> tuple[Trajectory, Cost]:
         """States at the samples; a run backwards is one with flipped velocities."""
@@ -43,11 +49,25 @@ class ExactPiecewiseField(Solver):
         scene, t = request.problem.scene, request.problem.times
         field, axis = scene.all(PiecewiseField)[0], np.array(scene.all(PiecewiseField)[0].axis)
         sense = float(np.sign(request.problem.interval))
-        place, speed = float((scene.bodies.position[0] - field.point) @ axis), sense * float(scene.bodies.velocity[0] @ axis)
+        place, speed = (
+            float((scene.bodies.position[0] - field.point) @ axis),
+            sense * float(scene.bodies.velocity[0] @ axis),
+        )
         since, out = sense * (t - t[0]), np.empty((len(t), 2))
-        numbers = (float(scene.bodies.mass[0]), field.k1, field.k2, field.x1, field.x2, place, speed)
+        numbers = (
+            float(scene.bodies.mass[0]),
+            field.k1,
+            field.k2,
+            field.x1,
+            field.x2,
+            place,
+            speed,
+        )
         kernel = load("piecewise_field").lib
-        times, target = pointer("piecewise_field", since), pointer("piecewise_field", out, output=True)
+        times, target = (
+            pointer("piecewise_field", since),
+            pointer("piecewise_field", out, output=True),
+        )
         started = perf_counter()
         kernel.refdem_piecewise_field(*numbers, len(t), times, target)
         cost = Cost(seconds=perf_counter() - started, setup=started - begun)

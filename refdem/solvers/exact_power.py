@@ -1,4 +1,6 @@
-"""A point on a spring whose force is a power of its stretch, in closed form (kernels/power_oscillator.c)."""
+"""A point on a spring whose force is a power of its stretch, in closed form
+(kernels/power_oscillator.c).
+"""
 
 from time import perf_counter
 
@@ -37,8 +39,16 @@ class ExactPower(Solver):
         spring = scene.all(Spring)[0]
         if len(scene.elements) > 1:
             return "more than a spring acts"
-        if spring.length or spring.quadratic or spring.cubic or not (spring.exponent > 1 and spring.stiffness > 0):
-            return "the spring does not pull with one power above 1 of its stretch from natural length 0"
+        if (
+            spring.length
+            or spring.quadratic
+            or spring.cubic
+            or not (spring.exponent > 1 and spring.stiffness > 0)
+        ):
+            return (
+                "the spring does not pull with one power above 1 of its stretch from natural"
+                " length 0"
+            )
         return None
 
     def run(self, request: Request) -> tuple[Trajectory, Cost]:
@@ -46,7 +56,10 @@ class ExactPower(Solver):
         begun = perf_counter()
         line, t = _line.line_of(request), request.problem.times
         out, lib = np.empty((len(t), 2)), load("power_oscillator").lib
-        samples, rows = pointer("power_oscillator", t), pointer("power_oscillator", out, output=True)
+        samples, rows = (
+            pointer("power_oscillator", t),
+            pointer("power_oscillator", out, output=True),
+        )
         given = (line.mass, line.spring.stiffness, line.spring.exponent, line.place, line.speed)
         started = perf_counter()
         lib.refdem_power_oscillator(*given, t[0], len(t), samples, rows)

@@ -1,4 +1,6 @@
-"""Two spheres that meet along the line of their centres under Hertz's law, in closed form (kernels/power_contact.c)."""
+"""Two spheres that meet along the line of their centres under Hertz's law, in closed form
+(kernels/power_contact.c).
+"""
 
 from time import perf_counter
 
@@ -18,7 +20,9 @@ Array = NDArray[np.float64]
 
 
 class ExactPowerContact(Solver):
-    """Free flight, a contact in closed form, free flight, about a centre of mass in uniform motion."""
+    """Free flight, a contact in closed form, free flight, about a centre of mass in uniform
+    motion.
+    """
 
     claims = Method(
         name="exact-hertz",
@@ -33,17 +37,27 @@ class ExactPowerContact(Solver):
     kernels = ("power_contact",)
 
     def refusal(self, problem: Motion) -> str | None:
-        """None for two free spheres that do not turn, nothing but Hertz's contact, and no sideways velocity."""
+        """None for two free spheres that do not turn, nothing but Hertz's contact, and no sideways
+        velocity.
+        """
         scene, bodies = problem.scene, problem.scene.bodies
         laws = scene.all(Contact)
-        if len(bodies) != 2 or not all(isinstance(shape, Sphere) for shape in bodies.shape) or bodies.fixed.any():
+        if (
+            len(bodies) != 2
+            or not all(isinstance(shape, Sphere) for shape in bodies.shape)
+            or bodies.fixed.any()
+        ):
             return "not two free spheres"
         if len(laws) != 1 or len(scene.elements) != 1 or laws[0].law != "hertz":
             return "something else than one contact law of Hertz"
         if np.any(bodies.omega):
             return "a sphere turns"
         _, closing, sideways = approach(scene)
-        return "the spheres do not meet along the line of their centres" if sideways > ROUNDED * abs(closing) else None
+        return (
+            "the spheres do not meet along the line of their centres"
+            if sideways > ROUNDED * abs(closing)
+            else None
+        )
 
     def run(self, request: Request) -> tuple[Trajectory, Cost]:
         """States at the samples; a run backwards is one with flipped velocities."""
@@ -54,25 +68,52 @@ class ExactPowerContact(Solver):
         overlap, closing, _ = approach(scene)
         start = overlap if abs(overlap) > ROUNDED * bodies.radius.sum() else 0.0
         since, out, touch = sense * (t - t[0]), np.empty((len(t), 2)), np.empty(3)
-        mass, force = float(bodies.mass.prod() / bodies.mass.sum()), np.array([law.stiffness, law.exponent])
+        mass, force = (
+            float(bodies.mass.prod() / bodies.mass.sum()),
+            np.array([law.stiffness, law.exponent]),
+        )
         kernel = load("power_contact").lib
         laws = pointer("power_contact", force)
         buffers = [pointer("power_contact", array, output=True) for array in (touch, out)]
         started = perf_counter()
-        kernel.refdem_power_contact(mass, laws, laws, start, sense * closing, len(t), pointer("power_contact", since), *buffers)
+        kernel.refdem_power_contact(
+            mass,
+            laws,
+            laws,
+            start,
+            sense * closing,
+            len(t),
+            pointer("power_contact", since),
+            *buffers,
+        )
         cost = Cost(seconds=perf_counter() - started, setup=started - begun)
-        position, velocity = states(scene, since * sense, out[:, 0] - start, sense * out[:, 1] - closing)
+        position, velocity = states(
+            scene, since * sense, out[:, 0] - start, sense * out[:, 1] - closing
+        )
         pairs = zip(touch[[0, 2]], ("contact", "release"), strict=True)
-        events = tuple(Event(time=float(t[0] + sense * when), kind=kind, body=0) for when, kind in pairs if 0 < when <= since[-1])
+        events = tuple(
+            Event(time=float(t[0] + sense * when), kind=kind, body=0)
+            for when, kind in pairs
+            if 0 < when <= since[-1]
+        )
         return Trajectory(
-            t=t, position=position, velocity=velocity, attitude=np.repeat(bodies.attitude[None], len(t), axis=0),
-            omega=np.zeros_like(velocity), channels=_channels(np.maximum(out[:, 0], 0.0), law), events=events,
-        ), cost  # fmt: skip
+            t=t,
+            position=position,
+            velocity=velocity,
+            attitude=np.repeat(bodies.attitude[None], len(t), axis=0),
+            omega=np.zeros_like(velocity),
+            channels=_channels(np.maximum(out[:, 0], 0.0), law),
+            events=events,
+        ), cost
 
 
 def _channels(overlap: Array, law: Contact) -> dict[str, Array]:
     """What presses."""
-    return {"overlap": overlap, "contacts": (overlap > 0).astype(float), "contact_force": law.stiffness * overlap**law.exponent}
+    return {
+        "overlap": overlap,
+        "contacts": (overlap > 0).astype(float),
+        "contact_force": law.stiffness * overlap**law.exponent,
+    }
 
 
 METHOD = ExactPowerContact()

@@ -1,4 +1,6 @@
-"""Points that rods hold as one rigid body, on which nothing acts: the free body's closed form (kernels/free_body.c)."""
+"""Points that rods hold as one rigid body, on which nothing acts: the free body's closed form
+(kernels/free_body.c).
+"""
 
 from time import perf_counter
 from typing import Any
@@ -22,7 +24,9 @@ START = np.array([1.0, 0.0, 0.0, 0.0])
 
 
 class ExactRigidCluster(Solver):
-    """Centre of mass in a straight line, all else turned about it; rod forces from the accelerations, of least squares if redundant."""
+    """Centre of mass in a straight line, all else turned about it; rod forces from the
+    accelerations, of least squares if redundant.
+    """
 
     claims = Method(
         name="exact-rigid-cluster",
@@ -54,7 +58,10 @@ class ExactRigidCluster(Solver):
         moments, axes = np.linalg.eigh(tensor)
         axes[:, 2] *= np.sign(np.linalg.det(axes))
         attitude, spin = np.empty((len(t), 4)), np.empty((len(t), 3))
-        given = [pointer("free_body", np.ascontiguousarray(column)) for column in (moments, START, axes.T @ omega)]
+        given = [
+            pointer("free_body", np.ascontiguousarray(column))
+            for column in (moments, START, axes.T @ omega)
+        ]
         out = [pointer("free_body", column, output=True) for column in (attitude, spin)]
         started = perf_counter()
         load("free_body").lib.refdem_free_body(*given, t[0], len(t), pointer("free_body", t), *out)
@@ -64,20 +71,35 @@ class ExactRigidCluster(Solver):
         velocity = drift + np.cross((spin @ axes.T)[:, None], away)
         position = (place + np.outer(t - t[0], drift))[:, None] + away
         position[0], velocity[0] = scene.bodies.position, scene.bodies.velocity
-        return Trajectory.of_points(t, position, velocity, channels={"rod_force": _tension(scene, away, velocity)}), cost
+        return (
+            Trajectory.of_points(
+                t, position, velocity, channels={"rod_force": _tension(scene, away, velocity)}
+            ),
+            cost,
+        )
 
 
 def _body(scene: Scene) -> tuple[Array, Array, Array, Array, Array]:
-    """Centre of mass, its velocity, the points about it (N, 3), tensor of inertia (3, 3) and omega (3,) at the start.
+    """Centre of mass, its velocity, the points about it (N, 3), tensor of inertia (3, 3) and omega
+    (3,) at the start.
 
-    By differences from the heaviest point: far from the origin the mean of the places would be rounded on their scale. Arms and rates are
-    means of differences: of a point that is nearly the centre of mass they are small, and rounded as such.
+    By differences from the heaviest point: far from the origin the mean of the places would be
+    rounded on their scale. Arms and rates are means of differences: of a point that is nearly the
+    centre of mass they are small, and rounded as such.
     """
     mass, bodies = scene.bodies.mass, scene.bodies
     part, base = mass / mass.sum(), int(np.argmax(mass))
-    place, drift = (column[base] + part @ (column - column[base]) for column in (bodies.position, bodies.velocity))
-    arms, rates = (np.einsum("j,ijk->ik", part, column[:, None] - column) for column in (bodies.position, bodies.velocity))
-    tensor = np.einsum("n,nk,nk->", mass, arms, arms) * np.eye(3) - np.einsum("n,ni,nj->ij", mass, arms, arms)
+    place, drift = (
+        column[base] + part @ (column - column[base])
+        for column in (bodies.position, bodies.velocity)
+    )
+    arms, rates = (
+        np.einsum("j,ijk->ik", part, column[:, None] - column)
+        for column in (bodies.position, bodies.velocity)
+    )
+    tensor = np.einsum("n,nk,nk->", mass, arms, arms) * np.eye(3) - np.einsum(
+        "n,ni,nj->ij", mass, arms, arms
+    )
     omega = np.linalg.solve(tensor, mass @ np.cross(arms, rates))
     return place, drift, arms, tensor, omega
 
@@ -105,16 +127,28 @@ def _loose(scene: Scene) -> str | None:
             return f"a rod of length {rod.length} starts {found} long"
     _, drift, arms, _, omega = _body(scene)
     off = np.abs(bodies.velocity - drift - np.cross(omega, arms)).max()
-    return "a rod starts with a speed along it" if off > FITS * np.linalg.norm(omega) * np.abs(arms).max() else None
+    return (
+        "a rod starts with a speed along it"
+        if off > FITS * np.linalg.norm(omega) * np.abs(arms).max()
+        else None
+    )
 
 
 def _tension(scene: Scene, away: Array, velocity: Array) -> Array:
-    """Tension (T, rods) [N]: what makes the points turn, G M^-1 G^T T = |relative velocity|^2/length, of least squares."""
+    """Tension (T, rods) [N]: what makes the points turn, G M^-1 G^T T = |relative
+    velocity|^2/length, of least squares.
+    """
     rods, rows = scene.all(Rod), _rows(scene, away)
     weighted = rows / scene.bodies.mass[:, None]
     coupling = np.einsum("tink,tjnk->tij", rows, weighted)
-    speed2 = [np.sum((velocity[:, rod.a] - velocity[:, rod.b]) ** 2, axis=1) / rod.length for rod in rods]
-    solved: Any = np.einsum("tij,tj->ti", np.linalg.pinv(coupling, hermitian=True, rcond=1e-12), np.stack(speed2, axis=1))
+    speed2 = [
+        np.sum((velocity[:, rod.a] - velocity[:, rod.b]) ** 2, axis=1) / rod.length for rod in rods
+    ]
+    solved: Any = np.einsum(
+        "tij,tj->ti",
+        np.linalg.pinv(coupling, hermitian=True, rcond=1e-12),
+        np.stack(speed2, axis=1),
+    )
     return np.ascontiguousarray(solved)
 
 

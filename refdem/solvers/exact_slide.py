@@ -1,4 +1,6 @@
-"""A rigid block that slides from rest on a plane under gravity and Coulomb friction: constant acceleration down the plane."""
+"""A rigid block that slides from rest on a plane under gravity and Coulomb friction: constant
+acceleration down the plane.
+"""
 
 from time import perf_counter
 
@@ -16,7 +18,9 @@ from refdem.solvers.solver import Solver
 
 
 class ExactSlide(Solver):
-    """One polyhedron with a face on one plane; where friction holds it, the method `equilibrium` has it."""
+    """One polyhedron with a face on one plane; where friction holds it, the method `equilibrium`
+    has it.
+    """
 
     claims = Method(
         name="exact-slide",
@@ -27,12 +31,17 @@ class ExactSlide(Solver):
     )
 
     def refusal(self, problem: Motion) -> str | None:
-        """None for a block at rest on a plane that is too steep for friction to hold it, and that does not tip it."""
+        """None for a block at rest on a plane that is too steep for friction to hold it, and that
+        does not tip it.
+        """
         scene = problem.scene
         bodies, laws = scene.bodies, scene.all(Contact)
         if len(bodies) != 1 or len(laws) != 1 or not isinstance(bodies.shape[0], Polyhedron):
             return "no single polyhedron with one contact law"
-        if any(not isinstance(e, Contact | Plane | UniformGravity) for e in scene.elements) or laws[0].law != "rigid":
+        if (
+            any(not isinstance(e, Contact | Plane | UniformGravity) for e in scene.elements)
+            or laws[0].law != "rigid"
+        ):
             return "other elements than a plane, gravity and rigid contact"
         if np.any(bodies.velocity) or np.any(bodies.omega) or problem.interval < 0:
             return "it slides from rest, forward in time"
@@ -54,8 +63,17 @@ class ExactSlide(Solver):
         seconds = perf_counter() - started
         friction = scene.all(Contact)[0].friction * load.pressing * bodies.mass[0]
         work = friction * np.linalg.norm(position - bodies.position, axis=-1)[:, 0]
-        still = {"attitude": np.repeat(bodies.attitude[None], len(times), axis=0), "omega": np.zeros_like(velocity)}
-        found = Trajectory(t=times, position=position, velocity=velocity, channels={"dissipated_work": work}, **still)
+        still = {
+            "attitude": np.repeat(bodies.attitude[None], len(times), axis=0),
+            "omega": np.zeros_like(velocity),
+        }
+        found = Trajectory(
+            t=times,
+            position=position,
+            velocity=velocity,
+            channels={"dissipated_work": work},
+            **still,
+        )
         return found, Cost(seconds=seconds, setup=started - begun)
 
 

@@ -32,14 +32,20 @@ class ExactWedge(Solver):
     kernels = ("power_contact",)
 
     def refusal(self, problem: Motion) -> str | None:
-        """None for one free body that moves along the normal and does not turn by itself, and nothing but one wall for wedges."""
+        """None for one free body that moves along the normal and does not turn by itself, and
+        nothing but one wall for wedges.
+        """
         scene, bodies = problem.scene, problem.scene.bodies
         if len(scene.elements) != 1 or not isinstance(scene.elements[0], Wedge):
             return "something else than one wall for wedges"
         if len(bodies) != 1 or bodies.fixed.any() or np.any(bodies.omega):
             return "not one free body that does not turn"
         across = np.cross(bodies.velocity[0], scene.elements[0].normal)
-        return "it moves along the wall" if np.linalg.norm(across) > 1e-15 * np.linalg.norm(bodies.velocity[0]) else None
+        return (
+            "it moves along the wall"
+            if np.linalg.norm(across) > 1e-15 * np.linalg.norm(bodies.velocity[0])
+            else None
+        )
 
     def run(self, request: Request) -> tuple[Trajectory, Cost]:
         """States at the samples; a run backwards is one with flipped velocities."""
@@ -47,7 +53,10 @@ class ExactWedge(Solver):
         scene, t = request.problem.scene, request.problem.times
         wall, bodies = scene.all(Wedge)[0], scene.bodies
         sense = float(np.sign(request.problem.interval))
-        start, rate = float(wall.overlap(bodies.position[0])), -sense * float(bodies.velocity[0] @ np.array(wall.normal))
+        start, rate = (
+            float(wall.overlap(bodies.position[0])),
+            -sense * float(bodies.velocity[0] @ np.array(wall.normal)),
+        )
         laws = [np.array([wall.quadratic, 2.0]), np.array([wall.stiffness, 1.0])]
         inward, outward = laws if _comes_edge_first(scene, wall, start, rate) else laws[::-1]
         since, out, touch = sense * (t - t[0]), np.empty((len(t), 2)), np.empty(3)
@@ -55,7 +64,9 @@ class ExactWedge(Solver):
         arrays = [pointer("power_contact", array) for array in (inward, outward, since)]
         buffers = [pointer("power_contact", array, output=True) for array in (touch, out)]
         started = perf_counter()
-        kernel.refdem_power_contact(float(bodies.mass[0]), *arrays[:2], start, rate, len(t), arrays[2], *buffers)
+        kernel.refdem_power_contact(
+            float(bodies.mass[0]), *arrays[:2], start, rate, len(t), arrays[2], *buffers
+        )
         cost = Cost(seconds=perf_counter() - started, setup=started - begun)
         normal = np.array(wall.normal)
         turned = (since > touch[1]) & (touch[1] > 0)
@@ -64,13 +75,32 @@ class ExactWedge(Solver):
         velocity = bodies.velocity - sense * (out[:, 1:, None] - rate) * normal
         pressed = np.maximum(out[:, 0], 0.0)
         deepest = _deepest(float(bodies.mass[0]), inward, outward, start, rate)
-        gained = outward[0] / (outward[1] + 1) * deepest ** (outward[1] + 1) - inward[0] / (inward[1] + 1) * deepest ** (inward[1] + 1)
-        channels = {"overlap": pressed, "contacts": (pressed > 0).astype(float), "dissipated_work": np.where(turned, -gained, 0.0)}
+        gained = outward[0] / (outward[1] + 1) * deepest ** (outward[1] + 1) - inward[0] / (
+            inward[1] + 1
+        ) * deepest ** (inward[1] + 1)
+        channels = {
+            "overlap": pressed,
+            "contacts": (pressed > 0).astype(float),
+            "dissipated_work": np.where(turned, -gained, 0.0),
+        }
         told = ((touch[0], "contact"), (touch[1], "turn"), (touch[2], "release"))
-        events = tuple(Event(time=float(t[0] + sense * when), kind=kind, body=0) for when, kind in told if 0 < when <= since[-1])
-        return Trajectory(
-            t=t, position=position, velocity=velocity, attitude=attitude, omega=np.zeros_like(velocity), channels=channels, events=events
-        ), cost
+        events = tuple(
+            Event(time=float(t[0] + sense * when), kind=kind, body=0)
+            for when, kind in told
+            if 0 < when <= since[-1]
+        )
+        return (
+            Trajectory(
+                t=t,
+                position=position,
+                velocity=velocity,
+                attitude=attitude,
+                omega=np.zeros_like(velocity),
+                channels=channels,
+                events=events,
+            ),
+            cost,
+        )
 
 
 def _comes_edge_first(scene: Scene, wall: Wedge, overlap: float, rate: float) -> bool:
@@ -79,12 +109,17 @@ def _comes_edge_first(scene: Scene, wall: Wedge, overlap: float, rate: float) ->
     return not edge if overlap > 0 and rate < 0 else edge
 
 
-def _deepest(mass: float, inward: np.ndarray, outward: np.ndarray, overlap: float, rate: float) -> float:
+def _deepest(
+    mass: float, inward: np.ndarray, outward: np.ndarray, overlap: float, rate: float
+) -> float:
     """Greatest overlap [m] of the contact; 0 if there is none."""
     if overlap <= 0 and rate <= 0:
         return 0.0
     stiffness, exponent = outward if overlap > 0 and rate < 0 else inward
-    return float((0.5 * mass * rate**2 * (exponent + 1) / stiffness + max(overlap, 0.0) ** (exponent + 1)) ** (1 / (exponent + 1)))
+    return float(
+        (0.5 * mass * rate**2 * (exponent + 1) / stiffness + max(overlap, 0.0) ** (exponent + 1))
+        ** (1 / (exponent + 1))
+    )
 
 
 METHOD = ExactWedge()

@@ -1,7 +1,8 @@
-"""Many equal spheres, smooth or rough, in a periodic box, between planes or in the open: velocity Verlet with a neighbour list.
+"""Many equal spheres, smooth or rough, in a periodic box, between planes or in the open: velocity
+Verlet with a neighbour list.
 
-The kernel is gas.c. The environment variable REFDEM_THREADS is the number of threads of a run, 1 if it is not set: worker
-processes share the cores already.
+The kernel is gas.c. The environment variable REFDEM_THREADS is the number of threads of a run, 1 if
+it is not set: worker processes share the cores already.
 No bit of the result depends on it.
 """
 
@@ -30,9 +31,13 @@ Array = NDArray[np.float64]
 STATE = {"position": 3, "velocity": 3, "omega": 3, "attitude": 4}
 MOVING = ("position", "velocity")
 FEWEST = 2.5
-"""Diameters in the edge of a box, at least: a body meets one image of another at a time, and the list has a skin."""
+"""Diameters in the edge of a box, at least: a body meets one image of another at a time, and the
+list has a skin.
+"""
 PACKED = 0.74048
-"""The closest packing of spheres: pairs within a diameter and a skin of half of one are limited by it."""
+"""The closest packing of spheres: pairs within a diameter and a skin of half of one are limited by
+it.
+"""
 TOUCHING = 4
 """Contacts of a body with later ones: 3 in the closest random packing."""
 MOST_EVENTS = 100_000
@@ -55,33 +60,48 @@ class Buffers:
     def addresses(self) -> tuple[Any, ...]:
         """As the kernel takes them."""
         ffi = load("gas").ffi
-        of = [pointer("gas", self.states[name], output=True) if name in self.states else ffi.NULL for name in STATE]
+        of = [
+            pointer("gas", self.states[name], output=True) if name in self.states else ffi.NULL
+            for name in STATE
+        ]
         events = ffi.from_buffer("int64_t[]", self.events)
-        event, channel = (pointer("gas", array, output=True) for array in (self.event, self.channel))
+        event, channel = (
+            pointer("gas", array, output=True) for array in (self.event, self.channel)
+        )
         return (ffi.from_buffer("uint8_t[]", self.room), events, event, channel, *of)
 
 
 class Gas(Solver):
-    """Second order in energy: a contact that begins within a step is hit or missed by a part of it, as often early as late.
+    """Second order in energy: a contact that begins within a step is hit or missed by a part of it,
+    as often early as late.
 
-    With friction first order: what a tangential spring forgets at its limit, it forgets at the end of a step.
+    With friction first order: what a tangential spring forgets at its limit, it forgets at the end
+    of a step.
     """
 
     claims = Method(
         name="gas",
-        summary="velocity Verlet for many equal spheres; cells and a neighbour list, tangential springs kept; impulses on a grid",
+        summary=(
+            "velocity Verlet for many equal spheres; cells and a neighbour list, tangential springs"
+            " kept; impulses on a grid"
+        ),
         control="step",
         order=2,
         order_with={"friction": 1},
         constant=1 / 128,
-        constant_reason="of all bodies few are in contact at a time: energy errs by 3e-5 (e = 0.9) to 5e-4 (e = 0.2) of T/tau (h/tau)^2",
+        constant_reason=(
+            "of all bodies few are in contact at a time: energy errs by 3e-5 (e = 0.9) to 5e-4 (e ="
+            " 0.2) of T/tau (h/tau)^2"
+        ),
         conserves=frozenset({"momentum", "angular-momentum"}),
         cost_rank=20,
     )
     kernels = ("gas",)
 
     def refusal(self, problem: Motion) -> str | None:
-        """None for many equal spheres under a linear contact law, with a tangential spring if there is friction, and no other force."""
+        """None for many equal spheres under a linear contact law, with a tangential spring if there
+        is friction, and no other force.
+        """
         scene = problem.scene
         for element in scene.elements:
             if not isinstance(element, Contact | Plane | PeriodicBox):
@@ -94,20 +114,39 @@ class Gas(Solver):
         scene, t = request.problem.scene, request.problem.times
         ffi, lib = load("gas").ffi, load("gas").lib
         planes = np.array([(*plane.point, *plane.normal) for plane in scene.all(Plane)]).ravel()
-        struct = ffi.new("refdem_gas *", {**_numbers(scene), "plane": pointer("gas", planes) if planes.size else ffi.NULL})
+        struct = ffi.new(
+            "refdem_gas *",
+            {**_numbers(scene), "plane": pointer("gas", planes) if planes.size else ffi.NULL},
+        )
         used = _buffers(scene, struct, len(t))
         started = perf_counter()
         counts = len(used.events), request.signed_step, len(t), request.stride, used.event.shape[1]
         fault = lib.refdem_gas_run(struct, *counts, *used.addresses())
-        cost = Cost(seconds=perf_counter() - started, setup=started - begun, steps=request.stride * (len(t) - 1))
+        cost = Cost(
+            seconds=perf_counter() - started,
+            setup=started - begun,
+            steps=request.stride * (len(t) - 1),
+        )
         if fault:
             raise EngineError(
                 f"gas: {len(used.events)} threads asked for by {THREADS} could not be had"
                 if fault == 2
-                else "gas: more bodies in one place than spheres can be; a smaller step would keep them apart"
+                else (
+                    "gas: more bodies in one place than spheres can be; a smaller step would keep"
+                    " them apart"
+                )
             )
         contacts, work = used.channel.T.copy()
-        return _trajectory(scene, t, used.states, {"contacts": contacts, "dissipated_work": work}, _begins(used, float(t[0]))), cost
+        return (
+            _trajectory(
+                scene,
+                t,
+                used.states,
+                {"contacts": contacts, "dissipated_work": work},
+                _begins(used, float(t[0])),
+            ),
+            cost,
+        )
 
 
 def _of_bodies(scene: Scene) -> str | None:
@@ -136,35 +175,69 @@ def _of_contact(scene: Scene) -> str | None:
         return "not one contact law"
     if laws[0].law != "linear":
         return f"contact law {laws[0].law}"
-    return "friction without a tangential spring" if laws[0].friction > 0 and laws[0].tangential_stiffness == 0 else None
+    return (
+        "friction without a tangential spring"
+        if laws[0].friction > 0 and laws[0].tangential_stiffness == 0
+        else None
+    )
 
 
 def _numbers(scene: Scene) -> dict[str, Any]:
-    """The fields of the kernel's struct that are numbers; room for pairs as at three times the density, at most closest packing."""
+    """The fields of the kernel's struct that are numbers; room for pairs as at three times the
+    density, at most closest packing.
+    """
     bodies, law, boxes = scene.bodies, scene.all(Contact)[0], scene.all(PeriodicBox)
     diameter, n, planes = 2 * float(bodies.radius[0]), len(bodies), len(scene.all(Plane))
     extent = [boxes[0].size] * 3 if boxes else np.maximum(np.ptp(bodies.position, axis=0), diameter)
     filled = min(PACKED, 0.05 + 3 * n * np.pi / 6 * diameter**3 / float(np.prod(extent)))
     most = int(min(n * (n - 1) / 2, n * (20 + 0.5 * 8 * 1.5**3 * filled))) + n * planes
-    numbers: dict[str, Any] = {"bodies": n, "planes": planes, "most_pairs": most, "no_pull": law.cutoff == "zero_force"}
-    numbers |= {"most_contacts": min(most, TOUCHING * n + n * min(planes, 3)), "turning": law.friction > 0 or bool(bodies.omega.any())}
-    numbers |= {"mass": bodies.mass[0], "inertia": bodies.inertia[0, 0], "diameter": diameter, "branch": BRANCH[law.branch]}
-    numbers |= {name: getattr(law, name) for name in ("stiffness", "damping", "tangential_stiffness", "friction")}
+    numbers: dict[str, Any] = {
+        "bodies": n,
+        "planes": planes,
+        "most_pairs": most,
+        "no_pull": law.cutoff == "zero_force",
+    }
+    numbers |= {
+        "most_contacts": min(most, TOUCHING * n + n * min(planes, 3)),
+        "turning": law.friction > 0 or bool(bodies.omega.any()),
+    }
+    numbers |= {
+        "mass": bodies.mass[0],
+        "inertia": bodies.inertia[0, 0],
+        "diameter": diameter,
+        "branch": BRANCH[law.branch],
+    }
+    numbers |= {
+        name: getattr(law, name)
+        for name in ("stiffness", "damping", "tangential_stiffness", "friction")
+    }
     return numbers | {"size": boxes[0].size if boxes else 0.0}
 
 
 def _buffers(scene: Scene, struct: Any, samples: int) -> Buffers:
     """Everything that a run writes; the start is in its place."""
     n, members = len(scene.bodies), min(threads(), len(scene.bodies))
-    states = {name: np.empty((samples, n, width)) for name, width in STATE.items() if struct.turning or name in MOVING}
+    states = {
+        name: np.empty((samples, n, width))
+        for name, width in STATE.items()
+        if struct.turning or name in MOVING
+    }
     for name, rows in states.items():
         rows[0] = getattr(scene.bodies, name)
     room = np.empty(load("gas").lib.refdem_gas_room(struct, members), np.uint8)
-    return Buffers(np.empty((samples, 2)), np.empty((members, MOST_EVENTS, 2)), np.zeros(members, np.int64), states, room)
+    return Buffers(
+        np.empty((samples, 2)),
+        np.empty((members, MOST_EVENTS, 2)),
+        np.zeros(members, np.int64),
+        states,
+        room,
+    )
 
 
 def threads() -> int:
-    """The number of threads that REFDEM_THREADS asks for; raises UsageError for what is no number of threads."""
+    """The number of threads that REFDEM_THREADS asks for; raises UsageError for what is no number
+    of threads.
+    """
     said = os.environ.get(THREADS, "1")
     if not said.isdecimal() or not 1 <= int(said) <= MOST_THREADS:
         raise UsageError(f"{THREADS} is {said!r}; expected a whole number from 1 to {MOST_THREADS}")
@@ -172,15 +245,27 @@ def threads() -> int:
 
 
 def _begins(used: Buffers, start: float) -> tuple[Event, ...]:
-    """Contacts that begin, in time and then in the order of the threads, which is that of the list; none if there were too many."""
+    """Contacts that begin, in time and then in the order of the threads, which is that of the list;
+    none if there were too many.
+    """
     if used.events.sum() > MOST_EVENTS:
         return ()
-    told = np.concatenate([rows[:count] for rows, count in zip(used.event, used.events, strict=True)])
+    told = np.concatenate(
+        [rows[:count] for rows, count in zip(used.event, used.events, strict=True)]
+    )
     told = told[np.argsort(told[:, 0], kind="stable")]
-    return tuple(Event(time=start + when, kind="contact", body=int(body)) for when, body in told.tolist())
+    return tuple(
+        Event(time=start + when, kind="contact", body=int(body)) for when, body in told.tolist()
+    )
 
 
-def _trajectory(scene: Scene, t: Array, states: dict[str, Array], channels: dict[str, Array], events: tuple[Event, ...]) -> Trajectory:
+def _trajectory(
+    scene: Scene,
+    t: Array,
+    states: dict[str, Array],
+    channels: dict[str, Array],
+    events: tuple[Event, ...],
+) -> Trajectory:
     """The kernel's rows as states; where spins and friction are not there, no sphere turns."""
     shape = (len(t), len(scene.bodies))
     still: dict[str, Any] = {

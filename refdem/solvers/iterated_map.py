@@ -1,11 +1,20 @@
-"""Maps applied again and again in C (kernels/maps.c): logistic map and equation, billiards in a rectangle and in a stadium."""
+"""Maps applied again and again in C (kernels/maps.c): logistic map and equation, billiards in a
+rectangle and in a stadium.
+"""
 
 from time import perf_counter
 
 import numpy as np
 
 from refdem.core.engine import Method
-from refdem.core.maps import Billiard, Logistic, LogisticFlow, Map, RectangleBilliard, StadiumBilliard
+from refdem.core.maps import (
+    Billiard,
+    Logistic,
+    LogisticFlow,
+    Map,
+    RectangleBilliard,
+    StadiumBilliard,
+)
 from refdem.core.problem import Iteration, Request
 from refdem.core.trajectory import Cost, Trajectory
 from refdem.kernels import load, pointer
@@ -24,7 +33,10 @@ class IteratedMap(Solver):
 
     claims = Method(
         name="iterated-map",
-        summary="maps iterated in C: a few roundings an iterate, which the motion may amplify; rectangles by unfolding",
+        summary=(
+            "maps iterated in C: a few roundings an iterate, which the motion may amplify;"
+            " rectangles by unfolding"
+        ),
         control="exact",
         cost_rank=0,
     )
@@ -40,7 +52,11 @@ class IteratedMap(Solver):
         begun = perf_counter()
         problem = request.problem
         assert isinstance(problem, Iteration)
-        counts, start, asked = problem.times, np.ascontiguousarray(problem.start, float), problem.map
+        counts, start, asked = (
+            problem.times,
+            np.ascontiguousarray(problem.start, float),
+            problem.map,
+        )
         out = np.empty((len(counts), asked.dimension))
         lib, n, rows = load("maps").lib, pointer("maps", counts), pointer("maps", out, output=True)
         function = getattr(lib, FUNCTIONS[type(asked)])

@@ -1,4 +1,6 @@
-"""A point on one spring along a line by Verlet's method on a lattice, exactly reversible (kernels/lattice.c)."""
+"""A point on one spring along a line by Verlet's method on a lattice, exactly reversible
+(kernels/lattice.c).
+"""
 
 from math import ceil, frexp, ldexp, log2, sqrt
 from time import perf_counter
@@ -15,20 +17,26 @@ from refdem.solvers.solver import Solver
 
 FAMILY = "lattice"
 ROOM = 1.7
-"""By which the potential at the ends of the lattice exceeds the energy: a start and its return then choose the same units."""
+"""By which the potential at the ends of the lattice exceeds the energy: a start and its return then
+choose the same units.
+"""
 WIDEST = 64
 """Doublings of the start's size after which a motion counts as unbound."""
 
 
 class LatticeVerlet(Solver):
-    """Places and velocities are whole multiples of powers of two, which binary64 holds: a run back ends in the very bits of its start.
+    """Places and velocities are whole multiples of powers of two, which binary64 holds: a run back
+    ends in the very bits of its start.
 
-    A start that is finer than the lattice is rounded to it first, by at most 2^-54 of the powers of two above place and velocity.
+    A start that is finer than the lattice is rounded to it first, by at most 2^-54 of the powers of
+    two above place and velocity.
     """
 
     claims = Method(
         name="lattice-verlet",
-        summary="Verlet's method in whole numbers of 53 bits: the way back is the way there, bit by bit",
+        summary=(
+            "Verlet's method in whole numbers of 53 bits: the way back is the way there, bit by bit"
+        ),
         control="step",
         order=2,
         reversible=True,
@@ -57,9 +65,17 @@ class LatticeVerlet(Solver):
         line, out = _line.line_of(request), np.empty((len(t), 2))
         place, speed = (ldexp(size, -self.bits) for size in _reach(line) or (1.0, 1.0))
         spring = line.spring
-        law = {"mass": line.mass, "stiffness": spring.stiffness, "exponent": spring.exponent, "quadratic": spring.quadratic}
+        law = {
+            "mass": line.mass,
+            "stiffness": spring.stiffness,
+            "exponent": spring.exponent,
+            "quadratic": spring.quadratic,
+        }
         law |= {"cubic": spring.cubic, "weight": line.weight, "place": place, "speed": speed}
-        told, rows = load(FAMILY).ffi.new("refdem_lattice *", law), pointer(FAMILY, out, output=True)
+        told, rows = (
+            load(FAMILY).ffi.new("refdem_lattice *", law),
+            pointer(FAMILY, out, output=True),
+        )
         step = (line.place, line.speed, request.signed_step, len(t), request.stride)
         started = perf_counter()
         seconds = timed(load(FAMILY).lib.refdem_lattice_verlet, told, *step, rows)

@@ -1,4 +1,6 @@
-"""Mass properties of solids: polyhedra by signed tetrahedra, plates by signed triangles, round ones by stretching (mechanics)."""
+"""Mass properties of solids: polyhedra by signed tetrahedra, plates by signed triangles, round ones
+by stretching (mechanics).
+"""
 
 from time import perf_counter
 from typing import Any
@@ -7,7 +9,16 @@ import numpy as np
 
 from refdem.core.engine import Method
 from refdem.core.problem import Request, Solid
-from refdem.core.statics import Cuboid, Cylinder, Ellipsoid, Piece, Points, Polygon, body, properties
+from refdem.core.statics import (
+    Cuboid,
+    Cylinder,
+    Ellipsoid,
+    Piece,
+    Points,
+    Polygon,
+    body,
+    properties,
+)
 from refdem.core.trajectory import Cost, Trajectory
 from refdem.mechanics import mass_properties as mechanics
 from refdem.mechanics.quaternion import matrix
@@ -18,7 +29,12 @@ from refdem.solvers.solver import Solver
 class MassProperties(Solver):
     """Every shape that a solid can have."""
 
-    claims = Method(name="mass-properties", summary="signed tetrahedra and triangles, exact up to rounding", control="exact", cost_rank=0)
+    claims = Method(
+        name="mass-properties",
+        summary="signed tetrahedra and triangles, exact up to rounding",
+        control="exact",
+        cost_rank=0,
+    )
     answers = Solid
 
     def refusal(self, problem: Solid) -> str | None:
@@ -37,7 +53,9 @@ class MassProperties(Solver):
 def said(piece: Piece) -> dict[str, float]:
     """All that is asked of one solid."""
     found = of_piece(piece)
-    return body(found.mass, found.centre, found.inertia if piece.about is None else found.about(piece.about))
+    return body(
+        found.mass, found.centre, found.inertia if piece.about is None else found.about(piece.about)
+    )
 
 
 def of_piece(piece: Piece) -> mechanics.MassProperties:

@@ -1,4 +1,6 @@
-"""Two spheres that rub on each other in a plane, by Taylor series from event to event (kernels/oblique.c)."""
+"""Two spheres that rub on each other in a plane, by Taylor series from event to event
+(kernels/oblique.c).
+"""
 
 from time import perf_counter
 from typing import Any
@@ -22,7 +24,9 @@ FAMILY = "oblique"
 ROUNDED = 4 * 2.0**-52
 """Overlaps of so many times the distance are rounding."""
 ASKEW = 1e-15
-"""Part of a vector that may point off the plane or its normal: round-off of a scene turned into some other direction."""
+"""Part of a vector that may point off the plane or its normal: round-off of a scene turned into
+some other direction.
+"""
 COLUMNS = 12
 
 
@@ -31,7 +35,10 @@ class ObliqueContact(Solver):
 
     claims = Method(
         name="oblique-contact",
-        summary="Taylor series of order 20 along and across the line of centres; hold, slip and release as their zeros",
+        summary=(
+            "Taylor series of order 20 along and across the line of centres; hold, slip and release"
+            " as their zeros"
+        ),
         control="exact",
         conserves=frozenset({"momentum", "angular-momentum"}),
         cost_rank=8,
@@ -39,10 +46,16 @@ class ObliqueContact(Solver):
     kernels = (FAMILY,)
 
     def refusal(self, problem: Motion) -> str | None:
-        """None for two free spheres that touch and press, spins across the plane of their motion, under linear contact alone."""
+        """None for two free spheres that touch and press, spins across the plane of their motion,
+        under linear contact alone.
+        """
         scene, bodies = problem.scene, problem.scene.bodies
         laws = scene.all(Contact)
-        if len(bodies) != 2 or not all(isinstance(shape, Sphere) for shape in bodies.shape) or bodies.fixed.any():
+        if (
+            len(bodies) != 2
+            or not all(isinstance(shape, Sphere) for shape in bodies.shape)
+            or bodies.fixed.any()
+        ):
             return "not two free spheres"
         if len(laws) != 1 or len(scene.elements) != 1 or laws[0].law != "linear":
             return "something else than one linear contact law"
@@ -56,18 +69,32 @@ class ObliqueContact(Solver):
         start = beginning(scene, axes)
         if start[0] < 0 or (start[0] == 0 and start[1] <= 0):
             return "the spheres do not touch and approach at the start"
-        if start[0] > 0 and laws[0].cutoff == "zero_force" and laws[0].stiffness * start[0] + laws[0].damping * start[1] <= 0:
+        if (
+            start[0] > 0
+            and laws[0].cutoff == "zero_force"
+            and laws[0].stiffness * start[0] + laws[0].damping * start[1] <= 0
+        ):
             return "the force would pull at the start"
         aside = np.linalg.norm(bodies.omega - np.outer(bodies.omega @ axes[2], axes[2]), axis=1)
-        return "a spin turns the motion out of its plane" if np.any(aside > ASKEW * np.linalg.norm(bodies.omega, axis=1)) else None
+        return (
+            "a spin turns the motion out of its plane"
+            if np.any(aside > ASKEW * np.linalg.norm(bodies.omega, axis=1))
+            else None
+        )
 
     def run(self, request: Request) -> tuple[Trajectory, Cost]:
-        """States of both, contact channels and the release; raises EngineError if hold and slip change without end."""
+        """States of both, contact channels and the release; raises EngineError if hold and slip
+        change without end.
+        """
         begun = perf_counter()
         scene, t = request.problem.scene, request.problem.times
         axes = frame(scene)
         start, since = beginning(scene, axes), t - t[0]
-        out, release, pair = np.full((len(t), COLUMNS), np.nan), np.empty(1), words(scene, float(since[-1]))
+        out, release, pair = (
+            np.full((len(t), COLUMNS), np.nan),
+            np.empty(1),
+            words(scene, float(since[-1])),
+        )
         buffers = [pointer(FAMILY, array, output=True) for array in (release, out)]
         lib, given = load(FAMILY).lib, (pointer(FAMILY, start), len(t), pointer(FAMILY, since))
         started = perf_counter()
@@ -76,43 +103,77 @@ class ObliqueContact(Solver):
         if np.isnan(out[-1, 0]):
             reached = int(np.argmax(np.isnan(out[:, 0])))
             raise EngineError(f"hold and slip change without end at t = {t[reached]:g} s")
-        told = (Event(time=float(t[0] + release[0]), kind="release", body=0),) if release[0] <= since[-1] else ()
+        told = (
+            (Event(time=float(t[0] + release[0]), kind="release", body=0),)
+            if release[0] <= since[-1]
+            else ()
+        )
         return _trajectory(scene, axes, t, out, told), cost
 
 
 def frame(scene: Scene) -> Array:
-    """Rows (3, 3): from the first centre to the second; across it in the plane of the motion; the normal of that plane."""
+    """Rows (3, 3): from the first centre to the second; across it in the plane of the motion; the
+    normal of that plane.
+    """
     bodies = scene.bodies
-    line, relative = bodies.position[1] - bodies.position[0], bodies.velocity[1] - bodies.velocity[0]
+    line, relative = (
+        bodies.position[1] - bodies.position[0],
+        bodies.velocity[1] - bodies.velocity[0],
+    )
     along = line / np.linalg.norm(line)
     across = relative - (relative @ along) * along
     if np.linalg.norm(across) <= ASKEW * np.linalg.norm(relative):
         spin = bodies.omega[np.argmax(np.linalg.norm(bodies.omega, axis=1))]
-        across = np.cross(spin, along) if np.any(np.cross(spin, along)) else np.cross(along, np.eye(3)[np.argmin(np.abs(along))])
+        across = (
+            np.cross(spin, along)
+            if np.any(np.cross(spin, along))
+            else np.cross(along, np.eye(3)[np.argmin(np.abs(along))])
+        )
     across = across / np.linalg.norm(across)
     return np.array([along, across, np.cross(along, across)])
 
 
 def beginning(scene: Scene, axes: Array) -> Array:
-    """Overlap [m], its rate and the transverse velocity [m/s], angle 0, spins [rad/s]; an overlap that is rounding is none."""
+    """Overlap [m], its rate and the transverse velocity [m/s], angle 0, spins [rad/s]; an overlap
+    that is rounding is none.
+    """
     bodies = scene.bodies
     reach, relative = float(bodies.radius.sum()), bodies.velocity[1] - bodies.velocity[0]
     overlap = reach - float(np.linalg.norm(bodies.position[1] - bodies.position[0]))
     overlap = 0.0 if abs(overlap) <= ROUNDED * reach else overlap
-    return np.array([overlap, -(relative @ axes[0]), relative @ axes[1], 0.0, *(bodies.omega @ axes[2])])
+    return np.array(
+        [overlap, -(relative @ axes[0]), relative @ axes[1], 0.0, *(bodies.omega @ axes[2])]
+    )
 
 
 def words(scene: Scene, longest: float) -> Any:
     """The pair in the kernel's words."""
     bodies, law = scene.bodies, scene.all(Contact)[0]
     turn_ease = [1.0 / inertia if inertia > 0 else 0.0 for inertia in bodies.inertia[:, 0]]
-    numbers = {name: getattr(law, name) for name in ("stiffness", "damping", "tangential_stiffness", "friction")}
-    numbers |= dict(zip(("radius_i", "radius_j", "turn_ease_i", "turn_ease_j"), (*bodies.radius.tolist(), *turn_ease), strict=True))
-    numbers |= {"ease": float(np.sum(1.0 / bodies.mass)), "branch": BRANCH[law.branch], "longest": longest}
-    return load(FAMILY).ffi.new("refdem_oblique_pair *", numbers | {"no_pull": law.cutoff == "zero_force"})
+    numbers = {
+        name: getattr(law, name)
+        for name in ("stiffness", "damping", "tangential_stiffness", "friction")
+    }
+    numbers |= dict(
+        zip(
+            ("radius_i", "radius_j", "turn_ease_i", "turn_ease_j"),
+            (*bodies.radius.tolist(), *turn_ease),
+            strict=True,
+        )
+    )
+    numbers |= {
+        "ease": float(np.sum(1.0 / bodies.mass)),
+        "branch": BRANCH[law.branch],
+        "longest": longest,
+    }
+    return load(FAMILY).ffi.new(
+        "refdem_oblique_pair *", numbers | {"no_pull": law.cutoff == "zero_force"}
+    )
 
 
-def _trajectory(scene: Scene, axes: Array, t: Array, out: Array, events: tuple[Event, ...]) -> Trajectory:
+def _trajectory(
+    scene: Scene, axes: Array, t: Array, out: Array, events: tuple[Event, ...]
+) -> Trajectory:
     """The kernel's rows about a centre of mass in uniform motion."""
     bodies, (overlap, rate, transverse, angle) = scene.bodies, out[:, :4].T
     along = np.stack([np.cos(angle), np.sin(angle)], axis=-1) @ axes[:2]

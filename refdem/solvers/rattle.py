@@ -1,4 +1,6 @@
-"""Points on rods in uniform gravity and on springs: velocity Verlet with constraints, RATTLE (kernels/rattle.c)."""
+"""Points on rods in uniform gravity and on springs: velocity Verlet with constraints, RATTLE
+(kernels/rattle.c).
+"""
 
 from time import perf_counter
 from typing import Any
@@ -38,7 +40,11 @@ class Rattle(Solver):
     def refusal(self, problem: Motion) -> str | None:
         """None for points with at least one rod; springs and gravity are welcome."""
         scene = problem.scene
-        others = [element.kind for element in scene.elements if not isinstance(element, Rod | Spring | UniformGravity)]
+        others = [
+            element.kind
+            for element in scene.elements
+            if not isinstance(element, Rod | Spring | UniformGravity)
+        ]
         if others:
             return f"{others[0]} is not a rod, a spring or gravity"
         if not scene.all(Rod):
@@ -57,16 +63,37 @@ class Rattle(Solver):
         law = np.array([(s.stiffness, s.length, s.exponent) for s in springs]).reshape(-1, 3)
         work = np.empty(9 * n + 9 * len(rods) + len(rods) ** 2)
         position, velocity, force = _room(scene, len(t), len(rods))
-        inputs = (len(rods), *_links(rods), _doubles(length), len(springs), *_links(springs), _doubles(law))
-        out = [pointer("rattle", column, output=True) for column in (work, position, velocity, force)]
+        inputs = (
+            len(rods),
+            *_links(rods),
+            _doubles(length),
+            len(springs),
+            *_links(springs),
+            _doubles(law),
+        )
+        out = [
+            pointer("rattle", column, output=True) for column in (work, position, velocity, force)
+        ]
         started = perf_counter()
         failed = load("rattle").lib.refdem_rattle(
-            n, _doubles(mass), _doubles(single.gravity(scene)), *inputs, request.signed_step, len(t), request.stride, *out
+            n,
+            _doubles(mass),
+            _doubles(single.gravity(scene)),
+            *inputs,
+            request.signed_step,
+            len(t),
+            request.stride,
+            *out,
         )
-        cost = Cost(seconds=perf_counter() - started, setup=started - begun, steps=request.stride * (len(t) - 1))
+        cost = Cost(
+            seconds=perf_counter() - started,
+            setup=started - begun,
+            steps=request.stride * (len(t) - 1),
+        )
         if failed:
             raise EngineError(
-                f"rattle: no multipliers hold the rods before sample {failed - 1} at a step of {request.step} s; take a smaller one"
+                f"rattle: no multipliers hold the rods before sample {failed - 1} at a step of"
+                f" {request.step} s; take a smaller one"
             )
         return Trajectory.of_points(t, position, velocity, channels={"rod_force": force}), cost
 
@@ -87,7 +114,10 @@ def _room(scene: Scene, samples: int, rods: int) -> tuple[Any, Any, Any]:
     """Arrays for position, velocity (T, N, 3) with the start in row 0, and force (T, rods)."""
     n = len(scene.bodies)
     position, velocity = np.empty((samples, n, 3)), np.empty((samples, n, 3))
-    position[0], velocity[0] = scene.bodies.position, np.where(scene.bodies.fixed[:, None], 0.0, scene.bodies.velocity)
+    position[0], velocity[0] = (
+        scene.bodies.position,
+        np.where(scene.bodies.fixed[:, None], 0.0, scene.bodies.velocity),
+    )
     return position, velocity, np.empty((samples, rods))
 
 

@@ -1,4 +1,6 @@
-"""Classical Runge-Kutta of fourth order (Kutta 1901) for points and spheres, its steps cut where a contact begins or ends."""
+"""Classical Runge-Kutta of fourth order (Kutta 1901) for points and spheres, its steps cut where a
+contact begins or ends.
+"""
 
 from refdem.core.engine import Method
 from refdem.core.problem import Motion, Request
@@ -9,7 +11,9 @@ from refdem.solvers.solver import Solver
 
 
 class RungeKutta(Solver):
-    """Fourth order, through contacts too; neither symplectic nor reversible; momentum is kept, angular momentum is not."""
+    """Fourth order, through contacts too; neither symplectic nor reversible; momentum is kept,
+    angular momentum is not.
+    """
 
     claims = Method(
         name="rk4",

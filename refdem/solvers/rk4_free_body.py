@@ -1,4 +1,6 @@
-"""Free rigid bodies by the classical Runge-Kutta method on the quaternion and the body's angular momentum (Kutta 1901)."""
+"""Free rigid bodies by the classical Runge-Kutta method on the quaternion and the body's angular
+momentum (Kutta 1901).
+"""
 
 from refdem.core.engine import Method
 from refdem.solvers._free_bodies import SteppedFreeBodies

@@ -1,4 +1,6 @@
-"""Points on rods one below the other, in a plane, from a pivot that rests or moves by a law of time (kernels/rod_chain.c)."""
+"""Points on rods one below the other, in a plane, from a pivot that rests or moves by a law of time
+(kernels/rod_chain.c).
+"""
 
 from time import perf_counter
 from typing import Any, NamedTuple
@@ -19,7 +21,9 @@ from refdem.solvers._single_point import Array
 from refdem.solvers.solver import Solver
 
 FITS = 1e-9
-"""Part of a length, or of a speed, by which the start may miss what rigid rods and the moved pivot allow: rounding."""
+"""Part of a length, or of a speed, by which the start may miss what rigid rods and the moved pivot
+allow: rounding.
+"""
 MOST = 8
 
 
@@ -28,7 +32,10 @@ class RodChain(Solver):
 
     claims = Method(
         name="rod-chain",
-        summary="planar chain of rods in angles, pivot at rest or moved: Taylor series of order 20, steps to round-off",
+        summary=(
+            "planar chain of rods in angles, pivot at rest or moved: Taylor series of order 20,"
+            " steps to round-off"
+        ),
         control="exact",
         conserves=frozenset({"energy", "constraint"}),
         reversible=True,
@@ -41,7 +48,11 @@ class RodChain(Solver):
     def refusal(self, problem: Motion) -> str | None:
         """None for a planar chain of points that fits its rods."""
         scene = problem.scene
-        others = [element.kind for element in scene.elements if not isinstance(element, Rod | MovingAnchor | UniformGravity)]
+        others = [
+            element.kind
+            for element in scene.elements
+            if not isinstance(element, Rod | MovingAnchor | UniformGravity)
+        ]
         if others:
             return f"{others[0]} beside rods, a moved pivot and gravity"
         if "dimension:3" in scene.features:
@@ -60,13 +71,21 @@ class RodChain(Solver):
         states[0] = np.concatenate([np.zeros(n), rate, [0.0]])
         length, mass = np.array([rod.length for rod in chain.rods]), scene.bodies.mass[chain.bobs]
         drive, frequency, phase = _drive(scene)
-        given = [pointer("rod_chain", column) for column in (length, aim, mass, single.gravity(scene)[:2].copy(), drive)]
+        given = [
+            pointer("rod_chain", column)
+            for column in (length, aim, mass, single.gravity(scene)[:2].copy(), drive)
+        ]
         out = pointer("rod_chain", states, output=True)
         started = perf_counter()
-        failed = load("rod_chain").lib.refdem_rod_chain(n, *given, frequency, phase, len(t), pointer("rod_chain", t), out)
+        failed = load("rod_chain").lib.refdem_rod_chain(
+            n, *given, frequency, phase, len(t), pointer("rod_chain", t), out
+        )
         cost = Cost(seconds=perf_counter() - started, setup=started - begun)
         if failed or not np.all(np.isfinite(states)):
-            raise EngineError(f"rod-chain: the series do not reach sample {failed - 1}; expected a regular motion of at most {MOST} rods")
+            raise EngineError(
+                f"rod-chain: the series do not reach sample {failed - 1}; expected a regular motion"
+                f" of at most {MOST} rods"
+            )
         position, velocity = _places(scene, chain, pivot, length[:, None] * aim, states[:, :-1])
         channels = {"rod_force": _tension(scene, pivot, position, velocity)}
         if chain.pivot >= 0:
@@ -75,7 +94,9 @@ class RodChain(Solver):
 
 
 class Chain(NamedTuple):
-    """Numbers of the bobs from the pivot on, the rod above each, and the body that is the pivot (-1: a place of the world)."""
+    """Numbers of the bobs from the pivot on, the rod above each, and the body that is the pivot
+    (-1: a place of the world).
+    """
 
     bobs: list[int]
     rods: list[Rod]
@@ -108,12 +129,19 @@ def _broken(scene: Scene) -> str | None:
     """None if the rods are one chain from one pivot that holds every body."""
     anchors, rods = scene.all(MovingAnchor), scene.all(Rod)
     if len(anchors) > 1 or not rods or len(rods) > MOST:
-        return f"{len(anchors)} moved pivots and {len(rods)} rods; expected at most one, and 1 to {MOST}"
+        return (
+            f"{len(anchors)} moved pivots and {len(rods)} rods; expected at most one, and 1 to"
+            f" {MOST}"
+        )
     if scene.bodies.fixed.any() or (anchors and any(rod.b < 0 for rod in rods)):
         return "a body is fixed, or a rod hangs beside the moved pivot"
     chain = _chain(scene)
     held = {*chain.bobs, *(anchor.a for anchor in anchors)}
-    if len(chain.bobs) < len(rods) or len(set(chain.bobs)) < len(rods) or held != set(range(len(scene.bodies))):
+    if (
+        len(chain.bobs) < len(rods)
+        or len(set(chain.bobs)) < len(rods)
+        or held != set(range(len(scene.bodies)))
+    ):
         return "the rods do not hang one below the other from one pivot"
     return None
 
@@ -147,7 +175,9 @@ def _pivot(scene: Scene, t: Array) -> Pivot:
     """The pivot's motion; at rest where the first rod hangs from the world."""
     for anchor in scene.all(MovingAnchor):
         place = anchor.place(t)
-        return Pivot(place, anchor.velocity(t), -(anchor.frequency**2) * (place - np.array(anchor.anchor_b)))
+        return Pivot(
+            place, anchor.velocity(t), -(anchor.frequency**2) * (place - np.array(anchor.anchor_b))
+        )
     hung = next(rod for rod in scene.all(Rod) if rod.b < 0)
     rest = np.zeros((len(t), 3))
     return Pivot(rest + single.anchor(hung), rest, rest)
@@ -167,14 +197,25 @@ def _aim(scene: Scene, chain: Chain, pivot: Pivot) -> tuple[Array, Array]:
     return aim, (arm[:, 0] * speed[:, 1] - arm[:, 1] * speed[:, 0]) / np.sum(arm**2, axis=1)
 
 
-def _places(scene: Scene, chain: Chain, pivot: Pivot, aim: Array, states: Array) -> tuple[Array, Array]:
-    """Position and velocity (T, bodies, 3) of all bodies; `aim` (N, 2) times the lengths. Row 0 is the start as it came."""
+def _places(
+    scene: Scene, chain: Chain, pivot: Pivot, aim: Array, states: Array
+) -> tuple[Array, Array]:
+    """Position and velocity (T, bodies, 3) of all bodies;
+
+    `aim` (N, 2) times the lengths. Row 0 is the start as it came.
+    """
     turn, rate = np.split(states, 2, axis=1)
     sine, cosine, nothing = np.sin(turn), np.cos(turn), np.zeros_like(turn)
     x, down = aim[:, 0] * cosine + aim[:, 1] * sine, aim[:, 1] * cosine - aim[:, 0] * sine
-    outward, sideways = np.stack([x, -down, nothing], axis=2), rate[..., None] * np.stack([down, x, nothing], axis=2)
+    outward, sideways = (
+        np.stack([x, -down, nothing], axis=2),
+        rate[..., None] * np.stack([down, x, nothing], axis=2),
+    )
     position, velocity = (np.empty((len(states), len(scene.bodies), 3)) for _ in range(2))
-    for column, support, part in ((position, pivot.place, outward), (velocity, pivot.velocity, sideways)):
+    for column, support, part in (
+        (position, pivot.place, outward),
+        (velocity, pivot.velocity, sideways),
+    ):
         if chain.pivot >= 0:
             column[:, chain.pivot] = support
         column[:, chain.bobs] = support[:, None] + np.cumsum(part, axis=1)
@@ -183,14 +224,22 @@ def _places(scene: Scene, chain: Chain, pivot: Pivot, aim: Array, states: Array)
 
 
 def _tension(scene: Scene, pivot: Pivot, position: Array, velocity: Array) -> Array:
-    """Tension (T, rods) [N] in the scene's order: what keeps every rod's length, e.(a1 - a2) = -|v1 - v2|^2/length."""
+    """Tension (T, rods) [N] in the scene's order: what keeps every rod's length, e.(a1 - a2) = -|v1
+    - v2|^2/length.
+    """
     rods, chain, mass = scene.all(Rod), _chain(scene), scene.bodies.mass
     rows = np.zeros((len(position), len(rods), len(mass), 3))
     wanted = np.zeros((len(position), len(rods)))
     for number, rod in enumerate(rods):
-        ends = [(end, side) for end, side in ((rod.a, 1.0), (rod.b, -1.0)) if end >= 0 and end != chain.pivot]
-        place, speed = ([column[:, end] if end >= 0 else other for end in (rod.a, rod.b)] for column, other in
-                        ((position, pivot.place), (velocity, pivot.velocity)))  # fmt: skip
+        ends = [
+            (end, side)
+            for end, side in ((rod.a, 1.0), (rod.b, -1.0))
+            if end >= 0 and end != chain.pivot
+        ]
+        place, speed = (
+            [column[:, end] if end >= 0 else other for end in (rod.a, rod.b)]
+            for column, other in ((position, pivot.place), (velocity, pivot.velocity))
+        )
         direction = (place[0] - place[1]) / rod.length
         wanted[:, number] = np.sum((speed[0] - speed[1]) ** 2, axis=1) / rod.length
         for end, side in ends:
@@ -204,7 +253,9 @@ def _tension(scene: Scene, pivot: Pivot, position: Array, velocity: Array) -> Ar
 
 
 def _lost(scene: Scene, number: int, pivot: Pivot, work: Array) -> Array:
-    """Energy (T,) [J] that the scene has lost to the anchor since the start: less what it did on the chain and on the pivot's mass."""
+    """Energy (T,) [J] that the scene has lost to the anchor since the start: less what it did on
+    the chain and on the pivot's mass.
+    """
     energy: Array = 0.5 * np.sum(pivot.velocity**2, axis=1) - pivot.place @ single.gravity(scene)
     return work[0] - work - scene.bodies.mass[number] * (energy - energy[0])
 

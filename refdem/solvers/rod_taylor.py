@@ -1,4 +1,6 @@
-"""A point on a rod to the world, in space, in Cartesian coordinates with its constraint force (kernels/rod_taylor.c)."""
+"""A point on a rod to the world, in space, in Cartesian coordinates with its constraint force
+(kernels/rod_taylor.c).
+"""
 
 from math import inf, sqrt
 from time import perf_counter
@@ -17,7 +19,8 @@ from refdem.solvers.solver import Solver
 
 Array = NDArray[np.float64]
 FITS = 1e-9
-"""Part of a length, or of a speed, by which the start may miss what a rigid rod allows: rounding."""
+"""Part of a length, or of a speed, by which the start may miss what a rigid rod allows: rounding.
+"""
 
 
 class RodTaylor(Solver):
@@ -25,7 +28,10 @@ class RodTaylor(Solver):
 
     claims = Method(
         name="rod-taylor",
-        summary="a point on a rod in Cartesian coordinates: Taylor series of order 24, held to the rod after each step",
+        summary=(
+            "a point on a rod in Cartesian coordinates: Taylor series of order 24, held to the rod"
+            " after each step"
+        ),
         control="exact",
         conserves=frozenset({"energy", "constraint"}),
         reversible=True,
@@ -57,18 +63,43 @@ class RodTaylor(Solver):
         rod, mass = scene.all(Rod)[0], float(scene.bodies.mass[0])
         gravity, speed = single.gravity(scene), scene.bodies.velocity[0]
         unit = single.time_unit([swing_time(rod.length, gravity), turn_time(rod.length, speed)])
-        given = (gravity * unit**2, single.anchor(rod), scene.bodies.position[0].copy(), speed * unit)
+        given = (
+            gravity * unit**2,
+            single.anchor(rod),
+            scene.bodies.position[0].copy(),
+            speed * unit,
+        )
         clock = np.ascontiguousarray(t / unit)
-        position, velocity, force = np.empty((len(t), 1, 3)), np.empty((len(t), 1, 3)), np.empty((len(t), 1))
+        position, velocity, force = (
+            np.empty((len(t), 1, 3)),
+            np.empty((len(t), 1, 3)),
+            np.empty((len(t), 1)),
+        )
         columns = [pointer("rod_taylor", column) for column in given]
         out = [pointer("rod_taylor", column, output=True) for column in (position, velocity, force)]
-        arguments = (mass, rod.length, *columns, float(clock[0]), len(t), pointer("rod_taylor", clock), *out)
+        arguments = (
+            mass,
+            rod.length,
+            *columns,
+            float(clock[0]),
+            len(t),
+            pointer("rod_taylor", clock),
+            *out,
+        )
         started = perf_counter()
         seconds = timed(load("rod_taylor").lib.refdem_rod_taylor, *arguments)
         cost = Cost(seconds=seconds, setup=started - begun)
         if not np.isfinite(force).all():
-            raise EngineError("rod-taylor: the series do not reach the last sample; expected a motion of finite speed")
-        return Trajectory.of_points(t, position, velocity / unit, channels={"rod_force": force / unit**2}), cost
+            raise EngineError(
+                "rod-taylor: the series do not reach the last sample; expected a motion of finite"
+                " speed"
+            )
+        return (
+            Trajectory.of_points(
+                t, position, velocity / unit, channels={"rod_force": force / unit**2}
+            ),
+            cost,
+        )
 
 
 def swing_time(length: float, gravity: Array) -> float:

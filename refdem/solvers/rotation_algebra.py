@@ -50,7 +50,9 @@ def turn_angle(m: Array) -> Array:
 
 
 def complex_product(p: Array, q: Array) -> Array:
-    """The product of quaternions by their complex matrices: the first column holds (w - i z, y - i x)."""
+    """The product of quaternions by their complex matrices: the first column holds (w - i z, y - i
+    x).
+    """
     (first, _), (second, _) = rotation.complex_matrix(p) @ rotation.complex_matrix(q)
     return np.array([first.real, -second.imag, second.real, -first.imag])
 
@@ -104,11 +106,17 @@ ANSWERS: dict[str, Callable[..., Any]] = {
     "euler-of-matrix": lambda m: rotation.euler_of_matrix(square(m)),
     "euler-rates": lambda euler, omega: rotation.euler_rates(euler[0], euler[1], omega),
     "rate": rotation.quaternion_rate,
-    "second-rate": lambda q, omega, rise: (product(pure(rise), q) + product(pure(omega), rotation.quaternion_rate(q, omega))) / 2,
+    "second-rate": (
+        lambda q, omega, rise: (
+            (product(pure(rise), q) + product(pure(omega), rotation.quaternion_rate(q, omega))) / 2
+        )
+    ),
     "omega-of-rate": lambda q, rate: 2 * product(rate, conjugate(q))[1:],
     "body-omega-of-rate": lambda q, rate: 2 * product(conjugate(q), rate)[1:],
     "rotation-energy": lambda inertia, omega: inertia * omega**2 / 2,
-    "first-order-freedom": lambda size, x, rods: freedom.first_order_freedom(x.reshape(-1, int(size[0])), pairs(rods)),
+    "first-order-freedom": lambda size, x, rods: freedom.first_order_freedom(
+        x.reshape(-1, int(size[0])), pairs(rods)
+    ),
     "rigid-freedom": lambda size, x: freedom.rigid_freedom(x.reshape(-1, int(size[0]))),
 }
 
@@ -117,7 +125,10 @@ class RotationAlgebra(Solver):
     """Every operation of core.algebra."""
 
     claims = Method(
-        name="rotation-algebra", summary="matrices, quaternions and Euler angles, exact up to rounding", control="exact", cost_rank=0
+        name="rotation-algebra",
+        summary="matrices, quaternions and Euler angles, exact up to rounding",
+        control="exact",
+        cost_rank=0,
     )
     answers = Identity
 
@@ -130,7 +141,9 @@ class RotationAlgebra(Solver):
         problem = request.problem
         assert isinstance(problem, Identity)
         started = perf_counter()
-        return Trajectory.of_values(problem.times, results(problem, ANSWERS)), Cost(seconds=perf_counter() - started)
+        return Trajectory.of_values(problem.times, results(problem, ANSWERS)), Cost(
+            seconds=perf_counter() - started
+        )
 
 
 METHOD = RotationAlgebra()

@@ -1,4 +1,6 @@
-"""What every method of the reference implementation is: claims, a refusal, and a run over C kernels."""
+"""What every method of the reference implementation is: claims, a refusal, and a run over C
+kernels.
+"""
 
 from abc import ABC, abstractmethod
 from typing import Any
@@ -11,8 +13,8 @@ from refdem.core.trajectory import Cost, Trajectory
 class Solver(ABC):
     """One method. A file in solvers/ with an instance named METHOD is found by itself.
 
-    `kernels` names every C family that the method calls: their digests are part of a run's key. `answers` is the kind of question
-    that it answers; `refusal` and `run` see no other.
+    `kernels` names every C family that the method calls: their digests are part of a run's key.
+    `answers` is the kind of question that it answers; `refusal` and `run` see no other.
     """
 
     claims: Method
@@ -21,7 +23,9 @@ class Solver(ABC):
 
     @abstractmethod
     def refusal(self, problem: Any) -> str | None:
-        """None if it can run the problem (judged by the scene's content, never by a case's name), else why not."""
+        """None if it can run the problem (judged by the scene's content, never by a case's name),
+        else why not.
+        """
 
     @abstractmethod
     def run(self, request: Request) -> tuple[Trajectory, Cost]:

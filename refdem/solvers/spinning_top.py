@@ -27,11 +27,19 @@ class SpinningTop(Solver):
 
     claims = Method(
         name="spinning-top",
-        summary="rigid body about a fixed point in gravity: Taylor series of order 20, steps to round-off",
+        summary=(
+            "rigid body about a fixed point in gravity: Taylor series of order 20, steps to"
+            " round-off"
+        ),
         control="exact",
         derived={
-            "attitude": "the attitude is divided by its length when it is handed out, so that it is always 1",
-            "ball_joint": "places are made of the attitude and the arm, so that the joint is always closed",
+            "attitude": (
+                "the attitude is divided by its length when it is handed out, so that it is"
+                " always 1"
+            ),
+            "ball_joint": (
+                "places are made of the attitude and the arm, so that the joint is always closed"
+            ),
         },
         conserves=frozenset({"energy", "constraint"}),
         reversible=True,
@@ -44,9 +52,22 @@ class SpinningTop(Solver):
     def refusal(self, problem: Motion) -> str | None:
         """None for one body with inertia on one ball joint of the world that it fits."""
         scene = problem.scene
-        others = [element.kind for element in scene.elements if not isinstance(element, BallJoint | UniformGravity)]
-        if others or len(scene.all(BallJoint)) != 1 or len(scene.bodies) != 1 or scene.bodies.fixed.any():
-            return f"{others[0]} beside a ball joint" if others else "not one free body on one ball joint"
+        others = [
+            element.kind
+            for element in scene.elements
+            if not isinstance(element, BallJoint | UniformGravity)
+        ]
+        if (
+            others
+            or len(scene.all(BallJoint)) != 1
+            or len(scene.bodies) != 1
+            or scene.bodies.fixed.any()
+        ):
+            return (
+                f"{others[0]} beside a ball joint"
+                if others
+                else "not one free body on one ball joint"
+            )
         joint = scene.all(BallJoint)[0]
         if np.count_nonzero(joint.anchor_a) > 1:
             return "the joint is not one of the world on a principal axis of the body"
@@ -61,14 +82,24 @@ class SpinningTop(Solver):
         bodies, joint = scene.bodies, scene.all(BallJoint)[0]
         arm, weight = -np.array(joint.anchor_a), bodies.mass[0] * single.gravity(scene)
         states = np.empty((len(t), 7))
-        states[0] = np.concatenate([bodies.attitude[0], rotated(conjugate(bodies.attitude[0]), bodies.omega[0])])
-        given = [pointer("spinning_top", np.ascontiguousarray(column)) for column in (_about_joint(scene), arm, weight)]
+        states[0] = np.concatenate(
+            [bodies.attitude[0], rotated(conjugate(bodies.attitude[0]), bodies.omega[0])]
+        )
+        given = [
+            pointer("spinning_top", np.ascontiguousarray(column))
+            for column in (_about_joint(scene), arm, weight)
+        ]
         out = pointer("spinning_top", states, output=True)
         started = perf_counter()
-        failed = load("spinning_top").lib.refdem_spinning_top(*given, len(t), pointer("spinning_top", t), out)
+        failed = load("spinning_top").lib.refdem_spinning_top(
+            *given, len(t), pointer("spinning_top", t), out
+        )
         cost = Cost(seconds=perf_counter() - started, setup=started - begun)
         if failed:
-            raise EngineError(f"spinning-top: the series do not reach sample {failed - 1}; expected a motion without singularities")
+            raise EngineError(
+                f"spinning-top: the series do not reach sample {failed - 1}; expected a motion"
+                " without singularities"
+            )
         attitude = states[:, :4] / np.linalg.norm(states[:, :4], axis=1, keepdims=True)
         omega, reach = rotated(attitude, states[:, 4:]), rotated(attitude, arm)
         columns: dict[str, Any] = {
@@ -79,7 +110,9 @@ class SpinningTop(Solver):
         }
         for name, values in columns.items():
             values[0] = getattr(bodies, name)[0]
-        rows: dict[str, Any] = {name: np.ascontiguousarray(values[:, None]) for name, values in columns.items()}
+        rows: dict[str, Any] = {
+            name: np.ascontiguousarray(values[:, None]) for name, values in columns.items()
+        }
         return Trajectory(t=t, **rows), cost
 
 
@@ -95,7 +128,9 @@ def _astray(scene: Scene) -> str | None:
     bodies, joint = scene.bodies, scene.all(BallJoint)[0]
     arm = rotated(bodies.attitude[0], -np.array(joint.anchor_a))
     size, speed = float(np.linalg.norm(arm)), float(np.linalg.norm(bodies.omega[0]))
-    if np.linalg.norm(bodies.position[0] - arm - single.anchor(joint)) > FITS * (size + np.linalg.norm(joint.anchor_b)):
+    if np.linalg.norm(bodies.position[0] - arm - single.anchor(joint)) > FITS * (
+        size + np.linalg.norm(joint.anchor_b)
+    ):
         return "the joint is open at the start"
     if np.linalg.norm(bodies.velocity[0] - np.cross(bodies.omega[0], arm)) > FITS * size * speed:
         return "the joint moves at the start"

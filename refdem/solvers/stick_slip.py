@@ -1,4 +1,6 @@
-"""A point on a spring and a slider, at rest or on a moving belt, by Coulomb's or Stribeck's law, driven or not (kernels/stick_slip.c)."""
+"""A point on a spring and a slider, at rest or on a moving belt, by Coulomb's or Stribeck's law,
+driven or not (kernels/stick_slip.c).
+"""
 
 from math import sqrt
 from time import perf_counter
@@ -25,15 +27,22 @@ FAMILY = "stick_slip"
 MOST_EVENTS = 100_000
 KINDS = {1: "stick", 2: "slip"}
 ASKEW = 1e-15
-"""Part of a vector that may point off the line: round-off of a scene turned into some other direction."""
+"""Part of a vector that may point off the line: round-off of a scene turned into some other
+direction.
+"""
 
 
 class StickSlip(Solver):
-    """Taylor series of order 20 from event to event; sticks with exactly the velocity of the belt."""
+    """Taylor series of order 20 from event to event; sticks with exactly the velocity of the
+    belt.
+    """
 
     claims = Method(
         name="stick-slip",
-        summary="Taylor series of order 20, stops as their zeros and releases between turning points of the pull, all to the last bits",
+        summary=(
+            "Taylor series of order 20, stops as their zeros and releases between turning points of"
+            " the pull, all to the last bits"
+        ),
         control="exact",
         conserves=frozenset({"energy"}),
         cost_rank=6,
@@ -41,13 +50,17 @@ class StickSlip(Solver):
     kernels = (FAMILY,)
 
     def refusal(self, problem: Motion) -> str | None:
-        """None for one point on a linear spring of natural length 0 and a slider, with at most one force, all along one line."""
+        """None for one point on a linear spring of natural length 0 and a slider, with at most one
+        force, all along one line.
+        """
         scene = problem.scene
         others = [element.kind for element in scene.elements if not isinstance(element, ELEMENTS)]
         if others:
             return f"{others[0]} is more than an oscillator with dry friction has"
         springs, sliders = scene.all(Spring), scene.all(Slider)
-        if (len(scene.bodies), len(springs), len(sliders)) != (1, 1, 1) or len(scene.all(Force)) > 1:
+        if (len(scene.bodies), len(springs), len(sliders)) != (1, 1, 1) or len(
+            scene.all(Force)
+        ) > 1:
             return "expected one body, one spring, one slider and at most one force"
         if scene.bodies.fixed.any():
             return "spring and slider do not tie a body to the world"
@@ -64,7 +77,10 @@ class StickSlip(Solver):
         begun = perf_counter()
         scene, t = request.problem.scene, np.ascontiguousarray(request.problem.times)
         axis, anchor = np.array(scene.all(Slider)[0].axis), single.anchor(scene.all(Spring)[0])
-        start = [float(axis @ vector) for vector in (scene.bodies.position[0] - anchor, scene.bodies.velocity[0])]
+        start = [
+            float(axis @ vector)
+            for vector in (scene.bodies.position[0] - anchor, scene.bodies.velocity[0])
+        ]
         out, told = np.empty((len(t), 3)), np.empty((MOST_EVENTS, 2))
         unit = law_time_unit(scene)
         law = belt_law(scene, unit)
@@ -73,11 +89,22 @@ class StickSlip(Solver):
         buffers = [pointer(FAMILY, array, output=True) for array in (told, out)]
         lib = load(FAMILY).lib
         started = perf_counter()
-        count = lib.refdem_stick_slip(law, *start, clock[0], len(t), pointer(FAMILY, clock), len(told), *buffers)
+        count = lib.refdem_stick_slip(
+            law, *start, clock[0], len(t), pointer(FAMILY, clock), len(told), *buffers
+        )
         cost = Cost(seconds=perf_counter() - started, setup=started - begun)
-        events = tuple(Event(time=float(time * unit), kind=KINDS[int(kind)], body=0) for time, kind in told[:count] if time <= clock[-1])
+        events = tuple(
+            Event(time=float(time * unit), kind=KINDS[int(kind)], body=0)
+            for time, kind in told[:count]
+            if time <= clock[-1]
+        )
         position, velocity = anchor + out[:, :1, None] * axis, out[:, 1:2, None] / unit * axis
-        return Trajectory.of_points(t, position, velocity, channels={"dissipated_work": out[:, 2].copy()}, events=events), cost
+        return (
+            Trajectory.of_points(
+                t, position, velocity, channels={"dissipated_work": out[:, 2].copy()}, events=events
+            ),
+            cost,
+        )
 
 
 def law_time_unit(scene: Scene) -> float:
@@ -97,7 +124,9 @@ def belt_law(scene: Scene, unit: float = 1.0) -> Any:
     plain = slider.law == "coulomb"
     force = next(iter(scene.all(Force)), Force(a=0, amplitude=0.0))
     names = ("mu0", "mu1", "lambda0", "lambda1")
-    law = {name: getattr(slider, name) for name in names} if not plain else dict.fromkeys(names, 0.0)
+    law = (
+        {name: getattr(slider, name) for name in names} if not plain else dict.fromkeys(names, 0.0)
+    )
     law |= {"mu0": slider.friction, "mu1": slider.friction} if plain else {}
     by_speed = ("lambda0", "lambda1") if slider.law == "stribeck_linear" else ("lambda0",)
     law |= {name: law[name] / unit for name in by_speed}
@@ -121,11 +150,20 @@ def belt_law(scene: Scene, unit: float = 1.0) -> Any:
 
 
 def _off_line(scene: Scene) -> str | None:
-    """None if place, velocity, gravity and force lie along the slider's axis through the spring's anchor."""
+    """None if place, velocity, gravity and force lie along the slider's axis through the spring's
+    anchor.
+    """
     bodies, axis = scene.bodies, np.array(scene.all(Slider)[0].axis)
-    vectors = [bodies.position[0] - single.anchor(scene.all(Spring)[0]), bodies.velocity[0], single.gravity(scene)]
+    vectors = [
+        bodies.position[0] - single.anchor(scene.all(Spring)[0]),
+        bodies.velocity[0],
+        single.gravity(scene),
+    ]
     vectors += [np.array(force.axis) for force in scene.all(Force)]
-    across = [np.linalg.norm(vector - (vector @ axis) * axis) > ASKEW * np.linalg.norm(vector) for vector in vectors]
+    across = [
+        np.linalg.norm(vector - (vector @ axis) * axis) > ASKEW * np.linalg.norm(vector)
+        for vector in vectors
+    ]
     return "the motion is not along the slider" if any(across) else None
 
 

@@ -1,4 +1,6 @@
-"""A pendulum and a mass on a string over a wheel, in a plane with gravity (kernels/string_wheel.c)."""
+"""A pendulum and a mass on a string over a wheel, in a plane with gravity
+(kernels/string_wheel.c).
+"""
 
 from time import perf_counter
 
@@ -21,11 +23,16 @@ FITS = 1e-9
 
 
 class StringWheel(Solver):
-    """Length and angle of the pendulum by Taylor series; the mass moves by as much as the string does."""
+    """Length and angle of the pendulum by Taylor series; the mass moves by as much as the string
+    does.
+    """
 
     claims = Method(
         name="string-wheel",
-        summary="pendulum, wheel and mass in length and angle: Taylor series of order 20, steps to round-off",
+        summary=(
+            "pendulum, wheel and mass in length and angle: Taylor series of order 20, steps to"
+            " round-off"
+        ),
         control="exact",
         conserves=frozenset({"energy", "constraint"}),
         reversible=True,
@@ -38,36 +45,54 @@ class StringWheel(Solver):
     def refusal(self, problem: Motion) -> str | None:
         """None for two points on one string over one wheel that fit it."""
         scene = problem.scene
-        others = [element.kind for element in scene.elements if not isinstance(element, StringOverWheel | UniformGravity)]
+        others = [
+            element.kind
+            for element in scene.elements
+            if not isinstance(element, StringOverWheel | UniformGravity)
+        ]
         if others:
             return f"{others[0]} beside a string and gravity"
-        if len(scene.all(StringOverWheel)) != 1 or len(scene.bodies) != 2 or scene.bodies.fixed.any():
+        if (
+            len(scene.all(StringOverWheel)) != 1
+            or len(scene.bodies) != 2
+            or scene.bodies.fixed.any()
+        ):
             return "not two free points on one string over a wheel"
         if "dimension:3" in scene.features or not single.gravity(scene).any():
             return "the motion is not in the plane x-y with gravity"
         return single.turning(scene) or _astray(scene)
 
     def run(self, request: Request) -> tuple[Trajectory, Cost]:
-        """Position and velocity at the samples; raises UnsupportedError where the pendulum is drawn onto the wheel: no law of the
-        scene says what becomes of it there."""
+        """Position and velocity at the samples; raises UnsupportedError where the pendulum is drawn
+        onto the wheel: no law of the scene says what becomes of it there."""
         begun = perf_counter()
         scene, t = request.problem.scene, np.ascontiguousarray(request.problem.times)
         string, down, out = _frame(scene)
         states = np.empty((len(t), 4))
         states[0] = _start(scene, string, down, out)
-        (pendulum, counter), g = scene.bodies.mass[[string.a, string.b]], float(np.linalg.norm(single.gravity(scene)))
+        (pendulum, counter), g = (
+            scene.bodies.mass[[string.a, string.b]],
+            float(np.linalg.norm(single.gravity(scene))),
+        )
         given, row = pointer("string_wheel", t), pointer("string_wheel", states, output=True)
         started = perf_counter()
-        failed = load("string_wheel").lib.refdem_string_wheel(pendulum, counter, string.drag, string.radius, g, len(t), given, row)
+        failed = load("string_wheel").lib.refdem_string_wheel(
+            pendulum, counter, string.drag, string.radius, g, len(t), given, row
+        )
         cost = Cost(seconds=perf_counter() - started, setup=started - begun)
         if failed:
-            raise UnsupportedError(f"contact with the wheel: the pendulum is drawn onto it before t = {t[failed - 1]:.6g} s")
+            raise UnsupportedError(
+                "contact with the wheel: the pendulum is drawn onto it before t ="
+                f" {t[failed - 1]:.6g} s"
+            )
         position, velocity = _places(scene, string, down, out, states)
         return Trajectory.of_points(t, position, velocity), cost
 
 
 def _frame(scene: Scene) -> tuple[StringOverWheel, Array, Array]:
-    """The string, the unit vector of gravity, and the one across it towards the pendulum's side: away from the other mass."""
+    """The string, the unit vector of gravity, and the one across it towards the pendulum's side:
+    away from the other mass.
+    """
     string, gravity = scene.all(StringOverWheel)[0], single.gravity(scene)
     down = gravity / np.linalg.norm(gravity)
     out = np.array([-down[1], down[0], 0.0])
@@ -77,31 +102,54 @@ def _frame(scene: Scene) -> tuple[StringOverWheel, Array, Array]:
 
 def _start(scene: Scene, string: StringOverWheel, down: Array, out: Array) -> Array:
     """r, theta, u and theta' (4,): (r + i R) exp(i theta) is the pendulum's place, down + i out."""
-    arm, velocity = scene.bodies.position[string.a] - np.array(string.centre), scene.bodies.velocity[string.a]
+    arm, velocity = (
+        scene.bodies.position[string.a] - np.array(string.centre),
+        scene.bodies.velocity[string.a],
+    )
     x, y, radius = arm @ out, arm @ down, string.radius
     r = np.sqrt(max(x * x + y * y - radius**2, 0.0))
     theta = np.arctan2(x * r - y * radius, y * r + x * radius)
-    along, across = np.sin(theta) * out + np.cos(theta) * down, np.cos(theta) * out - np.sin(theta) * down
+    along, across = (
+        np.sin(theta) * out + np.cos(theta) * down,
+        np.cos(theta) * out - np.sin(theta) * down,
+    )
     return np.array([r, theta, velocity @ along, velocity @ across / r if r > 0 else 0.0])
 
 
 def _astray(scene: Scene) -> str | None:
-    """None if the mass hangs straight below its side of the wheel, the pendulum is off it, and the string does not stretch."""
+    """None if the mass hangs straight below its side of the wheel, the pendulum is off it, and the
+    string does not stretch.
+    """
     string, down, out = _frame(scene)
-    arm, velocity = scene.bodies.position[string.b] - np.array(string.centre), scene.bodies.velocity[string.b]
+    arm, velocity = (
+        scene.bodies.position[string.b] - np.array(string.centre),
+        scene.bodies.velocity[string.b],
+    )
     r, _, u, _ = _start(scene, string, down, out)
-    size, speed = r + string.radius + np.linalg.norm(arm), np.linalg.norm(scene.bodies.velocity, axis=1).max()
+    size, speed = (
+        r + string.radius + np.linalg.norm(arm),
+        np.linalg.norm(scene.bodies.velocity, axis=1).max(),
+    )
     if not r > 0:
         return "the pendulum starts on the wheel"
     if abs(arm @ out + string.radius) > FITS * size or abs(velocity @ out) > FITS * speed:
         return "the mass does not hang straight down from the wheel"
-    return "the string starts with a speed that its ends do not share" if abs(velocity @ down + u) > FITS * speed else None
+    return (
+        "the string starts with a speed that its ends do not share"
+        if abs(velocity @ down + u) > FITS * speed
+        else None
+    )
 
 
-def _places(scene: Scene, string: StringOverWheel, down: Array, out: Array, states: Array) -> tuple[Array, Array]:
+def _places(
+    scene: Scene, string: StringOverWheel, down: Array, out: Array, states: Array
+) -> tuple[Array, Array]:
     """Position and velocity (T, 2, 3); row 0 is the start as it came."""
     r, theta, u, rate = (column[:, None] for column in states.T)
-    along, across = np.sin(theta) * out + np.cos(theta) * down, np.cos(theta) * out - np.sin(theta) * down
+    along, across = (
+        np.sin(theta) * out + np.cos(theta) * down,
+        np.cos(theta) * out - np.sin(theta) * down,
+    )
     position, velocity = (np.empty((len(states), 2, 3)) for _ in range(2))
     position[:, string.a] = np.array(string.centre) + string.radius * across + r * along
     velocity[:, string.a] = u * along + r * rate * across

@@ -1,4 +1,6 @@
-"""A point on a line under polynomial and periodic forces, by Taylor series kept at round-off (kernels/taylor_oscillator.c)."""
+"""A point on a line under polynomial and periodic forces, by Taylor series kept at round-off
+(kernels/taylor_oscillator.c).
+"""
 
 from time import perf_counter
 
@@ -16,7 +18,9 @@ from refdem.solvers.solver import Solver
 
 
 class TaylorOscillator(Solver):
-    """Springs with a square and a cube, a dashpot of van der Pol's, any number of periodic forces."""
+    """Springs with a square and a cube, a dashpot of van der Pol's, any number of periodic
+    forces.
+    """
 
     claims = Method(
         name="taylor-oscillator",
@@ -52,17 +56,32 @@ class TaylorOscillator(Solver):
         kernel, out, spring = load("taylor_oscillator"), np.empty((len(t), 3)), line.spring
         powers = {"linear": 0.0, "quadratic": spring.quadratic, "cubic": spring.cubic}
         powers["linear" if spring.exponent == 1 else "cubic"] += spring.stiffness
-        given = {"mass": line.mass, **powers, "damping": line.damping, "van_der_pol": line.van_der_pol, "offset": line.offset}
+        given = {
+            "mass": line.mass,
+            **powers,
+            "damping": line.damping,
+            "van_der_pol": line.van_der_pol,
+            "offset": line.offset,
+        }
         drives = pointer("taylor_oscillator", line.drives)
         more = {"weight": line.weight, "drives": len(line.drives), "drive": drives}
         struct = kernel.ffi.new("refdem_oscillator *", given | more)
-        samples, rows = pointer("taylor_oscillator", t), pointer("taylor_oscillator", out, output=True)
+        samples, rows = (
+            pointer("taylor_oscillator", t),
+            pointer("taylor_oscillator", out, output=True),
+        )
         started = perf_counter()
-        failed = kernel.lib.refdem_taylor_oscillator(struct, line.place, line.speed, t[0], len(t), samples, rows)
+        failed = kernel.lib.refdem_taylor_oscillator(
+            struct, line.place, line.speed, t[0], len(t), samples, rows
+        )
         cost = Cost(seconds=perf_counter() - started, setup=started - begun)
         if failed:
-            raise UnsupportedError(f"taylor-oscillator: the motion goes to infinity before sample {failed - 1}")
-        channels = {} if request.problem.scene.is_conservative() else {"dissipated_work": out[:, 2].copy()}
+            raise UnsupportedError(
+                f"taylor-oscillator: the motion goes to infinity before sample {failed - 1}"
+            )
+        channels = (
+            {} if request.problem.scene.is_conservative() else {"dissipated_work": out[:, 2].copy()}
+        )
         return line.trajectory(t, out[:, 0], out[:, 1], channels=channels), cost
 
 

@@ -1,4 +1,6 @@
-"""A convex body that falls on a plane: linear contact at its corners, from event to event (kernels/tumbling_body.c)."""
+"""A convex body that falls on a plane: linear contact at its corners, from event to event
+(kernels/tumbling_body.c).
+"""
 
 from time import perf_counter
 from typing import Any
@@ -28,39 +30,61 @@ KINDS = {0: "contact", 1: "release"}
 
 
 class TumblingBody(Solver):
-    """Contact and release of every corner are found to the last bit; nothing is fitted, nothing is smoothed."""
+    """Contact and release of every corner are found to the last bit; nothing is fitted, nothing is
+    smoothed.
+    """
 
     claims = Method(
         name="tumbling-body",
-        summary="convex body on a plane: Taylor series of order 20 from event to event of its corners, steps to round-off",
+        summary=(
+            "convex body on a plane: Taylor series of order 20 from event to event of its corners,"
+            " steps to round-off"
+        ),
         control="exact",
-        derived={"attitude": "the attitude is divided by its length when it is handed out, so that it is always 1"},
+        derived={
+            "attitude": (
+                "the attitude is divided by its length when it is handed out, so that it is"
+                " always 1"
+            )
+        },
         conserves=frozenset({"energy"}),
         cost_rank=6,
     )
     kernels = (FAMILY,)
 
     def refusal(self, problem: Motion) -> str | None:
-        """None for one polyhedron under the linear law, whose corners slide as long as they press, over one plane."""
+        """None for one polyhedron under the linear law, whose corners slide as long as they press,
+        over one plane.
+        """
         scene = problem.scene
-        others = [e.kind for e in scene.elements if not isinstance(e, Contact | Plane | UniformGravity)]
+        others = [
+            e.kind for e in scene.elements if not isinstance(e, Contact | Plane | UniformGravity)
+        ]
         if others:
             return f"{others[0]} beside contact, a plane and gravity"
         laws, bodies = scene.all(Contact), scene.bodies
         if len(laws) != 1 or len(scene.all(Plane)) != 1 or len(bodies) != 1 or bodies.fixed.any():
             return "not one free body over one plane under one contact law"
-        if not isinstance(bodies.shape[0], Polyhedron) or not 0 < len(bodies.shape[0].vertices) <= MOST_CORNERS:
+        if (
+            not isinstance(bodies.shape[0], Polyhedron)
+            or not 0 < len(bodies.shape[0].vertices) <= MOST_CORNERS
+        ):
             return f"not a polyhedron of at most {MOST_CORNERS} corners"
         if not bodies.inertia[0].min() > 0:
             return "no inertia about one of the axes"
         return _law_refusal(laws[0]) or _never_held(problem)
 
     def run(self, request: Request) -> tuple[Trajectory, Cost]:
-        """States, contact channels and events; raises EngineError where a corner that presses comes to a stop."""
+        """States, contact channels and events; raises EngineError where a corner that presses comes
+        to a stop.
+        """
         scene, times = request.problem.scene, np.ascontiguousarray(request.problem.times)
         states, channels, events, cost = _followed(scene, times)
         if events is None:
-            raise EngineError("tumbling-body: a corner that presses comes to a stop; expected a tangential spring, or less friction")
+            raise EngineError(
+                "tumbling-body: a corner that presses comes to a stop; expected a tangential"
+                " spring, or less friction"
+            )
         attitude = states[:, :4] / np.linalg.norm(states[:, :4], axis=1, keepdims=True)
         columns: dict[str, Any] = {
             "position": states[:, 10:13],
@@ -70,9 +94,17 @@ class TumblingBody(Solver):
         }
         for name, values in columns.items():
             values[0] = getattr(scene.bodies, name)[0]
-        rows: dict[str, Any] = {name: np.ascontiguousarray(values[:, None]) for name, values in columns.items()}
-        shown = dict(zip(CHANNELS, channels.T.copy(), strict=True)) | {"dissipated_work": states[:, 13].copy()}
-        told = tuple(Event(time=float(t), kind=KINDS[int(mode)], body=0) for t, mode, _ in events if mode in KINDS)
+        rows: dict[str, Any] = {
+            name: np.ascontiguousarray(values[:, None]) for name, values in columns.items()
+        }
+        shown = dict(zip(CHANNELS, channels.T.copy(), strict=True)) | {
+            "dissipated_work": states[:, 13].copy()
+        }
+        told = tuple(
+            Event(time=float(t), kind=KINDS[int(mode)], body=0)
+            for t, mode, _ in events
+            if mode in KINDS
+        )
         return Trajectory(t=times, channels=shown, events=told, **rows), cost
 
 
@@ -85,24 +117,40 @@ def _law_refusal(law: Contact) -> str | None:
 
 
 def _never_held(problem: Motion) -> str | None:
-    """None if no corner that presses comes to a stop, where friction without a tangential spring would have to hold it."""
+    """None if no corner that presses comes to a stop, where friction without a tangential spring
+    would have to hold it.
+    """
     if not problem.scene.all(Contact)[0].friction > 0:
         return None
     if problem.interval < 0:
         return "friction runs forward only"
     _, _, events, _ = _followed(problem.scene, np.ascontiguousarray(problem.times))
     return (
-        "a corner that presses comes to a stop: friction without a tangential spring does not say what holds it" if events is None else None
+        "a corner that presses comes to a stop: friction without a tangential spring does not say"
+        " what holds it"
+        if events is None
+        else None
     )
 
 
 def _followed(scene: Scene, times: Array) -> tuple[Array, Array, Array | None, Cost]:
-    """States (T, 14), channels (T, 3) and events (E, 3) of the kernel; no events where it does not reach the last sample."""
+    """States (T, 14), channels (T, 3) and events (E, 3) of the kernel; no events where it does not
+    reach the last sample.
+    """
     begun = perf_counter()
-    bodies, law, plane, kernel = scene.bodies, scene.all(Contact)[0], scene.all(Plane)[0], load(FAMILY)
+    bodies, law, plane, kernel = (
+        scene.bodies,
+        scene.all(Contact)[0],
+        scene.all(Plane)[0],
+        load(FAMILY),
+    )
     shape: Any = bodies.shape[0]
     back = conjugate(bodies.attitude[0])
-    states, channels, events = np.zeros((len(times), 14)), np.zeros((len(times), 3)), np.zeros((MOST_EVENTS, 3))
+    states, channels, events = (
+        np.zeros((len(times), 14)),
+        np.zeros((len(times), 3)),
+        np.zeros((MOST_EVENTS, 3)),
+    )
     turning, moving = rotated(back, bodies.omega[0]), rotated(back, bodies.velocity[0])
     states[0, :13] = np.concatenate([bodies.attitude[0], turning, moving, bodies.position[0]])
     given: dict[str, Any] = {
@@ -111,12 +159,21 @@ def _followed(scene: Scene, times: Array) -> tuple[Array, Array, Array | None, C
         "plane": np.array([*plane.point, *plane.normal]),
         "corner": np.array(shape.vertices, float),
     }
-    kept = {name: pointer(FAMILY, np.ascontiguousarray(column, float)) for name, column in given.items()}
+    kept = {
+        name: pointer(FAMILY, np.ascontiguousarray(column, float)) for name, column in given.items()
+    }
     numbers = {name: getattr(law, name) for name in ("stiffness", "damping", "friction")}
-    struct = kernel.ffi.new("refdem_tumbling_body *", {**kept, **numbers, "mass": bodies.mass[0], "corners": len(shape.vertices)})
-    event, channel, out = (pointer(FAMILY, array, output=True) for array in (events, channels, states))
+    struct = kernel.ffi.new(
+        "refdem_tumbling_body *",
+        {**kept, **numbers, "mass": bodies.mass[0], "corners": len(shape.vertices)},
+    )
+    event, channel, out = (
+        pointer(FAMILY, array, output=True) for array in (events, channels, states)
+    )
     started = perf_counter()
-    count = kernel.lib.refdem_tumbling_body_run(struct, len(times), pointer(FAMILY, times), MOST_EVENTS, event, channel, out)
+    count = kernel.lib.refdem_tumbling_body_run(
+        struct, len(times), pointer(FAMILY, times), MOST_EVENTS, event, channel, out
+    )
     cost = Cost(seconds=perf_counter() - started, setup=started - begun)
     return states, channels, events[:count] if count >= 0 else None, cost
 

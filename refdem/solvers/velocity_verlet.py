@@ -1,4 +1,6 @@
-"""Velocity Verlet for points and spheres: kick, drift, kick (Swope et al. 1982), its steps cut where a contact begins or ends."""
+"""Velocity Verlet for points and spheres: kick, drift, kick (Swope et al. 1982), its steps cut
+where a contact begins or ends.
+"""
 
 from refdem.core.engine import Method
 from refdem.core.problem import Motion, Request
@@ -8,15 +10,20 @@ from refdem.solvers.solver import Solver
 
 
 class VelocityVerlet(Solver):
-    """Second order, symplectic and reversible while no contact changes; second order and reversible through contacts.
+    """Second order, symplectic and reversible while no contact changes; second order and reversible
+    through contacts.
 
-    Damping and friction get a predicted velocity and one correction. Every pair force is computed once, so that momentum is
-    kept to round-off, and total angular momentum where the lever arms add up to the centre distance.
+    Damping and friction get a predicted velocity and one correction. Every pair force is computed
+    once, so that momentum is kept to round-off, and total angular momentum where the lever arms add
+    up to the centre distance.
     """
 
     claims = Method(
         name="velocity-verlet",
-        summary="velocity Verlet; damping by one correction; steps end where a contact begins, sticks, slips or ends",
+        summary=(
+            "velocity Verlet; damping by one correction; steps end where a contact begins, sticks,"
+            " slips or ends"
+        ),
         control="step",
         order=2,
         conserves=frozenset({"momentum", "angular-momentum"}),

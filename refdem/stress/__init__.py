@@ -1,1 +1,3 @@
-"""Numerical stability: scenes made harder rung by rung, judged as in a run, until a code breaks; where it breaks is a number."""
+"""Numerical stability: scenes made harder rung by rung, judged as in a run, until a code breaks;
+where it breaks is a number.
+"""

@@ -1,4 +1,6 @@
-"""A ladder: one scene that is made harder rung by rung; a battery: the ladders that ask one question."""
+"""A ladder: one scene that is made harder rung by rung; a battery: the ladders that ask one
+question.
+"""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -12,12 +14,14 @@ from refdem.stress.measures.measure import Measure
 
 @dataclass(frozen=True, kw_only=True)
 class Ladder:
-    """Rungs from benign to extreme, each an exact number as text; `along` says what it is a number of, with its unit.
+    """Rungs from benign to extreme, each an exact number as text; `along` says what it is a number
+    of, with its unit.
 
-    `case` is an id of the catalogue, with parameters as in `pendulum[theta0=2]`, or a scene of stress/scenes. The reference promises every
-    rung up to `promised` for the reason `basis`; without these a ladder only informs. `is_general`: it can be put on any motion.
-    `exempt` has, by method, a nearer rung and the reason why no more is promised of it. A `costly` one is climbed
-    rung by rung, while the time forecast for the next is within the budget.
+    `case` is an id of the catalogue, with parameters as in `pendulum[theta0=2]`, or a scene of
+    stress/scenes. The reference promises every rung up to `promised` for the reason `basis`;
+    without these a ladder only informs. `is_general`: it can be put on any motion.
+    `exempt` has, by method, a nearer rung and the reason why no more is promised of it. A `costly`
+    one is climbed rung by rung, while the time forecast for the next is within the budget.
     """
 
     name: str
@@ -32,8 +36,13 @@ class Ladder:
     costly: bool = False
 
     def __post_init__(self) -> None:
-        if bool(self.promised) != bool(self.basis) or (self.promised and self.promised not in self.rungs):
-            raise UsageError(f"ladder {self.name}: promised is {self.promised!r}; expected one of its rungs, with a basis")
+        if bool(self.promised) != bool(self.basis) or (
+            self.promised and self.promised not in self.rungs
+        ):
+            raise UsageError(
+                f"ladder {self.name}: promised is {self.promised!r}; expected one of its rungs,"
+                " with a basis"
+            )
 
     @property
     def values(self) -> tuple[Fraction, ...]:
@@ -60,7 +69,9 @@ class Ladder:
 
 @dataclass(frozen=True, kw_only=True)
 class Battery:
-    """Ladders that ask one question; adding one is one file in stress/batteries with an instance named BATTERY."""
+    """Ladders that ask one question; adding one is one file in stress/batteries with an instance
+    named BATTERY.
+    """
 
     id: str
     title: str

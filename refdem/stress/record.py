@@ -1,4 +1,6 @@
-"""What a stress test finds: verdicts rung by rung, where a method breaks, and whether a promise broke."""
+"""What a stress test finds: verdicts rung by rung, where a method breaks, and whether a promise
+broke.
+"""
 
 from pathlib import Path
 from typing import Literal
@@ -13,7 +15,8 @@ BROKEN: tuple[Verdict, ...] = ("fail", "error")
 
 
 class Rung(msgspec.Struct, frozen=True, kw_only=True):
-    """One rung: the finding that is worst, or comes nearest to its bound. `value` and `bound` as there; `seconds` of the engine's loop.
+    """One rung: the finding that is worst, or comes nearest to its bound. `value` and `bound` as
+    there; `seconds` of the engine's loop.
 
     `forecast` [s] is what a rung that was not run would have taken.
     """
@@ -30,9 +33,11 @@ class Rung(msgspec.Struct, frozen=True, kw_only=True):
 
 
 class Climb(msgspec.Struct, frozen=True, kw_only=True):
-    """One method on one ladder. `holds` is the last rung before the first that does not pass, `breaks` that one, if it failed.
+    """One method on one ladder. `holds` is the last rung before the first that does not pass,
+    `breaks` that one, if it failed.
 
-    `required`: the last rung that had to hold, if any; `kept`: it did, None where nothing was required or the budget ended before.
+    `required`: the last rung that had to hold, if any; `kept`: it did, None where nothing was
+    required or the budget ended before.
     """
 
     battery: str
@@ -65,7 +70,10 @@ class Ask(msgspec.Struct, frozen=True, kw_only=True):
 
 
 class Record(msgspec.Struct, frozen=True, kw_only=True):
-    """Everything that one stress test found; `refused`: engines and ladders that none of their methods can climb, with reasons."""
+    """Everything that one stress test found;
+
+    `refused`: engines and ladders that none of their methods can climb, with reasons.
+    """
 
     format: int = 1
     refdem: str
@@ -80,6 +88,9 @@ def read(path: Path) -> Record:
     try:
         return msgspec.json.decode(path.read_bytes(), type=Record)
     except OSError as error:
-        raise UsageError(f"{path} cannot be read: {error.strerror}; expected a stress.json that `refdem stress` wrote") from None
+        raise UsageError(
+            f"{path} cannot be read: {error.strerror}; expected a stress.json that `refdem stress`"
+            " wrote"
+        ) from None
     except msgspec.MsgspecError as error:
         raise UsageError(f"{path} is not a record of a stress test: {error}") from None

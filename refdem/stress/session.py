@@ -1,4 +1,7 @@
-"""A stress test from batteries and engines to a record. It reads no stored run; truth, which no engine touches, may be kept."""
+"""A stress test from batteries and engines to a record.
+
+It reads no stored run; truth, which no engine touches, may be kept.
+"""
 
 import hashlib
 from collections.abc import Callable, Sequence
@@ -56,7 +59,8 @@ class Place:
 
 @dataclass
 class Stress:
-    """Which ladders, engines and limits: `timeout` [s] a run; no costly rung whose forecast is above `longest` [s].
+    """Which ladders, engines and limits: `timeout` [s] a run; no costly rung whose forecast is
+    above `longest` [s].
 
     `require` holds every engine to what the reference promises.
     """
@@ -74,13 +78,27 @@ class Stress:
 
     def record(self) -> Record:
         """Everything found."""
-        engines, _ = plan.engines(Specification(name="stress", case=[], engines=self.engines, method=self.method))
-        places = [place for battery in self.batteries for ladder in battery.ladders for place in self._places(battery, ladder, engines)]
+        engines, _ = plan.engines(
+            Specification(name="stress", case=[], engines=self.engines, method=self.method)
+        )
+        places = [
+            place
+            for battery in self.batteries
+            for ladder in battery.ladders
+            for place in self._places(battery, ladder, engines)
+        ]
         with Schedule(self.jobs, self.timeout) if self.jobs else InProcess() as schedule:
             tasks = self._tasks(schedule, places)
             waves = sorted({self._wave(place) for place in places})
             for wave in waves:
-                self._run(schedule, [pair for pair in zip(places, tasks, strict=True) if self._wave(pair[0]) == wave])
+                self._run(
+                    schedule,
+                    [
+                        pair
+                        for pair in zip(places, tasks, strict=True)
+                        if self._wave(pair[0]) == wave
+                    ],
+                )
         versions = {engine.name: engine.version() for engine in engines}
         return self._recorded(places, versions)
 
@@ -100,18 +118,30 @@ class Stress:
         """Costly ladders are climbed rung by rung, the others at once."""
         return place.number if place.ladder.costly else 0
 
-    def _tasks(self, schedule: Schedule | InProcess, places: Sequence[Place]) -> list[Task | Failure]:
+    def _tasks(
+        self, schedule: Schedule | InProcess, places: Sequence[Place]
+    ) -> list[Task | Failure]:
         """The task of every place, with truth where its measure wants it."""
-        instances = {place.instance.label: place.instance for place in places if place.ladder.measure.needs_truth}
+        instances = {
+            place.instance.label: place.instance
+            for place in places
+            if place.ladder.measure.needs_truth
+        }
         delays = _delays(places)
         known = {label: truth_here(instance) for label, instance in instances.items()}
-        asked = {label: (one, delays.get(label, ())) for label, one in instances.items() if known[label] is None}
+        asked = {
+            label: (one, delays.get(label, ()))
+            for label, one in instances.items()
+            if known[label] is None
+        }
         proved = truths.sampled_truths(schedule, self.store, list(asked.values()), self.progress)
         found = known | dict(zip(asked, proved, strict=True))
         none = truths.no_truth("this measure needs no truth")
         return [_task(place, found.get(place.instance.label) or none) for place in places]
 
-    def _run(self, schedule: Schedule | InProcess, wanted: Sequence[tuple[Place, Task | Failure]]) -> None:
+    def _run(
+        self, schedule: Schedule | InProcess, wanted: Sequence[tuple[Place, Task | Failure]]
+    ) -> None:
         """Runs and judges rungs; equal requests run once."""
         asked: dict[str, list[tuple[int, Variant]]] = {}
         jobs: dict[str, Job] = {}
@@ -120,18 +150,29 @@ class Stress:
             if isinstance(task, Failure) or task.refusal is not None or self._is_too_long(place):
                 continue
             for variant in task.variants:
-                request = requests[n, variant] = place.ladder.measure.request(task, variant, place.x)
+                request = requests[n, variant] = place.ladder.measure.request(
+                    task, variant, place.x
+                )
                 body = request.packed()
-                key = hashlib.sha256(f"{place.engine.address}\0{request.repeat}\0".encode() + body).hexdigest()
+                key = hashlib.sha256(
+                    f"{place.engine.address}\0{request.repeat}\0".encode() + body
+                ).hexdigest()
                 asked.setdefault(key, []).append((n, variant))
-                jobs.setdefault(key, Job(key, quiet_run, (place.engine.address, body), self._limit(place.engine)))
+                jobs.setdefault(
+                    key,
+                    Job(key, quiet_run, (place.engine.address, body), self._limit(place.engine)),
+                )
         runs: dict[int, dict[Variant, Run]] = {}
         for done, (job, result) in enumerate(schedule.results(list(jobs.values())), 1):
             for n, variant in asked[job.key]:
-                runs.setdefault(n, {})[variant] = _run_of(job.key, requests[n, variant], wanted[n][0].engine, result)
+                runs.setdefault(n, {})[variant] = _run_of(
+                    job.key, requests[n, variant], wanted[n][0].engine, result
+                )
             self.progress("runs", done, len(jobs))
         for n, (place, task) in enumerate(wanted):
-            self.rungs.setdefault(place.climb, {})[place.number] = self._rung(place, task, runs.get(n, {}))
+            self.rungs.setdefault(place.climb, {})[place.number] = self._rung(
+                place, task, runs.get(n, {})
+            )
 
     def _limit(self, engine: Engine) -> float | None:
         """A time limit that a program keeps itself comes before the worker's."""
@@ -142,8 +183,12 @@ class Stress:
         return forecast is not None and forecast > self.longest
 
     def _forecast(self, place: Place) -> float | None:
-        """Seconds that a rung of a costly ladder will take, by the one before it; infinite once one was left out."""
-        below = self.rungs.get(place.climb, {}).get(place.number - 1) if place.ladder.costly else None
+        """Seconds that a rung of a costly ladder will take, by the one before it; infinite once one
+        was left out.
+        """
+        below = (
+            self.rungs.get(place.climb, {}).get(place.number - 1) if place.ladder.costly else None
+        )
         if below is None:
             return None
         growth = float(place.x / place.ladder.values[place.number - 1])
@@ -160,30 +205,54 @@ class Stress:
         if task.refusal is None and self._is_too_long(place):
             forecast = self._forecast(place)
             return Rung(
-                rung=name, verdict="not run", forecast=forecast, sentence="The forecast of its time is beyond the budget (--longest)."
+                rung=name,
+                verdict="not run",
+                forecast=forecast,
+                sentence="The forecast of its time is beyond the budget (--longest).",
             )
         try:
             return rung_of(name, judging.record(task, "", runs, []))
-        except (ArithmeticError, IndexError, ValueError) as error:  # a check met what no run has shown it: one rung, and no verdict
-            told = f"a check of refdem could not judge it ({type(error).__name__}: {error}); please report this"
+        except (
+            ArithmeticError,
+            IndexError,
+            ValueError,
+        ) as error:  # a check met what no run has shown it: one rung, and no verdict
+            told = (
+                f"a check of refdem could not judge it ({type(error).__name__}: {error}); please"
+                " report this"
+            )
             return Rung(rung=name, verdict="error", quantity="run: judging", sentence=told)
 
     def _recorded(self, places: Sequence[Place], versions: dict[str, str]) -> Record:
-        """All climbs but those of methods that can climb nothing; where no method of an engine can, the reason."""
+        """All climbs but those of methods that can climb nothing; where no method of an engine can,
+        the reason.
+        """
         first = {place.climb: place for place in reversed(places)}
         climbs: list[Climb] = []
         refused: dict[tuple[str, str, str], str] = {}
         for place in reversed(first.values()):
             rungs = [rung for _, rung in sorted(self.rungs[place.climb].items())]
             if rungs[0].verdict == "unsupported":
-                refused.setdefault((place.battery.id, place.ladder.name, place.engine.name), rungs[0].sentence)
+                refused.setdefault(
+                    (place.battery.id, place.ladder.name, place.engine.name), rungs[0].sentence
+                )
                 continue
             bare = Climb(
-                battery=place.battery.id, ladder=place.ladder.name, label=place.instance.case.id, along=place.ladder.along,
-                engine=place.engine.name, version=versions[place.engine.name], method=place.method.name,
-                is_reference=place.engine.is_reference, rungs=[],
-            )  # fmt: skip
-            climbs.append(climbed(bare, place.ladder, rungs, is_required=self.require or place.engine.is_reference))
+                battery=place.battery.id,
+                ladder=place.ladder.name,
+                label=place.instance.case.id,
+                along=place.ladder.along,
+                engine=place.engine.name,
+                version=versions[place.engine.name],
+                method=place.method.name,
+                is_reference=place.engine.is_reference,
+                rungs=[],
+            )
+            climbs.append(
+                climbed(
+                    bare, place.ladder, rungs, is_required=self.require or place.engine.is_reference
+                )
+            )
         able = {(climb.battery, climb.ladder, climb.engine) for climb in climbs}
         used = {place.battery.id: place.battery for place in places}
         return Record(
@@ -191,40 +260,67 @@ class Stress:
             longest=self.longest,
             batteries=[Ask(id=b.id, title=b.title, question=b.question) for b in used.values()],
             climbs=climbs,
-            refused=[(engine, ladder, why) for (battery, ladder, engine), why in refused.items() if (battery, ladder, engine) not in able],
+            refused=[
+                (engine, ladder, why)
+                for (battery, ladder, engine), why in refused.items()
+                if (battery, ladder, engine) not in able
+            ],
         )
 
 
 def quiet_run(engine: str, request: bytes) -> bytes:
-    """A run in a worker; beyond what a code can do, numbers overflow and vanish, and that is no news."""
+    """A run in a worker; beyond what a code can do, numbers overflow and vanish, and that is no
+    news.
+    """
     with np.errstate(all="ignore"):
         return worker.run(engine, request)
 
 
 def _task(place: Place, truth: SampledTruth) -> Task | Failure:
-    """The task of a place; the Failure of an engine that raises where it should refuse or accept a scene."""
+    """The task of a place; the Failure of an engine that raises where it should refuse or accept a
+    scene.
+    """
     try:
         with np.errstate(all="ignore"):
-            return place.ladder.measure.task(place.engine, place.method, place.instance, place.x, truth)
+            return place.ladder.measure.task(
+                place.engine, place.method, place.instance, place.x, truth
+            )
     except (RefdemError, ArithmeticError, ValueError) as error:
         told = f"{type(error).__name__}: {error}"
-        return Failure(kind="refusal", sentence=f"{place.engine.name} could not say whether it supports the scene ({told})")
+        return Failure(
+            kind="refusal",
+            sentence=f"{place.engine.name} could not say whether it supports the scene ({told})",
+        )
 
 
 def _delays(places: Sequence[Place]) -> dict[str, tuple[float, ...]]:
-    """By how much [s] velocities lag, by the label of the instance, where those of some method do."""
+    """By how much [s] velocities lag, by the label of the instance, where those of some method
+    do.
+    """
     found: dict[str, set[float]] = {}
     for place in places:
         if place.method.velocity_time != "synchronous":
             levels = place.ladder.measure.levels(place.instance, place.method, place.x)
-            found.setdefault(place.instance.label, set()).update(place.method.delay(level) for level in levels)
+            found.setdefault(place.instance.label, set()).update(
+                place.method.delay(level) for level in levels
+            )
     return {label: tuple(sorted(delays)) for label, delays in found.items()}
 
 
 def _run_of(key: str, request: Request, engine: Engine, result: bytes | Failure) -> Run:
     """The run of a job's result."""
-    reply = worker.Reply(failure=result) if isinstance(result, Failure) else msgspec.msgpack.decode(result, type=worker.Reply)
+    reply = (
+        worker.Reply(failure=result)
+        if isinstance(result, Failure)
+        else msgspec.msgpack.decode(result, type=worker.Reply)
+    )
     trajectory = Trajectory.from_bytes(reply.trajectory) if reply.failure is None else None
     return Run(
-        key=key, request=request, engine=engine.name, version="", trajectory=trajectory, failure=reply.failure, cost=reply.cost
-    )  # fmt: skip
+        key=key,
+        request=request,
+        engine=engine.name,
+        version="",
+        trajectory=trajectory,
+        failure=reply.failure,
+        cost=reply.cost,
+    )

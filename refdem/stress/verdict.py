@@ -13,7 +13,9 @@ from refdem.stress.record import BROKEN, Climb, Rung, Verdict
 
 
 def rung_of(rung: str, judged: finding.Record) -> Rung:
-    """A rung from all that was found on it: the worst finding, and among passes the one that comes nearest to its bound."""
+    """A rung from all that was found on it: the worst finding, and among passes the one that comes
+    nearest to its bound.
+    """
     verdict, chosen = _worst(judged.findings)
     return Rung(
         rung=rung,
@@ -28,9 +30,14 @@ def rung_of(rung: str, judged: finding.Record) -> Rung:
 
 
 def _worst(found: Sequence[Finding]) -> tuple[Verdict, Finding]:
-    """The verdict of findings and the one that gives it; nothing decided is `undecided`, which is never a pass."""
+    """The verdict of findings and the one that gives it; nothing decided is `undecided`, which is
+    never a pass.
+    """
     real = [f for f in found if (f.check, f.quantity) != ("record", "decided")]
-    of = {outcome: [f for f in real if f.outcome == outcome] for outcome in ("error", "unsupported", "pass")}
+    of = {
+        outcome: [f for f in real if f.outcome == outcome]
+        for outcome in ("error", "unsupported", "pass")
+    }
     failed = [f for f in real if f.outcome in FAILING]
     if failed:
         return "fail", min(failed, key=_margin)
@@ -49,7 +56,9 @@ def _margin(judged: Finding) -> float:
 
 
 def climbed(bare: Climb, ladder: Ladder, rungs: Sequence[Rung], *, is_required: bool) -> Climb:
-    """The climb with its rungs: the last that holds, the first that breaks, and whether what had to hold did."""
+    """The climb with its rungs: the last that holds, the first that breaks, and whether what had to
+    hold did.
+    """
     holds, breaks = None, None
     for rung in rungs:
         if rung.verdict != "pass":
@@ -61,11 +70,16 @@ def climbed(bare: Climb, ladder: Ladder, rungs: Sequence[Rung], *, is_required: 
     if not is_required or not promised:
         return found
     due = rungs[: ladder.rungs.index(promised) + 1]
-    return msgspec.structs.replace(found, required=float(Fraction(promised)), basis=basis, kept=_kept(due))
+    return msgspec.structs.replace(
+        found, required=float(Fraction(promised)), basis=basis, kept=_kept(due)
+    )
 
 
 def _kept(due: Sequence[Rung]) -> bool | None:
-    """False if any rung that was due did not pass; None if some were left out: by the budget, or as the method cannot run them."""
+    """False if any rung that was due did not pass;
+
+    None if some were left out: by the budget, or as the method cannot run them.
+    """
     verdicts = {rung.verdict for rung in due}
     if verdicts & {"fail", "error", "undecided"}:
         return False

@@ -12,7 +12,10 @@ if TYPE_CHECKING:
 
 
 def load(case: str = "", *, folder: "Path | str | None" = None) -> "list[CertifiedSet]":
-    """The certified sets of one case, or of all; every hash is checked. Raises ValueError that says what is wrong and where."""
+    """The certified sets of one case, or of all; every hash is checked.
+
+    Raises ValueError that says what is wrong and where.
+    """
     from refdem.truth.certified import reader
 
     return reader.load(case, folder=folder)

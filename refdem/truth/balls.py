@@ -1,4 +1,6 @@
-"""From parameters to Arb balls and back to exact core balls, at a working precision that is raised until it suffices."""
+"""From parameters to Arb balls and back to exact core balls, at a working precision that is raised
+until it suffices.
+"""
 
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterator, Mapping, Sequence
@@ -16,7 +18,9 @@ from refdem.core.truth import Ball, Truth
 from refdem.truth.exact import refuse_rounded
 
 CONTEXT = RLock()
-"""Held while a proof runs: precision and length of series are settings of the whole process in python-flint, not of a thread."""
+"""Held while a proof runs: precision and length of series are settings of the whole process in
+python-flint, not of a thread.
+"""
 
 Parameters = ParamSpec("Parameters")
 Result = TypeVar("Result")
@@ -25,8 +29,9 @@ Result = TypeVar("Result")
 def exclusive(function: Callable[Parameters, Result]) -> Callable[Parameters, Result]:
     """The same function, run by one thread at a time.
 
-    A second thread that set the precision, or cut a series short, meanwhile would change every ball of the first one. A thread that
-    holds the lock may call further; it must not wait inside `precision` for another thread that proves something.
+    A second thread that set the precision, or cut a series short, meanwhile would change every ball
+    of the first one. A thread that holds the lock may call further; it must not wait inside
+    `precision` for another thread that proves something.
     """
 
     @wraps(function)
@@ -52,10 +57,14 @@ class Guarded:
 
 
 class GuardedTruth(Guarded, Truth):
-    """A truth of which one thread at a time asks something, and that is made of exact numbers alone."""
+    """A truth of which one thread at a time asks something, and that is made of exact numbers
+    alone.
+    """
 
     def __new__(cls, *given: Any, **named: Any) -> Self:
-        """Refuses what is rounded where a constructor is annotated with exact numbers: 1/3 of ints is, and 0.1 is not 1/10."""
+        """Refuses what is rounded where a constructor is annotated with exact numbers: 1/3 of ints
+        is, and 0.1 is not 1/10.
+        """
         if given or named:
             refuse_rounded(cls.__init__, given, named)
         return super().__new__(cls)
@@ -75,7 +84,9 @@ def precision(bits: int) -> Iterator[None]:
 
 @contextmanager
 def series_length(terms: int) -> Iterator[None]:
-    """How many terms power series keep, restored afterwards; other threads that ask for one wait."""
+    """How many terms power series keep, restored afterwards; other threads that ask for one
+    wait.
+    """
     with CONTEXT:
         before = ctx.cap
         ctx.cap = terms
@@ -86,9 +97,15 @@ def series_length(terms: int) -> Iterator[None]:
 
 
 def terms_of(series: arb_series, count: int) -> list[arb]:
-    """The first `count` terms of a series; RuntimeError if it knows fewer: what is cut off is not 0."""
+    """The first `count` terms of a series;
+
+    RuntimeError if it knows fewer: what is cut off is not 0.
+    """
     if series.prec < count:
-        raise RuntimeError(f"a series knows {series.prec} terms; expected {count}: its length was changed while it was made")
+        raise RuntimeError(
+            f"a series knows {series.prec} terms; expected {count}: its length was changed while it"
+            " was made"
+        )
     return [series[k] for k in range(count)]
 
 
@@ -103,14 +120,18 @@ class Enclosed(ABC):
 def arb_of(value: "Fraction | int | arb | Enclosed") -> arb:
     """A ball that contains an exact number, at the current precision; a ball is one already.
 
-    This is the door through which numbers enter a proof: TypeError for a binary64, a Decimal or anything else that is rounded.
+    This is the door through which numbers enter a proof: TypeError for a binary64, a Decimal or
+    anything else that is rounded.
     """
     if isinstance(value, arb):
         return value
     if isinstance(value, Enclosed):
         return value.ball()
     if isinstance(value, bool) or not isinstance(value, int | Fraction):
-        told = f"a proof got {value!r} ({type(value).__name__}); expected an exact rational (Fraction or int) or a ball"
+        told = (
+            f"a proof got {value!r} ({type(value).__name__}); expected an exact rational (Fraction"
+            " or int) or a ball"
+        )
         raise TypeError(f"{told}: a rounded number is not the number that was meant")
     exact = Fraction(value)
     return arb(fmpq(exact.numerator, exact.denominator))
@@ -134,7 +155,9 @@ def outward(value: arb | acb) -> arb:
 
 
 def largest(values: Sequence[arb | acb]) -> arb:
-    """An exact upper bound of all absolute values (0 if there are none); nan if one is not finite."""
+    """An exact upper bound of all absolute values (0 if there are none); nan if one is not
+    finite.
+    """
     found = arb(0)
     for bound in map(outward, values):
         if not bound.is_finite():
@@ -145,15 +168,19 @@ def largest(values: Sequence[arb | acb]) -> arb:
 
 
 def nearest_integer(value: arb) -> int:
-    """The whole number nearest to the midpoint of a ball; exact, so that it can be taken out of a period."""
+    """The whole number nearest to the midpoint of a ball; exact, so that it can be taken out of a
+    period.
+    """
     return round(_exact(value.mid()))
 
 
 class UndecidedError(ValueError):
-    """Balls at this precision cannot tell which branch of a formula holds, or cannot follow a motion.
+    """Balls at this precision cannot tell which branch of a formula holds, or cannot follow a
+    motion.
 
-    `code` says which end it is if no precision helps (errors.py lists them); `final`: more bits would not help. Where a motion was
-    followed for a while, `time` [s] is how far, and `balls` has its last certified state.
+    `code` says which end it is if no precision helps (errors.py lists them); `final`: more bits
+    would not help. Where a motion was followed for a while, `time` [s] is how far, and `balls` has
+    its last certified state.
     """
 
     def __init__(
@@ -172,22 +199,30 @@ class UndecidedError(ValueError):
 
 
 SPARE = 32
-"""Bits more than a radius is too large by: what it loses grows a little with the precision's own roundings."""
+"""Bits more than a radius is too large by: what it loses grows a little with the precision's own
+roundings.
+"""
 
 
 @dataclass(frozen=True)
 class Climb:
-    """What raising the precision came to: the last balls (None if the last precision gave none), why there are none, the last bits."""
+    """What raising the precision came to: the last balls (None if the last precision gave none),
+    why there are none, the last bits.
+    """
 
     balls: dict[str, Ball] | None
     reason: ValueError | None
     bits: int
 
 
-def climbed(evaluate: Callable[[], dict[str, arb]], target: Fraction, bits: int = 256, most: int = 16384) -> Climb:
-    """Evaluates at rising precision until every radius is at most `target`, or `most` bits are reached, or no bits can help.
+def climbed(
+    evaluate: Callable[[], dict[str, arb]], target: Fraction, bits: int = 256, most: int = 16384
+) -> Climb:
+    """Evaluates at rising precision until every radius is at most `target`, or `most` bits are
+    reached, or no bits can help.
 
-    Bits rise by what the largest radius lacks, and twofold where the formula is undecided or not finite.
+    Bits rise by what the largest radius lacks, and twofold where the formula is undecided or not
+    finite.
     """
     while True:
         balls: dict[str, Ball] | None = None
@@ -197,14 +232,24 @@ def climbed(evaluate: Callable[[], dict[str, arb]], target: Fraction, bits: int 
                 balls = {name: ball_of(value) for name, value in evaluate().items()}
             except ValueError as error:
                 reason = error
-        worst = None if balls is None else max((ball.radius for ball in balls.values()), default=Fraction(0))
+        worst = (
+            None
+            if balls is None
+            else max((ball.radius for ball in balls.values()), default=Fraction(0))
+        )
         is_met = worst is not None and worst <= target
         if is_met or bits >= most or getattr(reason, "final", False):
             return Climb(balls, reason, bits)
-        lacking = bits if worst is None else max(bits // 4, (worst / target).__ceil__().bit_length() + SPARE)
+        lacking = (
+            bits
+            if worst is None
+            else max(bits // 4, (worst / target).__ceil__().bit_length() + SPARE)
+        )
         bits = min(most, bits + lacking)
 
 
-def refined(evaluate: Callable[[], dict[str, arb]], target: Fraction, bits: int = 256, most: int = 16384) -> dict[str, Ball] | None:
+def refined(
+    evaluate: Callable[[], dict[str, arb]], target: Fraction, bits: int = 256, most: int = 16384
+) -> dict[str, Ball] | None:
     """The balls of `climbed`: None if the formula is undecided or not finite to the end."""
     return climbed(evaluate, target, bits, most).balls

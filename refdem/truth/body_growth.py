@@ -1,9 +1,11 @@
-"""S(t) of a free rigid body for all times, in closed form: J omega' = J omega x omega, q' = q omega/2.
+"""S(t) of a free rigid body for all times, in closed form: J omega' = J omega x omega, q' = q
+omega/2.
 
-An error at any time is psi, a small turn, and d, a change of omega, both in body axes: psi' = d - omega x psi. Each is
-measured by Euclid in its scale. M = J omega is the momentum, L = |M|, E the energy, m a unit vector along M, w one along the
-part of omega across M, whose length is W, and b = m x w, so that M' = M x omega = L W b. Changes of M, J d = L (alpha m +
-beta w + gamma b), and psi = p m + psi_w w + psi_b b, are counted along these moving axes.
+An error at any time is psi, a small turn, and d, a change of omega, both in body axes: psi' = d -
+omega x psi. Each is measured by Euclid in its scale. M = J omega is the momentum, L = |M|, E the
+energy, m a unit vector along M, w one along the part of omega across M, whose length is W, and b =
+m x w, so that M' = M x omega = L W b. Changes of M, J d = L (alpha m + beta w + gamma b), and psi =
+p m + psi_w w + psi_b b, are counted along these moving axes.
 
 Theorem (errors): what an error made at s has become at t, with tau = t - s, is
 
@@ -11,26 +13,31 @@ Theorem (errors): what an error made at s has become at t, with tau = t - s, is
     beta(t)  = beta(s) W(s)/W(t)                                           E is kept
     gamma(t) = W(t) (alpha(s) tau + L W(s) (k(t) - k(s)) beta(s) + gamma(s)/W(s))
     p(t)     = p(s) + tau (omega.m alpha(s) + W(s) beta(s))
-    psi_w(t) + i psi_b(t) = gamma(t) - i beta(t) + i q (lambda_w + i lambda_b)(s),  lambda = J d/L + psi x m
+    psi_w(t) + i psi_b(t) = gamma(t) - i beta(t) + i q (lambda_w + i lambda_b)(s),  lambda = J d/L +
+    psi x m
 
-Proof: d|M|^2/2 = L^2 alpha and dE = omega . J d are constants. The variational equation of Euler's equations is solved by M',
-by M + t M' (the motion scaled in time) and by w/W + k M' (more energy, the same |M|), where k' = (w J^-1 w - b J^-1 b)/W^2: the
-equation along b says so. These three span all changes, which gives alpha, beta, gamma. (psi . M)' = d . M = dE gives p. In
-space the change of the momentum, R (J d + psi x M), is constant: in body axes lambda turns about m as axes fixed in space do, by
-the unit number q, and psi across M is m x (lambda - J d/L).
+Proof: d|M|^2/2 = L^2 alpha and dE = omega . J d are constants. The variational equation of Euler's
+equations is solved by M', by M + t M' (the motion scaled in time) and by w/W + k M' (more energy,
+the same |M|), where k' = (w J^-1 w - b J^-1 b)/W^2: the equation along b says so. These three span
+all changes, which gives alpha, beta, gamma. (psi . M)' = d . M = dE gives p. In space the change of
+the momentum, R (J d + psi x M), is constant: in body axes lambda turns about m as axes fixed in
+space do, by the unit number q, and psi across M is m x (lambda - J d/L).
 
-Theorem (all times): omega has a period P in body axes. W and the axes repeat, k grows by the same kappa and q by the same factor
-in each period, so that with n periods more between s and t
+Theorem (all times): omega has a period P in body axes. W and the axes repeat, k grows by the same
+kappa and q by the same factor in each period, so that with n periods more between s and t
 
     D(t, s) = A + n N + q^n B,  N linear, B that of i q lambda alone.
 
-A norm is convex in n, and |q| = 1: over n >= RECENT it is at most the largest of |A + n N| at both ends plus |B|. Fewer periods
-are taken one by one. The first of the far ones exceeds B so much that this loses nothing. So one period of cells is S for ever.
+A norm is convex in n, and |q| = 1: over n >= RECENT it is at most the largest of |A + n N| at both
+ends plus |B|. Fewer periods are taken one by one. The first of the far ones exceeds B so much that
+this loses nothing. So one period of cells is S for ever.
 
-Theorem (cell): for |s - c| <= h a change of omega grows by at most g = exp(a h), a bounding the Jacobian of Euler's equations,
-and turns the body by at most h g. So |D(t, s)| <= |D(t, c)_psi| (1 + h g) + |D(t, c)_omega| g.
+Theorem (cell): for |s - c| <= h a change of omega grows by at most g = exp(a h), a bounding the
+Jacobian of Euler's equations, and turns the body by at most h g. So |D(t, s)| <= |D(t, c)_psi| (1 +
+h g) + |D(t, c)_omega| g.
 
-A steady spin has W = 0: J d across M obeys an equation of constant coefficients, all else stays, and D depends on tau alone.
+A steady spin has W = 0: J d across M obeys an equation of constant coefficients, all else stays,
+and D depends on tau alone.
 """
 
 from abc import ABC, abstractmethod
@@ -78,19 +85,25 @@ BODY, SPACE = slice(3, 6), slice(6, 9)
 """Rows that are read besides the turn: each component of omega in body axes and in space."""
 
 DOUBLED = 1.0
-"""Part of S that what is lost by rounding may have. Only needles lose so much: J^-1 of one with 1e-12 of the other moments cancels
-twelve digits of sixteen, and the bound of the loss is larger than the loss. S is at most twice what it bounds then."""
+"""Part of S that what is lost by rounding may have. Only needles lose so much: J^-1 of one with
+1e-12 of the other moments cancels twelve digits of sixteen, and the bound of the loss is larger
+than the loss. S is at most twice what it bounds then."""
 RECENT = 4
 """Periods between an error and its effect that are taken one by one."""
 TURNS = 16
-"""Turns of a steady spin that are followed cell by cell, before its drift exceeds all that turns."""
+"""Turns of a steady spin that are followed cell by cell, before its drift exceeds all that turns.
+"""
 SHARE = Fraction(1, 16)
-"""Width of a cell as part of its time: a change of omega made at 0 turns the body 16 times as much as one made in the cell."""
+"""Width of a cell as part of its time: a change of omega made at 0 turns the body 16 times as much
+as one made in the cell.
+"""
 
 
 @dataclass(frozen=True)
 class Scales:
-    """Scales of a turn [rad] and of omega [rad/s], and `quick`, a bound of the Jacobian of Euler's equations [1/s]."""
+    """Scales of a turn [rad] and of omega [rad/s], and `quick`, a bound of the Jacobian of Euler's
+    equations [1/s].
+    """
 
     turn: float
     spin: float
@@ -121,7 +134,9 @@ class Cell:
 
 
 def next_cell(low: Fraction, scales: Scales) -> Cell:
-    """A cell in which g <= exp(WIDEST), and h g is small beside 1 or beside what errors made at 0 have grown to at `low`."""
+    """A cell in which g <= exp(WIDEST), and h g is small beside 1 or beside what errors made at 0
+    have grown to at `low`.
+    """
     narrow = Fraction(2 * WIDEST / max(scales.quick, scales.shear))
     width = max(narrow, low * SHARE)
     if scales.quick > 0:
@@ -155,7 +170,9 @@ class BodyGrowth(ABC):
         """S(t), or what is not finite."""
 
     def read(self, t: Fraction, frame: Array, omega: Sequence[arb], length: float) -> Array:
-        """What is read (9, 6) of psi and J d/L along the axes of `frame`, in scales: the turn, omega in body axes and in space."""
+        """What is read (9, 6) of psi and J d/L along the axes of `frame`, in scales: the turn,
+        omega in body axes and in space.
+        """
         space = doubles(rotation.matrix(self.attitude(arb_of(t))), 1.0)
         largest = max(float(abs(value).upper()) for value in omega)
         x, y, z = (known(value, largest) for value in omega)
@@ -170,20 +187,26 @@ class BodyGrowth(ABC):
         return found
 
     def sources(self, frames: Array, length: float) -> Array:
-        """J d/L along the axes of frames (cells, 3, 3), of changes d of omega in scales: (cells, 3, 3)."""
+        """J d/L along the axes of frames (cells, 3, 3), of changes d of omega in scales: (cells, 3,
+        3).
+        """
         found: Array = frames @ self.tensor * (self.scales.spin / length)
         return found
 
     def made(self, matrices: Array, sources: Array) -> tuple[Array, Array]:
-        """Matrices (cells, q, 6) on errors in scales: of psi, whose size no axes change, and of omega, (cells, q, 3) each."""
+        """Matrices (cells, q, 6) on errors in scales: of psi, whose size no axes change, and of
+        omega, (cells, q, 3) each.
+        """
         by_turn = matrices[..., TURN] * self.scales.turn
         by_spin = matrices[..., SPIN] @ sources
         return by_turn, by_spin
 
     def largest(self, read: Array, parts: Sequence[Array], sources: Array, halves: Array) -> float:
-        """The largest growth of the errors of cells whose ends are `halves` (cells,) [s] from where D is the sum of `parts`.
+        """The largest growth of the errors of cells whose ends are `halves` (cells,) [s] from where
+        D is the sum of `parts`.
 
-        Each part has shape (cells, 6, 6), and the norm of the sum is bounded by the sum of the norms. Infinite where doubles end.
+        Each part has shape (cells, 6, 6), and the norm of the sum is bounded by the sum of the
+        norms. Infinite where doubles end.
         """
         turns = np.zeros((len(sources), 7))
         spins = np.zeros((len(sources), 7))
@@ -192,7 +215,10 @@ class BodyGrowth(ABC):
             by_turn, by_spin = self.made(read @ part, sources)
             turns = turns + row_norms(by_turn)
             spins = spins + row_norms(by_spin)
-            sizes = [np.linalg.norm(block, axis=(-2, -1)).max(initial=0.0) for block in self.made(part, sources)]
+            sizes = [
+                np.linalg.norm(block, axis=(-2, -1)).max(initial=0.0)
+                for block in self.made(part, sources)
+            ]
             lost += ROUNDED * float(np.linalg.norm(read)) * (float(sizes[0]) + float(sizes[1]))
         # The theorem about cells.
         grown = np.exp(self.scales.quick * halves)[:, None]
@@ -201,7 +227,10 @@ class BodyGrowth(ABC):
         if not isfinite(found):
             return inf
         if lost > DOUBLED * found:
-            raise UnsharpError("rounding has a larger part in how errors of a body grow than doubles allow", final=True)
+            raise UnsharpError(
+                "rounding has a larger part in how errors of a body grow than doubles allow",
+                final=True,
+            )
         return found + lost
 
     def cover(self, until: Fraction) -> None:
@@ -217,7 +246,9 @@ class BodyGrowth(ABC):
 
 @dataclass(frozen=True)
 class Instant:
-    """The moving axes m, w, b (rows, in body axes), W [rad/s], k [s/J] and the unit number by which w has turned about M in space."""
+    """The moving axes m, w, b (rows, in body axes), W [rad/s], k [s/J] and the unit number by which
+    w has turned about M in space.
+    """
 
     frame: Array
     across: float
@@ -272,7 +303,9 @@ class Tumbling(BodyGrowth):
     def instant(self, t: arb) -> Instant:
         """The axes and numbers of a time; UnsharpError where they are not known to doubles."""
         axes = self.axes(t)
-        return Instant(doubles(axes, 1.0), known(self.across(t)), self.body.lead(t), self.angle(t, axes))
+        return Instant(
+            doubles(axes, 1.0), known(self.across(t)), self.body.lead(t), self.angle(t, axes)
+        )
 
     def instants_of(self, count: int) -> list[Instant]:
         """Those of the middles of the first cells."""
@@ -294,7 +327,8 @@ class Tumbling(BodyGrowth):
         read = self.read(t, now.frame, self.body.omega(since), self.length)
         passed = upper(since)
         self.cover(passed)
-        # Errors of this period: those of whole cells, and those that are made since the last of them.
+        # Errors of this period: those of whole cells, and those that are made since the last of
+        # them.
         ended = self.ended_by(passed)
         begun = self.cells[ended - 1].high if ended else Fraction(0)
         found = self.own(read, now, float(max(passed - begun, Fraction(0))))
@@ -304,7 +338,9 @@ class Tumbling(BodyGrowth):
         return found
 
     def has_parted(self, time: arb) -> bool:
-        """Whether neighbours of a motion without a period have parted by more than doubles can say."""
+        """Whether neighbours of a motion without a period have parted by more than doubles can
+        say.
+        """
         return bool(self.across(arb(0)) / self.across(time) > BOUNDLESS)
 
     def own(self, read: Array, now: Instant, since: float) -> float:
@@ -322,11 +358,24 @@ class Tumbling(BodyGrowth):
         recent = range(1, min(periods, RECENT - 1) + 1)
         found = [self.grown(read, now, since, count, n) for n in recent]
         if periods >= RECENT:
-            found += [self.grown(read, now, since, count, n, is_far=True) for n in (RECENT, periods)]
+            found += [
+                self.grown(read, now, since, count, n, is_far=True) for n in (RECENT, periods)
+            ]
         return max(found)
 
-    def grown(self, read: Array, now: Instant, since: arb, count: int, periods: int, *, is_far: bool = False) -> float:
-        """The growth of errors of the first `count` cells, made so many periods ago; if it `is_far`, whatever the angle q."""
+    def grown(
+        self,
+        read: Array,
+        now: Instant,
+        since: arb,
+        count: int,
+        periods: int,
+        *,
+        is_far: bool = False,
+    ) -> float:
+        """The growth of errors of the first `count` cells, made so many periods ago; if it
+        `is_far`, whatever the angle q.
+        """
         if count == 0:
             return 0.0
         instants = self.instants_of(count)
@@ -341,10 +390,16 @@ class Tumbling(BodyGrowth):
         turned = rotating(q)
         parts = [changed, turned] if is_far else [changed + turned]
         frames = np.array([instant.frame for instant in instants])
-        return self.largest(read, parts, self.sources(frames, self.length), np.array([cell.half for cell in cells]))
+        return self.largest(
+            read, parts, self.sources(frames, self.length), np.array([cell.half for cell in cells])
+        )
 
-    def changed(self, now: float, across: Array, times: Sequence[arb], leads: Sequence[arb]) -> Array:
-        """D without q (cells, 6, 6) of errors made where W is `across`, when it is `now`: A + n N of the theorem."""
+    def changed(
+        self, now: float, across: Array, times: Sequence[arb], leads: Sequence[arb]
+    ) -> Array:
+        """D without q (cells, 6, 6) of errors made where W is `across`, when it is `now`: A + n N
+        of the theorem.
+        """
         elapsed, blur = rounded(times)
         lead, lead_blur = rounded(leads)
         found = np.zeros((len(across), 6, 6))
@@ -362,19 +417,24 @@ class Tumbling(BodyGrowth):
         fastest = self.along + now + float(across.max())
         off = blur * fastest + lead_blur * self.length * now * float(across.max())
         if off > float(KNOWN) * float(np.abs(found).max()):
-            raise UnsharpError("how errors of a body grow is not known well enough at this precision")
+            raise UnsharpError(
+                "how errors of a body grow is not known well enough at this precision"
+            )
         return found
 
 
 class Spinning(BodyGrowth):
     """S of a body that spins steadily about its momentum.
 
-    With v the part of J d/L across M, v' = C v, C^2 = -c with a constant c: v(t) = x v(s) + y C v(s), where x and y are the cosine
-    of sqrt(c) tau and its sine over sqrt(c), or those of hyperbolas. So D depends on tau = t - s alone. The first TURNS are followed cell
-    by cell; later |x| and |y| are bounded by what does not fall in time, and the rest is linear in tau.
+    With v the part of J d/L across M, v' = C v, C^2 = -c with a constant c: v(t) = x v(s) + y C
+    v(s), where x and y are the cosine of sqrt(c) tau and its sine over sqrt(c), or those of
+    hyperbolas. So D depends on tau = t - s alone. The first TURNS are followed cell by cell; later
+    |x| and |y| are bounded by what does not fall in time, and the rest is linear in tau.
     """
 
-    def __init__(self, tensor: Tensor, omega: Sequence[Number], scales: Scales, attitude: Attitude) -> None:
+    def __init__(
+        self, tensor: Tensor, omega: Sequence[Number], scales: Scales, attitude: Attitude
+    ) -> None:
         super().__init__([[arb_of(x) for x in row] for row in tensor], scales, attitude)
         self.omega = [arb_of(x) for x in omega]
         rate = rotation.dot(self.omega, self.omega).sqrt()
@@ -386,7 +446,10 @@ class Spinning(BodyGrowth):
         # C of v' = C v along the two axes across M: M x J^-1 - omega x, with J^-1 = g.
         g = rotation.product(rotation.product(axes, inverse(self.balls)), rotation.transposed(axes))
         momentum = arb_of(moment) * rate
-        matrix = [[-momentum * g[1][2], rate - momentum * g[2][2]], [momentum * g[1][1] - rate, momentum * g[1][2]]]
+        matrix = [
+            [-momentum * g[1][2], rate - momentum * g[2][2]],
+            [momentum * g[1][1] - rate, momentum * g[1][2]],
+        ]
         self.matrix = doubles(matrix, float(rate.upper()))
         self.square = known(arb_of(swinging(tensor, moment)) * rate * rate)
         self.followed = Fraction(float(2 * arb.pi() * TURNS / rate))
@@ -408,7 +471,9 @@ class Spinning(BodyGrowth):
         return found
 
     def later(self, read: Array, t: float) -> float:
-        """The growth from TURNS to t: by what is linear in time at both ends, and by the rest at its largest."""
+        """The growth from TURNS to t: by what is linear in time at both ends, and by the rest at
+        its largest.
+        """
         times = np.array([float(self.followed), t])
         turned = rotating(np.ones(2))
         cosine, sine = self.most(t)
@@ -458,16 +523,22 @@ class Spinning(BodyGrowth):
         return float(cosine[0]), float(sine[0])
 
 
-def tumbling_growth(tensor: Balls, body: FreeBody, turn: Fraction, spin: Fraction, attitude: Attitude) -> Grows:
-    """S of a body whose momentum is not along its omega, `body` being told in the axes of the tensor.
+def tumbling_growth(
+    tensor: Balls, body: FreeBody, turn: Fraction, spin: Fraction, attitude: Attitude
+) -> Grows:
+    """S of a body whose momentum is not along its omega, `body` being told in the axes of the
+    tensor.
 
-    `turn` and `spin` are the scales of an attitude and of omega; `attitude(t)` is its quaternion, of either sign.
+    `turn` and `spin` are the scales of an attitude and of omega; `attitude(t)` is its quaternion,
+    of either sign.
     """
     scales = Scales(float(turn), float(spin), quickness(tensor, body.fastest()))
     return Tumbling(tensor, body, scales, attitude)
 
 
-def steady_growth(tensor: Tensor, omega: Sequence[Number], turn: Fraction, spin: Fraction, attitude: Attitude) -> Grows:
+def steady_growth(
+    tensor: Tensor, omega: Sequence[Number], turn: Fraction, spin: Fraction, attitude: Attitude
+) -> Grows:
     """S of a body whose momentum is along its omega, or that rests, in any axes."""
     if not any(omega):
         # psi(t) = psi(s) + (t - s) d, and nothing else changes.
@@ -480,9 +551,11 @@ def steady_growth(tensor: Tensor, omega: Sequence[Number], turn: Fraction, spin:
 
 
 def quickness(tensor: Balls, fastest: arb) -> float:
-    """Bound [1/s] of the Jacobian a(omega) d = J^-1 (J d x omega + J omega x d) of Euler's equations for |omega| <= `fastest`.
+    """Bound [1/s] of the Jacobian a(omega) d = J^-1 (J d x omega + J omega x d) of Euler's
+    equations for |omega| <= `fastest`.
 
-    With a_k its values at the unit vectors and H_kl = a_k : a_l, |a|^2 <= omega . H omega, which the Frobenius norm of H bounds.
+    With a_k its values at the unit vectors and H_kl = a_k : a_l, |a|^2 <= omega . H omega, which
+    the Frobenius norm of H bounds.
     """
     back = inverse(tensor)
     units = [[arb(int(i == j)) for j in AXES] for i in AXES]
@@ -492,7 +565,9 @@ def quickness(tensor: Balls, fastest: arb) -> float:
         for j in AXES:
             first = rotation.cross(rotation.applied(tensor, units[j]), units[k])
             second = rotation.cross(rotation.applied(tensor, units[k]), units[j])
-            columns.append(rotation.applied(back, [a + b for a, b in zip(first, second, strict=True)]))
+            columns.append(
+                rotation.applied(back, [a + b for a, b in zip(first, second, strict=True)])
+            )
         slopes.append([x for column in columns for x in column])
     squares = [rotation.dot(a, b) ** 2 for a in slopes for b in slopes]
     whole = sum(squares, arb(0)).abs_upper()
@@ -509,7 +584,9 @@ def own_moment(tensor: Tensor, omega: Sequence[Number]) -> Number:
 
 
 def swinging(tensor: Tensor, moment: Number) -> Number:
-    """c/omega^2 of Spinning, exact if the tensor is: with X = 1 - J_s J^-1, whose third eigenvalue is 0, (tr^2 X - tr X^2)/2."""
+    """c/omega^2 of Spinning, exact if the tensor is: with X = 1 - J_s J^-1, whose third eigenvalue
+    is 0, (tr^2 X - tr X^2)/2.
+    """
     back = inverse(tensor)
     x = [[int(i == j) - moment * back[i][j] for j in AXES] for i in AXES]
     minors = [x[i][i] * x[j][j] - x[i][j] * x[j][i] for i, j in ((0, 1), (0, 2), (1, 2))]

@@ -1,4 +1,6 @@
-"""What follows from the parameters of a contact: masses of spheres, the dashpot of a restitution, Hertz's and Mindlin's stiffness."""
+"""What follows from the parameters of a contact: masses of spheres, the dashpot of a restitution,
+Hertz's and Mindlin's stiffness.
+"""
 
 from fractions import Fraction
 
@@ -9,7 +11,9 @@ from refdem.truth.power_contact import root as solved
 from refdem.truth.reals import Number, Real, logarithm, pi, root
 
 LEAST_SLOPE = Fraction(2, 3)
-"""Of 2 - 2 sqrt(z) cot sqrt(z) by z, for every 0 <= z < pi^2: all coefficients of its power series are positive, the first is 2/3."""
+"""Of 2 - 2 sqrt(z) cot sqrt(z) by z, for every 0 <= z < pi^2: all coefficients of its power series
+are positive, the first is 2/3.
+"""
 
 
 def sphere_mass(density: Fraction, radius: Fraction) -> Real:
@@ -18,13 +22,17 @@ def sphere_mass(density: Fraction, radius: Fraction) -> Real:
     return mass
 
 
-def dashpot(restitution: Fraction, mass: Number, stiffness: Fraction, *, ends_with_overlap: bool) -> Number:
-    """The damping c [kg/s] that gives a linear contact of this effective mass [kg] and stiffness [N/m] its restitution 0 < e <= 1.
+def dashpot(
+    restitution: Fraction, mass: Number, stiffness: Fraction, *, ends_with_overlap: bool
+) -> Number:
+    """The damping c [kg/s] that gives a linear contact of this effective mass [kg] and stiffness
+    [N/m] its restitution 0 < e <= 1.
 
-    With w0 = sqrt(k/m) and c/(2m) = w0 cos(alpha) the contact lasts t_c = pi/(w0 sin alpha) until the overlap ends and
-    2 alpha/(w0 sin alpha) until the force does, and ln(1/e) = t_c c/(2m) (Schwager and Poeschel 2007). So
-    cos alpha = D/sqrt(pi^2 + D^2) until the overlap ends, and 2 alpha cot alpha = D until the force does, with D = ln(1/e), which is
-    below 2 for every damping that is not over-critical: ValueError for an e that is not above exp(-2) there.
+    With w0 = sqrt(k/m) and c/(2m) = w0 cos(alpha) the contact lasts t_c = pi/(w0 sin alpha) until
+    the overlap ends and 2 alpha/(w0 sin alpha) until the force does, and ln(1/e) = t_c c/(2m)
+    (Schwager and Poeschel 2007). So cos alpha = D/sqrt(pi^2 + D^2) until the overlap ends, and 2
+    alpha cot alpha = D until the force does, with D = ln(1/e), which is below 2 for every damping
+    that is not over-critical: ValueError for an e that is not above exp(-2) there.
     """
     decay = -logarithm(restitution)
     if not decay:
@@ -40,10 +48,12 @@ def dashpot(restitution: Fraction, mass: Number, stiffness: Fraction, *, ends_wi
 def damping_cosine(decay: arb) -> arb:
     """cos(alpha) with 2 alpha cot(alpha) = decay and 0 < alpha < pi/2, for 0 < decay < 2.
 
-    In z = alpha^2 the function h(z) = 2 - 2 sqrt(z) cot sqrt(z) is analytic and grows from 0 at least as fast as LEAST_SLOPE z, so
-    that h(z) = 2 - decay has exactly one root, also where alpha is nearly 0 (restitution near exp(-2)) and a root in alpha itself
-    would be nearly double. Whatever z an iteration ends at, |h(z) - (2 - decay)|/LEAST_SLOPE bounds its error; and the root is never
-    above (2 - decay)/LEAST_SLOPE, which is all that is said where 2 - decay is lost in rounding.
+    In z = alpha^2 the function h(z) = 2 - 2 sqrt(z) cot sqrt(z) is analytic and grows from 0 at
+    least as fast as LEAST_SLOPE z, so that h(z) = 2 - decay has exactly one root, also where alpha
+    is nearly 0 (restitution near exp(-2)) and a root in alpha itself would be nearly double.
+    Whatever z an iteration ends at, |h(z) - (2 - decay)|/LEAST_SLOPE bounds its error; and the root
+    is never above (2 - decay)/LEAST_SLOPE, which is all that is said where 2 - decay is lost in
+    rounding.
     """
     gap = 2 - decay
     least = arb_of(LEAST_SLOPE)
@@ -52,7 +62,8 @@ def damping_cosine(decay: arb) -> arb:
     if gap > 0:
         found = solved(shortfall, shortfall_slope, gap, least)
         square = found if found.is_finite() and found > 0 else square
-    # cos sqrt(z) falls with z: its values at both ends of z are sharper than that of a ball, whose radius sqrt would blow up near 0.
+    # cos sqrt(z) falls with z: its values at both ends of z are sharper than that of a ball, whose
+    # radius sqrt would blow up near 0.
     low = arb(square.upper()).sqrt().cos()
     high = arb(square.lower()).sqrt().cos() if square > 0 else arb(1)
     return low.union(high)
@@ -65,7 +76,10 @@ def shortfall(square: arb) -> arb:
 
 
 def shortfall_slope(square: arb) -> arb:
-    """h'(z) = (z - c + c^2)/z with c = sqrt(z) cot sqrt(z), for Newton's steps; LEAST_SLOPE where rounding would spoil it."""
+    """h'(z) = (z - c + c^2)/z with c = sqrt(z) cot sqrt(z), for Newton's steps;
+
+    LEAST_SLOPE where rounding would spoil it.
+    """
     cotangent = 1 - shortfall(square) / 2
     slope = (square - cotangent + cotangent * cotangent) / square
     return slope if slope > arb_of(LEAST_SLOPE) else arb_of(LEAST_SLOPE)
@@ -87,7 +101,9 @@ def hertz_pair_stiffness(modulus: Fraction, poisson: Fraction, radius: Fraction)
 
 
 def mindlin_modulus(modulus: Fraction, poisson: Fraction) -> Fraction:
-    """8 G* [Pa] of a sphere on a rigid wall, G* = G/(2 - nu) and G = E/(2 (1 + nu)) (Mindlin 1949)."""
+    """8 G* [Pa] of a sphere on a rigid wall, G* = G/(2 - nu) and G = E/(2 (1 + nu)) (Mindlin
+    1949).
+    """
     return 4 * modulus / ((1 + poisson) * (2 - poisson))
 
 

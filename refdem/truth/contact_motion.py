@@ -1,4 +1,6 @@
-"""The collision of two spheres from phase to phase, at one precision: places, their derivatives by the start, and extremes."""
+"""The collision of two spheres from phase to phase, at one precision: places, their derivatives by
+the start, and extremes.
+"""
 
 from collections.abc import Callable, Iterator, Sequence
 from functools import partial
@@ -16,7 +18,9 @@ from refdem.truth.traced_field import Program, traced
 from refdem.truth.validated_ivp.integration import GUARD, Piece
 
 LONGEST = 128
-"""Units of time, each at most the shortest of the law: a contact that has not ended by then is left."""
+"""Units of time, each at most the shortest of the law: a contact that has not ended by then is
+left.
+"""
 PRESSES = ("press", "slip", "slip back", "stick", "hold")
 
 
@@ -34,11 +38,22 @@ class TracedContact:
         self.phases = phases
         modes = phases.modes()
         self.modes = {name: TracedMode(mode, phases.size) for name, mode in modes.items()}
-        self.places = {flies: traced_map(partial(phases.place, "apart" if flies else "contact"), phases.size) for flies in (False, True)}
-        self.force, self.overlap = (Program(traced(single(value), phases.size)[0]) for value in (phases.force, phases.overlap))
+        self.places = {
+            flies: traced_map(partial(phases.place, "apart" if flies else "contact"), phases.size)
+            for flies in (False, True)
+        }
+        self.force, self.overlap = (
+            Program(traced(single(value), phases.size)[0])
+            for value in (phases.force, phases.overlap)
+        )
         contact = {name: mode for name, mode in modes.items() if name != "apart"}
-        self.closing = {name: rates(phases.closing, mode.field, phases.size) for name, mode in contact.items()}
-        self.steepening = {name: rates(phases.steepening, mode.field, phases.size) for name, mode in contact.items()}
+        self.closing = {
+            name: rates(phases.closing, mode.field, phases.size) for name, mode in contact.items()
+        }
+        self.steepening = {
+            name: rates(phases.steepening, mode.field, phases.size)
+            for name, mode in contact.items()
+        }
 
     def place(self, mode: str, y: Sequence[arb]) -> list[arb]:
         """x, y, vx, vy, o1, o2, s, clock; in space as SpatialPhases says."""
@@ -54,13 +69,19 @@ def single(value: Callable[[Sequence[Any]], Any]) -> Callable[[Sequence[Any]], l
     return lambda y: [value(y)]
 
 
-def traced_map(function: Callable[[Sequence[Any]], Sequence[Any]], size: int) -> tuple[Program, Program]:
+def traced_map(
+    function: Callable[[Sequence[Any]], Sequence[Any]], size: int
+) -> tuple[Program, Program]:
     """A map of a state of that size, and its Jacobian row by row."""
     outputs, rows = traced(function, size)
     return Program(outputs), Program([entry for row in rows for entry in row])
 
 
-def rates(value: Callable[[Sequence[Any]], Any], field: Callable[[Sequence[Any]], Sequence[Any]], size: int) -> list[Program]:
+def rates(
+    value: Callable[[Sequence[Any]], Any],
+    field: Callable[[Sequence[Any]], Sequence[Any]],
+    size: int,
+) -> list[Program]:
     """A function of the state and its rate along a field."""
     nodes, _ = traced(lambda y: [value(y), *field(y)], size)
     return [Program([nodes[0]]), Program([along(nodes[0], nodes[1:])])]
@@ -73,7 +94,9 @@ class ContactMotion(Motion):
         self.traced = traced_contact
         with precision(bits):
             start = [value() for value in traced_contact.phases.start()]
-            super().__init__(traced_contact.modes, start, first_entry(traced_contact.phases.first, start), bits)
+            super().__init__(
+                traced_contact.modes, start, first_entry(traced_contact.phases.first, start), bits
+            )
 
     def name(self, phase: Phase) -> str:
         """The mode of a phase."""
@@ -98,7 +121,10 @@ class ContactMotion(Motion):
         closing = {name: programs[0].run for name, programs in self.traced.closing.items()}
         first, last = self.phases[0], self.phases[-2]
         with precision(self.bits + GUARD):
-            found: arb = -closing[self.name(last)](last.crossing()[3])[0] / closing[self.name(first)](first.entered)[0]
+            found: arb = (
+                -closing[self.name(last)](last.crossing()[3])[0]
+                / closing[self.name(first)](first.entered)[0]
+            )
             return found
 
     def part(self) -> None:
@@ -106,11 +132,15 @@ class ContactMotion(Motion):
         while self.name(self.phases[-1]) != "apart":
             last = self.phases[-1]
             if last.entered[-1] + arb_of(last.searched) > LONGEST:
-                raise SwitchError("time", "the contact does not end within the time that is integrated", LONGEST).at(last.entered)
+                raise SwitchError(
+                    "time", "the contact does not end within the time that is integrated", LONGEST
+                ).at(last.entered)
             self.follow()
 
     def stretches(self) -> Iterator[tuple[str, Piece, arb, arb]]:
-        """Mode, piece, begin and end of each piece of the contact since its own begin; the last one ends with a phase."""
+        """Mode, piece, begin and end of each piece of the contact since its own begin; the last one
+        ends with a phase.
+        """
         for phase in self.phases[:-1]:
             assert phase.ends is not None
             for piece in phase.pieces:
@@ -132,7 +162,10 @@ class ContactMotion(Motion):
         raise SwitchError("precision", "no turn of the overlap is proved", 0.0)
 
     def hardest(self) -> arb | None:
-        """The largest normal force (K a + C u), at the start or where it first falls; None where it is not proved to fall from there on."""
+        """The largest normal force (K a + C u), at the start or where it first falls;
+
+        None where it is not proved to fall from there on.
+        """
         force = self.traced.force.run
         with precision(self.bits + GUARD):
             start = self.phases[0].entered
@@ -147,12 +180,21 @@ class ContactMotion(Motion):
                     if top is None:
                         continue
                     most, begin, touching = force(piece.at(top))[0], top, 1
-                if first_crossing(watched(piece, self.traced.steepening[name], touching, sense=-1), begin, high) is not None:
+                if (
+                    first_crossing(
+                        watched(piece, self.traced.steepening[name], touching, sense=-1),
+                        begin,
+                        high,
+                    )
+                    is not None
+                ):
                     return None
             return most
 
 
-def watched(piece: Piece, programs: Sequence[Program], touching: int = 0, *, sense: int = 1) -> Watched:
+def watched(
+    piece: Piece, programs: Sequence[Program], touching: int = 0, *, sense: int = 1
+) -> Watched:
     """A function of the state (or its negative) along a piece."""
 
     def seen(program: Program) -> Along:

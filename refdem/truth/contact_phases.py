@@ -1,15 +1,20 @@
-"""Two spheres in contact, in the plane: the phases press, stick, hold, slip and pull of the linear law, and the switches between them.
+"""Two spheres in contact, in the plane: the phases press, stick, hold, slip and pull of the linear
+law, and the switches between them.
 
-Polar coordinates of r = r1 - r2 = -rho (cos phi, sin phi), in units of a time T, a speed V and the length X = V T, all dyadic, with m the
-effective mass and D = R1 + R2: overlap d = D - rho = X a, a' = u, h = rho^2 phi' = D V w, omega_i = V o_i/R_i, tangential spring 2 X s,
+Polar coordinates of r = r1 - r2 = -rho (cos phi, sin phi), in units of a time T, a speed V and the
+length X = V T, all dyadic, with m the effective mass and D = R1 + R2: overlap d = D - rho = X a, a'
+= u, h = rho^2 phi' = D V w, omega_i = V o_i/R_i, tangential spring 2 X s,
 
-    F = m X/T^2 (K a + C u),  u' = -(K a + C u) - eps w^2/r^3,  phi' = eps w/r^2,  w' = r g,  o_i' = -(1 - b_i a) mu_i g,
+    F = m X/T^2 (K a + C u),  u' = -(K a + C u) - eps w^2/r^3,  phi' = eps w/r^2,  w' = r g,  o_i' =
+    -(1 - b_i a) mu_i g,
 
-r = 1 - eps a, eps = X/D, mu_i = m R_i^2/J_i, levers l_i = R_i - beta d = R_i (1 - b_i a) with beta = 0, 1/2, 1, and g the friction on
-body 1 along the normal r/rho turned by +90 degrees about z. The slip is V (w/r - (1 - b_1 a) o_1 - (1 - b_2 a) o_2), and g is
+r = 1 - eps a, eps = X/D, mu_i = m R_i^2/J_i, levers l_i = R_i - beta d = R_i (1 - b_i a) with beta
+= 0, 1/2, 1, and g the friction on body 1 along the normal r/rho turned by +90 degrees about z. The
+slip is V (w/r - (1 - b_1 a) o_1 - (1 - b_2 a) o_2), and g is
 
-    stick -2 Kt s with 2 s' = slip;  slip -sigma mu F, from |2 Kt s| = mu F on, until sigma Kt slip = mu F';  press and pull (F < 0) 0;
-    hold (no spring) what keeps the slip at zero, while that is at most mu F.
+    stick -2 Kt s with 2 s' = slip;  slip -sigma mu F, from |2 Kt s| = mu F on, until sigma Kt slip
+    = mu F';  press and pull (F < 0) 0; hold (no spring) what keeps the slip at zero, while that is
+    at most mu F.
 """
 
 from collections.abc import Callable, Sequence
@@ -28,7 +33,9 @@ from refdem.truth.sphere_pair import SpherePair
 from refdem.truth.traced_field import Program, traced
 
 State = Sequence[Any]
-"""(a, u, phi, w, o1, o2, s, clock); apart: x - vx clock, y - vy clock, vx, vy in units of X and V in the first four places."""
+"""(a, u, phi, w, o1, o2, s, clock); apart: x - vx clock, y - vy clock, vx, vy in units of X and V
+in the first four places.
+"""
 SLIDES = {1: "slip", -1: "slip back"}
 
 
@@ -47,14 +54,20 @@ class ContactPhases:
         self.length = self.time * self.speed
         self.eps = self.length / pair.reach
         self.bend = [pair.lever * self.length / radius for radius in pair.radii]
-        self.k, self.c, self.kt = pair.stiffness * self.time**2 / m, pair.damping * self.time / m, spring * self.time**2 / m
+        self.k, self.c, self.kt = (
+            pair.stiffness * self.time**2 / m,
+            pair.damping * self.time / m,
+            spring * self.time**2 / m,
+        )
 
     def start(self) -> list[Callable[[], arb]]:
         """The state at touch."""
         pair = self.pair
 
         def part(wave: Callable[[arb], arb], sense: int) -> Callable[[], arb]:
-            return lambda: sense * arb_of(pair.closing_speed / self.speed) * wave(arb_of(pair.angle))
+            return lambda: (
+                sense * arb_of(pair.closing_speed / self.speed) * wave(arb_of(pair.angle))
+            )
 
         spins = [pair.radii[i] * pair.spins[3 * i + 2] / self.speed for i in (0, 1)]
         nothing = partial(arb_of, 0)
@@ -110,24 +123,43 @@ class ContactPhases:
         """By how much friction could be more than what keeps the slip at zero."""
         return ball(self.force, y) * arb_of(self.friction) - abs(ball(self.holding, y))
 
-    def field(self, friction: Callable[[State], Any] | None, *, stretches: bool = False) -> Callable[[State], list[Any]]:
+    def field(
+        self, friction: Callable[[State], Any] | None, *, stretches: bool = False
+    ) -> Callable[[State], list[Any]]:
         """The rates under a friction."""
 
         def rates(y: State) -> list[Any]:
             r = 1 - y[0] * self.eps
             g = friction(y) if friction else 0
-            spun = [lever * g * -ease for lever, ease in zip(self.levers(y), self.ease, strict=True)]
-            return [y[1], self.falling(y), y[3] / (r * r) * self.eps, r * g, *spun, self.slip(y) / 2 if stretches else 0, 1]
+            spun = [
+                lever * g * -ease for lever, ease in zip(self.levers(y), self.ease, strict=True)
+            ]
+            return [
+                y[1],
+                self.falling(y),
+                y[3] / (r * r) * self.eps,
+                r * g,
+                *spun,
+                self.slip(y) / 2 if stretches else 0,
+                1,
+            ]
 
         return rates
 
     def modes(self) -> dict[str, Mode]:
         """Every mode that this pair can be in."""
         free = self.field(None)
-        found = {"press": Mode(free, (self.released(),)), "apart": Mode(lambda y: [0] * 7 + [1], leaves=lambda y: None)}
+        found = {
+            "press": Mode(free, (self.released(),)),
+            "apart": Mode(lambda y: [0] * 7 + [1], leaves=lambda y: None),
+        }
         if self.pair.damping and self.pair.ends_with_overlap:
-            again = Guard("press", lambda y: -self.force(y), lambda y: self.pressing(y, rising=True))
-            found["pull"] = Mode(free, (Guard("release", lambda y: y[0], lambda y: self.parting()), again))
+            again = Guard(
+                "press", lambda y: -self.force(y), lambda y: self.pressing(y, rising=True)
+            )
+            found["pull"] = Mode(
+                free, (Guard("release", lambda y: y[0], lambda y: self.parting()), again)
+            )
         if self.friction:
             found |= {SLIDES[side]: self.sliding(side) for side in (1, -1)}
             found |= {"stick": self.sticking()} if self.kt else {"hold": self.held()}
@@ -151,7 +183,11 @@ class ContactPhases:
     def caught(self, side: int) -> Entry:
         """The clipped spring shortens less than its limit falls: from now on it holds."""
         stretch = self.friction * side / (2 * self.kt)
-        return Entry("stick", lambda y: [*y[:6], self.force(y) * stretch, y[7]], {"slip" if side > 0 else "slip back": 2})
+        return Entry(
+            "stick",
+            lambda y: [*y[:6], self.force(y) * stretch, y[7]],
+            {"slip" if side > 0 else "slip back": 2},
+        )
 
     def stopped(self, y: State, side: int) -> Entry:
         """Without a spring, at zero slip: it holds, or the slip changes its sign."""
@@ -170,13 +206,18 @@ class ContactPhases:
 
     def held(self) -> Mode:
         """No slip, by whatever friction that needs."""
-        guards = (self.slide(1, lambda y: -self.holding(y), {"stick": 2}), self.slide(-1, self.holding, {"stick": 2}))
+        guards = (
+            self.slide(1, lambda y: -self.holding(y), {"stick": 2}),
+            self.slide(-1, self.holding, {"stick": 2}),
+        )
         return Mode(self.field(self.holding), guards)
 
     def slide(self, side: int, pull: Callable[[State], Any], touching: dict[str, int]) -> Guard:
         """The limit, reached by a friction against a slip of that sign."""
         entry = Entry(SLIDES[side], touching=touching)
-        return Guard(SLIDES[side], lambda y: self.force(y) * self.friction - pull(y), lambda y: entry)
+        return Guard(
+            SLIDES[side], lambda y: self.force(y) * self.friction - pull(y), lambda y: entry
+        )
 
     def first(self, y: State) -> Entry:
         """The entry at touch; what the parameters decide exactly is not left to balls."""
@@ -185,14 +226,24 @@ class ContactPhases:
     def side_at_touch(self, y: State) -> int:
         """Sign of the slip."""
         exact = -self.pair.surface_spin[2]
-        return sign(ball(self.slip, y), "the slip at touch") if self.pair.angle else (exact > 0) - (exact < 0)
+        return (
+            sign(ball(self.slip, y), "the slip at touch")
+            if self.pair.angle
+            else (exact > 0) - (exact < 0)
+        )
 
     def pressing(self, y: State, *, rising: bool, side: int | None = None) -> Entry:
-        """The entry where the force begins: from zero (`rising`), or at once as a dashpot's does."""
+        """The entry where the force begins: from zero (`rising`), or at once as a dashpot's
+        does.
+        """
         ends = self.released().name
         if not self.friction:
             return Entry("press", touching={ends: 1} if rising else {})
-        side = sign(ball(self.slip, y), "the slip where the contact presses again") if side is None else side
+        side = (
+            sign(ball(self.slip, y), "the slip where the contact presses again")
+            if side is None
+            else side
+        )
         if self.kt:
             return self.stretched(y, side, rising)
         if side:
@@ -203,8 +254,15 @@ class ContactPhases:
         return Entry(SLIDES[side], touching={"stick": 1, ends: 1} if rising else {"stick": 1})
 
     def stretched(self, y: State, side: int, rising: bool) -> Entry:
-        """With a spring, unstretched: it slides only if the limit rises from zero more slowly than the spring's force."""
-        if rising and side and sign(ball(lambda y: self.lag(y, side), y), "k_t |slip| - friction dF/dt at touch") > 0:
+        """With a spring, unstretched: it slides only if the limit rises from zero more slowly than
+        the spring's force.
+        """
+        if (
+            rising
+            and side
+            and sign(ball(lambda y: self.lag(y, side), y), "k_t |slip| - friction dF/dt at touch")
+            > 0
+        ):
             return Entry(SLIDES[side], touching={self.released().name: 1})
         return Entry("stick", touching=dict.fromkeys(SLIDES.values(), 1) if rising else {})
 
@@ -216,7 +274,12 @@ class ContactPhases:
         """x, y in units of X and vx, vy in units of V, in contact."""
         r, sine, cosine = 1 - y[0] * self.eps, y[2].sin(), y[2].cos()
         across, far = y[3] / r, r * (1 / self.eps)
-        return [-far * cosine, -far * sine, y[1] * cosine + across * sine, y[1] * sine - across * cosine]
+        return [
+            -far * cosine,
+            -far * sine,
+            y[1] * cosine + across * sine,
+            y[1] * sine - across * cosine,
+        ]
 
     def place(self, mode: str, y: State) -> list[Any]:
         """x, y, vx, vy, o1, o2, s, clock in any mode: as many coordinates as the state has."""

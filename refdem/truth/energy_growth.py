@@ -1,22 +1,26 @@
 """S(t) of a motion x'' = f(x), v = x', for all times, in closed form.
 
-In scales X of x and V of v, with rho = X/V, let Z = (v/X, f/V) be the rate of the state, W = |Z|, e = Z/W along the motion and n = (-f/V,
-v/X)/W across it, where H = v^2/2 + U(x) grows by X V W per unit. An error is gamma e + beta n.
+In scales X of x and V of v, with rho = X/V, let Z = (v/X, f/V) be the rate of the state, W = |Z|, e
+= Z/W along the motion and n = (-f/V, v/X)/W across it, where H = v^2/2 + U(x) grows by X V W per
+unit. An error is gamma e + beta n.
 
 Theorem (errors): what an error made at s has become at t is
 
     beta(t)  = beta(s) W(s)/W(t)                                           H is kept
     gamma(t) = W(t) (gamma(s)/W(s) + W(s) (k(t) - k(s)) beta(s))
 
-Proof: Z is a solution of the variational equation, and so is n/W + k Z, for which H is larger by X V, with k' = (1/rho + rho
-f'(x)) ((v/X)^2 - (f/V)^2)/W^4: the equation along e says so. Both span all errors. If a family of motions is known whose member
-changes as P + K Z by its parameter, then k = (K + P . Z/W^2) X V/H', H' being the change of H, up to a constant.
+Proof: Z is a solution of the variational equation, and so is n/W + k Z, for which H is larger by X
+V, with k' = (1/rho + rho f'(x)) ((v/X)^2 - (f/V)^2)/W^4: the equation along e says so. Both span
+all errors. If a family of motions is known whose member changes as P + K Z by its parameter, then k
+= (K + P . Z/W^2) X V/H', H' being the change of H, up to a constant.
 
-Theorem (all times): with a period all but k repeat, and k grows by the same amount in each. So the matrix is linear in the number n of
-periods between s and t; its norm is convex, and largest for the fewest or the most.
+Theorem (all times): with a period all but k repeat, and k grows by the same amount in each. So the
+matrix is linear in the number n of periods between s and t; its norm is convex, and largest for the
+fewest or the most.
 
-Theorem (cell): an error changes at most at the rate `quick` = max(1/rho, rho |f'|), both ways in time, in the norm that is the
-larger of both coordinates: |D(t, s)| <= |D(t, c)| exp(quick h) for |s - c| <= h.
+Theorem (cell): an error changes at most at the rate `quick` = max(1/rho, rho |f'|), both ways in
+time, in the norm that is the larger of both coordinates: |D(t, s)| <= |D(t, c)| exp(quick h) for |s
+- c| <= h.
 """
 
 from collections.abc import Callable
@@ -29,14 +33,27 @@ from flint import arb, arb_mat
 from numpy.typing import NDArray
 
 from refdem.truth.balls import arb_of, ball_of
-from refdem.truth.growth import KNOWN, LOST, ROUNDED, UPWARDS, WIDEST, UnsharpError, bounded, known, rounded, upper
+from refdem.truth.growth import (
+    KNOWN,
+    LOST,
+    ROUNDED,
+    UPWARDS,
+    WIDEST,
+    UnsharpError,
+    bounded,
+    known,
+    rounded,
+    upper,
+)
 
 Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
 class Neighbour:
-    """How a motion of a family changes by its parameter at a time: P = (place, speed), K [s] along the motion, and H' of its energy."""
+    """How a motion of a family changes by its parameter at a time: P = (place, speed), K [s] along
+    the motion, and H' of its energy.
+    """
 
     place: arb
     speed: arb
@@ -46,7 +63,9 @@ class Neighbour:
 
 @dataclass(frozen=True)
 class Line:
-    """A motion of one degree of freedom: (x, v) and f(x) at a time, its family, and a period [s] if there is one."""
+    """A motion of one degree of freedom: (x, v) and f(x) at a time, its family, and a period [s] if
+    there is one.
+    """
 
     state: Callable[[arb], tuple[arb, arb]]
     force: Callable[[arb], arb]
@@ -104,7 +123,8 @@ class EnergyGrowth:
         now = self.instant(since)
         read = self.read(since)
         passed = max(upper(since), Fraction(0))
-        # Errors of this period: those of whole cells, and those that are made since the last of them.
+        # Errors of this period: those of whole cells, and those that are made since the last of
+        # them.
         ended = int(passed // (2 * self.half))
         rest = float(passed - ended * 2 * self.half)
         own = float(np.abs(read).sum(axis=1).max() * np.exp(self.quick * rest)) * UPWARDS
@@ -154,7 +174,9 @@ class EnergyGrowth:
         if count == 0:
             return 0.0
         instants = self.instants_of(count)
-        leads, blur = rounded([now.lead - instant.lead + periods * self.gained for instant in instants])
+        leads, blur = rounded(
+            [now.lead - instant.lead + periods * self.gained for instant in instants]
+        )
         rates = np.array([instant.rate for instant in instants])
         changed = np.zeros((count, 2, 2))
         changed[:, 0, 0] = now.rate / rates
@@ -164,10 +186,18 @@ class EnergyGrowth:
             raise UnsharpError("how errors grow is not known well enough at this precision")
         back = np.array([instant.axes.T for instant in instants])
         answers = read @ now.axes @ changed @ back
-        largest = np.abs(answers).sum(axis=-1).max() * np.exp(self.quick * float(self.half)) * UPWARDS
-        lost = ROUNDED * float(np.linalg.norm(read)) * float(np.linalg.norm(changed, axis=(-2, -1)).max())
+        largest = (
+            np.abs(answers).sum(axis=-1).max() * np.exp(self.quick * float(self.half)) * UPWARDS
+        )
+        lost = (
+            ROUNDED
+            * float(np.linalg.norm(read))
+            * float(np.linalg.norm(changed, axis=(-2, -1)).max())
+        )
         if not isfinite(largest):
             return inf
         if lost > LOST * largest:
-            raise UnsharpError("rounding has a larger part in how errors grow than doubles allow", final=True)
+            raise UnsharpError(
+                "rounding has a larger part in how errors grow than doubles allow", final=True
+            )
         return float(largest) + lost

@@ -1,13 +1,14 @@
 """Proof that an oscillator whose spring repels beyond some reach is infinite within a known time.
 
-Theorem. Let z'' = k z^n - w z - 2 d z' + f with n > 1, k > 0 and |f| <= F, let m = (n + 1)/2, and let z > 0 and z' > a z^m at some
-time, with a > 0 and
+Theorem. Let z'' = k z^n - w z - 2 d z' + f with n > 1, k > 0 and |f| <= F, let m = (n + 1)/2, and
+let z > 0 and z' > a z^m at some time, with a > 0 and
 
     k - w+ z^(1-n) - F z^(-n) - 2 d+ a z^((1-n)/2) > m a^2        (x+ is the larger of x and 0).
 
-Then z is infinite within 2/((n - 1) a z^((n-1)/2)). Proof: where z' = a z^m, the inequality times z^n says that z'' > m a^2 z^(2m-1),
-which is (a z^m)'; so z' - a z^m cannot become negative, z grows, and with z the left side of the inequality does. From z' > a z^m follows
-(z^(1-m))' < (1 - m) a.
+Then z is infinite within 2/((n - 1) a z^((n-1)/2)). Proof: where z' = a z^m, the inequality times
+z^n says that z'' > m a^2 z^(2m-1), which is (a z^m)'; so z' - a z^m cannot become negative, z
+grows, and with z the left side of the inequality does. From z' > a z^m follows (z^(1-m))' < (1 - m)
+a.
 """
 
 from dataclasses import dataclass
@@ -23,7 +24,9 @@ HALVINGS = 8
 
 @dataclass(frozen=True)
 class Repulsion:
-    """z'' = strength z^power - stiffness z - 2 damping z' + f, |f| <= force, for z > 0: power > 1 and strength > 0."""
+    """z'' = strength z^power - stiffness z - 2 damping z' + f, |f| <= force, for z > 0: power > 1
+    and strength > 0.
+    """
 
     power: int
     strength: Fraction
@@ -32,7 +35,10 @@ class Repulsion:
     force: Fraction
 
     def infinite_within(self, z: arb, speed: arb) -> arb | None:
-        """A bound of the time [s] until z is infinite, for every start in the balls; None where the theorem does not tell."""
+        """A bound of the time [s] until z is infinite, for every start in the balls;
+
+        None where the theorem does not tell.
+        """
         if not (z > 0 and speed > 0):
             return None
         n = self.power

@@ -1,4 +1,6 @@
-"""Exact parameters by kind: one number, or the numbers of a vector; what is not exact is refused."""
+"""Exact parameters by kind: one number, or the numbers of a vector; what is not exact is
+refused.
+"""
 
 import re
 from collections.abc import Callable, Iterator, Mapping, Sequence
@@ -32,11 +34,15 @@ def vector(p: Mapping[str, Exact], name: str) -> tuple[Fraction, ...]:
     return value
 
 
-def refuse_rounded(constructor: Callable[..., None], given: Sequence[Any], named: Mapping[str, Any]) -> None:
-    """Raises TypeError for a number that is not exact, in any depth, where a truth's constructor is annotated with exact numbers.
+def refuse_rounded(
+    constructor: Callable[..., None], given: Sequence[Any], named: Mapping[str, Any]
+) -> None:
+    """Raises TypeError for a number that is not exact, in any depth, where a truth's constructor is
+    annotated with exact numbers.
 
-    A binary64, a Decimal or a numpy number is never exact. An int is refused too, unless it is annotated: 1/3 of ints is rounded.
-    An annotation that has float in it (a scale, against which errors count) is left alone.
+    A binary64, a Decimal or a numpy number is never exact. An int is refused too, unless it is
+    annotated: 1/3 of ints is rounded. An annotation that has float in it (a scale, against which
+    errors count) is left alone.
     """
     found = signature(constructor)
     owner = constructor.__qualname__.partition(".")[0]
@@ -48,7 +54,12 @@ def refuse_rounded_part(owner: str, name: str, value: Any, annotation: str) -> N
     """The same for one argument, or for one field of a dataclass."""
     if is_dataclass(value) and not isinstance(value, type):
         for one in fields(value):
-            refuse_rounded_part(f"{owner}: {type(value).__name__}", one.name, getattr(value, one.name), str(one.type))
+            refuse_rounded_part(
+                f"{owner}: {type(value).__name__}",
+                one.name,
+                getattr(value, one.name),
+                str(one.type),
+            )
         return
     is_exact = re.search(r"\b(Fraction|Number)\b", annotation)
     may_be_rounded = re.search(r"\bfloat\b", annotation)
@@ -57,8 +68,14 @@ def refuse_rounded_part(owner: str, name: str, value: Any, annotation: str) -> N
     may_be_int = re.search(r"\bint\b", annotation)
     for part in parts(value):
         is_int = isinstance(part, int)
-        if isinstance(part, AnyNumber) and not isinstance(part, Fraction) and not (is_int and may_be_int):
-            raise TypeError(f"{owner} got {part!r} in {name}; expected exact numbers such as Fraction('{part}')")
+        if (
+            isinstance(part, AnyNumber)
+            and not isinstance(part, Fraction)
+            and not (is_int and may_be_int)
+        ):
+            raise TypeError(
+                f"{owner} got {part!r} in {name}; expected exact numbers such as Fraction('{part}')"
+            )
 
 
 def parts(value: Any) -> Iterator[Any]:

@@ -1,7 +1,9 @@
-"""What a motion that is integrated is about to cost: it is followed for a while, and goes on at the pace of the later half of that.
+"""What a motion that is integrated is about to cost: it is followed for a while, and goes on at the
+pace of the later half of that.
 
-The first pieces say little: a motion that starts with a jerk, or settles, has another pace afterwards. What was followed is kept, so that
-following an eighth of a dear motion costs nothing in the end. Work is counted in pieces; a second is what the pieces so far took.
+The first pieces say little: a motion that starts with a jerk, or settles, has another pace
+afterwards. What was followed is kept, so that following an eighth of a dear motion costs nothing in
+the end. Work is counted in pieces; a second is what the pieces so far took.
 """
 
 from collections.abc import Callable
@@ -17,22 +19,29 @@ SHARE = 8
 PIECES = 16
 """That are made in any case."""
 EXPONENT = 1.5
-"""Of the bits, in the cost of a piece: between 1 and 2 from 128 to 1024 bits, where the order grows as the bits do."""
+"""Of the bits, in the cost of a piece: between 1 and 2 from 128 to 1024 bits, where the order grows
+as the bits do.
+"""
 TOO_LARGE = -24.0
 """log2 of the radius of a set that can be enclosed no further."""
 TRIES = 8
 """Precisions that are looked at."""
 
 HOPELESS = 86400.0
-"""Seconds, a day: nobody waits so long for a proof, so that a forecast of more need not be sharp."""
+"""Seconds, a day: nobody waits so long for a proof, so that a forecast of more need not be sharp.
+"""
 
 NextBits = Callable[[int, float | None], int | None]
-"""The bits after those that did not suffice, from how many are lacking (None: the motion was not followed to its end); None if none."""
+"""The bits after those that did not suffice, from how many are lacking (None: the motion was not
+followed to its end); None if none.
+"""
 
 
 @dataclass(frozen=True)
 class Mark:
-    """Where following has come to: the time reached, pieces and CPU seconds since the begin, log2 of the set's radius."""
+    """Where following has come to: the time reached, pieces and CPU seconds since the begin, log2
+    of the set's radius.
+    """
 
     time: float
     pieces: int
@@ -58,7 +67,9 @@ class Course:
         """How many pieces are left, at the pace of the later half."""
         half, last = self.later_half()
         passed = last.time - half.time
-        return 0.0 if passed <= 0 else (last.pieces - half.pieces) * max(0.0, t - last.time) / passed
+        return (
+            0.0 if passed <= 0 else (last.pieces - half.pieces) * max(0.0, t - last.time) / passed
+        )
 
     def radius_at(self, t: float) -> float:
         """log2 of the radius at t: it grows, where it does, as in the later half."""
@@ -74,7 +85,9 @@ class Course:
         return last.time + (radius - last.radius) / growth if growth > 0 else float("inf")
 
     def work_to(self, t: float, target: float, next_bits: NextBits) -> float:
-        """Pieces of this precision that are left until the radius at t is 2^target, those of higher precisions at their own weight."""
+        """Pieces of this precision that are left until the radius at t is 2^target, those of higher
+        precisions at their own weight.
+        """
         last = self.marks[-1]
         bits = self.bits
         work = self.pieces_to(min(t, max(last.time, self.time_of(TOO_LARGE))))
@@ -101,11 +114,17 @@ class Course:
 
 
 def follow(
-    course: Course, state: Callable[[], tuple[Fraction, int, arb]], step: Callable[[], bool], t: Fraction, work: Callable[[], float]
+    course: Course,
+    state: Callable[[], tuple[Fraction, int, arb]],
+    step: Callable[[], bool],
+    t: Fraction,
+    work: Callable[[], float],
 ) -> None:
-    """Follows a motion by steps, marking each, until t, until `step` says that there are no more, or until enough is known.
+    """Follows a motion by steps, marking each, until t, until `step` says that there are no more,
+    or until enough is known.
 
-    `state` has the time reached, the pieces made and the radius of the set; `work` is what the course says is left, in pieces.
+    `state` has the time reached, the pieces made and the radius of the set; `work` is what the
+    course says is left, in pieces.
     """
     begun = process_time()
 

@@ -1,9 +1,11 @@
-"""The free rigid body in its principal axes: Euler's equations and the turn from the start, by closed form.
+"""The free rigid body in its principal axes: Euler's equations and the turn from the start, by
+closed form.
 
-With M = J omega (body axes) and L = |M|, one body axis k that M never meets is followed about the fixed M: its line of nodes
-turns by phi, phi' = L (2 E - M_k omega_k)/(L^2 - M_k^2). E and L are kept, so phi is an integral of elliptic functions, which
-Jacobi's theta function gives without a branch: exp(i phi) = exp(i nu t) Theta(u + i a)/|Theta(u + i a)| up to a constant.
-Jacobi (1850); Whittaker, Analytical Dynamics, 69-71; van Zon and Schofield (2007).
+With M = J omega (body axes) and L = |M|, one body axis k that M never meets is followed about the
+fixed M: its line of nodes turns by phi, phi' = L (2 E - M_k omega_k)/(L^2 - M_k^2). E and L are
+kept, so phi is an integral of elliptic functions, which Jacobi's theta function gives without a
+branch: exp(i phi) = exp(i nu t) Theta(u + i a)/|Theta(u + i a)| up to a constant. Jacobi (1850);
+Whittaker, Analytical Dynamics, 69-71; van Zon and Schofield (2007).
 """
 
 from abc import ABC, abstractmethod
@@ -15,16 +17,29 @@ from flint import acb, arb
 from refdem.truth.balls import UndecidedError, arb_of
 from refdem.truth.jacobi import Jacobi, carlson_f
 from refdem.truth.reals import Number
-from refdem.truth.rotation import applied, cross, matrix, product, quaternion, times, transposed, turn
+from refdem.truth.rotation import (
+    applied,
+    cross,
+    matrix,
+    product,
+    quaternion,
+    times,
+    transposed,
+    turn,
+)
 
 Exact3 = tuple[Number, Number, Number]
 Balls3 = tuple[arb, arb, arb]
-"""Principal moments and omega that are not rational; what must be decided of them is then decided by balls."""
+"""Principal moments and omega that are not rational; what must be decided of them is then decided
+by balls.
+"""
 AXES = (0, 1, 2)
 
 
 class FreeBody(ABC):
-    """One kind of motion at the current precision, from inertia J [kg m^2] and omega [rad/s] at t = 0 in body axes."""
+    """One kind of motion at the current precision, from inertia J [kg m^2] and omega [rad/s] at t =
+    0 in body axes.
+    """
 
     method: ClassVar[str]
 
@@ -41,7 +56,9 @@ class FreeBody(ABC):
 
     @abstractmethod
     def turn(self, t: arb) -> list[arb]:
-        """The quaternion (either sign) of the turn from 0 to t: attitude(t) = attitude(0) turn(t)."""
+        """The quaternion (either sign) of the turn from 0 to t: attitude(t) = attitude(0)
+        turn(t).
+        """
 
     def constants(self) -> dict[str, arb]:
         """Period of omega [s] and elliptic parameter, where there are any."""
@@ -56,12 +73,17 @@ class FreeBody(ABC):
         return arb_of(dot_exact(self.start, self.start)).sqrt()
 
     def lead(self, t: arb) -> arb:
-        """Time [s/J] by which a motion with the same |M| and more energy is ahead at t, per energy, up to a constant.
+        """Time [s/J] by which a motion with the same |M| and more energy is ahead at t, per energy,
+        up to a constant.
 
-        With M the momentum, w the unit vector of omega across M, W its length there and b that of M x omega, the motion that has more
-        energy is displaced by w/W + k M', and k' = (w J^-1 w - b J^-1 b)/W^2 (refdem/truth/body_growth.py); this is k.
+        With M the momentum, w the unit vector of omega across M, W its length there and b that of M
+        x omega, the motion that has more energy is displaced by w/W + k M', and k' = (w J^-1 w - b
+        J^-1 b)/W^2 (refdem/truth/body_growth.py); this is k.
         """
-        raise UndecidedError("a body that spins about its momentum has no motion beside it of more energy and the same momentum")
+        raise UndecidedError(
+            "a body that spins about its momentum has no motion beside it of more energy and the"
+            " same momentum"
+        )
 
 
 class Steady(FreeBody):
@@ -75,11 +97,17 @@ class Steady(FreeBody):
     def turn(self, t: arb) -> list[arb]:
         omega = self.omega(t)
         size = arb_of(dot_exact(self.start, self.start)).sqrt()
-        return turn([w / size for w in omega], size * t) if size > 0 else [arb(1), arb(0), arb(0), arb(0)]
+        return (
+            turn([w / size for w in omega], size * t)
+            if size > 0
+            else [arb(1), arb(0), arb(0), arb(0)]
+        )
 
 
 class Axisymmetric(FreeBody):
-    """Two equal moments J1: a turn about M at L/J1 after one about the third axis at omega_3 - M_3/J1."""
+    """Two equal moments J1: a turn about M at L/J1 after one about the third axis at omega_3 -
+    M_3/J1.
+    """
 
     method = "two equal moments: one turn about L after one about the body's own axis"
 
@@ -95,7 +123,10 @@ class Axisymmetric(FreeBody):
 
     def turn(self, t: arb) -> list[arb]:
         along = [arb_of(m) / self.length for m in self.momentum0]
-        return times(turn(along, self.length / arb_of(self.across) * t), turn(_unit(self.axis), self.rate * t))
+        return times(
+            turn(along, self.length / arb_of(self.across) * t),
+            turn(_unit(self.axis), self.rate * t),
+        )
 
     def constants(self) -> dict[str, arb]:
         return {"period": 2 * arb.pi() / abs(self.rate), "elliptic_m": arb(0)}
@@ -107,7 +138,9 @@ class Axisymmetric(FreeBody):
 
 
 class Nodal(FreeBody):
-    """Motions told by M and by the angle phi of the line of nodes of `axis`, which M never meets."""
+    """Motions told by M and by the angle phi of the line of nodes of `axis`, which M never
+    meets.
+    """
 
     axis: int
 
@@ -124,7 +157,11 @@ class Nodal(FreeBody):
 
     def turn(self, t: arb) -> list[arb]:
         phi = self.nodes(t)
-        about = [[phi.real, -phi.imag, arb(0)], [phi.imag, phi.real, arb(0)], [arb(0), arb(0), arb(1)]]
+        about = [
+            [phi.real, -phi.imag, arb(0)],
+            [phi.imag, phi.real, arb(0)],
+            [arb(0), arb(0), arb(1)],
+        ]
         return quaternion(product(transposed(self._frame(arb(0))), product(about, self._frame(t))))
 
     def _frame(self, t: arb) -> list[list[arb]]:
@@ -137,7 +174,9 @@ class Nodal(FreeBody):
 
 
 class Separatrix(Nodal):
-    """2 E J2 = L^2: M_2 = +-L tanh u, the others fall as sech u; about M the intermediate axis turns at L/J2."""
+    """2 E J2 = L^2: M_2 = +-L tanh u, the others fall as sech u; about M the intermediate axis
+    turns at L/J2.
+    """
 
     method = "separatrix: tanh and sech, the line of nodes of axis 2 turns at L/J2"
 
@@ -164,12 +203,16 @@ class Separatrix(Nodal):
 
     def fastest(self) -> arb:
         """|omega|^2 = g_2^2 L^2 + (terms that fall as sech^2), g = 1/J: it is largest at u = 0."""
-        squares = [(self.length * share / arb_of(self.inertia[i])) ** 2 for i, share in self.shares.items()]
+        squares = [
+            (self.length * share / arb_of(self.inertia[i])) ** 2 for i, share in self.shares.items()
+        ]
         middle = (self.length / arb_of(self.inertia[self.axis])) ** 2
         return (squares[0] + squares[1] + middle).sqrt()
 
     def lead(self, t: arb) -> arb:
-        """Here b J^-1 b = g_2 and W = L v sech u with v^2 = (s_1 s_3 (g_1 - g_3))^2, so that k' = (g_1 + g_3 - 2 g_2)/(L v)^2 cosh^2 u."""
+        """Here b J^-1 b = g_2 and W = L v sech u with v^2 = (s_1 s_3 (g_1 - g_3))^2, so that k' =
+        (g_1 + g_3 - 2 g_2)/(L v)^2 cosh^2 u.
+        """
         low, high = self.shares
         g_low = 1 / arb_of(self.inertia[low])
         g_high = 1 / arb_of(self.inertia[high])
@@ -182,7 +225,9 @@ class Separatrix(Nodal):
 
 
 class Elliptic(Nodal):
-    """M_a = A cn u, M_2 = +-B sn u, M_c = +-C dn u: c is the axis of largest or smallest J that M goes about."""
+    """M_a = A cn u, M_2 = +-B sn u, M_c = +-C dn u: c is the axis of largest or smallest J that M
+    goes about.
+    """
 
     method = "Jacobi elliptic functions for omega, Jacobi's theta function for the attitude"
 
@@ -224,10 +269,16 @@ class Elliptic(Nodal):
         return [m[i] for i in AXES]
 
     def nodes(self, t: arb) -> acb:
-        return (acb(0, 1) * self.drift * t).exp() * self._phase(self.rate * t + self.shift) / self.phase0
+        return (
+            (acb(0, 1) * self.drift * t).exp()
+            * self._phase(self.rate * t + self.shift)
+            / self.phase0
+        )
 
     def _phase(self, u: arb) -> acb:
-        """Theta(u + i a)/|Theta(u + i a)|, or its conjugate where M goes about the axis of smallest J."""
+        """Theta(u + i a)/|Theta(u + i a)|, or its conjugate where M goes about the axis of smallest
+        J.
+        """
         theta = self.jacobi.theta4(u, self.imaginary)
         unit = theta / abs(theta).real
         return unit if self.sense > 0 else unit.conjugate()
@@ -252,9 +303,12 @@ class Elliptic(Nodal):
         a, b, c = self.sizes
         a2, b2, c2 = (arb_of(square) for square in (self.a2, self.b2, self.c2))
         m, m1 = self.jacobi.m, self.jacobi.m1
-        g_other, g_mid, g_axis = (1 / arb_of(self.inertia[i]) for i in (self.other, self.mid, self.axis))
+        g_other, g_mid, g_axis = (
+            1 / arb_of(self.inertia[i]) for i in (self.other, self.mid, self.axis)
+        )
 
-        # Derivatives by the energy of the squared sizes, of m = (b2 - a2)/c2 and of ln rate, rate ~ a c/b.
+        # Derivatives by the energy of the squared sizes, of m = (b2 - a2)/c2 and of ln rate, rate ~
+        # a c/b.
         a2_slope = 2 / (g_other - g_axis)
         b2_slope = 2 / (g_mid - g_axis)
         c2_slope = -a2_slope
@@ -279,8 +333,9 @@ class Elliptic(Nodal):
 
 
 def steady_lead(along: arb, twice_energy: arb, length: arb, square: arb) -> arb:
-    """The rate k' [1/J] of `lead` with two equal moments J1 and `along` = J3: there b J^-1 b = 1/J1, W is constant, and
-    w J^-1 w = 1/J1 + 1/J3 - 2 E/L^2, as the trace of J^-1 says; `square` is |omega|^2.
+    """The rate k' [1/J] of `lead` with two equal moments J1 and `along` = J3: there b J^-1 b =
+    1/J1, W is constant, and w J^-1 w = 1/J1 + 1/J3 - 2 E/L^2, as the trace of J^-1 says; `square`
+    is |omega|^2.
     """
     across = square - (twice_energy / length) ** 2
     return (1 / along - twice_energy / length**2) / across

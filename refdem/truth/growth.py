@@ -1,15 +1,19 @@
-"""S(t): how much an error that is made at any time s <= t may have grown by t, as a proven upper bound.
+"""S(t): how much an error that is made at any time s <= t may have grown by t, as a proven upper
+bound.
 
-An error e made at s is D(t) D(s)^-1 e at t, to first order, D being the derivative of the flow. Let M be any matrix of solutions of the
-variational equation, M(t) M(s)^-1 = D(t) D(s)^-1.
+An error e made at s is D(t) D(s)^-1 e at t, to first order, D being the derivative of the flow. Let
+M be any matrix of solutions of the variational equation, M(t) M(s)^-1 = D(t) D(s)^-1.
 
-Theorem (cell): let M(s) X = 1 + Delta(s) with |Delta(s)| <= delta < 1 for all s of a cell, X one fixed matrix. Then M(s) is regular,
-M(t) M(s)^-1 = M(t) X (1 + Delta(s))^-1, and the growth of every error made in the cell is at most |M(t) X| / (1 - delta).
-So times of errors are covered by cells, not sampled: M is evaluated on balls of times, and cells are halved until delta is small.
+Theorem (cell): let M(s) X = 1 + Delta(s) with |Delta(s)| <= delta < 1 for all s of a cell, X one
+fixed matrix. Then M(s) is regular, M(t) M(s)^-1 = M(t) X (1 + Delta(s))^-1, and the growth of every
+error made in the cell is at most |M(t) X| / (1 - delta). So times of errors are covered by cells,
+not sampled: M is evaluated on balls of times, and cells are halved until delta is small.
 
-Theorem (products): let P_m be the true derivative over stretch m and Q_m the doubles that stand for it, |P_m - Q_m| <= eps_m. From a cell c
-to t the product of the P differs from that of the Q by the sum over m of Q_(m+1..t) (P_m - Q_m) P_(c..m), whose last factor is at most
-S at the begin of stretch m, which is known. So S is a maximum of norms of products in doubles and one proven sum of errors.
+Theorem (products): let P_m be the true derivative over stretch m and Q_m the doubles that stand for
+it, |P_m - Q_m| <= eps_m. From a cell c to t the product of the P differs from that of the Q by the
+sum over m of Q_(m+1..t) (P_m - Q_m) P_(c..m), whose last factor is at most S at the begin of
+stretch m, which is known. So S is a maximum of norms of products in doubles and one proven sum of
+errors.
 """
 
 from bisect import bisect_right
@@ -27,7 +31,8 @@ from refdem.truth.balls import UndecidedError, arb_of, ball_of
 
 Array = NDArray[np.float64]
 Fundamental = Callable[[arb], arb_mat]
-"""M: encloses, for a ball of times, the same solutions of the variational equation at all of them."""
+"""M: encloses, for a ball of times, the same solutions of the variational equation at all of them.
+"""
 
 Errors = tuple[Array, float, Array, Array, Array, Array]
 """What `errors_at` of Growth returns."""
@@ -39,7 +44,9 @@ LOST = 1 / 8
 HALVINGS = 80
 """Of a cell; one that is still too wide says that M is not known well enough."""
 ROUNDING = 2.0**-46
-"""Part of the product of their norms by which a product of two matrices of at most 32 rows in doubles is off, at most."""
+"""Part of the product of their norms by which a product of two matrices of at most 32 rows in
+doubles is off, at most.
+"""
 UPWARDS = 1 + 2.0**-30
 """What norms in doubles are multiplied by at the end."""
 FAINT = 1e-3
@@ -52,9 +59,13 @@ BOUNDLESS = 1e300
 KNOWN = arb(2) ** -50
 """Part by which a number of a closed form may be uncertain before it is rounded to a double."""
 ROUNDED = 2.0**-44
-"""Part of the product of their sizes by which a product of three matrices of six rows, made of such doubles, is off at most."""
+"""Part of the product of their sizes by which a product of three matrices of six rows, made of such
+doubles, is off at most.
+"""
 CLOSED_BITS = (128, 256, 512, 1024, 2048, 4096)
-"""Working precisions for S in closed form: near a separatrix its numbers lose as many digits as the start is off it."""
+"""Working precisions for S in closed form: near a separatrix its numbers lose as many digits as the
+start is off it.
+"""
 
 
 class UnsharpError(UndecidedError):
@@ -73,12 +84,15 @@ class Grows(Protocol):
 
 @dataclass(frozen=True)
 class Stretch:
-    """Part of a motion: M over the times [s] since its begin, and what takes the coordinates of M to the state after its end.
+    """Part of a motion: M over the times [s] since its begin, and what takes the coordinates of M
+    to the state after its end.
 
-    `length` is None for a stretch that never ends. `handover` is M at its end, times the jump of an event there. `felt` is what an
-    error undergoes at once, as a slip does that friction stops; None where errors stay what they are. `joins`: nothing happens at
-    the end, where only the way of telling the motion changes. `quickness` bounds the norm of the field's Jacobian on a ball of times, or
-    the logarithmic norms of it and of its negative where errors are felt as they are made; M is then evaluated at points only.
+    `length` is None for a stretch that never ends. `handover` is M at its end, times the jump of an
+    event there. `felt` is what an error undergoes at once, as a slip does that friction stops; None
+    where errors stay what they are. `joins`: nothing happens at the end, where only the way of
+    telling the motion changes. `quickness` bounds the norm of the field's Jacobian on a ball of
+    times, or the logarithmic norms of it and of its negative where errors are felt as they are
+    made; M is then evaluated at points only.
     """
 
     begin: arb
@@ -90,7 +104,10 @@ class Stretch:
     quickness: Callable[[arb], float] | None = None
 
     def is_over_at(self, t: arb) -> bool:
-        """Whether the time t lies after the stretch; UndecidedError where t lies within the uncertainty of its end."""
+        """Whether the time t lies after the stretch;
+
+        UndecidedError where t lies within the uncertainty of its end.
+        """
         if self.length is None:
             return False
         end = self.begin + self.length
@@ -113,7 +130,9 @@ def smooth(
     joins: bool = False,
     quickness: Callable[[arb], float] | None = None,
 ) -> Stretch:
-    """A stretch of a motion whose M is known at all its times; at its end the state jumps by `jump`, if it does."""
+    """A stretch of a motion whose M is known at all its times; at its end the state jumps by
+    `jump`, if it does.
+    """
 
     def handover() -> arb_mat:
         assert length is not None
@@ -124,10 +143,12 @@ def smooth(
 
 
 class Norm:
-    """Norms of matrices: vectors are as large as the largest of their parts, each part is measured by Euclid.
+    """Norms of matrices: vectors are as large as the largest of their parts, each part is measured
+    by Euclid.
 
-    `parts` has the number of coordinates in each part of the state, `rows` the same of what is read of it. With parts of one number
-    the norm of a matrix is its largest sum of absolute values in a row.
+    `parts` has the number of coordinates in each part of the state, `rows` the same of what is read
+    of it. With parts of one number the norm of a matrix is its largest sum of absolute values in a
+    row.
     """
 
     def __init__(self, parts: Sequence[int], rows: Sequence[int] | None = None) -> None:
@@ -148,7 +169,9 @@ class Norm:
         if self.single:
             largest: Array = np.abs(matrices).sum(axis=-1).max(axis=-1)
             return largest
-        sums = [sum(spectral(matrices[..., row, column]) for column in self.columns) for row in rows]
+        sums = [
+            sum(spectral(matrices[..., row, column]) for column in self.columns) for row in rows
+        ]
         found: Array = np.max(np.array(sums), axis=0)
         return found
 
@@ -162,8 +185,9 @@ def spans(parts: Sequence[int]) -> list[slice]:
 def spectral(block: Array) -> Array:
     """Upper bounds of the largest singular values of blocks (..., rows, columns).
 
-    The lesser of the geometric mean of the largest sums of a row and of a column, and of |(B^T B)^8|^(1/16) in Frobenius' norm, which is
-    at most the 32nd root of the number of columns too large.
+    The lesser of the geometric mean of the largest sums of a row and of a column, and of |(B^T
+    B)^8|^(1/16) in Frobenius' norm, which is at most the 32nd root of the number of columns too
+    large.
     """
     largest = np.abs(block).max(axis=(-2, -1), keepdims=True)
     unit = block / np.where(largest > 0, largest, 1.0)
@@ -179,7 +203,10 @@ def spectral(block: Array) -> Array:
 
 @dataclass(frozen=True)
 class Cell:
-    """Times [low, high] since the begin of a stretch, at all of which |M(s) X - 1| <= delta; `slack` is delta/(1 - delta)."""
+    """Times [low, high] since the begin of a stretch, at all of which |M(s) X - 1| <= delta;
+
+    `slack` is delta/(1 - delta).
+    """
 
     low: Fraction
     high: Fraction
@@ -189,7 +216,9 @@ class Cell:
 
     @property
     def exact(self) -> arb_mat:
-        """X: the doubles of `inverse`, or, where doubles do not suffice, what they are rounded from."""
+        """X: the doubles of `inverse`, or, where doubles do not suffice, what they are rounded
+        from.
+        """
         return exactly(self.inverse) if self.fine is None else self.fine
 
 
@@ -240,7 +269,8 @@ class Element:
         off = self.off_one(centre, exact)
         fine = None
         if not off < WIDEST / 4:
-            # An M whose columns are nearly alike: its inverse asks for more digits than doubles have.
+            # An M whose columns are nearly alike: its inverse asks for more digits than doubles
+            # have.
             exact = fine = fine_inverse(centre)
             off = self.off_one(centre, exact)
             inverse, _ = doubles(exact)
@@ -248,7 +278,8 @@ class Element:
         if self.stretch.quickness is None:
             delta = self.off_one(self.stretch.fundamental(times), exact)
         else:
-            # M(middle) M(s)^-1 is at most exp(q |s - middle|) in norm, and, q being the norm itself, 1 to less than that - 1 (Gronwall).
+            # M(middle) M(s)^-1 is at most exp(q |s - middle|) in norm, and, q being the norm
+            # itself, 1 to less than that - 1 (Gronwall).
             moved = expm1(min(1.0, self.stretch.quickness(times) * float(high - low) / 2))
             delta = (moved + off + moved * off) * UPWARDS
         if not delta <= WIDEST:
@@ -269,7 +300,12 @@ class Element:
     def off_one(self, matrix: arb_mat, inverse: arb_mat) -> float:
         """|M X - 1|."""
         product, count = matrix * inverse, inverse.nrows()
-        apart = np.array([[float((product[i, j] - int(i == j)).abs_upper()) for j in range(count)] for i in range(count)])
+        apart = np.array(
+            [
+                [float((product[i, j] - int(i == j)).abs_upper()) for j in range(count)]
+                for i in range(count)
+            ]
+        )
         return float(self.size(apart)) * UPWARDS
 
 
@@ -277,9 +313,10 @@ class Element:
 class Front:
     """All errors made before the begin of an element, there.
 
-    `carried` (cells, n, n) has M(begin) X of every cell, `answers` the same with what errors undergo at once; `slack` (cells,) what
-    widens them. `after` (elements, n, n) has the derivative from the end of every element, `weight` (elements,) the error that was
-    made in it times S at its begin. `whole` is the derivative from the start, `largest` is S, of the state itself.
+    `carried` (cells, n, n) has M(begin) X of every cell, `answers` the same with what errors
+    undergo at once; `slack` (cells,) what widens them. `after` (elements, n, n) has the derivative
+    from the end of every element, `weight` (elements,) the error that was made in it times S at its
+    begin. `whole` is the derivative from the start, `largest` is S, of the state itself.
     """
 
     carried: Array
@@ -294,8 +331,9 @@ class Front:
 
 @dataclass(frozen=True)
 class Wide:
-    """The same in balls: M X (q, n cells) of all cells side by side (None: there are none) with their slack, what the state at the
-    start has become, and in doubles what is read of an error made now.
+    """The same in balls: M X (q, n cells) of all cells side by side (None: there are none) with
+    their slack, what the state at the start has become, and in doubles what is read of an error
+    made now.
     """
 
     own: Array
@@ -310,8 +348,12 @@ class Wide:
         return self.carried
 
 
-def followed(own: Array, matrix: arb_mat, front: Wide, element: Element, cells: Sequence[Cell]) -> Wide:
-    """What was carried to the begin of an element, and the errors of its cells, followed by M there."""
+def followed(
+    own: Array, matrix: arb_mat, front: Wide, element: Element, cells: Sequence[Cell]
+) -> Wide:
+    """What was carried to the begin of an element, and the errors of its cells, followed by M
+    there.
+    """
     first = matrix * element.from_begin()
     parts = [matrix * beside([cell.exact for cell in cells])]
     if front.carried is not None:
@@ -321,9 +363,11 @@ def followed(own: Array, matrix: arb_mat, front: Wide, element: Element, cells: 
 
 
 class Growth:
-    """S along a motion that is told stretch by stretch: by products of doubles, and of balls where those lose too much.
+    """S along a motion that is told stretch by stretch: by products of doubles, and of balls where
+    those lose too much.
 
-    `readings(t)` gives the derivative of what is read at t by the state, both in scales; without it the state itself is read.
+    `readings(t)` gives the derivative of what is read at t by the state, both in scales; without it
+    the state itself is read.
     `made` has the numbers of the coordinates in which errors are made: by default all of them.
     """
 
@@ -378,8 +422,12 @@ class Growth:
         """All errors up to a time, as they are read there, in balls."""
         number = self.number(time)
         element = self.elements[number]
-        if self.made is not None or any(one.stretch.felt is not None for one in self.elements[: number + 1]):
-            raise UnsharpError("rounding has a larger part in how errors grow than this precision allows")
+        if self.made is not None or any(
+            one.stretch.felt is not None for one in self.elements[: number + 1]
+        ):
+            raise UnsharpError(
+                "rounding has a larger part in how errors grow than this precision allows"
+            )
         since = time - element.stretch.begin
         now = element.stretch.fundamental(since)
         count = now.nrows()
@@ -398,15 +446,18 @@ class Growth:
             element = self.elements[self.wide_count]
             assert element.end is not None
             element.cover(element.end)
-            self.wide = followed(np.eye(count), element.stretch.handover(), self.wide, element, element.cells)
+            self.wide = followed(
+                np.eye(count), element.stretch.handover(), self.wide, element, element.cells
+            )
             self.wide_count += 1
         return self.wide
 
     def errors_at(self, time: arb, readings: arb_mat | None) -> Errors:
         """Of all errors up to a time, as they are read there.
 
-        The readings (q, n); a bound of what all others may be off, in norm; the answers and carried matrices (cells, q, n), their
-        slack (cells,); and what the state at the start has become (q, n).
+        The readings (q, n); a bound of what all others may be off, in norm; the answers and carried
+        matrices (cells, q, n), their slack (cells,); and what the state at the start has become (q,
+        n).
         """
         number = self.number(time)
         element, front = self.elements[number], self.front_at(number)
@@ -419,16 +470,27 @@ class Growth:
         inverses = np.array([cell.inverse for cell in cells])
         fresh = read @ inverses
         first = read @ element.origin.inverse
-        # What the product read @ X of doubles may be off, for X of a cell and for that of the begin.
+        # What the product read @ X of doubles may be off, for X of a cell and for that of the
+        # begin.
         rows = max(1, read.shape[0])
         off = unread * rows + ROUNDING * float(self.size.read(read))
         lost_here = off * float(self.size(inverses).max())
-        lost_before = (off * float(self.size(element.origin.inverse)) + float(self.size.read(first)) * element.origin.slack) * front.largest
+        lost_before = (
+            off * float(self.size(element.origin.inverse))
+            + float(self.size.read(first)) * element.origin.slack
+        ) * front.largest
         lost_on_the_way = float((self.size.read(first @ front.after) * front.weight).sum())
         answers = np.concatenate([first @ front.answers, self.felt(element, fresh)])
         carried = np.concatenate([first @ front.carried, fresh])
         slack = np.concatenate([front.slack, self.slack(element, cells)])
-        return own, lost_here + lost_before + lost_on_the_way, answers, carried, slack, first @ front.whole
+        return (
+            own,
+            lost_here + lost_before + lost_on_the_way,
+            answers,
+            carried,
+            slack,
+            first @ front.whole,
+        )
 
     def number(self, time: arb) -> int:
         """The number of the element in which a time lies; elements up to it are made."""
@@ -475,7 +537,9 @@ class Growth:
         fresh = hands @ inverses
         off = unsure * len(hands) + ROUNDING * float(self.size(hands))
         # |P - Q|: the doubles of the handover, and those of M(0)^-1.
-        wrong = off * float(self.size(element.origin.inverse)) + float(self.size(whole)) * (element.origin.slack + 4 * ROUNDING)
+        wrong = off * float(self.size(element.origin.inverse)) + float(self.size(whole)) * (
+            element.origin.slack + 4 * ROUNDING
+        )
         weight = wrong * front.largest + off * float(self.size(inverses).max())
         after = np.concatenate([whole @ front.after, np.eye(len(whole))[None]])
         answers = np.concatenate([whole @ front.answers, self.felt(element, fresh)])
@@ -484,10 +548,21 @@ class Growth:
         weights = np.concatenate([front.weight, [weight]])
         sizes = self.size(answers) + self.size(carried) * slack
         largest = float(sizes.max()) + float((self.size(after) * weights).sum())
-        return Front(carried, answers, slack, after, weights, whole @ front.whole, bounded(largest), front.count + 1)
+        return Front(
+            carried,
+            answers,
+            slack,
+            after,
+            weights,
+            whole @ front.whole,
+            bounded(largest),
+            front.count + 1,
+        )
 
     def slack(self, element: Element, cells: Sequence[Cell]) -> Array:
-        """What widens the answers of cells: their slack times the norm of what errors undergo at once."""
+        """What widens the answers of cells: their slack times the norm of what errors undergo at
+        once.
+        """
         found = np.array([cell.slack for cell in cells])
         if element.stretch.felt is None:
             return found
@@ -509,11 +584,14 @@ class Growth:
 
 
 class PeriodicGrowth:
-    """S along a motion of one period P on whose tori errors drift apart in proportion to time: D(P) = 1 + N with N N = 0.
+    """S along a motion of one period P on whose tori errors drift apart in proportion to time: D(P)
+    = 1 + N with N N = 0.
 
-    So it is for one degree of freedom and for Kepler's ellipses, where the period depends on the energy alone: N = -P'(E) f grad E, and
-    grad E . f = 0. With t = tau + k P and an error made at sigma in an earlier period D(t) D(s)^-1 = D(tau) (1 + n N) A, A being
-    the growth from sigma to the end of its period and 0 <= n < k. A norm is convex in n: it is largest for n = 0 or n = k - 1.
+    So it is for one degree of freedom and for Kepler's ellipses, where the period depends on the
+    energy alone: N = -P'(E) f grad E, and grad E . f = 0. With t = tau + k P and an error made at
+    sigma in an earlier period D(t) D(s)^-1 = D(tau) (1 + n N) A, A being the growth from sigma to
+    the end of its period and 0 <= n < k. A norm is convex in n: it is largest for n = 0 or n = k -
+    1.
     """
 
     def __init__(self, first: Growth, period: arb) -> None:
@@ -539,7 +617,9 @@ class PeriodicGrowth:
         return bounded(max(found, earlier + lost))
 
     def of_earlier(self, since: arb, readings: arb_mat | None, turns: int) -> tuple[float, float]:
-        """The growth of errors made in earlier periods by products of doubles, and what those have lost at most."""
+        """The growth of errors made in earlier periods by products of doubles, and what those have
+        lost at most.
+        """
         growth, size = self.first, self.first.size
         if self.year is None:
             self.year = growth.errors_at(self.period, None)
@@ -552,7 +632,8 @@ class PeriodicGrowth:
         for n in {0, turns - 1}:
             later = now @ (np.eye(len(whole)) + n * drift)
             sizes = size.read(later @ answers) + size.read(later @ carried) * slack
-            # What D(tau) (1 + n N) may be off, times S; and what the growth up to the end of the period may be off.
+            # What D(tau) (1 + n N) may be off, times S; and what the growth up to the end of the
+            # period may be off.
             wrong = lost_now * (1 + n * float(size(drift))) + float(size.read(now)) * n * lost
             wrong += ROUNDING * float(size.read(now)) * (1 + n * float(size(drift)))
             found = max(found, float(sizes.max()))
@@ -569,17 +650,24 @@ class PeriodicGrowth:
         count = year.whole.nrows()
         one = arb_mat(count, count, [int(i == j) for i in range(count) for j in range(count)])
         drift = year.whole - one
-        return max(growth.largest(now * (one + n * drift) * year.answers, year.slack) for n in {0, turns - 1})
+        return max(
+            growth.largest(now * (one + n * drift) * year.answers, year.slack)
+            for n in {0, turns - 1}
+        )
 
 
 class SteadyGrowth:
-    """S of a motion whose errors obey a linear equation with constant coefficients: they grow by the time elapsed alone.
+    """S of a motion whose errors obey a linear equation with constant coefficients: they grow by
+    the time elapsed alone.
 
-    `propagator` gives exp(J tau). S(t) is its largest norm up to t. Once it has a norm of at most 1 at some `repeat` > 0 nothing later
-    exceeds what was there before it: |exp(J (repeat + tau))| <= |exp(J tau)|.
+    `propagator` gives exp(J tau). S(t) is its largest norm up to t. Once it has a norm of at most 1
+    at some `repeat` > 0 nothing later exceeds what was there before it: |exp(J (repeat + tau))| <=
+    |exp(J tau)|.
     """
 
-    def __init__(self, propagator: Fundamental, size: Norm, step: Fraction, repeat: arb | None = None) -> None:
+    def __init__(
+        self, propagator: Fundamental, size: Norm, step: Fraction, repeat: arb | None = None
+    ) -> None:
         self.propagator, self.size, self.step, self.repeat = propagator, size, step, repeat
         self.highs: list[Fraction] = [Fraction(0)]
         self.norms: list[float] = [1.0]
@@ -596,7 +684,9 @@ class SteadyGrowth:
         return bounded(max(whole, rest))
 
     def advance(self) -> None:
-        """The next cell of times elapsed, on which the bound of the norm is at most an eighth above the norm in its middle."""
+        """The next cell of times elapsed, on which the bound of the norm is at most an eighth above
+        the norm in its middle.
+        """
         low = self.highs[-1]
         for _ in range(HALVINGS):
             high = low + self.step
@@ -616,7 +706,9 @@ class SteadyGrowth:
         table = self.propagator(elapsed).table()
         if not all(entry.is_finite() for row in table for entry in row):
             return inf
-        return float(self.size.read(np.array([[float(entry.abs_upper()) for entry in row] for row in table])))
+        return float(
+            self.size.read(np.array([[float(entry.abs_upper()) for entry in row] for row in table]))
+        )
 
 
 @dataclass(frozen=True)
@@ -632,7 +724,9 @@ class Told:
 
 @dataclass(frozen=True)
 class FromTheStart:
-    """The growth of errors that are made at t = 0 alone, by differences: no bound of S, where none is proved yet."""
+    """The growth of errors that are made at t = 0 alone, by differences: no bound of S, where none
+    is proved yet.
+    """
 
     jacobian: Callable[[Fraction], arb_mat]
 
@@ -670,13 +764,17 @@ class Times:
 
 
 def narrow(rate: arb) -> Fraction:
-    """A power of two [s] to begin with as the width of a cell, well below 1/rate, for a rate [1/s] at which errors change."""
+    """A power of two [s] to begin with as the width of a cell, well below 1/rate, for a rate [1/s]
+    at which errors change.
+    """
     size = float(rate.abs_upper())
     return Fraction(2) ** (-4 - frexp(size)[1]) if size > 0 else Fraction(1, 8)
 
 
 def most(values: Iterable[arb]) -> float:
-    """The largest that any of the balls may be; infinite where one is not finite: Python's max passes nan over."""
+    """The largest that any of the balls may be; infinite where one is not finite: Python's max
+    passes nan over.
+    """
     found = 0.0
     for value in values:
         if not value.is_finite():
@@ -686,7 +784,10 @@ def most(values: Iterable[arb]) -> float:
 
 
 def doubles(matrix: arb_mat) -> tuple[Array, float]:
-    """The midpoints as doubles, and the largest that an entry may be off, rounded up; UndecidedError if an entry is not finite."""
+    """The midpoints as doubles, and the largest that an entry may be off, rounded up;
+
+    UndecidedError if an entry is not finite.
+    """
     table = matrix.table()
     found = np.array([[float(entry.mid()) for entry in row] for row in table])
     off = max((float(entry.rad()) for row in table for entry in row), default=0.0)
@@ -696,7 +797,10 @@ def doubles(matrix: arb_mat) -> tuple[Array, float]:
 
 
 def known(value: arb, size: float = 0.0) -> float:
-    """The double of a ball that is known to KNOWN of itself, or of `size`; UnsharpError if it is not."""
+    """The double of a ball that is known to KNOWN of itself, or of `size`;
+
+    UnsharpError if it is not.
+    """
     middle = value.mid()
     if not (value.is_finite() and value.rad() <= KNOWN * arb.max(abs(middle), arb(size))):
         raise UnsharpError("the motion is not known well enough at this precision")
@@ -714,11 +818,16 @@ def rounded(values: Sequence[arb]) -> tuple[Array, float]:
 def beside(matrices: Sequence[arb_mat]) -> arb_mat:
     """Matrices of the same number of rows side by side."""
     tables = [matrix.table() for matrix in matrices]
-    return arb_mat([[entry for table in tables for entry in table[i]] for i in range(len(tables[0]))])
+    return arb_mat(
+        [[entry for table in tables for entry in table[i]] for i in range(len(tables[0]))]
+    )
 
 
 def split(matrix: arb_mat, count: int) -> tuple[Array, Array]:
-    """Midpoints and radii of so many matrices that stand side by side, (count, rows, columns) each; UnsharpError if not finite."""
+    """Midpoints and radii of so many matrices that stand side by side, (count, rows, columns) each;
+
+    UnsharpError if not finite.
+    """
     table = matrix.table()
     middles = np.array([[float(entry.mid()) for entry in row] for row in table])
     radii = np.array([[float(entry.rad()) for entry in row] for row in table])

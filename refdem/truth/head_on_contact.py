@@ -1,7 +1,9 @@
-"""Head-on contact of two spheres with a linear spring and dashpot, in closed form: m d'' + c d' + k d = 0, d(0) = 0, d'(0) = v.
+"""Head-on contact of two spheres with a linear spring and dashpot, in closed form: m d'' + c d' + k
+d = 0, d(0) = 0, d'(0) = v.
 
-With m the effective mass, b = c/(2m), w0^2 = k/m, w^2 = w0^2 - b^2: d = v exp(-b t) sin(w t)/w, sinh(W t)/W or t in place of
-sin(w t)/w where damping is over-critical (W^2 = -w^2) or critical. Schwager and Poeschel, Granular Matter 9 (2007) 465.
+With m the effective mass, b = c/(2m), w0^2 = k/m, w^2 = w0^2 - b^2: d = v exp(-b t) sin(w t)/w,
+sinh(W t)/W or t in place of sin(w t)/w where damping is over-critical (W^2 = -w^2) or critical.
+Schwager and Poeschel, Granular Matter 9 (2007) 465.
 """
 
 from flint import arb
@@ -33,7 +35,10 @@ class HeadOnContact:
         return size * swing, size * (wave - self.decay * swing)
 
     def end(self) -> arb | None:
-        """When the force ends [s]; None if the overlap never does (zero_overlap, not under-damped)."""
+        """When the force ends [s];
+
+        None if the overlap never does (zero_overlap, not under-damped).
+        """
         if self.regime > 0:
             return (arb.pi() if self.pair.ends_with_overlap else 2 * self.angle) / self.rate
         if self.pair.ends_with_overlap:
@@ -52,7 +57,9 @@ class HeadOnContact:
         return arb_of(self.pair.stiffness) * overlap + arb_of(self.pair.damping) * rate
 
     def relative(self, t: arb) -> list[arb]:
-        """x, y, vx, vy of body 1 against body 2, the friction impulse and its moment arm lost, at t."""
+        """x, y, vx, vy of body 1 against body 2, the friction impulse and its moment arm lost, at
+        t.
+        """
         end = self.end()
         overlap, rate = self.overlap(t)
         if end is not None and not t <= end:
@@ -65,7 +72,10 @@ class HeadOnContact:
         """max_overlap, max_force, and duration and restitution if the force ends."""
         pair, end = self.pair, self.end()
         turn = self.angle / self.rate if self.regime > 0 else self._span(1)
-        found = {"max_overlap": self.overlap(turn)[0], "max_force": arb_of(pair.damping) * self.speed}
+        found = {
+            "max_overlap": self.overlap(turn)[0],
+            "max_force": arb_of(pair.damping) * self.speed,
+        }
         if 4 * pair.half_decay**2 * pair.effective_mass < pair.stiffness:
             found["max_force"] = self.force((3 * self.angle - arb.pi()) / self.rate)
         if end is not None:

@@ -1,7 +1,8 @@
-"""Jacobi's elliptic functions by theta functions, as balls: sn, cn, dn, the amplitude and F, from m and 1 - m both given.
+"""Jacobi's elliptic functions by theta functions, as balls: sn, cn, dn, the amplitude and F, from m
+and 1 - m both given.
 
-theta_i(v, tau) with v = u/(2K), tau = i K'/K (DLMF 20.2, 22.2). 1 - m is asked for beside m: near a separatrix it must
-not be lost by cancellation.
+theta_i(v, tau) with v = u/(2K), tau = i K'/K (DLMF 20.2, 22.2). 1 - m is asked for beside m: near a
+separatrix it must not be lost by cancellation.
 """
 
 from flint import acb, arb
@@ -10,11 +11,16 @@ from refdem.truth.balls import UndecidedError, nearest_integer
 
 
 class Jacobi:
-    """The functions of parameter m = k^2 in (0, 1); UndecidedError if the balls do not lie inside."""
+    """The functions of parameter m = k^2 in (0, 1);
+
+    UndecidedError if the balls do not lie inside.
+    """
 
     def __init__(self, m: arb, m1: arb) -> None:
         if not (m > 0 and m1 > 0):
-            raise UndecidedError(f"elliptic parameter {m} with complement {m1} is not inside (0, 1)")
+            raise UndecidedError(
+                f"elliptic parameter {m} with complement {m1} is not inside (0, 1)"
+            )
         self.m, self.m1 = m, m1
         half_pi = arb.pi() / 2
         self.k = half_pi / arb(1).agm(m1.sqrt())
@@ -28,7 +34,9 @@ class Jacobi:
         return 2 * acb.elliptic_rg(acb(0), acb(self.m1), acb(1)).real
 
     def epsilon(self, u: arb) -> arb:
-        """Jacobi's epsilon function, the integral of dn^2 from 0 to u: Z(u) + (E/K) u, Z = Theta'/Theta (DLMF 22.16.32)."""
+        """Jacobi's epsilon function, the integral of dn^2 from 0 to u: Z(u) + (E/K) u, Z =
+        Theta'/Theta (DLMF 22.16.32).
+        """
         half_turns = nearest_integer(u / (2 * self.k))
         v = acb((u - 2 * self.k * half_turns) / (2 * self.k))
         slope = acb.modular_theta(v, self.tau, 1)[3].real
@@ -42,8 +50,10 @@ class Jacobi:
         return self._sn * one / four, self._cn * two / four, self._dn * three / four
 
     def kappa(self, u: arb) -> arb:
-        """(u/m - E(u)/(m m1))/2: by m at fixed u, sn changes as sn cn^2/(2 m1) + kappa sn', cn as -sn^2 cn/(2 m1) + kappa cn', dn as
-        -sn^2 dn/(2 m1) + kappa dn', am as sn cn/(2 m1) + kappa am' (Byrd and Friedman 710.51 to 710.53).
+        """(u/m - E(u)/(m m1))/2: by m at fixed u, sn changes as sn cn^2/(2 m1) + kappa sn', cn as
+        -sn^2 cn/(2 m1) + kappa cn', dn as
+        -sn^2 dn/(2 m1) + kappa dn', am as sn cn/(2 m1) + kappa am' (Byrd and Friedman 710.51 to
+        710.53).
         """
         return (u / self.m - self.epsilon(u) / (self.m * self.m1)) / 2
 
@@ -69,7 +79,9 @@ class Jacobi:
         return acb.modular_theta(acb(u, imaginary) / (2 * self.k), self.tau)[3]
 
     def zeta_on_imaginary_axis(self, imaginary: arb) -> arb:
-        """The real z with Z(i a) = i z, Z = Theta'/Theta (Jacobi's zeta function, DLMF 22.16.32)."""
+        """The real z with Z(i a) = i z, Z = Theta'/Theta (Jacobi's zeta function, DLMF
+        22.16.32).
+        """
         v = acb(0, imaginary / (2 * self.k))
         ratio = acb.modular_theta(v, self.tau, 1)[3] / acb.modular_theta(v, self.tau)[3]
         return ratio.imag / (2 * self.k)

@@ -1,10 +1,13 @@
-"""Finite-time Lyapunov exponents (1.133): log sigma_max(D)/t, D being the derivative of the flow from 0 to t, each number in its scale.
+"""Finite-time Lyapunov exponents (1.133): log sigma_max(D)/t, D being the derivative of the flow
+from 0 to t, each number in its scale.
 
-sigma_max^2 is the largest eigenvalue of M = D^T D. Theorem: for P without negative eigenvalues and tr P = 1, the largest lies between
-tr P^2 and its root. So with P = M^m/tr M^m, log lambda is known to (1/m) log(1/tr P^2); m = 2^j by j squarings. Where one eigenvalue
-stands alone tr P^2 tends to 1 in a few of them; where two are equal m must do it.
-D comes from the variational equation, across events with the jump matrix, or from the products of a map's slopes; where a closed form
-has neither, from its central differences at 2^-120 of a scale, whose own error, about 2^-240, is in no radius.
+sigma_max^2 is the largest eigenvalue of M = D^T D. Theorem: for P without negative eigenvalues and
+tr P = 1, the largest lies between tr P^2 and its root. So with P = M^m/tr M^m, log lambda is known
+to (1/m) log(1/tr P^2); m = 2^j by j squarings. Where one eigenvalue stands alone tr P^2 tends to 1
+in a few of them; where two are equal m must do it. D comes from the variational equation, across
+events with the jump matrix, or from the products of a map's slopes; where a closed form has
+neither, from its central differences at 2^-120 of a scale, whose own error, about 2^-240, is in no
+radius.
 """
 
 from collections.abc import Sequence
@@ -26,12 +29,16 @@ LEAST_BITS, MOST_BITS, MOST_SQUARINGS = 256, 2**13, 80
 FLOW_BITS = 512
 """Of a flow that is integrated: its cost grows much faster than that of a map."""
 JACOBIAN_BITS = 96
-"""To which the flow Jacobian of a step of a validated flow is known: 1e-20 of an exponent leaves a third of them to spare."""
+"""To which the flow Jacobian of a step of a validated flow is known: 1e-20 of an exponent leaves a
+third of them to spare.
+"""
 
 
 @exclusive
 def exponent(truth: Truth, t: Fraction, *, digits: int = 20) -> Ball:
-    """log sigma_max(D)/t [1/s, or 1/iterate] with a radius of at most 10^-digits; raises NotCertifiedError where D is not proved."""
+    """log sigma_max(D)/t [1/s, or 1/iterate] with a radius of at most 10^-digits; raises
+    NotCertifiedError where D is not proved.
+    """
     target = Fraction(1, 10**digits)
     reason, bits = "", LEAST_BITS
     most = FLOW_BITS if isinstance(truth, ValidatedFlow | HybridFlow) else MOST_BITS
@@ -45,7 +52,9 @@ def exponent(truth: Truth, t: Fraction, *, digits: int = 20) -> Ball:
         except (UndecidedError, ValueError) as error:
             reason = str(error)
         bits *= 2
-    raise NotCertifiedError(f"exponent at t = {float(t):.17g}: {reason}", code="precision", time=float(t))
+    raise NotCertifiedError(
+        f"exponent at t = {float(t):.17g}: {reason}", code="precision", time=float(t)
+    )
 
 
 def exponents(truth: Truth, times: Sequence[Fraction], *, digits: int = 20) -> list[Ball]:
@@ -82,23 +91,31 @@ def _trace(matrix: arb_mat) -> arb:
 
 
 def variation(truth: Truth, t: Fraction) -> arb_mat:
-    """The derivative of the state at t by the start at the current precision, each number in its scale: square."""
+    """The derivative of the state at t by the start at the current precision, each number in its
+    scale: square.
+    """
     if isinstance(truth, HybridFlow):
         return _through_events(truth, t)
     source: Any = _sharper(truth) if isinstance(truth, ValidatedFlow) else truth
     if not hasattr(source, "jacobian"):
-        raise NotCertifiedError(f"{type(truth).__name__} has no variational flow", code="end", time=float(t))
+        raise NotCertifiedError(
+            f"{type(truth).__name__} has no variational flow", code="end", time=float(t)
+        )
     rows = source.jacobian(t)
     return arb_mat(rows.table()[: rows.ncols()])
 
 
 def _sharper(truth: ValidatedFlow) -> ValidatedFlow:
-    """The same flow with its Jacobian to JACOBIAN_BITS; kept, so that its pieces serve all times."""
+    """The same flow with its Jacobian to JACOBIAN_BITS; kept, so that its pieces serve all
+    times.
+    """
     key = ("sharper", ctx.prec)
     if key not in truth.kept:
         other = copy(truth)
         steps = Steps(jacobian_bits=JACOBIAN_BITS)
-        other.kept = {("integration", ctx.prec): Integration(truth.field, truth.first, ctx.prec, steps)}
+        other.kept = {
+            ("integration", ctx.prec): Integration(truth.field, truth.first, ctx.prec, steps)
+        }
         truth.kept[key] = other
     found: ValidatedFlow = truth.kept[key]
     return found
@@ -109,7 +126,9 @@ def _through_events(truth: HybridFlow, t: Fraction) -> arb_mat:
     key = ("sharper", ctx.prec)
     if key not in truth.kept:
         start = [value() if callable(value) else arb_of(value) for value in truth.begin]
-        truth.kept[key] = Motion(truth.modes, start, truth.first(start), ctx.prec, Steps(jacobian_bits=JACOBIAN_BITS))
+        truth.kept[key] = Motion(
+            truth.modes, start, truth.first(start), ctx.prec, Steps(jacobian_bits=JACOBIAN_BITS)
+        )
     flow = truth.kept[key].jacobian(arb_of(t)).table()
     sizes = [arb_of(truth.scale[name]) for name in truth.state]
     pairs = list(zip(truth.moved, sizes, strict=True))

@@ -1,14 +1,18 @@
-"""A tangential spring whose stiffness grows as the root of the overlap, while a sphere sticks in Hertz's contact: closed form.
+"""A tangential spring whose stiffness grows as the root of the overlap, while a sphere sticks in
+Hertz's contact: closed form.
 
-The stretch obeys s'' = -(7 k_t/(2 m)) sqrt(d) s, as m d'' = -k d^(3/2) with d from touch (speed v) to d_m and back. With D = d/d_m,
-u = d'/v, z = D^(5/2) = 1 - u^2, q = 7 k_t/(10 k) and a, b the roots of x^2 - x/10 - q it is a hypergeometric equation,
+The stretch obeys s'' = -(7 k_t/(2 m)) sqrt(d) s, as m d'' = -k d^(3/2) with d from touch (speed v)
+to d_m and back. With D = d/d_m, u = d'/v, z = D^(5/2) = 1 - u^2, q = 7 k_t/(10 k) and a, b the
+roots of x^2 - x/10 - q it is a hypergeometric equation,
 
     (1 - z) s_DD = 5/4 D^(3/2) s_D - 25/4 q D^(1/2) s,   (1 - u^2) s_uu = 6/5 u s_u - 4 q s,
 
-    s = A 2F1(a, b; 3/5; z) + B D 2F1(a + 2/5, b + 2/5; 7/5; z) = A' 2F1(a, b; 1/2; u^2) + B' u 2F1(3/5 - a, 3/5 - b; 3/2; u^2).
+    s = A 2F1(a, b; 3/5; z) + B D 2F1(a + 2/5, b + 2/5; 7/5; z) = A' 2F1(a, b; 1/2; u^2) + B' u
+    2F1(3/5 - a, 3/5 - b; 3/2; u^2).
 
-Each form is used where its argument is about 1/2 or less: D up to NEAR on the way in, u until D is NEAR again, then D. On each of
-these legs the coordinate x = D, -u, -D grows with time, and everything is analytic in it but for the root at D = 0.
+Each form is used where its argument is about 1/2 or less: D up to NEAR on the way in, u until D is
+NEAR again, then D. On each of these legs the coordinate x = D, -u, -D grows with time, and
+everything is analytic in it but for the root at D = 0.
 """
 
 from dataclasses import dataclass
@@ -28,7 +32,9 @@ def _part(numerator: int, denominator: int) -> arb:
 
 
 class MindlinSpring:
-    """Stretches [m] and their derivatives by the coordinate x of a leg, in a contact at the current precision."""
+    """Stretches [m] and their derivatives by the coordinate x of a leg, in a contact at the current
+    precision.
+    """
 
     def __init__(self, contact: PowerContact, ratio: Fraction) -> None:
         self.contact = contact
@@ -59,7 +65,11 @@ class MindlinSpring:
         """Since touch [s]."""
         if leg == TURNING:
             return self.contact.half + self.contact.unit * self.contact.before_turn(x)
-        since = self.contact.unit * self.contact.since_touch(x if leg == INWARD else -x) if x != 0 else arb(0)
+        since = (
+            self.contact.unit * self.contact.since_touch(x if leg == INWARD else -x)
+            if x != 0
+            else arb(0)
+        )
         return since if leg == INWARD else 2 * self.contact.half - since
 
     def pace(self, leg: int, x: arb) -> arb:
@@ -74,23 +84,33 @@ class MindlinSpring:
         a, b = self.a, self.b
         if leg == TURNING:
             w = x * x
-            even, odd = two_f_one(a, b, _part(1, 2), w), x * two_f_one(_part(3, 5) - a, _part(3, 5) - b, _part(3, 2), w)
+            even, odd = (
+                two_f_one(a, b, _part(1, 2), w),
+                x * two_f_one(_part(3, 5) - a, _part(3, 5) - b, _part(3, 2), w),
+            )
             slope = -4 * self.q * x * two_f_one(a + 1, b + 1, _part(3, 2), w)
             return even, odd, slope, two_f_one(_part(3, 5) - a, _part(3, 5) - b, _part(1, 2), w)
         depth, sense = (x, 1) if leg == INWARD else (-x, -1)
         z, c, d = power_five_halves(depth), a + _part(2, 5), b + _part(2, 5)
-        steep = -_part(25, 6) * self.q * depth * root(depth) * two_f_one(a + 1, b + 1, _part(8, 5), z)
+        steep = (
+            -_part(25, 6) * self.q * depth * root(depth) * two_f_one(a + 1, b + 1, _part(8, 5), z)
+        )
         return (
-            two_f_one(a, b, _part(3, 5), z), depth * two_f_one(c, d, _part(7, 5), z),
-            sense * steep, sense * two_f_one(c, d, _part(2, 5), z),
-        )  # fmt: skip
+            two_f_one(a, b, _part(3, 5), z),
+            depth * two_f_one(c, d, _part(7, 5), z),
+            sense * steep,
+            sense * two_f_one(c, d, _part(2, 5), z),
+        )
 
     def bent(self, leg: int, x: arb, s: arb, slope: arb) -> arb:
         """Second derivative by x."""
         if leg == TURNING:
             return (_part(6, 5) * x * slope - 4 * self.q * s) / (1 - x * x)
         depth, sense = (x, 1) if leg == INWARD else (-x, -1)
-        push = _part(5, 4) * depth * root(depth) * slope * sense - _part(25, 4) * self.q * root(depth) * s
+        push = (
+            _part(5, 4) * depth * root(depth) * slope * sense
+            - _part(25, 4) * self.q * root(depth) * s
+        )
         return push / (1 - power_five_halves(depth))
 
     def overlap(self, leg: int, x: arb) -> tuple[arb, arb, arb]:
@@ -100,7 +120,11 @@ class MindlinSpring:
             return (size * x, size, arb(0)) if leg == INWARD else (-size * x, -size, arb(0))
         w = 1 - x * x
         depth = size * w ** _part(2, 5)
-        return depth, -_part(4, 5) * x * depth / w, -_part(4, 5) * depth / w * (1 + _part(6, 5) * x * x / w)
+        return (
+            depth,
+            -_part(4, 5) * x * depth / w,
+            -_part(4, 5) * depth / w * (1 + _part(6, 5) * x * x / w),
+        )
 
 
 @dataclass(frozen=True)
@@ -125,14 +149,22 @@ class Stretched:
     def beyond(self) -> "Stretched":
         """The same on the next leg."""
         x = self.spring.ends(self.leg)[1]
-        return started(self.spring, self.leg + 1, self.spring.ends(self.leg + 1)[0], self.at(x)[0], self.rate(x))
+        return started(
+            self.spring,
+            self.leg + 1,
+            self.spring.ends(self.leg + 1)[0],
+            self.at(x)[0],
+            self.rate(x),
+        )
 
 
 def started(spring: MindlinSpring, leg: int, x: arb, s: arb, rate: arb) -> Stretched:
     """The solution with this stretch [m] and rate [m/s] at x."""
     f, g, df, dg = spring.basis(leg, x)
     slope, wronskian = rate / spring.pace(leg, x), f * dg - g * df
-    return Stretched(spring, leg, (s * dg - g * slope) / wronskian, (f * slope - s * df) / wronskian)
+    return Stretched(
+        spring, leg, (s * dg - g * slope) / wronskian, (f * slope - s * df) / wronskian
+    )
 
 
 def two_f_one(a: arb, b: arb, c: arb, z: arb) -> arb:
@@ -142,7 +174,9 @@ def two_f_one(a: arb, b: arb, c: arb, z: arb) -> arb:
 
 
 def root(x: arb) -> arb:
-    """sqrt(x) of a ball of numbers that are not negative, though its lower end may be, by rounding."""
+    """sqrt(x) of a ball of numbers that are not negative, though its lower end may be, by
+    rounding.
+    """
     if x.lower() > 0 or x == 0:
         return x.sqrt()
     return arb(0).union(arb(x.upper()).sqrt())
@@ -150,4 +184,6 @@ def root(x: arb) -> arb:
 
 def power_five_halves(x: arb) -> arb:
     """x^(5/2) likewise."""
-    return x * x * root(x) if x.lower() > 0 or x == 0 else arb(0).union(arb(x.upper()) ** _part(5, 2))
+    return (
+        x * x * root(x) if x.lower() > 0 or x == 0 else arb(0).union(arb(x.upper()) ** _part(5, 2))
+    )

@@ -1,7 +1,8 @@
 """Real numbers that follow from exact parameters: pi, roots, sines, and what is computed from them.
 
-A `Real` is not a rounded value. It is the way to a ball that contains the number at whatever precision a proof works, so that a number
-derived from parameters (the dashpot of a restitution, a mass with pi in it) is enclosed anew, and better, each time the precision rises.
+A `Real` is not a rounded value. It is the way to a ball that contains the number at whatever
+precision a proof works, so that a number derived from parameters (the dashpot of a restitution, a
+mass with pi in it) is enclosed anew, and better, each time the precision rises.
 """
 
 from collections.abc import Callable
@@ -14,7 +15,8 @@ from flint import arb, ctx
 from refdem.truth.balls import Enclosed, UndecidedError, arb_of, precision
 
 Number = Union[Fraction, "Real"]
-"""What a truth takes for a parameter: an exact rational, or a number that follows from exact ones."""
+"""What a truth takes for a parameter: an exact rational, or a number that follows from exact ones.
+"""
 
 DECIDING = (64, 128, 256, 512, 1024, 2048, 4096, 8192, 16384)
 """Working precisions [bit] at which a sign is looked for, one after another."""
@@ -25,8 +27,9 @@ NEAR_BITS = 64
 class Real(Enclosed):
     """A real number; `enclosed()` returns a ball that contains it at the current precision.
 
-    + - * / and whole powers with exact rationals and other such numbers give others; a comparison is proved, or raises UndecidedError.
-    No precision can prove two such numbers equal, so that == means the same object.
+    + - * / and whole powers with exact rationals and other such numbers give others; a comparison
+    is proved, or raises UndecidedError. No precision can prove two such numbers equal, so that ==
+    means the same object.
     """
 
     __array_ufunc__ = None
@@ -57,7 +60,9 @@ class Real(Enclosed):
         raise UndecidedError(f"the sign of a number that {DECIDING[-1]} bits do not tell from 0")
 
     def near(self) -> Fraction:
-        """A rational within 2^-NEAR_BITS of the number, relative to its size; for scenes and step sizes, never for a proof."""
+        """A rational within 2^-NEAR_BITS of the number, relative to its size; for scenes and step
+        sizes, never for a proof.
+        """
         for bits in DECIDING[1:]:
             with precision(bits):
                 ball = self.ball()
@@ -122,7 +127,9 @@ class Real(Enclosed):
 
 
 class Root(Real):
-    """+-sqrt(square) of a rational that is no square; products and quotients of such numbers are again such, or rational."""
+    """+-sqrt(square) of a rational that is no square; products and quotients of such numbers are
+    again such, or rational.
+    """
 
     def __init__(self, square: Fraction, side: int = 1) -> None:
         super().__init__(lambda: side * arb_of(square).sqrt())
@@ -163,7 +170,9 @@ class Root(Real):
 
 
 def is_number(value: object) -> bool:
-    """It is exact: a whole number, a Fraction or a Real; a truth value is none, nor is anything rounded."""
+    """It is exact: a whole number, a Fraction or a Real; a truth value is none, nor is anything
+    rounded.
+    """
     return isinstance(value, int | Fraction | Real) and not isinstance(value, bool)
 
 
@@ -173,7 +182,9 @@ def is_zero(value: object) -> bool:
 
 
 def near(value: Number) -> Fraction:
-    """The number itself if it is rational, else a rational near it; for step sizes and units, never for a proof."""
+    """The number itself if it is rational, else a rational near it; for step sizes and units, never
+    for a proof.
+    """
     return value.near() if isinstance(value, Real) else value
 
 

@@ -49,7 +49,9 @@ def matrix(q: Vector) -> list[list[arb]]:
 
 
 def quaternion(r: Matrix) -> list[arb]:
-    """A unit quaternion of a rotation matrix (either sign), from its largest component (Shepperd 1978)."""
+    """A unit quaternion of a rotation matrix (either sign), from its largest component (Shepperd
+    1978).
+    """
     trace = r[0][0] + r[1][1] + r[2][2]
     squares = [(1 + trace) / 4, *((1 + 2 * r[i][i] - trace) / 4 for i in range(3))]
     most = max(range(4), key=lambda i: float(squares[i].mid()))
@@ -83,7 +85,10 @@ def rotated(q: Vector, v: Vector) -> list[arb]:
 
 
 def upright(q: Vector) -> list[arb]:
-    """The one of q and -q whose first component that is not exactly 0 is positive; UndecidedError if balls cannot tell."""
+    """The one of q and -q whose first component that is not exactly 0 is positive;
+
+    UndecidedError if balls cannot tell.
+    """
     for x in q:
         if x > 0:
             return list(q)

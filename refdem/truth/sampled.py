@@ -1,4 +1,6 @@
-"""Truth at the samples of one problem, rounded to doubles with radii: what judging reads and the store keeps."""
+"""Truth at the samples of one problem, rounded to doubles with radii: what judging reads and the
+store keeps.
+"""
 
 import math
 from collections.abc import Mapping, Sequence
@@ -12,7 +14,9 @@ PRINTED = 20
 
 
 def sampled(truth: Truth, times: Sequence[float], delays: Sequence[float] = ()) -> SampledTruth:
-    """The truth at these exact binary64 times [s], up to the first at which it cannot be certified, and `delays` [s] earlier."""
+    """The truth at these exact binary64 times [s], up to the first at which it cannot be certified,
+    and `delays` [s] earlier.
+    """
     values: dict[str, list[float]] = {}
     radii: dict[str, list[float]] = {}
     certified: list[Fraction] = []
@@ -40,15 +44,23 @@ def sampled(truth: Truth, times: Sequence[float], delays: Sequence[float] = ()) 
         until=len(certified),
         reason=reason,
         printed={name: ball.decimals(PRINTED) for name, ball in scalars.items()},
-        earlier={delay: _earlier(truth, certified, Fraction(delay)) for delay in delays if certified},
+        earlier={
+            delay: _earlier(truth, certified, Fraction(delay)) for delay in delays if certified
+        },
     )
 
 
-def _earlier(truth: Truth, certified: Sequence[Fraction], delay: Fraction) -> tuple[dict[str, list[float]], dict[str, list[float]]]:
-    """Values and radii so much before each sample; before the first nothing is known: an infinite radius."""
+def _earlier(
+    truth: Truth, certified: Sequence[Fraction], delay: Fraction
+) -> tuple[dict[str, list[float]], dict[str, list[float]]]:
+    """Values and radii so much before each sample; before the first nothing is known: an infinite
+    radius.
+    """
     samples = [truth.at(t - delay) for t in certified[1:]]
     names = truth.at(certified[0])
-    rounded = {name: [(0.0, math.inf), *(balls[name].rounded() for balls in samples)] for name in names}
+    rounded = {
+        name: [(0.0, math.inf), *(balls[name].rounded() for balls in samples)] for name in names
+    }
     values = {name: [value for value, _ in pairs] for name, pairs in rounded.items()}
     return values, {name: [radius for _, radius in pairs] for name, pairs in rounded.items()}
 

@@ -1,4 +1,6 @@
-"""Closed forms of smooth flows, whose derivative by the start is known by differences, and whose S is that of their equation."""
+"""Closed forms of smooth flows, whose derivative by the start is known by differences, and whose S
+is that of their equation.
+"""
 
 from abc import abstractmethod
 from collections.abc import Sequence
@@ -20,26 +22,37 @@ class SmoothFlow(ClosedForm):
     """A closed form whose state is among its quantities (`state`)."""
 
     def jacobian(self, t: Fraction) -> arb_mat:
-        """d quantity_i(t)/scale_i over d start_j/scale_j by central differences, with `state` as the first rows."""
+        """d quantity_i(t)/scale_i over d start_j/scale_j by central differences, with `state` as
+        the first rows.
+        """
         columns = [self.scaled_changes(axis, arb_of(t)) for axis in range(len(self.state))]
-        return arb_mat([[column[i] for column in columns] for i in range(len(columns[0]))]) / arb_of(2 * DISPLACEMENT)
+        return arb_mat(
+            [[column[i] for column in columns] for i in range(len(columns[0]))]
+        ) / arb_of(2 * DISPLACEMENT)
 
     def scaled_changes(self, axis: int, t: arb) -> list[arb]:
-        """Differences at t, each in its scale, of the two motions displaced along one coordinate; `state` first."""
+        """Differences at t, each in its scale, of the two motions displaced along one coordinate;
+
+        `state` first.
+        """
         plus, minus = (displaced.evaluate(t) for displaced in self.pair(axis))
         names = [*self.state, *(name for name in plus if name not in self.state)]
         return [(plus[name] - minus[name]) / arb_of(self.scale[name]) for name in names]
 
 
 class OfAnEquation(SmoothFlow):
-    """A closed form whose S comes from motions beside it, or from the equation that it solves, integrated to a low precision."""
+    """A closed form whose S comes from motions beside it, or from the equation that it solves,
+    integrated to a low precision.
+    """
 
     @abstractmethod
     def equation(self) -> "ValidatedFlow":
         """The same motion by its equation, with the same quantities."""
 
     def period(self) -> arb | None:
-        """The time after which the motion repeats, if errors then drift apart in proportion to time (PeriodicGrowth)."""
+        """The time after which the motion repeats, if errors then drift apart in proportion to time
+        (PeriodicGrowth).
+        """
         return self.constants().get("period")
 
     def line(self) -> Line | None:

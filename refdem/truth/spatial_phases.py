@@ -1,15 +1,19 @@
-"""Two spheres in contact whose friction turns out of a plane: the phases of the linear law in Cartesian vectors, and where they end.
+"""Two spheres in contact whose friction turns out of a plane: the phases of the linear law in
+Cartesian vectors, and where they end.
 
-In the units of contact_phases.py: r = r1 - r2 (of length 1/eps at touch), v, o_i = R_i omega_i; n = -r/|r| points from 1 to 2,
-a = 1/eps - |r|,
-u = v.n, v' = -F n + f, o_i' = (1 - b_i a) mu_i n x f, slip = v - u n + ((1 - b_1 a) o_1 + (1 - b_2 a) o_2) x n, and the friction f on 1 is
+In the units of contact_phases.py: r = r1 - r2 (of length 1/eps at touch), v, o_i = R_i omega_i; n =
+-r/|r| points from 1 to 2, a = 1/eps - |r|,
+u = v.n, v' = -F n + f, o_i' = (1 - b_i a) mu_i n x f, slip = v - u n + ((1 - b_1 a) o_1 + (1 - b_2
+a) o_2) x n, and the friction f on 1 is
 
-    slip (no spring) -mu F slip/|slip|;  stick -Kt s with s' = slip - (s.n') n;  slip (spring) -mu F e, e the spring's direction,
-    e' = Kt/(mu F) (slip - (slip.e) e) - (e.n') n, from |Kt s| = mu F on, until Kt slip.e = mu F';  pull (F < 0) 0.
+    slip (no spring) -mu F slip/|slip|;  stick -Kt s with s' = slip - (s.n') n;  slip (spring) -mu F
+    e, e the spring's direction, e' = Kt/(mu F) (slip - (slip.e) e) - (e.n') n, from |Kt s| = mu F
+    on, until Kt slip.e = mu F';  pull (F < 0) 0.
 
-Two ends are no analytic points of the motion: a slip without spring goes to zero on a spiral whose steps grow as 1/|slip|, and a clipped
-spring turns ever faster where the normal force fades, or begins. `singular` is said where the motion is proved to begin at such a point;
-where it comes near to one it is followed until FAINT, and ends as `grazing`: whether it meets that point is not proved.
+Two ends are no analytic points of the motion: a slip without spring goes to zero on a spiral whose
+steps grow as 1/|slip|, and a clipped spring turns ever faster where the normal force fades, or
+begins. `singular` is said where the motion is proved to begin at such a point; where it comes near
+to one it is followed until FAINT, and ends as `grazing`: whether it meets that point is not proved.
 """
 
 from collections.abc import Callable, Sequence
@@ -25,12 +29,16 @@ from refdem.truth.events.crossing import SwitchError, sign
 from refdem.truth.events.system import Entry, Guard, Mode
 
 FAINT = Fraction(1, 2**8)
-"""Of the speed, or of the force of a unit of overlap: how near a singular end the motion is followed."""
+"""Of the speed, or of the force of a unit of overlap: how near a singular end the motion is
+followed.
+"""
 Vector = Sequence[Any]
 
 
 class SpatialPhases(ContactPhases):
-    """State: r, v, o1, o2, the spring s or its direction e (three zeros without a spring are left out), clock; apart r - v clock, v."""
+    """State: r, v, o1, o2, the spring s or its direction e (three zeros without a spring are left
+    out), clock; apart r - v clock, v.
+    """
 
     @property
     def size(self) -> int:
@@ -44,9 +52,19 @@ class SpatialPhases(ContactPhases):
         def part(wave: Callable[[arb], arb]) -> Callable[[], arb]:
             return lambda: arb_of(pair.closing_speed / self.speed) * wave(arb_of(pair.angle))
 
-        spins = [partial(arb_of, pair.radii[k // 3] * spin / self.speed) for k, spin in enumerate(pair.spins)]
+        spins = [
+            partial(arb_of, pair.radii[k // 3] * spin / self.speed)
+            for k, spin in enumerate(pair.spins)
+        ]
         place = [partial(arb_of, -1 / self.eps), nothing, nothing]
-        return [*place, part(arb.cos), part(arb.sin), nothing, *spins, *[nothing] * (self.size - 12)]
+        return [
+            *place,
+            part(arb.cos),
+            part(arb.sin),
+            nothing,
+            *spins,
+            *[nothing] * (self.size - 12),
+        ]
 
     def distance(self, y: State) -> Any:
         """|r|."""
@@ -88,25 +106,42 @@ class SpatialPhases(ContactPhases):
     def slip(self, y: State) -> Vector:
         """Velocity of surface 1 against surface 2."""
         normal, closing, (first, second) = self.normal(y), self.closing(y), self.levers(y)
-        carried = cross([first * a + second * b for a, b in zip(y[6:9], y[9:12], strict=True)], normal)
+        carried = cross(
+            [first * a + second * b for a, b in zip(y[6:9], y[9:12], strict=True)], normal
+        )
         return [v - n * closing + w for v, n, w in zip(y[3:6], normal, carried, strict=True)]
 
     def lag(self, y: State, side: int = 1) -> Any:
         """By how much the force of a spring that slips would grow faster than its limit."""
         return dot(self.slip(y), y[12:15]) * (self.kt * side) - self.steepening(y) * self.friction
 
-    def field(self, friction: Callable[[State], Any] | None, *, stretches: bool = False) -> Callable[[State], list[Any]]:
-        """The rates under a friction (a vector); `stretches`: the spring follows the slip, else its direction does."""
+    def field(
+        self, friction: Callable[[State], Any] | None, *, stretches: bool = False
+    ) -> Callable[[State], list[Any]]:
+        """The rates under a friction (a vector);
+
+        `stretches`: the spring follows the slip, else its direction does.
+        """
 
         def rates(y: State) -> list[Any]:
             normal, force = self.normal(y), self.force(y)
             rub: Vector = friction(y) if friction else [0, 0, 0]
             twist = cross(normal, rub)
-            spun = [lever * ease * x for lever, ease in zip(self.levers(y), self.ease, strict=True) for x in twist]
+            spun = [
+                lever * ease * x
+                for lever, ease in zip(self.levers(y), self.ease, strict=True)
+                for x in twist
+            ]
             spring = [0] * (self.size - 13)
             if friction and self.kt:
                 spring = self.stretching(y) if stretches else self.leaning(y)
-            return [*y[3:6], *(f - n * force for f, n in zip(rub, normal, strict=True)), *spun, *spring, 1]
+            return [
+                *y[3:6],
+                *(f - n * force for f, n in zip(rub, normal, strict=True)),
+                *spun,
+                *spring,
+                1,
+            ]
 
         return rates
 
@@ -118,25 +153,49 @@ class SpatialPhases(ContactPhases):
     def leaning(self, y: State) -> list[Any]:
         """e'."""
         slip, e = self.slip(y), y[12:15]
-        along, back, quick = dot(slip, e), dot(e, self.turning(y)), self.kt / self.friction / self.force(y)
-        return [(w - x * along) * quick - n * back for w, x, n in zip(slip, e, self.normal(y), strict=True)]
+        along, back, quick = (
+            dot(slip, e),
+            dot(e, self.turning(y)),
+            self.kt / self.friction / self.force(y),
+        )
+        return [
+            (w - x * along) * quick - n * back
+            for w, x, n in zip(slip, e, self.normal(y), strict=True)
+        ]
 
     def modes(self) -> dict[str, Mode]:
         """Every mode that this pair can be in."""
         idle = [0] * (self.size - 1)
-        found = {"press": Mode(self.field(None), (self.released(),)), "apart": Mode(lambda y: [*idle, 1], leaves=lambda y: None)}
+        found = {
+            "press": Mode(self.field(None), (self.released(),)),
+            "apart": Mode(lambda y: [*idle, 1], leaves=lambda y: None),
+        }
         if self.pair.damping and self.pair.ends_with_overlap:
-            again = Guard("press", lambda y: -self.force(y), lambda y: self.pressing(y, rising=True))
-            found["pull"] = Mode(self.field(None), (Guard("release", self.overlap, lambda y: self.parting()), again))
+            again = Guard(
+                "press", lambda y: -self.force(y), lambda y: self.pressing(y, rising=True)
+            )
+            found["pull"] = Mode(
+                self.field(None), (Guard("release", self.overlap, lambda y: self.parting()), again)
+            )
         if not self.kt:
-            fades = Guard("fade", self.left, lambda y: self.fading("the slip falls out of any plane"))
-            return found | {"slip": Mode(self.field(self.sliding_friction), (self.released(), fades))}
-        fades = Guard("fade", lambda y: self.force(y) - FAINT, lambda y: self.fading("a clipped spring turns as the force fades"))
+            fades = Guard(
+                "fade", self.left, lambda y: self.fading("the slip falls out of any plane")
+            )
+            return found | {
+                "slip": Mode(self.field(self.sliding_friction), (self.released(), fades))
+            }
+        fades = Guard(
+            "fade",
+            lambda y: self.force(y) - FAINT,
+            lambda y: self.fading("a clipped spring turns as the force fades"),
+        )
         back = Guard("stick", self.lag, lambda y: Entry("stick", self.clipped, {"slip": 2}))
         loose = Guard("slip", self.spared, lambda y: Entry("slip", pointed))
         return found | {
             "slip": Mode(self.field(lambda y: self.limit(y, y[12:15])), (back, fades)),
-            "stick": Mode(self.field(lambda y: [s * -self.kt for s in y[12:15]], stretches=True), (loose,)),
+            "stick": Mode(
+                self.field(lambda y: [s * -self.kt for s in y[12:15]], stretches=True), (loose,)
+            ),
         }
 
     def left(self, y: State) -> Any:
@@ -166,8 +225,12 @@ class SpatialPhases(ContactPhases):
         return [*y[:12], *(x * most for x in y[12:15]), y[15]]
 
     def fading(self, why: str) -> Entry:
-        """Raises SwitchError near a point at which the motion may not be analytic; more bits come no nearer."""
-        error = SwitchError("grazing", f"{why} to 1/{1 / FAINT} of its scale, below which it is not followed", 0.0)
+        """Raises SwitchError near a point at which the motion may not be analytic; more bits come
+        no nearer.
+        """
+        error = SwitchError(
+            "grazing", f"{why} to 1/{1 / FAINT} of its scale, below which it is not followed", 0.0
+        )
         error.final = True
         raise error
 
@@ -179,11 +242,20 @@ class SpatialPhases(ContactPhases):
         return self.pressing(y, rising=not self.c)
 
     def pressing(self, y: State, *, rising: bool, side: int | None = None) -> Entry:
-        """The entry where the force begins: from zero (`rising`), or at once as a dashpot's does."""
+        """The entry where the force begins: from zero (`rising`), or at once as a dashpot's
+        does.
+        """
         speed = ball(lambda y: dot(self.slip(y), self.slip(y)), y)
         if self.kt:
             steep = ball(lambda y: self.steepening(y) * self.friction, y)
-            if rising and sign(speed * arb_of(self.kt) ** 2 - steep * steep, "k_t |slip| - friction dF/dt at touch") > 0:
+            if (
+                rising
+                and sign(
+                    speed * arb_of(self.kt) ** 2 - steep * steep,
+                    "k_t |slip| - friction dF/dt at touch",
+                )
+                > 0
+            ):
                 self.begins_singular("a clipped spring turns as the force begins")
             return Entry("stick", self.unstretched, {"slip": 2} if rising else {})
         if speed == 0:
@@ -199,11 +271,18 @@ class SpatialPhases(ContactPhases):
 
     def parting(self) -> Entry:
         """Free flight."""
-        return Entry("apart", lambda y: [*(x - v * y[-1] for x, v in zip(y[:3], y[3:6], strict=True)), *y[3:]])
+        return Entry(
+            "apart",
+            lambda y: [*(x - v * y[-1] for x, v in zip(y[:3], y[3:6], strict=True)), *y[3:]],
+        )
 
     def place(self, mode: str, y: State) -> list[Any]:
         """r, v, o1, o2, the spring, clock in any mode."""
-        return [*(x + v * y[-1] for x, v in zip(y[:3], y[3:6], strict=True)), *y[3:]] if mode == "apart" else list(y)
+        return (
+            [*(x + v * y[-1] for x, v in zip(y[:3], y[3:6], strict=True)), *y[3:]]
+            if mode == "apart"
+            else list(y)
+        )
 
 
 def pointed(y: State) -> list[Any]:

@@ -1,4 +1,6 @@
-"""Two spheres about to touch: exact parameters and what follows from them for the relative motion in the plane."""
+"""Two spheres about to touch: exact parameters and what follows from them for the relative motion
+in the plane.
+"""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -14,7 +16,10 @@ from refdem.truth.reals import Number, near
 
 @dataclass(frozen=True, kw_only=True)
 class SpherePair:
-    """Numbers in SI units; `spins` are the angular velocities of both (6,), `lever` is 0, 1/2, 1 for R, R-d/2, R-d."""
+    """Numbers in SI units;
+
+    `spins` are the angular velocities of both (6,), `lever` is 0, 1/2, 1 for R, R-d/2, R-d.
+    """
 
     masses: tuple[Number, ...]
     radii: tuple[Fraction, ...]
@@ -56,23 +61,36 @@ class SpherePair:
     @property
     def surface_spin(self) -> list[Fraction]:
         """R1 omega1 + R2 omega2 (3,) [m/s]: what the spins add to the slip at touch."""
-        return [sum((self.radii[i] * self.spins[3 * i + axis] for i in (0, 1)), Fraction(0)) for axis in range(3)]
+        return [
+            sum((self.radii[i] * self.spins[3 * i + axis] for i in (0, 1)), Fraction(0))
+            for axis in range(3)
+        ]
 
     @property
     def is_head_on(self) -> bool:
-        """Along the normal for ever: no angle, and no friction or no slip, neither at touch nor with the levers of an overlap."""
+        """Along the normal for ever: no angle, and no friction or no slip, neither at touch nor
+        with the levers of an overlap.
+        """
         across = [self.lever * (self.spins[axis] + self.spins[3 + axis]) for axis in (1, 2)]
-        return self.angle == 0 and (self.friction == 0 or not any([*self.surface_spin[1:], *across]))
+        return self.angle == 0 and (
+            self.friction == 0 or not any([*self.surface_spin[1:], *across])
+        )
 
     @property
     def leaves_plane(self) -> bool:
         """Friction and spins that are not about z turn the motion out of its plane."""
-        return self.friction > 0 and not self.is_head_on and any(self.spins[axis] for axis in (0, 1, 3, 4))
+        return (
+            self.friction > 0
+            and not self.is_head_on
+            and any(self.spins[axis] for axis in (0, 1, 3, 4))
+        )
 
     def dyadic_step(self) -> Fraction:
-        """A step [s] of proven integration: a power of two, at most half of the law's time and 1/32 of that to cross `reach`.
+        """A step [s] of proven integration: a power of two, at most half of the law's time and 1/32
+        of that to cross `reach`.
 
-        The first lets Picard's box close, the second keeps 1/rho (the only nonlinear term) well inside its convergence.
+        The first lets Picard's box close, the second keeps 1/rho (the only nonlinear term) well
+        inside its convergence.
         """
         fastest = near(self.stiffness / self.effective_mass) + 4 * near(self.half_decay) ** 2
         limit = max(4 * fastest, (32 * self.closing_speed / self.reach) ** 2)

@@ -16,7 +16,14 @@ class Timeless(ClosedForm):
 
     method = "closed form"
 
-    def __init__(self, scale: Mapping[str, Size], values: Callable[[], Mapping[str, arb]], *, witness: str, digits: int = 40) -> None:
+    def __init__(
+        self,
+        scale: Mapping[str, Size],
+        values: Callable[[], Mapping[str, arb]],
+        *,
+        witness: str,
+        digits: int = 40,
+    ) -> None:
         super().__init__(scale, digits=digits)
         self.values, self.witness = values, witness
 

@@ -1,7 +1,9 @@
-"""A field written once and traced: the same list of operations for complex balls, power series, recurrences and derivatives.
+"""A field written once and traced: the same list of operations for complex balls, power series,
+recurrences and derivatives.
 
-Theorem (inclusion): each operation on balls contains all its values on them, so a program does; where an operation is not analytic on
-the balls (a divisor or a root's argument that may vanish) the result is not finite, and what is built on it is refused.
+Theorem (inclusion): each operation on balls contains all its values on them, so a program does;
+where an operation is not analytic on the balls (a divisor or a root's argument that may vanish) the
+result is not finite, and what is built on it is refused.
 """
 
 from collections.abc import Callable, Sequence
@@ -15,7 +17,9 @@ from refdem.truth.balls import UndecidedError, arb_of
 from refdem.truth.reals import Number, is_number
 
 Operation = tuple[Any, ...]
-"""("in", i), ("constant", c), ("scale", c, a), (+ * /, a, b) or (sin cos exp sqrt, a); a and b are earlier operations."""
+"""("in", i), ("constant", c), ("scale", c, a), (+ * /, a, b) or (sin cos exp sqrt, a); a and b are
+earlier operations.
+"""
 
 
 @dataclass
@@ -38,7 +42,9 @@ class Trace:
         if isinstance(value, Node):
             return value
         if not is_number(value):
-            raise TypeError(f"constant {value!r} of a traced field; expected an int, a Fraction or a Real")
+            raise TypeError(
+                f"constant {value!r} of a traced field; expected an int, a Fraction or a Real"
+            )
         return self.node("constant", Fraction(value) if isinstance(value, int) else value)
 
 
@@ -67,7 +73,9 @@ class Node:
         a, b = self.exact(), other.exact()
         if a is not None and b is not None:
             return self.trace.constant(a + b)
-        return other if a == 0 else self if b == 0 else self.trace.node("+", self.index, other.index)
+        return (
+            other if a == 0 else self if b == 0 else self.trace.node("+", self.index, other.index)
+        )
 
     def __mul__(self, other: object) -> "Node":
         other = self.trace.constant(other)
@@ -82,7 +90,9 @@ class Node:
     def __truediv__(self, other: object) -> "Node":
         other = self.trace.constant(other)
         value = other.exact()
-        return self.trace.node("/", self.index, other.index) if value is None else self * (1 / value)
+        return (
+            self.trace.node("/", self.index, other.index) if value is None else self * (1 / value)
+        )
 
     def __neg__(self) -> "Node":
         return self * -1
@@ -116,13 +126,17 @@ class Node:
 
 
 Field = Callable[[Sequence[Any]], Sequence[Any]]
-"""f(y) by + - * / and the methods sin, cos, exp, sqrt, with exact constants (Number); time is a coordinate with derivative 1."""
+"""f(y) by + - * / and the methods sin, cos, exp, sqrt, with exact constants (Number); time is a
+coordinate with derivative 1.
+"""
 
 
 def traced(function: Field, inputs: int) -> tuple[list[Node], list[list[Node]]]:
     """The outputs of a function of `inputs` numbers, and their derivatives by each of these."""
     trace = Trace()
-    outputs = [trace.constant(out) for out in function([trace.node("in", i) for i in range(inputs)])]
+    outputs = [
+        trace.constant(out) for out in function([trace.node("in", i) for i in range(inputs)])
+    ]
     return outputs, [[slope(out, i) for i in range(inputs)] for out in outputs]
 
 
@@ -153,7 +167,10 @@ SLOPES: dict[str, Callable[..., Node]] = {
 
 
 class Program:
-    """The operations up to those of some nodes, in order; `run` evaluates them on any numbers that know the operations."""
+    """The operations up to those of some nodes, in order;
+
+    `run` evaluates them on any numbers that know the operations.
+    """
 
     def __init__(self, nodes: Sequence[Node]) -> None:
         self.outputs = [node.index for node in nodes]
@@ -161,14 +178,19 @@ class Program:
         self.balls: dict[int, list[arb]] = {}
 
     def constants(self) -> list[arb]:
-        """For each operation a ball, at the current precision, of the exact number in it; 0 where there is none.
+        """For each operation a ball, at the current precision, of the exact number in it; 0 where
+        there is none.
 
         Raises UndecidedError for a number that this precision does not enclose.
         """
         if ctx.prec not in self.balls:
-            found = [arb_of(o[1]) if o[0] in ("constant", "scale") else arb(0) for o in self.operations]
+            found = [
+                arb_of(o[1]) if o[0] in ("constant", "scale") else arb(0) for o in self.operations
+            ]
             if not all(ball.is_finite() for ball in found):
-                raise UndecidedError(f"a constant of the field is not enclosed with {ctx.prec} bits")
+                raise UndecidedError(
+                    f"a constant of the field is not enclosed with {ctx.prec} bits"
+                )
             self.balls[ctx.prec] = found
         return self.balls[ctx.prec]
 
@@ -179,7 +201,13 @@ class Program:
             if kind in ELEMENTARY:
                 values.append(ELEMENTARY[kind](values[first], *(values[i] for i in rest)))
             else:
-                values.append(inputs[first] if kind == "in" else constant(ball) if kind == "constant" else ball * values[rest[0]])
+                values.append(
+                    inputs[first]
+                    if kind == "in"
+                    else constant(ball)
+                    if kind == "constant"
+                    else ball * values[rest[0]]
+                )
         return [values[i] for i in self.outputs]
 
 

@@ -1,8 +1,10 @@
-"""A box whose corners press on an inclined plane (linear law, sliding friction), as a system that switches.
+"""A box whose corners press on an inclined plane (linear law, sliding friction), as a system that
+switches.
 
-Axes of the slope: x down it, z its normal, the plane is z = 0; to space they turn by the angle `slope` about y. State: quaternion, spin
-L, place, velocity, clock. A corner with arm s = R c has the gap g = z + s_z and the velocity u = v + w x s; it presses with
-N = -k g - c g' and rubs with friction N against (u_x, u_y), and no more once N would pull (cutoff zero_force).
+Axes of the slope: x down it, z its normal, the plane is z = 0; to space they turn by the angle
+`slope` about y. State: quaternion, spin L, place, velocity, clock. A corner with arm s = R c has
+the gap g = z + s_z and the velocity u = v + w x s; it presses with N = -k g - c g' and rubs with
+friction N against (u_x, u_y), and no more once N would pull (cutoff zero_force).
 """
 
 from collections.abc import Sequence
@@ -22,7 +24,10 @@ Vector = Sequence[Any]
 
 @dataclass(frozen=True)
 class Slope:
-    """Exact numbers in SI units; `slope` is the angle [rad], `squares` are those of the sides of the box."""
+    """Exact numbers in SI units;
+
+    `slope` is the angle [rad], `squares` are those of the sides of the box.
+    """
 
     mass: Fraction
     inertia: tuple[Fraction, ...]
@@ -38,7 +43,11 @@ class Slope:
 
         def rates(y: Vector) -> list[Any]:
             seen, angle = Seen(self, y), y[0] * 0 + self.slope
-            force: list[Any] = [angle.sin() * self.gravity * self.mass, 0, -angle.cos() * self.gravity * self.mass]
+            force: list[Any] = [
+                angle.sin() * self.gravity * self.mass,
+                0,
+                -angle.cos() * self.gravity * self.mass,
+            ]
             torque: list[Any] = [0, 0, 0]
             for corner in sorted(pressing):
                 push = seen.push(corner)
@@ -60,23 +69,36 @@ class Seen:
     def __init__(self, system: Slope, y: Vector) -> None:
         self.system, self.y = system, y
         self.rows = rotation(y[:4])
-        self.omega_body = [dot(column, y[4:7]) / j for column, j in zip(zip(*self.rows, strict=True), system.inertia, strict=True)]
+        self.omega_body = [
+            dot(column, y[4:7]) / j
+            for column, j in zip(zip(*self.rows, strict=True), system.inertia, strict=True)
+        ]
         self.omega = [dot(row, self.omega_body) for row in self.rows]
 
     def arm(self, corner: int) -> list[Any]:
         """s of a corner."""
         half = [side(self.y[0] * 0 + square / 4) for square in self.system.squares]
-        return [dot(row, [h * sign for h, sign in zip(half, SIGNS[corner], strict=True)]) for row in self.rows]
+        return [
+            dot(row, [h * sign for h, sign in zip(half, SIGNS[corner], strict=True)])
+            for row in self.rows
+        ]
 
     def turning(self) -> list[Any]:
         """q' = q omega_body / 2."""
         w, x, y, z = self.y[:4]
         a, b, c = self.omega_body
-        return [(-x * a - y * b - z * c) / 2, (w * a + y * c - z * b) / 2, (w * b + z * a - x * c) / 2, (w * c + x * b - y * a) / 2]
+        return [
+            (-x * a - y * b - z * c) / 2,
+            (w * a + y * c - z * b) / 2,
+            (w * b + z * a - x * c) / 2,
+            (w * c + x * b - y * a) / 2,
+        ]
 
     def velocity(self, corner: int) -> list[Any]:
         """u of a corner."""
-        return [v + w for v, w in zip(self.y[10:13], cross(self.omega, self.arm(corner)), strict=True)]
+        return [
+            v + w for v, w in zip(self.y[10:13], cross(self.omega, self.arm(corner)), strict=True)
+        ]
 
     def gap(self, corner: int) -> Any:
         """g of a corner."""
@@ -84,7 +106,10 @@ class Seen:
 
     def pressure(self, corner: int) -> Any:
         """N of a corner."""
-        return -self.system.stiffness * self.gap(corner) - self.system.damping * self.velocity(corner)[2]
+        return (
+            -self.system.stiffness * self.gap(corner)
+            - self.system.damping * self.velocity(corner)[2]
+        )
 
     def push(self, corner: int) -> list[Any]:
         """The force on a corner that presses."""
@@ -104,7 +129,9 @@ def side(square: Any) -> Any:
 
 
 class Modes(dict[str, Mode]):
-    """Modes by name, made as they are entered: each corner that touches, with p where it presses and i where it idles: `3p 5i`."""
+    """Modes by name, made as they are entered: each corner that touches, with p where it presses
+    and i where it idles: `3p 5i`.
+    """
 
     def __init__(self, system: Slope) -> None:
         super().__init__()
@@ -124,14 +151,24 @@ class Modes(dict[str, Mode]):
             return Seen(self.system, y)
 
         def entry(how: str, *vanishing: str) -> Any:
-            after = {**touching, corner: how} if how else {c: h for c, h in touching.items() if c != corner}
+            after = (
+                {**touching, corner: how}
+                if how
+                else {c: h for c, h in touching.items() if c != corner}
+            )
             name = " ".join(f"{c}{h}" for c, h in sorted(after.items()))
             return lambda _: Entry(name, None, {f"{what}{corner}": 1 for what in vanishing})
 
         how = touching.get(corner)
         damped = self.system.damping > 0
         if how is None:
-            return [Guard(f"touch{corner}", lambda y: seen(y).gap(corner), entry(PRESSES, *([] if damped else ["release"])))]
+            return [
+                Guard(
+                    f"touch{corner}",
+                    lambda y: seen(y).gap(corner),
+                    entry(PRESSES, *([] if damped else ["release"])),
+                )
+            ]
         if how == PRESSES:
             after = entry(IDLES, "press") if damped else entry("", "touch")
             return [Guard(f"release{corner}", lambda y: seen(y).pressure(corner), after)]
@@ -162,7 +199,9 @@ def cross(a: Vector, b: Vector) -> list[Any]:
 
 
 class TracedCorners(Traced):
-    """A mode as programs; of the rates of its guards, whose zeros are simple, the first alone, and only the operations that it needs."""
+    """A mode as programs; of the rates of its guards, whose zeros are simple, the first alone, and
+    only the operations that it needs.
+    """
 
     def _rates(self, guard: Guard, highest: int = 1) -> list[Program]:
         trace = Trace()
@@ -181,11 +220,15 @@ def lean(node: Node) -> Node:
         index = waiting.pop()
         if index not in needed:
             needed.add(index)
-            waiting += node.trace.operations[index][OPERANDS.get(node.trace.operations[index][0], 1) :]
+            waiting += node.trace.operations[index][
+                OPERANDS.get(node.trace.operations[index][0], 1) :
+            ]
     for index in sorted(needed):
         kind, *parts = node.trace.operations[index]
         first = OPERANDS.get(kind, 1) - 1
-        kept[index] = fresh.node(kind, *parts[:first], *(kept[part] for part in parts[first:])).index
+        kept[index] = fresh.node(
+            kind, *parts[:first], *(kept[part] for part in parts[first:])
+        ).index
     return Node(fresh, kept[node.index])
 
 

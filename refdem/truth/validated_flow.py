@@ -1,4 +1,6 @@
-"""A Truth by validated integration: quantities of the state as balls, S(t) from the variational equation."""
+"""A Truth by validated integration: quantities of the state as balls, S(t) from the variational
+equation.
+"""
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from copy import copy
@@ -26,18 +28,26 @@ LOSS = 24
 MOST_BITS = 4096
 """Where a motion ends as `precision`: twice as many bits take about ten times the work."""
 GAIN = Fraction(1, 16)
-"""Part by which the end of a motion must move if bits are doubled: a motion that loses bits by and by comes twice as far."""
+"""Part by which the end of a motion must move if bits are doubled: a motion that loses bits by and
+by comes twice as far.
+"""
 
 
 class ValidatedFlow(SmoothFlow):
-    """The solution of y' = field(y), y(0) = start, for t >= 0; units do not matter, for norms are weighted (enclosure.py).
+    """The solution of y' = field(y), y(0) = start, for t >= 0; units do not matter, for norms are
+    weighted (enclosure.py).
 
-    `start` has, for each coordinate, an exact number, or a function that gives its ball at the current precision (the cosine of a
-    parameter). `moved` has the coordinates of the start that S displaces and `state`, one for each, the quantities in whose scales
-    they are displaced. Bits are those that the digits ask for, and more until every radius is met; pieces are kept for each number.
+    `start` has, for each coordinate, an exact number, or a function that gives its ball at the
+    current precision (the cosine of a parameter). `moved` has the coordinates of the start that S
+    displaces and `state`, one for each, the quantities in whose scales they are displaced. Bits are
+    those that the digits ask for, and more until every radius is met; pieces are kept for each
+    number.
     """
 
-    method = "validated integration: Taylor series on proved complex discs, Cauchy remainder, Lohner frame (refdem/truth/validated_ivp)"
+    method = (
+        "validated integration: Taylor series on proved complex discs, Cauchy remainder, Lohner"
+        " frame (refdem/truth/validated_ivp)"
+    )
     witness = "none"
 
     def __init__(
@@ -57,7 +67,10 @@ class ValidatedFlow(SmoothFlow):
         self.names: list[str] = []
         self.ends: dict[int, Fraction] = {}
         outputs, slopes = traced(self.listed, len(self.begin))
-        self.values, self.slopes = Program(outputs), Program([entry for row in slopes for entry in row])
+        self.values, self.slopes = (
+            Program(outputs),
+            Program([entry for row in slopes for entry in row]),
+        )
 
     def listed(self, y: Sequence[Any]) -> list[Any]:
         """The quantities of a state one after another, as `names` lists them."""
@@ -78,7 +91,9 @@ class ValidatedFlow(SmoothFlow):
         return max(MOST_BITS, 2 * self.bits())
 
     def infinite_within(self, y: Sequence[arb]) -> arb | None:
-        """A time [s] within which every motion from these balls of the state is proved to be infinite; None where that is not proved."""
+        """A time [s] within which every motion from these balls of the state is proved to be
+        infinite; None where that is not proved.
+        """
         return None
 
     def integration(self) -> Integration:
@@ -106,10 +121,12 @@ class ValidatedFlow(SmoothFlow):
         return dict(zip(self.names, self.values.run(y), strict=True))
 
     def ended(self, t: arb, error: UndecidedError) -> UndecidedError:
-        """The same end with the last certified state, and whether it is proved to be one of the motion, or more bits may move it.
+        """The same end with the last certified state, and whether it is proved to be one of the
+        motion, or more bits may move it.
 
-        It is `singular` where the motion from that state is proved to be infinite before t. Where bits were doubled and the end
-        hardly moved, more are not tried; what stops the proof there is then not known.
+        It is `singular` where the motion from that state is proved to be infinite before t. Where
+        bits were doubled and the end hardly moved, more are not tried; what stops the proof there
+        is then not known.
         """
         flow = self.integration()
         y = flow.reached()
@@ -117,25 +134,38 @@ class ValidatedFlow(SmoothFlow):
         balls = {name: ball_of(value) for name, value in self.named(y).items()}
         within = self.infinite_within(y)
         if within is not None and end + within < t:
-            told = f"the motion is infinite before t = {float((end + within).upper()):.17g} s; it is enclosed up to {float(end):.17g} s"
+            told = (
+                f"the motion is infinite before t = {float((end + within).upper()):.17g} s; it is"
+                f" enclosed up to {float(end):.17g} s"
+            )
             return UndecidedError(told, code="singular", final=True, time=error.time, balls=balls)
         self.ends[flow.bits] = flow.end
         earlier = [other for bits, other in self.ends.items() if 2 * bits <= flow.bits]
         stays = bool(earlier) and flow.end <= max(earlier) * (1 + GAIN)
-        return UndecidedError(str(error), code=error.code, final=error.final or stays, time=error.time, balls=balls)
+        return UndecidedError(
+            str(error), code=error.code, final=error.final or stays, time=error.time, balls=balls
+        )
 
     def displaced(self, axis: int, amount: Fraction) -> Self:
-        """The motion whose start has the coordinate `moved[axis]` larger by exactly `amount`: a witness of S, which needs none."""
+        """The motion whose start has the coordinate `moved[axis]` larger by exactly `amount`: a
+        witness of S, which needs none.
+        """
         other = copy(self)
         other.kept, other.ends, other.begin = {}, {}, list(self.begin)
         before = self.begin[self.moved[axis]]
-        other.begin[self.moved[axis]] = (lambda: before() + arb_of(amount)) if callable(before) else before + amount
+        other.begin[self.moved[axis]] = (
+            (lambda: before() + arb_of(amount)) if callable(before) else before + amount
+        )
         return other
 
     def jacobian(self, t: Fraction) -> arb_mat:
-        """d quantity_i(t)/scale_i over d start_j/scale_j, with `state` as the first rows, from the variational equation."""
+        """d quantity_i(t)/scale_i over d start_j/scale_j, with `state` as the first rows, from the
+        variational equation.
+        """
         flow = self.integration().jacobian(arb_of(t)).table()
-        return self.scaled_slopes(arb_of(t)) * arb_mat([[row[j] * size for j, size in self.sizes()] for row in flow])
+        return self.scaled_slopes(arb_of(t)) * arb_mat(
+            [[row[j] * size for j, size in self.sizes()] for row in flow]
+        )
 
     def scaled_slopes(self, t: arb) -> arb_mat:
         """d quantity_i(t)/scale_i over d y_j(t), with `state` as the first rows."""
@@ -144,14 +174,22 @@ class ValidatedFlow(SmoothFlow):
     def scaled_slopes_at(self, y: Sequence[arb]) -> arb_mat:
         """The same by a state y."""
         slopes = self.slopes.run(y)
-        rows = dict(zip(self.names, np.array(slopes, dtype=object).reshape(len(self.names), -1), strict=True))
+        rows = dict(
+            zip(
+                self.names, np.array(slopes, dtype=object).reshape(len(self.names), -1), strict=True
+            )
+        )
         order = [*self.state, *(name for name in self.names if name not in self.state)]
-        return arb_mat([[entry / arb_of(self.scale[name]) for entry in rows[name]] for name in order])
+        return arb_mat(
+            [[entry / arb_of(self.scale[name]) for entry in rows[name]] for name in order]
+        )
 
     @per_precision
     def growth(self) -> Growth:
         """Piece by piece, by the variational equation."""
-        return Growth(self.stretches(self.integration()), Norm([1] * len(self.moved)), self.readings)
+        return Growth(
+            self.stretches(self.integration()), Norm([1] * len(self.moved)), self.readings
+        )
 
     def growth_bits(self) -> Sequence[int]:
         """Those of the first integration: its pieces are there already."""
@@ -168,14 +206,18 @@ class ValidatedFlow(SmoothFlow):
             yield smooth(arb_of(piece.begin), arb_of(piece.length), moved, joins=True)
 
     def moved_by(self, flow: Integration, piece: Piece, since: arb) -> arb_mat:
-        """The derivative of the state since the begin of a piece, both in scales: no error reaches what is not displaced."""
+        """The derivative of the state since the begin of a piece, both in scales: no error reaches
+        what is not displaced.
+        """
         table = flow.moved_by(piece, since).table()
         sizes = self.sizes()
         return arb_mat([[table[i][j] * own / size for j, own in sizes] for i, size in sizes])
 
     def sizes(self) -> list[tuple[int, arb]]:
         """The coordinates that are displaced, and their scales."""
-        return [(j, arb_of(self.scale[name])) for name, j in zip(self.state, self.moved, strict=True)]
+        return [
+            (j, arb_of(self.scale[name])) for name, j in zip(self.state, self.moved, strict=True)
+        ]
 
     def readings(self, t: arb) -> arb_mat:
         """d quantity_i(t)/scale_i over d state_j(t)/scale_j."""
@@ -184,17 +226,23 @@ class ValidatedFlow(SmoothFlow):
     def readings_at(self, y: Sequence[arb]) -> arb_mat:
         """The same by a state y."""
         sizes = self.sizes()
-        return arb_mat([[row[j] * size for j, size in sizes] for row in self.scaled_slopes_at(y).table()])
+        return arb_mat(
+            [[row[j] * size for j, size in sizes] for row in self.scaled_slopes_at(y).table()]
+        )
 
     def forecast(self, t: Fraction, digits: int) -> float:
-        """CPU seconds that `at(t)` to so many digits is about to cost; what is followed for it is kept."""
+        """CPU seconds that `at(t)` to so many digits is about to cost; what is followed for it is
+        kept.
+        """
         asked = self.refined(digits)
         course = Course(asked.bits())
         work = asked.foreseen(t, course)
         return course.seconds_for(work)
 
     def foreseen(self, t: Fraction, course: Course) -> float:
-        """The pieces that are left until the radius at t is what is asked for, in pieces of the course's precision."""
+        """The pieces that are left until the radius at t is what is asked for, in pieces of the
+        course's precision.
+        """
         # log2 of a number that may be below all doubles.
         target = log2(self.target().numerator) - log2(self.target().denominator)
         time = float(t)

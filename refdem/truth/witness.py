@@ -1,8 +1,9 @@
-"""A witness for closed forms: quadratic systems y' = B(y, y) by Taylor series with a proven remainder.
+"""A witness for closed forms: quadratic systems y' = B(y, y) by Taylor series with a proven
+remainder.
 
-With |B(y, y)| <= a |y|^2 in the maximum norm, the series is dominated by that of Y' = a Y^2: |y_k| <= Y (a Y)^k, Y = |y(0)|
-(method of majorants). So N terms of a step h leave at most Y r^(N+1)/(1 - r), r = a Y h < 1. Balls carry all else. It knows the
-equations of motion only, no solution of them.
+With |B(y, y)| <= a |y|^2 in the maximum norm, the series is dominated by that of Y' = a Y^2: |y_k|
+<= Y (a Y)^k, Y = |y(0)| (method of majorants). So N terms of a step h leave at most Y r^(N+1)/(1 -
+r), r = a Y h < 1. Balls carry all else. It knows the equations of motion only, no solution of them.
 """
 
 from collections.abc import Sequence
@@ -28,7 +29,9 @@ class Quadratic:
         return _largest([sum((abs(c) for c, _, _ in row), arb(0)) for row in self.terms])
 
     def flow(self, start: Sequence[arb], t: Fraction, *, order: int) -> list[arb]:
-        """y(t) from y(0), in as few steps as `order` terms at RATIO allow; the balls contain the remainder."""
+        """y(t) from y(0), in as few steps as `order` terms at RATIO allow; the balls contain the
+        remainder.
+        """
         y, left = list(start), arb_of(t)
         sign = -1 if t < 0 else 1
         while True:
@@ -44,7 +47,9 @@ class Quadratic:
         for n in range(order):
             products = {(j, k): _convolution(series[j], series[k], n) for j, k in pairs}
             for row, coefficients in zip(self.terms, series, strict=True):
-                coefficients.append(h / (n + 1) * sum((c * products[j, k] for c, j, k in row), arb(0)))
+                coefficients.append(
+                    h / (n + 1) * sum((c * products[j, k] for c, j, k in row), arb(0))
+                )
         size = _largest([abs(x) for x in y])
         ratio = (self.bound() * size * abs(h)).abs_upper()
         rest = size * ratio ** (order + 1) / (1 - ratio)
@@ -62,11 +67,21 @@ def _largest(values: Sequence[arb]) -> arb:
 
 
 def body_flow(
-    inertia: Sequence[Fraction], omega: Sequence[Fraction], attitude: Sequence[Fraction], t: Fraction, *, order: int
+    inertia: Sequence[Fraction],
+    omega: Sequence[Fraction],
+    attitude: Sequence[Fraction],
+    t: Fraction,
+    *,
+    order: int,
 ) -> tuple[list[arb], list[arb]]:
-    """omega in body axes and the attitude (of either sign) of a free rigid body at t: Euler's equations, q' = q omega/2."""
+    """omega in body axes and the attitude (of either sign) of a free rigid body at t: Euler's
+    equations, q' = q omega/2.
+    """
     j, half = inertia, arb(1) / 2
-    euler = [[(arb_of((j[(i + 1) % 3] - j[(i + 2) % 3]) / j[i]), (i + 1) % 3, (i + 2) % 3)] for i in range(3)]
+    euler = [
+        [(arb_of((j[(i + 1) % 3] - j[(i + 2) % 3]) / j[i]), (i + 1) % 3, (i + 2) % 3)]
+        for i in range(3)
+    ]
     w, x, y, z = 3, 4, 5, 6
     turning = [
         [(-half, x, 0), (-half, y, 1), (-half, z, 2)],
@@ -80,9 +95,15 @@ def body_flow(
     return end[:3], end[3:]
 
 
-def pendulum_flow(theta: arb, thetadot: Fraction, gravity_over_length: Fraction, t: Fraction, *, order: int) -> tuple[arb, arb, arb]:
-    """cos theta, sin theta and thetadot of a pendulum at t: theta'' = -(g/l) sin theta, in units of w0."""
+def pendulum_flow(
+    theta: arb, thetadot: Fraction, gravity_over_length: Fraction, t: Fraction, *, order: int
+) -> tuple[arb, arb, arb]:
+    """cos theta, sin theta and thetadot of a pendulum at t: theta'' = -(g/l) sin theta, in units of
+    w0.
+    """
     w0, one = arb_of(gravity_over_length).sqrt(), 3
     field = Quadratic([[(-w0, 1, 2)], [(w0, 0, 2)], [(-w0, 1, one)], []])
-    cosine, sine, rate, _ = field.flow([theta.cos(), theta.sin(), arb_of(thetadot) / w0, arb(1)], t, order=order)
+    cosine, sine, rate, _ = field.flow(
+        [theta.cos(), theta.sin(), arb_of(thetadot) / w0, arb(1)], t, order=order
+    )
     return cosine, sine, rate * w0

@@ -10,7 +10,15 @@ from refdem.bench.record import read
 from refdem.cli.bench import command, grown
 from refdem.errors import UsageError
 
-SMALL = {"method": "rk4", "most_steps": 2e3, "rounds": 4, "peers": False, "memory": False, "stability": False, "longest": 0.3}
+SMALL = {
+    "method": "rk4",
+    "most_steps": 2e3,
+    "rounds": 4,
+    "peers": False,
+    "memory": False,
+    "stability": False,
+    "longest": 0.3,
+}
 REST = {"set": ["duration=4"], "grow": None, "engine": ["reference"]}
 
 
@@ -34,11 +42,16 @@ def test_a_bench_writes_its_record_and_its_pages(tmp_path: Path) -> None:
 def test_a_code_that_was_a_thousand_times_faster_is_told_from_this_one(
     tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("refdem.report.bench.write", lambda *pages: None)  # drawn in the test before
+    monkeypatch.setattr(
+        "refdem.report.bench.write", lambda *pages: None
+    )  # drawn in the test before
     ended(tmp_path)
     then = read(tmp_path / "bench.json")
     (curve,) = then.curves
-    fast = [msgspec.structs.replace(point, rounds=[seconds / 1000 for seconds in point.rounds]) for point in curve.points]
+    fast = [
+        msgspec.structs.replace(point, rounds=[seconds / 1000 for seconds in point.rounds])
+        for point in curve.points
+    ]
     before = msgspec.structs.replace(then, curves=[msgspec.structs.replace(curve, points=fast)])
     (tmp_path / "then.json").write_bytes(msgspec.json.encode(before))
     assert ended(tmp_path, tmp_path / "then.json") == 1

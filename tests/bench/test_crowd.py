@@ -1,4 +1,6 @@
-"""The cost of many spheres: every code moves the gas that it is given, and the table compares what was measured in the same rounds."""
+"""The cost of many spheres: every code moves the gas that it is given, and the table compares what
+was measured in the same rounds.
+"""
 
 import numpy as np
 import pytest
@@ -29,12 +31,16 @@ def test_the_reference_comes_first_and_is_compared_in_the_same_rounds(monkeypatc
     found = costs([100], rounds=3)
     assert crowds()[0].is_reference
     assert all(cost.ratio == 1 for cost in found if cost.name == "reference gas")
-    assert {(cost.law, cost.boundary) for cost in found} == {(law, b) for law in ("smooth", "rough") for b in ("periodic", "walls")}
+    assert {(cost.law, cost.boundary) for cost in found} == {
+        (law, b) for law in ("smooth", "rough") for b in ("periodic", "walls")
+    }
     assert all(len(cost.rounds) == len(cost.beside) == 3 and min(cost.rounds) > 0 for cost in found)
 
 
 def test_a_ratio_is_the_median_of_rounds_not_a_ratio_of_medians() -> None:
-    cost = Cost(100, "smooth", "walls", "slow", "", rounds=[10.0, 40.0, 90.0], beside=[1.0, 2.0, 3.0])
+    cost = Cost(
+        100, "smooth", "walls", "slow", "", rounds=[10.0, 40.0, 90.0], beside=[1.0, 2.0, 3.0]
+    )
     assert cost.ratio == 20
     assert table([cost]).rows[0][1:5] == ("slow", "40", "10 to 90", "20")
 

@@ -1,4 +1,6 @@
-"""The equations of the peers, integrated by a Runge-Kutta method of this file and compared with certified truth."""
+"""The equations of the peers, integrated by a Runge-Kutta method of this file and compared with
+certified truth.
+"""
 
 import math
 from collections.abc import Callable, Sequence
@@ -32,7 +34,9 @@ def rk4(rates: Callable[[Sequence[float]], np.ndarray], y: np.ndarray, h: float)
 
 
 @pytest.mark.parametrize(("case", "given", "cartesian"), SETS)
-def test_the_equations_of_a_peer_have_the_motion_of_the_case(case: str, given: dict[str, str], cartesian: bool) -> None:
+def test_the_equations_of_a_peer_have_the_motion_of_the_case(
+    case: str, given: dict[str, str], cartesian: bool
+) -> None:
     instance = discovery.case(case).at(**given, samples="8")
     system = equations(instance.motion, cartesian=cartesian)
     if system is None:
@@ -55,7 +59,9 @@ def test_scenes_that_are_not_simple_have_no_equations() -> None:
 
 
 def test_friction_points_against_where_the_spring_pulls_a_mass_at_rest() -> None:
-    law = coulomb(discovery.case("coulomb-oscillator").at(mass="2", stiffness="3", friction_force="0.5").scene)
+    law = coulomb(
+        discovery.case("coulomb-oscillator").at(mass="2", stiffness="3", friction_force="0.5").scene
+    )
     assert law is not None
     assert (law.stiffness, law.friction) == (1.5, 0.25)
     assert law.direction == -math.copysign(1.0, law.place)

@@ -1,4 +1,6 @@
-"""Peers between events: heyoka's collision against certified truth, both peers' section of a belt against the reference's."""
+"""Peers between events: heyoka's collision against certified truth, both peers' section of a belt
+against the reference's.
+"""
 
 import numpy as np
 import pytest
@@ -14,7 +16,10 @@ from refdem.engines.reference import ENGINE
 RUBS = {"angle": "0.6", "friction": "1/4", "tangential_stiffness": "96"}
 
 
-@pytest.mark.parametrize("given", [RUBS | {"masses": "1,2", "spins": "0,0,1,0,0,-2"}, RUBS | {"damping": "0"}, {"angle": "0.6"}])
+@pytest.mark.parametrize(
+    "given",
+    [RUBS | {"masses": "1,2", "spins": "0,0,1,0,0,-2"}, RUBS | {"damping": "0"}, {"angle": "0.6"}],
+)
 def test_heyoka_holds_slips_and_parts_as_truth_does(given: dict[str, str]) -> None:
     instance = discovery.case("two-spheres").at(**given, samples="16")
     assert PEER.refusal(instance.motion, PEER.method("taylor-events")) is None
@@ -30,7 +35,9 @@ def test_pairs_that_are_pulled_no_more_or_leave_the_plane_are_not_said() -> None
 
 
 def by_small_steps(belt: Belt, tolerance: float):
-    """Slip and stick by Euler's midpoint rule in steps of `tolerance`, events on straight lines: without a package."""
+    """Slip and stick by Euler's midpoint rule in steps of `tolerance`, events on straight lines:
+    without a package.
+    """
 
     def slip(t, x, u, side, end, frequency):
         passed, speed = [], belt.slider.belt_velocity
@@ -41,7 +48,12 @@ def by_small_steps(belt: Belt, tolerance: float):
         while t < end:
             du = rate(t, x, u) * tolerance / 2
             a, b = u + du, rate(t + tolerance / 2, x + (u + speed) * tolerance / 2, u + du)
-            before, t, x, u = (t, x, u), t + tolerance, x + (a + speed) * tolerance, u + b * tolerance
+            before, t, x, u = (
+                (t, x, u),
+                t + tolerance,
+                x + (a + speed) * tolerance,
+                u + b * tolerance,
+            )
             if (before[2] + speed) * (u + speed) < 0:
                 passed.append((t, x + belt.anchor))
             if side * u < 0:
@@ -50,7 +62,9 @@ def by_small_steps(belt: Belt, tolerance: float):
 
     def stick(t, pull, end, frequency):
         while t < end and abs(pull) <= belt.limit:
-            pull -= (belt.amplitude * frequency * np.sin(frequency * t) + belt.slider.belt_velocity) * tolerance
+            pull -= (
+                belt.amplitude * frequency * np.sin(frequency * t) + belt.slider.belt_velocity
+            ) * tolerance
             t += tolerance
         return t
 

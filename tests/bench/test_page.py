@@ -7,7 +7,11 @@ from refdem.report.bench import Section, chart, markdown, page
 
 SECTION = Section(
     "pendulum[theta0=2]",
-    [("reference", "exact", True, 1e-5, 0.0), ("mujoco", "rk4", False, 1e-3, 3.3e-7), ("mujoco", "<b>", False, 2e-3, 1e-3)],
+    [
+        ("reference", "exact", True, 1e-5, 0.0),
+        ("mujoco", "rk4", False, 1e-3, 3.3e-7),
+        ("mujoco", "<b>", False, 2e-3, 1e-3),
+    ],
     [("Time", ("method", "to 1e-3"), [("mujoco <b>", "1 ms | 2 ms")])],
 )
 

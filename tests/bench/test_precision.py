@@ -38,11 +38,15 @@ def test_the_least_and_the_most_of_the_rounds_are_kept_beside_the_median() -> No
 def test_the_order_and_the_constant_of_a_power_law_are_found(order: int) -> None:
     tau, duration = 0.5, 10.0
     levels = [0.1 / 4**k for k in range(4)]
-    curve = points(*((h, 0.007 * (1 + duration / tau) * (h / tau) ** order, 1.0 / h) for h in levels))
+    curve = points(
+        *((h, 0.007 * (1 + duration / tau) * (h / tau) ** order, 1.0 / h) for h in levels)
+    )
     # sharp: made-up numbers that involve no rounding of a run
     curve = [point for point in curve if point.error > 1e-12]
     assert precision.order(curve) == pytest.approx(order, rel=1e-9)
-    assert precision.constant(curve, claimed=order, tau=tau, duration=duration) == pytest.approx(0.007, rel=1e-9)
+    assert precision.constant(curve, claimed=order, tau=tau, duration=duration) == pytest.approx(
+        0.007, rel=1e-9
+    )
 
 
 def test_levels_at_the_floor_of_round_off_do_not_count_for_the_order() -> None:
@@ -51,6 +55,8 @@ def test_levels_at_the_floor_of_round_off_do_not_count_for_the_order() -> None:
 
 
 def test_time_in_proportion_to_steps_grows_with_exponent_one() -> None:
-    assert precision.growth("steps", [10, 100, 1000], [1e-5, 1e-4, 1e-3]).exponent == pytest.approx(1.0)
+    assert precision.growth("steps", [10, 100, 1000], [1e-5, 1e-4, 1e-3]).exponent == pytest.approx(
+        1.0
+    )
     assert precision.growth("bodies", [10, 100], [1.0, 100.0]).exponent == pytest.approx(2.0)
     assert precision.growth("bodies", [10], [1.0]).exponent is None

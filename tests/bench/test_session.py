@@ -27,7 +27,14 @@ def record() -> Record:
     """The reference on a short harmonic oscillator."""
     entry = Entry("harmonic-oscillator", {"duration": "4"})
     options = {"with_peers": False, "with_memory": False}
-    return Bench([entry], ["reference"], rounds=4, most_steps=2e4, grow={"samples": ["64", "1024"]}, **options).record()
+    return Bench(
+        [entry],
+        ["reference"],
+        rounds=4,
+        most_steps=2e4,
+        grow={"samples": ["64", "1024"]},
+        **options,
+    ).record()
 
 
 def curve(record: Record, method: str) -> Curve:
@@ -41,7 +48,8 @@ def test_the_order_seen_is_that_of_the_method(record: Record, method: str, order
 
 
 def test_the_constant_of_verlet_is_that_of_its_phase_error(record: Record) -> None:
-    # Verlet's phase runs ahead by omega t (omega h)^2/24, and sin falls behind by that much: C (1 + T/tau) = (T/tau)/24 at the most.
+    # Verlet's phase runs ahead by omega t (omega h)^2/24, and sin falls behind by that much: C (1 +
+    # T/tau) = (T/tau)/24 at the most.
     found = curve(record, "velocity-verlet").constant_seen
     assert found is not None
     assert 0.3 / 24 < found < 1.2 / 24 + 1 / 8 / 5
@@ -57,7 +65,9 @@ def test_what_a_low_order_cannot_reach_is_not_reached(record: Record) -> None:
     assert curve(record, "velocity-verlet").reached[-1] is None
 
 
-@pytest.mark.parametrize(("method", "limit"), [("velocity-verlet", 1.0), ("rk4", 2.8284271247461903 / 2)])
+@pytest.mark.parametrize(
+    ("method", "limit"), [("velocity-verlet", 1.0), ("rk4", 2.8284271247461903 / 2)]
+)
 def test_the_largest_stable_step_is_that_of_theory(method: str, limit: float) -> None:
     instance = discovery.case("harmonic-oscillator").at()
     found, _ = stability_limit(Entrant(instance, REFERENCE, REFERENCE.method(method), ()))
@@ -66,12 +76,18 @@ def test_the_largest_stable_step_is_that_of_theory(method: str, limit: float) ->
 
 def test_a_closed_form_has_no_stability_limit() -> None:
     instance = discovery.case("harmonic-oscillator").at()
-    assert stability_limit(Entrant(instance, REFERENCE, REFERENCE.method("exact-harmonic"), ())) == (None, "")
+    assert stability_limit(
+        Entrant(instance, REFERENCE, REFERENCE.method("exact-harmonic"), ())
+    ) == (None, "")
 
 
 def test_every_point_has_all_of_its_rounds(record: Record) -> None:
     assert len(record.yardstick) == 4
-    assert all(len(point.rounds) == 4 and min(point.rounds) > 0 for found in record.curves for point in found.points)
+    assert all(
+        len(point.rounds) == 4 and min(point.rounds) > 0
+        for found in record.curves
+        for point in found.points
+    )
 
 
 def test_steps_divide_the_interval_and_each_other() -> None:
@@ -100,21 +116,37 @@ def test_the_tables_say_reached_and_not_reached(record: Record) -> None:
 
 def test_a_case_that_nobody_can_run_is_refused() -> None:
     with pytest.raises(UsageError, match=r"nothing could be run|no engine|no method"):
-        Bench([Entry("pendulum")], ["reference"], method="exact-harmonic", with_peers=False).record()
+        Bench(
+            [Entry("pendulum")], ["reference"], method="exact-harmonic", with_peers=False
+        ).record()
 
 
 def test_more_output_needs_more_memory() -> None:
     case = discovery.case("harmonic-oscillator")
-    few, many = (Entrant(case.at(samples=n), REFERENCE, REFERENCE.method("exact-harmonic"), (0.0,)).request(0.0) for n in ("64", "100000"))
-    least = 13 * 8 * 100_000 / 2  # position, velocity, attitude, omega of a body; the allocator may have held a part already
+    few, many = (
+        Entrant(case.at(samples=n), REFERENCE, REFERENCE.method("exact-harmonic"), (0.0,)).request(
+            0.0
+        )
+        for n in ("64", "100000")
+    )
+    least = (
+        13 * 8 * 100_000 / 2
+    )  # position, velocity, attitude, omega of a body; the allocator may have held a part already
     (peak,) = peaks([("reference", False, few, many)])
     assert peak is None or peak > least
 
 
 def test_another_installation_runs_every_place_in_turns_with_this_one() -> None:
     entry = Entry("harmonic-oscillator", {"duration": "4", "samples": "2"})
-    options = {"with_peers": False, "with_memory": False, "with_stability": False, "beside": Path(sys.executable)}
-    record = Bench([entry], ["reference"], method="rk4", rounds=4, most_steps=2e3, **options).record()
+    options = {
+        "with_peers": False,
+        "with_memory": False,
+        "with_stability": False,
+        "beside": Path(sys.executable),
+    }
+    record = Bench(
+        [entry], ["reference"], method="rk4", rounds=4, most_steps=2e3, **options
+    ).record()
     (found,) = record.curves
     assert all(len(point.beside) == 4 and min(point.beside) > 0 for point in found.points)
     assert 0.1 < compared_in_turns(record)[0].factor < 10  # the same code in another process
@@ -124,5 +156,8 @@ def test_a_python_without_refdem_is_refused(tmp_path: Path) -> None:
     python = tmp_path / "python"
     python.write_text("#!/bin/sh\nexit 1\n")
     python.chmod(0o755)
-    with Beside(python) as other, pytest.raises(UsageError, match=r"does not run refdem.bench.turns"):
+    with (
+        Beside(python) as other,
+        pytest.raises(UsageError, match=r"does not run refdem.bench.turns"),
+    ):
         other.begin([])

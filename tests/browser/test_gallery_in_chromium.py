@@ -1,4 +1,6 @@
-"""The gallery as a reader sees it: opened from disk in Chromium, in light and in dark, every figure drawn, nothing run that a name says."""
+"""The gallery as a reader sees it: opened from disk in Chromium, in light and in dark, every figure
+drawn, nothing run that a name says.
+"""
 
 import runpy
 from pathlib import Path
@@ -29,7 +31,9 @@ def test_every_figure_is_drawn_and_nothing_is_wider_than_the_screen(browser, pag
     shown.on("dialog", lambda dialog: (wrong.append(dialog.message), dialog.dismiss()))
     shown.on("requestfailed", lambda request: wrong.append(request.url))
     shown.goto(page.as_uri())
-    shown.wait_for_function("[...document.querySelectorAll('.plot')].every(place => place.dataset.drawn)")
+    shown.wait_for_function(
+        "[...document.querySelectorAll('.plot')].every(place => place.dataset.drawn)"
+    )
     assert shown.locator(".plot svg").count() >= 3
     assert shown.evaluate("document.documentElement.scrollWidth") <= width
     assert wrong == []

@@ -1,4 +1,6 @@
-"""The verification manual as a reader sees it: opened from disk in Chromium, with nothing missing and nothing cut off."""
+"""The verification manual as a reader sees it: opened from disk in Chromium, with nothing missing
+and nothing cut off.
+"""
 
 import runpy
 from pathlib import Path
@@ -24,7 +26,9 @@ def manual(tmp_path_factory):
 
 @pytest.mark.parametrize("width", [420, 1280])
 @pytest.mark.parametrize("scheme", ["light", "dark"])
-def test_every_page_opens_in_style_and_nothing_is_wider_than_the_screen(browser, manual, scheme, width):
+def test_every_page_opens_in_style_and_nothing_is_wider_than_the_screen(
+    browser, manual, scheme, width
+):
     context = browser.new_context(color_scheme=scheme, viewport={"width": width, "height": 900})
     wrong = []
     for path in sorted(manual.glob("*.html")):

@@ -10,7 +10,8 @@ SCHEMES = ("light", "dark")
 CONTRAST = """
 selector => {
   const parts = text => text.match(/[\\d.]+/g).map(Number);
-  const light = ([r, g, b]) => [r, g, b].map(x => x / 255).map(x => x <= 0.04045 ? x / 12.92 : ((x + 0.055) / 1.055) ** 2.4)
+  const linear = x => x <= 0.04045 ? x / 12.92 : ((x + 0.055) / 1.055) ** 2.4;
+  const light = ([r, g, b]) => [r, g, b].map(x => linear(x / 255))
     .reduce((sum, x, k) => sum + x * [0.2126, 0.7152, 0.0722][k], 0);
   const contrast = element => {
     let behind = element, back = parts(getComputedStyle(behind).backgroundColor);
@@ -18,32 +19,46 @@ selector => {
       behind = behind.parentElement;
       back = parts(getComputedStyle(behind).backgroundColor);
     }
-    const [low, high] = [light(parts(getComputedStyle(element).color)), light(back)].sort((a, b) => a - b);
+    const front = parts(getComputedStyle(element).color);
+    const [low, high] = [light(front), light(back)].sort((a, b) => a - b);
     return (high + 0.05) / (low + 0.05);
   };
-  const seen = [...document.querySelectorAll(selector)].filter(element => element.checkVisibility() && element.innerText.trim());
+  const seen = [...document.querySelectorAll(selector)]
+    .filter(element => element.checkVisibility() && element.innerText.trim());
   return seen.map(element => [contrast(element), element.outerHTML.slice(0, 200)]);
 }
 """
 """Contrast of the text of each visible element with what is behind it, after WCAG 2.2."""
 
 SAID = (
-    "main p, main td, main th, main h1, main h2, main h3, main a, main .quiet, main .outcome, main .tally, main .mark, main small, footer p"
+    "main p, main td, main th, main h1, main h2, main h3, main a, main .quiet, main .outcome, main"
+    " .tally, main .mark, main small, footer p"
 )
 
 
 @contextmanager
 def opened(browser, path, *, scheme="light", width=1280):
-    """The page with its charts drawn; fails on any message, dialog or request that is not of a file."""
+    """The page with its charts drawn; fails on any message, dialog or request that is not of a
+    file.
+    """
     context = browser.new_context(color_scheme=scheme, viewport={"width": width, "height": 900})
     page, wrong = context.new_page(), []
     page.on("console", lambda message: wrong.append(message.text))
     page.on("pageerror", lambda error: wrong.append(str(error)))
     page.on("dialog", lambda dialog: (wrong.append(dialog.message), dialog.dismiss()))
-    page.on("request", lambda request: wrong.append(request.url) if not request.url.startswith(("file:", "data:", "blob:")) else None)
+    page.on(
+        "request",
+        lambda request: (
+            wrong.append(request.url)
+            if not request.url.startswith(("file:", "data:", "blob:"))
+            else None
+        ),
+    )
     page.on("requestfailed", lambda request: wrong.append(request.url))
     page.goto(path.as_uri())
-    page.wait_for_function("[...document.querySelectorAll('.plot')].every(plot => plot.dataset.drawn === 'yes')")
+    page.wait_for_function(
+        "[...document.querySelectorAll('.plot')].every(plot => plot.dataset.drawn === 'yes')"
+    )
     yield page
     context.close()
     assert wrong == []
@@ -65,13 +80,23 @@ def test_every_link_leads_to_a_file_and_to_a_place_in_it(browser, folder):
     places, links = {}, []
     for path in pages(folder):
         with opened(browser, path) as page:
-            places[path.resolve()] = set(page.evaluate("[...document.querySelectorAll('[id]')].map(x => x.id)"))
-            links += [(path.name, link) for link in page.evaluate("[...document.querySelectorAll('a[href]')].map(x => x.href)")]
+            places[path.resolve()] = set(
+                page.evaluate("[...document.querySelectorAll('[id]')].map(x => x.id)")
+            )
+            links += [
+                (path.name, link)
+                for link in page.evaluate(
+                    "[...document.querySelectorAll('a[href]')].map(x => x.href)"
+                )
+            ]
     assert len(links) > 100
     for source, link in links:
         parts = urlsplit(link)
         assert parts.scheme == "file", (source, link)
-        target = next((path for path in [*places, *folder.iterdir()] if str(path) == unquote(parts.path)), None)
+        target = next(
+            (path for path in [*places, *folder.iterdir()] if str(path) == unquote(parts.path)),
+            None,
+        )
         assert target is not None, (source, link)
         if parts.fragment:
             assert unquote(parts.fragment) in places[target], (source, link)
@@ -81,12 +106,18 @@ def test_plots_have_marks_and_choosing_a_quantity_moves_them(browser, folder):
     with opened(browser, folder / "cases/pendulum.html") as page:
         assert page.locator(".plot").count() == 3
         for index in range(3):
-            marks = page.locator(".plot").nth(index).locator("svg .mark-symbol path, svg .mark-line path")
+            marks = (
+                page.locator(".plot")
+                .nth(index)
+                .locator("svg .mark-symbol path, svg .mark-line path")
+            )
             assert marks.count() > 10
         plot = page.locator(".plot").first
         before = plot.locator("svg.marks").evaluate("svg => svg.outerHTML")
         plot.locator("select").select_option("x")
-        page.wait_for_function("before => document.querySelector('.plot svg.marks').outerHTML !== before", arg=before)
+        page.wait_for_function(
+            "before => document.querySelector('.plot svg.marks').outerHTML !== before", arg=before
+        )
 
 
 def test_a_chart_tells_its_numbers_when_pointed_at(browser, folder):
@@ -111,7 +142,9 @@ def test_charts_take_the_colours_of_the_page(browser, folder):
     inks = {}
     for scheme in SCHEMES:
         with opened(browser, folder / "index.html", scheme=scheme) as page:
-            inks[scheme] = page.locator(".plot svg .role-axis-label text").first.get_attribute("fill")
+            inks[scheme] = page.locator(".plot svg .role-axis-label text").first.get_attribute(
+                "fill"
+            )
     assert inks["light"] != inks["dark"]
 
 
@@ -121,7 +154,9 @@ def test_a_reader_who_changes_to_dark_gets_dark_charts(browser, folder):
         before = ink.get_attribute("fill")
         page.emulate_media(color_scheme="dark")
         page.wait_for_function(
-            "before => document.querySelector('.plot svg .role-axis-label text')?.getAttribute('fill') !== before", arg=before
+            "before => document.querySelector('.plot svg .role-axis-label"
+            " text')?.getAttribute('fill') !== before",
+            arg=before,
         )
 
 

@@ -1,4 +1,6 @@
-"""Engines that lie, crash and hang, installed for the session the way another package would install one."""
+"""Engines that lie, crash and hang, installed for the session the way another package would install
+one.
+"""
 
 import sys
 
@@ -14,7 +16,15 @@ from refdem.core.engine import Engine, Method
 from refdem.core.trajectory import Cost, Trajectory
 from refdem.scene.elements.spring import Spring
 
-LEAPFROG = dict(control="step", order=2, symplectic=True, reversible=True, backward=True, summary="leapfrog")
+LEAPFROG = {
+    "control": "step",
+    "order": 2,
+    "symplectic": True,
+    "reversible": True,
+    "backward": True,
+    "summary": "leapfrog",
+}
+METHODS = "good crash nan short late raises refuses wrong-force drag forgetful"
 
 
 class Played(Engine):
@@ -22,10 +32,7 @@ class Played(Engine):
 
     name = "played"
     title = "Played"
-    methods = tuple(
-        Method(name=name, **LEAPFROG)
-        for name in ("good", "crash", "nan", "short", "late", "raises", "refuses", "wrong-force", "drag", "forgetful")
-    )
+    methods = tuple(Method(name=name, **LEAPFROG) for name in METHODS.split())
 
     def missing(self):
         return None
@@ -39,7 +46,9 @@ class Played(Engine):
     def refusal(self, problem, method):
         if method.name == "refuses":
             return "no <b>springs</b> today"
-        return None if problem.scene.features <= {"spring", "dimension:1"} else "only springs in one dimension"
+        if problem.scene.features <= {"spring", "dimension:1"}:
+            return None
+        return "only springs in one dimension"
 
     def run(self, request):
         (spring,), bodies = request.problem.scene.all(Spring), request.problem.scene.bodies
@@ -71,11 +80,14 @@ class Played(Engine):
         position[:, 0, 0], velocity[:, 0, 0] = x, v
         if name == "short":
             t, position, velocity = t[:-3], position[:-3], velocity[:-3]
-        return Trajectory.of_points(t, position, velocity), Cost(seconds=0.0, steps=stride * (len(t) - 1))
+        cost = Cost(seconds=0.0, steps=stride * (len(t) - 1))
+        return Trajectory.of_points(t, position, velocity), cost
 
 
 class Stuck(Played):
-    """An engine of its own for what hangs: its campaign has a short time limit, and no other method comes near one."""
+    """An engine of its own for what hangs: its campaign has a short time limit, and no other method
+    comes near one.
+    """
 
     name = "stuck"
     title = "Stuck"
@@ -89,7 +101,9 @@ STUCK = Stuck()
 
 @pytest.fixture(scope="session")
 def played(tmp_path_factory):
-    """The engines `played` and `stuck` through entry points; spawned workers see it because they inherit sys.path."""
+    """The engines `played` and `stuck` through entry points; spawned workers see it because they
+    inherit sys.path.
+    """
     from refdem.core import discovery
 
     folder = tmp_path_factory.mktemp("site")
@@ -97,7 +111,9 @@ def played(tmp_path_factory):
     info = folder / "played_engine-1.0.dist-info"
     info.mkdir()
     (info / "METADATA").write_text("Metadata-Version: 2.1\nName: played-engine\nVersion: 1.0\n")
-    (info / "entry_points.txt").write_text("[refdem.engines]\nplayed = played_engine:ENGINE\nstuck = played_engine:STUCK\n")
+    (info / "entry_points.txt").write_text(
+        "[refdem.engines]\nplayed = played_engine:ENGINE\nstuck = played_engine:STUCK\n"
+    )
     sys.path.insert(0, str(folder))
     discovery._others.cache_clear()
     yield "played"

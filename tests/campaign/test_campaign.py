@@ -11,12 +11,32 @@ EVER = 600.0
 """[s], a time limit that no busy machine reaches."""
 
 
-def records(path, method="", checks=(), use_store=True, case="harmonic-oscillator", engine="played", timeout=EVER, **more):
+def records(
+    path,
+    method="",
+    checks=(),
+    use_store=True,
+    case="harmonic-oscillator",
+    engine="played",
+    timeout=EVER,
+    **more,
+):
     specification = Specification(
-        name="test", case=[Entry(case)], engines=[engine], method=method, checks=list(checks), levels=3, timeout=timeout, **more
+        name="test",
+        case=[Entry(case)],
+        engines=[engine],
+        method=method,
+        checks=list(checks),
+        levels=3,
+        timeout=timeout,
+        **more,
     )
-    sheets = Campaign(specification, Store(path / "store.sqlite"), jobs=2, use_store=use_store).sheets()
-    return {sheet.method: sheet for sheet in sheets if isinstance(sheet, Record)}, next(s for s in sheets if isinstance(s, CampaignSheet))
+    sheets = Campaign(
+        specification, Store(path / "store.sqlite"), jobs=2, use_store=use_store
+    ).sheets()
+    return {sheet.method: sheet for sheet in sheets if isinstance(sheet, Record)}, next(
+        s for s in sheets if isinstance(s, CampaignSheet)
+    )
 
 
 @pytest.fixture(scope="module")
@@ -34,12 +54,21 @@ def outcomes(record):
 def judged(played, tmp_path_factory):
     """The methods that run to an end, under every check."""
     path = tmp_path_factory.mktemp("judged")
-    return {name: records(path, method=name)[0][name] for name in ("good", "wrong-force", "drag", "forgetful")}
+    return {
+        name: records(path, method=name)[0][name]
+        for name in ("good", "wrong-force", "drag", "forgetful")
+    }
 
 
 def test_a_correct_engine_raises_no_alarm(judged):
     assert outcomes(judged["good"]) == {"pass"}
-    assert {f.check for f in judged["good"].findings} >= {"error", "order", "energy", "reversal", "determinism"}
+    assert {f.check for f in judged["good"].findings} >= {
+        "error",
+        "order",
+        "energy",
+        "reversal",
+        "determinism",
+    }
 
 
 @pytest.mark.parametrize(
@@ -69,10 +98,17 @@ def test_the_rest_goes_on_when_one_method_crashes(everything):
 
 @pytest.mark.parametrize(
     ("method", "check", "quantity"),
-    [("wrong-force", "error", "x"), ("drag", "reversal", "reversed"), ("forgetful", "determinism", "repeated")],
+    [
+        ("wrong-force", "error", "x"),
+        ("drag", "reversal", "reversed"),
+        ("forgetful", "determinism", "repeated"),
+    ],
 )
 def test_a_lie_is_found_by_the_check_that_is_there_for_it(judged, method, check, quantity):
-    assert any(f.outcome == "fail" and (f.check, f.quantity) == (check, quantity) for f in judged[method].findings)
+    assert any(
+        f.outcome == "fail" and (f.check, f.quantity) == (check, quantity)
+        for f in judged[method].findings
+    )
 
 
 def test_unchanged_runs_are_read_and_not_made(played, tmp_path):
@@ -89,5 +125,7 @@ def test_a_new_fingerprint_runs_everything_again(played, tmp_path, monkeypatch):
     from refdem.core import discovery
 
     _, made = records(tmp_path, method="good")
-    monkeypatch.setattr(type(discovery.engine("played")), "fingerprint", lambda self, method: "played 2")
+    monkeypatch.setattr(
+        type(discovery.engine("played")), "fingerprint", lambda self, method: "played 2"
+    )
     assert records(tmp_path, method="good")[1].runs_made == made.runs_made

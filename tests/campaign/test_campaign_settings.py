@@ -1,4 +1,6 @@
-"""The campaigns hold, for every engine, settings that it can say of every case that it can say; and every row of the catalogue."""
+"""The campaigns hold, for every engine, settings that it can say of every case that it can say; and
+every row of the catalogue.
+"""
 
 from collections.abc import Iterator
 from itertools import chain
@@ -18,10 +20,13 @@ from refdem.gate.telling import settings
 
 ENGINES = ("mujoco", "pymunk", "rebound")
 TRIED = ("0", "1/2", "1", "3")
-"""Values of a number that make a scene simpler or other: nothing, a half, one, a whole odd number."""
+"""Values of a number that make a scene simpler or other: nothing, a half, one, a whole odd number.
+"""
 CROWD = {"n": "64"}
 """A gas of few spheres has the features of one of many."""
-CASES = [name for name in discovery.names("cases") if not isinstance(discovery.case(name), Selection)]
+CASES = [
+    name for name in discovery.names("cases") if not isinstance(discovery.case(name), Selection)
+]
 
 
 def instances(*campaigns: str) -> list[Instance]:
@@ -36,7 +41,9 @@ FULL = instances("full")
 
 
 def values(parameter: Parameter) -> list[str]:
-    """What is tried of a parameter: every choice, or a few numbers, the same for all components and along the last axis."""
+    """What is tried of a parameter: every choice, or a few numbers, the same for all components and
+    along the last axis.
+    """
     if parameter.choices:
         return list(parameter.choices)
     count = 1
@@ -49,11 +56,15 @@ def values(parameter: Parameter) -> list[str]:
 
 
 def tried(case: Canonical) -> Iterator[Instance]:
-    """The case at its defaults, at telling settings and at those of main, each as it is and with one parameter changed."""
+    """The case at its defaults, at telling settings and at those of main, each as it is and with
+    one parameter changed.
+    """
     common = CROWD if case.id == "granular-gas" else {}
     own = [dict(instance.p.given) for instance in MAIN if instance.case.id == case.id]
     bases = [*map(dict, settings(case.id)), *own]
-    changes = [{p.name: value} for p in case.parameters if p.name not in common for value in values(p)]
+    changes = [
+        {p.name: value} for p in case.parameters if p.name not in common for value in values(p)
+    ]
     for given in chain(bases, ({**base, **change} for base in bases for change in changes)):
         try:
             yield case.at(**(given | common))
@@ -66,9 +77,20 @@ def says(engine: Engine, instance: Instance) -> bool:
 
 
 def said(engine: Engine, among: list[Instance], case: str) -> set[str]:
-    """Features of the questions of a case that the engine can say; the number of dimensions is none of the engine's skills."""
-    found = (instance.problem.features for instance in among if instance.case.id == case and says(engine, instance))
-    return {feature for features in found for feature in features if not feature.startswith("dimension:")}
+    """Features of the questions of a case that the engine can say; the number of dimensions is none
+    of the engine's skills.
+    """
+    found = (
+        instance.problem.features
+        for instance in among
+        if instance.case.id == case and says(engine, instance)
+    )
+    return {
+        feature
+        for features in found
+        for feature in features
+        if not feature.startswith("dimension:")
+    }
 
 
 @pytest.mark.parametrize("case", CASES)
@@ -79,11 +101,20 @@ def test_what_an_engine_can_say_of_a_case_is_in_the_campaigns(case: str) -> None
         able = [instance for instance in every if says(engine, instance)]
         if not able:
             continue
-        in_main = [instance for instance in MAIN if instance.case.id == case and says(engine, instance)]
-        assert in_main, f"{name} can say {able[0].label}, and main has nothing of this case that it can say"
+        in_main = [
+            instance for instance in MAIN if instance.case.id == case and says(engine, instance)
+        ]
+        assert in_main, (
+            f"{name} can say {able[0].label}, and main has nothing of this case that it can say"
+        )
         lacking = said(engine, able, case) - said(engine, FULL, case)
-        shown = next((instance.label for instance in able if lacking & instance.problem.features), "")
-        assert not lacking, f"{name} can say {', '.join(sorted(lacking))} of this case, as in {shown}, and no campaign has it"
+        shown = next(
+            (instance.label for instance in able if lacking & instance.problem.features), ""
+        )
+        assert not lacking, (
+            f"{name} can say {', '.join(sorted(lacking))} of this case, as in {shown}, and no"
+            " campaign has it"
+        )
 
 
 @pytest.mark.parametrize("case", discovery.names("cases"))

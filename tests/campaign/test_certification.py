@@ -1,4 +1,6 @@
-"""The store is rebuilt where something changed, goes on after a kill, and is proved again by overlap."""
+"""The store is rebuilt where something changed, goes on after a kill, and is proved again by
+overlap.
+"""
 
 import json
 from pathlib import Path
@@ -29,7 +31,9 @@ def folder(tmp_path: Path) -> Path:
     return tmp_path
 
 
-def certified(folder: Path, *cases: str, jobs: int = 1, cache: str = "store.sqlite") -> Certification:
+def certified(
+    folder: Path, *cases: str, jobs: int = 1, cache: str = "store.sqlite"
+) -> Certification:
     work = Certification(folder, Store(folder / cache), jobs)
     work.run(cases)
     assert work.problems == []
@@ -39,7 +43,9 @@ def certified(folder: Path, *cases: str, jobs: int = 1, cache: str = "store.sqli
 def test_what_is_proved_is_kept_and_what_changed_is_proved_again(folder: Path) -> None:
     assert certified(folder).made == 3
     before = (folder / "certified" / "pendulum.jsonl").read_bytes()
-    assert {one.label for one in load(folder=folder / "certified")} == {one.instance.label for one in wanted_sets(folder)}
+    assert {one.label for one in load(folder=folder / "certified")} == {
+        one.instance.label for one in wanted_sets(folder)
+    }
     assert stale(folder) == []
     assert reproof.damaged(folder) == []
     assert certified(folder).made == 0
@@ -50,7 +56,9 @@ def test_what_is_proved_is_kept_and_what_changed_is_proved_again(folder: Path) -
     assert (folder / "certified" / "pendulum.jsonl").read_bytes() == before
 
 
-def test_with_an_empty_cache_what_is_in_the_folder_is_kept_and_what_is_stale_is_proved(folder: Path) -> None:
+def test_with_an_empty_cache_what_is_in_the_folder_is_kept_and_what_is_stale_is_proved(
+    folder: Path,
+) -> None:
     (folder / "sets.toml").write_text('samples-of = ["harmonic-oscillator"]\n' + SETS)
     assert certified(folder).made > 3
     before = contents(folder)
@@ -68,7 +76,11 @@ def test_with_an_empty_cache_what_is_in_the_folder_is_kept_and_what_is_stale_is_
 
 def contents(folder: Path) -> dict[tuple[str, str], bytes]:
     """Every file of the store."""
-    return {(home, path.name): path.read_bytes() for home in ("certified", "samples") for path in (folder / home).iterdir()}
+    return {
+        (home, path.name): path.read_bytes()
+        for home in ("certified", "samples")
+        for path in (folder / home).iterdir()
+    }
 
 
 def spoil(path: Path) -> None:
@@ -78,12 +90,21 @@ def spoil(path: Path) -> None:
     path.write_text(text.replace('"job":"', '"job":"0', 1))
 
 
-def test_a_job_is_another_one_when_anything_that_it_rests_on_is(monkeypatch: pytest.MonkeyPatch) -> None:
-    def digest(kind: str = "set", label: str = "pendulum", times: tuple[str, ...] = ("1",), mass: str = "1") -> str:
+def test_a_job_is_another_one_when_anything_that_it_rests_on_is(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    def digest(
+        kind: str = "set", label: str = "pendulum", times: tuple[str, ...] = ("1",), mass: str = "1"
+    ) -> str:
         return certification.job_digest(kind, label, ("pendulum", {"mass": mass}, times))
 
     before = digest()
-    others = [digest(kind="samples"), digest(label="another"), digest(times=("1", "2")), digest(mass="2")]
+    others = [
+        digest(kind="samples"),
+        digest(label="another"),
+        digest(times=("1", "2")),
+        digest(mass="2"),
+    ]
     monkeypatch.setattr(certification, "digest_of", lambda case: "another truth")
     others.append(digest())
     monkeypatch.undo()
@@ -116,7 +137,9 @@ def test_a_killed_run_goes_on_where_it_was(folder: Path, monkeypatch: pytest.Mon
 
 
 def test_a_set_is_not_there_twice(folder: Path) -> None:
-    (folder / "sets.toml").write_text(SETS + SETS.replace("pendulum", "duffing").replace("theta0", "x").split("[[duffing]]")[0])
+    (folder / "sets.toml").write_text(
+        SETS + SETS.replace("pendulum", "duffing").replace("theta0", "x").split("[[duffing]]")[0]
+    )
     with pytest.raises(UsageError, match="harmonic-oscillator is there twice"):
         wanted_sets(folder)
 
@@ -130,12 +153,20 @@ def test_what_a_new_proof_does_not_confirm_is_named(folder: Path) -> None:
     line = next(line for line in text.splitlines() if line.startswith('["1/3","x"'))
     t, name, mid, radius, _ = json.loads(line)
     wrong = mid[:30] + str((int(mid[30]) + 1) % 10) + mid[31:]
-    blocks = writing.blocks_in(text.replace(line, json.dumps([t, name, wrong, radius, None], separators=(",", ":")), 1))
-    path.write_text(writing.file_text("harmonic-oscillator", [writing.sealed(block) for block in blocks]))
+    blocks = writing.blocks_in(
+        text.replace(line, json.dumps([t, name, wrong, radius, None], separators=(",", ":")), 1)
+    )
+    path.write_text(
+        writing.file_text("harmonic-oscillator", [writing.sealed(block) for block in blocks])
+    )
     assert reproof.damaged(folder) == ["harmonic-oscillator.jsonl: not as sha256sums.txt has it"]
     listed = {name.name: name.read_text() for name in (folder / "certified").glob("*.jsonl")}
     (folder / "certified" / reader.LIST).write_text(writing.sums(listed))
-    (found,) = reproof.contradictions(load("harmonic-oscillator", folder=folder / "certified"), jobs=1, progress=lambda *told: None)
+    (found,) = reproof.contradictions(
+        load("harmonic-oscillator", folder=folder / "certified"),
+        jobs=1,
+        progress=lambda *told: None,
+    )
     assert "harmonic-oscillator: x at 1/3" in found
 
 
@@ -144,13 +175,19 @@ def test_the_sample_has_every_case_and_method() -> None:
     chosen = reproof.sample(sets, each=1, seed="1")
     assert {(one.case, one.method) for one in chosen} == {(one.case, one.method) for one in sets}
     assert len(chosen) == len({(one.case, one.method) for one in sets})
-    assert [one.label for one in chosen] != [one.label for one in reproof.sample(sets, each=1, seed="2")]
+    assert [one.label for one in chosen] != [
+        one.label for one in reproof.sample(sets, each=1, seed="2")
+    ]
 
 
 def test_a_witness_that_denies_stops_the_set(monkeypatch: pytest.MonkeyPatch) -> None:
     from refdem.truth.witnesses import oscillators, testimony
 
-    other = oscillators.of(lambda p: lambda t, x, v: -p["stiffness"] / p["mass"] * x * (1 + t * 10**-20), "mass", "stiffness")
+    other = oscillators.of(
+        lambda p: lambda t, x, v: -p["stiffness"] / p["mass"] * x * (1 + t * 10**-20),
+        "mass",
+        "stiffness",
+    )
     monkeypatch.setattr(testimony, "witnesses", lambda: {"harmonic-oscillator": other})
     found = json.loads(certification.proved_set("harmonic-oscillator", {}, ("2",)))
     assert found["lines"] == []

@@ -1,4 +1,6 @@
-"""Clocks of programs: those that count are right, and every one that compares or divides times is caught, and told what to do."""
+"""Clocks of programs: those that count are right, and every one that compares or divides times is
+caught, and told what to do.
+"""
 
 import math
 from itertools import pairwise
@@ -109,7 +111,16 @@ class Flight(Engine):
 
 
 RIGHT = (by_stride, rounding, half_a_step_early)
-WRONG = (while_before, while_a_step_fits, truncated, rounded_up, truncated_from_the_start, multiplied, a_step_short, a_sample_late)
+WRONG = (
+    while_before,
+    while_a_step_fits,
+    truncated,
+    rounded_up,
+    truncated_from_the_start,
+    multiplied,
+    a_step_short,
+    a_sample_late,
+)
 
 
 def found(engine):
@@ -133,7 +144,10 @@ def test_a_clock_that_compares_or_divides_times_is_caught_and_told_what_to_do(cl
 
     finding = found(Flight(one_way))
     assert finding.outcome == "fail"
-    assert "count `stride` steps from each sample to the next and never compare times" in finding.sentence
+    assert (
+        "count `stride` steps from each sample to the next and never compare times"
+        in finding.sentence
+    )
 
 
 @pytest.mark.parametrize("clock", [while_before, while_a_step_fits])

@@ -1,6 +1,8 @@
-"""Every case holds in the reference at settings drawn at random, and at the defaults of each case and member that main lacks.
+"""Every case holds in the reference at settings drawn at random, and at the defaults of each case
+and member that main lacks.
 
-A draw moves each number of a case by up to half an octave, keeps three digits, and may turn what is 0 on; motions are short.
+A draw moves each number of a case by up to half an octave, keeps three digits, and may turn what is
+0 on; motions are short.
 """
 
 import zlib
@@ -32,21 +34,32 @@ CHEAP: Mapping[str, Mapping[str, str]] = {
     "two-spheres": {"spins": "0,0,1/4,0,0,-1/8"},
     "pendulum-wheel-mass": {"duration": "1/2", "samples": "16"},
 }
-"""Numbers that are not drawn: how much is computed, spins whose slip leaves its plane (a proof of minutes), and how long a
-pendulum swings before the counterweight may draw it onto the wheel (no law of the case says what then happens)."""
+"""Numbers that are not drawn: how much is computed, spins whose slip leaves its plane (a proof of
+minutes), and how long a pendulum swings before the counterweight may draw it onto the wheel (no law
+of the case says what then happens)."""
 DEAR = 1000
 """Spheres of a gas: rows with more are the business of main and of a whole run of full."""
-CASES = [name for name in discovery.names("cases") if not isinstance(discovery.case(name), Selection)]
+CASES = [
+    name for name in discovery.names("cases") if not isinstance(discovery.case(name), Selection)
+]
 
 
 def judged(instance: Instance) -> list[str]:
-    """The sentences of all that the reference does wrong there; raises AssertionError if it decides nothing."""
+    """The sentences of all that the reference does wrong there; raises AssertionError if it decides
+    nothing.
+    """
     truth = in_process.truth_of(instance)
     tasks = plan.tasks(SHORT, instance, (), REFERENCE, truth, truth.reason)
     records = [in_process.record_of(task) for task in tasks if task.refusal is None]
     findings = [(record, finding) for record in records for finding in record.findings]
-    wrong = [f"{record.id(finding)}: {finding.sentence}" for record, finding in findings if finding.outcome in ("fail", "error")]
-    assert wrong or any(finding.outcome == "pass" for _, finding in findings), f"{instance.label}: nothing was decided"
+    wrong = [
+        f"{record.id(finding)}: {finding.sentence}"
+        for record, finding in findings
+        if finding.outcome in ("fail", "error")
+    ]
+    assert wrong or any(finding.outcome == "pass" for _, finding in findings), (
+        f"{instance.label}: nothing was decided"
+    )
     return wrong
 
 
@@ -56,10 +69,16 @@ def drawn(parameter: Parameter, rng: np.random.Generator) -> str:
         return str(rng.choice(parameter.choices)) if rng.random() < 0.5 else parameter.default
     if parameter.whole or parameter.default == "":
         return parameter.default
-    numbers = np.array([float(number) for number in np.atleast_1d(parameter.parsed(parameter.default))])
+    numbers = np.array(
+        [float(number) for number in np.atleast_1d(parameter.parsed(parameter.default))]
+    )
     factor = 2.0 ** rng.uniform(-0.5, 0.5, numbers.shape)
-    turned_on = np.where(rng.random(numbers.shape) < 0.25, rng.uniform(0.0, 0.5, numbers.shape), 0.0)
-    return ",".join(f"{value:.3g}" for value in np.where(numbers == 0.0, turned_on, numbers * factor))
+    turned_on = np.where(
+        rng.random(numbers.shape) < 0.25, rng.uniform(0.0, 0.5, numbers.shape), 0.0
+    )
+    return ",".join(
+        f"{value:.3g}" for value in np.where(numbers == 0.0, turned_on, numbers * factor)
+    )
 
 
 def drawn_instance(case: Canonical, seed: int) -> Instance:
@@ -86,9 +105,13 @@ def _default(case: Canonical, name: str) -> str:
 
 
 def rows() -> list[str]:
-    """Labels of the rows of full at the defaults of a case or of a member that main lacks; a nightly run has the others."""
+    """Labels of the rows of full at the defaults of a case or of a member that main lacks; a
+    nightly run has the others.
+    """
     main = {instance.label for instance, _ in plan.instances(named("main"))}
-    entries = [entry for entry in named("full").case if entry.id in CASES and set(entry.set) <= {"member"}]
+    entries = [
+        entry for entry in named("full").case if entry.id in CASES and set(entry.set) <= {"member"}
+    ]
     cheap = [entry for entry in entries if int(float(entry.set.get("n", "0"))) <= DEAR]
     instances = [discovery.case(entry.id).at(**entry.set) for entry in cheap]
     return sorted({instance.label for instance in instances} - main)

@@ -1,4 +1,6 @@
-"""Programs that run elsewhere: what is exported is enough to run them, and what comes back is judged."""
+"""Programs that run elsewhere: what is exported is enough to run them, and what comes back is
+judged.
+"""
 
 import json
 from pathlib import Path
@@ -37,7 +39,14 @@ def toml(tmp_path: Path) -> Path:
 def written(toml: Path, folder: Path, *cases: str) -> list[str]:
     """The runs that an export waits for."""
     store = Store(toml.parent / "store.sqlite")
-    waiting = exported(folder, [toml], [Entry(case) for case in cases or ("harmonic-oscillator",)], 3, store, lambda *_: None)
+    waiting = exported(
+        folder,
+        [toml],
+        [Entry(case) for case in cases or ("harmonic-oscillator",)],
+        3,
+        store,
+        lambda *_: None,
+    )
     store.close()
     return waiting
 
@@ -45,7 +54,9 @@ def written(toml: Path, folder: Path, *cases: str) -> list[str]:
 def record(toml: Path, folder: Path) -> Record:
     """What is found in the folder."""
     store = Store(toml.parent / "store.sqlite")
-    (found,) = (sheet for sheet in judged(folder, store, lambda *_: None) if isinstance(sheet, Record))
+    (found,) = (
+        sheet for sheet in judged(folder, store, lambda *_: None) if isinstance(sheet, Record)
+    )
     store.close()
     return found
 
@@ -54,7 +65,11 @@ def run(folder: Path, pull: float = 1.0) -> None:
     """What a program far away would do in one folder: leapfrog on a spring to the origin."""
     asked = json.loads((folder / "request.json").read_text())
     assert (folder / "request.txt").read_text().startswith("format 1\nmethod leapfrog\n")
-    (body,), (spring,), times = asked["scene"]["bodies"], asked["scene"]["elements"], np.array(asked["times"])
+    (body,), (spring,), times = (
+        asked["scene"]["bodies"],
+        asked["scene"]["elements"],
+        np.array(asked["times"]),
+    )
     center, rate = np.array(spring["anchor_b"]), pull * spring["stiffness"] / body["mass"]
     x, v, rows = np.array(body["position"]), np.array(body["velocity"]), [",".join(COLUMNS)]
     stride = asked["stride"]
@@ -68,7 +83,9 @@ def run(folder: Path, pull: float = 1.0) -> None:
     (folder / "trajectory.csv").write_text("\n".join(rows) + "\n")
 
 
-def test_what_comes_back_is_judged_and_what_goes_on_from_it_is_written_next(toml: Path, tmp_path: Path) -> None:
+def test_what_comes_back_is_judged_and_what_goes_on_from_it_is_written_next(
+    toml: Path, tmp_path: Path
+) -> None:
     folder = tmp_path / "to-run"
     first = written(toml, folder)
     assert (folder / RUNS).read_text().split() == first
@@ -76,7 +93,9 @@ def test_what_comes_back_is_judged_and_what_goes_on_from_it_is_written_next(toml
         run(folder / name)
     before = record(toml, folder)
     assert {f.outcome for f in before.findings} == {"pass", "error"}
-    assert "`refdem export` into the same folder" in next(f.sentence for f in before.findings if f.outcome == "error")
+    assert "`refdem export` into the same folder" in next(
+        f.sentence for f in before.findings if f.outcome == "error"
+    )
     second = written(toml, folder)
     assert second
     assert not set(second) & set(first)
@@ -102,7 +121,9 @@ def test_a_wrong_force_fails_from_afar(toml: Path, tmp_path: Path) -> None:
     folder = tmp_path / "to-run"
     for name in written(toml, folder):
         run(folder / name, pull=1.001)
-    assert "error/x" in {f"{f.check}/{f.quantity}" for f in record(toml, folder).findings if f.outcome == "fail"}
+    assert "error/x" in {
+        f"{f.check}/{f.quantity}" for f in record(toml, folder).findings if f.outcome == "fail"
+    }
 
 
 def test_a_refusal_comes_back_as_a_file(toml: Path, tmp_path: Path) -> None:
@@ -120,8 +141,12 @@ def test_a_folder_of_another_export_is_not_mixed_up(toml: Path, tmp_path: Path) 
         written(toml, tmp_path / "to-run", "harmonic-oscillator", "pendulum")
 
 
-@pytest.mark.parametrize(("text", "says"), [(None, "No such file"), ("{}", "missing required field"), ("[", "manifest")])
-def test_a_folder_without_a_good_manifest_is_refused(toml: Path, tmp_path: Path, text: str | None, says: str) -> None:
+@pytest.mark.parametrize(
+    ("text", "says"), [(None, "No such file"), ("{}", "missing required field"), ("[", "manifest")]
+)
+def test_a_folder_without_a_good_manifest_is_refused(
+    toml: Path, tmp_path: Path, text: str | None, says: str
+) -> None:
     folder = tmp_path / "other"
     folder.mkdir()
     if text is not None:
@@ -140,7 +165,11 @@ def test_the_export_of_another_refdem_is_refused(toml: Path, tmp_path: Path) -> 
 
 
 def test_mass_properties_come_back_as_a_table(toml: Path, tmp_path: Path) -> None:
-    toml.write_text(TOML.replace('"spring"', '"solid:cuboid"').replace("order = 2", 'answers = "solid"').partition("symplectic")[0])
+    toml.write_text(
+        TOML.replace('"spring"', '"solid:cuboid"')
+        .replace("order = 2", 'answers = "solid"')
+        .partition("symplectic")[0]
+    )
     names = written(toml, tmp_path / "out", "moments-of-inertia")
     for name in names:
         asked = json.loads((tmp_path / "out" / name / "request.json").read_text())
@@ -148,8 +177,14 @@ def test_mass_properties_come_back_as_a_table(toml: Path, tmp_path: Path) -> Non
         for solid in asked["problem"]["solids"]:
             sides = solid["shape"].get("sides") if not solid.get("hollow") else None
             mass = solid["density"] * sides[0] * sides[1] * sides[2] if sides else ""
-            rows.append(f"{solid['name']},{mass!r},,,,,,,,," if sides else f"{solid['name']},,,,,,,,,,")
+            rows.append(
+                f"{solid['name']},{mass!r},,,,,,,,," if sides else f"{solid['name']},,,,,,,,,,"
+            )
         (tmp_path / "out" / name / "trajectory.csv").write_text("\n".join(rows) + "\n")
-    found = {finding.quantity: finding.outcome for finding in record(toml, tmp_path / "out").findings if finding.check == "error"}
+    found = {
+        finding.quantity: finding.outcome
+        for finding in record(toml, tmp_path / "out").findings
+        if finding.check == "error"
+    }
     assert found["cuboid.mass"] == "pass"
     assert "ellipsoid.mass" not in found

@@ -18,10 +18,17 @@ def campaign(tmp_path: Path) -> Campaign:
     return Campaign(Specification(name="kept", case=[]), Store(tmp_path / "store.sqlite"), jobs=0)
 
 
-def test_what_is_kept_is_not_proved_again_and_what_is_not_is(campaign: Campaign, monkeypatch: pytest.MonkeyPatch) -> None:
-    kept, other = discovery.case("harmonic-oscillator").at(), discovery.case("harmonic-oscillator").at(mass="2")
+def test_what_is_kept_is_not_proved_again_and_what_is_not_is(
+    campaign: Campaign, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    kept, other = (
+        discovery.case("harmonic-oscillator").at(),
+        discovery.case("harmonic-oscillator").at(mass="2"),
+    )
     truth = sampled(kept.truth(), kept.times.tolist())
-    monkeypatch.setattr(truths, "kept_truth", lambda instance: truth if instance.label == kept.label else None)
+    monkeypatch.setattr(
+        truths, "kept_truth", lambda instance: truth if instance.label == kept.label else None
+    )
     asked, prove = [], worker.sampled_truth
 
     def proved(case: str, given: dict[str, str], delays: tuple[float, ...]) -> bytes:
@@ -35,7 +42,9 @@ def test_what_is_kept_is_not_proved_again_and_what_is_not_is(campaign: Campaign,
     assert asked == [({"mass": "2"}, ())]
 
 
-def test_velocities_that_lag_need_a_truth_of_their_own(campaign: Campaign, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_velocities_that_lag_need_a_truth_of_their_own(
+    campaign: Campaign, monkeypatch: pytest.MonkeyPatch
+) -> None:
     instance = discovery.case("harmonic-oscillator").at()
     truth = sampled(instance.truth(), instance.times.tolist())
     monkeypatch.setattr(truths, "kept_truth", lambda instance: truth)

@@ -1,4 +1,6 @@
-"""A finding that must be there and is not is lost, absent, or told under the error that explains it; it is never green."""
+"""A finding that must be there and is not is lost, absent, or told under the error that explains
+it; it is never green.
+"""
 
 import msgspec
 import pytest
@@ -22,7 +24,15 @@ def finding(name: str, outcome: str = "pass", sentence: str = "It is so.") -> Fi
 
 def record(*findings: Finding, label: str = "c[k=1,2]", method: str = "rk4") -> Record:
     return Record(
-        case="c", label=label, parameters={}, engine="reference", version="1", method=method, is_reference=True, runs=(), findings=findings
+        case="c",
+        label=label,
+        parameters={},
+        engine="reference",
+        version="1",
+        method=method,
+        is_reference=True,
+        runs=(),
+        findings=findings,
     )
 
 
@@ -31,7 +41,12 @@ def all_but(*left_out: str) -> list[Finding]:
 
 
 def outcomes(records: list[Record]) -> dict[str, str]:
-    return {f"{f.check}/{f.quantity}": f.outcome for found in records for f in found.findings if f.outcome != "pass"}
+    return {
+        f"{f.check}/{f.quantity}": f.outcome
+        for found in records
+        for f in found.findings
+        if f.outcome != "pass"
+    }
 
 
 def test_what_is_all_there_is_left_as_it_is() -> None:
@@ -42,7 +57,9 @@ def test_what_is_all_there_is_left_as_it_is() -> None:
 def test_a_finding_that_is_not_made_is_absent() -> None:
     found = with_missing([record(*all_but("order/state"))], IDS, "the list")
     assert outcomes(found) == {"order/state": "absent"}
-    assert "The list has this finding and this run did not make it" in found[0].findings[-1].sentence
+    assert (
+        "The list has this finding and this run did not make it" in found[0].findings[-1].sentence
+    )
 
 
 @pytest.mark.parametrize("outcome", ["undecided", "unsupported"])
@@ -54,13 +71,20 @@ def test_a_finding_that_is_no_longer_decided_is_lost(outcome: str) -> None:
 @pytest.mark.parametrize("outcome", ["pass", "fail", "expected", "stale", "worse", "error"])
 def test_a_finding_that_is_decided_otherwise_speaks_for_itself(outcome: str) -> None:
     found = with_lost([record(*all_but("error/x"), finding("error/x", outcome))], IDS, "the list")
-    assert outcomes(with_missing(found, IDS, "the list")) == ({} if outcome == "pass" else {"error/x": outcome})
+    assert outcomes(with_missing(found, IDS, "the list")) == (
+        {} if outcome == "pass" else {"error/x": outcome}
+    )
 
 
 def test_what_follows_from_an_error_of_the_run_is_told_there_and_alone() -> None:
-    found = with_missing([record(finding("run/trajectory", "error", "It crashed."))], IDS, "the baseline")
+    found = with_missing(
+        [record(finding("run/trajectory", "error", "It crashed."))], IDS, "the baseline"
+    )
     (only,) = found[0].findings
-    assert only.sentence.startswith("It crashed. Therefore 4 findings of the baseline could not be made: energy/joint drift, error/v")
+    assert only.sentence.startswith(
+        "It crashed. Therefore 4 findings of the baseline could not be made: energy/joint drift,"
+        " error/v"
+    )
     assert exit_status(found) == 3
 
 
@@ -73,7 +97,9 @@ def test_an_error_of_one_check_explains_the_findings_of_that_check_alone() -> No
 
 
 def test_a_scene_that_is_refused_now_and_was_judged_before_is_one_loss() -> None:
-    found = with_missing([record(finding("run/scene", "unsupported", "Not supported: no springs."))], IDS, "the list")
+    found = with_missing(
+        [record(finding("run/scene", "unsupported", "Not supported: no springs."))], IDS, "the list"
+    )
     assert outcomes(found) == {"run/scene": "lost"}
     assert "Not supported: no springs. Therefore 4 findings" in found[0].findings[0].sentence
     assert exit_status(found) == 1
@@ -92,7 +118,11 @@ def test_a_case_that_comes_twice_stays_twice() -> None:
 
 
 def test_a_list_that_is_written_is_read_as_it_was(tmp_path) -> None:
-    many = {f"solids/reference/table/error/solid-{n}.{axis}" for n in range(40) for axis in ("mass", "xx")}
+    many = {
+        f"solids/reference/table/error/solid-{n}.{axis}"
+        for n in range(40)
+        for axis in ("mass", "xx")
+    }
     path = tmp_path / "reference.txt"
     path.write_text(required.text("main", IDS | many))
     assert required.read(path) == IDS | many
@@ -100,20 +130,30 @@ def test_a_list_that_is_written_is_read_as_it_was(tmp_path) -> None:
     assert required.text("main", required.read(path)) == path.read_text()
 
 
-@pytest.mark.parametrize("line", ["  error: x", "c/rk4\n  error", "c/rk4\n      x, v", "c/rk4\n  error: "])
+@pytest.mark.parametrize(
+    "line", ["  error: x", "c/rk4\n  error", "c/rk4\n      x, v", "c/rk4\n  error: "]
+)
 def test_a_list_with_a_line_that_says_nothing_is_refused(tmp_path, line) -> None:
     (tmp_path / "reference.txt").write_text(line + "\n")
     with pytest.raises(UsageError, match=r"reference\.txt:\d"):
         required.read(tmp_path / "reference.txt")
 
 
-def held(tmp_path, records: list[Record], engine: str = "reference", labels=(), **more: object) -> list[Record]:
-    """The records under a campaign whose list of the reference holds IDS and those of another case."""
+def held(
+    tmp_path, records: list[Record], engine: str = "reference", labels=(), **more: object
+) -> list[Record]:
+    """The records under a campaign whose list of the reference holds IDS and those of another
+    case.
+    """
     other = {"d/reference/rk4/error/x", "d/reference/leapfrog/error/x"}
     (tmp_path / "reference.txt").write_text(required.text("mine", IDS | other))
     specification = Specification(name="mine", case=[Entry("c")], required=str(tmp_path), **more)
     sheets: list[Sheet] = list(records)
-    return [s for s in required.held(sheets, specification, [discovery.engine(engine)], labels) if isinstance(s, Record)]
+    return [
+        s
+        for s in required.held(sheets, specification, [discovery.engine(engine)], labels)
+        if isinstance(s, Record)
+    ]
 
 
 def test_a_whole_campaign_misses_a_case_that_was_taken_out_of_it(tmp_path) -> None:
@@ -126,7 +166,10 @@ def test_a_whole_campaign_misses_a_case_that_was_taken_out_of_it(tmp_path) -> No
 
 def test_only_the_share_of_what_was_asked_for_is_required(tmp_path) -> None:
     assert len(held(tmp_path, [record(*all_but())], is_part=True, labels=["c[k=1,2]"])) == 1
-    assert [r.method for r in held(tmp_path, [record(*all_but())], method="leapfrog")] == ["rk4", "leapfrog"]
+    assert [r.method for r in held(tmp_path, [record(*all_but())], method="leapfrog")] == [
+        "rk4",
+        "leapfrog",
+    ]
     assert held(tmp_path, [], engine="mujoco") == []
     assert held(tmp_path, [], step=0.1) == []
     assert held(tmp_path, [], checks=["error"]) == []
@@ -135,11 +178,16 @@ def test_only_the_share_of_what_was_asked_for_is_required(tmp_path) -> None:
 def test_a_broken_run_is_never_written_down(tmp_path) -> None:
     specification = Specification(name="mine", case=[Entry("c")], required=str(tmp_path / "mine"))
     with pytest.raises(UsageError, match="mend the engine"):
-        required.written(specification, [record(*all_but("error/x"), finding("run/trajectory", "error"))])
+        required.written(
+            specification, [record(*all_but("error/x"), finding("run/trajectory", "error"))]
+        )
     with pytest.raises(UsageError, match="nothing to write down"):
         required.written(specification, [record(finding("error/x", "undecided"))])
     assert not (tmp_path / "mine").exists()
-    assert required.written(specification, [record(*all_but())])[0] == "+ c[k=1,2]/reference/rk4/energy/joint drift"
+    assert (
+        required.written(specification, [record(*all_but())])[0]
+        == "+ c[k=1,2]/reference/rk4/energy/joint drift"
+    )
     again = required.written(specification, [record(*all_but("error/x"))])
     assert again[0] == "- c[k=1,2]/reference/rk4/error/x"
 

@@ -27,8 +27,18 @@ def copy(tmp_path_factory):
 
 def run(site, *arguments):
     environment = os.environ | {"PYTHONPATH": str(site), "REFDEM_STORE": str(site / "store.sqlite")}
-    command = [sys.executable, "-c", "from refdem.cli import main; main()", "run", *arguments, "--out", str(site / "report")]
-    return subprocess.run(command, env=environment, cwd=site, capture_output=True, text=True, timeout=300)
+    command = [
+        sys.executable,
+        "-c",
+        "from refdem.cli import main; main()",
+        "run",
+        *arguments,
+        "--out",
+        str(site / "report"),
+    ]
+    return subprocess.run(
+        command, env=environment, cwd=site, capture_output=True, text=True, timeout=300
+    )
 
 
 FAULTS = [
@@ -42,7 +52,10 @@ FAULTS = [
     (
         "no gyroscopic term: a body that is turned as if it were a sphere",
         "engines/mujoco/turning.py",
-        ("inertia=self.body.inertia, explicit", "inertia=(sum(self.body.inertia) / 3,) * 3, explicit"),
+        (
+            "inertia=self.body.inertia, explicit",
+            "inertia=(sum(self.body.inertia) / 3,) * 3, explicit",
+        ),
         ("intermediate-axis[duration=60]", "mujoco", "rk4"),
         ["flips/flips", "angular-momentum/total"],
     ),
@@ -58,10 +71,12 @@ FAULTS = [
         "engines/pymunk/callbacks.py",
         (
             "    joint.max_force, joint.error_bias = load * link.coefficient(0.0), 1.0\n",
-            "    joint.max_force, joint.error_bias = 0.0, 1.0\n"
-            "    push = load * link.coefficient(0.0)\n"
-            "    joint.a.velocity_func = lambda b, g, d, dt: setattr(\n"
-            "        b, 'velocity', (b.velocity[0] + (push if b.velocity[0] > 0 else -push) / b.mass * dt, 0.0))\n",
+            (
+                "    joint.max_force, joint.error_bias = 0.0, 1.0\n    push = load *"
+                " link.coefficient(0.0)\n    joint.a.velocity_func = lambda b, g, d, dt: setattr(\n"
+                "        b, 'velocity', (b.velocity[0] + (push if b.velocity[0] > 0 else -push) /"
+                " b.mass * dt, 0.0))\n"
+            ),
         ),
         ("coulomb-oscillator", "pymunk", "semi-implicit-euler"),
         ["stop/stop_position", "energy/balance"],
@@ -69,7 +84,10 @@ FAULTS = [
     (
         "one step late",
         "engines/pymunk/run.py",
-        ("return _trajectory(request, t, rows)", "return _trajectory(request, t, np.concatenate([rows[:1], rows[:-1]]))"),
+        (
+            "return _trajectory(request, t, rows)",
+            "return _trajectory(request, t, np.concatenate([rows[:1], rows[:-1]]))",
+        ),
         ("harmonic-oscillator", "pymunk", "semi-implicit-euler"),
         ["error/x", "error/v"],
     ),
@@ -96,8 +114,16 @@ def test_the_copy_is_green_when_nothing_is_planted_and_runs_again_only_what_chan
     first = run(copy, "harmonic-oscillator", "--engine", "pymunk", "--engine", "reference")
     assert first.returncode == 0, first.stdout + first.stderr
     made = int(re.search(r"(\d+) runs made", first.stdout)[1])
-    assert "0 runs made" in run(copy, "harmonic-oscillator", "--engine", "pymunk", "--engine", "reference").stdout
+    assert (
+        "0 runs made"
+        in run(copy, "harmonic-oscillator", "--engine", "pymunk", "--engine", "reference").stdout
+    )
     adapter = copy / "refdem" / "engines" / "pymunk" / "run.py"
     adapter.write_text(adapter.read_text() + "\n# a comment\n")
-    again = int(re.search(r"(\d+) runs made", run(copy, "harmonic-oscillator", "--engine", "pymunk", "--engine", "reference").stdout)[1])
+    again = int(
+        re.search(
+            r"(\d+) runs made",
+            run(copy, "harmonic-oscillator", "--engine", "pymunk", "--engine", "reference").stdout,
+        )[1]
+    )
     assert 0 < again < made

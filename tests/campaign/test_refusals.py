@@ -1,4 +1,6 @@
-"""A refusal while a run is under way: the whole scene of a program is unsupported; anything else is an error."""
+"""A refusal while a run is under way: the whole scene of a program is unsupported; anything else is
+an error.
+"""
 
 import pytest
 
@@ -15,7 +17,9 @@ WHY = "no springs on Saturdays"
 
 def task(engine: str, case: str = "harmonic-oscillator", **more: object) -> Task:
     """A task of the engine's first method that runs the case."""
-    specification = Specification(name="test", case=[Entry(case)], engines=[engine], levels=3, **more)
+    specification = Specification(
+        name="test", case=[Entry(case)], engines=[engine], levels=3, **more
+    )
     ((instance, only),) = plan.instances(specification)
     tasks = plan.tasks(specification, instance, only, discovery.engine(engine), None)
     return next(one for one in tasks if one.refusal is None)
@@ -30,7 +34,15 @@ def judged(one: Task, refused: list[Variant], kind: str = "unsupported") -> Reco
         request = plan.request(one, variant)
         failure = Failure(kind=kind, sentence=WHY) if variant in refused else None
         trajectory, cost = (None, None) if failure else one.engine.run(request)
-        runs[variant] = Run(key="", request=request, engine=one.engine.name, version="1", trajectory=trajectory, failure=failure, cost=cost)
+        runs[variant] = Run(
+            key="",
+            request=request,
+            engine=one.engine.name,
+            version="1",
+            trajectory=trajectory,
+            failure=failure,
+            cost=cost,
+        )
     return judging.record(one, "1", runs, [])
 
 
@@ -67,7 +79,9 @@ def test_a_program_that_refuses_some_runs_of_a_scene_is_an_error(number: int) ->
     assert "at every step and in every variant" in sentence
 
 
-def test_a_picture_that_may_be_refused_is_shown_as_unsupported(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_picture_that_may_be_refused_is_shown_as_unsupported(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
     one = task("pymunk")
     shifted = [variant for variant in one.variants if variant.change == "shifted"]
     assert shifted
@@ -93,5 +107,7 @@ def test_a_check_that_was_named_alone_may_decide_nothing() -> None:
 
 def test_a_record_in_which_no_check_of_all_decides_anything_is_an_error() -> None:
     one = task("pymunk")
-    bare = Task(one.engine, one.trial, None, tuple(check for check in one.checks if check.name == "error"))
+    bare = Task(
+        one.engine, one.trial, None, tuple(check for check in one.checks if check.name == "error")
+    )
     assert "error" in {f.outcome for f in judged(bare, []).findings}

@@ -40,7 +40,9 @@ def test_a_killed_campaign_goes_on_where_it_was(played, tmp_path):
     store, script = tmp_path / "store.sqlite", tmp_path / "campaign.py"
     script.write_text(SCRIPT)
     environment = os.environ | {"PYTHONPATH": os.pathsep.join(path for path in sys.path if path)}
-    process = subprocess.Popen([sys.executable, str(script), str(store)], env=environment, start_new_session=True)
+    process = subprocess.Popen(
+        [sys.executable, str(script), str(store)], env=environment, start_new_session=True
+    )
     deadline = time.monotonic() + 600
     while stored_runs(store) < 3 and time.monotonic() < deadline:
         time.sleep(0.02)
@@ -48,7 +50,9 @@ def test_a_killed_campaign_goes_on_where_it_was(played, tmp_path):
     process.wait()
     kept = stored_runs(store)
     assert kept >= 3
-    specification = Specification(name="t", case=[Entry("harmonic-oscillator")], engines=["played"], method="good", levels=8)
+    specification = Specification(
+        name="t", case=[Entry("harmonic-oscillator")], engines=["played"], method="good", levels=8
+    )
     sheets = Campaign(specification, Store(store), jobs=2).sheets()
     whole = next(s for s in sheets if isinstance(s, CampaignSheet))
     (record,) = (s for s in sheets if isinstance(s, Record))

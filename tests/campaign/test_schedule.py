@@ -1,4 +1,6 @@
-"""Jobs in worker processes: what a job raises costs that job alone, and a busy machine ends none that only computes."""
+"""Jobs in worker processes: what a job raises costs that job alone, and a busy machine ends none
+that only computes.
+"""
 
 import os
 import subprocess
@@ -16,7 +18,9 @@ from refdem.engines.external.process import Limits, ended
 
 
 class LocalError(ValueError):
-    """An exception that cannot be made again from what it was given first: pickling it breaks a pool."""
+    """An exception that cannot be made again from what it was given first: pickling it breaks a
+    pool.
+    """
 
     def __init__(self, code: str, message: str) -> None:
         super().__init__(message)
@@ -37,7 +41,9 @@ def test_an_exception_that_cannot_travel_costs_its_own_job(monkeypatch: pytest.M
     with Schedule(1, 60) as schedule:
         found = {job.key: result for job, result in schedule.results(jobs)}
     assert found[1] == b"done"
-    assert found[0] == found[2] == Failure(kind="exception", sentence="LocalError: no analytic point")
+    assert (
+        found[0] == found[2] == Failure(kind="exception", sentence="LocalError: no analytic point")
+    )
 
 
 def waits(seconds: float) -> bytes:
@@ -53,12 +59,20 @@ def computes_for_ever() -> bytes:
 def test_of_what_only_computes_the_clock_does_not_count(monkeypatch: pytest.MonkeyPatch) -> None:
     """A process that a busy machine does not run looks from outside like one that waits."""
     monkeypatch.syspath_prepend(Path(__file__).parents[2])
-    jobs = [Job(0, waits, (1.5,), 1, computes=True), Job(1, waits, (30.0,), 1), Job(2, computes_for_ever, (), 1, computes=True)]
+    jobs = [
+        Job(0, waits, (1.5,), 1, computes=True),
+        Job(1, waits, (30.0,), 1),
+        Job(2, computes_for_ever, (), 1, computes=True),
+    ]
     with Schedule(3, 60) as schedule:
         found = {job.key: result for job, result in schedule.results([*jobs, Job(3, works, ())])}
     assert found[0] == found[3] == b"done"
-    assert found[1] == Failure(kind="hang", sentence="it was still running after 1 s and was killed")
-    assert found[2] == Failure(kind="hang", sentence="it had computed for 1 s of CPU time and was killed")
+    assert found[1] == Failure(
+        kind="hang", sentence="it was still running after 1 s and was killed"
+    )
+    assert found[2] == Failure(
+        kind="hang", sentence="it had computed for 1 s of CPU time and was killed"
+    )
 
 
 def who() -> bytes:
@@ -70,12 +84,17 @@ def who_in_stages() -> Stages[bytes]:
     return who()
 
 
-@pytest.mark.parametrize(("rows", "here"), [((1, 1, 1, 1), True), ((1, READ_HERE), False), ((1, None), False)])
+@pytest.mark.parametrize(
+    ("rows", "here"), [((1, 1, 1, 1), True), ((1, READ_HERE), False), ((1, None), False)]
+)
 def test_programs_need_no_workers_where_there_is_little_to_read(
     rows: tuple[int | None, ...], here: bool, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.syspath_prepend(Path(__file__).parents[2])
-    jobs = [Job(n, who, ()) if count is None else Job(n, who, (), stages=who_in_stages, rows=count) for n, count in enumerate(rows)]
+    jobs = [
+        Job(n, who, ()) if count is None else Job(n, who, (), stages=who_in_stages, rows=count)
+        for n, count in enumerate(rows)
+    ]
     with Schedule(2, 60) as schedule:
         found = {job.key: result == who() for job, result in schedule.results(jobs)}
     assert found == dict.fromkeys(range(len(rows)), here)
@@ -91,7 +110,10 @@ def fails_in_stages(early: bool) -> Stages[bytes]:
 def test_a_program_that_cannot_be_run_costs_its_own_job() -> None:
     failing = [Job(early, works, (early,), stages=fails_in_stages) for early in (True, False)]
     with Schedule(1, 60) as schedule:
-        found = {job.key: result for job, result in schedule.results([*failing, Job(2, works, (), stages=who_in_stages)])}
+        found = {
+            job.key: result
+            for job, result in schedule.results([*failing, Job(2, works, (), stages=who_in_stages)])
+        }
     assert found[2] == who()
     assert found[True] == Failure(kind="exception", sentence="LocalError: before")
     assert found[False] == Failure(kind="exception", sentence="LocalError: no analytic point")
@@ -118,7 +140,9 @@ def test_programs_end_when_whoever_waits_for_them_is_interrupted(tmp_path: Path)
     for folder in folders:
         folder.mkdir()
     ends = zip(folders, ("../long/pid", "never", "never"), strict=True)
-    jobs = [Job(n, who, (str(folder), until), stages=sleeps) for n, (folder, until) in enumerate(ends)]
+    jobs = [
+        Job(n, who, (str(folder), until), stages=sleeps) for n, (folder, until) in enumerate(ends)
+    ]
     with pytest.raises(KeyboardInterrupt):
         interrupted(jobs)
     pid = (folders[1] / "pid").read_text().strip()
@@ -126,7 +150,9 @@ def test_programs_end_when_whoever_waits_for_them_is_interrupted(tmp_path: Path)
 
 
 def test_truths_only_compute() -> None:
-    """So that no load of the machine takes the truth, and with it the exponent, from a chaotic motion."""
+    """So that no load of the machine takes the truth, and with it the exponent, from a chaotic
+    motion.
+    """
     asked: list[Job] = []
 
     class Asked:

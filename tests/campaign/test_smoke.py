@@ -1,4 +1,6 @@
-"""The smoke test against a transparent engine in numpy: silent when it is right, and it names what is wrong when it lies."""
+"""The smoke test against a transparent engine in numpy: silent when it is right, and it names what
+is wrong when it lies.
+"""
 
 from functools import cache
 
@@ -21,13 +23,20 @@ SAID = {"uniform_gravity", "spring"}
 
 
 def derivative(scene, r, v, q, w):
-    """Rates of position, velocity, attitude and body omega for gravity, springs and Euler's equations."""
+    """Rates of position, velocity, attitude and body omega for gravity, springs and Euler's
+    equations.
+    """
     mass = scene.bodies.mass
     acceleration = sum((np.array(e.g) for e in scene.all(UniformGravity)), np.zeros(3)) + 0 * r
     torque = 0 * r  # in body axes
     for spring in scene.all(Spring):
-        ends = [(body, np.array(anchor)) for body, anchor in ((spring.a, spring.anchor_a), (spring.b, spring.anchor_b))]
-        first, second = (anchor if body < 0 else r[body] + rotated(q[body], anchor) for body, anchor in ends)
+        ends = [
+            (body, np.array(anchor))
+            for body, anchor in ((spring.a, spring.anchor_a), (spring.b, spring.anchor_b))
+        ]
+        first, second = (
+            anchor if body < 0 else r[body] + rotated(q[body], anchor) for body, anchor in ends
+        )
         distance = np.linalg.norm(second - first)
         pull = spring.stiffness * (1 - spring.length / distance) * (second - first)
         for (body, anchor), force in zip(ends, (pull, -pull), strict=True):
@@ -36,7 +45,12 @@ def derivative(scene, r, v, q, w):
                 torque[body] += np.cross(anchor, rotated(conjugate(q[body]), force))
     inertia = np.where(scene.bodies.inertia > 0, scene.bodies.inertia, 1.0)
     turn = product(q, np.pad(w, ((0, 0), (1, 0)))) / 2
-    return [v, acceleration, turn, np.where(scene.bodies.inertia > 0, (np.cross(inertia * w, w) + torque) / inertia, 0.0)]
+    return [
+        v,
+        acceleration,
+        turn,
+        np.where(scene.bodies.inertia > 0, (np.cross(inertia * w, w) + torque) / inertia, 0.0),
+    ]
 
 
 @cache
@@ -51,11 +65,21 @@ def honest(scene_json, interval, count):
         k2 = derivative(scene, *(s + h / 2 * k for s, k in zip(state, k1, strict=True)))
         k3 = derivative(scene, *(s + h / 2 * k for s, k in zip(state, k2, strict=True)))
         k4 = derivative(scene, *(s + h * k for s, k in zip(state, k3, strict=True)))
-        state = [s + h / 6 * (a + 2 * b + 2 * c + d) for s, a, b, c, d in zip(state, k1, k2, k3, k4, strict=True)]
+        state = [
+            s + h / 6 * (a + 2 * b + 2 * c + d)
+            for s, a, b, c, d in zip(state, k1, k2, k3, k4, strict=True)
+        ]
         if step % SUBSTEPS == SUBSTEPS - 1:
             rows.append(state)
-    position, velocity, attitude, body_omega = (np.array(column) for column in zip(*rows, strict=True))
-    return {"position": position, "velocity": velocity, "attitude": attitude, "omega": rotated(attitude, body_omega)}
+    position, velocity, attitude, body_omega = (
+        np.array(column) for column in zip(*rows, strict=True)
+    )
+    return {
+        "position": position,
+        "velocity": velocity,
+        "attitude": attitude,
+        "omega": rotated(attitude, body_omega),
+    }
 
 
 class Plain(Engine):
@@ -63,7 +87,10 @@ class Plain(Engine):
 
     name = "plain"
     title = "Plain"
-    methods = (Method(name="best", summary="Runge-Kutta", control="exact"), Method(name="never", summary="none", control="exact"))
+    methods = (
+        Method(name="best", summary="Runge-Kutta", control="exact"),
+        Method(name="never", summary="none", control="exact"),
+    )
 
     def __init__(self, lie=lambda request, columns: columns):
         self.lie = lie
@@ -114,7 +141,9 @@ def velocity_of_another_point(request, columns):
 
 
 def displaced_mass(request, columns):
-    """The frame of the body starts where it should; the centre of mass, displaced in it, flies as the centre would."""
+    """The frame of the body starts where it should; the centre of mass, displaced in it, flies as
+    the centre would.
+    """
     arm, sweep = lever(request, columns), swept(request, columns)
     since = (columns["t"] - columns["t"][0])[:, None, None]
     position = columns["position"] + arm[:1] + since * sweep[:1] - arm
@@ -132,13 +161,20 @@ def without_anchors(request, columns):
     """What an adapter hands back that ties every spring to a centre."""
     scene = request.problem.scene
     centred = [
-        msgspec.structs.replace(e, anchor_a=(0.0, 0.0, 0.0), anchor_b=e.anchor_b if e.b < 0 else (0.0, 0.0, 0.0))
-        if isinstance(e, Spring)
-        else e
+        (
+            msgspec.structs.replace(
+                e, anchor_a=(0.0, 0.0, 0.0), anchor_b=e.anchor_b if e.b < 0 else (0.0, 0.0, 0.0)
+            )
+            if isinstance(e, Spring)
+            else e
+        )
         for e in scene.elements
     ]
     changed = Scene(scene.bodies, tuple(centred))
-    return {"t": columns["t"], **honest(changed.to_json(), request.problem.interval, len(request.problem.times))}
+    return {
+        "t": columns["t"],
+        **honest(changed.to_json(), request.problem.interval, len(request.problem.times)),
+    }
 
 
 def numbers_swapped(request, columns):
@@ -146,48 +182,117 @@ def numbers_swapped(request, columns):
     scene = request.problem.scene
     count = len(scene.bodies)
     other = [
-        msgspec.structs.replace(e, a=count - 1 - e.a, b=count - 1 - e.b if e.b >= 0 else -1) if isinstance(e, Spring) else e
+        (
+            msgspec.structs.replace(e, a=count - 1 - e.a, b=count - 1 - e.b if e.b >= 0 else -1)
+            if isinstance(e, Spring)
+            else e
+        )
         for e in scene.elements
     ]
     changed = Scene(scene.bodies, tuple(other))
-    return {"t": columns["t"], **honest(changed.to_json(), request.problem.interval, len(request.problem.times))}
+    return {
+        "t": columns["t"],
+        **honest(changed.to_json(), request.problem.interval, len(request.problem.times)),
+    }
 
 
 def delayed(request, columns):
-    return columns | {name: np.concatenate([columns[name][:1], columns[name][:-1]]) for name in columns if name != "t"}
+    return columns | {
+        name: np.concatenate([columns[name][:1], columns[name][:-1]])
+        for name in columns
+        if name != "t"
+    }
 
 
 LIES = {
     "a clock that starts at zero": (changed("t", lambda t: t - t[0]), "later: clock", ""),
     "gravity upwards": (changed("velocity", np.abs), "fall in space: velocity", ""),
-    "millimetres": (changed("position", lambda r: 1000 * r), "line: position", "position is in millimetres"),
-    "y and z swapped": (changed("position", lambda r: r[..., [0, 2, 1]]), "plane: position", "its position come in the order xzy"),
-    "bodies swapped": (changed("position", lambda r: r[:, ::-1]), "two bodies: position", "bodies come in the other order"),
-    "quaternion with w last": (changed("attitude", lambda q: np.roll(q, -1, axis=-1)), "quarter turn: attitude", "quaternion has w last"),
-    "quaternion from space to body": (changed("attitude", conjugate), "quarter turn: attitude", "takes space to body axes"),
+    "millimetres": (
+        changed("position", lambda r: 1000 * r),
+        "line: position",
+        "position is in millimetres",
+    ),
+    "y and z swapped": (
+        changed("position", lambda r: r[..., [0, 2, 1]]),
+        "plane: position",
+        "its position come in the order xzy",
+    ),
+    "bodies swapped": (
+        changed("position", lambda r: r[:, ::-1]),
+        "two bodies: position",
+        "bodies come in the other order",
+    ),
+    "quaternion with w last": (
+        changed("attitude", lambda q: np.roll(q, -1, axis=-1)),
+        "quarter turn: attitude",
+        "quaternion has w last",
+    ),
+    "quaternion from space to body": (
+        changed("attitude", conjugate),
+        "quarter turn: attitude",
+        "takes space to body axes",
+    ),
     "omega in body axes": (
         lambda _, c: c | {"omega": rotated(conjugate(c["attitude"]), c["omega"])},
         "tipped body: omega",
         "its omega is in body axes",
     ),
     "degrees a second": (changed("omega", np.degrees), "quarter turn: omega", "degrees per second"),
-    "turned axes of inertia": (changed("omega", lambda w: np.roll(w, 1, axis=-1)), "wobble about x: omega_body", ""),
+    "turned axes of inertia": (
+        changed("omega", lambda w: np.roll(w, 1, axis=-1)),
+        "wobble about x: omega_body",
+        "",
+    ),
     "a sample late": (delayed, "spring: position", "every row is that of the sample before"),
-    "a first sample after a step": (lambda r, c: c | {"position": c["position"] + 1e-6 * c["velocity"]}, "line: first sample", ""),
-    "another point": (another_point, "tumble: position", "that of another point, displaced by (0.25, -0.5, 0.125) m"),
-    "velocity of another point": (velocity_of_another_point, "tumble: velocity", "of another point, displaced by (0.25, -0.5, 0.125) m"),
+    "a first sample after a step": (
+        lambda r, c: c | {"position": c["position"] + 1e-6 * c["velocity"]},
+        "line: first sample",
+        "",
+    ),
+    "another point": (
+        another_point,
+        "tumble: position",
+        "that of another point, displaced by (0.25, -0.5, 0.125) m",
+    ),
+    "velocity of another point": (
+        velocity_of_another_point,
+        "tumble: velocity",
+        "of another point, displaced by (0.25, -0.5, 0.125) m",
+    ),
     "a displaced centre of mass": (
         displaced_mass,
         "tumble: position",
         "centre of mass is not where the scene has it, displaced by (0.25, -0.5",
     ),
-    "a frame that turns": (rotating_frame, "tumble: position", "look at how the adapter says position and velocity of the centre"),
-    "anchors left out": (without_anchors, "spring between two bodies: omega", "anchors off the centre"),
-    "elements on other bodies": (numbers_swapped, "spring between two bodies: omega", "anchors off the centre"),
-    "attitude in other axes": (changed("attitude", lambda q: q[..., [0, 2, 3, 1]]), "tumble: attitude", ""),
-    "omega with the other sign": (changed("omega", np.negative), "tumble: omega", "omega has the other sign"),
+    "a frame that turns": (
+        rotating_frame,
+        "tumble: position",
+        "look at how the adapter says position and velocity of the centre",
+    ),
+    "anchors left out": (
+        without_anchors,
+        "spring between two bodies: omega",
+        "anchors off the centre",
+    ),
+    "elements on other bodies": (
+        numbers_swapped,
+        "spring between two bodies: omega",
+        "anchors off the centre",
+    ),
+    "attitude in other axes": (
+        changed("attitude", lambda q: q[..., [0, 2, 3, 1]]),
+        "tumble: attitude",
+        "",
+    ),
+    "omega with the other sign": (
+        changed("omega", np.negative),
+        "tumble: omega",
+        "omega has the other sign",
+    ),
     "two bodies in the other order": (
-        lambda _, c: {name: values[:, ::-1] if name != "t" else values for name, values in c.items()},
+        lambda _, c: {
+            name: values[:, ::-1] if name != "t" else values for name, values in c.items()
+        },
         "two tumbling: position",
         "bodies come in the other order",
     ),
@@ -199,7 +304,9 @@ def test_nothing_is_said_against_an_adapter_that_is_right():
     assert {f.outcome for f in findings} == {"pass", "unsupported"}
     said = {probe.name for probe in every_probe() if {e.kind for e in probe.scene.elements} <= SAID}
     backwards = {probe.name for probe in every_probe() if probe.backwards}
-    assert {f.quantity.partition(":")[0] for f in findings if f.outcome == "pass"} == said - backwards
+    assert {
+        f.quantity.partition(":")[0] for f in findings if f.outcome == "pass"
+    } == said - backwards
 
 
 def test_what_an_engine_refuses_when_it_runs_is_unsupported_and_no_error():
@@ -209,7 +316,9 @@ def test_what_an_engine_refuses_when_it_runs_is_unsupported_and_no_error():
         return columns
 
     findings = smoke(Plain(refuses))
-    assert [(f.outcome, f.sentence) for f in findings if f.quantity == "two bodies"] == [("unsupported", "one body only")]
+    assert [(f.outcome, f.sentence) for f in findings if f.quantity == "two bodies"] == [
+        ("unsupported", "one body only")
+    ]
     assert "error" not in {f.outcome for f in findings}
 
 
@@ -234,7 +343,9 @@ def test_a_sentence_says_what_came_and_what_must_come():
 
 def test_a_sentence_about_an_unknown_slip_says_where_to_look():
     found = {f.quantity: f.sentence for f in smoke(Plain(changed("position", lambda r: 1.5 * r)))}
-    assert found["line: position"].endswith("look at how the adapter says the x axis, metres and seconds")
+    assert found["line: position"].endswith(
+        "look at how the adapter says the x axis, metres and seconds"
+    )
 
 
 def test_a_crash_and_a_missing_row_are_errors_that_name_the_method():
@@ -244,7 +355,10 @@ def test_a_crash_and_a_missing_row_are_errors_that_name_the_method():
     def short(request, columns):
         return {name: values[:-1] for name, values in columns.items()}
 
-    for lie, words in ((raising, "best on 'line': ZeroDivisionError: a bug"), (short, "(32, 1, 3)")):
+    for lie, words in (
+        (raising, "best on 'line': ZeroDivisionError: a bug"),
+        (short, "(32, 1, 3)"),
+    ):
         found = {f.quantity: f for f in smoke(Plain(lie))}
         assert found["line"].outcome == "error"
         assert words in found["line"].sentence

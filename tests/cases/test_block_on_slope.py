@@ -1,4 +1,6 @@
-"""A block on a slope: decided exactly at the boundary, a parabola below it; the reference, pymunk, and faults that are seen."""
+"""A block on a slope: decided exactly at the boundary, a parabola below it; the reference, pymunk,
+and faults that are seen.
+"""
 
 from fractions import Fraction
 
@@ -11,20 +13,34 @@ from refdem.errors import UsageError
 from refdem.solvers import exact_slide
 from refdem.truth.closed_forms.block_on_slope import slides
 
-REGIMES = {"above": {"friction": "0.9"}, "at": {}, "below": {"friction": "1/2"}, "ice": {"friction": "0"}, "steep": {"angle": "1.4"}}
+REGIMES = {
+    "above": {"friction": "0.9"},
+    "at": {},
+    "below": {"friction": "1/2"},
+    "ice": {"friction": "0"},
+    "steep": {"angle": "1.4"},
+}
 
 
 def failures(engine, method, **given):
     """Quantities that fail, and how many were decided."""
     instance = discovery.case("block-on-slope").at(**given)
-    findings = record_of(task_of(discovery.engine(engine), method, instance, truth_of(instance), 3)).findings
-    return {f.quantity for f in findings if f.outcome in ("fail", "error")}, sum(f.outcome == "pass" for f in findings)
+    findings = record_of(
+        task_of(discovery.engine(engine), method, instance, truth_of(instance), 3)
+    ).findings
+    return {f.quantity for f in findings if f.outcome in ("fail", "error")}, sum(
+        f.outcome == "pass" for f in findings
+    )
 
 
 @pytest.mark.parametrize("regime", REGIMES)
 def test_the_reference_holds_every_regime(regime):
     given = REGIMES[regime]
-    method = discovery.engine("reference").best(discovery.case("block-on-slope").at(**given).problem).name
+    method = (
+        discovery.engine("reference")
+        .best(discovery.case("block-on-slope").at(**given).problem)
+        .name
+    )
     assert method == ("equilibrium" if regime in ("above", "at") else "exact-slide")
     failed, passed = failures("reference", method, **given)
     assert failed == set()
@@ -42,7 +58,9 @@ def test_a_hundred_digits_off_the_boundary_is_not_the_boundary():
     hair = Fraction(1, 10**60)
     assert not slides(Fraction(3, 4), Fraction(3, 4), None)
     assert slides(Fraction(3, 4) - hair, Fraction(3, 4), None)
-    tangent = Fraction("0.546302489843790513255179465780285383297551720179791246164091385932907510518025815715180648270656218589")
+    tangent = Fraction(
+        "0.546302489843790513255179465780285383297551720179791246164091385932907510518025815715180648270656218589"
+    )
     assert slides(tangent - hair, Fraction(0), Fraction(1, 2))  # tan(1/2) to 100 digits
     assert not slides(tangent + hair, Fraction(0), Fraction(1, 2))
     assert not slides(Fraction(0), Fraction(0), Fraction(0))
@@ -70,23 +88,34 @@ def runs_of(instance):
 
 
 @pytest.mark.parametrize(
-    ("name", "change"), [("friction uphill lost", 0.0), ("friction downhill", -1.0), ("friction of half the load", 0.5)]
+    ("name", "change"),
+    [
+        ("friction uphill lost", 0.0),
+        ("friction downhill", -1.0),
+        ("friction of half the load", 0.5),
+    ],
 )
 def test_wrong_friction_is_seen(monkeypatch, name, change):
     steepness = exact_slide._balance.Load.steepness.fget
-    monkeypatch.setattr(exact_slide.ExactSlide, "run", wrong(exact_slide.ExactSlide.run, change, steepness))
+    monkeypatch.setattr(
+        exact_slide.ExactSlide, "run", wrong(exact_slide.ExactSlide.run, change, steepness)
+    )
     assert failures("reference", "exact-slide", friction="1/2")[0] >= {"s", "v"}
 
 
 def wrong(run, change, steepness):
-    """The run with friction changed by a factor: the acceleration grows by what friction took too little."""
+    """The run with friction changed by a factor: the acceleration grows by what friction took too
+    little.
+    """
 
     def changed(self, request):
         trajectory, cost = run(self, request)
         load = exact_slide._balance.pressed(request.problem.scene)
         factor = (1 - change * 0.5 / steepness(load)) / (1 - 0.5 / steepness(load))
         trajectory.velocity[:] *= factor
-        trajectory.position[:] = trajectory.position[0] + (trajectory.position - trajectory.position[0]) * factor
+        trajectory.position[:] = (
+            trajectory.position[0] + (trajectory.position - trajectory.position[0]) * factor
+        )
         return trajectory, cost
 
     return changed

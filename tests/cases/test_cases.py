@@ -1,4 +1,6 @@
-"""Every case: the catalogue's names, bounds that refuse, starts that are physical, and observation of known motions."""
+"""Every case: the catalogue's names, bounds that refuse, starts that are physical, and observation
+of known motions.
+"""
 
 from fractions import Fraction
 
@@ -20,7 +22,10 @@ ROTATION = (
 CATALOGUE = {
     "free-rigid-body": ("inertia omega_body attitude", ROTATION),
     "intermediate-axis": ("inertia omega_body attitude offset direction", ROTATION),
-    "pendulum": ("mass length gravity theta0 thetadot0", ["theta", "thetadot", "x", "y", "rod_force"]),
+    "pendulum": (
+        "mass length gravity theta0 thetadot0",
+        ["theta", "thetadot", "x", "y", "rod_force"],
+    ),
     "harmonic-oscillator": ("mass stiffness gravity x0 v0", ["x", "v"]),
     "coulomb-oscillator": ("mass stiffness friction_force x0 v0", ["x", "v"]),
     "stick-slip": ("a mu0 mu1 lambda0 lambda1 friction_law belt gamma eta x0 v0", ["x", "v"]),
@@ -33,39 +38,66 @@ CATALOGUE = {
     "van-der-pol": ("mu p drive x0 v0", ["x", "v"]),
     "two-body-orbit": ("gm semi_major eccentricity stiffness", ["x", "y", "vx", "vy"]),
     "two-spheres": (
-        "masses radii stiffness damping closing_speed tangential_stiffness friction angle spins branch cutoff",
+        (
+            "masses radii stiffness damping closing_speed tangential_stiffness friction angle spins"
+            " branch cutoff"
+        ),
         [f"{kind}{i}.{a}" for i in (1, 2) for kind in ("r", "v", "omega") for a in AXES],
     ),
     "hertz-spheres": ("effective_mass stiffness closing_speed", ["overlap", "v"]),
     "asymmetric-field": ("mass k1 x1 x2 x0 v0", ["x", "v"]),
     "wedge-collision": ("mass k1 k2 closing_speed", ["overlap", "v"]),
     "logistic": ("eta x0 n form", ["x_n"]),
-    "billiards": ("geometry start direction n size", [f"{kind}.{a}" for kind in ("position", "direction") for a in "xy"]),
+    "billiards": (
+        "geometry start direction n size",
+        [f"{kind}.{a}" for kind in ("position", "direction") for a in "xy"],
+    ),
     "rigid-cluster": ("masses positions omega", [f"r{i}.{a}" for i in (1, 2, 3, 4) for a in AXES]),
-    "heavy-top": ("mass length gravity inertia theta0 phidot0 thetadot0 spin", ["theta", "phi", "psi", "thetadot"]),
+    "heavy-top": (
+        "mass length gravity inertia theta0 phidot0 thetadot0 spin",
+        ["theta", "phi", "psi", "thetadot"],
+    ),
     "granular-gas": ("n diameter restitution friction density boundary seed t0", ["temperature"]),
     "captured-mass": ("mass speed radius", ["x", "y", "vx", "vy"]),
     "pendulum-wheel-mass": (
         "mass counter_mass wheel_radius wheel_inertia gravity r0 theta0 rdot0 thetadot0",
         ["r", "theta", "rdot", "thetadot"],
     ),
-    "double-pendulum": ("masses lengths gravity theta0 thetadot0", ["theta1", "theta2", "thetadot1", "thetadot2"]),
-    "kapitza-pendulum": ("length gravity drive_amplitude drive theta0 thetadot0", ["theta", "thetadot"]),
+    "double-pendulum": (
+        "masses lengths gravity theta0 thetadot0",
+        ["theta1", "theta2", "thetadot1", "thetadot2"],
+    ),
+    "kapitza-pendulum": (
+        "length gravity drive_amplitude drive theta0 thetadot0",
+        ["theta", "thetadot"],
+    ),
     "pendulum-equilibria": ("length gravity position delta", ["x", "y", "vx", "vy"]),
     "newtons-first-law": (
         "member velocity spin",
-        [*AXES, "vx", "vy", "vz", *(f"omega.{a}" for a in AXES), *(f"attitude.{a}" for a in "wxyz")],
+        [
+            *AXES,
+            "vx",
+            "vy",
+            "vz",
+            *(f"omega.{a}" for a in AXES),
+            *(f"attitude.{a}" for a in "wxyz"),
+        ],
     ),
 }
 CATALOGUE |= {
     "block-on-slope": ("mass friction slope angle gravity", ["s", "v"]),
     "neglected-gyroscopic": (
-        "member inertia omega_body attitude velocity mass gravity slope height stiffness damping friction",
+        (
+            "member inertia omega_body attitude velocity mass gravity slope height stiffness"
+            " damping friction"
+        ),
         [*ROTATION, "x", "y", "z"],
     ),
     "dissipating-body": ("inertia omega_body attitude damping", [f"omega_body.{a}" for a in AXES]),
 }
-CARRIED = {"phase-flow": "flow centre size points mass stiffness delta friction_force length gravity"}
+CARRIED = {
+    "phase-flow": "flow centre size points mass stiffness delta friction_force length gravity"
+}
 TIMELESS = {
     "degrees-of-freedom": "points",
     "moments-of-inertia": "a b c density hollow attitude",
@@ -74,15 +106,21 @@ TIMELESS = {
 }
 SELECTIONS = {"time-reversal", "lyapunov"}
 CATALOGUE["impact-benchmarks"] = (
-    "member material branch cutoff radius density speed angle normal_speed psi spin partner_radius partner_density partner_spin "
-    "restitution stiffness tangential_stiffness friction gravity height overlap",
+    (
+        "member material branch cutoff radius density speed angle normal_speed psi spin"
+        " partner_radius partner_density partner_spin restitution stiffness tangential_stiffness"
+        " friction gravity height overlap"
+    ),
     [f"{kind}.{a}" for kind in ("r", "v", "omega") for a in AXES],
 )
 STARTS = [
     ("free-rigid-body", {}),
     ("free-rigid-body", {"inertia": "2,2,3", "attitude": "1,2,3,4"}),
     ("intermediate-axis", {}),
-    ("intermediate-axis", {"omega_body": "0,-2,0", "offset": "1e-9", "direction": "3", "attitude": "0,0,1,1"}),
+    (
+        "intermediate-axis",
+        {"omega_body": "0,-2,0", "offset": "1e-9", "direction": "3", "attitude": "0,0,1,1"},
+    ),
     ("pendulum", {}),
     ("pendulum", {"mass": "3/2", "length": "2", "theta0": "-2.5", "thetadot0": "4"}),
     ("harmonic-oscillator", {"gravity": "9.81", "v0": "-2", "mass": "0.3", "stiffness": "7"}),
@@ -100,20 +138,47 @@ STARTS = [
     ("two-body-orbit", {"eccentricity": "0.99", "gm": "2", "semi_major": "3"}),
     ("two-body-orbit", {"eccentricity": "0.6", "stiffness": "4", "semi_major": "2"}),
     ("two-spheres", {}),
-    ("two-spheres", {"masses": "1,3", "radii": "1/4,1/2", "angle": "0.5", "friction": "0.1", "spins": "0,0,1,0,0,-2"}),
+    (
+        "two-spheres",
+        {
+            "masses": "1,3",
+            "radii": "1/4,1/2",
+            "angle": "0.5",
+            "friction": "0.1",
+            "spins": "0,0,1,0,0,-2",
+        },
+    ),
     ("two-spheres", {"damping": "20"}),
     ("hertz-spheres", {"effective_mass": "3", "stiffness": "1e8", "closing_speed": "0.01"}),
     ("asymmetric-field", {"x0": "2", "v0": "-3", "k1": "5", "x1": "-1/4"}),
     ("asymmetric-field", {"x0": "-1/3", "v0": "0"}),
     ("wedge-collision", {"k1": "20", "mass": "1/3", "closing_speed": "2"}),
     ("rigid-cluster", {}),
-    ("rigid-cluster", {"masses": "1,1,1,2", "positions": "1,1,1,1,-1,-1,-1,1,-1,-1,-1,1", "omega": "0,0,3"}),
+    (
+        "rigid-cluster",
+        {"masses": "1,1,1,2", "positions": "1,1,1,1,-1,-1,-1,1,-1,-1,-1,1", "omega": "0,0,3"},
+    ),
     ("heavy-top", {}),
-    ("heavy-top", {"theta0": "2", "phidot0": "-1", "thetadot0": "1/2", "spin": "-9", "inertia": "2,1/3"}),
+    (
+        "heavy-top",
+        {"theta0": "2", "phidot0": "-1", "thetadot0": "1/2", "spin": "-9", "inertia": "2,1/3"},
+    ),
     ("captured-mass", {"mass": "1/3", "speed": "7", "radius": "2"}),
     ("pendulum-wheel-mass", {}),
-    ("pendulum-wheel-mass", {"wheel_radius": "0", "wheel_inertia": "0", "counter_mass": "3", "rdot0": "-1", "thetadot0": "2"}),
-    ("double-pendulum", {"masses": "1/3,2", "lengths": "2,1/2", "theta0": "-1,2", "thetadot0": "1,-3"}),
+    (
+        "pendulum-wheel-mass",
+        {
+            "wheel_radius": "0",
+            "wheel_inertia": "0",
+            "counter_mass": "3",
+            "rdot0": "-1",
+            "thetadot0": "2",
+        },
+    ),
+    (
+        "double-pendulum",
+        {"masses": "1/3,2", "lengths": "2,1/2", "theta0": "-1,2", "thetadot0": "1,-3"},
+    ),
     ("kapitza-pendulum", {"theta0": "-1/3", "thetadot0": "2", "length": "2"}),
     ("pendulum-equilibria", {}),
     ("pendulum-equilibria", {"position": "bottom", "delta": "-1/2", "length": "3"}),
@@ -183,7 +248,10 @@ REFUSED = [
 def at_rest(instance: Instance) -> Trajectory:
     """The start, twice: what an engine would show if nothing happened."""
     bodies = instance.scene.bodies
-    state = {name: np.stack([getattr(bodies, name)] * 2) for name in ("position", "velocity", "attitude", "omega")}
+    state = {
+        name: np.stack([getattr(bodies, name)] * 2)
+        for name in ("position", "velocity", "attitude", "omega")
+    }
     return Trajectory(t=np.array([0.0, 1.0]), **state)
 
 
@@ -211,7 +279,9 @@ def test_names_of_parameters_and_quantities_are_the_catalogues(name: str) -> Non
 
 
 @pytest.mark.parametrize(("name", "given", "word"), REFUSED)
-def test_values_that_make_no_motion_are_refused_by_name(name: str, given: dict[str, str], word: str) -> None:
+def test_values_that_make_no_motion_are_refused_by_name(
+    name: str, given: dict[str, str], word: str
+) -> None:
     with pytest.raises(UsageError, match=word):
         discovery.case(name).at(**given)
 
@@ -225,7 +295,12 @@ def test_a_scene_survives_json(name: str, given: dict[str, str]) -> None:
 @pytest.mark.parametrize(("name", "given"), STARTS)
 def test_scales_are_positive_and_finite(name: str, given: dict[str, str]) -> None:
     instance = discovery.case(name).at(**given)
-    sizes = [instance.scales.length, instance.scales.tau, instance.scales.duration, instance.scales.mass]
+    sizes = [
+        instance.scales.length,
+        instance.scales.tau,
+        instance.scales.duration,
+        instance.scales.mass,
+    ]
     sizes += [q.scale for q in instance.quantities.values()]
     assert np.all(np.isfinite(sizes))
     assert min(sizes) > 0

@@ -1,4 +1,6 @@
-"""A body that loses energy inside: L stays, energy falls to L^2/(2 J3), and signs and factors that are wrong are seen."""
+"""A body that loses energy inside: L stays, energy falls to L^2/(2 J3), and signs and factors that
+are wrong are seen.
+"""
 
 from fractions import Fraction
 
@@ -23,8 +25,12 @@ REFERENCE = discovery.engine("reference")
 def failures(**given):
     """Quantities of the reference that fail, and how many were decided."""
     instance = discovery.case("dissipating-body").at(**given)
-    findings = record_of(task_of(REFERENCE, "dissipating-body", instance, truth_of(instance), 4)).findings
-    return {(f.check, f.quantity) for f in findings if f.outcome in ("fail", "error")}, sum(f.outcome == "pass" for f in findings)
+    findings = record_of(
+        task_of(REFERENCE, "dissipating-body", instance, truth_of(instance), 4)
+    ).findings
+    return {(f.check, f.quantity) for f in findings if f.outcome in ("fail", "error")}, sum(
+        f.outcome == "pass" for f in findings
+    )
 
 
 def run(**given):
@@ -64,10 +70,18 @@ def test_angular_momentum_stays_in_space_and_the_energy_falls_to_its_least():
 
 @pytest.mark.parametrize(
     ("given", "axis"),
-    [({}, 3), ({"omega_body": "1,0,0"}, 1), ({"omega_body": "0,2,0"}, 2), ({"inertia": "3,1,2"}, 1), ({"omega_body": "1,1e-3,1e-9"}, 3)],
+    [
+        ({}, 3),
+        ({"omega_body": "1,0,0"}, 1),
+        ({"omega_body": "0,2,0"}, 2),
+        ({"inertia": "3,1,2"}, 1),
+        ({"omega_body": "1,1e-3,1e-9"}, 3),
+    ],
 )
 def test_the_last_axis_is_proved(given, axis):
-    assert discovery.case("dissipating-body").at(**given).truth().scalars()["final_axis"].mid == axis
+    assert (
+        discovery.case("dissipating-body").at(**given).truth().scalars()["final_axis"].mid == axis
+    )
 
 
 def test_an_axis_that_is_not_decided_is_not_said():

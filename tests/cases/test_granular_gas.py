@@ -21,7 +21,10 @@ from refdem.scene.elements.periodic_box import PeriodicBox
 CASE = discovery.case("granular-gas")
 
 
-@pytest.mark.parametrize("given", [{}, {"n": "500", "t0": "3/7", "diameter": "1/10", "density": "100"}, {"boundary": "walls"}])
+@pytest.mark.parametrize(
+    "given",
+    [{}, {"n": "500", "t0": "3/7", "diameter": "1/10", "density": "100"}, {"boundary": "walls"}],
+)
 def test_the_start_has_its_temperature_no_momentum_and_no_overlap(given):
     instance = CASE.at(**given)
     b, size = instance.scene.bodies, (instance.p.n / instance.p.density) ** (1 / 3)
@@ -47,19 +50,34 @@ def test_the_seed_is_the_start():
 def test_two_spheres_part_with_the_restitution_asked_for_across_the_edge_of_the_box(restitution):
     scene = CASE.at(n="2", density="1/20", restitution=restitution).scene
     size = scene.all(PeriodicBox)[0].size
-    scene = scene.with_state(position=np.array([[0.7, 1, 1], [size - 0.7, 1, 1]]), velocity=np.array([[-1.0, 0, 0], [1.0, 0, 0]]))
+    scene = scene.with_state(
+        position=np.array([[0.7, 1, 1], [size - 0.7, 1, 1]]),
+        velocity=np.array([[-1.0, 0, 0], [1.0, 0, 0]]),
+    )
     step = 2.0**-14
-    run, _ = ENGINE.run(Request(problem=Motion(scene, np.array([0.0, 4096 * step, 8192 * step])), method="gas", step=step))
-    assert run.velocity[-1, 0, 0] == pytest.approx(float(CASE.at(restitution=restitution).p.restitution), rel=2e-2)
+    run, _ = ENGINE.run(
+        Request(
+            problem=Motion(scene, np.array([0.0, 4096 * step, 8192 * step])),
+            method="gas",
+            step=step,
+        )
+    )
+    assert run.velocity[-1, 0, 0] == pytest.approx(
+        float(CASE.at(restitution=restitution).p.restitution), rel=2e-2
+    )
     assert np.all(run.velocity[-1, 0] == -run.velocity[-1, 1])
 
 
 def test_the_image_that_a_position_names_does_not_matter():
     instance = CASE.at(n="50", duration="4")
     size = instance.scene.all(PeriodicBox)[0].size
-    moved = instance.scene.bodies.position + size * np.random.default_rng(1).integers(-2, 3, (50, 3))
+    moved = instance.scene.bodies.position + size * np.random.default_rng(1).integers(
+        -2, 3, (50, 3)
+    )
     law = instance.scene.all(Contact)[0]
-    assert law.potential(instance.scene, moved[None] * 0.6, instance.scene.bodies.attitude[None]) > 0
+    assert (
+        law.potential(instance.scene, moved[None] * 0.6, instance.scene.bodies.attitude[None]) > 0
+    )
     steps = instance.motion.interval / np.ceil(instance.motion.interval / instance.scales.tau * 10)
     times = instance.times[:3]
     plain, other = (
@@ -106,7 +124,17 @@ def test_a_crowd_travels_in_every_symmetry_that_it_is_shown_in(name):
 
 
 def test_a_report_shows_the_first_of_many_bodies_and_how_many_there_are():
-    nothing = SampledTruth(t=[], values={}, radii={}, sensitivity=[], scalars={}, method="", witness="", until=0, reason="")
+    nothing = SampledTruth(
+        t=[],
+        values={},
+        radii={},
+        sensitivity=[],
+        scalars={},
+        method="",
+        witness="",
+        until=0,
+        reason="",
+    )
     shown = json.loads(case_sheet(CASE.at(n="100"), nothing).scene)
     whole = json.loads(case_sheet(CASE.at(n=str(LISTED)), nothing).scene)
     assert len(whole["bodies"]) == LISTED

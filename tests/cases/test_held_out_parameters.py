@@ -1,4 +1,6 @@
-"""Parameter sets drawn at random at which a scale, a bound or a closed form was once wrong, judged in the reference."""
+"""Parameter sets drawn at random at which a scale, a bound or a closed form was once wrong, judged
+in the reference.
+"""
 
 import pytest
 
@@ -20,7 +22,9 @@ def outcomes(case, given, checks=()):
     assert runs
     found = [f for record in runs for f in record.findings if not checks or f.check in checks]
     assert found
-    return [f"{f.check} {f.quantity}: {f.sentence}" for f in found if f.outcome in ("fail", "error")]
+    return [
+        f"{f.check} {f.quantity}: {f.sentence}" for f in found if f.outcome in ("fail", "error")
+    ]
 
 
 @pytest.mark.parametrize(
@@ -33,11 +37,24 @@ def outcomes(case, given, checks=()):
         (
             "two-spheres",
             {
-                **{"masses": "0.785,0.853", "radii": "0.627,0.558", "stiffness": "104", "damping": "1.08"},
-                **{"closing_speed": "1.39", "angle": "0.365", "duration": "0.2508", "samples": "16"},
+                **{
+                    "masses": "0.785,0.853",
+                    "radii": "0.627,0.558",
+                    "stiffness": "104",
+                    "damping": "1.08",
+                },
+                **{
+                    "closing_speed": "1.39",
+                    "angle": "0.365",
+                    "duration": "0.2508",
+                    "samples": "16",
+                },
             },
         ),
-        ("two-spheres", {"friction": "3", "damping": "0.663", "closing_speed": "0.7", "samples": "16"}),
+        (
+            "two-spheres",
+            {"friction": "3", "damping": "0.663", "closing_speed": "0.7", "samples": "16"},
+        ),
     ],
 )
 def test_nothing_fails_where_it_once_did(case, given):
@@ -45,15 +62,38 @@ def test_nothing_fails_where_it_once_did(case, given):
 
 
 def test_rounding_of_a_rate_that_starts_at_zero_is_no_flip():
-    given = {"omega_body": "0.9,1.1,0", "attitude": "-4/125,0,1/1000,0", "inertia": "1,3,2", "samples": "7", "duration": "1.407"}
+    given = {
+        "omega_body": "0.9,1.1,0",
+        "attitude": "-4/125,0,1/1000,0",
+        "inertia": "1,3,2",
+        "samples": "7",
+        "duration": "1.407",
+    }
     assert outcomes("free-rigid-body", given, ("flips",)) == []
 
 
 @pytest.mark.parametrize(
     ("case", "given"),
     [
-        ("two-body-orbit", {"eccentricity": "0.999999", "gm": "10", "stiffness": "100", "samples": "7", "duration": "0.005657"}),
-        ("two-spheres", {"spins": ",".join(["2.293"] * 6), "masses": "2,0.1", "samples": "2", "duration": "3e-5"}),
+        (
+            "two-body-orbit",
+            {
+                "eccentricity": "0.999999",
+                "gm": "10",
+                "stiffness": "100",
+                "samples": "7",
+                "duration": "0.005657",
+            },
+        ),
+        (
+            "two-spheres",
+            {
+                "spins": ",".join(["2.293"] * 6),
+                "masses": "2,0.1",
+                "samples": "2",
+                "duration": "3e-5",
+            },
+        ),
     ],
 )
 def test_a_start_far_beyond_the_scale_is_rounded_as_it_is_rotated(case, given):
@@ -67,7 +107,9 @@ def test_a_contact_that_slips_to_its_end_is_released_in_the_same_step_wherever_i
 
 def test_a_cluster_that_needs_more_bits_to_know_its_axis_is_certified():
     places = "1,3963/1000,0,0,1,0,7/10,1/3,1000,-1,-0.0005,0"
-    truth = in_process.truth_of(discovery.case("rigid-cluster").at(positions=places, samples="2", duration="0.2619"))
+    truth = in_process.truth_of(
+        discovery.case("rigid-cluster").at(positions=places, samples="2", duration="0.2619")
+    )
     assert truth.reason == ""
     assert "Jacobi" in truth.method
 
@@ -80,10 +122,14 @@ def test_a_cluster_that_needs_more_bits_to_know_its_axis_is_certified():
         ("pendulum-wheel-mass", {"wheel_radius": "0"}, "wheel_inertia"),
     ],
 )
-def test_values_that_do_not_go_together_are_refused_by_the_name_of_a_parameter(case, given, parameter):
+def test_values_that_do_not_go_together_are_refused_by_the_name_of_a_parameter(
+    case, given, parameter
+):
     with pytest.raises(UsageError, match=f"parameter {parameter}: "):
         discovery.case(case).at(**given)
 
 
 def test_a_wheel_of_no_size_without_inertia_is_accepted():
-    assert discovery.case("pendulum-wheel-mass").at(wheel_radius="0", wheel_inertia="0").scene.bodies.mass.tolist() == [1.0, 1.5]
+    assert discovery.case("pendulum-wheel-mass").at(
+        wheel_radius="0", wheel_inertia="0"
+    ).scene.bodies.mass.tolist() == [1.0, 1.5]

@@ -1,4 +1,6 @@
-"""The family of impact benchmarks: every member is found, held by the reference, and takes its own parameters alone."""
+"""The family of impact benchmarks: every member is found, held by the reference, and takes its own
+parameters alone.
+"""
 
 import msgspec
 import pytest
@@ -20,13 +22,24 @@ METHODS = {
 
 
 def test_the_members_are_those_of_chung_and_ooi_and_of_mfix():
-    others = {"dem-05-hertz", "dem-05-mindlin", "three-spheres", "contact-path", "contact-path-turned"}
-    assert {f"co-{n}" for n in range(1, 9)} | {f"dem-0{n}" for n in range(1, 6)} | others == set(MEMBERS)
+    others = {
+        "dem-05-hertz",
+        "dem-05-mindlin",
+        "three-spheres",
+        "contact-path",
+        "contact-path-turned",
+    }
+    assert {f"co-{n}" for n in range(1, 9)} | {f"dem-0{n}" for n in range(1, 6)} | others == set(
+        MEMBERS
+    )
 
 
 def test_a_label_may_name_the_member_alone():
     assert labelled("impact-benchmarks[co-4]") == ("impact-benchmarks", {"member": "co-4"})
-    assert labelled("impact-benchmarks[dem-05 angle=1]") == ("impact-benchmarks", {"member": "dem-05", "angle": "1"})
+    assert labelled("impact-benchmarks[dem-05 angle=1]") == (
+        "impact-benchmarks",
+        {"member": "dem-05", "angle": "1"},
+    )
     with pytest.raises(UsageError, match="expected name=value"):
         labelled("impact-benchmarks[angle=1 dem-05]")
 
@@ -43,13 +56,16 @@ def test_the_reference_holds_every_member(member):
     assert sum(f.check == "error" for f in findings) == len(instance.quantities)
 
 
-@pytest.mark.parametrize(("given", "word"), [
-    ({"member": "co-1", "friction": "0.1"}, "friction"),
-    ({"member": "dem-04", "restitution": "1"}, "restitution"),
-    ({"member": "dem-02", "height": "0.1"}, "height"),
-    ({"member": "dem-03", "height": "0.01"}, "height"),
-    ({"member": "co-9"}, "member"),
-])  # fmt: skip
+@pytest.mark.parametrize(
+    ("given", "word"),
+    [
+        ({"member": "co-1", "friction": "0.1"}, "friction"),
+        ({"member": "dem-04", "restitution": "1"}, "restitution"),
+        ({"member": "dem-02", "height": "0.1"}, "height"),
+        ({"member": "dem-03", "height": "0.01"}, "height"),
+        ({"member": "co-9"}, "member"),
+    ],
+)
 def test_what_a_member_does_not_have_is_refused_by_name(given, word):
     with pytest.raises(UsageError, match=word):
         discovery.case("impact-benchmarks").at(**given)

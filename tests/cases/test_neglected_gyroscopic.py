@@ -1,4 +1,6 @@
-"""The right motion matches in both members, and the run without the gyroscopic term is flagged in both."""
+"""The right motion matches in both members, and the run without the gyroscopic term is flagged in
+both.
+"""
 
 from fractions import Fraction
 
@@ -51,7 +53,11 @@ def test_through_three_contacts_the_right_motion_converges_and_the_counterexampl
     assert sum(event.kind == "contact" for event in right.events) == 3
 
     def away(engine, part):
-        run, _ = engine.run(Request(problem=instance.problem, method="verlet", step=instance.problem.interval / part))
+        run, _ = engine.run(
+            Request(
+                problem=instance.problem, method="verlet", step=instance.problem.interval / part
+            )
+        )
         return np.abs(run.omega - right.omega).max() / 54.4
 
     assert away(Transparent(), 256) < away(Transparent(), 64) / 4
@@ -63,7 +69,9 @@ def test_the_box_has_the_moments_of_its_sides():
     (body,) = CASE.at(member="slope").scene.bodies.single()
     x, y, z = (2 * abs(value) for value in body.shape.vertices[0])
     assert (x, y, z) == pytest.approx((0.06, 0.04, 0.02), rel=1e-14)
-    assert body.inertia == pytest.approx(tuple(0.01 * s for s in (y * y + z * z, z * z + x * x, x * x + y * y)), rel=1e-14)
+    assert body.inertia == pytest.approx(
+        tuple(0.01 * s for s in (y * y + z * z, z * z + x * x, x * x + y * y)), rel=1e-14
+    )
 
 
 def test_the_start_is_that_of_the_figure():

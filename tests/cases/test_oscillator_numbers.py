@@ -23,11 +23,17 @@ def moved(case, times, **given):
 @pytest.mark.parametrize("delta", ["0.05", "1", "1.5"])
 def test_phase_area_shrinks_as_exp_of_minus_2_delta_t(delta):
     t = np.linspace(0, 6, 49)
-    area = oscillation.carried_area(*moved("viscous-oscillator", t, delta=delta, gravity="2", v0="-1"))
-    assert area == pytest.approx(area[0] * np.exp(-2 * float(delta) * t[:-2]), rel=1e-6, abs=1e-13 * abs(area[0]))
+    area = oscillation.carried_area(
+        *moved("viscous-oscillator", t, delta=delta, gravity="2", v0="-1")
+    )
+    assert area == pytest.approx(
+        area[0] * np.exp(-2 * float(delta) * t[:-2]), rel=1e-6, abs=1e-13 * abs(area[0])
+    )
 
 
-@pytest.mark.parametrize("given", [{}, {"mass": "2", "stiffness": "3", "friction_force": "0.05", "x0": "-0.7"}])
+@pytest.mark.parametrize(
+    "given", [{}, {"mass": "2", "stiffness": "3", "friction_force": "0.05", "x0": "-0.7"}]
+)
 def test_turning_points_and_largest_speeds_under_dry_friction_lie_on_one_straight_line(given):
     """x0 - 2 f w0 t/(pi k), the speeds in units of w0; the line ends where the mass has stopped."""
     scalars = discovery.case("coulomb-oscillator").at(**given).truth().scalars()
@@ -37,7 +43,9 @@ def test_turning_points_and_largest_speeds_under_dry_friction_lie_on_one_straigh
     x, v = moved("coulomb-oscillator", t, **given)
     for when, size in (oscillation.turning_points(t[1:], x[1:], v[1:]), _tops(t, np.abs(v) / w0)):
         assert len(when) >= int(scalars["half_cycles"].mid) - 1
-        assert np.abs(size) == pytest.approx(abs(p.x0) - 2 * p.friction_force * w0 * when / (np.pi * p.stiffness), abs=2e-4)
+        assert np.abs(size) == pytest.approx(
+            abs(p.x0) - 2 * p.friction_force * w0 * when / (np.pi * p.stiffness), abs=2e-4
+        )
 
 
 def _tops(t, size):
@@ -78,14 +86,19 @@ def test_period_of_a_power_law_is_the_formulas(exponent):
     t = np.linspace(0, 40, 4001)
     for amplitude in ("1", "1/2"):
         x, v = moved("power-oscillator", t, exponent=exponent, amplitude=amplitude)
-        scaled = float(period.mid) * float(Fraction(amplitude)) ** ((1 - float(Fraction(exponent))) / 2)
+        scaled = float(period.mid) * float(Fraction(amplitude)) ** (
+            (1 - float(Fraction(exponent))) / 2
+        )
         assert oscillation.period(t[1:], x[1:], v[1:]) == pytest.approx(scaled, rel=2e-6)
 
 
 def exact_frequency(amplitude, alpha="1", beta="1"):
     """2 pi/T of the certified period."""
     truth = discovery.case("duffing").at(alpha=alpha, beta=beta, amplitude=amplitude).truth()
-    return Fraction("6.28318530717958647692528676655900576839433879875") / truth.scalars()["period"].mid
+    return (
+        Fraction("6.28318530717958647692528676655900576839433879875")
+        / truth.scalars()["period"].mid
+    )
 
 
 @pytest.mark.parametrize("beta", ["1", "-1"])
@@ -97,7 +110,9 @@ def test_harmonic_balance_misses_by_3_over_256_and_1_116_by_21_over_256(beta):
     root = 1 + 3 * part / 8 - 9 * part**2 / 128 + 27 * part**3 / 1024  # of 1 + 3 part/4
     assert float((root - w) / part**2) == pytest.approx(3 / 256, rel=1e-4)
     assert float((first_order - w) / part**2) == pytest.approx(21 / 256, rel=1e-4)
-    assert response.balanced_frequency(1e-3, 1.0, float(beta)) == pytest.approx(float(root), rel=1e-15)
+    assert response.balanced_frequency(1e-3, 1.0, float(beta)) == pytest.approx(
+        float(root), rel=1e-15
+    )
 
 
 def test_third_harmonic_is_beta_a_cubed_over_32_alpha():
@@ -118,7 +133,9 @@ def settled(drive, delta, x, v, periods):
 
 
 def sweep(drives, delta):
-    """Amplitudes at the frequencies one after another, each going on where the one before has settled."""
+    """Amplitudes at the frequencies one after another, each going on where the one before has
+    settled.
+    """
     x, v, found = 0.1, 0.0, []
     for drive in drives.tolist():
         x, v, amplitude = settled(drive, delta, x, v, round(3 / delta) + 10)
@@ -161,7 +178,9 @@ def test_a_square_doubles_the_frequency_and_shifts_the_middle():
     x = x[1:]
     a = abs(spectrum.line(t, x, w))
     assert a == pytest.approx(0.2 / np.hypot(1 - w**2, 0.1 * w), rel=1e-3)
-    assert abs(spectrum.line(t, x, 2 * w)) == pytest.approx(0.02 * a**2 / 2 / np.hypot(1 - 4 * w**2, 0.1 * 2 * w), rel=5e-3)
+    assert abs(spectrum.line(t, x, 2 * w)) == pytest.approx(
+        0.02 * a**2 / 2 / np.hypot(1 - 4 * w**2, 0.1 * 2 * w), rel=5e-3
+    )
     assert spectrum.line(t, x, 0).real == pytest.approx(-0.02 * a**2 / 2, rel=5e-3)
 
 
@@ -171,10 +190,15 @@ def test_two_drives_mix_to_their_sum_and_difference():
     x = moved("quadratic-response", np.r_[0.0, t], **given)[0][1:]
     a1, a2 = (abs(spectrum.line(t, x, w)) for w in (w1, w2))
     for w in (w1 + w2, w2 - w1):
-        assert abs(spectrum.line(t, x, w)) == pytest.approx(0.02 * a1 * a2 / np.hypot(1 - w**2, 0.1 * w), rel=2e-2)
+        assert abs(spectrum.line(t, x, w)) == pytest.approx(
+            0.02 * a1 * a2 / np.hypot(1 - w**2, 0.1 * w), rel=2e-2
+        )
     frequencies, heights = spectrum.spectrum(t, x)
     floor = heights[np.abs(frequencies - 0.65).argmin()]
-    assert all(heights[np.abs(frequencies - w).argmin()] > 30 * floor for w in (w1 + w2, w2 - w1, 2 * w1, 2 * w2, 0.0))
+    assert all(
+        heights[np.abs(frequencies - w).argmin()] > 30 * floor
+        for w in (w1 + w2, w2 - w1, 2 * w1, 2 * w2, 0.0)
+    )
 
 
 def test_free_van_der_pol_has_amplitude_2_00041_and_frequency_0_99751():
@@ -188,7 +212,10 @@ def test_a_driven_van_der_pol_has_lines_at_2w_less_wd_and_3w_less_2wd():
     t = np.arange(16384) * 0.0625 + 100
     x = moved("van-der-pol", np.r_[0.0, t], p="1/25")[0][1:]
     w = spectrum.frequency_of(t, x, 0.9975)
-    lines = {name: abs(spectrum.line(t, x, at)) for name, at in (("first", 2 * w - 1.15), ("second", 3 * w - 2.3), ("drive", 1.15))}
+    lines = {
+        name: abs(spectrum.line(t, x, at))
+        for name, at in (("first", 2 * w - 1.15), ("second", 3 * w - 2.3), ("drive", 1.15))
+    }
     assert (2 * w - 1.15, 3 * w - 2.3) == pytest.approx((0.85, 0.7), abs=0.02)
     assert lines["drive"] > lines["first"] > lines["second"] > 1e-3
     between = abs(spectrum.line(t, x, (5 * w - 3.45) / 2))

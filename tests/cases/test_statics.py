@@ -1,4 +1,6 @@
-"""Mass properties and rotation algebra: truth against other derivations, engines that say some of it, and wrong formulas that are seen."""
+"""Mass properties and rotation algebra: truth against other derivations, engines that say some of
+it, and wrong formulas that are seen.
+"""
 
 from fractions import Fraction
 from itertools import pairwise
@@ -14,10 +16,33 @@ from refdem.mechanics.mass_properties import of_polyhedron
 from refdem.scene import box
 
 STATICS = {
-    "moments-of-inertia": [{}, {"a": "17/10", "b": "0.3", "c": "12", "density": "7800", "hollow": "0.9", "attitude": "1,2,3,4"}],
-    "rotations": [{}, {"angle": "-5/2", "euler": "-3,1/50,3", "omega": "100,3,-7", "near": "1e-6", "frequency": "50"}],
+    "moments-of-inertia": [
+        {},
+        {
+            "a": "17/10",
+            "b": "0.3",
+            "c": "12",
+            "density": "7800",
+            "hollow": "0.9",
+            "attitude": "1,2,3,4",
+        },
+    ],
+    "rotations": [
+        {},
+        {
+            "angle": "-5/2",
+            "euler": "-3,1/50,3",
+            "omega": "100,3,-7",
+            "near": "1e-6",
+            "frequency": "50",
+        },
+    ],
     "degrees-of-freedom": [{}, {"points": "1,2,3,-1,4,1e3,7,8,1,0.5,0.25,-3,9,-9,2"}],
-    "quaternions": [{}, {"p": "1e5,2,3,4", "q": "-1,2,3,1e-3", "omega": "0.001,2,3"}, {"q": "1,-100,50,2"}],
+    "quaternions": [
+        {},
+        {"p": "1e5,2,3,4", "q": "-1,2,3,1e-3", "omega": "0.001,2,3"},
+        {"q": "1,-100,50,2"},
+    ],
 }
 EVERY = [(case, given) for case, sets in STATICS.items() for given in sets]
 ANSWERS = {
@@ -26,16 +51,29 @@ ANSWERS = {
     "rotations": ["rotation-algebra"],
     "quaternions": ["rotation-algebra"],
 }
-MUJOCO = [("moments-of-inertia", "compiler"), ("moments-of-inertia", "mesh-compiler"), ("rotations", "algebra"), ("quaternions", "algebra")]
+MUJOCO = [
+    ("moments-of-inertia", "compiler"),
+    ("moments-of-inertia", "mesh-compiler"),
+    ("rotations", "algebra"),
+    ("quaternions", "algebra"),
+]
 PYMUNK = [("moments-of-inertia", "moments"), ("rotations", "vectors")]
-SAID = [("mujoco", *each) for each in MUJOCO] + [("pymunk", *each) for each in PYMUNK] + [("rebound", "quaternions", "rotation")]
+SAID = (
+    [("mujoco", *each) for each in MUJOCO]
+    + [("pymunk", *each) for each in PYMUNK]
+    + [("rebound", "quaternions", "rotation")]
+)
 
 
 def failures(engine, method, case, **given):
     """Quantities that fail, and how many were decided."""
     instance = discovery.case(case).at(**given)
-    findings = record_of(task_of(discovery.engine(engine), method, instance, truth_of(instance), 4)).findings
-    return {f.quantity for f in findings if f.outcome in ("fail", "error")}, sum(f.outcome == "pass" for f in findings)
+    findings = record_of(
+        task_of(discovery.engine(engine), method, instance, truth_of(instance), 4)
+    ).findings
+    return {f.quantity for f in findings if f.outcome in ("fail", "error")}, sum(
+        f.outcome == "pass" for f in findings
+    )
 
 
 @pytest.mark.parametrize(("case", "given"), EVERY)
@@ -56,13 +94,18 @@ def test_engines_say_what_they_know_and_hold_it(engine, case, method):
 def test_an_engine_that_knows_nothing_of_it_refuses():
     instance = discovery.case("moments-of-inertia").at()
     engine = discovery.engine("rebound")
-    assert all("cannot run mass properties" in engine.refuses(instance.problem, method) for method in engine.methods)
+    assert all(
+        "cannot run mass properties" in engine.refuses(instance.problem, method)
+        for method in engine.methods
+    )
     pymunk, quaternions = discovery.engine("pymunk"), discovery.case("quaternions").at()
     assert "knows nothing" in pymunk.refuses(quaternions.problem, pymunk.method("vectors"))
 
 
 def of_tetrahedra(vertices, faces):
-    """Volume, mean place and second moments about it in rational arithmetic, by tetrahedra from the first vertex."""
+    """Volume, mean place and second moments about it in rational arithmetic, by tetrahedra from the
+    first vertex.
+    """
     base = vertices[0]
     volume, first, second = Fraction(0), [Fraction(0)] * 3, [[Fraction(0)] * 3 for _ in range(3)]
     for face in faces:
@@ -76,24 +119,44 @@ def of_tetrahedra(vertices, faces):
             for n in range(3):
                 first[n] += size * total[n] / 4
                 for m in range(3):
-                    second[n][m] += size * (sum(corner[n] * corner[m] for corner in corners) + total[n] * total[m]) / 20
+                    second[n][m] += (
+                        size
+                        * (sum(corner[n] * corner[m] for corner in corners) + total[n] * total[m])
+                        / 20
+                    )
     centre = [x / volume for x in first]
-    return volume, centre, [[second[n][m] / volume - centre[n] * centre[m] for m in range(3)] for n in range(3)]
+    return (
+        volume,
+        centre,
+        [[second[n][m] / volume - centre[n] * centre[m] for m in range(3)] for n in range(3)],
+    )
 
 
 @pytest.mark.parametrize(
-    "name", ["rectangular-pyramid", "right-angle-wedge", "isosceles-wedge", "tetrahedron", "angle", "turned-tetrahedron"]
+    "name",
+    [
+        "rectangular-pyramid",
+        "right-angle-wedge",
+        "isosceles-wedge",
+        "tetrahedron",
+        "angle",
+        "turned-tetrahedron",
+    ],
 )
 def test_truth_of_polyhedra_is_the_sum_of_their_tetrahedra(name):
     from refdem.truth.closed_forms.moments_of_inertia import every
 
-    instance = discovery.case("moments-of-inertia").at(a="3/2", b="5/4", c="7/8", attitude="1,1,0,0")
+    instance = discovery.case("moments-of-inertia").at(
+        a="3/2", b="5/4", c="7/8", attitude="1,1,0,0"
+    )
     piece = next(piece for piece in _solids.solids(instance.p) if piece.name == name)
     vertices = [[Fraction(x) for x in vertex] for vertex in piece.shape.vertices]
     if name.startswith("turned"):
         vertices = [[x, -z, y] for x, y, z in vertices]  # a quarter turn about x
     means = every(instance.p)[name]
-    assert (means.volume, list(means.centre), [list(row) for row in means.second]) == of_tetrahedra(vertices, piece.shape.faces)
+    assert (means.volume, list(means.centre), [list(row) for row in means.second]) == of_tetrahedra(
+        vertices, piece.shape.faces
+    )
 
 
 @pytest.mark.parametrize("name", ["ellipsoid", "elliptical-cylinder", "hollow-cylinder"])
@@ -106,31 +169,51 @@ def test_truth_of_round_solids_is_a_quadrature(name):
     low, across = (0.25, a) if name == "hollow-cylinder" else (0.0, b)
     radii, areas = (low + (1 - low) * (nodes + 1) / 2, (1 - low) * weights / 2)
     heights = [(z * c, w * c, np.sqrt(1 - z * z)) for z, w in zip(nodes, weights, strict=True)]
-    heights = heights if name == "ellipsoid" else [(z * c / 2, w * c / 2, 1.0) for z, w in zip(nodes, weights, strict=True)]
+    heights = (
+        heights
+        if name == "ellipsoid"
+        else [(z * c / 2, w * c / 2, 1.0) for z, w in zip(nodes, weights, strict=True)]
+    )
     total = np.zeros(4)
     for z, thick, shrunk in heights:
         for r, dr in zip(radii, areas, strict=True):
             x, y = shrunk * r * a * np.cos(angles), shrunk * r * across * np.sin(angles)
             mass = 0.5 * thick * dr * r * shrunk**2 * a * across * (2 * np.pi / 64)
-            total += mass * np.array([64, np.sum(y * y + z * z), np.sum(x * x + z * z), np.sum(x * x + y * y)])
-    expected = [scalars[f"{name}.{entry}"] for entry in ("mass", "inertia.xx", "inertia.yy", "inertia.zz")]
+            total += mass * np.array(
+                [64, np.sum(y * y + z * z), np.sum(x * x + z * z), np.sum(x * x + y * y)]
+            )
+    expected = [
+        scalars[f"{name}.{entry}"] for entry in ("mass", "inertia.xx", "inertia.yy", "inertia.zz")
+    ]
     assert total == pytest.approx(expected, rel=1e-12)
 
 
 def test_a_triangulated_ellipsoid_comes_to_truth_with_the_square_of_its_edges():
     instance = discovery.case("moments-of-inertia").at()
     exact = float(instance.truth().scalars()["ellipsoid.inertia.xx"].mid)
-    errors = [abs(of_polyhedron(*triangulated(n), 0.5).inertia[0, 0] / exact - 1) for n in (8, 16, 32)]
+    errors = [
+        abs(of_polyhedron(*triangulated(n), 0.5).inertia[0, 0] / exact - 1) for n in (8, 16, 32)
+    ]
     assert [np.log2(a / b) for a, b in pairwise(errors)] == pytest.approx([2, 2], abs=0.1)
 
 
 def triangulated(n):
-    """Vertices and faces of an ellipsoid with half axes 1, 2, 3, from a sphere's circles of latitude."""
+    """Vertices and faces of an ellipsoid with half axes 1, 2, 3, from a sphere's circles of
+    latitude.
+    """
     rings = [(np.pi * i / n, 2 * np.pi * j / (2 * n)) for i in range(1, n) for j in range(2 * n)]
-    vertices = [(np.sin(t) * np.cos(f), 2 * np.sin(t) * np.sin(f), 3 * np.cos(t)) for t, f in rings] + [(0, 0, 3), (0, 0, -3)]
+    vertices = [
+        (np.sin(t) * np.cos(f), 2 * np.sin(t) * np.sin(f), 3 * np.cos(t)) for t, f in rings
+    ] + [(0, 0, 3), (0, 0, -3)]
     top, bottom, m = len(rings), len(rings) + 1, 2 * n
-    bands = [(i * m + j, (i + 1) * m + j, (i + 1) * m + (j + 1) % m, i * m + (j + 1) % m) for i in range(n - 2) for j in range(m)]
-    caps = [(top, j, (j + 1) % m) for j in range(m)] + [(bottom, (n - 2) * m + (j + 1) % m, (n - 2) * m + j) for j in range(m)]
+    bands = [
+        (i * m + j, (i + 1) * m + j, (i + 1) * m + (j + 1) % m, i * m + (j + 1) % m)
+        for i in range(n - 2)
+        for j in range(m)
+    ]
+    caps = [(top, j, (j + 1) % m) for j in range(m)] + [
+        (bottom, (n - 2) * m + (j + 1) % m, (n - 2) * m + j) for j in range(m)
+    ]
     return vertices, bands + caps
 
 
@@ -148,15 +231,27 @@ def prism(n):
     angles = 2 * np.pi * np.arange(n) / n
     ring = [(float(np.cos(f)), 2 * float(np.sin(f))) for f in angles]
     sides = [(j, (j + 1) % n, n + (j + 1) % n, n + j) for j in range(n)]
-    return [(x, y, z) for z in (-1.5, 1.5) for x, y in ring], [*sides, tuple(range(n - 1, -1, -1)), tuple(range(n, 2 * n))]
+    return [(x, y, z) for z in (-1.5, 1.5) for x, y in ring], [
+        *sides,
+        tuple(range(n - 1, -1, -1)),
+        tuple(range(n, 2 * n)),
+    ]
 
 
 @pytest.mark.parametrize("sides", [("1", "2", "3"), ("7/4", "1/8", "5")])
 def test_truth_of_a_cuboid_is_that_of_its_triangles(sides):
-    truth = discovery.case("moments-of-inertia").at(**dict(zip("abc", sides, strict=True))).truth().scalars()
+    truth = (
+        discovery.case("moments-of-inertia")
+        .at(**dict(zip("abc", sides, strict=True)))
+        .truth()
+        .scalars()
+    )
     body = box(*(float(Fraction(side)) for side in sides))
     found = of_polyhedron(body.vertices, body.faces, 0.5)
-    expected = [float(truth[f"cuboid.{what}"].mid) for what in ("mass", "inertia.xx", "inertia.yy", "inertia.zz")]
+    expected = [
+        float(truth[f"cuboid.{what}"].mid)
+        for what in ("mass", "inertia.xx", "inertia.yy", "inertia.zz")
+    ]
     assert [found.mass, *np.diag(found.inertia)] == pytest.approx(expected, rel=1e-14)
 
 
@@ -164,15 +259,25 @@ def test_truth_of_a_cuboid_is_that_of_its_triangles(sides):
 def test_truth_of_hollow_bodies_is_that_of_triangles_of_both_surfaces(hollow):
     truth = discovery.case("moments-of-inertia").at(hollow=hollow).truth().scalars()
     numbers, part = {name: float(ball.mid) for name, ball in truth.items()}, float(Fraction(hollow))
-    outer, inner = (of_polyhedron(b.vertices, b.faces, 0.5) for b in (box(1, 2, 3), box(part, 2 * part, 3 * part)))
+    outer, inner = (
+        of_polyhedron(b.vertices, b.faces, 0.5)
+        for b in (box(1, 2, 3), box(part, 2 * part, 3 * part))
+    )
     expected = [outer.mass - inner.mass, *np.diag(outer.inertia - inner.inertia)]
-    assert [numbers[f"hollow-cuboid.{what}"] for what in ("mass", *DIAGONAL)] == pytest.approx(expected, rel=1e-14)
+    assert [numbers[f"hollow-cuboid.{what}"] for what in ("mass", *DIAGONAL)] == pytest.approx(
+        expected, rel=1e-14
+    )
     mass = numbers["hollow-cylinder.mass"]
     assert mass == pytest.approx(0.5 * np.pi * (1 - part**2) * 3, rel=1e-14)
-    assert numbers["hollow-cylinder.inertia.zz"] == pytest.approx(mass * (1 + part**2) / 2, rel=1e-14)
+    assert numbers["hollow-cylinder.inertia.zz"] == pytest.approx(
+        mass * (1 + part**2) / 2, rel=1e-14
+    )
     for entry, name in enumerate(DIAGONAL):
         found = [of_polyhedron(*ring(n, part), 0.5) for n in (32, 64)]
-        errors = [abs(pipe.inertia[entry, entry] / numbers[f"hollow-cylinder.{name}"] - 1) for pipe in found]
+        errors = [
+            abs(pipe.inertia[entry, entry] / numbers[f"hollow-cylinder.{name}"] - 1)
+            for pipe in found
+        ]
         assert np.log2(errors[0] / errors[1]) == pytest.approx(2, abs=0.05)
 
 
@@ -180,8 +285,12 @@ DIAGONAL = ("inertia.xx", "inertia.yy", "inertia.zz")
 
 
 def ring(n, part):
-    """Vertices and faces of a prism with a hole, in a cylinder of radius 1 and height 3: one surface, inside it turned inwards."""
-    around = [(float(np.cos(2 * np.pi * j / n)), float(np.sin(2 * np.pi * j / n))) for j in range(n)]
+    """Vertices and faces of a prism with a hole, in a cylinder of radius 1 and height 3: one
+    surface, inside it turned inwards.
+    """
+    around = [
+        (float(np.cos(2 * np.pi * j / n)), float(np.sin(2 * np.pi * j / n))) for j in range(n)
+    ]
     vertices = [(r * x, r * y, z) for r in (1.0, part) for z in (-1.5, 1.5) for x, y in around]
     quads = [(j, (j + 1) % n) for j in range(n)]
     outside = [(j, k, n + k, n + j) for j, k in quads]
@@ -201,13 +310,20 @@ def test_limits_of_the_table():
     assert end == pytest.approx(4, rel=1e-14)  # a stick held at its end against its middle
     ball = discovery.case("moments-of-inertia").at(a="2", b="2", c="2", density="1")
     scalars = {name: float(b.mid) for name, b in ball.truth().scalars().items()}
-    assert scalars["ellipsoid.inertia.zz"] == pytest.approx(2 / 5 * 4 / 3 * np.pi * 8 * 4, rel=1e-14)
+    assert scalars["ellipsoid.inertia.zz"] == pytest.approx(
+        2 / 5 * 4 / 3 * np.pi * 8 * 4, rel=1e-14
+    )
 
 
 def hamilton(p, q):
     """Hamilton's rules, component by component."""
     (a, b, c, d), (e, f, g, h) = p, q
-    return [a * e - b * f - c * g - d * h, a * f + b * e + c * h - d * g, a * g - b * h + c * e + d * f, a * h + b * g - c * f + d * e]
+    return [
+        a * e - b * f - c * g - d * h,
+        a * f + b * e + c * h - d * g,
+        a * g - b * h + c * e + d * f,
+        a * h + b * g - c * f + d * e,
+    ]
 
 
 def test_truth_of_quaternions_is_hamiltons():
@@ -226,7 +342,13 @@ def test_truth_of_quaternions_is_hamiltons():
     turned = [x / square for x in hamilton(hamilton(q, v), star)]
     body = [x / square for x in hamilton(hamilton(star, omega), q)]
     columns = [
-        [x / square for x in hamilton(hamilton(q, [Fraction(0), *(Fraction(int(i == k)) for i in range(3))]), star)[1:]] for k in range(3)
+        [
+            x / square
+            for x in hamilton(
+                hamilton(q, [Fraction(0), *(Fraction(int(i == k)) for i in range(3))]), star
+            )[1:]
+        ]
+        for k in range(3)
     ]
     expected = {
         "p-q": hamilton(p, q),
@@ -253,7 +375,10 @@ def test_truth_of_quaternions_is_hamiltons():
 def test_truth_of_rotations_is_that_of_products_of_sines_and_cosines():
     instance = discovery.case("rotations").at()
     truth = {name: float(ball.mid) for name, ball in instance.truth().scalars().items()}
-    about = {axis: {s: rotation.about_axis(i, np.radians(s)) for s in (90, -90, 180)} for i, axis in enumerate("xyz")}
+    about = {
+        axis: {s: rotation.about_axis(i, np.radians(s)) for s in (90, -90, 180)}
+        for i, axis in enumerate("xyz")
+    }
     expected = {f"{axis}{s:+d}": turn for axis, turns in about.items() for s, turn in turns.items()}
     expected |= {
         "z-then-x": about["x"][90] @ about["z"][90],
@@ -264,7 +389,9 @@ def test_truth_of_rotations_is_that_of_products_of_sines_and_cosines():
         "euler-matrix": about_z(0.5) @ rotation.about_axis(0, 0.75) @ about_z(-1.25),
     }
     for name, turn in expected.items():
-        assert [truth[f"{name}.{i}"] for i in range(9)] == pytest.approx(turn.ravel().tolist(), abs=1e-15)
+        assert [truth[f"{name}.{i}"] for i in range(9)] == pytest.approx(
+            turn.ravel().tolist(), abs=1e-15
+        )
     assert truth["globe-angle"] == pytest.approx(np.radians(120))
     assert truth["energy-ratio"] == pytest.approx(39.4784176043574, rel=1e-14)
     assert abs(truth["near-rates.2"]) > 900 * abs(truth["near-quaternion-rate.0"])
@@ -279,6 +406,16 @@ def test_truth_of_freedom_is_the_chapters():
     found = {name: int(ball.mid) for name, ball in scalars.items()}
     assert [found[f"2d-{n}"] for n in range(1, 6)] == [2, 3, 3, 3, 3]
     assert [found[f"3d-{n}"] for n in range(1, 6)] == [3, 5, 6, 6, 6]
-    assert [found[f"{name}-first-order"] for name in ("coplanar-4", "coplanar-5", "collinear-3", "2d-collinear-3")] == [7, 8, 7, 4]
-    assert [found[f"{name}-rigid"] for name in ("coplanar-4", "coplanar-5", "collinear-3", "2d-collinear-3")] == [6, 6, 5, 3]
-    assert (found["rods-6-on-4-in-2d"], found["rods-10-on-5-in-3d"], found["rod-twice"]) == (3, 6, 5)
+    assert [
+        found[f"{name}-first-order"]
+        for name in ("coplanar-4", "coplanar-5", "collinear-3", "2d-collinear-3")
+    ] == [7, 8, 7, 4]
+    assert [
+        found[f"{name}-rigid"]
+        for name in ("coplanar-4", "coplanar-5", "collinear-3", "2d-collinear-3")
+    ] == [6, 6, 5, 3]
+    assert (found["rods-6-on-4-in-2d"], found["rods-10-on-5-in-3d"], found["rod-twice"]) == (
+        3,
+        6,
+        5,
+    )

@@ -1,4 +1,6 @@
-"""One wrong formula a row of the catalogue, planted in the reference: `error` fails in the quantity that it spoils."""
+"""One wrong formula a row of the catalogue, planted in the reference: `error` fails in the quantity
+that it spoils.
+"""
 
 from functools import cache
 from math import pi
@@ -23,18 +25,27 @@ from refdem.scene.elements.uniform_gravity import UniformGravity
 
 @cache
 def asked(label):
-    """An instance, the cheapest method of the reference, and truth; the method is right about it."""
+    """An instance, the cheapest method of the reference, and truth; the method is right about
+    it.
+    """
     case, given = labelled(label)
     instance = discovery.case(case).at(**given)
     method, truth = ENGINE.best(instance.problem).name, truth_of(instance)
-    assert {f.outcome for f in record_of(task_of(ENGINE, method, instance, truth, 1, ("error",))).findings} == {"pass"}
+    assert {
+        f.outcome
+        for f in record_of(task_of(ENGINE, method, instance, truth, 1, ("error",))).findings
+    } == {"pass"}
     return instance, method, truth
 
 
 def failing(label, before):
-    """Quantities of which `error` fails when the method is asked something else than it is judged for."""
+    """Quantities of which `error` fails when the method is asked something else than it is judged
+    for.
+    """
     instance, method, truth = asked(label)
-    spoiled = Fault(name="planted", kind="formula", sentence="", on=(), sees=("error", ""), before=before).carrier(ENGINE)
+    spoiled = Fault(
+        name="planted", kind="formula", sentence="", on=(), sees=("error", ""), before=before
+    ).carrier(ENGINE)
     findings = record_of(task_of(spoiled, method, instance, truth, 1, ("error",))).findings
     return {f.quantity for f in findings if f.outcome == "fail"}
 
@@ -45,11 +56,31 @@ ROWS = {
         of_bodies(inertia=lambda j: j[:, [1, 0, 2]]),
         "omega_body.z",
     ),
-    "a flip of the other sign": ("intermediate-axis", of_bodies(inertia=lambda j: j[:, ::-1]), "omega_body.x"),
-    "the moments of a cluster of equal masses": ("rigid-cluster", of_bodies(mass=lambda m: 0 * m + m.mean()), "r1.x"),
-    "one mass off by a billionth": ("rigid-cluster", of_bodies(mass=lambda m: m * [1 + 1e-9, 1, 1, 1]), "r2.y"),
-    "a rod that pulls with half of the weight": ("pendulum", of_elements(UniformGravity, g=scaled(0.5)), "theta"),
-    "a wheel without inertia": ("pendulum-wheel-mass[duration=3 samples=24]", of_elements(StringOverWheel, inertia=scaled(0.0)), "rdot"),
+    "a flip of the other sign": (
+        "intermediate-axis",
+        of_bodies(inertia=lambda j: j[:, ::-1]),
+        "omega_body.x",
+    ),
+    "the moments of a cluster of equal masses": (
+        "rigid-cluster",
+        of_bodies(mass=lambda m: 0 * m + m.mean()),
+        "r1.x",
+    ),
+    "one mass off by a billionth": (
+        "rigid-cluster",
+        of_bodies(mass=lambda m: m * [1 + 1e-9, 1, 1, 1]),
+        "r2.y",
+    ),
+    "a rod that pulls with half of the weight": (
+        "pendulum",
+        of_elements(UniformGravity, g=scaled(0.5)),
+        "theta",
+    ),
+    "a wheel without inertia": (
+        "pendulum-wheel-mass[duration=3 samples=24]",
+        of_elements(StringOverWheel, inertia=scaled(0.0)),
+        "rdot",
+    ),
     "a pivot that shakes a little faster": (
         "kapitza-pendulum[duration=3 samples=24]",
         of_elements(MovingAnchor, frequency=scaled(1 + 1e-9)),
@@ -60,13 +91,41 @@ ROWS = {
         of_elements(UniformGravity, g=scaled(0.0)),
         "thetadot",
     ),
-    "damping delta in place of 2 delta": ("driven-duffing[duration=3 samples=24]", of_elements(Dashpot, damping=scaled(0.5)), "v"),
-    "the cube with the 3/4 of harmonic balance": ("driven-duffing[duration=3 samples=24]", of_elements(Spring, cubic=scaled(0.75)), "x"),
-    "a drive that is a sine": ("driven-oscillator[duration=3 samples=24]", of_elements(Force, phase=lambda phase: phase - pi / 2), "x"),
-    "a power law with the other root": ("power-oscillator[exponent=3/2]", of_elements(Spring, stiffness=scaled(1.25)), "x"),
-    "a square of the other sign": ("quadratic-response[duration=3 samples=24]", of_elements(Spring, quadratic=scaled(-1.0)), "x"),
-    "a cycle of twice the nonlinearity": ("van-der-pol[duration=3 samples=24]", of_elements(Dashpot, van_der_pol=scaled(2.0)), "x"),
-    "Hertz's law with a third of the stiffness": ("hertz-spheres", of_elements(Contact, stiffness=scaled(1 / 3)), "overlap"),
+    "damping delta in place of 2 delta": (
+        "driven-duffing[duration=3 samples=24]",
+        of_elements(Dashpot, damping=scaled(0.5)),
+        "v",
+    ),
+    "the cube with the 3/4 of harmonic balance": (
+        "driven-duffing[duration=3 samples=24]",
+        of_elements(Spring, cubic=scaled(0.75)),
+        "x",
+    ),
+    "a drive that is a sine": (
+        "driven-oscillator[duration=3 samples=24]",
+        of_elements(Force, phase=lambda phase: phase - pi / 2),
+        "x",
+    ),
+    "a power law with the other root": (
+        "power-oscillator[exponent=3/2]",
+        of_elements(Spring, stiffness=scaled(1.25)),
+        "x",
+    ),
+    "a square of the other sign": (
+        "quadratic-response[duration=3 samples=24]",
+        of_elements(Spring, quadratic=scaled(-1.0)),
+        "x",
+    ),
+    "a cycle of twice the nonlinearity": (
+        "van-der-pol[duration=3 samples=24]",
+        of_elements(Dashpot, van_der_pol=scaled(2.0)),
+        "x",
+    ),
+    "Hertz's law with a third of the stiffness": (
+        "hertz-spheres",
+        of_elements(Contact, stiffness=scaled(1 / 3)),
+        "overlap",
+    ),
 }
 
 
@@ -94,6 +153,10 @@ LAWS = [
 ]
 
 
-@pytest.mark.parametrize(("member", "change", "quantity"), LAWS, ids=lambda value: "-".join(value) if isinstance(value, dict) else value)
+@pytest.mark.parametrize(
+    ("member", "change", "quantity"),
+    LAWS,
+    ids=lambda value: "-".join(value) if isinstance(value, dict) else value,
+)
 def test_another_law_than_the_one_declared_is_seen(member, change, quantity):
     assert quantity in failing(f"impact-benchmarks[{member}]", of_elements(Contact, **change))

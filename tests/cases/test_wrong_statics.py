@@ -1,4 +1,6 @@
-"""Wrong formulas of mass properties and of rotation algebra are seen, each in the quantity that it spoils."""
+"""Wrong formulas of mass properties and of rotation algebra are seen, each in the quantity that it
+spoils.
+"""
 
 import numpy as np
 import pytest
@@ -16,7 +18,9 @@ from refdem.solvers import rotation_algebra
 def failures(method, case, **given):
     """Quantities of the reference that fail."""
     instance = discovery.case(case).at(**given)
-    findings = record_of(task_of(discovery.engine("reference"), method, instance, truth_of(instance), 4)).findings
+    findings = record_of(
+        task_of(discovery.engine("reference"), method, instance, truth_of(instance), 4)
+    ).findings
     return {f.quantity for f in findings if f.outcome in ("fail", "error")}
 
 
@@ -29,38 +33,98 @@ def spoilt(monkeypatch, place, name, change):
 
 
 ROTATION_FAULTS = {
-    "product in the other order": (rotation_algebra.ANSWERS, "product", lambda f: lambda p, q: f(q, p), "quaternions", "p-q.1"),
-    "conjugate that changes the scalar": (
-        rotation_algebra.ANSWERS, "conjugate", lambda f: lambda q: -f(q), "quaternions", "conjugate-of-sum.0",
+    "product in the other order": (
+        rotation_algebra.ANSWERS,
+        "product",
+        lambda f: lambda p, q: f(q, p),
+        "quaternions",
+        "p-q.1",
     ),
-    "inverse without the square": (rotation_algebra.ANSWERS, "inverse", lambda f: quaternion.conjugate, "quaternions", "inverse.0"),
+    "conjugate that changes the scalar": (
+        rotation_algebra.ANSWERS,
+        "conjugate",
+        lambda f: lambda q: -f(q),
+        "quaternions",
+        "conjugate-of-sum.0",
+    ),
+    "inverse without the square": (
+        rotation_algebra.ANSWERS,
+        "inverse",
+        lambda f: quaternion.conjugate,
+        "quaternions",
+        "inverse.0",
+    ),
     "vectors turned backwards": (
-        rotation_algebra.ANSWERS, "rotated", lambda f: lambda q, v: f(quaternion.conjugate(q), v), "quaternions", "rotated.1",
+        rotation_algebra.ANSWERS,
+        "rotated",
+        lambda f: lambda q, v: f(quaternion.conjugate(q), v),
+        "quaternions",
+        "rotated.1",
     ),
     "the matrix from space to body": (
-        rotation_algebra.ANSWERS, "matrix-of-quaternion", lambda f: lambda q: f(q).T, "quaternions", "matrix.1",
+        rotation_algebra.ANSWERS,
+        "matrix-of-quaternion",
+        lambda f: lambda q: f(q).T,
+        "quaternions",
+        "matrix.1",
     ),
     "rate with the body's omega": (
-        rotation_algebra.ANSWERS, "rate", lambda f: lambda q, w: quaternion.product(q, np.array([0.0, *w])) / 2, "quaternions", "rate.1",
+        rotation_algebra.ANSWERS,
+        "rate",
+        lambda f: lambda q, w: quaternion.product(q, np.array([0.0, *w])) / 2,
+        "quaternions",
+        "rate.1",
     ),
     "second rate without omega's own": (
-        rotation_algebra.ANSWERS, "second-rate", lambda f: lambda q, w, rise: f(q, w, 0 * rise), "quaternions", "second-rate.0",
+        rotation_algebra.ANSWERS,
+        "second-rate",
+        lambda f: lambda q, w, rise: f(q, w, 0 * rise),
+        "quaternions",
+        "second-rate.0",
     ),
     "Pauli's eigenvalue without i": (
-        rotation_algebra.ANSWERS, "complex-eigenvalue", lambda f: lambda q: f(q)[::-1], "quaternions", "complex-eigenvalue.0",
+        rotation_algebra.ANSWERS,
+        "complex-eigenvalue",
+        lambda f: lambda q: f(q)[::-1],
+        "quaternions",
+        "complex-eigenvalue.0",
     ),
-    "mirror as a turn": (rotation_algebra, "mirror", lambda f: rotation_algebra.plane, "rotations", "mirror-determinant"),
-    "turn with the clock": (rotation_algebra, "plane", lambda f: lambda angle: f(-angle), "rotations", "plane-turn.0"),
+    "mirror as a turn": (
+        rotation_algebra,
+        "mirror",
+        lambda f: rotation_algebra.plane,
+        "rotations",
+        "mirror-determinant",
+    ),
+    "turn with the clock": (
+        rotation_algebra,
+        "plane",
+        lambda f: lambda angle: f(-angle),
+        "rotations",
+        "plane-turn.0",
+    ),
     "Euler angles in the other order": (
-        rotation, "matrix_of_euler", lambda f: lambda phi, theta, psi: f(psi, theta, phi), "rotations", "euler-matrix.1",
+        rotation,
+        "matrix_of_euler",
+        lambda f: lambda phi, theta, psi: f(psi, theta, phi),
+        "rotations",
+        "euler-matrix.1",
     ),
     "rates with omega in body axes": (
-        rotation, "euler_rates", lambda f: lambda phi, theta, w: f(-phi, theta, w), "rotations", "euler-rates.0",
+        rotation,
+        "euler_rates",
+        lambda f: lambda phi, theta, w: f(-phi, theta, w),
+        "rotations",
+        "euler-rates.0",
     ),
     "f in place of omega": (
-        rotation_algebra.ANSWERS, "rotation-energy", lambda f: lambda j, w: f(j, w / (2 * np.pi)), "rotations", "energy",
+        rotation_algebra.ANSWERS,
+        "rotation-energy",
+        lambda f: lambda j, w: f(j, w / (2 * np.pi)),
+        "rotations",
+        "energy",
     ),
-}  # fmt: skip
+}
 
 
 @pytest.mark.parametrize("fault", ROTATION_FAULTS)
@@ -71,14 +135,26 @@ def test_wrong_algebra_is_seen(monkeypatch, fault):
 
 
 SOLID_FAULTS = {
-    "no parallel axis": ("_of_point", lambda f: lambda mass, arm: 0 * f(mass, arm), "cuboid-at-corner.inertia.xx"),
+    "no parallel axis": (
+        "_of_point",
+        lambda f: lambda mass, arm: 0 * f(mass, arm),
+        "cuboid-at-corner.inertia.xx",
+    ),
     "parallel axis with the wrong sign off the diagonal": (
         "_of_point",
         lambda f: lambda mass, arm: np.abs(f(mass, arm)),
         "points.inertia.xy",
     ),
-    "an ellipsoid with a sixth": ("of_ellipsoid", lambda f: lambda a, d: scaled(f(a, d), 5 / 6), "ellipsoid.inertia.zz"),
-    "a cylinder's axes swapped": ("of_cylinder", lambda f: lambda a, h, d: f(a[::-1], h, d), "elliptical-cylinder.inertia.xx"),
+    "an ellipsoid with a sixth": (
+        "of_ellipsoid",
+        lambda f: lambda a, d: scaled(f(a, d), 5 / 6),
+        "ellipsoid.inertia.zz",
+    ),
+    "a cylinder's axes swapped": (
+        "of_cylinder",
+        lambda f: lambda a, h, d: f(a[::-1], h, d),
+        "elliptical-cylinder.inertia.xx",
+    ),
 }
 
 
@@ -94,10 +170,16 @@ def test_wrong_mass_properties_are_seen(monkeypatch, fault):
 
 
 def test_a_hollow_that_is_added_and_a_turn_that_is_backwards_are_seen(monkeypatch):
-    monkeypatch.setattr(mass_properties.MassProperties, "__sub__", mass_properties.MassProperties.__add__)
+    monkeypatch.setattr(
+        mass_properties.MassProperties, "__sub__", mass_properties.MassProperties.__add__
+    )
     monkeypatch.setattr(solid_solver, "matrix", lambda q: quaternion.matrix(q).T)
     failed = failures("mass-properties", "moments-of-inertia")
-    assert {"hollow-cylinder.mass", "hollow-cuboid.inertia.xx", "turned-tetrahedron.inertia.xy"} <= failed
+    assert {
+        "hollow-cylinder.mass",
+        "hollow-cuboid.inertia.xx",
+        "turned-tetrahedron.inertia.xy",
+    } <= failed
 
 
 def test_a_face_the_wrong_way_round_is_seen(monkeypatch):
@@ -108,7 +190,9 @@ def test_a_face_the_wrong_way_round_is_seen(monkeypatch):
 
 
 def flipped(solid):
-    return Polyhedron(vertices=solid.vertices, faces=(tuple(reversed(solid.faces[0])), *solid.faces[1:]))
+    return Polyhedron(
+        vertices=solid.vertices, faces=(tuple(reversed(solid.faces[0])), *solid.faces[1:])
+    )
 
 
 @pytest.mark.parametrize("q", ["0,0,0,0", "1,0,0,0", "0,1,0,0", "0,1,2,3"])
@@ -123,7 +207,9 @@ def test_euler_angles_that_do_not_come_back_are_refused():
 
 
 def test_a_count_without_the_rank_is_seen(monkeypatch):
-    monkeypatch.setattr(freedom, "first_order_freedom", lambda points, rods: points.size - len(rods))
+    monkeypatch.setattr(
+        freedom, "first_order_freedom", lambda points, rods: points.size - len(rods)
+    )
     failed = failures("rotation-algebra", "degrees-of-freedom")
     assert {"rods-6-on-4-in-2d", "rods-10-on-5-in-3d", "rod-twice"} <= failed
 

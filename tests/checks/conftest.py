@@ -14,7 +14,13 @@ from refdem.core.trajectory import Cost, Trajectory
 from refdem.truth.sampled import sampled
 
 METHODS = {
-    "exact": Method(name="exact", summary="", control="exact", reversible=True, conserves=frozenset({"energy", "angular-momentum"})),
+    "exact": Method(
+        name="exact",
+        summary="",
+        control="exact",
+        reversible=True,
+        conserves=frozenset({"energy", "angular-momentum"}),
+    ),
     "first": Method(name="first", summary="", control="step", order=1),
     "second": Method(name="second", summary="", control="step", order=2, symplectic=True),
     "fourth": Method(name="fourth", summary="", control="step", order=4),
@@ -36,7 +42,10 @@ def true_run(of: Trial, until: int | None = None) -> Trajectory:
     """The trajectory that truth itself is."""
     truth, bodies = of.truth, of.instance.scene.bodies
     count, n = len(of.instance.times), len(bodies)
-    columns = {name: np.repeat(getattr(bodies, name)[None], count, axis=0) for name in ("position", "velocity", "attitude", "omega")}
+    columns = {
+        name: np.repeat(getattr(bodies, name)[None], count, axis=0)
+        for name in ("position", "velocity", "attitude", "omega")
+    }
     plain = {"x": ("position", 0), "y": ("position", 1), "z": ("position", 2), "v": ("velocity", 0)}
     plain |= {"vx": ("velocity", 0), "vy": ("velocity", 1), "vz": ("velocity", 2)}
     for name in truth.values:
@@ -45,7 +54,9 @@ def true_run(of: Trial, until: int | None = None) -> Trajectory:
             column, index = plain[name]
             columns[column][:, 0, index] = truth.value(name)
         elif head in ("attitude", "omega"):
-            columns[head][:, 0, ("wxyz" if head == "attitude" else "xyz").index(axis)] = truth.value(name)
+            columns[head][:, 0, ("wxyz" if head == "attitude" else "xyz").index(axis)] = (
+                truth.value(name)
+            )
         elif head[:-1] in ("r", "v", "omega") and head[-1] in "12" and n == 2:
             column = {"r": "position", "v": "velocity", "omega": "omega"}[head[:-1]]
             columns[column][:, int(head[-1]) - 1, "xyz".index(axis)] = truth.value(name)
@@ -56,8 +67,12 @@ def true_run(of: Trial, until: int | None = None) -> Trajectory:
     return Trajectory(t=of.instance.times, **columns)
 
 
-def findings(check: str, of: Trial, fault: Callable[[Trajectory, float], Trajectory] = lambda run, level: run):
-    """What a check finds when every run it needs is the true one, spoiled by `fault(run, level)`."""
+def findings(
+    check: str, of: Trial, fault: Callable[[Trajectory, float], Trajectory] = lambda run, level: run
+):
+    """What a check finds when every run it needs is the true one, spoiled by `fault(run,
+    level)`.
+    """
     found = discovery.check(check)
     reason = found.applies(of)
     assert reason is None, reason
@@ -66,7 +81,11 @@ def findings(check: str, of: Trial, fault: Callable[[Trajectory, float], Traject
         run = true_run(of)
         if variant.change == "denser_output":
             run = replace(
-                run, **{n: np.repeat(getattr(run, n), variant.amount, axis=0) for n in ("t", "position", "velocity", "attitude", "omega")}
+                run,
+                **{
+                    n: np.repeat(getattr(run, n), variant.amount, axis=0)
+                    for n in ("t", "position", "velocity", "attitude", "omega")
+                },
             )
         elif variant.goes_on:
             sign = -1.0 if variant.change == "reversed" else 1.0
@@ -78,7 +97,12 @@ def findings(check: str, of: Trial, fault: Callable[[Trajectory, float], Traject
                 omega=sign * run.omega[::-1],
             )
         runs[variant] = Outcome(
-            fault(run, variant.level) if variant.change not in ("repeated", "denser_output") else run, Cost(seconds=0.0)
+            (
+                fault(run, variant.level)
+                if variant.change not in ("repeated", "denser_output")
+                else run
+            ),
+            Cost(seconds=0.0),
         )
     return {finding.quantity: finding for finding in found.judge(of, runs)}
 

@@ -1,4 +1,6 @@
-"""The check of a capture counts the turns that a coarse sampling hides, and still sees a hook that brakes what it catches."""
+"""The check of a capture counts the turns that a coarse sampling hides, and still sees a hook that
+brakes what it catches.
+"""
 
 from dataclasses import replace
 
@@ -17,8 +19,12 @@ CHECK = discovery.check("capture")
 
 
 def outcomes(samples, *, turned=1.0, slowed=1.0):
-    """Findings of the reference's run over 40 s, its places turned about the hook or its speed slowed after the catch."""
-    instance = discovery.case("captured-mass").at(duration="40", samples=samples, speed="3", radius="3")
+    """Findings of the reference's run over 40 s, its places turned about the hook or its speed
+    slowed after the catch.
+    """
+    instance = discovery.case("captured-mass").at(
+        duration="40", samples=samples, speed="3", radius="3"
+    )
     trial = Trial(instance, ENGINE.method("exact-capture"), (0.0,), truth_of(instance))
     run, _ = ENGINE.run(Request(problem=instance.problem, method="exact-capture"))
     later = (run.t > 3.0).nonzero()[0]

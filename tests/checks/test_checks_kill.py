@@ -1,4 +1,6 @@
-"""Every check passes the true motion and is failed, in the quantity that is wrong, by the fault that it is there for."""
+"""Every check passes the true motion and is failed, in the quantity that is wrong, by the fault
+that it is there for.
+"""
 
 from dataclasses import replace
 
@@ -21,7 +23,13 @@ def scaled(column, factor, body=0, axis=0):
 
 def late(run, level):
     """Everything is one step old: the clock is off by one."""
-    return replace(run, **{name: np.concatenate([getattr(run, name)[:1], getattr(run, name)[:-1]]) for name in ("position", "velocity")})
+    return replace(
+        run,
+        **{
+            name: np.concatenate([getattr(run, name)[:1], getattr(run, name)[:-1]])
+            for name in ("position", "velocity")
+        },
+    )
 
 
 def growing(column, rate):
@@ -74,7 +82,11 @@ def jittering(run, level):
 
 
 def never_flips(run, level):
-    return replace(run, omega=np.abs(run.omega), attitude=np.broadcast_to([1.0, 0, 0, 0], run.attitude.shape).copy())
+    return replace(
+        run,
+        omega=np.abs(run.omega),
+        attitude=np.broadcast_to([1.0, 0, 0, 0], run.attitude.shape).copy(),
+    )
 
 
 def drawn_in(run, level):
@@ -130,7 +142,14 @@ KILLS = [
     ("constraint", "length", "pendulum", "exact", longer_rod, {}),
     ("constraint", "velocity", "pendulum", "exact", scaled("velocity", 1.001), {}),
     ("flight", "way", "two-spheres", "exact", scaled("position", 1 + 1e-9), {}),
-    ("equilibrium", "swing", "pendulum-equilibria", "exact", late, {"delta": "1e-3", "position": "bottom"}),
+    (
+        "equilibrium",
+        "swing",
+        "pendulum-equilibria",
+        "exact",
+        late,
+        {"delta": "1e-3", "position": "bottom"},
+    ),
     ("quaternion-norm", "norm", "free-rigid-body", "exact", unnormalised, {}),
     ("rest", "displacement", "newtons-first-law", "exact", jittering, {"member": "block"}),
     ("stop", "stop_position", "coulomb-oscillator", "exact", stopped_elsewhere, {}),
@@ -139,9 +158,30 @@ KILLS = [
     ("capture", "speed", "captured-mass", "exact", drawn_in, {}),
     ("capture", "inertia", "captured-mass", "exact", braked, {}),
     ("capture", "omega", "captured-mass", "exact", turned_faster, {}),
-    ("equilibrium", "departure", "pendulum-equilibria", "exact", scaled("position", 1.001), {"delta": "1e-4"}),
-    ("equilibrium", "departure", "pendulum-equilibria", "exact", growing("position", 1e-9), {"delta": "0"}),
-    ("equilibrium", "bounded", "pendulum-equilibria", "exact", growing("position", 1.0), {"delta": "1e-3", "position": "bottom"}),
+    (
+        "equilibrium",
+        "departure",
+        "pendulum-equilibria",
+        "exact",
+        scaled("position", 1.001),
+        {"delta": "1e-4"},
+    ),
+    (
+        "equilibrium",
+        "departure",
+        "pendulum-equilibria",
+        "exact",
+        growing("position", 1e-9),
+        {"delta": "0"},
+    ),
+    (
+        "equilibrium",
+        "bounded",
+        "pendulum-equilibria",
+        "exact",
+        growing("position", 1.0),
+        {"delta": "1e-3", "position": "bottom"},
+    ),
     ("flips", "flips", "intermediate-axis", "exact", never_flips, {}),
     ("reversal", "reversed", "harmonic-oscillator", "exact", growing("velocity", 1e-6), {}),
     ("determinism", "repeated", "harmonic-oscillator", "exact", scaled("position", 1 + 1e-15), {}),
@@ -149,7 +189,9 @@ KILLS = [
 
 
 @pytest.mark.parametrize(("check", "quantity", "case", "method", "fault", "given"), KILLS)
-def test_a_check_is_failed_by_its_fault_in_the_quantity_that_is_wrong(judge, check, quantity, case, method, fault, given):
+def test_a_check_is_failed_by_its_fault_in_the_quantity_that_is_wrong(
+    judge, check, quantity, case, method, fault, given
+):
     clean = judge(check, case, method, **given)
     assert {name: f.sentence for name, f in clean.items() if f.outcome != "pass"} == {}
     spoiled = judge(check, case, method, fault, **given)[quantity]
@@ -158,9 +200,21 @@ def test_a_check_is_failed_by_its_fault_in_the_quantity_that_is_wrong(judge, che
 
 
 OWN = {
-    "apsides", "lyapunov", "bounces", "symmetry", "convergence", "second-integral", "top", "cooling", "roughness", "phase-area",
-    "contact-channels", "limit", "event-times", "contact-impulse",
-}  # fmt: skip
+    "apsides",
+    "lyapunov",
+    "bounces",
+    "symmetry",
+    "convergence",
+    "second-integral",
+    "top",
+    "cooling",
+    "roughness",
+    "phase-area",
+    "contact-channels",
+    "limit",
+    "event-times",
+    "contact-impulse",
+}
 """Checks whose faults are in tests of their own."""
 
 

@@ -1,4 +1,6 @@
-"""Overlap and contact force that a run writes are those of its state; the reference's pass, spoiled ones do not."""
+"""Overlap and contact force that a run writes are those of its state; the reference's pass, spoiled
+ones do not.
+"""
 
 from dataclasses import replace
 
@@ -17,13 +19,24 @@ REFERENCE = discovery.engine("reference")
 def outcomes(case, spoiled=lambda channels: channels, named=None, **given):
     """Outcome by quantity of the reference's cheapest method, or of the one named."""
     instance = discovery.case(case).at(**given)
-    method = next(m for m in REFERENCE.methods if REFERENCE.refuses(instance.problem, m) is None and named in (None, m.name))
+    method = next(
+        m
+        for m in REFERENCE.methods
+        if REFERENCE.refuses(instance.problem, m) is None and named in (None, m.name)
+    )
     levels = (0.0,) if method.control == "exact" else (float(instance.times[1]) / 64,)
     step = None if method.control == "exact" else levels[0]
     run, _ = REFERENCE.run(Request(problem=instance.problem, method=method.name, step=step))
     trial = Trial(instance, method, levels, None)
     assert CHECK.applies(trial) is None
-    found = CHECK.judge(trial, {trial.finest: Outcome(replace(run, channels=spoiled(dict(run.channels))), Cost(seconds=0.0))})
+    found = CHECK.judge(
+        trial,
+        {
+            trial.finest: Outcome(
+                replace(run, channels=spoiled(dict(run.channels))), Cost(seconds=0.0)
+            )
+        },
+    )
     return {finding.quantity: finding.outcome for finding in found}
 
 
@@ -55,7 +68,12 @@ def test_what_the_reference_writes_belongs_to_its_state(case, given):
     ],
 )
 def test_channels_of_another_state_are_seen(channel, spoil):
-    assert outcomes("two-spheres", lambda channels: {**channels, channel: spoil(channels[channel])})[channel] == "fail"
+    assert (
+        outcomes("two-spheres", lambda channels: {**channels, channel: spoil(channels[channel])})[
+            channel
+        ]
+        == "fail"
+    )
 
 
 def test_a_run_without_them_is_not_judged():
@@ -67,20 +85,31 @@ EFFECTIVE_MASS = 0.75
 
 
 def of_velocities(steps):
-    """Where the dashpot of the reference's leapfrog takes its velocities so many steps before the row."""
+    """Where the dashpot of the reference's leapfrog takes its velocities so many steps before the
+    row.
+    """
     instance = discovery.case("two-spheres").at(**DAMPED)
     part = 1.0 - 4.0 * steps * float(instance.times[1]) / 64 / EFFECTIVE_MASS
     return lambda channels: {**channels, "contact_force": channels["contact_force"] / part}
 
 
-@pytest.mark.parametrize(("steps", "outcome"), [(0.0, "pass"), (0.5, "pass"), (1.0, "fail"), (-0.5, "fail")])
+@pytest.mark.parametrize(
+    ("steps", "outcome"), [(0.0, "pass"), (0.5, "pass"), (1.0, "fail"), (-0.5, "fail")]
+)
 def test_a_dashpot_may_have_the_velocities_of_half_a_step_before_as_a_leapfrog_has(steps, outcome):
-    assert outcomes("two-spheres", of_velocities(steps), "velocity-verlet", **DAMPED)["contact_force"] == outcome
+    assert (
+        outcomes("two-spheres", of_velocities(steps), "velocity-verlet", **DAMPED)["contact_force"]
+        == outcome
+    )
 
 
 def test_a_force_that_a_truncation_error_would_hide_is_seen():
-    """In steps too it is a number of its row: a stiffness that is a billionth too large where it is written."""
+    """In steps too it is a number of its row: a stiffness that is a billionth too large where it is
+    written.
+    """
     found = outcomes(
-        "hertz-spheres", lambda channels: {**channels, "contact_force": channels["contact_force"] * (1 + 1e-9)}, "velocity-verlet"
+        "hertz-spheres",
+        lambda channels: {**channels, "contact_force": channels["contact_force"] * (1 + 1e-9)},
+        "velocity-verlet",
     )
     assert found["contact_force"] == "fail"

@@ -1,4 +1,6 @@
-"""Impulses between samples are those of the law at any step for correct codes; a limit that is late, or a wrong law, is outside."""
+"""Impulses between samples are those of the law at any step for correct codes; a limit that is
+late, or a wrong law, is outside.
+"""
 
 from dataclasses import replace
 
@@ -12,7 +14,14 @@ from refdem.faults.fault import Fault
 from refdem.faults.transparent import Transparent
 from refdem.scene.elements.contact import Contact
 
-SCRAPE = {"damping": "1/2", "friction": "1/12", "angle": "1", "masses": "1,2", "radii": "1/2,5/8", "spins": "0,0,1/8,0,0,-1/16"}
+SCRAPE = {
+    "damping": "1/2",
+    "friction": "1/12",
+    "angle": "1",
+    "masses": "1,2",
+    "radii": "1/2,5/8",
+    "spins": "0,0,1/8,0,0,-1/16",
+}
 PUSHES = SCRAPE | {"cutoff": "zero_force"}
 IN_SPACE = SCRAPE | {"damping": "0", "spins": "1,0,1/2,0,-2,1"}
 REMEMBERS = SCRAPE | {"tangential_stiffness": "64", "damping": "0"}
@@ -21,19 +30,33 @@ FIRST = {"contact": 1, "friction": 1}
 
 
 class OfFirstOrder(Transparent):
-    """The transparent engine with a claim of first order where forces jump, and so with wide bounds on its errors."""
+    """The transparent engine with a claim of first order where forces jump, and so with wide bounds
+    on its errors.
+    """
 
-    methods = tuple(replace(method, order_with=FIRST, locates_events=False) for method in Transparent.methods)
+    methods = tuple(
+        replace(method, order_with=FIRST, locates_events=False) for method in Transparent.methods
+    )
 
 
 def found(engine, method, given, case="two-spheres"):
     """The findings of the check alone, by quantity."""
     instance = discovery.case(case).at(**given)
     task = task_of(engine, method, instance, truth_of(instance), 3, ("contact-impulse",))
-    return {finding.quantity: finding for finding in record_of(task).findings if finding.check == "contact-impulse"}
+    return {
+        finding.quantity: finding
+        for finding in record_of(task).findings
+        if finding.check == "contact-impulse"
+    }
 
 
-SETTINGS = {"scrape": SCRAPE, "pushes": PUSHES, "in space": IN_SPACE, "remembers": REMEMBERS, "knock": KNOCK}
+SETTINGS = {
+    "scrape": SCRAPE,
+    "pushes": PUSHES,
+    "in space": IN_SPACE,
+    "remembers": REMEMBERS,
+    "knock": KNOCK,
+}
 
 
 @pytest.mark.parametrize("name", SETTINGS)
@@ -46,11 +69,17 @@ def test_impulses_of_a_correct_code_are_those_of_the_law_at_the_coarsest_step(na
     assert set(seen) == ({"normal", "cone"} if slides else {"normal"})
 
 
-@pytest.mark.parametrize(("case", "given"), [("two-spheres", SCRAPE), ("two-spheres", REMEMBERS), ("hertz-spheres", {})])
+@pytest.mark.parametrize(
+    ("case", "given"), [("two-spheres", SCRAPE), ("two-spheres", REMEMBERS), ("hertz-spheres", {})]
+)
 def test_every_method_of_the_reference_that_steps_holds_it(case, given):
     engine = discovery.engine("reference")
     instance = discovery.case(case).at(**given)
-    able = [m.name for m in engine.methods if m.control == "step" and engine.refuses(instance.problem, m) is None]
+    able = [
+        m.name
+        for m in engine.methods
+        if m.control == "step" and engine.refuses(instance.problem, m) is None
+    ]
     assert able
     for method in able:
         assert {f.outcome for f in found(engine, method, given, case).values()} == {"pass"}, method
@@ -72,14 +101,20 @@ LATE, WITHOUT = chosen(["contact-limit-late", "contact-limit-without-damping"])
 
 
 @pytest.mark.parametrize("planted", [fault(friction=scaled(1.05)), LATE], ids=["larger", "late"])
-def test_a_limit_of_friction_that_is_too_large_or_late_is_outside_the_cone_at_the_coarsest_step(planted):
+def test_a_limit_of_friction_that_is_too_large_or_late_is_outside_the_cone_at_the_coarsest_step(
+    planted,
+):
     cone = found(planted.carrier(), "verlet", SCRAPE)["cone"]
     assert cone.outcome == "fail", cone.sentence
 
 
 @pytest.mark.parametrize(
     "planted",
-    [fault(cutoff=lambda _: "zero_force"), fault(damping=scaled(0.5)), fault(stiffness=scaled(1.25))],
+    [
+        fault(cutoff=lambda _: "zero_force"),
+        fault(damping=scaled(0.5)),
+        fault(stiffness=scaled(1.25)),
+    ],
     ids=["tail cut", "damping halved", "stiffer"],
 )
 def test_a_law_that_is_wrong_within_the_bound_of_first_order_is_seen_at_the_coarsest_step(planted):

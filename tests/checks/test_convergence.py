@@ -1,4 +1,6 @@
-"""Convergence where there is no truth: Verlet's own formula converges with order 2, and a first-order error in it is seen."""
+"""Convergence where there is no truth: Verlet's own formula converges with order 2, and a
+first-order error in it is seen.
+"""
 
 from dataclasses import replace
 
@@ -21,7 +23,9 @@ def blind(method=SECOND):
 
 
 def verlet(trial, step, first_order=0.0):
-    """What velocity Verlet gives: x = cos(w t) with sin(w h/2) = h/2 (Hairer, Lubich and Wanner 2006, section I.5)."""
+    """What velocity Verlet gives: x = cos(w t) with sin(w h/2) = h/2 (Hairer, Lubich and Wanner
+    2006, section I.5).
+    """
     t = trial.instance.times
     rate = 2 * np.arcsin(step / 2) / step
     position, velocity = np.zeros((2, len(t), 1, 3))
@@ -33,7 +37,9 @@ def verlet(trial, step, first_order=0.0):
 def judged(trial, first_order=0.0):
     check = discovery.check("convergence")
     assert check.applies(trial) is None
-    (finding,) = check.judge(trial, {v: verlet(trial, v.level, first_order) for v in check.needs(trial)})
+    (finding,) = check.judge(
+        trial, {v: verlet(trial, v.level, first_order) for v in check.needs(trial)}
+    )
     return finding
 
 

@@ -31,11 +31,21 @@ def slimmer(request: Request) -> Request:
 
 
 def fault(name: str, before) -> Fault:
-    return Fault(name=name, kind="gas", sentence="A wrong gas.", on=(), sees=("cooling", "temperature"), before=before)
+    return Fault(
+        name=name,
+        kind="gas",
+        sentence="A wrong gas.",
+        on=(),
+        sees=("cooling", "temperature"),
+        before=before,
+    )
 
 
 FAULTS = {
-    "restitution": (fault("restitution", of_elements(Contact, damping=scaled(1.2))), {"temperature", "loss"}),
+    "restitution": (
+        fault("restitution", of_elements(Contact, damping=scaled(1.2))),
+        {"temperature", "loss"},
+    ),
     "missed contacts": (fault("missed", slimmer), {"collisions"}),
     "box": (fault("box", of_elements(PeriodicBox, size=scaled(1.05))), {"collisions"}),
 }
@@ -52,7 +62,9 @@ def findings(engine_fault: str = "", **given: str):
         return reason
     engine = Carrier(ENGINE, FAULTS[engine_fault][0]) if engine_fault else ENGINE
     run, _ = engine.run(Request(problem=instance.motion, method="gas", step=step))
-    return {f.quantity: f for f in CHECK.judge(trial, {trial.finest: Outcome(run, Cost(seconds=0.0))})}
+    return {
+        f.quantity: f for f in CHECK.judge(trial, {trial.finest: Outcome(run, Cost(seconds=0.0))})
+    }
 
 
 @pytest.mark.parametrize("seed", ["1", "2", "3"])
@@ -71,7 +83,11 @@ def test_a_wrong_gas_fails_where_it_should(name):
 
 def test_an_elastic_gas_keeps_its_temperature_and_maxwells_velocities():
     found = findings(n="1000", restitution="1", duration="8")
-    assert {name: f.outcome for name, f in found.items()} == {"temperature": "pass", "kurtosis": "pass", "collisions": "pass"}
+    assert {name: f.outcome for name, f in found.items()} == {
+        "temperature": "pass",
+        "kurtosis": "pass",
+        "collisions": "pass",
+    }
 
 
 def test_velocities_that_are_not_maxwells_are_seen():
@@ -79,7 +95,9 @@ def test_velocities_that_are_not_maxwells_are_seen():
     assert abs(gas.velocity_kurtosis(velocity)) > 4 * gas.kurtosis_error(1000) + 0.05
 
 
-@pytest.mark.parametrize(("given", "why"), [({"density": "1/4"}, "dilute"), ({"restitution": "1/4"}, "restitution")])
+@pytest.mark.parametrize(
+    ("given", "why"), [({"density": "1/4"}, "dilute"), ({"restitution": "1/4"}, "restitution")]
+)
 def test_nothing_is_judged_where_the_theory_does_not_hold(given, why):
     found = findings(n="30", duration="2", **given)
     assert found["temperature"].outcome == "undecided"
@@ -89,7 +107,9 @@ def test_nothing_is_judged_where_the_theory_does_not_hold(given, why):
 def test_collisions_that_are_not_over_at_the_end_have_not_lost_all_yet():
     found = findings(n="20000", duration="1/16", samples="2")
     assert found["loss"].value > 0.1
-    assert found.pop("temperature").outcome == "undecided"  # it falls by less than ten standard errors in so short a time
+    assert (
+        found.pop("temperature").outcome == "undecided"
+    )  # it falls by less than ten standard errors in so short a time
     assert {f.outcome for f in found.values()} == {"pass"}
 
 

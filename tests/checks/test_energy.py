@@ -1,4 +1,6 @@
-"""Energy where it is lost, where springs hold some of it, and where the zero of a potential is anybody's choice."""
+"""Energy where it is lost, where springs hold some of it, and where the zero of a potential is
+anybody's choice.
+"""
 
 from dataclasses import replace
 
@@ -28,12 +30,16 @@ class Spoiled(Transparent):
 
 def findings(case, change=lambda run: run, **given):
     instance = discovery.case(case).at(**given)
-    record = record_of(task_of(Spoiled(change), "verlet", instance, truth_of(instance), 3, ("energy",)))
+    record = record_of(
+        task_of(Spoiled(change), "verlet", instance, truth_of(instance), 3, ("energy",))
+    )
     return {finding.quantity: finding.outcome for finding in record.findings}
 
 
 def negative_work(run):
-    return replace(run, channels=run.channels | {"dissipated_work": -run.channels["dissipated_work"]})
+    return replace(
+        run, channels=run.channels | {"dissipated_work": -run.channels["dissipated_work"]}
+    )
 
 
 def test_work_that_comes_back_from_friction_is_a_fault_even_if_the_balance_holds():
@@ -61,7 +67,9 @@ def test_what_a_drive_brings_in_is_counted_and_may_come_and_go():
     scaled = {"dissipated_work": 1 + 1e-9}
     wrong = of_reference(
         "taylor-oscillator",
-        lambda run: replace(run, channels={name: run.channels[name] * factor for name, factor in scaled.items()}),
+        lambda run: replace(
+            run, channels={name: run.channels[name] * factor for name, factor in scaled.items()}
+        ),
         x0="0",
         f0="2",
         delta="0",
@@ -78,20 +86,34 @@ def test_a_closed_form_that_does_not_count_what_a_drive_brings_in_is_not_judged_
 
 @pytest.mark.parametrize(
     ("case", "given"),
-    [("driven-oscillator", {"x0": "0"}), ("duffing", {"alpha": "-1", "beta": "2"}), ("duffing", {"alpha": "-1", "amplitude": "1e-3"})],
+    [
+        ("driven-oscillator", {"x0": "0"}),
+        ("duffing", {"alpha": "-1", "beta": "2"}),
+        ("duffing", {"alpha": "-1", "amplitude": "1e-3"}),
+    ],
 )
 def test_the_scale_of_energy_does_not_vanish_where_terms_cancel_or_nothing_moves_yet(case, given):
     instance = discovery.case(case).at(**given)
     assert energy_scale(instance) > 0.05 * instance.scales.energy
 
 
-STICKING = {"angle": "1/2", "friction": "1/4", "tangential_stiffness": "96", "spins": "0,0,1,0,0,-2", "masses": "1,3"}
+STICKING = {
+    "angle": "1/2",
+    "friction": "1/4",
+    "tangential_stiffness": "96",
+    "spins": "0,0,1,0,0,-2",
+    "masses": "1,3",
+}
 
 
 def test_a_contact_with_tangential_springs_never_gains_energy():
     assert findings("two-spheres", **STICKING)["balance"] == "pass"
     faster = findings(
-        "two-spheres", lambda run: replace(run, velocity=run.velocity * np.linspace(1, 1.5, len(run.t))[:, None, None]), **STICKING
+        "two-spheres",
+        lambda run: replace(
+            run, velocity=run.velocity * np.linspace(1, 1.5, len(run.t))[:, None, None]
+        ),
+        **STICKING,
     )
     assert faster["balance"] == "fail"
 
@@ -104,7 +126,16 @@ def test_the_scale_of_a_pendulums_energy_does_not_vanish_where_its_potential_doe
 
 def test_a_number_that_is_none_is_the_worst_of_all():
     values = np.array([0.0, np.nan, 0.5])
-    finding = worst(check="c", quantity="q", t=np.arange(3.0), values=values, allowed=1.0, unit="1", basis="b", what="w")
+    finding = worst(
+        check="c",
+        quantity="q",
+        t=np.arange(3.0),
+        values=values,
+        allowed=1.0,
+        unit="1",
+        basis="b",
+        what="w",
+    )
     assert finding.outcome == "fail"
 
 
@@ -112,11 +143,15 @@ def test_of_two_terms_each_may_be_off_by_the_bound_on_the_state(judge):
     found = judge("energy", "harmonic-oscillator", "exact")["balance"]
     instance = discovery.case("harmonic-oscillator").at()
     method = Method(name="exact", summary="", control="exact", conserves=frozenset({"energy"}))
-    assert found.bound == pytest.approx(2 * Trial(instance, method, (0.0,), None).round_off(0.0), rel=1e-12)
+    assert found.bound == pytest.approx(
+        2 * Trial(instance, method, (0.0,), None).round_off(0.0), rel=1e-12
+    )
 
 
 def test_the_bound_of_a_balance_is_two_errors_of_the_state():
-    """Kinetic and potential energy each err by what the state may: the bound at a sample is twice that, and no more."""
+    """Kinetic and potential energy each err by what the state may: the bound at a sample is twice
+    that, and no more.
+    """
     instance = discovery.case("harmonic-oscillator").at()
     task = task_of(Transparent(), "verlet", instance, truth_of(instance), 3, ("energy",))
     found = {finding.quantity: finding for finding in record_of(task).findings}

@@ -1,4 +1,6 @@
-"""The error at the finest level is held to what the run still changed by, of steps and of tolerances."""
+"""The error at the finest level is held to what the run still changed by, of steps and of
+tolerances.
+"""
 
 from dataclasses import replace
 
@@ -10,7 +12,9 @@ from refdem.faults.fault import Fault
 
 
 def off_by(part):
-    """Velocities and spins go wrong in the course of time, at the end by a part, whatever the tolerance."""
+    """Velocities and spins go wrong in the course of time, at the end by a part, whatever the
+    tolerance.
+    """
 
     def after(request, run):
         grown = (1 + part * run.t / run.t[-1])[:, None, None]
@@ -26,8 +30,12 @@ def test_what_no_tolerance_removes_is_seen_below_a_thousand_times_the_tolerance(
     instance = discovery.case(case).at()
     truth = truth_of(instance)
     carriers = (engine, off_by(part).carrier(engine))
-    sound, wrong = (record_of(task_of(carrier, "bs", instance, truth, 4, ("error",))) for carrier in carriers)
-    assert {f.quantity: f.sentence for f in sound.findings if f.check == "error" and f.outcome != "pass"} == {}
+    sound, wrong = (
+        record_of(task_of(carrier, "bs", instance, truth, 4, ("error",))) for carrier in carriers
+    )
+    assert {
+        f.quantity: f.sentence for f in sound.findings if f.check == "error" and f.outcome != "pass"
+    } == {}
     failed = [f for f in wrong.findings if f.check == "error" and f.outcome == "fail"]
     assert failed
     assert "changed by so little with the last" in failed[0].sentence

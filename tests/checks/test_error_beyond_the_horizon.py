@@ -1,4 +1,6 @@
-"""What the last halvings of the step leave bounds the error also where the bound on the state has passed its horizon."""
+"""What the last halvings of the step leave bounds the error also where the bound on the state has
+passed its horizon.
+"""
 
 from dataclasses import replace
 
@@ -30,8 +32,12 @@ def spun_too_far(run):
     return replace(run, omega=np.where(late, 0.98, 1.0) * run.omega)
 
 
-@pytest.mark.parametrize(("fault", "failed"), [(sound, set()), (spun_too_far, {"omega1.z", "omega2.z"})])
-def test_an_error_that_no_step_removes_is_seen_beyond_the_horizon_of_a_method_of_first_order(fault, failed):
+@pytest.mark.parametrize(
+    ("fault", "failed"), [(sound, set()), (spun_too_far, {"omega1.z", "omega2.z"})]
+)
+def test_an_error_that_no_step_removes_is_seen_beyond_the_horizon_of_a_method_of_first_order(
+    fault, failed
+):
     instance = discovery.case("two-spheres").at(**STIFF)
     truth = truth_of(instance)
     (task,) = plan.tasks(SPECIFICATION, instance, ("error",), discovery.engine("reference"), truth)
@@ -47,13 +53,21 @@ def test_an_error_that_no_step_removes_is_seen_beyond_the_horizon_of_a_method_of
 
 
 STRADDLED = {
-    **{"mass": "0.965", "stiffness": "1.04", "friction_force": "0.114", "x0": "1.34", "v0": "0.362"},
+    **{
+        "mass": "0.965",
+        "stiffness": "1.04",
+        "friction_force": "0.114",
+        "x0": "1.34",
+        "v0": "0.362",
+    },
     **{"duration": "11.56", "samples": "16"},
 }
 
 
 def rubbed(instance, step):
-    """Velocity Verlet for the Coulomb oscillator; friction takes as much of the velocity as there is, at each half kick."""
+    """Velocity Verlet for the Coulomb oscillator; friction takes as much of the velocity as there
+    is, at each half kick.
+    """
     slider, spring = instance.scene.elements
     if slider.kind == "spring":
         slider, spring = spring, slider
@@ -74,13 +88,21 @@ def rubbed(instance, step):
 
 
 def test_a_kink_shortly_before_the_end_of_a_long_step_is_met_alike_by_all_its_halves():
-    """The velocity crosses zero so near the end of such a step that three halvings leave the same error."""
+    """The velocity crosses zero so near the end of such a step that three halvings leave the same
+    error.
+    """
     instance = discovery.case("coulomb-oscillator").at(**STRADDLED)
     truth = truth_of(instance)
     specification = Specification(name="test", case=[], levels=4, most_steps=2e4)
     engine = discovery.engine("reference")
-    task = next(t for t in plan.tasks(specification, instance, ("error",), engine, truth) if t.refusal is None)
-    method = replace(task.trial.method, control="step", order=2, order_with={"friction": 1}, locates_events=False)
+    task = next(
+        t
+        for t in plan.tasks(specification, instance, ("error",), engine, truth)
+        if t.refusal is None
+    )
+    method = replace(
+        task.trial.method, control="step", order=2, order_with={"friction": 1}, locates_events=False
+    )
     levels = tuple(instance.problem.interval / 2.0**n for n in (7, 8, 9, 10))
     trial = replace(task.trial, method=method, levels=levels, truth=truth)
     runs = {}

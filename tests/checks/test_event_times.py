@@ -1,4 +1,6 @@
-"""Times of events: the reference's are certified ones, wrong ones are seen, and the bound is what errors of the state can do."""
+"""Times of events: the reference's are certified ones, wrong ones are seen, and the bound is what
+errors of the state can do.
+"""
 
 from dataclasses import replace
 from fractions import Fraction
@@ -20,7 +22,13 @@ REFERENCE = discovery.engine("reference")
 TRUTHS = {}
 BELT = {"x0": "2"}
 WALL = {"member": "dem-05-hertz"}
-OBLIQUE = {"angle": "1/2", "friction": "1/4", "tangential_stiffness": "96", "masses": "1,3", "radii": "1/2,3/4"}
+OBLIQUE = {
+    "angle": "1/2",
+    "friction": "1/4",
+    "tangential_stiffness": "96",
+    "masses": "1,3",
+    "radii": "1/2,3/4",
+}
 
 
 def trial_of(case, method, **given):
@@ -37,7 +45,9 @@ def trial_of(case, method, **given):
 def run_of(trial):
     """The run of the finest level."""
     step = trial.levels[-1] if trial.method.control == "step" else None
-    return REFERENCE.run(Request(problem=trial.instance.problem, method=trial.method.name, step=step))[0]
+    return REFERENCE.run(
+        Request(problem=trial.instance.problem, method=trial.method.name, step=step)
+    )[0]
 
 
 def found(trial, change=lambda events: events):
@@ -45,7 +55,10 @@ def found(trial, change=lambda events: events):
     assert CHECK.applies(trial) is None
     run = run_of(trial)
     spoiled = replace(run, events=tuple(change(run.events)))
-    return {finding.quantity: finding for finding in CHECK.judge(trial, {trial.finest: Outcome(spoiled, Cost(seconds=0.0))})}
+    return {
+        finding.quantity: finding
+        for finding in CHECK.judge(trial, {trial.finest: Outcome(spoiled, Cost(seconds=0.0))})
+    }
 
 
 @pytest.mark.parametrize(
@@ -70,7 +83,9 @@ def found(trial, change=lambda events: events):
 def test_the_reference_tells_certified_times(case, method, given, kinds):
     seen = found(trial_of(case, method, **given))
     assert set(seen) == kinds
-    assert {kind: finding.sentence for kind, finding in seen.items() if finding.outcome != "pass"} == {}
+    assert {
+        kind: finding.sentence for kind, finding in seen.items() if finding.outcome != "pass"
+    } == {}
 
 
 def moved(kind, by):
@@ -83,15 +98,39 @@ def moved(kind, by):
     [
         ("stick-slip", "stick-slip", BELT, "stick", moved("stick", 1e-10)),
         ("stick-slip", "stick-slip", BELT, "slip", moved("slip", -1e-10)),
-        ("stick-slip", "stick-slip", BELT, "slip", lambda events: [e for e in events if e.time < 10]),
-        ("stick-slip", "stick-slip", BELT, "slip", lambda events: [*events, Event(events[0].time, "slip", 0)]),
+        (
+            "stick-slip",
+            "stick-slip",
+            BELT,
+            "slip",
+            lambda events: [e for e in events if e.time < 10],
+        ),
+        (
+            "stick-slip",
+            "stick-slip",
+            BELT,
+            "slip",
+            lambda events: [*events, Event(events[0].time, "slip", 0)],
+        ),
         ("coulomb-oscillator", "exact-coulomb", {}, "stop", moved("stop", 1e-10)),
         ("two-spheres", "exact-head-on", {}, "release", moved("release", 1e-10)),
-        ("two-spheres", "exact-head-on", {}, "contact", lambda events: [*events, Event(0.1, "contact", 0)]),
+        (
+            "two-spheres",
+            "exact-head-on",
+            {},
+            "contact",
+            lambda events: [*events, Event(0.1, "contact", 0)],
+        ),
         ("two-spheres", "velocity-verlet", {}, "release", moved("release", 2e-4)),
         ("two-spheres", "rk4", {}, "release", moved("release", 1e-8)),
         ("hertz-spheres", "rk4", {}, "release", moved("release", 1e-5)),
-        ("two-spheres", "exact-head-on", {"damping": "40"}, "release", lambda events: [Event(0.05, "release", 0)]),
+        (
+            "two-spheres",
+            "exact-head-on",
+            {"damping": "40"},
+            "release",
+            lambda events: [Event(0.05, "release", 0)],
+        ),
         ("hertz-spheres", "exact-hertz", {}, "release", moved("release", 1e-10)),
         ("wedge-collision", "exact-wedge", {}, "release", moved("release", 1e-10)),
         ("impact-benchmarks", "exact-hertz-wall", WALL, "release", moved("release", 1e-14)),
@@ -105,13 +144,22 @@ def test_events_that_are_wrong_are_seen(case, method, given, kind, change):
 
 def test_an_event_may_be_told_for_both_bodies_and_others_are_not_judged():
     trial = trial_of("two-spheres", "exact-head-on")
-    seen = found(trial, lambda events: [*events, *(Event(e.time, e.kind, 1) for e in events), Event(0.1, "sparks", 0)])
+    seen = found(
+        trial,
+        lambda events: [
+            *events,
+            *(Event(e.time, e.kind, 1) for e in events),
+            Event(0.1, "sparks", 0),
+        ],
+    )
     assert {kind: finding.outcome for kind, finding in seen.items()} == {"release": "pass"}
     assert found(trial, lambda events: ()) == {}
 
 
 def test_a_touch_that_is_there_from_the_start_may_be_told_but_need_not():
-    seen = found(trial_of("two-spheres", "exact-head-on"), lambda events: [Event(0.0, "contact", 0), *events])
+    seen = found(
+        trial_of("two-spheres", "exact-head-on"), lambda events: [Event(0.0, "contact", 0), *events]
+    )
     assert seen["contact"].outcome == "pass"
 
 
@@ -129,7 +177,9 @@ def test_what_comes_too_slowly_is_not_decided():
     seen = found(trial)["release"]
     assert seen.outcome == "undecided"
     assert "comes so slowly" in seen.sentence
-    assert found(trial, moved("release", 1.0))["release"].outcome == "undecided"  # no verdict, not a lenient one
+    assert (
+        found(trial, moved("release", 1.0))["release"].outcome == "undecided"
+    )  # no verdict, not a lenient one
 
 
 def test_a_crowd_is_left_alone_without_a_look_at_every_pair():
@@ -139,7 +189,9 @@ def test_a_crowd_is_left_alone_without_a_look_at_every_pair():
 
 
 def test_without_truth_nothing_is_decided():
-    trial = replace(trial_of("two-spheres", "exact-head-on"), truth=None, truth_reason="nobody knows")
+    trial = replace(
+        trial_of("two-spheres", "exact-head-on"), truth=None, truth_reason="nobody knows"
+    )
     assert [(f.quantity, f.outcome) for f in found(trial).values()] == [("release", "undecided")]
 
 
@@ -154,7 +206,12 @@ def test_a_zero_that_is_reached_in_time_is_the_root_and_one_that_grazes_is_none(
 
 def test_rates_on_the_belt_are_those_of_the_certified_motion():
     trial = trial_of("stick-slip", "stick-slip", **BELT)
-    truth, p, scales, known = trial.instance.truth(), trial.instance.p, trial.instance.scales, crossings(trial, trial.truth)
+    truth, p, scales, known = (
+        trial.instance.truth(),
+        trial.instance.p,
+        trial.instance.scales,
+        crossings(trial, trial.truth),
+    )
     h = Fraction(1, 10**6)
     assert len(known["stick"]) > 1
     for one in known["stick"]:
@@ -164,7 +221,9 @@ def test_rates_on_the_belt_are_those_of_the_certified_motion():
     for one in known["slip"]:
         t = Fraction(one.time) - h
         pull = p.gamma * np.cos(p.eta * float(t)) - float(truth.at(t)["x"].mid) - static
-        assert (p.a * p.mu0 - abs(pull)) / float(h) / scales.length == pytest.approx(one.rate, rel=1e-4)
+        assert (p.a * p.mu0 - abs(pull)) / float(h) / scales.length == pytest.approx(
+            one.rate, rel=1e-4
+        )
 
 
 @pytest.mark.parametrize("given", [{"damping": "3"}, OBLIQUE])
@@ -196,13 +255,20 @@ def test_an_error_of_the_state_moves_events_by_no_more_than_the_bound(case, meth
     duration = {"duration": str(float(trial.instance.scales.duration))}
     run, other = run_of(trial), None
     near = discovery.case(case).at(**(given | duration | change))
-    other = REFERENCE.run(Request(problem=trial.instance.problem.__class__(near.scene, trial.instance.times), method=method))[0]
+    other = REFERENCE.run(
+        Request(
+            problem=trial.instance.problem.__class__(near.scene, trial.instance.times),
+            method=method,
+        )
+    )[0]
     apart = {q.name: np.abs(a - b) / q.scale for q, a, b in observed(trial.instance, run, other)}
     known, compared = crossings(trial, trial.truth), 0
     for event, moved in zip(run.events, other.events, strict=True):
         (one,) = [one for one in known[event.kind] if abs(one.time - event.time) < 1e-9]
         last = int(np.searchsorted(run.t, event.time)) - 1
-        error = max(float(np.max(values[: last + 1])) for values in apart.values()) * exp(one.growth * (event.time - run.t[last]))
+        error = max(float(np.max(values[: last + 1])) for values in apart.values()) * exp(
+            one.growth * (event.time - run.t[last])
+        )
         assert 0 < abs(moved.time - event.time) <= 1.01 * shift(error, one)
         compared += 1
     assert compared

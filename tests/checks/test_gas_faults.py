@@ -1,4 +1,6 @@
-"""Faults that codes for many particles have, each on the reference's own run of a gas, and the checks that see them."""
+"""Faults that codes for many particles have, each on the reference's own run of a gas, and the
+checks that see them.
+"""
 
 from dataclasses import replace
 from functools import cache
@@ -21,7 +23,9 @@ from refdem.truth.sampled import sampled
 SMOOTH = {"n": "4000", "duration": "8", "restitution": "4/5", "samples": "8"}
 ROUGH = {"n": "4000", "duration": "4", "restitution": "1", "friction": "1000", "samples": "8"}
 REBUILT, SELDOM = 50, 400
-"""Steps from one list of neighbours to the next, and from one piece to the next where that is not the fault."""
+"""Steps from one list of neighbours to the next, and from one piece to the next where that is not
+the fault.
+"""
 
 
 def right(request: Request) -> Trajectory:
@@ -31,7 +35,10 @@ def right(request: Request) -> Trajectory:
 def wrong_restitution(request: Request) -> Trajectory:
     """The dashpot acts twice."""
     scene = request.problem.scene
-    elements = tuple(replace_field(e, damping=2 * e.damping) if isinstance(e, Contact) else e for e in scene.elements)
+    elements = tuple(
+        replace_field(e, damping=2 * e.damping) if isinstance(e, Contact) else e
+        for e in scene.elements
+    )
     return right(request.with_scene(Scene(scene.bodies, elements)))
 
 
@@ -45,7 +52,10 @@ def no_images(request: Request) -> Trajectory:
 def wrong_images(request: Request) -> Trajectory:
     """Images along x are a diameter too near."""
     scene = request.problem.scene
-    elements = tuple(replace_field(e, size=e.size - 1.0) if isinstance(e, PeriodicBox) else e for e in scene.elements)
+    elements = tuple(
+        replace_field(e, size=e.size - 1.0) if isinstance(e, PeriodicBox) else e
+        for e in scene.elements
+    )
     return right(request.with_scene(Scene(scene.bodies, elements)))
 
 
@@ -77,27 +87,43 @@ FAULTS = {
 
 
 def replace_field(element, **values):
-    return type(element)(**{name: getattr(element, name) for name in element.__struct_fields__} | values)
+    return type(element)(
+        **{name: getattr(element, name) for name in element.__struct_fields__} | values
+    )
 
 
 def in_pieces(request: Request, group, most: int = SELDOM) -> Trajectory:
-    """The motion in pieces between two lists; in each, spheres meet only those of their group, at positions (N, 3) in the first piece."""
+    """The motion in pieces between two lists; in each, spheres meet only those of their group, at
+    positions (N, 3) in the first piece.
+    """
     scene, h, t = request.problem.scene, request.signed_step, request.problem.times
     rows, events, work = [scene.bodies], [], [0.0]
     for _ in t[1:]:
         bodies, left, lost = rows[-1], request.stride, work[-1]
         while left:
             steps = min(left, most)
-            bodies, begun, gone = piece(Scene(bodies, scene.elements), steps, h, group(bodies.position), request.method)
+            bodies, begun, gone = piece(
+                Scene(bodies, scene.elements), steps, h, group(bodies.position), request.method
+            )
             events, left, lost = events + begun, left - steps, lost + gone
         rows, work = [*rows, bodies], [*work, lost]
-    columns = {name: np.stack([getattr(b, name) for b in rows]) for name in ("position", "velocity", "attitude", "omega")}
-    return Trajectory(t=t, channels={"dissipated_work": np.array(work)}, events=tuple(events), **columns)
+    columns = {
+        name: np.stack([getattr(b, name) for b in rows])
+        for name in ("position", "velocity", "attitude", "omega")
+    }
+    return Trajectory(
+        t=t, channels={"dissipated_work": np.array(work)}, events=tuple(events), **columns
+    )
 
 
 def piece(scene: Scene, steps: int, h: float, groups, method: str):
-    """Bodies after some steps, contacts that began, work; a group by itself has no images of its own spheres but in a single group."""
-    ends = {name: np.array(getattr(scene.bodies, name)) for name in ("position", "velocity", "attitude", "omega")}
+    """Bodies after some steps, contacts that began, work; a group by itself has no images of its
+    own spheres but in a single group.
+    """
+    ends = {
+        name: np.array(getattr(scene.bodies, name))
+        for name in ("position", "velocity", "attitude", "omega")
+    }
     events, work = [], 0.0
     alone = len(np.unique(groups)) == 1
     for name in np.unique(groups):
@@ -108,7 +134,9 @@ def piece(scene: Scene, steps: int, h: float, groups, method: str):
         part = {n: getattr(scene.bodies, n)[own] for n in ("mass", "inertia", "fixed", *ends)}
         elements = scene.elements if alone else tuple(scene.all(Contact))
         small = Scene(Bodies(shape=tuple(scene.bodies.shape[k] for k in own), **part), elements)
-        run = right(Request(problem=Motion(small, np.array([0.0, steps * h])), method=method, step=h))
+        run = right(
+            Request(problem=Motion(small, np.array([0.0, steps * h])), method=method, step=h)
+        )
         for n in ends:
             ends[n][own] = getattr(run, n)[-1]
         events, work = events + list(run.events), work + float(run.channels["dissipated_work"][-1])
@@ -120,21 +148,31 @@ def findings(name: str, made=right, **given: str):
     """What a check finds of a run."""
     instance, check = discovery.case("granular-gas").at(**given), discovery.check(name)
     step = instance.motion.interval / np.ceil(instance.motion.interval / (instance.scales.tau / 5))
-    trial = Trial(instance, ENGINE.method("gas"), (step,), sampled(instance.truth(), instance.times.tolist()))
+    trial = Trial(
+        instance, ENGINE.method("gas"), (step,), sampled(instance.truth(), instance.times.tolist())
+    )
     assert check.applies(trial) is None
     run = made(Request(problem=instance.motion, method="gas", step=step))
-    return {f.quantity: f for f in check.judge(trial, dict.fromkeys(check.needs(trial), Outcome(run, Cost(seconds=0.0))))}
+    return {
+        f.quantity: f
+        for f in check.judge(
+            trial, dict.fromkeys(check.needs(trial), Outcome(run, Cost(seconds=0.0)))
+        )
+    }
 
 
 @pytest.mark.parametrize("made", list(FAULTS), ids=lambda made: made.__name__)
 def test_a_fault_of_many_particle_codes_is_seen_where_it_should_be(made):
     given, check, seen = FAULTS[made]
     right = {quantity: f.outcome for quantity, f in findings(check, **given).items()}
-    # A temperature that hardly falls in so short a time decides nothing, except where it is beyond its bound.
+    # A temperature that hardly falls in so short a time decides nothing, except where it is beyond
+    # its bound.
     undecided = {quantity for quantity, outcome in right.items() if outcome == "undecided"}
     assert undecided <= {"temperature"}
     assert set(right.values()) <= {"pass", "undecided"}
-    assert seen <= {quantity for quantity, f in findings(check, made, **given).items() if f.outcome == "fail"}
+    assert seen <= {
+        quantity for quantity, f in findings(check, made, **given).items() if f.outcome == "fail"
+    }
 
 
 @pytest.mark.parametrize("seed", ["2", "3"])
@@ -145,14 +183,18 @@ def test_a_rough_elastic_gas_keeps_its_energy_and_spins_as_kinetic_theory_says(s
     assert found["spin"].bound < 0.1
 
 
-@pytest.mark.parametrize("given", [{"friction": "1/2", "restitution": "1"}, {"friction": "1000"}, {"boundary": "walls"}])
+@pytest.mark.parametrize(
+    "given", [{"friction": "1/2", "restitution": "1"}, {"friction": "1000"}, {"boundary": "walls"}]
+)
 def test_only_perfectly_rough_elastic_gases_are_judged(given):
     instance = discovery.case("granular-gas").at(n="30", **given)
-    trial = Trial(instance, ENGINE.method("gas"), (1e-3,), sampled(instance.truth(), instance.times.tolist()))
+    trial = Trial(
+        instance, ENGINE.method("gas"), (1e-3,), sampled(instance.truth(), instance.times.tolist())
+    )
     assert discovery.check("roughness").applies(trial)
 
 
-def test_the_moment_of_inertia_that_theory_wants_is_two_fifths_for_homogeneous_spheres_of_any_size_and_mass():
+def test_the_moment_of_inertia_that_theory_wants_is_two_fifths_for_homogeneous_spheres():
     mass, radius = 3.0, 0.25
     body = Body(mass=mass, inertia=(0.4 * mass * radius**2,) * 3, shape=Sphere(radius=radius))
     assert _inertia(Scene.of([body])) == pytest.approx(0.4, rel=1e-15)

@@ -1,4 +1,6 @@
-"""Checks of iterations: bounces lie on the wall, exponents tell chaos from order, and nothing is scored past the horizon."""
+"""Checks of iterations: bounces lie on the wall, exponents tell chaos from order, and nothing is
+scored past the horizon.
+"""
 
 from dataclasses import replace
 
@@ -22,10 +24,23 @@ from refdem.mechanics.stability import growth
 from refdem.scene.elements.rod import Rod
 
 CHAOTIC = [("logistic", {"eta": "4", "x0": "1/3"}), ("billiards", {"n": "48"})]
-REGULAR = [("logistic", {"eta": "5/2"}), ("logistic", {"form": "ode"}), ("billiards", {"geometry": "rectangle", "n": "300"})]
+REGULAR = [
+    ("logistic", {"eta": "5/2"}),
+    ("logistic", {"form": "ode"}),
+    ("billiards", {"geometry": "rectangle", "n": "300"}),
+]
 
 
-@pytest.mark.parametrize("name", ["iterates-six-digits", "pushed-along", "half-circle-displaced", "direction-shrinks", "not-reflected"])
+@pytest.mark.parametrize(
+    "name",
+    [
+        "iterates-six-digits",
+        "pushed-along",
+        "half-circle-displaced",
+        "direction-shrinks",
+        "not-reflected",
+    ],
+)
 def test_lyapunov_and_bounces_are_failed_by_their_faults(name):
     (fault,) = chosen([name])
     assert fault.sees[0] in ("lyapunov", "bounces")
@@ -38,12 +53,18 @@ def test_lyapunov_and_bounces_are_failed_by_their_faults(name):
 def test_the_reference_is_exact_to_what_the_motion_permits(name, given):
     instance = discovery.case(name).at(**given)
     record = record_of(task_of(ENGINE, "iterated-map", instance, truth_of(instance), 3))
-    assert {f"{f.check}/{f.quantity}": f.sentence for f in record.findings if f.outcome not in ("pass", "undecided")} == {}
+    assert {
+        f"{f.check}/{f.quantity}": f.sentence
+        for f in record.findings
+        if f.outcome not in ("pass", "undecided")
+    } == {}
     assert any(f.check == "error" and f.outcome == "pass" for f in record.findings)
 
 
 @pytest.mark.parametrize(("name", "given"), CHAOTIC)
-def test_a_rerun_perturbed_by_one_ulp_holds_its_bounds_up_to_the_horizon_and_breaks_any_after_it(name, given):
+def test_a_rerun_perturbed_by_one_ulp_holds_its_bounds_up_to_the_horizon_and_breaks_any_after_it(
+    name, given
+):
     instance = discovery.case(name).at(**given)
     truth = truth_of(instance)
     task = task_of(ENGINE, "iterated-map", instance, truth, 3, ("error",))
@@ -75,7 +96,9 @@ def test_what_is_certified_at_the_horizon_decides_where_the_score_ends():
     assert 35 < scored(allowed) < 50
 
 
-@pytest.mark.parametrize("table", [RectangleBilliard(width=3.0, height=2.0), StadiumBilliard(width=4.0, height=2.0)])
+@pytest.mark.parametrize(
+    "table", [RectangleBilliard(width=3.0, height=2.0), StadiumBilliard(width=4.0, height=2.0)]
+)
 def test_the_wall_is_where_the_table_ends(table):
     place = np.array([[0.25, 1.0], [-0.5, -1.0], [table.width / 2, 0.0], [0.0, 0.0]])
     off, normal = wall(table, place)
@@ -111,7 +134,8 @@ def test_a_turned_start_fits_its_rods_and_is_another_motion():
         method = ENGINE.best(instance.problem)
         assert ENGINE.refuses(moved, method) is None
         rods = [
-            rod.distance(moved.scene.bodies.position[None], moved.scene.bodies.attitude[None])[0] - rod.length
+            rod.distance(moved.scene.bodies.position[None], moved.scene.bodies.attitude[None])[0]
+            - rod.length
             for rod in moved.scene.all(Rod)
         ]
         assert np.max(np.abs(rods)) < 1e-15
@@ -126,8 +150,18 @@ def test_the_selection_has_the_chaotic_cases_and_the_regular_ones():
     regular = {i.case.id for i, only in entries if i.case.is_chaotic(i.p) is False}
     assert {only for _, only in entries} == {("lyapunov",)}
     assert chaotic >= {"logistic", "billiards", "double-pendulum", "driven-duffing", "stick-slip"}
-    assert regular >= {"free-rigid-body", "intermediate-axis", "pendulum", "harmonic-oscillator", "two-body-orbit"}
-    assert all(i.scales.duration >= 100 * i.scales.tau for i, _ in entries if "duration" in i.p and not i.case.is_chaotic(i.p))
+    assert regular >= {
+        "free-rigid-body",
+        "intermediate-axis",
+        "pendulum",
+        "harmonic-oscillator",
+        "two-body-orbit",
+    }
+    assert all(
+        i.scales.duration >= 100 * i.scales.tau
+        for i, _ in entries
+        if "duration" in i.p and not i.case.is_chaotic(i.p)
+    )
 
 
 def test_distances_of_iterations_are_those_of_their_quantities():
@@ -142,8 +176,16 @@ def test_a_selection_leaves_out_methods_to_which_its_check_does_not_apply():
     engine = discovery.engine("rebound")
     instance = discovery.case("harmonic-oscillator").at(duration="200")
     specification = Specification(name="t", case=[])
-    selected = {task.method.name for task in plan.tasks(specification, instance, ("lyapunov",), engine, None) if task.refusal is None}
-    every = {task.method.name for task in plan.tasks(specification, instance, (), engine, None) if task.refusal is None}
+    selected = {
+        task.method.name
+        for task in plan.tasks(specification, instance, ("lyapunov",), engine, None)
+        if task.refusal is None
+    }
+    every = {
+        task.method.name
+        for task in plan.tasks(specification, instance, (), engine, None)
+        if task.refusal is None
+    }
     assert "bs" in every
     assert "bs" not in selected
     assert selected

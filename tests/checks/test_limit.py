@@ -1,4 +1,6 @@
-"""The limit of small steps: constants and clocks wrong by less than truncation are seen, correct methods of any order are not accused."""
+"""The limit of small steps: constants and clocks wrong by less than truncation are seen, correct
+methods of any order are not accused.
+"""
 
 from dataclasses import replace
 
@@ -16,7 +18,17 @@ from refdem.faults.transparent import Transparent
 from refdem.scene.elements.central_field import CentralField
 from refdem.scene.elements.spring import Spring
 
-OSCILLATOR = ("harmonic-oscillator", {"mass": "2", "stiffness": "3", "gravity": "5/4", "v0": "1/2", "duration": "8", "samples": "32"})
+OSCILLATOR = (
+    "harmonic-oscillator",
+    {
+        "mass": "2",
+        "stiffness": "3",
+        "gravity": "5/4",
+        "v0": "1/2",
+        "duration": "8",
+        "samples": "32",
+    },
+)
 ORBIT = ("two-body-orbit", {"eccentricity": "1/4", "duration": "6", "samples": "32"})
 BODY = ("free-rigid-body", {"omega_body": "1/2,-1,5/4", "duration": "6", "samples": "32"})
 
@@ -30,8 +42,12 @@ def found(engine, method, setting, levels=4):
 
 
 @pytest.mark.parametrize("setting", [OSCILLATOR, ORBIT, BODY], ids=["oscillator", "orbit", "body"])
-@pytest.mark.parametrize(("method", "falls"), [("euler", 2), ("verlet", 4), ("rk4", 5), ("suzuki", 6)])
-def test_what_is_left_of_a_correct_method_is_the_share_of_its_fall_that_its_next_order_says(setting, method, falls):
+@pytest.mark.parametrize(
+    ("method", "falls"), [("euler", 2), ("verlet", 4), ("rk4", 5), ("suzuki", 6)]
+)
+def test_what_is_left_of_a_correct_method_is_the_share_of_its_fall_that_its_next_order_says(
+    setting, method, falls
+):
     (finding,) = found(Transparent(), method, setting)
     assert finding.outcome == "pass"
     if finding.value > 1e-11:  # above round-off
@@ -39,21 +55,36 @@ def test_what_is_left_of_a_correct_method_is_the_share_of_its_fall_that_its_next
 
 
 @pytest.mark.parametrize(
-    ("method", "setting"), [("velocity-verlet", OSCILLATOR), ("rk4", OSCILLATOR), ("rk4", ORBIT), ("rk4-free-body", BODY)]
+    ("method", "setting"),
+    [("velocity-verlet", OSCILLATOR), ("rk4", OSCILLATOR), ("rk4", ORBIT), ("rk4-free-body", BODY)],
 )
 def test_the_reference_holds(method, setting):
     assert [finding.outcome for finding in found(ENGINE, method, setting)] == ["pass"]
 
 
-SPRING, FIELD = of_elements(Spring, stiffness=scaled(1 + 1e-7)), of_elements(CentralField, gm=scaled(1 + 1e-7))
+SPRING, FIELD = (
+    of_elements(Spring, stiffness=scaled(1 + 1e-7)),
+    of_elements(CentralField, gm=scaled(1 + 1e-7)),
+)
 
 
 @pytest.mark.parametrize(
     ("method", "setting", "before"),
-    [("velocity-verlet", OSCILLATOR, SPRING), ("rk4", OSCILLATOR, SPRING), ("velocity-verlet", ORBIT, FIELD)],
+    [
+        ("velocity-verlet", OSCILLATOR, SPRING),
+        ("rk4", OSCILLATOR, SPRING),
+        ("velocity-verlet", ORBIT, FIELD),
+    ],
 )
 def test_a_constant_that_is_wrong_by_one_part_in_ten_million_is_seen(method, setting, before):
-    hair = Fault(name="hair", kind="units", sentence="", on=("oscillator",), sees=("limit", "state"), before=before)
+    hair = Fault(
+        name="hair",
+        kind="units",
+        sentence="",
+        on=("oscillator",),
+        sees=("limit", "state"),
+        before=before,
+    )
     (finding,) = found(hair.carrier(ENGINE), method, setting)
     assert finding.outcome == "fail"
     assert finding.value < 1e-4  # less than the truncation error at the steps themselves
@@ -62,15 +93,22 @@ def test_a_constant_that_is_wrong_by_one_part_in_ten_million_is_seen(method, set
 
 def test_errors_that_do_not_fall_with_the_claimed_order_decide_nothing_here():
     second = Fault(
-        name="second-order", kind="integrator", sentence="", on=("oscillator",), sees=("order", "state"),
+        name="second-order",
+        kind="integrator",
+        sentence="",
+        on=("oscillator",),
+        sees=("order", "state"),
         inside=lambda p: {"suzuki": (0.25, 0.25, 0.25, 0.25)},
-    )  # fmt: skip
+    )
     (finding,) = found(second.carrier(), "suzuki", OSCILLATOR)
     assert finding.outcome == "undecided"
     assert "do not fall with order 4" in finding.sentence
 
 
-@pytest.mark.parametrize(("case", "method"), [("two-spheres", "velocity-verlet"), ("harmonic-oscillator", "exact-harmonic")])
+@pytest.mark.parametrize(
+    ("case", "method"),
+    [("two-spheres", "velocity-verlet"), ("harmonic-oscillator", "exact-harmonic")],
+)
 def test_it_does_not_apply_to_kinks_nor_without_a_step(case, method):
     assert found(ENGINE, method, (case, {"duration": "8"} if case != "two-spheres" else {})) == []
 

@@ -1,4 +1,6 @@
-"""The order is a limit: what the finest pair of levels shows decides, and a lack that vanishes with the step is none."""
+"""The order is a limit: what the finest pair of levels shows decides, and a lack that vanishes with
+the step is none.
+"""
 
 from dataclasses import replace
 
@@ -17,8 +19,18 @@ from refdem.faults.transparent import Transparent
     "orders",
     [
         [4.0, 4.0, 4.0],
-        [3.76, 3.81],  # measured: MuJoCo rk4, pendulum[gravity=2.65707 thetadot0=3.2601]; goes on with 4.00, 4.00
-        [3.52, 3.76],  # measured: rk4 of the reference, oblique collision; terms of higher order cancel part of the leading one
+        [
+            3.76,
+            3.81,
+            # measured: MuJoCo rk4, pendulum[gravity=2.65707 thetadot0=3.2601]; goes on with 4.00,
+            # 4.00
+        ],
+        [
+            3.52,
+            3.76,
+            # measured: rk4 of the reference, oblique collision; terms of higher order cancel part
+            # of the leading one
+        ],
         [3.52, 3.76, 3.9],
         [0.70, 1.07],
         [6.0, 4.1],
@@ -48,7 +60,9 @@ def test_an_order_that_is_missing_at_the_finest_pair_is_seen(orders, claimed):
 
 
 def crossing(steps):
-    """Errors of velocity Verlet across a field whose force has two kinks, F = x + 1, -2 (x - 1/2): place after 5 s."""
+    """Errors of velocity Verlet across a field whose force has two kinks, F = x + 1, -2 (x - 1/2):
+    place after 5 s.
+    """
 
     def force(x):
         return x + 1.0 if -1.0 <= x <= 0.0 else -2.0 * (x - 0.5) if 0.0 < x <= 0.5 else 0.0
@@ -108,7 +122,11 @@ def spoiled(size, order, scatter=()):
         (0, (), "fail"),
         (1, (), "fail"),
         (1.3, (0, 1, -1, 1, -1, 0), "undecided"),
-        (1.3, (0, 0.1, -0.1, 0.1, 0, -0.1), "undecided"),  # places of kinks that double from step to step make such lines
+        (
+            1.3,
+            (0, 0.1, -0.1, 0.1, 0, -0.1),
+            "undecided",
+        ),  # places of kinks that double from step to step make such lines
         (0, (0, 0.02, -0.02, 0.03, 0, 0), "fail"),
     ],
 )
@@ -117,7 +135,12 @@ def test_with_kinks_the_mean_over_all_levels_decides(judge, order, scatter, outc
     assert finding.outcome == outcome, finding.sentence
 
 
-ONE_PAIR = [((1.0, 2**-1.98), "pass"), ((1.0, 2**-1.6), "undecided"), ((1.0, 2**-1.2), "undecided"), ((1.0, 2**-1.05), "fail")]
+ONE_PAIR = [
+    ((1.0, 2**-1.98), "pass"),
+    ((1.0, 2**-1.6), "undecided"),
+    ((1.0, 2**-1.2), "undecided"),
+    ((1.0, 2**-1.05), "fail"),
+]
 
 
 @pytest.mark.parametrize(("error", "outcome"), ONE_PAIR)
@@ -173,7 +196,9 @@ def test_errors_that_are_round_off_below_the_coarsest_level_have_no_order_to_sho
 
 
 def with_errors(*terms):
-    """A run of which the place is off by the sum of size (h/h0)^order sin(rate t): one (size, order, rate) a term."""
+    """A run of which the place is off by the sum of size (h/h0)^order sin(rate t): one (size,
+    order, rate) a term.
+    """
     seen = []
 
     def fault(run, level):
@@ -211,11 +236,16 @@ def test_an_order_that_is_missing_is_not_taken_for_a_cancellation(judge, terms):
 
 @pytest.mark.parametrize(
     ("method", "given"),
-    [("rk4", {"alpha": "4", "beta": "-1", "amplitude": "1.9"}), ("velocity-verlet", {"alpha": "4", "beta": "-1", "amplitude": "1.9"})],
+    [
+        ("rk4", {"alpha": "4", "beta": "-1", "amplitude": "1.9"}),
+        ("velocity-verlet", {"alpha": "4", "beta": "-1", "amplitude": "1.9"}),
+    ],
 )
 def test_the_reference_is_not_accused_where_its_leading_terms_cancel(method, given):
     instance = discovery.case("duffing").at(**given)
-    record = record_of(task_of(discovery.engine("reference"), method, instance, truth_of(instance), 4, ("order",)))
+    record = record_of(
+        task_of(discovery.engine("reference"), method, instance, truth_of(instance), 4, ("order",))
+    )
     assert {f.quantity: f.outcome for f in record.findings} == {"state": "pass", "growth": "pass"}
 
 
@@ -242,8 +272,14 @@ def test_errors_that_grow_over_three_levels_fail_whatever_their_bound(judge, cas
     ("case", "sizes"),
     [
         ("harmonic-oscillator", (0.08, 0.04, 0.02, 0.01)),
-        ("harmonic-oscillator", (0.02, 0.01, 0.001, 0.004)),  # the leading terms cancel at one level
-        ("coulomb-oscillator", (0.04, 0.01, 0.009, 0.001, 0.002, 0.003)),  # kinks scatter the errors
+        (
+            "harmonic-oscillator",
+            (0.02, 0.01, 0.001, 0.004),
+        ),  # the leading terms cancel at one level
+        (
+            "coulomb-oscillator",
+            (0.04, 0.01, 0.009, 0.001, 0.002, 0.003),
+        ),  # kinks scatter the errors
     ],
 )
 def test_errors_that_rise_by_chance_do_not_grow(judge, case, sizes):
@@ -256,13 +292,17 @@ def test_a_method_is_held_to_what_the_smoothness_of_a_force_leaves_of_its_order(
     method = Method(name="fourth", summary="", control="step", order=4)
     assert smooth_order(instance, method) == order
     assert smooth_order(instance, replace(method, order=2)) == 2
-    assert smooth_order(instance, replace(method, order_with={"spring:exponent": 4})) == 4  # claimed with open eyes
+    assert (
+        smooth_order(instance, replace(method, order_with={"spring:exponent": 4})) == 4
+    )  # claimed with open eyes
     assert smooth_order(instance, replace(method, locates_events=True)) == 4
 
 
 def test_a_runge_kutta_method_across_a_kink_passes_and_hears_what_to_declare():
     instance = discovery.case("power-oscillator").at()
-    record = record_of(task_of(Transparent(), "rk4", instance, truth_of(instance), 4, ("order", "error", "energy")))
+    record = record_of(
+        task_of(Transparent(), "rk4", instance, truth_of(instance), 4, ("order", "error", "energy"))
+    )
     assert {f.quantity: f.sentence for f in record.findings if f.outcome == "fail"} == {}
     (state,) = [f for f in record.findings if f.quantity == "state"]
     assert state.outcome == "pass"

@@ -1,4 +1,6 @@
-"""The way back: orders of the defect, and chaos, which enlarges round-off, told apart from a motion that has no way back."""
+"""The way back: orders of the defect, and chaos, which enlarges round-off, told apart from a motion
+that has no way back.
+"""
 
 import numpy as np
 import pytest
@@ -23,7 +25,9 @@ WAYS_BACK = [
 
 
 @pytest.mark.parametrize(("engine", "method", "case", "given", "order", "expected"), WAYS_BACK)
-def test_the_defect_falls_with_the_order_if_it_is_odd_and_one_more_if_it_is_even(engine, method, case, given, order, expected):
+def test_the_defect_falls_with_the_order_if_it_is_odd_and_one_more_if_it_is_even(
+    engine, method, case, given, order, expected
+):
     instance = discovery.case(case).at(**given)
     task = task_of(engine, method, instance, truth_of(instance), 3, ("reversal",))
     assert task.method.order == order
@@ -42,8 +46,13 @@ def test_chaos_enlarges_round_off_and_is_no_irreversibility():
     instance = discovery.case("double-pendulum").at(**CHAOS)
     truth = truth_of(instance)
     assert truth.growth()[-1] > 1000
-    dragged = Fault(name="drag", kind="", sentence="", on=(), sees=("reversal", "reversed"), after=drag).carrier(ENGINE)
-    sound, lost = (task_of(engine, "rod-chain", instance, truth, 1, ("reversal",)) for engine in (ENGINE, dragged))
+    dragged = Fault(
+        name="drag", kind="", sentence="", on=(), sees=("reversal", "reversed"), after=drag
+    ).carrier(ENGINE)
+    sound, lost = (
+        task_of(engine, "rod-chain", instance, truth, 1, ("reversal",))
+        for engine in (ENGINE, dragged)
+    )
     plain = 2 * np.sqrt(2) * sound.trial.round_off(sound.trial.levels[-1])
     for finding in record_of(sound).findings:
         assert finding.outcome == "pass"
@@ -52,11 +61,15 @@ def test_chaos_enlarges_round_off_and_is_no_irreversibility():
 
 
 def drag(request, run):
-    """Velocities are a millionth too small wherever the run ends: what drag has taken on the way."""
+    """Velocities are a millionth too small wherever the run ends: what drag has taken on the
+    way.
+    """
     return of_columns(velocity=scaled(1 - 1e-6))(request, run)
 
 
-@pytest.mark.parametrize(("engine", "method", "bound"), [(ENGINE, "rk4", 0.25), (Transparent(), "euler", 0.15)])
+@pytest.mark.parametrize(
+    ("engine", "method", "bound"), [(ENGINE, "rk4", 0.25), (Transparent(), "euler", 0.15)]
+)
 def test_the_order_of_the_defect_may_lack_a_twentieth_of_it_or_15_hundredths(engine, method, bound):
     instance = discovery.case("harmonic-oscillator").at()
     record = record_of(task_of(engine, method, instance, truth_of(instance), 5, ("reversal",)))
@@ -65,28 +78,46 @@ def test_the_order_of_the_defect_may_lack_a_twentieth_of_it_or_15_hundredths(eng
 
 
 def lossy_on_the_way_back(start, part):
-    """Velocities and spins are a part too small at the end of every run that does not begin at the start of the case."""
+    """Velocities and spins are a part too small at the end of every run that does not begin at the
+    start of the case.
+    """
 
     def after(request, run):
-        is_there = np.array_equal(request.problem.scene.bodies.position, start.position) and np.array_equal(
-            request.problem.scene.bodies.attitude, start.attitude
+        is_there = np.array_equal(
+            request.problem.scene.bodies.position, start.position
+        ) and np.array_equal(request.problem.scene.bodies.attitude, start.attitude)
+        return (
+            run
+            if is_there
+            else of_columns(velocity=scaled(1 - part), omega=scaled(1 - part))(request, run)
         )
-        return run if is_there else of_columns(velocity=scaled(1 - part), omega=scaled(1 - part))(request, run)
 
-    return Fault(name="drag", kind="", sentence="", on=(), sees=("reversal", "reversed"), after=after)
+    return Fault(
+        name="drag", kind="", sentence="", on=(), sees=("reversal", "reversed"), after=after
+    )
 
 
 @pytest.mark.parametrize(
     ("engine", "method", "case", "part", "least"),
-    [("rebound", "bs", "free-rigid-body", 3e-9, 3e-9), ("reference", "rk4", "hertz-spheres", 1e-4, 1e-4)],
+    [
+        ("rebound", "bs", "free-rigid-body", 3e-9, 3e-9),
+        ("reference", "rk4", "hertz-spheres", 1e-4, 1e-4),
+    ],
 )
-def test_the_way_back_may_add_what_the_way_there_is_seen_to_be_off_by(engine, method, case, part, least):
-    """Its claims allow 6e-8 to a tolerance of 1e-10, and 0.07 to steps across the end of a contact."""
+def test_the_way_back_may_add_what_the_way_there_is_seen_to_be_off_by(
+    engine, method, case, part, least
+):
+    """Its claims allow 6e-8 to a tolerance of 1e-10, and 0.07 to steps across the end of a
+    contact.
+    """
     engine = discovery.engine(engine)
     instance = discovery.case(case).at()
     truth = truth_of(instance)
     lossy = lossy_on_the_way_back(instance.scene.bodies, part)
-    records = [record_of(task_of(carrier, method, instance, truth, 4, ("reversal",))) for carrier in (engine, lossy.carrier(engine))]
+    records = [
+        record_of(task_of(carrier, method, instance, truth, 4, ("reversal",)))
+        for carrier in (engine, lossy.carrier(engine))
+    ]
     sound, lost = ({f.quantity: f for f in record.findings} for record in records)
     assert sound["reversed"].outcome == "pass"
     assert sound["reversed"].bound < least

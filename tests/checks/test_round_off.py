@@ -1,4 +1,6 @@
-"""Round-off of rods and of overlaps: far from the origin it is that of the places, and where only a force holds a rod it adds up."""
+"""Round-off of rods and of overlaps: far from the origin it is that of the places, and where only a
+force holds a rod it adds up.
+"""
 
 from dataclasses import replace
 
@@ -14,7 +16,9 @@ from refdem.core.refinement import sweeping
 from refdem.core.trajectory import Cost
 from refdem.core.variant import Variant
 
-EXACT = Method(name="exact", summary="", control="exact", conserves=frozenset({"energy", "constraint"}))
+EXACT = Method(
+    name="exact", summary="", control="exact", conserves=frozenset({"energy", "constraint"})
+)
 HELD = Method(name="held", summary="", control="tolerance", conserves=frozenset({"energy"}))
 FAR = "1001,0,0,1000,1,0,1000,0,1,999,-1/2,0"
 
@@ -24,14 +28,20 @@ def outcome(case, method, of, fault=lambda run: run, **given):
     instance, engine = discovery.case(case).at(**given), discovery.engine("reference")
     level = 0.0 if of.control == "exact" else 1e-10
     run, _ = engine.run(Request(problem=instance.problem, method=method))
-    return Trial(instance, of, (level,), None), {Variant(level): Outcome(fault(run), Cost(seconds=0.0))}
+    return Trial(instance, of, (level,), None), {
+        Variant(level): Outcome(fault(run), Cost(seconds=0.0))
+    }
 
 
 def stretched(size):
-    return lambda run: replace(run, position=run.position * np.where(run.t > 0, 1 + size, 1.0)[:, None, None])
+    return lambda run: replace(
+        run, position=run.position * np.where(run.t > 0, 1 + size, 1.0)[:, None, None]
+    )
 
 
-@pytest.mark.parametrize(("fault", "expected"), [(stretched(0.0), "pass"), (stretched(3e-11), "fail")])
+@pytest.mark.parametrize(
+    ("fault", "expected"), [(stretched(0.0), "pass"), (stretched(3e-11), "fail")]
+)
 def test_rods_far_from_the_origin_are_as_long_as_places_can_say(fault, expected):
     trial, runs = outcome("rigid-cluster", "exact-rigid-cluster", EXACT, fault, positions=FAR)
     found = discovery.check("constraint").judge(trial, runs)
@@ -46,19 +56,27 @@ def test_a_cluster_far_from_the_origin_keeps_its_momentum():
 
 def drawn_out(size):
     """A rod that grows evenly to 1 + size times its length."""
-    return lambda run: replace(run, position=run.position * (1 + size * run.t / run.t[-1])[:, None, None])
+    return lambda run: replace(
+        run, position=run.position * (1 + size * run.t / run.t[-1])[:, None, None]
+    )
 
 
 @pytest.mark.parametrize(("size", "expected"), [(1e-13, "pass"), (1e-11, "fail")])
 def test_the_energy_of_a_rod_that_only_its_force_holds(size, expected):
     trial, runs = outcome("pendulum", "exact-pendulum", HELD, drawn_out(size), theta0="1/8")
-    (balance, *_) = discovery.check("energy").judge(trial, runs)
+    balance, *_ = discovery.check("energy").judge(trial, runs)
     assert balance.outcome == expected, balance.sentence
 
 
 def test_a_method_that_claims_its_rods_is_held_to_round_off():
-    trial, runs = outcome("pendulum", "exact-pendulum", replace(HELD, conserves=EXACT.conserves), drawn_out(1e-13), theta0="1/8")
-    (balance, *_) = discovery.check("energy").judge(trial, runs)
+    trial, runs = outcome(
+        "pendulum",
+        "exact-pendulum",
+        replace(HELD, conserves=EXACT.conserves),
+        drawn_out(1e-13),
+        theta0="1/8",
+    )
+    balance, *_ = discovery.check("energy").judge(trial, runs)
     assert balance.outcome == "fail"
 
 
@@ -71,10 +89,16 @@ def test_sweeps_over_rods_that_share_bodies_round_more():
 
 @pytest.mark.parametrize(("digits", "expected"), [(np.float32, "pass"), (np.float16, "fail")])
 def test_overlaps_of_single_precision_are_as_good_as_places_are(digits, expected):
-    single = Method(name="single", summary="", control="exact", precision="single", conserves=frozenset({"energy"}))
+    single = Method(
+        name="single",
+        summary="",
+        control="exact",
+        precision="single",
+        conserves=frozenset({"energy"}),
+    )
     given = {"stiffness": "1e8", "damping": "0"}
     trial, runs = outcome("two-spheres", "contact-events", single, rounded(digits), **given)
-    (balance, *_) = discovery.check("energy").judge(trial, runs)
+    balance, *_ = discovery.check("energy").judge(trial, runs)
     assert balance.outcome == expected, balance.sentence
 
 
@@ -82,17 +106,29 @@ def rounded(digits):
     """Places and velocities in fewer digits, as a code of that precision has them."""
 
     def fault(run):
-        position, velocity = ((x / np.abs(x).max()).astype(digits).astype(float) * np.abs(x).max() for x in (run.position, run.velocity))
+        position, velocity = (
+            (x / np.abs(x).max()).astype(digits).astype(float) * np.abs(x).max()
+            for x in (run.position, run.velocity)
+        )
         return replace(run, position=position, velocity=velocity)
 
     return fault
 
 
 @pytest.mark.parametrize(("roundings", "expected"), [(0.8, "pass"), (8.0, "fail")])
-def test_a_sphere_that_spins_steadily_in_single_precision_is_stretched_alike_at_every_step(roundings, expected):
+def test_a_sphere_that_spins_steadily_in_single_precision_is_stretched_alike_at_every_step(
+    roundings, expected
+):
     """Measured: 0.8 roundings a step, all of one sign."""
     steps = 4096
-    single = Method(name="m", summary="", control="step", order=2, precision="single", conserves=frozenset({"angular-momentum"}))
+    single = Method(
+        name="m",
+        summary="",
+        control="step",
+        order=2,
+        precision="single",
+        conserves=frozenset({"angular-momentum"}),
+    )
     given = {"inertia": "1,1,1", "omega_body": "0.3,0.5,0.7"}
     instance, engine = discovery.case("free-rigid-body").at(**given), discovery.engine("reference")
     level = float(instance.times[-1]) / steps
@@ -100,5 +136,7 @@ def test_a_sphere_that_spins_steadily_in_single_precision_is_stretched_alike_at_
     stretched_by = 1 + roundings * 2.0**-24 * steps * run.t / run.t[-1]
     run = replace(run, omega=run.omega * stretched_by[:, None, None])
     trial = Trial(instance, single, (level,), None)
-    found = discovery.check("angular-momentum").judge(trial, {Variant(level): Outcome(run, Cost(seconds=0.0))})
+    found = discovery.check("angular-momentum").judge(
+        trial, {Variant(level): Outcome(run, Cost(seconds=0.0))}
+    )
     assert {finding.quantity: finding.outcome for finding in found}["spin"] == expected

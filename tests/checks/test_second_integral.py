@@ -1,4 +1,6 @@
-"""The second integral of the swinging machine: passed by the true motion for any small wheel, failed by faults of the string's motion."""
+"""The second integral of the swinging machine: passed by the true motion for any small wheel,
+failed by faults of the string's motion.
+"""
 
 from dataclasses import replace
 
@@ -52,7 +54,9 @@ def test_a_string_that_slips_or_stretches_by_a_hair_fails(trial, column, factor)
 
 
 def test_the_drift_of_another_radius_fails(trial):
-    """A wheel that is left out, or put in: the motion of a machine with another radius keeps, or loses, what it should not."""
+    """A wheel that is left out, or put in: the motion of a machine with another radius keeps, or
+    loses, what it should not.
+    """
     other = "0" if trial.instance.p.wheel_radius > 0 else "1/1000000"
     instance = discovery.case("pendulum-wheel-mass").at(wheel_radius=other, **GIVEN)
     run, _ = ENGINE.run(Request(problem=instance.problem, method="string-wheel"))
@@ -60,19 +64,32 @@ def test_the_drift_of_another_radius_fails(trial):
     assert found.outcome == "fail"
 
 
-@pytest.mark.parametrize("given", [{}, {"counter_mass": "3"}, {"counter_mass": "5/2", "wheel_inertia": "0"}])
+@pytest.mark.parametrize(
+    "given", [{}, {"counter_mass": "3"}, {"counter_mass": "5/2", "wheel_inertia": "0"}]
+)
 def test_where_there_is_no_second_integral_the_check_does_not_apply(given):
     instance = discovery.case("pendulum-wheel-mass").at(**given)
-    assert CHECK.applies(Trial(instance, ENGINE.method("string-wheel"), (0.0,), None)) == "the machine has no second integral"
+    assert (
+        CHECK.applies(Trial(instance, ENGINE.method("string-wheel"), (0.0,), None))
+        == "the machine has no second integral"
+    )
 
 
 def test_the_drift_that_is_told_is_a_part_of_the_integral_whatever_the_units():
-    """Four times the gravity is the same motion in half the time: the terms of the integral grow fourfold, and the drift with them."""
+    """Four times the gravity is the same motion in half the time: the terms of the integral grow
+    fourfold, and the drift with them.
+    """
 
     def told(**more):
-        instance = discovery.case("pendulum-wheel-mass").at(**(GIVEN | {"wheel_radius": "1/50"} | more))
+        instance = discovery.case("pendulum-wheel-mass").at(
+            **(GIVEN | {"wheel_radius": "1/50"} | more)
+        )
         truth = sampled(instance.truth(), instance.times.tolist())
-        return finding(Trial(instance, ENGINE.method("string-wheel"), (0.0,), truth)).basis.split("drifts by ")[1].split(":")[0]
+        return (
+            finding(Trial(instance, ENGINE.method("string-wheel"), (0.0,), truth))
+            .basis.split("drifts by ")[1]
+            .split(":")[0]
+        )
 
     gravity = float(discovery.case("pendulum-wheel-mass").at().p.gravity)
     assert told() == told(gravity=str(4 * gravity), duration="1")

@@ -1,4 +1,6 @@
-"""Slip that ends, or begins, out of any plane, without a tangential spring: no reference method is accused there, faults are."""
+"""Slip that ends, or begins, out of any plane, without a tangential spring: no reference method is
+accused there, faults are.
+"""
 
 from dataclasses import replace
 from fractions import Fraction
@@ -26,18 +28,30 @@ def drawn(seed):
         return str(Fraction(int(rng.integers(32 * low, 32 * high)), 32))
 
     return {
-        **{"friction": some(0.1, 1), "angle": some(0.1, 0.8), "damping": some(0, 2), "masses": f"1,{some(1, 3)}"},
+        **{
+            "friction": some(0.1, 1),
+            "angle": some(0.1, 0.8),
+            "damping": some(0, 2),
+            "masses": f"1,{some(1, 3)}",
+        },
         **{"radii": f"1/2,{some(0.25, 1)}", "spins": ",".join(some(-2, 2) for _ in range(6))},
-        **{"branch": str(rng.choice(["R", "R-d", "R-d/2"])), "cutoff": str(rng.choice(["zero_overlap", "zero_force"]))},
+        **{
+            "branch": str(rng.choice(["R", "R-d", "R-d/2"])),
+            "cutoff": str(rng.choice(["zero_overlap", "zero_force"])),
+        },
     }
 
 
 def findings(engine, given, *checks):
     """What all of its methods that do not refuse are told."""
     instance = discovery.case("two-spheres").at(**given)
-    methods = [method.name for method in engine.methods if engine.refuses(instance.problem, method) is None]
+    methods = [
+        method.name for method in engine.methods if engine.refuses(instance.problem, method) is None
+    ]
     assert methods
-    records = [record_of(task_of(engine, method, instance, WITHHELD, 3, checks)) for method in methods]
+    records = [
+        record_of(task_of(engine, method, instance, WITHHELD, 3, checks)) for method in methods
+    ]
     return [(record.id(f), f) for record in records for f in record.findings]
 
 
@@ -46,7 +60,9 @@ def test_no_method_of_the_reference_is_accused(first):
     held = set()
     for seed in range(first, first + 16):
         found = findings(ENGINE, drawn(seed))
-        assert [f"{name}: {f.sentence}" for name, f in found if f.outcome in ("fail", "error")] == []
+        assert [
+            f"{name}: {f.sentence}" for name, f in found if f.outcome in ("fail", "error")
+        ] == []
         passed = {f"{f.check}/{f.quantity}" for _, f in found if f.outcome == "pass"}
         assert {"symmetry/shifted", "symmetry/rotated", "momentum/total"} <= passed
         held |= passed
@@ -67,7 +83,10 @@ def test_velocity_verlet_answers_where_steps_that_look_for_a_zero_of_the_slip_re
         {"spins": "0,0,1,0,0,-2", "angle": "2/5"},  # across the plane of the motion
         {"spins": "0,1,0,0,2,0"},  # head-on: spins across one plane
         {"spins": "1,0,0,-2,0,0"},  # head-on: spins about the normal never slip
-        {"spins": "1,0,0,0,2,0", "tangential_stiffness": "64"},  # the spring has a direction of its own
+        {
+            "spins": "1,0,0,0,2,0",
+            "tangential_stiffness": "64",
+        },  # the spring has a direction of its own
     ],
 )
 def test_slip_that_keeps_to_a_plane_is_for_all(plane):
@@ -83,7 +102,9 @@ def test_slip_that_has_ended_stays_ended():
     normal = apart / np.linalg.norm(apart, axis=1, keepdims=True)
     across = run.velocity[:, 0] - run.velocity[:, 1]
     turning = np.einsum("b,tbx->tx", instance.scene.bodies.radius, run.omega)
-    slip = across - np.sum(across * normal, axis=1, keepdims=True) * normal + np.cross(turning, normal)
+    slip = (
+        across - np.sum(across * normal, axis=1, keepdims=True) * normal + np.cross(turning, normal)
+    )
     speed = np.linalg.norm(slip, axis=1)
     stuck = (run.t > run.t[14]) & (run.t < run.t[26])
     assert speed[0] > 1
@@ -105,12 +126,28 @@ def _knows_the_place(request):
 
 def _turned_in_axes(request, run):
     """Spins about z are a millionth too large."""
-    return replace(run, omega=run.omega * np.array([1.0, 1.0, 1.0 + 1e-6 * (run.omega[0, 0, 0] != 1.0)]))
+    return replace(
+        run, omega=run.omega * np.array([1.0, 1.0, 1.0 + 1e-6 * (run.omega[0, 0, 0] != 1.0)])
+    )
 
 
 PLANTED = {
-    "shifted": Fault(name="place", kind="frames", sentence="", on=("spinner",), sees=("symmetry", "shifted"), before=_knows_the_place),
-    "rotated": Fault(name="axes", kind="frames", sentence="", on=("spinner",), sees=("symmetry", "rotated"), after=_turned_in_axes),
+    "shifted": Fault(
+        name="place",
+        kind="frames",
+        sentence="",
+        on=("spinner",),
+        sees=("symmetry", "shifted"),
+        before=_knows_the_place,
+    ),
+    "rotated": Fault(
+        name="axes",
+        kind="frames",
+        sentence="",
+        on=("spinner",),
+        sees=("symmetry", "rotated"),
+        after=_turned_in_axes,
+    ),
 }
 
 

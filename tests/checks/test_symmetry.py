@@ -1,4 +1,6 @@
-"""The symmetry check passes the reference and is failed, in the symmetry that is broken, by a code that breaks it."""
+"""The symmetry check passes the reference and is failed, in the symmetry that is broken, by a code
+that breaks it.
+"""
 
 from dataclasses import replace
 from itertools import count
@@ -19,7 +21,13 @@ from refdem.scene.elements.spring import Spring
 
 SPECIFICATION = Specification(name="test", case=[], levels=3)
 CASES = {
-    "two-spheres": {"angle": "1/2", "friction": "1/4", "tangential_stiffness": "96", "spins": "0,0,1,0,0,-2", "masses": "1,3"},
+    "two-spheres": {
+        "angle": "1/2",
+        "friction": "1/4",
+        "tangential_stiffness": "96",
+        "spins": "0,0,1,0,0,-2",
+        "masses": "1,3",
+    },
     "free-rigid-body": {},
     "harmonic-oscillator": {},
 }
@@ -124,10 +132,18 @@ def test_a_scene_comes_back_from_every_symmetry():
         bodies = shown.scene.bodies
         from refdem.core.trajectory import Trajectory
 
-        columns = {column: getattr(bodies, column)[None] for column in ("position", "velocity", "attitude", "omega")}
+        columns = {
+            column: getattr(bodies, column)[None]
+            for column in ("position", "velocity", "attitude", "omega")
+        }
         start = view.undone(Trajectory(t=shown.times[:1], **columns))
         for column in ("position", "velocity", "omega"):
-            assert np.allclose(getattr(start, column)[0], getattr(instance.scene.bodies, column), rtol=0, atol=1e-14)
+            assert np.allclose(
+                getattr(start, column)[0],
+                getattr(instance.scene.bodies, column),
+                rtol=0,
+                atol=1e-14,
+            )
     assert engine.is_reference
 
 
@@ -138,24 +154,34 @@ def knows_the_axes(size, order):
 
     def fault(run, request):
         angle = size * (request.step / coarsest) ** order * np.array([0.0, 1.0, 0.0, 0.0])
-        turn = angle * (request.problem.scene.bodies.attitude[0, 0] ** 2) + np.array([1.0, 0.0, 0.0, 0.0])
+        turn = angle * (request.problem.scene.bodies.attitude[0, 0] ** 2) + np.array(
+            [1.0, 0.0, 0.0, 0.0]
+        )
         return replace(run, attitude=product(turn / np.linalg.norm(turn), run.attitude))
 
     return fault
 
 
-@pytest.mark.parametrize(("size", "order", "outcome"), [(1e-4, 4, "pass"), (1e-4, 3, "fail"), (1e-6, 0, "fail"), (3e-2, 4, "fail")])
+@pytest.mark.parametrize(
+    ("size", "order", "outcome"),
+    [(1e-4, 4, "pass"), (1e-4, 3, "fail"), (1e-6, 0, "fail"), (3e-2, 4, "fail")],
+)
 def test_a_truncation_error_may_know_the_axes_of_space(size, order, outcome):
     finding = found("free-rigid-body", "rk4-free-body", knows_the_axes(size, order))["rotated"]
     assert finding.outcome == outcome, finding.sentence
 
 
 def found_in_first_order(fault):
-    """Findings of a method of first order in contacts, each of whose runs is spoiled by `fault(run, request)`."""
+    """Findings of a method of first order in contacts, each of whose runs is spoiled by `fault(run,
+    request)`.
+    """
     task = msgspec.structs.replace(SPECIFICATION, levels=4, method="velocity-verlet")
     instance = discovery.case("two-spheres").at(**CASES["two-spheres"])
     (task,) = plan.tasks(task, instance, ("symmetry",), discovery.engine("reference"), None)
-    method, levels = replace(task.trial.method, order_with={"contact": 1}), tuple(h / 16 for h in task.trial.levels)
+    method, levels = (
+        replace(task.trial.method, order_with={"contact": 1}),
+        tuple(h / 16 for h in task.trial.levels),
+    )
     trial = replace(task.trial, method=method, levels=levels, truth=truth_of(instance))
     runs = {}
     for variant in Symmetry().needs(trial):
@@ -166,7 +192,9 @@ def found_in_first_order(fault):
 
 
 def moves_the_second_body(size, order):
-    """A body that is moved by `size` h^order because it is the second one [m]: relabelling changes it, at any step."""
+    """A body that is moved by `size` h^order because it is the second one [m]: relabelling changes
+    it, at any step.
+    """
 
     def fault(run, request):
         position = np.array(run.position)
@@ -177,14 +205,18 @@ def moves_the_second_body(size, order):
 
 
 def decides_by_a_rounding(run, request):
-    """Both bodies are half a step further (2e-5 m) where the last bit of a number of its state says so."""
+    """Both bodies are half a step further (2e-5 m) where the last bit of a number of its state says
+    so.
+    """
     position = np.array(run.position)
     position[1:, :, 0] += 2e-5 * (int(position[-1, 0, 0].view(np.int64)) & 1)
     return replace(run, position=position)
 
 
 @pytest.mark.parametrize(("size", "order"), [(1e-3, 0), (1e-6, 0), (1.0, 1)])
-def test_bodies_treated_unequally_are_seen_however_small_a_truncation_error_of_first_order_it_is(size, order):
+def test_bodies_treated_unequally_are_seen_however_small_a_truncation_error_of_first_order_it_is(
+    size, order
+):
     finding = found_in_first_order(moves_the_second_body(size, order))["relabelled"]
     assert finding.outcome == "fail", finding.sentence
 
@@ -199,7 +231,9 @@ def test_what_a_rounding_decides_is_no_fault_of_any_symmetry():
 def test_runs_that_miss_a_close_passage_grow_as_they_themselves_show(monkeypatch, method):
     monkeypatch.setitem(CASES, "two-body-orbit", {"eccentricity": "0.999", "duration": "40"})
     instance = discovery.case("two-body-orbit").at(**CASES["two-body-orbit"])
-    (task,) = plan.tasks(replaced(method), instance, ("symmetry",), discovery.engine("reference"), truth_of(instance))
+    (task,) = plan.tasks(
+        replaced(method), instance, ("symmetry",), discovery.engine("reference"), truth_of(instance)
+    )
     record = record_of(task)
     assert {f.quantity: f.sentence for f in record.findings if f.outcome == "fail"} == {}
 
@@ -220,7 +254,9 @@ def test_parameters_kept_in_single_precision_are_seen_in_other_units(column):
     for variant in task.variants:
         run, cost = task.engine.run(rounded(column)(plan.request(task, variant)))
         runs[variant] = Outcome(run, cost)
-    outcomes = {finding.quantity: finding.outcome for finding in task.checks[0].judge(task.trial, runs)}
+    outcomes = {
+        finding.quantity: finding.outcome for finding in task.checks[0].judge(task.trial, runs)
+    }
     assert outcomes["rescaled"] == "fail"
 
 
@@ -229,12 +265,18 @@ def test_other_units_make_another_needle_of_a_needle_and_nobody_is_to_blame(monk
     monkeypatch.setitem(CASES, "free-rigid-body", {"inertia": "1/1048576,1,2097153/2097152"})
     rescaled = found("free-rigid-body", method)["rescaled"]
     assert (rescaled.outcome, rescaled.value > 1e-10) == ("pass", True)
-    slow = found("free-rigid-body", method, lambda run, request: replace(run, omega=run.omega * (1 + 1e-3 * run.t[-1] % 1)))["rescaled"]
+    slow = found(
+        "free-rigid-body",
+        method,
+        lambda run, request: replace(run, omega=run.omega * (1 + 1e-3 * run.t[-1] % 1)),
+    )["rescaled"]
     assert slow.outcome == "fail"
 
 
 def turns_with_the_axes(size, order):
-    """An attitude that is off by `size` h^order, as much as the turn of space says: its error knows the axes of space."""
+    """An attitude that is off by `size` h^order, as much as the turn of space says: its error knows
+    the axes of space.
+    """
 
     def fault(run, request):
         first = request.problem.scene.bodies.attitude[0, 0] ** 2
@@ -245,14 +287,20 @@ def turns_with_the_axes(size, order):
     return fault
 
 
-@pytest.mark.parametrize(("size", "order", "outcome"), [(1e-2, 2, "pass"), (1e-2, 1, "pass"), (1e-6, 0, "fail")])
-def test_a_truncation_error_may_know_the_axes_of_space_where_a_rounding_decides_too(size, order, outcome):
+@pytest.mark.parametrize(
+    ("size", "order", "outcome"), [(1e-2, 2, "pass"), (1e-2, 1, "pass"), (1e-6, 0, "fail")]
+)
+def test_a_truncation_error_may_know_the_axes_of_space_where_a_rounding_decides_too(
+    size, order, outcome
+):
     finding = found_in_first_order(turns_with_the_axes(size, order))["rotated"]
     assert finding.outcome == outcome, finding.sentence
 
 
 def test_two_runs_that_a_rounding_parts_may_each_be_off_by_the_truncation_error():
-    """The plain run is to one side of the right motion, and those that a rounding moves are to the other, each within its bound."""
+    """The plain run is to one side of the right motion, and those that a rounding moves are to the
+    other, each within its bound.
+    """
     calls = count()
 
     def fault(run, request):
@@ -270,7 +318,9 @@ def test_two_runs_that_a_rounding_parts_may_each_be_off_by_the_truncation_error(
 
 
 def found_in(engine, method, case, given, fault):
-    """Findings of an engine at four levels, with truth; runs of pictures are spoiled by `fault(run)`, and no others."""
+    """Findings of an engine at four levels, with truth; runs of pictures are spoiled by
+    `fault(run)`, and no others.
+    """
     instance = discovery.case(case).at(**given)
     truth = truth_of(instance)
     specification = msgspec.structs.replace(SPECIFICATION, levels=4, method=method)
@@ -292,9 +342,15 @@ CHOSEN = ("rebound", "bs", "harmonic-oscillator", {})
 RESTING = ("mujoco", "euler", "newtons-first-law", {"member": "block", "duration": "9/4"})
 
 
-@pytest.mark.parametrize(("where", "part", "least"), [(CHOSEN, 1e-10, 1e-10), (RESTING, 1e-8, 1e-9)])
-def test_pictures_are_as_near_as_steps_that_are_chosen_and_iterations_over_contacts_allow(where, part, least):
-    """A tolerance of 1e-10, and contacts that are solved to round-off, leave less than their truncation errors may be."""
+@pytest.mark.parametrize(
+    ("where", "part", "least"), [(CHOSEN, 1e-10, 1e-10), (RESTING, 1e-8, 1e-9)]
+)
+def test_pictures_are_as_near_as_steps_that_are_chosen_and_iterations_over_contacts_allow(
+    where, part, least
+):
+    """A tolerance of 1e-10, and contacts that are solved to round-off, leave less than their
+    truncation errors may be.
+    """
     sound = found_in(*where, lambda run: run)
     spoiled = found_in(*where, off_by(part))
     assert {name: f.sentence for name, f in sound.items() if f.outcome != "pass"} == {}

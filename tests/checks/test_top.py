@@ -1,4 +1,6 @@
-"""The check of a top on its tip passes the true motion and is failed, in the quantity that is wrong, by small faults."""
+"""The check of a top on its tip passes the true motion and is failed, in the quantity that is
+wrong, by small faults.
+"""
 
 from dataclasses import replace
 
@@ -14,7 +16,12 @@ from refdem.engines.reference import ENGINE
 
 CHECK = discovery.check("top")
 METHOD = ENGINE.method("spinning-top")
-TRIAL = Trial(discovery.case("heavy-top").at(phidot0="2", thetadot0="-1"), replace(METHOD, derived={}), (0.0,), None)
+TRIAL = Trial(
+    discovery.case("heavy-top").at(phidot0="2", thetadot0="-1"),
+    replace(METHOD, derived={}),
+    (0.0,),
+    None,
+)
 """As if places were not made of the attitude, so that the joint can be open."""
 
 
@@ -22,7 +29,10 @@ def outcomes(spoil=lambda run: run):
     """Findings of the reference's run, spoiled, by quantity."""
     run, _ = ENGINE.run(Request(problem=TRIAL.instance.problem, method="spinning-top"))
     assert CHECK.applies(TRIAL) is None
-    return {f.quantity: f.outcome for f in CHECK.judge(TRIAL, {Variant(0.0): Outcome(spoil(run), Cost(seconds=0.0))})}
+    return {
+        f.quantity: f.outcome
+        for f in CHECK.judge(TRIAL, {Variant(0.0): Outcome(spoil(run), Cost(seconds=0.0))})
+    }
 
 
 def scaled(column, factor):
@@ -35,7 +45,9 @@ def scaled(column, factor):
 
 
 def tilted(run):
-    """A torque about a horizontal axis alone: L_z stays, the axis of the top does not carry L_3 as it should."""
+    """A torque about a horizontal axis alone: L_z stays, the axis of the top does not carry L_3 as
+    it should.
+    """
     omega = np.array(run.omega)
     omega[16:, :, 0] += 1e-9
     return replace(run, omega=omega)
@@ -60,10 +72,14 @@ def test_it_is_failed_in_the_quantity_that_is_wrong(spoil, quantity):
 
 def test_a_joint_that_is_closed_by_construction_is_not_judged():
     run, _ = ENGINE.run(Request(problem=TRIAL.instance.problem, method="spinning-top"))
-    found = CHECK.judge(replace(TRIAL, method=METHOD), {Variant(0.0): Outcome(run, Cost(seconds=0.0))})
+    found = CHECK.judge(
+        replace(TRIAL, method=METHOD), {Variant(0.0): Outcome(run, Cost(seconds=0.0))}
+    )
     assert {f.quantity for f in found} == {"L_z", "L_3"}
 
 
 def test_without_a_ball_joint_it_does_not_apply():
     instance = discovery.case("pendulum").at()
-    assert CHECK.applies(Trial(instance, ENGINE.method("rattle"), (0.1,), None)) == "there is no top"
+    assert (
+        CHECK.applies(Trial(instance, ENGINE.method("rattle"), (0.1,), None)) == "there is no top"
+    )

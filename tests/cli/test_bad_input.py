@@ -32,7 +32,10 @@ def _own_store(tmp_path, monkeypatch):
         (["run", "free-rigid-body", "--set", "inertia=1,1,9"], "triangle"),
         (["run", "free-rigid-body", "--set", "inertia=1,1"], "expected 3"),
         (["run", "free-rigid-body", "--set", "attitude=0,0,0,0"], "quaternion"),
-        (["run", "pendulum", "--engine", "reference", "--method", "rattel"], "did you mean 'rattle'"),
+        (
+            ["run", "pendulum", "--engine", "reference", "--method", "rattel"],
+            "did you mean 'rattle'",
+        ),
         (["run", "pendulum", "--method", "rattel"], "did you mean 'rattle'"),
         (["run", "pendulum", "--step", "0"], "expected a finite number"),
         (["run", "pendulum", "--step", "nan"], "expected a finite number"),
@@ -79,9 +82,16 @@ def test_bad_input_is_one_clear_sentence(command_line, arguments, says):
 def test_an_engine_that_is_not_installed_is_named_with_what_to_install(tmp_path):
     (tmp_path / "blocked").mkdir()
     (tmp_path / "blocked" / "sitecustomize.py").write_text(
-        "import importlib.util as u\nfind = u.find_spec\nu.find_spec = lambda n, p=None: None if n == 'mujoco' else find(n, p)\n"
+        "import importlib.util as u\nfind = u.find_spec\nu.find_spec = lambda n, p=None: None if n"
+        " == 'mujoco' else find(n, p)\n"
     )
-    done = refdem("run", "pendulum", "--engine", "mujoco", env=os.environ | {"PYTHONPATH": str(tmp_path / "blocked")})
+    done = refdem(
+        "run",
+        "pendulum",
+        "--engine",
+        "mujoco",
+        env=os.environ | {"PYTHONPATH": str(tmp_path / "blocked")},
+    )
     assert done.returncode == 2
     assert "not installed" in done.stderr
     assert "pip install" in done.stderr
@@ -90,7 +100,9 @@ def test_an_engine_that_is_not_installed_is_named_with_what_to_install(tmp_path)
 def test_a_corrupt_store_costs_a_line_and_nothing_of_it_is_lost(command_line, tmp_path):
     store = tmp_path / "store.sqlite"
     store.write_bytes(b"garbage" * 1000)
-    done = command_line("run", "harmonic-oscillator", "--engine", "reference", "--out", str(tmp_path / "report"))
+    done = command_line(
+        "run", "harmonic-oscillator", "--engine", "reference", "--out", str(tmp_path / "report")
+    )
     assert done.returncode == 0, done.stderr
     assert "was damaged" in done.stderr
     assert (tmp_path / "store.sqlite.damaged").read_bytes() == b"garbage" * 1000
@@ -98,14 +110,28 @@ def test_a_corrupt_store_costs_a_line_and_nothing_of_it_is_lost(command_line, tm
 
 def test_a_folder_that_cannot_be_written_is_said_so_before_any_work(command_line, tmp_path):
     (tmp_path / "file").write_text("mine")
-    done = command_line("run", "harmonic-oscillator", "--engine", "reference", "--out", str(tmp_path / "file" / "report"))
+    done = command_line(
+        "run",
+        "harmonic-oscillator",
+        "--engine",
+        "reference",
+        "--out",
+        str(tmp_path / "file" / "report"),
+    )
     assert done.returncode == 2
     assert "cannot be written" in done.stderr
     assert not (tmp_path / "store.sqlite").exists()
 
 
 def test_a_reader_that_goes_away_is_neither_a_pass_nor_a_failure():
-    command = [sys.executable, "-c", "from refdem.cli import main; main()", "list", "cases", "--json"]
+    command = [
+        sys.executable,
+        "-c",
+        "from refdem.cli import main; main()",
+        "list",
+        "cases",
+        "--json",
+    ]
     with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE) as done:
         done.stdout.close()
         said = done.stderr.read()
@@ -113,11 +139,27 @@ def test_a_reader_that_goes_away_is_neither_a_pass_nor_a_failure():
 
 
 def test_an_interrupted_run_ends_with_130_and_goes_on_where_it_was(tmp_path):
-    case = "intermediate-axis[duration=100]"  # takes MuJoCo many seconds: the interrupt comes in time
-    command = [sys.executable, "-c", "from refdem.cli import main; main()", "run", case, "--engine", "mujoco", "--jobs", "1"]
+    case = (  # takes MuJoCo many seconds: the interrupt comes in time
+        "intermediate-axis[duration=100]"
+    )
+    command = [
+        sys.executable,
+        "-c",
+        "from refdem.cli import main; main()",
+        "run",
+        case,
+        "--engine",
+        "mujoco",
+        "--jobs",
+        "1",
+    ]
     store = tmp_path / "store.sqlite"
-    heard = partial(signal.signal, signal.SIGINT, signal.SIG_DFL)  # a shell in the background passes on that it is ignored
-    with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, preexec_fn=heard) as begun:
+    heard = partial(
+        signal.signal, signal.SIGINT, signal.SIG_DFL
+    )  # a shell in the background passes on that it is ignored
+    with subprocess.Popen(
+        command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, preexec_fn=heard
+    ) as begun:
         for line in begun.stderr:
             if line.startswith("truths"):
                 begun.send_signal(signal.SIGINT)

@@ -1,4 +1,6 @@
-"""The command line of certified truth: what is there, what it says, and what it does when it does not hold."""
+"""The command line of certified truth: what is there, what it says, and what it does when it does
+not hold.
+"""
 
 import json
 import os
@@ -18,7 +20,9 @@ WITHOUT_COLOUR = os.environ | {"NO_COLOR": "1", "COLUMNS": "400"}
 @pytest.fixture
 def refdem(command_line: Run) -> Run:
     def called(*arguments: str, store: Path | None = None) -> "subprocess.CompletedProcess[str]":
-        return command_line(*arguments, env=WITHOUT_COLOUR | ({"REFDEM_STORE": str(store)} if store else {}))
+        return command_line(
+            *arguments, env=WITHOUT_COLOUR | ({"REFDEM_STORE": str(store)} if store else {})
+        )
 
     return called
 
@@ -56,7 +60,9 @@ def test_a_check_of_a_store_proves_a_sample_again(refdem: Run, tmp_path: Path) -
 
     (home / "certified" / "sha256sums.txt").write_text(sums({"logistic.jsonl": lines}))
     shutil.copy(truth_folder() / "sets.toml", home)
-    done = refdem("certify", "--check", "--folder", str(home), "--each", "1", store=tmp_path / "store.sqlite")
+    done = refdem(
+        "certify", "--check", "--folder", str(home), "--each", "1", store=tmp_path / "store.sqlite"
+    )
     assert done.returncode == 0, done.stdout + done.stderr
     assert "2 sets proved again" in done.stdout
     (home / "certified" / "logistic.jsonl").write_text(lines.replace('"64"', '"63"', 1))

@@ -1,4 +1,6 @@
-"""The command line with programs: schemas, export and judge, and what goes wrong in one clear sentence."""
+"""The command line with programs: schemas, export and judge, and what goes wrong in one clear
+sentence.
+"""
 
 import json
 import os
@@ -23,7 +25,11 @@ def refdem(tmp_path, command_line):
     (tmp_path / "refdem.toml").write_text(TOML)
 
     def called(*arguments):
-        return command_line(*arguments, cwd=tmp_path, env=os.environ | {"REFDEM_STORE": str(tmp_path / "store.sqlite")})
+        return command_line(
+            *arguments,
+            cwd=tmp_path,
+            env=os.environ | {"REFDEM_STORE": str(tmp_path / "store.sqlite")},
+        )
 
     return called
 
@@ -77,8 +83,14 @@ def test_export_writes_requests_and_judge_misses_what_has_not_come_back(refdem, 
         (["export", "x", "harmonic-oscilator"], "did you mean 'harmonic-oscillator'"),
         (["export", "x", "--engine", "nowhere.toml"], "nowhere.toml: No such file"),
         (["export", "/proc/x", "harmonic-oscillator"], "cannot be written"),
-        (["run", "harmonic-oscillator", "--engine", "nowhere/refdem.toml"], "expected a refdem.toml"),
-        (["run", "harmonic-oscillator", "--engine", "refdem.toml"], "./far is not there or cannot be run"),
+        (
+            ["run", "harmonic-oscillator", "--engine", "nowhere/refdem.toml"],
+            "expected a refdem.toml",
+        ),
+        (
+            ["run", "harmonic-oscillator", "--engine", "refdem.toml"],
+            "./far is not there or cannot be run",
+        ),
         (["smoke", "refdem.toml"], "./far is not there or cannot be run"),
         (["schema", "everything"], "expected trajectory"),
     ],
@@ -91,7 +103,9 @@ def test_bad_input_is_one_clear_sentence(refdem, arguments, says):
 
 
 def test_export_without_a_case_takes_those_of_the_gate(refdem, tmp_path: Path):
-    (tmp_path / "refdem.toml").write_text(TOML + '[gate]\ncases = ["harmonic-oscillator[x0=2]"]\nlevels = 3\n')
+    (tmp_path / "refdem.toml").write_text(
+        TOML + '[gate]\ncases = ["harmonic-oscillator[x0=2]"]\nlevels = 3\n'
+    )
     assert refdem("export", "to-run").returncode == 0
     manifest = json.loads((tmp_path / "to-run" / "manifest.json").read_text())
     assert manifest["case"] == [{"id": "harmonic-oscillator", "set": {"x0": "2"}}]

@@ -1,6 +1,8 @@
-"""A package of one's own with a case, a check and an engine: installed by pip, it is listed, run, gated and reported like refdem's own.
+"""A package of one's own with a case, a check and an engine: installed by pip, it is listed, run,
+gated and reported like refdem's own.
 
-Its three modules are the examples of CONTRIBUTING.md; a program under a gate answers its case as well.
+Its three modules are the examples of CONTRIBUTING.md; a program under a gate answers its case as
+well.
 """
 
 import os
@@ -70,7 +72,9 @@ def wheel(folder: Path, *, change: tuple[str, str] = ("", "")) -> Path:
         "stones/straight_line.py": straight_line,
         "stones/hop.py": hop,
         f"{INFO}/METADATA": "Metadata-Version: 2.1\nName: stones\nVersion: 1.0\n",
-        f"{INFO}/WHEEL": "Wheel-Version: 1.0\nGenerator: hand\nRoot-Is-Purelib: true\nTag: py3-none-any\n",
+        f"{INFO}/WHEEL": (
+            "Wheel-Version: 1.0\nGenerator: hand\nRoot-Is-Purelib: true\nTag: py3-none-any\n"
+        ),
         f"{INFO}/entry_points.txt": ENTRY_POINTS,
     }
     contents[f"{INFO}/RECORD"] = "".join(f"{name},,\n" for name in [*contents, f"{INFO}/RECORD"])
@@ -84,8 +88,18 @@ def wheel(folder: Path, *, change: tuple[str, str] = ("", "")) -> Path:
 
 def installed(path: Path, site: Path) -> None:
     """The wheel installed by pip into a folder."""
-    quiet = ["--quiet", "--disable-pip-version-check", "--no-deps", "--no-index", "--upgrade", "--target", str(site)]
-    subprocess.run([sys.executable, "-m", "pip", "install", *quiet, str(path)], check=True, timeout=120)
+    quiet = [
+        "--quiet",
+        "--disable-pip-version-check",
+        "--no-deps",
+        "--no-index",
+        "--upgrade",
+        "--target",
+        str(site),
+    ]
+    subprocess.run(
+        [sys.executable, "-m", "pip", "install", *quiet, str(path)], check=True, timeout=120
+    )
 
 
 @pytest.fixture(scope="module")
@@ -104,9 +118,14 @@ def refdem(home: Path) -> Command:
 
     def called(*arguments: str, site: Path | None = None) -> "subprocess.CompletedProcess[str]":
         path = [str(site or home / "site"), os.environ.get("PYTHONPATH", "")]
-        environment = os.environ | {"PYTHONPATH": os.pathsep.join(filter(None, path)), "REFDEM_STORE": str(home / "store.sqlite")}
+        environment = os.environ | {
+            "PYTHONPATH": os.pathsep.join(filter(None, path)),
+            "REFDEM_STORE": str(home / "store.sqlite"),
+        }
         command = [sys.executable, "-c", "from refdem.cli import main; main()", *arguments]
-        return subprocess.run(command, cwd=home, env=environment, capture_output=True, text=True, timeout=300)
+        return subprocess.run(
+            command, cwd=home, env=environment, capture_output=True, text=True, timeout=300
+        )
 
     return called
 
@@ -122,7 +141,12 @@ def test_its_case_runs_in_every_engine_and_is_reported(refdem: Command, home: Pa
     done = refdem("run", "throw", "--engine", "hop", "--engine", "reference", "--out", "report")
     assert done.returncode == 0, done.stdout + done.stderr
     records = [sheet for sheet in read_records(home / "report") if isinstance(sheet, Record)]
-    passed = {record.engine for record in records for finding in record.findings if finding.outcome == "pass"}
+    passed = {
+        record.engine
+        for record in records
+        for finding in record.findings
+        if finding.outcome == "pass"
+    }
     assert passed == {"hop", "reference"}
     (home / "report" / "index.html").unlink()
     done = refdem("report", "report")
@@ -131,7 +155,16 @@ def test_its_case_runs_in_every_engine_and_is_reported(refdem: Command, home: Pa
 
 
 def test_its_check_judges_cases_of_refdem(refdem: Command, home: Path) -> None:
-    done = refdem("run", "two-spheres[damping=0]", "--engine", "reference", "--method", "velocity-verlet", "--out", "spheres")
+    done = refdem(
+        "run",
+        "two-spheres[damping=0]",
+        "--engine",
+        "reference",
+        "--method",
+        "velocity-verlet",
+        "--out",
+        "spheres",
+    )
     assert done.returncode == 0, done.stdout + done.stderr
     assert "velocity-verlet/straight-line/centre" in (home / "spheres" / "junit.xml").read_text()
 
@@ -154,9 +187,14 @@ def test_a_program_is_gated_on_its_case(refdem: Command) -> None:
     assert done.stdout.splitlines()[-1] == "the gate of thrower is open", done.stdout
 
 
-def test_another_truth_of_its_case_is_not_taken_for_the_one_that_was_proved(refdem: Command, home: Path) -> None:
+def test_another_truth_of_its_case_is_not_taken_for_the_one_that_was_proved(
+    refdem: Command, home: Path
+) -> None:
     assert refdem("run", "throw", "--engine", "hop", "--out", "first").returncode == 0
-    changed = wheel(home / "other", change=("self.v * t - self.g * t * t / 2", "self.v * t - self.g * t * t / 3"))
+    changed = wheel(
+        home / "other",
+        change=("self.v * t - self.g * t * t / 2", "self.v * t - self.g * t * t / 3"),
+    )
     installed(changed, home / "other-site")
     done = refdem("run", "throw", "--engine", "hop", "--out", "second", site=home / "other-site")
     assert done.returncode == 1, done.stdout + done.stderr

@@ -1,4 +1,6 @@
-"""Whoever asks for a judgement and gets none is told so, with the reason and an exit status that is not 0."""
+"""Whoever asks for a judgement and gets none is told so, with the reason and an exit status that is
+not 0.
+"""
 
 import json
 import os
@@ -38,16 +40,25 @@ def refdem(tmp_path: Path, command_line: Run) -> Run:
     [
         (["run", "two-spheres", "--engine", "mujoco"], "no contact force that pulls"),
         (["run", "logistic", "billiards", "--engine", "rebound"], "cannot run an iteration"),
-        (["run", "harmonic-oscillator", "--engine", "reference", "--method", "rattle"], "no constraint"),
+        (
+            ["run", "harmonic-oscillator", "--engine", "reference", "--method", "rattle"],
+            "no constraint",
+        ),
         (["run", "pendulum", "--engine", "nothing.toml"], "not in `supports`"),
         (["run", "--campaign", "empty.toml"], "has no case"),
         (["run", "--campaign", "main", "pendulun"], "did you mean 'pendulum'"),
-        (["run", "--campaign", "main", "--method", "rk4", "--bless"], "--bless is for a whole campaign"),
+        (
+            ["run", "--campaign", "main", "--method", "rk4", "--bless"],
+            "--bless is for a whole campaign",
+        ),
         (["run", "pendulum", "--bless"], "--bless is for a whole campaign"),
         (["gate", "nothing.toml"], "engine.supports allows no case"),
         (["judge", "empty"], "nothing to judge"),
         (["judge", "nobody"], "nothing to judge"),
-        (["stress", "pendulum", "--engine", "nothing.toml", "--battery", "frame"], "nothing was judged"),
+        (
+            ["stress", "pendulum", "--engine", "nothing.toml", "--battery", "frame"],
+            "nothing was judged",
+        ),
         (["smoke", "nothing.toml"], "nothing was judged"),
         (["bench", "pendulum", "--engine", "nothing.toml", "--no-peers"], "nothing could be run"),
         (["certify", "no-such-case"], "no-such-case"),
@@ -56,11 +67,19 @@ def refdem(tmp_path: Path, command_line: Run) -> Run:
         (["faults", "--fault", "no-such-fault"], "no-such-fault"),
     ],
 )
-def test_nothing_judged_is_exit_2_with_the_reason(refdem: Run, tmp_path: Path, arguments: list[str], says: str) -> None:
+def test_nothing_judged_is_exit_2_with_the_reason(
+    refdem: Run, tmp_path: Path, arguments: list[str], says: str
+) -> None:
     import refdem as package
 
     (tmp_path / "empty.toml").write_text("case = []\n")
-    manifest = {"format": 1, "refdem": package.__version__, "case": [], "levels": 3, "versions": {"far": "1"}}
+    manifest = {
+        "format": 1,
+        "refdem": package.__version__,
+        "case": [],
+        "levels": 3,
+        "versions": {"far": "1"},
+    }
     for folder, more in (("empty", {}), ("nobody", {"case": [{"id": "pendulum"}], "versions": {}})):
         (tmp_path / folder).mkdir()
         (tmp_path / folder / MANIFEST).write_text(json.dumps(manifest | more))
@@ -71,9 +90,20 @@ def test_nothing_judged_is_exit_2_with_the_reason(refdem: Run, tmp_path: Path, a
 
 
 def record(*outcomes: str, engine: str = "e") -> Record:
-    findings = tuple(Finding(check="run", quantity="scene", outcome=outcome, sentence="No springs.") for outcome in outcomes)  # type: ignore[arg-type]
+    findings = tuple(
+        Finding(check="run", quantity="scene", outcome=outcome, sentence="No springs.")
+        for outcome in outcomes
+    )  # type: ignore[arg-type]
     return Record(
-        case="c", label="c", parameters={}, engine=engine, version="1", method="m", is_reference=False, runs=(), findings=findings
+        case="c",
+        label="c",
+        parameters={},
+        engine=engine,
+        version="1",
+        method="m",
+        is_reference=False,
+        runs=(),
+        findings=findings,
     )
 
 

@@ -1,4 +1,6 @@
-"""A campaign holds the list of what it must decide: the command writes it, and what vanishes from it fails."""
+"""A campaign holds the list of what it must decide: the command writes it, and what vanishes from
+it fails.
+"""
 
 import os
 import subprocess
@@ -26,12 +28,23 @@ def refdem(tmp_path: Path, command_line: Run) -> Run:
     environment = os.environ | {"REFDEM_STORE": str(tmp_path / "store.sqlite")}
 
     def called(*arguments: str) -> "subprocess.CompletedProcess[str]":
-        return command_line("run", *arguments, "--campaign", "mine.toml", "--engine", "reference", cwd=tmp_path, env=environment)
+        return command_line(
+            "run",
+            *arguments,
+            "--campaign",
+            "mine.toml",
+            "--engine",
+            "reference",
+            cwd=tmp_path,
+            env=environment,
+        )
 
     return called
 
 
-def test_what_a_campaign_decided_is_written_down_and_must_be_decided_again(refdem: Run, tmp_path: Path) -> None:
+def test_what_a_campaign_decided_is_written_down_and_must_be_decided_again(
+    refdem: Run, tmp_path: Path
+) -> None:
     first = refdem("--bless")
     assert first.returncode == 0, first.stdout + first.stderr
     assert "+ harmonic-oscillator[samples=8]/reference/velocity-verlet/error/x" in first.stdout
@@ -39,10 +52,13 @@ def test_what_a_campaign_decided_is_written_down_and_must_be_decided_again(refde
     text = kept.read_text()
     assert refdem().returncode == 0
 
-    # A finding that is not made any more is absent; one of another method is a whole record that is gone.
+    # A finding that is not made any more is absent; one of another method is a whole record that is
+    # gone.
     before, section, after = text.partition("harmonic-oscillator[samples=8]/velocity-verlet\n")
     more = after.replace("  error: ", "  error: another, ", 1)
-    kept.write_text(before + section + more + "viscous-oscillator[duration=1 samples=8]/gone\n  error: x\n")
+    kept.write_text(
+        before + section + more + "viscous-oscillator[duration=1 samples=8]/gone\n  error: x\n"
+    )
     done = refdem()
     assert done.returncode == 1
     assert done.stdout.count("ABSENT") == 2

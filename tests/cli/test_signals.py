@@ -1,4 +1,6 @@
-"""However refdem is ended, what it started ends with it, and its exit status says which way it was."""
+"""However refdem is ended, what it started ends with it, and its exit status says which way it
+was.
+"""
 
 import os
 import signal
@@ -11,7 +13,8 @@ import pytest
 
 PROGRAM = """
 import os, subprocess, sys, time
-subprocess.Popen([sys.executable, "-c", "import time; time.sleep(600)", "{mark}"], start_new_session=True)
+sleeps = [sys.executable, "-c", "import time; time.sleep(600)", "{mark}"]
+subprocess.Popen(sleeps, start_new_session=True)
 open("{mark}", "a").close()
 time.sleep(600)
 """
@@ -53,8 +56,13 @@ def eventually(holds: object, what: str) -> None:
         time.sleep(0.05)
 
 
-@pytest.mark.parametrize(("number", "status"), [(signal.SIGINT, 130), (signal.SIGTERM, 143), (signal.SIGHUP, 129), (signal.SIGKILL, -9)])
-def test_a_gate_that_is_ended_leaves_no_process_and_no_folder(tmp_path: Path, number: signal.Signals, status: int) -> None:
+@pytest.mark.parametrize(
+    ("number", "status"),
+    [(signal.SIGINT, 130), (signal.SIGTERM, 143), (signal.SIGHUP, 129), (signal.SIGKILL, -9)],
+)
+def test_a_gate_that_is_ended_leaves_no_process_and_no_folder(
+    tmp_path: Path, number: signal.Signals, status: int
+) -> None:
     mark = str(tmp_path / "begun")
     (tmp_path / "program.py").write_text(PROGRAM.format(mark=mark))
     (tmp_path / "refdem.toml").write_text(TOML.format(python=sys.executable))
@@ -66,7 +74,9 @@ def test_a_gate_that_is_ended_leaves_no_process_and_no_folder(tmp_path: Path, nu
     def as_by_a_shell() -> None:
         signal.signal(signal.SIGINT, signal.default_int_handler)
 
-    with subprocess.Popen(command, cwd=tmp_path, env=environment, stderr=subprocess.PIPE, preexec_fn=as_by_a_shell) as gate:
+    with subprocess.Popen(
+        command, cwd=tmp_path, env=environment, stderr=subprocess.PIPE, preexec_fn=as_by_a_shell
+    ) as gate:
         eventually(lambda: Path(mark).exists() and marked(mark), "the program has begun")
         gate.send_signal(number)
         _, said = gate.communicate(timeout=PATIENCE)
@@ -80,8 +90,20 @@ def test_worker_processes_end_with_a_run_that_is_killed(tmp_path: Path) -> None:
     store = str(tmp_path / "store.sqlite")
     environment = os.environ | {"REFDEM_STORE": store}
     case = "intermediate-axis[duration=100]"  # takes its worker many seconds
-    command = [sys.executable, "-c", "from refdem.cli import main; main()", "run", case, "--engine", "mujoco", "--jobs", "1"]
-    with subprocess.Popen(command, cwd=tmp_path, env=environment, stderr=subprocess.PIPE, start_new_session=True) as run:
+    command = [
+        sys.executable,
+        "-c",
+        "from refdem.cli import main; main()",
+        "run",
+        case,
+        "--engine",
+        "mujoco",
+        "--jobs",
+        "1",
+    ]
+    with subprocess.Popen(
+        command, cwd=tmp_path, env=environment, stderr=subprocess.PIPE, start_new_session=True
+    ) as run:
         eventually(lambda: children(run.pid), "a worker has begun")
         workers = children(run.pid)
         run.kill()

@@ -1,4 +1,6 @@
-"""Released DEM codes under the gate: as they are, and with a fault planted in the driver, which is run from a copy."""
+"""Released DEM codes under the gate: as they are, and with a fault planted in the driver, which is
+run from a copy.
+"""
 
 import json
 import os
@@ -17,7 +19,10 @@ CODES = ROOT / "validation/codes"
 
 @dataclass(frozen=True)
 class Gates:
-    """Gates with one store of truths; `make codes` and ci/system-packages install the codes, and tests fail where one is not there."""
+    """Gates with one store of truths;
+
+    `make codes` and ci/system-packages install the codes, and tests fail where one is not there.
+    """
 
     home: Path
     command_line: "Callable[..., subprocess.CompletedProcess[str]]"
@@ -32,10 +37,14 @@ class Gates:
         done = self.gated(CODES / code / "refdem.toml")
         assert done.returncode == 0, done.stdout + done.stderr
 
-    def assert_closed(self, code: str, case: str, seen: str, file: str, text: str, other: str) -> None:
-        """With `text` replaced by `other` in a file below validation/codes: the gate of one case names the check `seen`.
+    def assert_closed(
+        self, code: str, case: str, seen: str, file: str, text: str, other: str
+    ) -> None:
+        """With `text` replaced by `other` in a file below validation/codes: the gate of one case
+        names the check `seen`.
 
-        Its baseline is emptied: truth has to see the fault, and nothing is run again to tell what is worse from noise.
+        Its baseline is emptied: truth has to see the fault, and nothing is run again to tell what
+        is worse from noise.
         """
         copy = Path(tempfile.mkdtemp(dir=self.home)) / "codes"
         shutil.copytree(CODES, copy)
@@ -48,10 +57,15 @@ class Gates:
         accepted.write_text(accepted.read_text().partition("\n")[0] + "\n")
         done = self.gated(toml)
         assert done.returncode == 1, done.stdout + done.stderr
-        assert any(line.startswith("FAIL ") and line.endswith(seen) for line in done.stdout.splitlines()), done.stdout
+        assert any(
+            line.startswith("FAIL ") and line.endswith(seen) for line in done.stdout.splitlines()
+        ), done.stdout
 
 
 @pytest.fixture(scope="session")
-def gates(tmp_path_factory: pytest.TempPathFactory, command_line: "Callable[..., subprocess.CompletedProcess[str]]") -> Gates:
+def gates(
+    tmp_path_factory: pytest.TempPathFactory,
+    command_line: "Callable[..., subprocess.CompletedProcess[str]]",
+) -> Gates:
     """One for the session."""
     return Gates(tmp_path_factory.mktemp("codes"), command_line)

@@ -6,4 +6,11 @@ def test_the_gate_is_open(gates):
 
 
 def test_numbers_of_a_contact_one_per_cent_too_high_close_it(gates):
-    gates.assert_closed("liggghts", "two-spheres", "order/state", "liggghts/driver.py", "{law[key] if key", "{1.01 * law[key] if key")
+    gates.assert_closed(
+        "liggghts",
+        "two-spheres",
+        "order/state",
+        "liggghts/driver.py",
+        "{law[key] if key",
+        "{1.01 * law[key] if key",
+    )

@@ -6,4 +6,11 @@ def test_the_gate_is_open(gates):
 
 
 def test_a_material_as_its_documentation_has_it_closes_it(gates):
-    gates.assert_closed("yade", "two-spheres[cutoff=zero_force]", "order/state", "yade/driver.py", "ViscElMat(kn=2 * kn", "ViscElMat(kn=kn")
+    gates.assert_closed(
+        "yade",
+        "two-spheres[cutoff=zero_force]",
+        "order/state",
+        "yade/driver.py",
+        "ViscElMat(kn=2 * kn",
+        "ViscElMat(kn=kn",
+    )

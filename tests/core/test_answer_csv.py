@@ -1,4 +1,6 @@
-"""Tables of mass properties as programs hand them back: what is right is read, what is wrong is named with its line."""
+"""Tables of mass properties as programs hand them back: what is right is read, what is wrong is
+named with its line.
+"""
 
 from pathlib import Path
 
@@ -10,9 +12,16 @@ from refdem.core.problem import Iteration, Solid
 from refdem.core.statics import MASS_PROPERTIES, Cuboid, Piece, SolidDocument
 from refdem.errors import EngineError, UsageError
 
-PIECES = [Piece(name="a", shape=Cuboid(sides=(1.0, 2.0, 3.0))), Piece(name="b", shape=Cuboid(sides=(1.0, 1.0, 1.0)))]
+PIECES = [
+    Piece(name="a", shape=Cuboid(sides=(1.0, 2.0, 3.0))),
+    Piece(name="b", shape=Cuboid(sides=(1.0, 1.0, 1.0))),
+]
 PROBLEM = Solid(SolidDocument(solids=PIECES))
-HEADER, A, B = "solid,mass,x,y,z,xx,yy,zz,xy,xz,yz", "a,6,0,0,0,6.5,5,2.5,0,0,-1.5D-3", "b,1,,,,,,,,,"
+HEADER, A, B = (
+    "solid,mass,x,y,z,xx,yy,zz,xy,xz,yz",
+    "a,6,0,0,0,6.5,5,2.5,0,0,-1.5D-3",
+    "b,1,,,,,,,,,",
+)
 
 
 def answer(folder: Path, *lines: str):  # type: ignore[no-untyped-def]
@@ -24,7 +33,9 @@ def answer(folder: Path, *lines: str):  # type: ignore[no-untyped-def]
 def test_cells_are_values_by_name_and_empty_ones_are_unsaid(tmp_path: Path) -> None:
     found = answer(tmp_path, HEADER, A, B)
     said = dict(zip(MASS_PROPERTIES, (6, 0, 0, 0, 6.5, 5, 2.5, 0, 0, -1.5e-3), strict=True))
-    assert {name: values.tolist() for name, values in found.values.items()} == {f"a.{k}": [v] for k, v in said.items()} | {"b.mass": [1.0]}
+    assert {name: values.tolist() for name, values in found.values.items()} == {
+        f"a.{k}": [v] for k, v in said.items()
+    } | {"b.mass": [1.0]}
     assert np.array_equal(found.t, PROBLEM.times)
     assert ",".join(SOLID_COLUMNS) == HEADER
     assert most_rows(PROBLEM) == 2
@@ -40,7 +51,10 @@ def test_cells_are_values_by_name_and_empty_ones_are_unsaid(tmp_path: Path) -> N
         ((HEADER, A, B, B), "has more rows; expected 2"),
         ((HEADER, B, A), "line 2 is of 'b'; expected 'a': the solids in the order"),
         ((HEADER, A, B[:-1]), "line 3 has 10 columns; expected 11"),
-        ((HEADER, A, B.replace("1", "one")), "line 3: mass is 'one'; expected a finite number, or nothing"),
+        (
+            (HEADER, A, B.replace("1", "one")),
+            "line 3: mass is 'one'; expected a finite number, or nothing",
+        ),
         ((HEADER, A.replace("6.5", "nan"), B), "line 2: xx is 'nan'"),
         ((HEADER, A.replace("6.5", "inf"), B), "line 2: xx is 'inf'"),
         ((HEADER, "a,,,,,,,,,,", "b,,,,,,,,,,"), "says nothing of any solid"),

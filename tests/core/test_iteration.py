@@ -1,4 +1,6 @@
-"""Questions without a scene: JSON both ways, samples, keys, answers by name, and engines that run motions only."""
+"""Questions without a scene: JSON both ways, samples, keys, answers by name, and engines that run
+motions only.
+"""
 
 import numpy as np
 import pytest
@@ -43,7 +45,12 @@ def test_the_key_changes_with_map_parameter_start_and_n():
 
 def test_request_text_names_the_map():
     text = request_text(Request(problem=ITERATIONS[0], method="m"))
-    assert {"problem.kind iteration", "problem.map.map logistic", "problem.map.eta 3.75", "problem.n 64"} <= set(text.splitlines())
+    assert {
+        "problem.kind iteration",
+        "problem.map.map logistic",
+        "problem.map.eta 3.75",
+        "problem.n 64",
+    } <= set(text.splitlines())
 
 
 @pytest.mark.parametrize("n", [1, 64, DENSE, DENSE + 1, 1000, 10**6])
@@ -77,7 +84,10 @@ def test_what_makes_no_iteration_is_refused():
     with pytest.raises(UsageError, match="sizes"):
         RectangleBilliard(width=0.0, height=2.0)
     with pytest.raises(UsageError, match="request"):
-        Request.from_json(b'{"method": "m", "problem": {"kind": "iteration", "map": {"map": "henon"}, "start": [0.5], "n": 3}}')
+        Request.from_json(
+            b'{"method": "m", "problem": {"kind": "iteration", "map": {"map": "henon"}, "start":'
+            b' [0.5], "n": 3}}'
+        )
 
 
 def test_an_iteration_has_no_scene():
@@ -88,21 +98,30 @@ def test_an_iteration_has_no_scene():
 @pytest.mark.parametrize("name", [n for n in discovery.names("engines") if n != "reference"])
 def test_engines_cannot_run_an_iteration_and_say_so(name):
     engine = discovery.engine(name)
-    assert {engine.refuses(ITERATIONS[0], method) for method in engine.methods} == {"cannot run an iteration"}
+    assert {engine.refuses(ITERATIONS[0], method) for method in engine.methods} == {
+        "cannot run an iteration"
+    }
 
 
 def test_methods_of_the_reference_for_motions_cannot_run_an_iteration():
     engine = discovery.engine("reference")
     stepped = [method for method in engine.methods if method.control == "step"]
-    assert {engine.refuses(ITERATIONS[0], method) for method in stepped} == {"cannot run an iteration"}
+    assert {engine.refuses(ITERATIONS[0], method) for method in stepped} == {
+        "cannot run an iteration"
+    }
     still = Motion(Scene.of([Body(mass=1.0)]), np.arange(3.0))
     assert engine.refuses(still, engine.best(still)) is None
 
 
 def test_an_answer_has_values_by_name_and_survives_bytes():
-    answer = Trajectory.of_values(np.arange(3.0), {"x": np.array([0.5, 1 / 3, 0.1]), "r": np.arange(6.0).reshape(3, 2)})
+    answer = Trajectory.of_values(
+        np.arange(3.0), {"x": np.array([0.5, 1 / 3, 0.1]), "r": np.arange(6.0).reshape(3, 2)}
+    )
     again = Trajectory.from_bytes(answer.to_bytes())
-    assert {name: values.tolist() for name, values in again.values.items()} == {"x": [0.5, 1 / 3, 0.1], "r": [[0, 1], [2, 3], [4, 5]]}
+    assert {name: values.tolist() for name, values in again.values.items()} == {
+        "x": [0.5, 1 / 3, 0.1],
+        "r": [[0, 1], [2, 3], [4, 5]],
+    }
     assert again.position.shape == (3, 0, 3)
 
 

@@ -82,7 +82,12 @@ def test_a_formula_in_a_cell_is_text(text: str) -> None:
 
 
 def test_numbers_and_names_in_cells_stay_as_they_are() -> None:
-    assert [cell(value) for value in (-1.5, None, 3, "pendulum[a=-1]")] == [-1.5, None, 3, "pendulum[a=-1]"]
+    assert [cell(value) for value in (-1.5, None, 3, "pendulum[a=-1]")] == [
+        -1.5,
+        None,
+        3,
+        "pendulum[a=-1]",
+    ]
 
 
 def test_lines_stay_lines_where_only_what_does_not_print_goes() -> None:

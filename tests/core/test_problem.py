@@ -109,7 +109,10 @@ def test_the_stride_is_the_same_whole_number_however_the_run_is_varied(change):
         "denser": (interval / 4 * np.arange(257), interval / (4 * 96)),
     }
     shown, step = varied[change]
-    assert Request(problem=Motion(request_of().problem.scene, shown), method="m", step=step).stride == 96
+    assert (
+        Request(problem=Motion(request_of().problem.scene, shown), method="m", step=step).stride
+        == 96
+    )
 
 
 def test_samples_that_are_not_evenly_spaced_have_no_stride():
@@ -117,14 +120,22 @@ def test_samples_that_are_not_evenly_spaced_have_no_stride():
     request = Request(problem=uneven, method="m", step=0.125)
     with pytest.raises(UsageError, match=r"times\[2\] is 1.25 s; expected 1 s"):
         _ = request.stride
-    assert json.loads(Request(problem=uneven, method="m", tolerance=1e-6).to_json())["times"] == [0.0, 0.5, 1.25, 1.5]
+    assert json.loads(Request(problem=uneven, method="m", tolerance=1e-6).to_json())["times"] == [
+        0.0,
+        0.5,
+        1.25,
+        1.5,
+    ]
 
 
 def test_a_clock_that_is_off_by_a_step_is_told_to_count():
     request = request_of(0.125)
     times = request.problem.times.copy()
     times[3:] += 0.125
-    with pytest.raises(EngineError, match="took 1 step too many on the way: count `stride` steps from each sample to the next"):
+    with pytest.raises(
+        EngineError,
+        match="took 1 step too many on the way: count `stride` steps from each sample to the next",
+    ):
         request.refuse_misaligned(times)
     with pytest.raises(EngineError, match="2 steps too few"):
         request.refuse_misaligned(request.problem.times - np.array([0.0, 0.0, 0.0, 0.0, 0.25]))

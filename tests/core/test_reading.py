@@ -40,8 +40,13 @@ low = 0.1
 high = 0.2
 reason = "known"
 """
-CAMPAIGN = b'levels = 4\ntimeout = 60\n[[case]]\nid = "pendulum"\nset = { theta0 = "2" }\n[[case]]\nid = "duffing"\n'
-MANIFEST = b'{"refdem": "1", "case": [{"id": "pendulum", "set": {}}], "versions": {"a": "1"}, "levels": 4}'
+CAMPAIGN = (
+    b'levels = 4\ntimeout = 60\n[[case]]\nid = "pendulum"\nset = { theta0 = "2" }\n[[case]]\nid ='
+    b' "duffing"\n'
+)
+MANIFEST = (
+    b'{"refdem": "1", "case": [{"id": "pendulum", "set": {}}], "versions": {"a": "1"}, "levels": 4}'
+)
 BASELINE = (
     b'{"format": 1, "engine": "a", "version": "1", "why": "first"}\n'
     b'{"id": "pendulum/a/b/error/x", "outcome": "pass", "value": 1.0, "constant": 2.0}\n'
@@ -97,7 +102,9 @@ def broken(draw: st.DrawFn, whole: bytes) -> bytes:
 
 @pytest.mark.parametrize("name", READERS)
 @given(data=st.data())
-def test_a_broken_file_is_read_or_refused_in_one_sentence(name: str, data: Any, tmp_path_factory: pytest.TempPathFactory) -> None:
+def test_a_broken_file_is_read_or_refused_in_one_sentence(
+    name: str, data: Any, tmp_path_factory: pytest.TempPathFactory
+) -> None:
     whole, reader = READERS[name]
     path = tmp_path_factory.getbasetemp() / name
     path.write_bytes(data.draw(broken(whole)))
@@ -110,8 +117,13 @@ def test_a_broken_file_is_read_or_refused_in_one_sentence(name: str, data: Any, 
 
 
 @pytest.mark.parametrize("name", READERS)
-@pytest.mark.parametrize("content", [b"", b"[" * 5000, b"a = " + b"[" * 5000, b"\xff\xfe", b"\0" * 10, b"[]", b"{}", b"null", b"1"])
-def test_what_is_no_such_file_at_all_is_refused_in_one_sentence(name: str, content: bytes, tmp_path: Path) -> None:
+@pytest.mark.parametrize(
+    "content",
+    [b"", b"[" * 5000, b"a = " + b"[" * 5000, b"\xff\xfe", b"\0" * 10, b"[]", b"{}", b"null", b"1"],
+)
+def test_what_is_no_such_file_at_all_is_refused_in_one_sentence(
+    name: str, content: bytes, tmp_path: Path
+) -> None:
     path = tmp_path / name
     path.write_bytes(content)
     with pytest.raises(UsageError) as raised:
@@ -151,7 +163,9 @@ def test_a_loop_of_links_is_refused_in_one_sentence(tmp_path: Path) -> None:
         (b'inputs = ["src/*.cpp"]', b'inputs = ["**a"]', "**a"),
     ],
 )
-def test_a_slip_in_a_description_is_said_with_what_was_expected(before: bytes, after: bytes, says: str, tmp_path: Path) -> None:
+def test_a_slip_in_a_description_is_said_with_what_was_expected(
+    before: bytes, after: bytes, says: str, tmp_path: Path
+) -> None:
     assert TOML.count(before) == 1
     path = tmp_path / "refdem.toml"
     path.write_bytes(TOML.replace(before, after))

@@ -66,7 +66,9 @@ def test_a_first_step_that_no_run_could_finish_is_refused(instance):
 
 
 def test_a_clock_that_is_summed_may_be_off_by_a_rounding_a_step(instance):
-    exact, summed = (Method(name="m", summary="", control="exact", summed_clock=flag) for flag in (False, True))
+    exact, summed = (
+        Method(name="m", summary="", control="exact", summed_clock=flag) for flag in (False, True)
+    )
     assert clock(instance, exact, 0.0) == 0.0
     losses = np.cumsum(np.full(64 + 80, 20.0 * 2.0**-53))
     assert 0.9 * losses[-1] < clock(instance, summed, 0.0) < 1.1 * losses[-1]
@@ -77,13 +79,17 @@ def test_a_summed_clock_of_given_steps_counts_where_a_drive_reads_it(instance):
     assert clock(instance, stepped, 2.0**-8) == 0.0
     driven = discovery.case("driven-oscillator").at()
     turns = driven.scales.duration / driven.scales.tau
-    assert clock(driven, stepped, 2.0**-8) == pytest.approx(2.0**-53 * turns * driven.times[-1] * 2**8)
+    assert clock(driven, stepped, 2.0**-8) == pytest.approx(
+        2.0**-53 * turns * driven.times[-1] * 2**8
+    )
 
 
-def test_an_order_is_read_from_finer_levels_where_there_are_kinks_and_from_none_where_there_are_no_levels():
+def test_an_order_is_read_from_finer_levels_where_there_are_kinks_and_from_none_without_levels():
     from refdem.core.refinement import order_levels
 
-    smooth, rubbing = (discovery.case(name).at() for name in ("harmonic-oscillator", "coulomb-oscillator"))
+    smooth, rubbing = (
+        discovery.case(name).at() for name in ("harmonic-oscillator", "coulomb-oscillator")
+    )
     assert order_levels(smooth, (0.5, 0.25)) == (0.5, 0.25)
     assert order_levels(rubbing, (0.5, 0.25)) == (0.5, 0.25, 0.125, 0.0625)
     assert order_levels(rubbing, ()) == ()
@@ -92,7 +98,10 @@ def test_an_order_is_read_from_finer_levels_where_there_are_kinks_and_from_none_
 def test_roundings_of_equal_terms_add_up_step_by_step():
     from refdem.core.refinement import flight
 
-    step, exact = (Method(name="m", summary="", control=control, order=2, precision="single") for control in ("step", "exact"))
+    step, exact = (
+        Method(name="m", summary="", control=control, order=2, precision="single")
+        for control in ("step", "exact")
+    )
     spheres, swings = (discovery.case(name).at() for name in ("two-spheres", "harmonic-oscillator"))
     h = float(spheres.times[1]) / 1024
     assert flight(swings, step, h) == flight(spheres, exact, h) == 0.0
@@ -109,7 +118,9 @@ def test_roundings_of_equal_terms_add_up_step_by_step():
 
 
 def rubbed(real, steps):
-    """Where velocity Verlet, which subtracts dry friction from the velocity by itself, leaves an oscillator after 16 s."""
+    """Where velocity Verlet, which subtracts dry friction from the velocity by itself, leaves an
+    oscillator after 16 s.
+    """
     h = real(16) / real(steps)
     rub, pull = real(0.06) * h / real(2), h / real(2) * real(1.5)
     x, v = real(-0.75), real(0.5)
@@ -130,12 +141,16 @@ def test_dry_friction_of_constant_size_rounds_alike_step_by_step():
     strayed = float(np.abs(rubbed(np.float32, steps) - rubbed(np.float64, steps)).max())
     claimed = flight(instance, step, 16 / steps)
     assert claimed == pytest.approx(2.0**-24 * steps)
-    assert strayed > 2 * round_off(instance, step, steps)  # more than roundings of random sign would leave
+    assert strayed > 2 * round_off(
+        instance, step, steps
+    )  # more than roundings of random sign would leave
     assert strayed < claimed
 
 
 def spun(steps):
-    """Length of an angular velocity that single precision turns about the three axes of a sphere, as a symmetric splitting does."""
+    """Length of an angular velocity that single precision turns about the three axes of a sphere,
+    as a symmetric splitting does.
+    """
     w = np.array([0.3, 0.5, 0.7], np.float32)
     h = np.float32(20.0 / steps)
     for _ in range(steps):
@@ -152,7 +167,10 @@ def test_turns_by_equal_angles_stretch_alike_step_by_step():
     from refdem.core.refinement import round_off, turning
 
     step = Method(name="m", summary="", control="step", order=2, precision="single")
-    sphere, swings = (discovery.case(name).at(duration="20", samples="16") for name in ("free-rigid-body", "harmonic-oscillator"))
+    sphere, swings = (
+        discovery.case(name).at(duration="20", samples="16")
+        for name in ("free-rigid-body", "harmonic-oscillator")
+    )
     steps = 4096
     start = float(np.linalg.norm(np.array([0.3, 0.5, 0.7], np.float32).astype(float)))
     strayed = abs(spun(steps) / start - 1.0)

@@ -17,9 +17,15 @@ def request(case: str, **given: str) -> Request:
 def leaves(key: str, value: object) -> dict[str, object]:
     """Every leaf of a JSON value by its dotted key, and the length of every list."""
     if isinstance(value, dict):
-        return {k: v for name, part in value.items() for k, v in leaves(f"{key}.{name}".lstrip("."), part).items()}
+        return {
+            k: v
+            for name, part in value.items()
+            for k, v in leaves(f"{key}.{name}".lstrip("."), part).items()
+        }
     if isinstance(value, list):
-        return {f"{key}.count": len(value)} | {k: v for n, part in enumerate(value) for k, v in leaves(f"{key}.{n}", part).items()}
+        return {f"{key}.count": len(value)} | {
+            k: v for n, part in enumerate(value) for k, v in leaves(f"{key}.{n}", part).items()
+        }
     return {} if value is None else {key: value}
 
 

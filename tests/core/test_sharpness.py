@@ -1,4 +1,6 @@
-"""A bound that is above a tenth of what it judges decides nothing; a value beyond it fails all the same."""
+"""A bound that is above a tenth of what it judges decides nothing; a value beyond it fails all the
+same.
+"""
 
 import msgspec
 import numpy as np
@@ -11,13 +13,25 @@ from refdem.core.finding import Finding
 from refdem.core.judgement import Sight, judged, left_at_finest, movements, sharpest, worst
 from refdem.core.truth import SampledTruth
 
-WORDS = {"check": "error", "quantity": "x", "unit": "1", "basis": "a reason", "what": "The error of x"}
+WORDS = {
+    "check": "error",
+    "quantity": "x",
+    "unit": "1",
+    "basis": "a reason",
+    "what": "The error of x",
+}
 T = np.linspace(0.0, 1.0, 5)
 
 
 @pytest.mark.parametrize(
     ("value", "signal", "outcome"),
-    [(0.2, 10.0, "pass"), (0.2, 2.9, "undecided"), (0.4, 2.9, "fail"), (0.4, 10.0, "fail"), (0.2, 0.0, "pass")],
+    [
+        (0.2, 10.0, "pass"),
+        (0.2, 2.9, "undecided"),
+        (0.4, 2.9, "fail"),
+        (0.4, 10.0, "fail"),
+        (0.2, 0.0, "pass"),
+    ],
 )
 def test_a_bound_above_a_tenth_of_the_motion_passes_nothing(value, signal, outcome):
     assert judged(value=value, bound=0.3, sight=Sight(0.3, signal), **WORDS).outcome == outcome
@@ -25,7 +39,9 @@ def test_a_bound_above_a_tenth_of_the_motion_passes_nothing(value, signal, outco
 
 def test_what_is_not_decided_says_why():
     finding = judged(value=0.2, bound=0.3, sight=Sight(0.3, 0.01), **WORDS)
-    assert finding.sentence.startswith("Not decided: the bound 0.3 is above a tenth of the motion 0.01.")
+    assert finding.sentence.startswith(
+        "Not decided: the bound 0.3 is above a tenth of the motion 0.01."
+    )
     assert finding.sharpness == pytest.approx(30)
 
 
@@ -40,8 +56,14 @@ def test_a_curve_is_seen_by_its_sharpest_sample_and_a_motion_counts_from_its_lar
 
 def test_one_sharp_sample_lets_a_curve_decide():
     allowed = np.array([0.3, 0.3, 0.3, 0.3, 0.01])
-    assert worst(t=T, values=np.zeros(5), allowed=allowed, signal=np.full(5, 1.0), **WORDS).outcome == "pass"
-    assert worst(t=T, values=np.zeros(5), allowed=0.3, signal=np.full(5, 1.0), **WORDS).outcome == "undecided"
+    assert (
+        worst(t=T, values=np.zeros(5), allowed=allowed, signal=np.full(5, 1.0), **WORDS).outcome
+        == "pass"
+    )
+    assert (
+        worst(t=T, values=np.zeros(5), allowed=0.3, signal=np.full(5, 1.0), **WORDS).outcome
+        == "undecided"
+    )
 
 
 def test_a_quantity_without_a_signal_is_a_law_and_decides():
@@ -50,17 +72,30 @@ def test_a_quantity_without_a_signal_is_a_law_and_decides():
 
 
 def test_a_finding_of_an_older_version_is_read():
-    old = b'{"check":"error","quantity":"x","outcome":"pass","sentence":"said","value":0.1,"bound":1.0}'
+    old = (
+        b'{"check":"error","quantity":"x","outcome":"pass","sentence":"said",'
+        b'"value":0.1,"bound":1.0}'
+    )
     assert msgspec.json.decode(old, type=Finding).sharpness is None
 
 
 def test_the_truth_of_an_angle_moves_modulo_a_turn_and_an_attitude_as_one_rotation():
     instance = discovery.case("free-rigid-body").at()
     turn = [np.cos(0.25), 0.0, 0.0, np.sin(0.25)]
-    values = {f"attitude.{axis}": [start, end] for axis, start, end in zip("wxyz", (1.0, 0.0, 0.0, 0.0), turn, strict=True)}
+    values = {
+        f"attitude.{axis}": [start, end]
+        for axis, start, end in zip("wxyz", (1.0, 0.0, 0.0, 0.0), turn, strict=True)
+    }
     truth = SampledTruth(
-        t=[0.0, 1.0], values=values, radii={}, sensitivity=[1.0, 1.0], scalars={}, method="", witness="", until=2
-    )  # fmt: skip
+        t=[0.0, 1.0],
+        values=values,
+        radii={},
+        sensitivity=[1.0, 1.0],
+        scalars={},
+        method="",
+        witness="",
+        until=2,
+    )
     np.testing.assert_allclose(movements(instance, truth)["attitude"], [0.0, 0.5], atol=1e-15)
 
 

@@ -1,4 +1,6 @@
-"""Velocities that are half a step early are compared with truth at their own time; what mixes two times is left out."""
+"""Velocities that are half a step early are compared with truth at their own time; what mixes two
+times is left out.
+"""
 
 from dataclasses import replace
 
@@ -16,7 +18,10 @@ DELAY = 2.0**-7
 
 def plain(instance: Instance) -> Trajectory:
     """A run that stands still at the start."""
-    columns = {name: np.repeat(getattr(instance.scene.bodies, name)[None], len(instance.times), axis=0) for name in STATE}
+    columns = {
+        name: np.repeat(getattr(instance.scene.bodies, name)[None], len(instance.times), axis=0)
+        for name in STATE
+    }
     return Trajectory(t=instance.times, **columns)
 
 
@@ -31,7 +36,9 @@ def test_a_run_is_right_at_the_time_that_it_says_and_wrong_at_another(delay: flo
     position, velocity = run.position.copy(), run.velocity.copy()
     position[:, 0, 0], velocity[:, 0, 0] = np.cos(run.t), -np.sin(run.t - delay)
     run = replace(run, position=position, velocity=velocity)
-    right, wrong = (errors(instance, run, truth, lag) for lag in ((0.0, DELAY) if not delay else (DELAY, 0.0)))
+    right, wrong = (
+        errors(instance, run, truth, lag) for lag in ((0.0, DELAY) if not delay else (DELAY, 0.0))
+    )
     assert max(right["x"].max(), wrong["x"].max(), right["v"].max()) < 1e-15
     assert wrong["v"][1:].max() > 0.9 * DELAY
 
@@ -47,4 +54,6 @@ def test_quantities_of_two_times_are_left_out() -> None:
 def test_of_two_spheres_places_and_velocities_are_all_compared() -> None:
     instance = discovery.case("two-spheres").at(samples="4")
     truth = sampled(instance.truth(), instance.times.tolist(), [DELAY])
-    assert set(errors(instance, plain(instance), truth, DELAY)) == set(errors(instance, plain(instance), truth))
+    assert set(errors(instance, plain(instance), truth, DELAY)) == set(
+        errors(instance, plain(instance), truth)
+    )

@@ -1,4 +1,6 @@
-"""The store is a cache: what is wrong with it costs a line on stderr and time, never a verdict or a campaign."""
+"""The store is a cache: what is wrong with it costs a line on stderr and time, never a verdict or a
+campaign.
+"""
 
 import random
 import sqlite3
@@ -43,7 +45,9 @@ def test_a_store_of_a_newer_format_is_left_as_it_is(tmp_path, capfd):
 def test_entries_of_an_older_format_are_dropped(tmp_path):
     path = tmp_path / "s.sqlite"
     with closing(sqlite3.connect(path)) as connection:
-        connection.execute("CREATE TABLE entries (kind TEXT, key TEXT, data BLOB, PRIMARY KEY (kind, key))")
+        connection.execute(
+            "CREATE TABLE entries (kind TEXT, key TEXT, data BLOB, PRIMARY KEY (kind, key))"
+        )
         connection.execute("INSERT INTO entries VALUES ('run', 'k', x'00')")
         connection.execute(f"PRAGMA user_version={FORMAT - 1}")
         connection.commit()

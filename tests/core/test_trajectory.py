@@ -25,7 +25,10 @@ def test_bytes_read_back_to_the_last_bit():
 @pytest.mark.parametrize("name", ["t", "position", "velocity", "attitude", "omega"])
 @pytest.mark.parametrize("bad", [np.nan, np.inf])
 def test_a_number_that_is_not_finite_is_refused_with_its_place(name, bad):
-    columns = {n: np.array(getattr(trajectory(), n)) for n in ("t", "position", "velocity", "attitude", "omega")}
+    columns = {
+        n: np.array(getattr(trajectory(), n))
+        for n in ("t", "position", "velocity", "attitude", "omega")
+    }
     columns[name].reshape(-1)[2] = bad
     with pytest.raises(EngineError, match=rf"trajectory\.{name}\["):
         Trajectory(**columns)
@@ -34,17 +37,31 @@ def test_a_number_that_is_not_finite_is_refused_with_its_place(name, bad):
 def test_wrong_shapes_and_unknown_channels_are_refused():
     good = trajectory()
     with pytest.raises(EngineError, match="expected float64"):
-        Trajectory(t=good.t, position=good.position, velocity=good.velocity[:4], attitude=good.attitude, omega=good.omega)
+        Trajectory(
+            t=good.t,
+            position=good.position,
+            velocity=good.velocity[:4],
+            attitude=good.attitude,
+            omega=good.omega,
+        )
     with pytest.raises(EngineError, match="closeness"):
         trajectory(channels={"closeness": np.zeros(5)})
 
 
 def test_one_row_that_stands_for_all_is_packed_once_and_read_back():
     still = np.array([[0.6, 0.0, 0.8, 0.0]] * 50)
-    rows = {"position": np.random.default_rng(1).normal(size=(9, 50, 3)), "velocity": np.zeros((9, 50, 3))}
+    rows = {
+        "position": np.random.default_rng(1).normal(size=(9, 50, 3)),
+        "velocity": np.zeros((9, 50, 3)),
+    }
     made = Trajectory(
-        t=np.arange(9.0), attitude=np.broadcast_to(still, (9, 50, 4)), omega=np.broadcast_to(np.zeros((50, 3)), (9, 50, 3)), **rows
+        t=np.arange(9.0),
+        attitude=np.broadcast_to(still, (9, 50, 4)),
+        omega=np.broadcast_to(np.zeros((50, 3)), (9, 50, 3)),
+        **rows,
     )
     again = Trajectory.from_bytes(made.to_bytes())
-    assert all(np.array_equal(value, again.columns()[name]) for name, value in made.columns().items())
+    assert all(
+        np.array_equal(value, again.columns()[name]) for name, value in made.columns().items()
+    )
     assert len(made.to_bytes()) < 0.6 * sum(value.nbytes for value in made.columns().values())

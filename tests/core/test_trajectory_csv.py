@@ -1,4 +1,6 @@
-"""The CSV reader: numbers come back to the last bit, and nothing that a program writes is worse than one clear error."""
+"""The CSV reader: numbers come back to the last bit, and nothing that a program writes is worse
+than one clear error.
+"""
 
 from contextlib import suppress
 from pathlib import Path
@@ -15,7 +17,9 @@ from refdem.errors import EngineError, RefdemError
 HEADER = ",".join(COLUMNS)
 
 
-def read(folder: Path, text: str | bytes, samples: int = 2, bodies: int = 2, events: str | None = None) -> Trajectory:
+def read(
+    folder: Path, text: str | bytes, samples: int = 2, bodies: int = 2, events: str | None = None
+) -> Trajectory:
     """The trajectory that a file of this text is."""
     path, beside = folder / "trajectory.csv", folder / "events.csv"
     path.write_bytes(text if isinstance(text, bytes) else text.encode())
@@ -38,7 +42,11 @@ PLAIN = [row(0, 0), row(0, 1), row(0.5, 0), row(0.5, 1)]
 
 def test_numbers_come_back_to_the_last_bit(tmp_path: Path) -> None:
     numbers = np.random.default_rng(1).standard_normal((2, 2, 13)) * 10.0 ** np.arange(-6, 7)
-    rows = [row(t, b, *(f"{x:.17g}" for x in numbers[n, b])) for n, t in enumerate((0, 0.5)) for b in (0, 1)]
+    rows = [
+        row(t, b, *(f"{x:.17g}" for x in numbers[n, b]))
+        for n, t in enumerate((0, 0.5))
+        for b in (0, 1)
+    ]
     run = read(tmp_path, table(*rows))
     assert run.t.tolist() == [0.0, 0.5]
     seen = np.concatenate([run.position, run.velocity, run.attitude, run.omega], axis=-1)
@@ -47,7 +55,9 @@ def test_numbers_come_back_to_the_last_bit(tmp_path: Path) -> None:
 
 def test_points_have_empty_attitudes_beside_bodies_that_turn(tmp_path: Path) -> None:
     turning = row(0, 1, *range(6), 0, 1, 0, 0, 7, 8, 9)
-    run = read(tmp_path, table(row(0, 0), turning, row(0.5, 0), turning.replace("0,1,", "0.5,1,", 1)))
+    run = read(
+        tmp_path, table(row(0, 0), turning, row(0.5, 0), turning.replace("0,1,", "0.5,1,", 1))
+    )
     assert run.attitude[0].tolist() == [[1, 0, 0, 0], [0, 1, 0, 0]]
     assert run.omega[1].tolist() == [[0, 0, 0], [7, 8, 9]]
 
@@ -59,7 +69,10 @@ def test_fortran_exponents_blanks_carriage_returns_and_empty_lines_are_read(tmp_
 
 def test_channels_have_a_column_for_each_row_that_is_not_empty(tmp_path: Path) -> None:
     header = f"{HEADER},dissipated_work,overlap"
-    rows = [f"{line},{work},{overlap}" for line, work, overlap in zip(PLAIN, ("1", "", "2", ""), "3456", strict=True)]
+    rows = [
+        f"{line},{work},{overlap}"
+        for line, work, overlap in zip(PLAIN, ("1", "", "2", ""), "3456", strict=True)
+    ]
     run = read(tmp_path, table(*rows, header=header))
     assert run.channels["dissipated_work"].tolist() == [[1], [2]]
     assert run.channels["overlap"].tolist() == [[3, 4], [5, 6]]
@@ -78,7 +91,10 @@ def test_events_are_read_from_beside(tmp_path: Path) -> None:
         ([], "has 0 rows"),
         ([PLAIN[1], PLAIN[0], *PLAIN[2:]], "row 1 is body 1 at t = 0; expected body 0 at t = 0"),
         ([PLAIN[0], row(0.1, 1), *PLAIN[2:]], r"row 2 is body 1 at t = 0\.1"),
-        ([row(0, 0, 1, 2, "inf", 0, 0, 0, *[""] * 7), *PLAIN[1:]], "line 2: z is 'inf'; expected a finite number"),
+        (
+            [row(0, 0, 1, 2, "inf", 0, 0, 0, *[""] * 7), *PLAIN[1:]],
+            "line 2: z is 'inf'; expected a finite number",
+        ),
         ([row(0, 0, 1, 2, "NaN", 0, 0, 0, *[""] * 7), *PLAIN[1:]], "line 2: z is 'NaN'"),
         ([row(0, 0, 1, 2, "", 0, 0, 0, *[""] * 7), *PLAIN[1:]], "line 2: z is ''"),
         ([row(0, 0, *[0] * 6, 1, "", "", "", "", "", ""), *PLAIN[1:]], "line 2: qx is ''"),
@@ -91,7 +107,10 @@ def test_a_wrong_row_is_named(tmp_path: Path, rows: list[str], says: str) -> Non
         read(tmp_path, table(*rows))
 
 
-@pytest.mark.parametrize("header", ["", "a,b", HEADER.replace("vx", "ux"), HEADER + ",temperature", HEADER + ",overlap,overlap"])
+@pytest.mark.parametrize(
+    "header",
+    ["", "a,b", HEADER.replace("vx", "ux"), HEADER + ",temperature", HEADER + ",overlap,overlap"],
+)
 def test_another_header_is_refused(tmp_path: Path, header: str) -> None:
     with pytest.raises(EngineError, match=r"trajectory\.csv line 1"):
         read(tmp_path, table(*PLAIN, header=header))
@@ -104,7 +123,14 @@ def test_a_channel_that_comes_and_goes_is_refused(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    "events", ["", "time,kind\n", "time,kind,body\nnan,stop,0\n", "time,kind,body\n1,stop,2\n", "time,kind,body\n1,stop\n"]
+    "events",
+    [
+        "",
+        "time,kind\n",
+        "time,kind,body\nnan,stop,0\n",
+        "time,kind,body\n1,stop,2\n",
+        "time,kind,body\n1,stop\n",
+    ],
 )
 def test_wrong_events_are_refused(tmp_path: Path, events: str) -> None:
     with pytest.raises(EngineError, match=r"events\.csv line"):
@@ -117,18 +143,41 @@ def test_a_folder_in_place_of_the_file_is_no_trajectory(tmp_path: Path) -> None:
         read_trajectory(tmp_path / "a.csv", 2, 2)
 
 
-CELLS = st.sampled_from(["0", "1", "-1e3", "", "nan", "inf", "1e999", "0x1p3", '"', "a", "\0", "1_0", "٣", " 2 ", "1.5D+00", "\r"])
+CELLS = st.sampled_from(
+    [
+        "0",
+        "1",
+        "-1e3",
+        "",
+        "nan",
+        "inf",
+        "1e999",
+        "0x1p3",
+        '"',
+        "a",
+        "\0",
+        "1_0",
+        "٣",
+        " 2 ",
+        "1.5D+00",
+        "\r",
+    ]
+)
 
 
 @given(st.binary(max_size=400))
 @settings(max_examples=200)
-def test_no_bytes_are_worse_than_an_error(tmp_path_factory: pytest.TempPathFactory, data: bytes) -> None:
+def test_no_bytes_are_worse_than_an_error(
+    tmp_path_factory: pytest.TempPathFactory, data: bytes
+) -> None:
     _held(tmp_path_factory.getbasetemp(), data)
 
 
 @given(st.lists(st.lists(CELLS, min_size=13, max_size=16), min_size=3, max_size=5))
 @settings(max_examples=300)
-def test_no_cells_are_worse_than_an_error(tmp_path_factory: pytest.TempPathFactory, cells: list[list[str]]) -> None:
+def test_no_cells_are_worse_than_an_error(
+    tmp_path_factory: pytest.TempPathFactory, cells: list[list[str]]
+) -> None:
     _held(tmp_path_factory.getbasetemp(), table(*(",".join(line) for line in cells)).encode())
 
 

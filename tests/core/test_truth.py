@@ -31,7 +31,8 @@ def test_a_double_that_is_exact_has_radius_zero():
 
 
 @pytest.mark.parametrize(
-    ("mid", "places", "text"), [(Fraction(-1, 10), 3, "-0.100"), (Fraction(123456), 2, "123456.00"), (Fraction(0), 1, "0.0")]
+    ("mid", "places", "text"),
+    [(Fraction(-1, 10), 3, "-0.100"), (Fraction(123456), 2, "123456.00"), (Fraction(0), 1, "0.0")],
 )
 def test_decimals_are_plain(mid, places, text):
     assert Ball(mid, Fraction(0)).decimals(places)[0] == text

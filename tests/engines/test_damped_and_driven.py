@@ -1,4 +1,6 @@
-"""Dashpots, periodic forces and springs with a cube in MuJoCo, pymunk and REBOUND: against formulas, at the order claimed, or refused."""
+"""Dashpots, periodic forces and springs with a cube in MuJoCo, pymunk and REBOUND: against
+formulas, at the order claimed, or refused.
+"""
 
 import numpy as np
 import pytest
@@ -17,8 +19,17 @@ SPRING = Spring(a=0, stiffness=2.0)
 DAMPED = Scene.of([POINT], [SPRING, Dashpot(a=0, damping=0.8), UniformGravity(g=(0.5, 0.0, 0.0))])
 CUBIC = Scene.of([POINT], [Spring(a=0, stiffness=2.0, cubic=-1.0)])
 DRIVEN = Scene.of([POINT], [SPRING, Force(a=0, amplitude=3.0, frequency=2.0, phase=0.5)])
-POL = Scene.of([POINT], [SPRING, Dashpot(a=0, damping=-0.5, van_der_pol=0.75), Force(a=0, amplitude=3.0, frequency=2.0)])
-SQUARE = Scene.of([POINT], [Spring(a=0, anchor_b=(-4.0, 0.0, 0.0), length=4.0, stiffness=2.0, quadratic=0.5)])
+POL = Scene.of(
+    [POINT],
+    [
+        SPRING,
+        Dashpot(a=0, damping=-0.5, van_der_pol=0.75),
+        Force(a=0, amplitude=3.0, frequency=2.0),
+    ],
+)
+SQUARE = Scene.of(
+    [POINT], [Spring(a=0, anchor_b=(-4.0, 0.0, 0.0), length=4.0, stiffness=2.0, quadratic=0.5)]
+)
 
 
 def played(engine, method, scene, step=None, tolerance=None, start=0.0, duration=8.0):
@@ -27,7 +38,9 @@ def played(engine, method, scene, step=None, tolerance=None, start=0.0, duration
     problem = Motion(scene, times)
     adapter = discovery.engine(engine)
     assert adapter.refusal(problem, adapter.method(method)) is None
-    trajectory, _ = adapter.run(Request(problem=problem, method=method, step=step, tolerance=tolerance))
+    trajectory, _ = adapter.run(
+        Request(problem=problem, method=method, step=step, tolerance=tolerance)
+    )
     return trajectory
 
 
@@ -67,18 +80,33 @@ def test_a_dashpot_in_rebound_is_exact_or_as_good_as_the_tolerance():
         assert np.abs(run.position[:, 0, 0] - fading(run.t)).max() < bound
 
 
-@pytest.mark.parametrize(("method", "step", "tolerance", "bound"), [("ias15", None, None, 1e-13), ("bs", None, 1e-11, 1e-9)])
-def test_a_periodic_force_reads_rebounds_clock_also_from_a_later_start(method, step, tolerance, bound):
+@pytest.mark.parametrize(
+    ("method", "step", "tolerance", "bound"),
+    [("ias15", None, None, 1e-13), ("bs", None, 1e-11, 1e-9)],
+)
+def test_a_periodic_force_reads_rebounds_clock_also_from_a_later_start(
+    method, step, tolerance, bound
+):
     run = played("rebound", method, DRIVEN, step, tolerance)
     assert np.abs(run.position[:, 0, 0] - swinging(run.t)).max() < bound
-    late = Scene.of([POINT], [SPRING, Force(a=0, amplitude=3.0, frequency=2.0, phase=0.5 - 2.0 * 64.0)])
+    late = Scene.of(
+        [POINT], [SPRING, Force(a=0, amplitude=3.0, frequency=2.0, phase=0.5 - 2.0 * 64.0)]
+    )
     delayed = played("rebound", method, late, step, tolerance, start=64.0)
     assert np.abs(delayed.position - run.position).max() < 100 * bound
 
 
-@pytest.mark.parametrize(("method", "order", "steps"), [("leapfrog", 2, (2.0**-5, 2.0**-6)), ("leapfrog-8", 8, (2.0**-1, 2.0**-2))])
+@pytest.mark.parametrize(
+    ("method", "order", "steps"),
+    [("leapfrog", 2, (2.0**-5, 2.0**-6)), ("leapfrog-8", 8, (2.0**-1, 2.0**-2))],
+)
 def test_leapfrog_has_its_order_with_a_periodic_force(method, order, steps):
-    errors = [np.abs(played("rebound", method, DRIVEN, step).position[:, 0, 0] - swinging(np.arange(17) / 2)).max() for step in steps]
+    errors = [
+        np.abs(
+            played("rebound", method, DRIVEN, step).position[:, 0, 0] - swinging(np.arange(17) / 2)
+        ).max()
+        for step in steps
+    ]
     assert np.log2(errors[0] / errors[1]) == pytest.approx(order, abs=0.3)
 
 
@@ -89,29 +117,41 @@ def test_a_periodic_force_in_pymunk_is_of_first_order_also_from_a_later_start():
         errors.append(np.abs(run.position[:, 0, 0] - swinging(run.t)).max())
     assert np.log2(errors[0] / errors[1]) == pytest.approx(1, abs=0.1)
     assert errors[1] < 2.0**-5
-    late = Scene.of([POINT], [SPRING, Force(a=0, amplitude=3.0, frequency=2.0, phase=0.5 - 2.0 * 64.0)])
+    late = Scene.of(
+        [POINT], [SPRING, Force(a=0, amplitude=3.0, frequency=2.0, phase=0.5 - 2.0 * 64.0)]
+    )
     delayed = played("pymunk", "semi-implicit-euler", late, 2.0**-8, start=64.0)
     assert np.abs(delayed.position - run.position).max() < 1e-11
 
 
-@pytest.mark.parametrize(("method", "order", "steps"), [("rk4", 4, (2.0**-4, 2.0**-5)), ("euler", 1, (2.0**-7, 2.0**-8))])
-def test_a_periodic_force_in_mujoco_is_taken_at_the_time_of_every_stage_also_from_a_later_start(method, order, steps):
+@pytest.mark.parametrize(
+    ("method", "order", "steps"), [("rk4", 4, (2.0**-4, 2.0**-5)), ("euler", 1, (2.0**-7, 2.0**-8))]
+)
+def test_a_periodic_force_in_mujoco_is_taken_at_the_time_of_every_stage_also_from_a_later_start(
+    method, order, steps
+):
     runs = [played("mujoco", method, DRIVEN, step) for step in steps]
     errors = [np.abs(run.position[:, 0, 0] - swinging(run.t)).max() for run in runs]
     assert np.log2(errors[0] / errors[1]) == pytest.approx(order, abs=0.1)
-    late = Scene.of([POINT], [SPRING, Force(a=0, amplitude=3.0, frequency=2.0, phase=0.5 - 2.0 * 64.0)])
+    late = Scene.of(
+        [POINT], [SPRING, Force(a=0, amplitude=3.0, frequency=2.0, phase=0.5 - 2.0 * 64.0)]
+    )
     delayed = played("mujoco", method, late, steps[1], start=64.0)
     assert np.abs(delayed.position - runs[1].position).max() < 1e-11
 
 
 @pytest.mark.parametrize("shape", [{}, {"inertia": (1.0, 2.0, 3.0), "omega": (0.3, 0.2, 0.1)}])
 def test_a_periodic_force_alone_acts_along_its_axis_in_mujoco_and_is_gone_afterwards(shape):
-    """Without springs and dampers MuJoCo leaves out all passive forces, unless it is told not to."""
+    """Without springs and dampers MuJoCo leaves out all passive forces, unless it is told not
+    to.
+    """
     force = Force(a=0, amplitude=3.0, frequency=2.0, phase=0.5, axis=(0.0, 0.6, 0.8))
     body = Body(mass=2.0, position=(1.0, 0.0, 0.0), **shape)
     run = played("mujoco", "rk4", Scene.of([body], [force]), 2.0**-6)
     way = -3.0 / 8.0 * (np.cos(2 * run.t + 0.5) - np.cos(0.5)) - 0.75 * np.sin(0.5) * run.t
-    assert run.position[:, 0] == pytest.approx(np.stack([1 + 0 * way, 0.6 * way, 0.8 * way], axis=1), abs=2e-8)
+    assert run.position[:, 0] == pytest.approx(
+        np.stack([1 + 0 * way, 0.6 * way, 0.8 * way], axis=1), abs=2e-8
+    )
     after = played("mujoco", "rk4", Scene.of([body], []), 2.0**-6)
     assert np.ptp(after.position, axis=0).max() == 0
 
@@ -135,15 +175,40 @@ def test_van_der_pols_dashpot_and_a_drive_are_those_of_the_reference():
 
 REFUSED = [
     ("mujoco", "rk4", Scene.of([POINT, POINT], [Force(a=0, b=1, amplitude=1.0)]), "between bodies"),
-    ("mujoco", "rk4", Scene.of([POINT], [Force(a=0, amplitude=1.0), Rod(a=0, length=1.0)]), "nothing holds"),
+    (
+        "mujoco",
+        "rk4",
+        Scene.of([POINT], [Force(a=0, amplitude=1.0), Rod(a=0, length=1.0)]),
+        "nothing holds",
+    ),
     ("mujoco", "rk4", Scene.of([POINT], [SPRING, Dashpot(a=0, damping=-0.5)]), "below zero"),
     ("mujoco", "rk4", SQUARE, "square"),
-    ("pymunk", "semi-implicit-euler", Scene.of([POINT, POINT], [Force(a=0, b=1, amplitude=1.0)]), "between bodies"),
+    (
+        "pymunk",
+        "semi-implicit-euler",
+        Scene.of([POINT, POINT], [Force(a=0, b=1, amplitude=1.0)]),
+        "between bodies",
+    ),
     ("pymunk", "semi-implicit-euler", CUBIC, "not linear"),
-    ("pymunk", "semi-implicit-euler", Scene.of([POINT], [SPRING, Dashpot(a=0, van_der_pol=1.0)]), "one rate"),
-    ("pymunk", "semi-implicit-euler", Scene.of([POINT, POINT], [Dashpot(a=0, damping=1.0)]), "one rate"),
+    (
+        "pymunk",
+        "semi-implicit-euler",
+        Scene.of([POINT], [SPRING, Dashpot(a=0, van_der_pol=1.0)]),
+        "one rate",
+    ),
+    (
+        "pymunk",
+        "semi-implicit-euler",
+        Scene.of([POINT, POINT], [Dashpot(a=0, damping=1.0)]),
+        "one rate",
+    ),
     ("rebound", "leapfrog", DAMPED, "dashpot"),
-    ("rebound", "leapfrog-8", Scene.of([POINT], [Spring(a=0, stiffness=1.0, exponent=1.5)]), "smooth"),
+    (
+        "rebound",
+        "leapfrog-8",
+        Scene.of([POINT], [Spring(a=0, stiffness=1.0, exponent=1.5)]),
+        "smooth",
+    ),
     ("rebound", "ias15", Scene.of([POINT], [Spring(a=0, stiffness=1.0, exponent=2.0)]), "smooth"),
     ("rebound", "whfast", DRIVEN, "attracting centre"),
 ]
@@ -152,4 +217,6 @@ REFUSED = [
 @pytest.mark.parametrize(("engine", "method", "scene", "reason"), REFUSED)
 def test_what_an_engine_cannot_say_is_refused(engine, method, scene, reason):
     adapter = discovery.engine(engine)
-    assert reason in str(adapter.refusal(Motion(scene, np.array([0.0, 1.0])), adapter.method(method)))
+    assert reason in str(
+        adapter.refusal(Motion(scene, np.array([0.0, 1.0])), adapter.method(method))
+    )

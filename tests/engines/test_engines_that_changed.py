@@ -1,4 +1,6 @@
-"""An engine that is built in another way than its adapter knows, or that loses count, is an error and not a motion."""
+"""An engine that is built in another way than its adapter knows, or that loses count, is an error
+and not a motion.
+"""
 
 import ctypes
 

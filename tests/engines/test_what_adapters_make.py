@@ -1,4 +1,6 @@
-"""What an adapter makes of other numbers so that a law always holds is declared, and no check of that law applies to it."""
+"""What an adapter makes of other numbers so that a law always holds is declared, and no check of
+that law applies to it.
+"""
 
 import re
 from pathlib import Path
@@ -58,7 +60,9 @@ def test_every_source_that_makes_unit_quaternions_says_so():
     assert len(making) >= 5
     for path in making:
         beside = path.parent.glob("*.py") if path.parent.parent.name == "engines" else [path]
-        assert any('"attitude":' in other.read_text() for other in beside), f"{path.name} makes unit quaternions and declares nothing"
+        assert any('"attitude":' in other.read_text() for other in beside), (
+            f"{path.name} makes unit quaternions and declares nothing"
+        )
 
 
 def test_work_that_is_told_as_what_the_energy_lacks_is_no_evidence_of_a_balance():

@@ -1,4 +1,6 @@
-"""An engine in which nothing moves, and one in which everything goes a per cent too far, fail in every case that moves."""
+"""An engine in which nothing moves, and one in which everything goes a per cent too far, fail in
+every case that moves.
+"""
 
 from collections import defaultdict
 
@@ -38,7 +40,10 @@ KEPT_BY_REST = {
 KEPT_BY_STRETCHING = {
     "angular-momentum": "of bodies on which nothing acts: straight lines stay straight",
     "momentum": "it stays zero in sum",
-    "energy": "free flight has no energy to be wrong; with friction only a rise is looked for; others fail in one of the quantities",
+    "energy": (
+        "free flight has no energy to be wrong; with friction only a rise is looked for; others"
+        " fail in one of the quantities"
+    ),
     "bounces": "directions still point inwards",
     "contact-channels": "channels are stretched with the state",
     "determinism": "it is the same every time",
@@ -46,14 +51,18 @@ KEPT_BY_STRETCHING = {
     "reversal": "the way back starts where the stretched way ended: free flight comes back",
     "symmetry": "it is a per cent too far in every frame",
     "rest": "where nothing moves a per cent of it is nothing",
-    "stop": "it does not creep, and a stop between two samples is not known to a per cent of the time",
+    "stop": (
+        "it does not creep, and a stop between two samples is not known to a per cent of the time"
+    ),
     "flips": "a number of flips",
     "lyapunov": "a distance that is a per cent larger changes an exponent by ln(1.01)/T",
     "cooling": "statistics of so few collisions are not known to a per cent",
     "roughness": "statistics of so few collisions are not known to a per cent",
     "limit": "kinked motions and those at round-off have none",
 }
-"""Checks of which a run that goes a per cent too far may pass some quantity, because it obeys that law."""
+"""Checks of which a run that goes a per cent too far may pass some quantity, because it obeys that
+law.
+"""
 
 RESTING = ("block-on-slope", "newtons-first-law")
 KEEPS = {"frozen": KEPT_BY_REST, "one-per-cent": KEPT_BY_STRETCHING}
@@ -102,8 +111,16 @@ def test_a_motion_that_is_not_the_true_one_is_seen(reference, truths, instance, 
     if not is_static:
         assert "error" in failed or (is_gas and failed), f"passes: {record.findings}"
     passed = [finding for finding in record.findings if finding.outcome == "pass"]
-    blind = [f"{f.check}/{f.quantity}: {f.sentence}" for f in passed if f.check not in (*KEEPS[fault], "error")]
+    blind = [
+        f"{f.check}/{f.quantity}: {f.sentence}"
+        for f in passed
+        if f.check not in (*KEEPS[fault], "error")
+    ]
     assert blind == []
     if isinstance(instance.problem, Motion):
-        moved = [f"{f.quantity}: {f.sentence}" for f in passed if f.check == "error" and f.sharpness is not None]
+        moved = [
+            f"{f.quantity}: {f.sentence}"
+            for f in passed
+            if f.check == "error" and f.sharpness is not None
+        ]
         assert moved == [] or fault == "one-per-cent"

@@ -1,4 +1,6 @@
-"""`refdem faults`: the matrix in words and as JSON, its exit status, and what it says of bad input."""
+"""`refdem faults`: the matrix in words and as JSON, its exit status, and what it says of bad
+input.
+"""
 
 import json
 
@@ -46,6 +48,8 @@ def test_bad_input_is_named():
 
 
 def test_survivors_and_alarms_are_said_in_full():
-    alarm = Alarm(id="pendulum/transparent/verlet/error/x", setting="swing", seed=3, sentence="It is off.")
+    alarm = Alarm(
+        id="pendulum/transparent/verlet/error/x", setting="swing", seed=3, sentence="It is off."
+    )
     said = lines(Matrix(engine="transparent", seeds=1, kills=(), alarms=(alarm,)))
     assert "ALARM pendulum/transparent/verlet/error/x (seed 3): It is off." in said

@@ -1,4 +1,6 @@
-"""Diagnosis by twins: a code with a known fault is told by it, a right one by its integrator, an unknown one by nothing."""
+"""Diagnosis by twins: a code with a known fault is told by it, a right one by its integrator, an
+unknown one by nothing.
+"""
 
 import json
 import re
@@ -22,7 +24,9 @@ from refdem.faults.twins import Diagnosis, Twin, diagnosis, first_part
 
 def asked(case, method, halvings, **given):
     instance = discovery.case(case).at(**given)
-    return instance, Request(problem=instance.problem, method=method, step=float(instance.times[1]) / 2**halvings)
+    return instance, Request(
+        problem=instance.problem, method=method, step=float(instance.times[1]) / 2**halvings
+    )
 
 
 SHORT = {"duration": "2", "samples": "8"}
@@ -47,7 +51,9 @@ def test_a_code_with_a_known_fault_is_told_by_it(fault, case, method, given):
 
 
 def leapfrog(request, late=0.0, stiffness=1.0):
-    """A code of another hand: the oscillator (m = k = 1) by positions alone, x(n+1) = 2 x(n) - x(n-1) - h^2 k x(n) (Stoermer)."""
+    """A code of another hand: the oscillator (m = k = 1) by positions alone, x(n+1) = 2 x(n) -
+    x(n-1) - h^2 k x(n) (Stoermer).
+    """
     h, count = request.step, request.stride * (len(request.problem.times) - 1)
     x = [1.0, 1.0 - stiffness * h * h / 2]
     while len(x) < count + 2:
@@ -80,7 +86,9 @@ def test_a_fault_that_nobody_knows_is_not_given_a_name():
     found = diagnosis(instance, request, leapfrog(request, late=0.05))
     assert found.explanation is None
     assert found.sentence().startswith("behaves as no twin; nearest: ")
-    assert re.search(r", at \d\.\d digits \(\d\.\de-\d\d of its scale\): not a diagnosis", found.sentence())
+    assert re.search(
+        r", at \d\.\d digits \(\d\.\de-\d\d of its scale\): not a diagnosis", found.sentence()
+    )
 
 
 @pytest.mark.parametrize("factor", [0.731, 0.9987, 1.0137, 1.37])
@@ -89,13 +97,22 @@ def test_the_amplitude_of_a_fault_is_solved_for(factor):
     found = diagnosis(instance, request, leapfrog(request, stiffness=factor))
     names = {found.explanation.name, *found.alike}
     assert "spring-stiffness" in names
-    (twin,) = (twin for twin in found.twins if twin.name == "spring-stiffness" and twin.method == "verlet" and twin.step == request.step)
+    (twin,) = (
+        twin
+        for twin in found.twins
+        if twin.name == "spring-stiffness" and twin.method == "verlet" and twin.step == request.step
+    )
     assert twin.amplitude == pytest.approx(factor - 1, rel=1e-9)
-    assert f"the stiffness of element 0 (spring) is {factor:.6g} times what was asked" in twin.behaviour
+    assert (
+        f"the stiffness of element 0 (spring) is {factor:.6g} times what was asked"
+        in twin.behaviour
+    )
 
 
 def test_an_amplitude_that_changes_with_the_step_is_the_integrators_and_no_fault():
-    """Velocities of another definition, off by a part h^2/8 of themselves: at one step a factor, at another step another one."""
+    """Velocities of another definition, off by a part h^2/8 of themselves: at one step a factor, at
+    another step another one.
+    """
     instance, request = asked("harmonic-oscillator", "stoermer", 2, **SHORT)
     finer = replace(request, step=request.step / 2)
 
@@ -134,7 +151,9 @@ def test_no_fault_is_named_below_three_digits_or_without_a_sound_twin_beside_it(
 
 
 def test_a_scene_that_no_twin_can_run_is_said_to_be_one():
-    assert Diagnosis(twins=(), defect=inf).sentence() == "behaves as no twin: none can run this scene"
+    assert (
+        Diagnosis(twins=(), defect=inf).sentence() == "behaves as no twin: none can run this scene"
+    )
 
 
 def test_only_the_first_part_of_a_long_run_is_looked_at():
@@ -148,21 +167,33 @@ def test_only_the_first_part_of_a_long_run_is_looked_at():
     ("record", "parts"),
     [
         ("pendulum/mujoco/euler", ("pendulum", "mujoco", "euler")),
-        ("pendulum[theta0=2 mass=1/2]/mujoco/euler/error/x", ("pendulum[theta0=2 mass=1/2]", "mujoco", "euler")),
+        (
+            "pendulum[theta0=2 mass=1/2]/mujoco/euler/error/x",
+            ("pendulum[theta0=2 mass=1/2]", "mujoco", "euler"),
+        ),
     ],
 )
 def test_a_record_is_named_as_its_findings_are(record, parts):
     assert parts_of(record) == parts
 
 
-@pytest.mark.parametrize("record", ["pendulum", "pendulum/mujoco", "/mujoco/euler", "pendulum//euler"])
+@pytest.mark.parametrize(
+    "record", ["pendulum", "pendulum/mujoco", "/mujoco/euler", "pendulum//euler"]
+)
 def test_a_record_that_is_no_name_is_refused(record):
     with pytest.raises(UsageError, match="expected something like"):
         parts_of(record)
 
 
 def test_the_command_says_it_in_a_sentence_and_as_json():
-    done = CliRunner().invoke(app, ["diagnose", "harmonic-oscillator[duration=4 samples=16]/reference/velocity-verlet", "--json"])
+    done = CliRunner().invoke(
+        app,
+        [
+            "diagnose",
+            "harmonic-oscillator[duration=4 samples=16]/reference/velocity-verlet",
+            "--json",
+        ],
+    )
     assert done.exit_code == 0, done.output
     said = json.loads(done.stdout)
     assert (said["explained_by"]["fault"], said["explained_by"]["method"]) == (None, "verlet")

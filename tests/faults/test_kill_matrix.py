@@ -1,4 +1,6 @@
-"""Every known fault is killed by the quantity named for it, and nothing is said against the engine without any."""
+"""Every known fault is killed by the quantity named for it, and nothing is said against the engine
+without any.
+"""
 
 from dataclasses import replace
 
@@ -36,7 +38,11 @@ def test_nothing_is_said_against_the_correct_engine(trial, setting):
     instance, truth = trial.instance(setting, SEED)
     for method in SETTINGS[setting].methods:
         record = record_of(task_of(Transparent(), method, instance, truth, 3))
-        assert [f"{record.id(f)}: {f.sentence}" for f in record.findings if f.outcome in ("fail", "error")] == []
+        assert [
+            f"{record.id(f)}: {f.sentence}"
+            for f in record.findings
+            if f.outcome in ("fail", "error")
+        ] == []
 
 
 def test_there_are_faults_of_many_kinds_with_names_of_their_own():
@@ -54,7 +60,14 @@ def test_parameters_are_the_same_for_the_same_seed_and_others_for_another():
 
 
 def test_a_fault_that_changes_nothing_survives():
-    idle = Fault(name="idle", kind="none", sentence="Nothing.", on=("oscillator",), sees=("error", "x"), before=lambda request: request)
+    idle = Fault(
+        name="idle",
+        kind="none",
+        sentence="Nothing.",
+        on=("oscillator",),
+        sees=("error", "x"),
+        before=lambda request: request,
+    )
     matrix = Trial(seeds=1, chosen=(idle,)).matrix()
     assert [kill.fault for kill in matrix.survivors()] == ["idle"]
     assert "error" in matrix.idle()
@@ -63,14 +76,28 @@ def test_a_fault_that_changes_nothing_survives():
 
 def test_a_fault_seen_by_another_quantity_alone_survives():
     (late,) = chosen(["rod-force-late"])
-    moved = Fault(name="moved", kind="none", sentence="", on=late.on, sees=("constraint", "length"), inside=late.inside)
+    moved = Fault(
+        name="moved",
+        kind="none",
+        sentence="",
+        on=late.on,
+        sees=("constraint", "length"),
+        inside=late.inside,
+    )
     kill = Trial(seeds=1, chosen=(moved,)).kill(moved, 0)
     assert not kill.killed
     assert "error/rod_force" in kill.also
 
 
 def test_an_engine_that_is_wrong_by_itself_alarms(monkeypatch):
-    broken = Fault(name="broken", kind="none", sentence="", on=("oscillator",), sees=("error", "x"), after=chosen(["sample-late"])[0].after)
+    broken = Fault(
+        name="broken",
+        kind="none",
+        sentence="",
+        on=("oscillator",),
+        sees=("error", "x"),
+        after=chosen(["sample-late"])[0].after,
+    )
     engine = broken.carrier()
     matrix = Trial(seeds=1, engine=engine, chosen=(broken,)).matrix()
     assert any("error/x" in alarm.id for alarm in matrix.alarms)
@@ -78,19 +105,39 @@ def test_an_engine_that_is_wrong_by_itself_alarms(monkeypatch):
 
 def _other_cover(request, run):
     """Every third attitude by the other quaternion of the same rotation."""
-    return replace(run, attitude=run.attitude * np.where(np.arange(len(run.t)) % 3, 1.0, -1.0)[:, None, None])
+    return replace(
+        run, attitude=run.attitude * np.where(np.arange(len(run.t)) % 3, 1.0, -1.0)[:, None, None]
+    )
 
 
-@pytest.mark.parametrize(("setting", "method"), [("tumbler", "rk4"), ("tumbling-spheres", "verlet"), ("top", "verlet")])
+@pytest.mark.parametrize(
+    ("setting", "method"), [("tumbler", "rk4"), ("tumbling-spheres", "verlet"), ("top", "verlet")]
+)
 def test_the_double_cover_of_rotations_is_no_fault(trial, setting, method):
-    flips = Fault(name="flips", kind="none", sentence="", on=(setting,), sees=("error", "attitude"), after=_other_cover)
+    flips = Fault(
+        name="flips",
+        kind="none",
+        sentence="",
+        on=(setting,),
+        sees=("error", "attitude"),
+        after=_other_cover,
+    )
     record = record_of(task_of(flips.carrier(), method, *trial.instance(setting, SEED), 3))
-    assert [f"{record.id(f)}: {f.sentence}" for f in record.findings if f.outcome in ("fail", "error")] == []
+    assert [
+        f"{record.id(f)}: {f.sentence}" for f in record.findings if f.outcome in ("fail", "error")
+    ] == []
 
 
 def test_faults_before_and_after_are_seen_in_the_reference_too():
-    matrix = Trial(seeds=1, engine=discovery.engine("reference"), chosen=chosen(["grams", "sample-late", "velocity-not-held"])).matrix()
-    assert [(kill.fault, kill.killed) for kill in matrix.kills] == [("sample-late", True), ("grams", True)]
+    matrix = Trial(
+        seeds=1,
+        engine=discovery.engine("reference"),
+        chosen=chosen(["grams", "sample-late", "velocity-not-held"]),
+    ).matrix()
+    assert [(kill.fault, kill.killed) for kill in matrix.kills] == [
+        ("sample-late", True),
+        ("grams", True),
+    ]
     assert matrix.alarms == ()
 
 
@@ -101,7 +148,15 @@ def test_an_unknown_fault_is_named_with_the_nearest():
 
 def test_a_fault_acts_in_exactly_one_way():
     with pytest.raises(ValueError, match="exactly one"):
-        Fault(name="both", kind="none", sentence="", on=("swing",), sees=("error", "x"), before=lambda r: r, after=lambda r, t: t)
+        Fault(
+            name="both",
+            kind="none",
+            sentence="",
+            on=("swing",),
+            sees=("error", "x"),
+            before=lambda r: r,
+            after=lambda r, t: t,
+        )
 
 
 def test_truth_is_withheld_where_a_setting_says_so(trial):
@@ -117,14 +172,24 @@ def test_a_fault_is_refined_no_further_than_it_takes_to_kill_it(size, levels):
         asked.append(request.step)
         return of_elements(Spring, stiffness=scaled(size))(request)
 
-    fault = Fault(name="spring", kind="none", sentence="", on=("oscillator",), sees=("error", "x"), before=before, levels=5)
+    fault = Fault(
+        name="spring",
+        kind="none",
+        sentence="",
+        on=("oscillator",),
+        sees=("error", "x"),
+        before=before,
+        levels=5,
+    )
     assert Trial(seeds=1, whole=False).kill(fault, 1).killed == (size > 1)
     assert len(asked) == len(set(asked)) == levels
 
 
 def test_records_and_findings_are_those_of_a_campaign():
     instance = discovery.case("harmonic-oscillator").at(duration="4", samples="16")
-    record = record_of(task_of(Transparent(), "verlet", instance, truth_of(instance), 3, ("error",)))
+    record = record_of(
+        task_of(Transparent(), "verlet", instance, truth_of(instance), 3, ("error",))
+    )
     assert isinstance(record, Record)
     assert {type(finding) for finding in record.findings} == {Finding}
     assert {finding.check for finding in record.findings} == {"error"}

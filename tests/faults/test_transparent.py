@@ -1,4 +1,6 @@
-"""The transparent engine is right before it carries faults: its orders, its events, its own limits."""
+"""The transparent engine is right before it carries faults: its orders, its events, its own
+limits.
+"""
 
 from dataclasses import replace
 from itertools import pairwise
@@ -32,7 +34,15 @@ def run(case, method, halvings, **given):
 
 
 @pytest.mark.parametrize(
-    ("method", "order"), [("euler", 1), ("drift-first", 1), ("explicit-euler", 1), ("verlet", 2), ("suzuki", 4), ("rk4", 4)]
+    ("method", "order"),
+    [
+        ("euler", 1),
+        ("drift-first", 1),
+        ("explicit-euler", 1),
+        ("verlet", 2),
+        ("suzuki", 4),
+        ("rk4", 4),
+    ],
 )
 def test_an_oscillator_converges_to_the_cosine_with_the_claimed_order(method, order):
     worst = []
@@ -44,9 +54,19 @@ def test_an_oscillator_converges_to_the_cosine_with_the_claimed_order(method, or
 
 @pytest.mark.parametrize("method", ["verlet", "suzuki", "rk4"])
 def test_a_symmetric_top_precesses_at_the_rate_of_the_textbook(method):
-    found = run("free-rigid-body", method, 4, inertia="1,1,3/2", omega_body="1/2,0,1", duration="6", samples="32")
+    found = run(
+        "free-rigid-body",
+        method,
+        4,
+        inertia="1,1,3/2",
+        omega_body="1/2,0,1",
+        duration="6",
+        samples="32",
+    )
     rate = (1.5 - 1) / 1 * 1.0  # Landau and Lifshitz, Mechanics, section 36
-    body = discovery.case("free-rigid-body").at(inertia="1,1,3/2", omega_body="1/2,0,1").observe(found)
+    body = (
+        discovery.case("free-rigid-body").at(inertia="1,1,3/2", omega_body="1/2,0,1").observe(found)
+    )
     np.testing.assert_allclose(body["omega_body.x"], 0.5 * np.cos(rate * found.t), atol=1e-3)
     np.testing.assert_allclose(body["omega_body.z"], 1.0, atol=1e-5)
 
@@ -65,7 +85,9 @@ def test_dry_friction_stops_at_the_turning_point_for_ever():
     assert np.ptp(found.position[late, 0, 0]) == 0
     assert found.velocity[late].max() == 0
     assert found.position[-1, 0, 0] == pytest.approx(-0.1, abs=1e-3)
-    assert found.channels["dissipated_work"][-1] == pytest.approx(0.495, abs=1e-3)  # half of 1 - 0.01
+    assert found.channels["dissipated_work"][-1] == pytest.approx(
+        0.495, abs=1e-3
+    )  # half of 1 - 0.01
 
 
 @pytest.mark.parametrize("cutoff", ["zero_overlap", "zero_force"])
@@ -94,9 +116,21 @@ def test_rods_keep_their_length_to_the_last_bits():
 @pytest.mark.parametrize(
     ("case", "given"),
     [
-        ("double-pendulum", {"theta0": "1/2,-1/2", "masses": "3,1/2", "duration": "2", "samples": "16"}),
+        (
+            "double-pendulum",
+            {"theta0": "1/2,-1/2", "masses": "3,1/2", "duration": "2", "samples": "16"},
+        ),
         ("heavy-top", {"spin": "6", "phidot0": "1", "duration": "2", "samples": "16"}),
-        ("pendulum-wheel-mass", {"counter_mass": "3", "wheel_radius": "0", "wheel_inertia": "0", "duration": "1", "samples": "16"}),
+        (
+            "pendulum-wheel-mass",
+            {
+                "counter_mass": "3",
+                "wheel_radius": "0",
+                "wheel_inertia": "0",
+                "duration": "1",
+                "samples": "16",
+            },
+        ),
     ],
 )
 def test_constraints_converge_with_order_two(case, given):
@@ -106,7 +140,9 @@ def test_constraints_converge_with_order_two(case, given):
 
 
 def test_a_spring_that_slides_in_space_converges_with_order_two():
-    """Where the direction of sliding turns: a return straight to the limit, or a spring projected to its plane, would be of order 1."""
+    """Where the direction of sliding turns: a return straight to the limit, or a spring projected
+    to its plane, would be of order 1.
+    """
     given = SETTINGS["tumbling-spheres"].parameters("tumbling-spheres", 3)
     runs = [run("two-spheres", "verlet", halvings, **given).omega for halvings in (6, 7, 8)]
     changes = [np.max(np.abs(b - a)) for a, b in pairwise(runs)]
@@ -115,7 +151,11 @@ def test_a_spring_that_slides_in_space_converges_with_order_two():
 
 @pytest.mark.parametrize(("name", "most"), [("line", 15), ("cube", 17), ("jump", 55)])
 def test_a_margin_is_located_with_few_evaluations_and_never_more_than_bisection_takes(name, most):
-    margin = {"line": lambda x: 0.3 - x, "cube": lambda x: 0.7**3 - x**3, "jump": lambda x: 1.0 if x < 0.3 else -1.0}[name]
+    margin = {
+        "line": lambda x: 0.3 - x,
+        "cube": lambda x: 0.7**3 - x**3,
+        "jump": lambda x: 1.0 if x < 0.3 else -1.0,
+    }[name]
     seen = []
     found = sign_change(lambda x: seen.append(x) or margin(x), margin(0.0), margin(1.0), 2.0**-53)
     assert margin(found) < 0 <= margin(found - 2.0**-51)
@@ -139,7 +179,10 @@ def test_it_says_what_it_cannot_do():
         ([BallJoint(a=0, anchor_a=(0.0, 1.0, 1.0))], "a joint off the principal axes"),
     ):
         assert word in engine.refusal(Motion(Scene.of(two, elements), times), method)
-    assert engine.refusal(discovery.case("double-pendulum").at().problem, engine.method("rk4")) == "no constraints"
+    assert (
+        engine.refusal(discovery.case("double-pendulum").at().problem, engine.method("rk4"))
+        == "no constraints"
+    )
     blocks = discovery.case("newtons-first-law").at(member="block").problem
     assert "rigid" in engine.refusal(blocks, method)
     sliding = discovery.case("coulomb-oscillator").at().problem
@@ -161,7 +204,13 @@ def test_the_parts_are_its_own_and_a_run_leaves_nothing_behind():
 
 
 def test_a_defect_that_cancels_on_the_way_back_has_no_order_to_lack():
-    """On a closed ellipse the first-order defect of symplectic Euler cancels to 5e-9; what is left falls with no clean order."""
+    """On a closed ellipse the first-order defect of symplectic Euler cancels to 5e-9; what is left
+    falls with no clean order.
+    """
     instance = discovery.case("two-body-orbit").at(stiffness="1")
-    record = record_of(task_of(Transparent(), "euler", instance, truth_of(instance), 3, ("reversal",)))
-    assert {finding.quantity: finding.outcome for finding in record.findings} == {"reversed": "pass"}
+    record = record_of(
+        task_of(Transparent(), "euler", instance, truth_of(instance), 3, ("reversal",))
+    )
+    assert {finding.quantity: finding.outcome for finding in record.findings} == {
+        "reversed": "pass"
+    }

@@ -1,7 +1,9 @@
 """The whole kill matrix, in two halves that two workers share.
 
-REFDEM_FAULTS has the names of faults that a change can touch, separated by commas (ci/touched_faults.py): these run at every seed. With
-`all`, for a change that can touch every fault, each half has one seed; without it, as in `make nightly`, the matrix is whole.
+REFDEM_FAULTS has the names of faults that a change can touch, separated by commas
+(ci/touched_faults.py): these run at every seed. With
+`all`, for a change that can touch every fault, each half has one seed; without it, as in `make
+nightly`, the matrix is whole.
 """
 
 import os
@@ -17,13 +19,17 @@ ASKED = os.environ.get("REFDEM_FAULTS", "")
 
 @pytest.fixture
 def held():
-    """The matrix of ten seeds from `first` on, after it has been seen that all is killed and the correct engine never alarms."""
+    """The matrix of ten seeds from `first` on, after it has been seen that all is killed and the
+    correct engine never alarms.
+    """
 
     def matrix(first: int) -> Matrix:
         faults = chosen([] if ASKED in ("", "all") else ASKED.split(","))
         seeds = 1 if ASKED == "all" else SEEDS
         found = Trial(seeds=seeds, first=first, whole=False, chosen=faults).matrix()
-        assert [f"{kill.fault} (seed {kill.seed}): {kill.sentence}" for kill in found.survivors()] == []
+        assert [
+            f"{kill.fault} (seed {kill.seed}): {kill.sentence}" for kill in found.survivors()
+        ] == []
         assert [f"{alarm.id}: {alarm.sentence}" for alarm in found.alarms] == []
         assert {kill.fault for kill in found.kills} == {fault.name for fault in faults}
         assert {kill.seed for kill in found.kills} == set(range(first, first + seeds))

@@ -1,4 +1,6 @@
-"""The example programs in C and C++ hold what they claim; with a fault planted, the gate names what is wrong."""
+"""The example programs in C and C++ hold what they claim; with a fault planted, the gate names what
+is wrong.
+"""
 
 import subprocess
 
@@ -10,13 +12,20 @@ CONTACTS = ("two-spheres", RUBBING)
 
 
 @pytest.mark.parametrize(
-    ("language", "cases"), [("c", SMOOTH + CONTACTS), ("cpp", SMOOTH + CONTACTS), ("staggered", SMOOTH[:2] + CONTACTS[:1])]
+    ("language", "cases"),
+    [
+        ("c", SMOOTH + CONTACTS),
+        ("cpp", SMOOTH + CONTACTS),
+        ("staggered", SMOOTH[:2] + CONTACTS[:1]),
+    ],
 )
 def test_a_correct_program_raises_no_alarm(workshop, language, cases):
     found = workshop.judged(workshop.built(language), *cases)
     assert found.status == 0, found.said
     assert not {"fail", "error", "unsupported"} & set(found.outcomes.values())
-    assert [name for name, outcome in found.outcomes.items() if outcome == "pass" and "/order/" in name]
+    assert [
+        name for name, outcome in found.outcomes.items() if outcome == "pass" and "/order/" in name
+    ]
 
 
 FREE, SPRING = "free-rigid-body", "harmonic-oscillator"
@@ -36,8 +45,19 @@ def test_single_precision_said_to_be_double_is_seen(workshop):
 
 
 def test_a_correct_program_of_first_order_raises_no_alarm(workshop):
-    synchronous = ("refdem.toml", HALF_STEP, ""), ("refdem.toml", "order = 2", "order = 1\nsymplectic = true")
-    found = workshop.judged(workshop.built("staggered", ("dem.c", "kick(-h / 2);", "forces();"), *synchronous), *SMOOTH[:2], "two-spheres")
+    synchronous = (
+        ("refdem.toml", HALF_STEP, ""),
+        (
+            "refdem.toml",
+            "order = 2",
+            "order = 1\nsymplectic = true",
+        ),
+    )
+    found = workshop.judged(
+        workshop.built("staggered", ("dem.c", "kick(-h / 2);", "forces();"), *synchronous),
+        *SMOOTH[:2],
+        "two-spheres",
+    )
     assert found.status == 0, found.said
     assert found.outcomes["harmonic-oscillator/order/state"] == "pass"
 
@@ -59,21 +79,54 @@ FAULTS = {
         ("c", FREE, "error/omega.x"),
         ("dem.c", OMEGA, f"w[0] /= 2 * M_PI, w[1] /= 2 * M_PI, w[2] /= 2 * M_PI, {OMEGA}"),
     ),
-    "the lever of a sphere halved": (("c", RUBBING, "error/omega1.z"), ("dem.c", "a->torque[k] += arm_a", "a->torque[k] += 0.5 * arm_a")),
-    "friction along the slip": (("c", RUBBING, "error/v1.y"), ("dem.c", "- rub * slip[k]", "+ rub * slip[k]")),
-    "output one step late": (("c", SPRING, "error/x"), ("dem.c", "k < stride; k++", "k < stride - (n == 1); k++")),
-    "contacts told a step late": (("c", "two-spheres", "event-times/contact"), ("dem.c", "(k + 1) * interval", "(k + 2) * interval")),
+    "the lever of a sphere halved": (
+        ("c", RUBBING, "error/omega1.z"),
+        ("dem.c", "a->torque[k] += arm_a", "a->torque[k] += 0.5 * arm_a"),
+    ),
+    "friction along the slip": (
+        ("c", RUBBING, "error/v1.y"),
+        ("dem.c", "- rub * slip[k]", "+ rub * slip[k]"),
+    ),
+    "output one step late": (
+        ("c", SPRING, "error/x"),
+        ("dem.c", "k < stride; k++", "k < stride - (n == 1); k++"),
+    ),
+    "contacts told a step late": (
+        ("c", "two-spheres", "event-times/contact"),
+        ("dem.c", "(k + 1) * interval", "(k + 2) * interval"),
+    ),
     "events at steps said to be located": (
         ("c", "two-spheres", "event-times/contact"),
         ("refdem.toml", "backward = true", "backward = true\nlocates_events = true"),
     ),
-    "a force on one body only": (("c", RUBBING, "momentum/total"), ("dem.c", "b->f[k] -= f[k];", "b->f[k] -= 0.999 * f[k];")),
-    "staggered velocities said to be synchronous": (("staggered", SPRING, "error/v"), ("refdem.toml", HALF_STEP, "")),
-    "a staggered start without its half kick": (("staggered", SPRING, "order/state"), ("dem.c", "kick(-h / 2);", "forces();")),
-    "synchronous velocities said to be staggered": (("c", SPRING, "error/v"), ("refdem.toml", "[engine]\n", "[engine]\n" + HALF_STEP)),
-    "a wrong weight of a stage": (("cpp", SPRING, "order/state"), ("dem.cpp", "2 * k2[i] + 2 * k3[i]", "3 * k2[i] + 1 * k3[i]")),
-    "the gyroscopic term forgotten": (("cpp", FREE, "error/omega_body.x"), ("dem.cpp", " - cross(w, L)", " - 0.0 * cross(w, L)")),
-    "the damping's sign": (("cpp", "two-spheres", "error/v1.x"), ("dem.cpp", "+ e.damping * closing", "- e.damping * closing")),
+    "a force on one body only": (
+        ("c", RUBBING, "momentum/total"),
+        ("dem.c", "b->f[k] -= f[k];", "b->f[k] -= 0.999 * f[k];"),
+    ),
+    "staggered velocities said to be synchronous": (
+        ("staggered", SPRING, "error/v"),
+        ("refdem.toml", HALF_STEP, ""),
+    ),
+    "a staggered start without its half kick": (
+        ("staggered", SPRING, "order/state"),
+        ("dem.c", "kick(-h / 2);", "forces();"),
+    ),
+    "synchronous velocities said to be staggered": (
+        ("c", SPRING, "error/v"),
+        ("refdem.toml", "[engine]\n", "[engine]\n" + HALF_STEP),
+    ),
+    "a wrong weight of a stage": (
+        ("cpp", SPRING, "order/state"),
+        ("dem.cpp", "2 * k2[i] + 2 * k3[i]", "3 * k2[i] + 1 * k3[i]"),
+    ),
+    "the gyroscopic term forgotten": (
+        ("cpp", FREE, "error/omega_body.x"),
+        ("dem.cpp", " - cross(w, L)", " - 0.0 * cross(w, L)"),
+    ),
+    "the damping's sign": (
+        ("cpp", "two-spheres", "error/v1.x"),
+        ("dem.cpp", "+ e.damping * closing", "- e.damping * closing"),
+    ),
     "the quaternion conjugated in output": (
         ("cpp", FREE, "error/attitude"),
         ("dem.cpp", '",%.17g", s[o + k]', '",%.17g", k < 7 ? s[o + k] : -s[o + k]'),
@@ -118,5 +171,7 @@ def test_what_a_program_refuses_at_run_time_is_unsupported(workshop):
     assert set(found.outcomes.values()) == {"unsupported"}
     assert (
         "a force that may not pull"
-        in (workshop.home / found.said.split("report: ")[1].split(" (")[0]).with_name("records.jsonl").read_text()
+        in (workshop.home / found.said.split("report: ")[1].split(" (")[0])
+        .with_name("records.jsonl")
+        .read_text()
     )

@@ -1,4 +1,6 @@
-"""The example that reads certified values from C is compiled and run, and sees a value that is not the pendulum's."""
+"""The example that reads certified values from C is compiled and run, and sees a value that is not
+the pendulum's.
+"""
 
 import subprocess
 from pathlib import Path
@@ -13,12 +15,28 @@ SOURCE = Path(__file__).parents[2] / "examples" / "certified.c"
 @pytest.fixture(scope="module")
 def program(tmp_path_factory: pytest.TempPathFactory) -> Path:
     built = tmp_path_factory.mktemp("certified") / "certified"
-    subprocess.run(["cc", "-std=c11", "-Wall", "-Wextra", "-Werror", "-O2", str(SOURCE), "-lm", "-o", str(built)], check=True)
+    subprocess.run(
+        [
+            "cc",
+            "-std=c11",
+            "-Wall",
+            "-Wextra",
+            "-Werror",
+            "-O2",
+            str(SOURCE),
+            "-lm",
+            "-o",
+            str(built),
+        ],
+        check=True,
+    )
     return built
 
 
 def test_it_finds_the_periods_to_the_last_bits(program: Path) -> None:
-    done = subprocess.run([program, default_folder() / "pendulum.jsonl"], capture_output=True, text=True, check=False)
+    done = subprocess.run(
+        [program, default_folder() / "pendulum.jsonl"], capture_output=True, text=True, check=False
+    )
     assert done.returncode == 0, done.stdout + done.stderr
     assert "theta0 = 3      period 5.1574096338429728710596" in done.stdout
     assert done.stdout.startswith("theta0 = 1 ")

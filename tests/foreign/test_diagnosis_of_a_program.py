@@ -1,4 +1,6 @@
-"""Faults planted in a C program with amplitudes that no catalogue has: the right one is named with its size, or none is."""
+"""Faults planted in a C program with amplitudes that no catalogue has: the right one is named with
+its size, or none is.
+"""
 
 import json
 
@@ -11,19 +13,33 @@ OMEGA = "memcpy(body[i].w, w, sizeof w);"
 WRITTEN = "i, b->r[0], b->r[1], b->r[2], b->v[0], b->v[1], b->v[2]);"
 FAST = "i, b->r[0], b->r[1], b->r[2], 1.07 * b->v[0], 1.07 * b->v[1], 1.07 * b->v[2]);"
 KNOWN = {
-    "a stiffer spring": (SPRING, "spring-stiffness", 0.0137, ("dem.c", "copysign(e->k *", "copysign(1.0137 * e->k *")),
+    "a stiffer spring": (
+        SPRING,
+        "spring-stiffness",
+        0.0137,
+        ("dem.c", "copysign(e->k *", "copysign(1.0137 * e->k *"),
+    ),
     "less gravity": (
         HANGING,
         "uniform-gravity-g",
         -0.0269,
         ("dem.c", "body[j / 3].m * e->end", "0.9731 * body[j / 3].m * e->end"),
     ),
-    "a longer drift": (SPRING, "drift-length", 0.0043, ("dem.c", "b->r[k] += h * b->v[k]", "b->r[k] += 1.0043 * h * b->v[k]")),
+    "a longer drift": (
+        SPRING,
+        "drift-length",
+        0.0043,
+        ("dem.c", "b->r[k] += h * b->v[k]", "b->r[k] += 1.0043 * h * b->v[k]"),
+    ),
     "a second kick that is too short": (
         SPRING,
         "kick-too-short",
         1.3,
-        ("dem.c", "sizeof b->w);\n        kick(b, h / 2);", "sizeof b->w);\n        kick(b, 0.987 * h / 2);"),
+        (
+            "dem.c",
+            "sizeof b->w);\n        kick(b, h / 2);",
+            "sizeof b->w);\n        kick(b, 0.987 * h / 2);",
+        ),
     ),
     "velocities written too large": (SPRING, "minutes", 0.07 / 59, ("dem.c", WRITTEN, FAST)),
     "a start that turns too slowly": (
@@ -36,12 +52,24 @@ KNOWN = {
         SPRING,
         "spring-cubic",
         10.0,
-        ("dem.c", "pow(fabs(stretch), e->n), stretch)", "pow(fabs(stretch), e->n) + 0.1 * e->k * pow(fabs(stretch), 3), stretch)"),
+        (
+            "dem.c",
+            "pow(fabs(stretch), e->n), stretch)",
+            "pow(fabs(stretch), e->n) + 0.1 * e->k * pow(fabs(stretch), 3), stretch)",
+        ),
     ),
-    "turns that are too long": (FREE, "turn-length", 0.0021, ("rotation.h", "double angle = h * w[i]", "double angle = 1.0021 * h * w[i]")),
+    "turns that are too long": (
+        FREE,
+        "turn-length",
+        0.0021,
+        ("rotation.h", "double angle = h * w[i]", "double angle = 1.0021 * h * w[i]"),
+    ),
 }
 UNKNOWN = {
-    "omega written in leaning axes": (FREE, ("dem.c", "turned(w, b->q, b->w, 1);", "turned(w, b->q, b->w, 1), w[0] += 1e-3 * w[1];")),
+    "omega written in leaning axes": (
+        FREE,
+        ("dem.c", "turned(w, b->q, b->w, 1);", "turned(w, b->q, b->w, 1), w[0] += 1e-3 * w[1];"),
+    ),
 }
 
 
@@ -59,7 +87,11 @@ def test_a_fault_of_any_amplitude_is_named_with_its_size(workshop, name):
     case, fault, amplitude, *changes = KNOWN[name]
     said = diagnosed(workshop, case, *changes)
     assert fault in {said["explained_by"]["fault"], *said["explained_by"]["alike"]}
-    fitted = [twin["amplitude"] for twin in said["twins"] if twin["fault"] == fault and twin["distance"] < 1e-9]
+    fitted = [
+        twin["amplitude"]
+        for twin in said["twins"]
+        if twin["fault"] == fault and twin["distance"] < 1e-9
+    ]
     assert fitted[0] == pytest.approx(amplitude, rel=1e-6)
 
 

@@ -11,7 +11,10 @@ from refdem.gallery.figures.fig_co_4 import ANGLES, LABELS
 from refdem.gallery.measured import readings
 from refdem.gallery.outline import finer
 
-CHAPTER = "1.12 1.15 1.16 1.17 1.18 1.19 1.20 1.21 1.22 1.23 1.24 1.25 1.26 1.28 1.29 1.30 1.31 1.32 1.33 1.35 1.36 1.37 1.38"
+CHAPTER = (
+    "1.12 1.15 1.16 1.17 1.18 1.19 1.20 1.21 1.22 1.23 1.24 1.25 1.26 1.28 1.29 1.30 1.31 1.32 1.33"
+    " 1.35 1.36 1.37 1.38"
+)
 
 
 @cache
@@ -34,11 +37,16 @@ def test_an_unknown_figure_is_refused_with_the_nearest():
 
 def test_each_says_the_commands_that_make_it_and_its_runs():
     assert figure("1.15").commands[0] == "refdem gallery 1.15"
-    assert any(line.startswith("refdem run coulomb-oscillator --set duration=16") for line in figure("1.15").commands)
+    assert any(
+        line.startswith("refdem run coulomb-oscillator --set duration=16")
+        for line in figure("1.15").commands
+    )
 
 
 def test_dry_friction_stops_at_three_pi_where_the_chapter_says():
-    assert list(figure("1.15").numbers.values()) == pytest.approx([3 * np.pi, -0.1, -0.7, 0.4, -0.1], abs=1e-6)
+    assert list(figure("1.15").numbers.values()) == pytest.approx(
+        [3 * np.pi, -0.1, -0.7, 0.4, -0.1], abs=1e-6
+    )
 
 
 def test_speeds_under_dry_friction_touch_their_straight_line():
@@ -59,7 +67,10 @@ def test_resonance_peaks_are_those_of_the_formula():
 
 @pytest.mark.parametrize("name", ["1.18", "1.19", "1.20", "1.22"])
 def test_outlines_have_a_hundred_thousand_points(name):
-    assert next(value for what, value in figure(name).numbers.items() if what.startswith("points")) >= 1e5
+    assert (
+        next(value for what, value in figure(name).numbers.items() if what.startswith("points"))
+        >= 1e5
+    )
 
 
 def test_areas_are_kept_shrink_or_go_to_zero():
@@ -67,7 +78,9 @@ def test_areas_are_kept_shrink_or_go_to_zero():
     assert head == 575 / 4096
     assert figure("1.18").numbers["area at the start"] == pytest.approx(head, rel=1e-12)
     assert figure("1.18").numbers["largest change of the area"] < 1e-13
-    assert figure("1.19").numbers["area at the end"] == pytest.approx(head * np.exp(-0.6 * np.pi), rel=1e-6)
+    assert figure("1.19").numbers["area at the end"] == pytest.approx(
+        head * np.exp(-0.6 * np.pi), rel=1e-6
+    )
     assert figure("1.19").numbers["largest distance from exp(-2 delta t)"] < 1e-13
     dry = figure("1.20").numbers
     assert dry["area at the end"] == 0
@@ -80,11 +93,15 @@ def test_areas_are_kept_shrink_or_go_to_zero():
 def test_periods_are_those_of_elliptic_integrals_and_beta_functions():
     numbers = figure("1.21").numbers
     assert numbers["period of n = 2 at 1.195254 m [s]"] == pytest.approx(2 * np.pi, rel=1e-6)
-    assert numbers["period of the pendulum at 2 rad [s]"] == pytest.approx(8.3497528, rel=1e-6)  # 4 K(sin 1), mpmath
+    assert numbers["period of the pendulum at 2 rad [s]"] == pytest.approx(
+        8.3497528, rel=1e-6
+    )  # 4 K(sin 1), mpmath
 
 
 def test_the_leaning_resonance_folds_where_harmonic_balance_says_and_runs_lie_near_it():
-    assert list(figure("1.23").numbers.values()) == pytest.approx([1.6266, 1.6153, 1.5664], abs=5e-5)
+    assert list(figure("1.23").numbers.values()) == pytest.approx(
+        [1.6266, 1.6153, 1.5664], abs=5e-5
+    )
     low, high = figure("1.24").numbers.values()
     assert low == pytest.approx(1.6153, abs=0.05)
     assert 2.0 < high < 2.3
@@ -92,11 +109,19 @@ def test_the_leaning_resonance_folds_where_harmonic_balance_says_and_runs_lie_ne
 
 def test_van_der_pol_has_its_amplitude_and_its_lines():
     panels = figure("1.25").panels
-    assert figure("1.25").numbers["amplitude of the free cycle [m]"] == pytest.approx(2.00041, abs=2e-5)
+    assert figure("1.25").numbers["amplitude of the free cycle [m]"] == pytest.approx(
+        2.00041, abs=2e-5
+    )
     spectrum = panels[5].series[0]
     for line in (1.15, 0.85, 0.70):
         near = np.abs(spectrum.x - line) < 0.02
-        assert spectrum.y[near].max() > 20 * spectrum.y[(np.abs(spectrum.x - line) > 0.04) & (np.abs(spectrum.x - line) < 0.06)].min()
+        assert (
+            spectrum.y[near].max()
+            > 20
+            * spectrum.y[
+                (np.abs(spectrum.x - line) > 0.04) & (np.abs(spectrum.x - line) < 0.06)
+            ].min()
+        )
 
 
 def test_the_period_doubles_where_it_must():
@@ -111,7 +136,9 @@ def test_friction_is_static_at_rest_and_stick_slip_never_outruns_the_belt():
 
 def test_a_beam_stays_together_in_the_rectangle_and_not_in_the_stadium():
     numbers = figure("1.33").numbers
-    assert numbers["rectangle: spread at t = 14 [m]"] < 1.2 * numbers["rectangle: spread at t = 0 [m]"]
+    assert (
+        numbers["rectangle: spread at t = 14 [m]"] < 1.2 * numbers["rectangle: spread at t = 0 [m]"]
+    )
     assert numbers["stadium: spread at t = 14 [m]"] > 2 * numbers["stadium: spread at t = 0 [m]"]
 
 
@@ -126,20 +153,29 @@ def test_poinsot_curves_keep_their_length_and_the_fault_shows():
 
 
 def test_on_the_slope_the_wrong_box_turns_steadily_between_contacts_and_goes_elsewhere():
-    """Between the first two contacts of its corners its angular velocity keeps; that of the right box never does."""
+    """Between the first two contacts of its corners its angular velocity keeps; that of the right
+    box never does.
+    """
     spins = figure("1.12").panels[3].series
     wrong, right = spins[0], spins[2]
     between = (wrong.x > 0.16) & (wrong.x < 0.3)
     assert np.ptp(wrong.y[between]) < 1e-9
     assert np.ptp(right.y[between]) > 10
     assert np.ptp(wrong.y) > 100
-    assert figure("1.12").numbers["on the slope: distance of the two centres at the end [m]"] == pytest.approx(0.101, abs=2e-3)
+    assert figure("1.12").numbers[
+        "on the slope: distance of the two centres at the end [m]"
+    ] == pytest.approx(0.101, abs=2e-3)
 
 
 def test_an_exponent_is_shown_only_where_neighbours_part_exponentially():
-    """The pendulum's neighbours part as the time itself: a positive rate of finite times is no exponent."""
+    """The pendulum's neighbours part as the time itself: a positive rate of finite times is no
+    exponent.
+    """
     numbers = figure("1.35").numbers
-    assert numbers["double pendulum: exponent [1/s]"] > 3 * numbers["double pendulum: its standard error [1/s]"]
+    assert (
+        numbers["double pendulum: exponent [1/s]"]
+        > 3 * numbers["double pendulum: its standard error [1/s]"]
+    )
     assert numbers["pendulum: power of the time"] == pytest.approx(1.0, abs=0.2)
     assert "pendulum: exponent [1/s]" not in numbers
 
@@ -153,7 +189,9 @@ def test_measured_points_lie_near_the_certified_curve_and_say_who_measured_them(
     law = figure("co-4").panels[3].series[0]
     assert law.label == LABELS[0]
     formula = 1 - 0.092 * 1.98 / np.tan(np.radians(ANGLES[slides]))
-    assert law.y[slides] == pytest.approx(formula, rel=1e-5), "the damped force begins with a jump, under which the spring sticks first"
+    assert law.y[slides] == pytest.approx(formula, rel=1e-5), (
+        "the damped force begins with a jump, under which the spring sticks first"
+    )
     assert np.all(law.y[slides] > formula)
     assert all("Kharaz" not in one.by and one.of and one.by for one in readings("kharaz_2001"))
     assert "judge nothing" in figure("co-4").caption
@@ -172,9 +210,13 @@ def test_two_readings_of_one_measurement_agree_to_two_percent():
     assert compared >= 13
 
 
-@pytest.mark.parametrize("wrong", ["angle = [1.0, 2.0]", "angle = [nan]", "angle = ['1']", "angle = [1.0]\nmore = 1"])
+@pytest.mark.parametrize(
+    "wrong", ["angle = [1.0, 2.0]", "angle = [nan]", "angle = ['1']", "angle = [1.0]\nmore = 1"]
+)
 def test_a_file_of_measured_points_is_refused_if_it_is_not_finite_pairs(tmp_path, wrong):
-    (tmp_path / "one.toml").write_text(f"[[reading]]\nquantity = 'spin'\nof = 'a'\nby = 'b'\nvalue = [1.0]\n{wrong}\n")
+    (tmp_path / "one.toml").write_text(
+        f"[[reading]]\nquantity = 'spin'\nof = 'a'\nby = 'b'\nvalue = [1.0]\n{wrong}\n"
+    )
     with pytest.raises(UsageError, match=r"one\.toml"):
         readings("one", tmp_path)
 
@@ -182,4 +224,13 @@ def test_a_file_of_measured_points_is_refused_if_it_is_not_finite_pairs(tmp_path
 def test_a_finer_outline_keeps_its_corners_and_cuts_where_told():
     square = np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]])
     found = finer(square, np.array([1, 2, 4, 1]))
-    assert found.tolist() == [[0, 0], [1, 0], [1, 0.5], [1, 1], [0.75, 1], [0.5, 1], [0.25, 1], [0, 1]]
+    assert found.tolist() == [
+        [0, 0],
+        [1, 0],
+        [1, 0.5],
+        [1, 1],
+        [0.75, 1],
+        [0.5, 1],
+        [0.25, 1],
+        [0, 1],
+    ]

@@ -1,4 +1,6 @@
-"""A small program under a gate: a harmonic oscillator by leapfrog, in plain Python, whose source a test may spoil."""
+"""A small program under a gate: a harmonic oscillator by leapfrog, in plain Python, whose source a
+test may spoil.
+"""
 
 import os
 import sys
@@ -30,7 +32,7 @@ with open(sys.argv[2], "w") as out:
                 t += h
         print("%.17g,0,%.17g,0,0,%.17g,0,0,,,,,,," % (t, x, v), file=out)
 '''
-TOML = f'''
+TOML = f"""
 [engine]
 name = "spring"
 command = ["{sys.executable}", "spring.py", "{{request}}", "{{trajectory}}"]
@@ -47,7 +49,7 @@ backward = true
 [gate]
 cases = ["harmonic-oscillator"]
 levels = 3
-'''
+"""
 
 
 class Program:
@@ -64,7 +66,11 @@ class Program:
         (self.folder / "spring.py").write_text(text.replace(*change))
 
     def gate(self, *arguments, **environment):
-        environment = os.environ | {"REFDEM_STORE": str(self.folder / "store.sqlite"), "GITHUB_ACTIONS": "false"} | environment
+        environment = (
+            os.environ
+            | {"REFDEM_STORE": str(self.folder / "store.sqlite"), "GITHUB_ACTIONS": "false"}
+            | environment
+        )
         return self.command_line("gate", *arguments, cwd=self.folder, env=environment)
 
     def bless(self):

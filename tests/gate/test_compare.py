@@ -10,12 +10,27 @@ from refdem.gate.compare import compared
 
 
 def outcome(value, before, bound, *, constant=None, noise=0.0):
-    finding = judged(check="error", quantity="x", value=value, bound=bound, unit="1", basis="b", what="w")
+    finding = judged(
+        check="error", quantity="x", value=value, bound=bound, unit="1", basis="b", what="w"
+    )
     finding = msgspec.structs.replace(finding, constant_seen=constant)
     record = Record(
-        case="c", label="c", parameters={}, engine="e", version="1", method="m", is_reference=False, runs=(), findings=(finding,)
+        case="c",
+        label="c",
+        parameters={},
+        engine="e",
+        version="1",
+        method="m",
+        is_reference=False,
+        runs=(),
+        findings=(finding,),
     )
-    accepted = Accepted(id="c/e/m/error/x", outcome="pass", value=before, constant=None if constant is None else before)
+    accepted = Accepted(
+        id="c/e/m/error/x",
+        outcome="pass",
+        value=before,
+        constant=None if constant is None else before,
+    )
     (found,) = compared([record], {accepted.id: accepted}, lambda record, finding: noise)
     return found.findings[0].outcome
 
@@ -32,5 +47,7 @@ def outcome(value, before, bound, *, constant=None, noise=0.0):
         (2e-2, 1e-3, 1e-2, {}, "fail"),
     ],
 )
-def test_worse_is_a_constant_that_grew_or_a_value_near_its_bound(value, before, bound, more, expected):
+def test_worse_is_a_constant_that_grew_or_a_value_near_its_bound(
+    value, before, bound, more, expected
+):
     assert outcome(value, before, bound, **more) == expected

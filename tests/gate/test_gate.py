@@ -38,7 +38,9 @@ def test_a_flipped_sign_closes_the_gate_although_the_version_stays(program):
 
 def test_an_error_constant_that_doubles_is_worse_although_it_holds_its_bound(program):
     program.bless()
-    program.spoil("                x += h * v\n", "                x += h * v * (1 + 0.1 * h * h)\n")
+    program.spoil(
+        "                x += h * v\n", "                x += h * v * (1 + 0.1 * h * h)\n"
+    )
     done = program.gate()
     assert done.returncode == 1
     assert "WORSE" in done.stdout
@@ -69,7 +71,9 @@ def test_blessing_needs_a_reason_and_shows_what_it_changes(program):
     assert program.gate("--bless").returncode == 2
     assert not (program.folder / "refdem-baseline.jsonl").exists()
     program.bless()
-    program.spoil("                x += h * v\n", "                x += h * v * (1 + 0.1 * h * h)\n")
+    program.spoil(
+        "                x += h * v\n", "                x += h * v * (1 + 0.1 * h * h)\n"
+    )
     done = program.gate("--bless", "--why", "the scheme was changed")
     assert "~ harmonic-oscillator/spring/leapfrog/error/x: pass" in done.stdout
     header = json.loads((program.folder / "refdem-baseline.jsonl").read_text().splitlines()[0])
@@ -86,7 +90,11 @@ def test_a_crash_is_an_error_and_exit_3_while_nothing_failed(program):
     assert "signal 6" in second
     assert "findings of the baseline could not be made" in second
     assert "ABSENT" not in done.stdout
-    table = [line for line in (program.folder / "gate.md").read_text().splitlines() if line.startswith("| ")]
+    table = [
+        line
+        for line in (program.folder / "gate.md").read_text().splitlines()
+        if line.startswith("| ")
+    ]
     assert len(table) == 2
     assert table[1].startswith("| error |")
 
@@ -103,8 +111,11 @@ def test_what_fails_beside_a_crash_is_shown_after_the_crash(program):
 
 def test_a_program_that_answers_77_in_part_is_an_error(program):
     program.bless()
-    program.spoil("import json, sys\nrequest = json.load(open(sys.argv[1]))\n", "import json, sys\nrequest = json.load(open(sys.argv[1]))\n"
-                  "if request['step'] < 0.05:\n    sys.exit(print('too fine', file=sys.stderr) or 77)\n")  # fmt: skip
+    program.spoil(
+        "import json, sys\nrequest = json.load(open(sys.argv[1]))\n",
+        "import json, sys\nrequest = json.load(open(sys.argv[1]))\n"
+        "if request['step'] < 0.05:\n    sys.exit(print('too fine', file=sys.stderr) or 77)\n",
+    )
     done = program.gate()
     assert done.returncode == 3, done.stdout
     assert "too fine" in done.stdout
@@ -115,7 +126,10 @@ def test_a_program_may_refuse_the_pictures_that_it_names_and_no_others(program):
     text = (program.folder / "refdem.toml").read_text()
     assert 'may_refuse = ["shifted"]' in text
     done = program.gate("--out", "report")
-    assert "harmonic-oscillator/spring/leapfrog/symmetry/shifted" in (program.folder / "report" / "junit.xml").read_text()
+    assert (
+        "harmonic-oscillator/spring/leapfrog/symmetry/shifted"
+        in (program.folder / "report" / "junit.xml").read_text()
+    )
     (program.folder / "refdem.toml").write_text(text.replace('["shifted"]', '["rotated"]'))
     done = program.gate()
     assert "springs hang at the origin only" in done.stdout

@@ -1,11 +1,17 @@
-"""A refdem.toml is a test file where the project says so, and an engine object has its gate in a fixture."""
+"""A refdem.toml is a test file where the project says so, and an engine object has its gate in a
+fixture.
+"""
 
 import os
 import subprocess
 import sys
 from importlib.metadata import entry_points
 
-PLUGIN = [] if any(point.name == "refdem" for point in entry_points(group="pytest11")) else ["-p", "refdem.pytest_plugin"]
+PLUGIN = (
+    []
+    if any(point.name == "refdem" for point in entry_points(group="pytest11"))
+    else ["-p", "refdem.pytest_plugin"]
+)
 
 IN_PROCESS = """
 import numpy as np
@@ -27,7 +33,9 @@ class Mine(Engine):
         return "1"
 
     def refusal(self, problem, method):
-        return None if problem.scene.features <= {"spring", "dimension:1"} else "springs on a line only"
+        if problem.scene.features <= {"spring", "dimension:1"}:
+            return None
+        return "springs on a line only"
 
     def run(self, request):
         scene = request.problem.scene
@@ -41,7 +49,10 @@ class Mine(Engine):
                 v -= h / 2 * rate * (x - origin)
             rows.append((x, 0, 0, v, 0, 0))
         rows = np.array(rows)
-        return Trajectory.of_points(request.problem.times, rows[:, None, :3], rows[:, None, 3:]), Cost(seconds=0.0)
+        positions = rows[:, None, :3]
+        velocities = rows[:, None, 3:]
+        run = Trajectory.of_points(request.problem.times, positions, velocities)
+        return run, Cost(seconds=0.0)
 
 
 def test_mine(refdem_gate):
@@ -53,8 +64,22 @@ def pytest_run(folder, *arguments):
     environment = os.environ | {"REFDEM_STORE": str(folder / "store.sqlite")}
     environment.pop("PYTEST_XDIST_TESTRUNUID", None)
     environment.pop("PYTEST_XDIST_WORKER", None)
-    command = [sys.executable, "-m", "pytest", "-p", "no:cacheprovider", "-c", os.devnull, "--rootdir", ".", *PLUGIN, *arguments]
-    return subprocess.run(command, cwd=folder, env=environment, capture_output=True, text=True, timeout=300)
+    command = [
+        sys.executable,
+        "-m",
+        "pytest",
+        "-p",
+        "no:cacheprovider",
+        "-c",
+        os.devnull,
+        "--rootdir",
+        ".",
+        *PLUGIN,
+        *arguments,
+    ]
+    return subprocess.run(
+        command, cwd=folder, env=environment, capture_output=True, text=True, timeout=300
+    )
 
 
 def test_a_refdem_toml_is_collected_only_where_it_is_asked_for(program):

@@ -21,8 +21,13 @@ def refdem(tmp_path):
 
     def run(*arguments):
         command = [sys.executable, "-c", "from refdem.cli import main; main()", *arguments]
-        environment = os.environ | {"REFDEM_STORE": str(tmp_path / "store.sqlite"), "GITHUB_ACTIONS": "false"}
-        return subprocess.run(command, cwd=tmp_path, env=environment, capture_output=True, text=True, timeout=300)
+        environment = os.environ | {
+            "REFDEM_STORE": str(tmp_path / "store.sqlite"),
+            "GITHUB_ACTIONS": "false",
+        }
+        return subprocess.run(
+            command, cwd=tmp_path, env=environment, capture_output=True, text=True, timeout=300
+        )
 
     return run
 
@@ -47,7 +52,10 @@ def test_a_clock_that_adds_up_its_steps_is_caught_first_and_told_to_count_them(r
     program = (tmp_path / "springs.py").read_text()
     loop = "for _ in range(stride if n > 0 else 0):\n"
     assert program.count(loop) == 1
-    clock = "t = start if n == 0 else t\n        while t < float(asked[f'times.{n}']):\n            t += h\n"
+    clock = (
+        "t = start if n == 0 else t\n        while t < float(asked[f'times.{n}']):\n            t"
+        " += h\n"
+    )
     (tmp_path / "springs.py").write_text(program.replace(loop, clock))
     told = refdem("smoke", "refdem.toml")
     assert told.returncode == 1

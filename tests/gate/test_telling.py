@@ -17,7 +17,9 @@ from refdem.gate.telling import TELLING, settings
 from refdem.scene.elements.contact import Contact
 
 
-@pytest.mark.parametrize(("case", "number"), [(case, k) for case, sets in TELLING.items() for k in range(len(sets))])
+@pytest.mark.parametrize(
+    ("case", "number"), [(case, k) for case, sets in TELLING.items() for k in range(len(sets))]
+)
 def test_every_setting_is_one_that_a_case_knows_and_is_certified_to_the_end(case, number):
     instance = discovery.case(case).at(**TELLING[case][number])
     last = instance.truth().at(Fraction(float(instance.times[-1])))
@@ -26,7 +28,10 @@ def test_every_setting_is_one_that_a_case_knows_and_is_certified_to_the_end(case
 
 def test_a_gate_of_all_cases_has_them_beside_the_defaults():
     entries = [entry for entry in supported(ENGINE) if entry.id == "two-spheres"]
-    assert [entry.set for entry in entries] == [{}, *(dict(given) for given in TELLING["two-spheres"])]
+    assert [entry.set for entry in entries] == [
+        {},
+        *(dict(given) for given in TELLING["two-spheres"]),
+    ]
 
 
 def contact(**changed):
@@ -36,7 +41,9 @@ def contact(**changed):
 
 def at_rest_when_slow(request):
     """What is slower than 1 cm/s is taken to be at rest."""
-    change = of_bodies(velocity=lambda v: np.where(np.linalg.norm(v, axis=1, keepdims=True) < 0.01, 0.0, v))
+    change = of_bodies(
+        velocity=lambda v: np.where(np.linalg.norm(v, axis=1, keepdims=True) < 0.01, 0.0, v)
+    )
     return change(request)
 
 
@@ -50,7 +57,10 @@ SLOW_AND_SOFT = 6
 SLOW = {SLOW_AND_SOFT, 7}
 UNDAMPED = {5, SLOW_AND_SOFT}
 MISREADINGS = {
-    "a tangential spring of at least 1 N/m": (contact(tangential_stiffness=lambda k: max(k, 1.0) if k else k), {SLOW_AND_SOFT}),
+    "a tangential spring of at least 1 N/m": (
+        contact(tangential_stiffness=lambda k: max(k, 1.0) if k else k),
+        {SLOW_AND_SOFT},
+    ),
     "slow bodies at rest": (at_rest_when_slow, SLOW),
     "no friction without damping": (without_friction_where_nothing_is_damped, UNDAMPED),
 }
@@ -61,9 +71,20 @@ MISREADINGS = {
 def test_some_faults_act_only_on_the_settings_that_are_there_for_them_and_fail_there(name):
     misread, seen = MISREADINGS[name]
     instances = [discovery.case("two-spheres").at(**given) for given in settings("two-spheres")]
-    asked = [Request(problem=instance.problem, method="verlet", step=instance.problem.interval) for instance in instances]
-    frictional = {number for number in range(len(asked)) if instances[number].scene.all(Contact)[0].friction > 0}
-    acts_on = {number for number in range(len(asked)) if misread(asked[number]).to_json() != asked[number].to_json()}
+    asked = [
+        Request(problem=instance.problem, method="verlet", step=instance.problem.interval)
+        for instance in instances
+    ]
+    frictional = {
+        number
+        for number in range(len(asked))
+        if instances[number].scene.all(Contact)[0].friction > 0
+    }
+    acts_on = {
+        number
+        for number in range(len(asked))
+        if misread(asked[number]).to_json() != asked[number].to_json()
+    }
     assert acts_on & frictional == seen
     fault = Fault(name="misread", kind="misread", sentence="", on=(), sees=("", ""), before=misread)
     instance = instances[SLOW_AND_SOFT]

@@ -14,17 +14,25 @@ ROOT = Path(__file__).parents[2]
 
 @pytest.fixture
 def runner(program):
-    """Runs a shell script in the program's folder with `refdem` and a pip that is told what is installed already."""
+    """Runs a shell script in the program's folder with `refdem` and a pip that is told what is
+    installed already.
+    """
     tools = program.folder / "bin"
     tools.mkdir()
     refdem = f'#!/bin/sh\nexec {sys.executable} -c "from refdem.cli import main; main()" "$@"\n'
-    pip = f'#!/bin/sh\n[ "$1 $2 $3" = "-m pip install" ] && echo "$5" > {program.folder}/installed && exit 0\nexec {sys.executable} "$@"\n'
+    pip = (
+        f'#!/bin/sh\n[ "$1 $2 $3" = "-m pip install" ] && echo "$5" > {program.folder}/installed &&'
+        f' exit 0\nexec {sys.executable} "$@"\n'
+    )
     for name, text in (("refdem", refdem), ("python3", pip)):
         (tools / name).write_text(text)
         (tools / name).chmod(stat.S_IRWXU)
 
     def run(script, **environment):
-        own = {"PATH": f"{tools}{os.pathsep}{os.environ['PATH']}", "REFDEM_STORE": str(program.folder / "store.sqlite")}
+        own = {
+            "PATH": f"{tools}{os.pathsep}{os.environ['PATH']}",
+            "REFDEM_STORE": str(program.folder / "store.sqlite"),
+        }
         own |= {"GITHUB_STEP_SUMMARY": str(program.folder / "summary.md"), "GITHUB_ACTIONS": "true"}
         done = subprocess.run(
             ["bash", "-eo", "pipefail", "-c", script],
@@ -40,12 +48,17 @@ def runner(program):
 
 
 def github(runner):
-    """Every step of the action with its inputs at their defaults; the status of the first that fails."""
+    """Every step of the action with its inputs at their defaults; the status of the first that
+    fails.
+    """
     action = yaml.safe_load((ROOT / "ci" / "gate" / "action.yml").read_text())
     for step in action["runs"]["steps"]:
         environment = dict(step["env"])
         for name, value in action["inputs"].items():
-            environment = {key: text.replace("${{ inputs." + name + " }}", value["default"]) for key, text in environment.items()}
+            environment = {
+                key: text.replace("${{ inputs." + name + " }}", value["default"])
+                for key, text in environment.items()
+            }
         assert "${{" not in step["run"] + "".join(environment.values())
         status, output = runner(step["run"], **environment)
         if status:
@@ -60,7 +73,9 @@ def gitlab(runner):
 
 
 @pytest.mark.parametrize("service", [github, gitlab])
-def test_a_service_opens_for_a_blessed_program_and_closes_for_a_spoiled_one(program, runner, service):
+def test_a_service_opens_for_a_blessed_program_and_closes_for_a_spoiled_one(
+    program, runner, service
+):
     program.bless()
     status, output = service(runner)
     assert status == 0, output

@@ -1,4 +1,6 @@
-"""What the closed-form kernels do where the solvers above them never go: hopeless input, and times far from zero."""
+"""What the closed-form kernels do where the solvers above them never go: hopeless input, and times
+far from zero.
+"""
 
 import numpy as np
 import pytest
@@ -9,14 +11,30 @@ from refdem.kernels import load, pointer
 def called(family, function, *arguments, samples, widths):
     """Return value and outputs (samples, width) of a kernel."""
     out = [np.full((samples, width), np.nan) for width in widths]
-    arrays = [pointer(family, np.asarray(a, float)) if isinstance(a, tuple | np.ndarray) else a for a in arguments]
-    status = getattr(load(family).lib, function)(*arrays, *(pointer(family, o, output=True) for o in out))
+    arrays = [
+        pointer(family, np.asarray(a, float)) if isinstance(a, tuple | np.ndarray) else a
+        for a in arguments
+    ]
+    status = getattr(load(family).lib, function)(
+        *arrays, *(pointer(family, o, output=True) for o in out)
+    )
     return status, out
 
 
 @pytest.mark.parametrize("velocity", [(0.0, 1.5, 0.0), (0.5, 0.0, 0.0)])
 def test_kepler_says_that_an_orbit_is_not_bound_or_straight_and_writes_nothing(velocity):
-    status, (position, _) = called("kepler", "refdem_kepler", 1.0, (1.0, 0.0, 0.0), velocity, 0.0, 2, (0.0, 1.0), samples=2, widths=(3, 3))
+    status, (position, _) = called(
+        "kepler",
+        "refdem_kepler",
+        1.0,
+        (1.0, 0.0, 0.0),
+        velocity,
+        0.0,
+        2,
+        (0.0, 1.0),
+        samples=2,
+        widths=(3, 3),
+    )
     assert status == 1
     assert np.isnan(position).all()
 
@@ -25,7 +43,16 @@ def test_kepler_says_that_an_orbit_is_not_bound_or_straight_and_writes_nothing(v
 def test_state_depends_on_the_time_since_the_start_alone(shift):
     body = ((1.0, 2.0, 3.0), (1.0, 0.0, 0.0, 0.0), (0.9, 1.1, 1.3))
     (_, near), (_, far) = (
-        called("free_body", "refdem_free_body", *body, start, 2, np.array([start + 0.5, start - 3.0]), samples=2, widths=(4, 3))
+        called(
+            "free_body",
+            "refdem_free_body",
+            *body,
+            start,
+            2,
+            np.array([start + 0.5, start - 3.0]),
+            samples=2,
+            widths=(4, 3),
+        )
         for start in (0.0, shift)
     )
     assert all(np.array_equal(a, b) for a, b in zip(near, far, strict=True))

@@ -1,4 +1,6 @@
-"""The kernel of a gas against a plain numpy twin that looks at every pair and every image, step by step, and with planted faults."""
+"""The kernel of a gas against a plain numpy twin that looks at every pair and every image, step by
+step, and with planted faults.
+"""
 
 import math
 
@@ -16,11 +18,19 @@ IMAGES = np.array([(x, y, z) for x in (-1, 0, 1) for y in (-1, 0, 1) for z in (-
 
 
 class Twin:
-    """O(N^2) velocity Verlet in wrapped coordinates; `fault` is one of the wrong ways that a gas code has."""
+    """O(N^2) velocity Verlet in wrapped coordinates;
+
+    `fault` is one of the wrong ways that a gas code has.
+    """
 
     def __init__(self, scene, fault=""):
         b, self.law, self.fault = scene.bodies, scene.all(Contact)[0], fault
-        self.x, self.v, self.m, self.d = np.array(b.position), np.array(b.velocity), b.mass[0], 2 * b.radius[0]
+        self.x, self.v, self.m, self.d = (
+            np.array(b.position),
+            np.array(b.velocity),
+            b.mass[0],
+            2 * b.radius[0],
+        )
         self.size = scene.all(PeriodicBox)[0].size if scene.all(PeriodicBox) else 0.0
         self.planes = [(np.array(p.point), np.array(p.normal)) for p in scene.all(Plane)]
         self.boxes = np.zeros_like(self.x)
@@ -45,7 +55,9 @@ class Twin:
         force = np.zeros_like(self.x)
         for i, j, k in zip(*np.nonzero(touching), strict=True):
             normal = line[i, j, k] / distance[i, j, k]
-            force[i] -= (law.stiffness * (self.d - distance[i, j, k]) + damping * ((v[i] - v[j]) @ normal)) * normal
+            force[i] -= (
+                law.stiffness * (self.d - distance[i, j, k]) + damping * ((v[i] - v[j]) @ normal)
+            ) * normal
         for point, normal in self.planes:
             overlap = self.d / 2 - (self.x - point) @ normal
             push = np.where(overlap > 0, law.stiffness * overlap - damping * (v @ normal), 0.0)
@@ -53,7 +65,9 @@ class Twin:
         return force / self.m
 
     def step(self, h):
-        """Kick, drift, wrap, kick; the dashpot sees the velocity that the last acceleration predicts."""
+        """Kick, drift, wrap, kick; the dashpot sees the velocity that the last acceleration
+        predicts.
+        """
         half = self.v + h / 2 * self.a
         self.x = self.x + h * half
         if self.size:
@@ -75,7 +89,11 @@ def gas(samples, stride, **given):
     instance = discovery.case("granular-gas").at(**given)
     step = 2.0 ** np.floor(np.log2(instance.scales.tau / 4))
     times = np.arange(samples + 1) * (stride * step)
-    return instance.scene, step, ENGINE.run(Request(problem=Motion(instance.scene, times), method="gas", step=step))[0]
+    return (
+        instance.scene,
+        step,
+        ENGINE.run(Request(problem=Motion(instance.scene, times), method="gas", step=step))[0],
+    )
 
 
 def apart(scene, step, run, stride, fault=""):
@@ -84,7 +102,11 @@ def apart(scene, step, run, stride, fault=""):
     for k in range(len(run.t)):
         for _ in range(stride if k else 0):
             twin.step(step)
-        worst = max(worst, np.abs(run.position[k] - twin.unwrapped).max(), np.abs(run.velocity[k] - twin.v).max())
+        worst = max(
+            worst,
+            np.abs(run.position[k] - twin.unwrapped).max(),
+            np.abs(run.velocity[k] - twin.v).max(),
+        )
     return worst
 
 
@@ -129,7 +151,13 @@ def test_output_does_not_change_the_motion_of_many():
     instance = discovery.case("granular-gas").at(n="2000", density="1/10")
     step = 2.0 ** np.floor(np.log2(instance.scales.tau / 4))
     runs = [
-        ENGINE.run(Request(problem=Motion(instance.scene, np.arange(0, 601, every) * step), method="gas", step=step))[0]
+        ENGINE.run(
+            Request(
+                problem=Motion(instance.scene, np.arange(0, 601, every) * step),
+                method="gas",
+                step=step,
+            )
+        )[0]
         for every in (600, 25)
     ]
     assert np.array_equal(runs[0].position[-1], runs[1].position[-1])

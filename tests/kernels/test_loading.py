@@ -1,4 +1,6 @@
-"""Kernels are loaded by family, fingerprinted by what was compiled, and given no array that they cannot use."""
+"""Kernels are loaded by family, fingerprinted by what was compiled, and given no array that they
+cannot use.
+"""
 
 import numpy as np
 import pytest
@@ -8,7 +10,10 @@ from refdem.errors import EngineMissingError
 
 
 def test_every_c_file_that_is_a_family_is_built() -> None:
-    built = {path.name.partition(".")[0][1:] for path in kernels.Path(kernels.__file__).parent.glob("_*.so")}
+    built = {
+        path.name.partition(".")[0][1:]
+        for path in kernels.Path(kernels.__file__).parent.glob("_*.so")
+    }
     assert "recorder" in built
     for family in built:
         assert kernels.load(family).lib is not None
@@ -32,7 +37,11 @@ def test_a_pointer_shares_the_array_it_was_made_from() -> None:
     assert array.tolist() == [0.0, 7.0, 2.0]
 
 
-@pytest.mark.parametrize("array", [np.arange(3), np.arange(6.0)[::2], np.zeros((2, 3)).T], ids=["integers", "strided", "transposed"])
+@pytest.mark.parametrize(
+    "array",
+    [np.arange(3), np.arange(6.0)[::2], np.zeros((2, 3)).T],
+    ids=["integers", "strided", "transposed"],
+)
 def test_an_array_that_c_would_misread_is_refused(array: np.ndarray) -> None:
     with pytest.raises(TypeError, match="contiguous float64"):
         kernels.pointer("recorder", array)

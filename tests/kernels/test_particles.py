@@ -1,4 +1,6 @@
-"""The contact kernel against a transparent numpy twin of its law and of velocity Verlet, step by step."""
+"""The contact kernel against a transparent numpy twin of its law and of velocity Verlet, step by
+step.
+"""
 
 import numpy as np
 import pytest
@@ -16,7 +18,9 @@ LEVER = {"R": 0.0, "R-d": 1.0, "R-d/2": 0.5}
 
 
 class Twin:
-    """Spheres in lasting contact whose tangential springs stick; everything as vectors, one pair after the other."""
+    """Spheres in lasting contact whose tangential springs stick; everything as vectors, one pair
+    after the other.
+    """
 
     def __init__(self, scene: Scene) -> None:
         b = scene.bodies
@@ -24,9 +28,13 @@ class Twin:
         self.planes = [(np.array(p.point), np.array(p.normal)) for p in scene.all(Plane)]
         self.gravity = sum((np.array(g.g) for g in scene.all(UniformGravity)), np.zeros(3))
         self.springs = scene.all(Spring)
-        self.x, self.v, self.w, self.q = (np.array(a) for a in (b.position, b.velocity, b.omega, b.attitude))
+        self.x, self.v, self.w, self.q = (
+            np.array(a) for a in (b.position, b.velocity, b.omega, b.attitude)
+        )
         n = len(b)
-        self.pairs = [(i, j) for i in range(n) for j in range(i + 1, n)] + [(i, -1 - k) for i in range(n) for k in range(len(self.planes))]
+        self.pairs = [(i, j) for i in range(n) for j in range(i + 1, n)] + [
+            (i, -1 - k) for i in range(n) for k in range(len(self.planes))
+        ]
         self.s = {pair: np.zeros(3) for pair in self.pairs}
         self.a, self.alpha = self.accelerations(self.v, self.w)
 
@@ -41,7 +49,10 @@ class Twin:
             line = self.x[j] - self.x[i]
             n, overlap = line / np.sqrt(line @ line), radius[i] + radius[j] - np.sqrt(line @ line)
             relative = v[i] - v[j]
-        arms = radius[i] - LEVER[self.law.branch] * overlap, 0.0 if j < 0 else radius[j] - LEVER[self.law.branch] * overlap
+        arms = (
+            radius[i] - LEVER[self.law.branch] * overlap,
+            (0.0 if j < 0 else radius[j] - LEVER[self.law.branch] * overlap),
+        )
         surface = relative + np.cross(arms[0] * w[i] + (arms[1] * w[j] if j >= 0 else 0.0), n)
         return n, overlap, relative @ n, surface - (surface @ n) * n, arms
 
@@ -50,7 +61,12 @@ class Twin:
         force, torque = np.outer(self.b.mass, self.gravity), np.zeros_like(self.x)
         for spring in self.springs:
             line = self.x[spring.b] - self.x[spring.a]
-            pull = spring.stiffness * (np.linalg.norm(line) - spring.length) * line / np.linalg.norm(line)
+            pull = (
+                spring.stiffness
+                * (np.linalg.norm(line) - spring.length)
+                * line
+                / np.linalg.norm(line)
+            )
             force[spring.a] += pull
             force[spring.b] -= pull
         for pair in self.pairs:
@@ -106,7 +122,9 @@ class Twin:
             angle = np.linalg.norm(rate) * h / 2
             u = rate / np.linalg.norm(rate) * np.sin(angle) if angle else np.zeros(3)
             c = np.cos(angle)
-            self.q[i] = np.array([c * q[0] - u @ q[1:], *(c * q[1:] + q[0] * u + np.cross(u, q[1:]))])
+            self.q[i] = np.array(
+                [c * q[0] - u @ q[1:], *(c * q[1:] + q[0] * u + np.cross(u, q[1:]))]
+            )
 
 
 def cluster(**law) -> Scene:
@@ -117,10 +135,24 @@ def cluster(**law) -> Scene:
     spins = ((0.3, -0.2, 0.5), (-0.4, 0.6, 0.1), (0.2, 0.2, -0.7))
     columns = zip(masses, radii, places, speeds, spins, strict=True)
     bodies = [
-        Body(mass=m, inertia=(0.4 * m * r * r,) * 3, position=x, velocity=v, omega=w, shape=Sphere(radius=r)) for m, r, x, v, w in columns
+        Body(
+            mass=m,
+            inertia=(0.4 * m * r * r,) * 3,
+            position=x,
+            velocity=v,
+            omega=w,
+            shape=Sphere(radius=r),
+        )
+        for m, r, x, v, w in columns
     ]
-    elements = [Plane(point=(0.0, 0.0, -0.55), normal=(0.0, 0.6, 0.8)), UniformGravity(g=(0.0, 1.0, -9.0))]
-    elements += [Spring(a=0, b=2, stiffness=30.0, length=1.0), Contact(law="linear", stiffness=500.0, **law)]
+    elements = [
+        Plane(point=(0.0, 0.0, -0.55), normal=(0.0, 0.6, 0.8)),
+        UniformGravity(g=(0.0, 1.0, -9.0)),
+    ]
+    elements += [
+        Spring(a=0, b=2, stiffness=30.0, length=1.0),
+        Contact(law="linear", stiffness=500.0, **law),
+    ]
     return Scene.of(bodies, elements)
 
 
@@ -137,20 +169,35 @@ def test_every_step_of_the_kernel_is_that_of_the_twin(law):
     scene = cluster(**law)
     twin = Twin(scene)
     assert sum(twin.geometry(pair, twin.v, twin.w)[1] > 0 for pair in twin.pairs) >= 4
-    run, _ = ENGINE.run(Request(problem=Motion(scene, np.arange(STEPS + 1) * STEP), method="velocity-verlet", step=STEP))
+    run, _ = ENGINE.run(
+        Request(
+            problem=Motion(scene, np.arange(STEPS + 1) * STEP), method="velocity-verlet", step=STEP
+        )
+    )
     assert not any(event.kind == "release" for event in run.events)
     for k in range(STEPS):
         if k:
             twin.step(STEP)
-        for name, mine in (("position", twin.x), ("velocity", twin.v), ("omega", twin.w), ("attitude", twin.q)):
-            assert np.abs(getattr(run, name)[k] - mine).max() < 2e-14 * max(1.0, np.abs(mine).max()), (name, k)
+        for name, mine in (
+            ("position", twin.x),
+            ("velocity", twin.v),
+            ("omega", twin.w),
+            ("attitude", twin.q),
+        ):
+            assert np.abs(getattr(run, name)[k] - mine).max() < 2e-14 * max(
+                1.0, np.abs(mine).max()
+            ), (name, k)
 
 
 def test_the_twin_sees_a_wrong_lever_arm():
     """The comparison can fail: the same twin with another branch is far off."""
     scene = cluster(**LAWS[2])
     other = Twin(cluster(**{**LAWS[2], "branch": "R-d/2"}))
-    run, _ = ENGINE.run(Request(problem=Motion(scene, np.arange(STEPS + 1) * STEP), method="velocity-verlet", step=STEP))
+    run, _ = ENGINE.run(
+        Request(
+            problem=Motion(scene, np.arange(STEPS + 1) * STEP), method="velocity-verlet", step=STEP
+        )
+    )
     for _ in range(STEPS):
         other.step(STEP)
     assert np.abs(run.omega[-1] - other.w).max() > 1e-6

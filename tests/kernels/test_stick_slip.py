@@ -1,4 +1,6 @@
-"""The kernel of the point on a belt: against a plain integration in Python, its section, its tangents, and what it does at the edges."""
+"""The kernel of the point on a belt: against a plain integration in Python, its section, its
+tangents, and what it does at the edges.
+"""
 
 import numpy as np
 import pytest
@@ -6,8 +8,21 @@ import pytest
 from refdem.kernels import load, pointer
 
 FAMILY = "stick_slip"
-LAW = {"mass": 1.0, "stiffness": 1.0, "normal_force": 10.0, "mu0": 0.4, "mu1": 0.1, "lambda0": 1.42, "lambda1": 0.01, "belt": 1.0,
-       "amplitude": 0.5, "frequency": 1.2, "phase": 0.0, "linear": 0, "weight": 0.0}  # fmt: skip
+LAW = {
+    "mass": 1.0,
+    "stiffness": 1.0,
+    "normal_force": 10.0,
+    "mu0": 0.4,
+    "mu1": 0.1,
+    "lambda0": 1.42,
+    "lambda1": 0.01,
+    "belt": 1.0,
+    "amplitude": 0.5,
+    "frequency": 1.2,
+    "phase": 0.0,
+    "linear": 0,
+    "weight": 0.0,
+}
 
 
 def law(**changed):
@@ -20,7 +35,9 @@ def run(t, x0=0.0, v0=0.0, most=100, **changed):
     t = np.asarray(t, float)
     out, event = np.full((len(t), 3), np.nan), np.zeros((most, 2))
     buffers = [pointer(FAMILY, array, output=True) for array in (event, out)]
-    count = load(FAMILY).lib.refdem_stick_slip(law(**changed), x0, v0, t[0], len(t), pointer(FAMILY, t), most, *buffers)
+    count = load(FAMILY).lib.refdem_stick_slip(
+        law(**changed), x0, v0, t[0], len(t), pointer(FAMILY, t), most, *buffers
+    )
     return out, event[:count]
 
 
@@ -31,20 +48,43 @@ def section(frequency, *, skip, keep, blocks=0, most=1000, origin=0.0, x0=0.0, *
     counts, sums, out = np.zeros(n), np.zeros((n, max(1, blocks))), np.zeros((n, most))
     buffers = [pointer(FAMILY, array, output=True) for array in (counts, sums, out)]
     call = load(FAMILY).lib.refdem_stick_slip_section
-    assert call(law(**changed), n, pointer(FAMILY, frequency), origin, x0, 0.0, skip, keep, blocks, most, *buffers) == 0
+    assert (
+        call(
+            law(**changed),
+            n,
+            pointer(FAMILY, frequency),
+            origin,
+            x0,
+            0.0,
+            skip,
+            keep,
+            blocks,
+            most,
+            *buffers,
+        )
+        == 0
+    )
     return counts.astype(int), sums, out
 
 
 def plain(x, v, t, until, step=1e-4, **changed):
-    """The same by midpoint steps of Stribeck's law as it is written, sticking by balance of forces: an independent, coarse witness."""
+    """The same by midpoint steps of Stribeck's law as it is written, sticking by balance of forces:
+    an independent, coarse witness.
+    """
     p = LAW | changed
 
     def friction(u):
         last = p["lambda1"] * (u if p["linear"] else u * u)
-        return p["normal_force"] * ((p["mu0"] - p["mu1"]) / (1 + p["lambda0"] * u) + p["mu1"] + last)
+        return p["normal_force"] * (
+            (p["mu0"] - p["mu1"]) / (1 + p["lambda0"] * u) + p["mu1"] + last
+        )
 
     def pull(s, place):
-        return p["amplitude"] * np.cos(p["frequency"] * s + p["phase"]) + p["weight"] - p["stiffness"] * place
+        return (
+            p["amplitude"] * np.cos(p["frequency"] * s + p["phase"])
+            + p["weight"]
+            - p["stiffness"] * place
+        )
 
     limit = friction(0.0)
     while t < until - step / 2:
@@ -55,20 +95,33 @@ def plain(x, v, t, until, step=1e-4, **changed):
             side = np.sign(u) or np.sign(pull(t, x))
             rate = (pull(t, x) - side * friction(abs(u))) / p["mass"]
             middle = v + rate * step / 2
-            half = (pull(t + step / 2, x + v * step / 2) - side * friction(abs(middle - p["belt"]))) / p["mass"]
+            half = (
+                pull(t + step / 2, x + v * step / 2) - side * friction(abs(middle - p["belt"]))
+            ) / p["mass"]
             x, after = x + middle * step, v + half * step
             v = p["belt"] if (after - p["belt"]) * side < 0 else after
         t += step
     return x, v
 
 
-@pytest.mark.parametrize("changed", [
-    {},
-    {"linear": 1, "amplitude": 2.0, "frequency": 1.25},
-    {"mass": 2.0, "stiffness": 3.0, "weight": -1.5, "belt": -0.5, "phase": 0.75, "normal_force": 6.0},
-    {"belt": 0.0, "amplitude": 5.0, "weight": -2.0},
-    {"mu1": 0.4, "lambda0": 0.0, "lambda1": 0.0},
-], ids=str)  # fmt: skip
+@pytest.mark.parametrize(
+    "changed",
+    [
+        {},
+        {"linear": 1, "amplitude": 2.0, "frequency": 1.25},
+        {
+            "mass": 2.0,
+            "stiffness": 3.0,
+            "weight": -1.5,
+            "belt": -0.5,
+            "phase": 0.75,
+            "normal_force": 6.0,
+        },
+        {"belt": 0.0, "amplitude": 5.0, "weight": -2.0},
+        {"mu1": 0.4, "lambda0": 0.0, "lambda1": 0.0},
+    ],
+    ids=str,
+)
 def test_states_are_those_of_a_plain_integration(changed):
     rows, events = run([0.0, 3.0, 6.5, 9.0], x0=0.5, v0=0.25, **changed)
     x, v, t = 0.5, 0.25, 0.0
@@ -123,7 +176,9 @@ def test_a_section_is_that_of_dense_samples():
     rows, _ = run(t)
     begin = 3 * 2 * np.pi / 1.2
     crosses = np.flatnonzero((rows[1:, 1] > 0) != (rows[:-1, 1] > 0))
-    at = [crosses[i] for i in range(len(crosses)) if t[crosses[i]] > begin and rows[crosses[i], 0] > 0]
+    at = [
+        crosses[i] for i in range(len(crosses)) if t[crosses[i]] > begin and rows[crosses[i], 0] > 0
+    ]
     np.testing.assert_allclose(places[0, : counts[0]], rows[at, 0], atol=1e-5)
     shifted = section([1.2], skip=3, keep=6, weight=2.0, x0=2.0, origin=-2.0)
     np.testing.assert_allclose(shifted[2][0, : counts[0]], places[0, : counts[0]], atol=1e-9)

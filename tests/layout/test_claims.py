@@ -29,11 +29,16 @@ def test_goals_of_the_bench_are_read_from_its_tables() -> None:
 
 def test_what_is_said_of_gases_is_what_the_table_of_gases_has() -> None:
     """The change log has the cost of a body and step from 1e3 to 1e5 bodies."""
-    smooth = re.search(r"^\| smooth \|(.*)", (ROOT / "reports" / "bench.md").read_text(), re.MULTILINE)
+    smooth = re.search(
+        r"^\| smooth \|(.*)", (ROOT / "reports" / "bench.md").read_text(), re.MULTILINE
+    )
     assert smooth
     cells = [cell.strip() for cell in smooth[1].split("|")][:3]
     least, *_, most = sorted(float(cell.split(" ns")[0]) for cell in cells)
-    assert f"{least:.1f} to {most:.1f} ns a body and step from 1e3 to 1e5" in (ROOT / "CHANGELOG.md").read_text()
+    assert (
+        f"{least:.1f} to {most:.1f} ns a body and step from 1e3 to 1e5"
+        in (ROOT / "CHANGELOG.md").read_text()
+    )
 
 
 def test_no_engine_is_said_to_run_what_it_refuses() -> None:
@@ -44,7 +49,9 @@ def test_no_engine_is_said_to_run_what_it_refuses() -> None:
 
 
 def test_readme_counts_the_findings_of_its_own_gate() -> None:
-    """tests/gate/test_readme.py runs the gate; the number that the page shows is the one that is looked for there."""
+    """tests/gate/test_readme.py runs the gate; the number that the page shows is the one that is
+    looked for there.
+    """
     readme = (ROOT / "README.md").read_text()
     (shown,) = re.findall(r"# (\d+) findings pass", readme)
     assert f'"{shown} pass" in' in (ROOT / "tests" / "gate" / "test_readme.py").read_text()

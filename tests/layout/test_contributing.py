@@ -1,4 +1,6 @@
-"""The examples of CONTRIBUTING.md work as they stand: case, engine and check together make findings that hold."""
+"""The examples of CONTRIBUTING.md work as they stand: case, engine and check together make findings
+that hold.
+"""
 
 import re
 from pathlib import Path
@@ -28,7 +30,9 @@ def shown() -> dict[str, Any]:
     return names
 
 
-def test_the_engine_shown_has_the_order_that_it_claims_on_the_case_shown(shown: dict[str, Any]) -> None:
+def test_the_engine_shown_has_the_order_that_it_claims_on_the_case_shown(
+    shown: dict[str, Any],
+) -> None:
     instance, engine = shown["CASE"].at(), shown["ENGINE"]
     (method,) = engine.methods
     assert engine.refusal(instance.problem, method) is None
@@ -54,7 +58,11 @@ def test_the_check_shown_kills_the_fault_that_it_names(shown: dict[str, Any]) ->
     velocity = np.broadcast_to(np.array([0.0, 4.0, 0.0]), place.shape).copy()
     for shift, outcome in ((0.0, "pass"), (1e-9, "fail")):
         moved = place + shift * (t > 0.5)[:, None, None]
-        runs = {Variant(trial.levels[0]): Outcome(Trajectory.of_points(t, moved, velocity), Cost(seconds=0.0))}
+        runs = {
+            Variant(trial.levels[0]): Outcome(
+                Trajectory.of_points(t, moved, velocity), Cost(seconds=0.0)
+            )
+        }
         (finding,) = check.judge(trial, runs)
         assert finding.outcome == outcome, finding.sentence
 

@@ -5,13 +5,29 @@ import sys
 from pathlib import Path
 
 ROOT = Path(__file__).parents[2]
-HEAVY = ("mujoco", "pymunk", "rebound", "altair", "vl_convert", "pandas", "jinja2", "numpy", "flint", "msgspec", "typer", "rich", "pebble")
+HEAVY = (
+    "mujoco",
+    "pymunk",
+    "rebound",
+    "altair",
+    "vl_convert",
+    "pandas",
+    "jinja2",
+    "numpy",
+    "flint",
+    "msgspec",
+    "typer",
+    "rich",
+    "pebble",
+)
 
 
 def modules(statement: str) -> set[str]:
     """Modules that a fresh interpreter has after a statement."""
     code = f"import sys; {statement}; print(*sys.modules)"
-    done = subprocess.run([sys.executable, "-c", code], check=True, capture_output=True, text=True, cwd="/")
+    done = subprocess.run(
+        [sys.executable, "-c", code], check=True, capture_output=True, text=True, cwd="/"
+    )
     return set(done.stdout.split())
 
 
@@ -25,10 +41,15 @@ def test_importing_refdem_brings_in_no_engine_no_plotting_and_no_tables() -> Non
 
 
 def test_listing_the_catalogue_imports_no_engine_no_plotting_and_no_tables() -> None:
-    statement = "from refdem.core import discovery as d; [d.case(n) for n in d.names('cases')]; [d.engine(n) for n in d.names('engines')]"
+    statement = (
+        "from refdem.core import discovery as d; [d.case(n) for n in d.names('cases')];"
+        " [d.engine(n) for n in d.names('engines')]"
+    )
     brought = loaded(statement)
     assert "numpy" in brought
-    assert brought.isdisjoint({"mujoco", "pymunk", "rebound", "altair", "vl_convert", "pandas", "jinja2", "flint"})
+    assert brought.isdisjoint(
+        {"mujoco", "pymunk", "rebound", "altair", "vl_convert", "pandas", "jinja2", "flint"}
+    )
 
 
 def test_importing_refdem_reads_at_most_half_as_many_modules_as_numpy() -> None:

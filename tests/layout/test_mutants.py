@@ -46,7 +46,12 @@ def test_every_operator_comparison_and_constant_is_a_site(tools, tmp_path):
     (tmp_path / "module.py").write_text(MODULE)
     text = MODULE.encode()
     found = {(site.shown(text), site.is_inside) for site in tools[0].sites(tmp_path, "module.py")}
-    assert found == {("2.0 -> 3.0", False), ("0.0 -> 1.0", True), ("< -> <=", True), ("and -> or", True)}
+    assert found == {
+        ("2.0 -> 3.0", False),
+        ("0.0 -> 1.0", True),
+        ("< -> <=", True),
+        ("and -> or", True),
+    }
 
 
 def test_a_failure_has_the_name_of_its_test(copy):
@@ -62,7 +67,10 @@ def test_a_crash_has_the_name_of_its_test(copy):
 
 
 def test_a_test_that_never_ends_is_ended_by_its_own_use_of_the_processor(copy):
-    ended = copy("def test_hang():\n    while True:\n        pass\n", seconds={"test_own.py::test_hang": -0.99})
+    ended = copy(
+        "def test_hang():\n    while True:\n        pass\n",
+        seconds={"test_own.py::test_hang": -0.99},
+    )
     assert ended.status == -signal.SIGPROF
     assert ended.failed == ("test_own.py::test_hang",)
 

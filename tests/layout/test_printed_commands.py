@@ -45,24 +45,38 @@ def of_page(text: str) -> Iterator[str]:
 
 def printed() -> dict[str, str]:
     """Every command with a place where it is printed."""
-    listed = subprocess.run(["git", "ls-files", "*.md"], cwd=ROOT, check=True, capture_output=True, text=True)
+    listed = subprocess.run(
+        ["git", "ls-files", "*.md"], cwd=ROOT, check=True, capture_output=True, text=True
+    )
     pages = {name: list(of_page((ROOT / name).read_text())) for name in listed.stdout.split()}
     examples = re.compile(r"Example: (refdem .*)")
-    pages |= {f"refdem {name} --help": examples.findall(command.help or "") for name, command in COMMANDS.items()}
-    return {command: name for name, found in pages.items() for command in found if re.match(r"(refdem|make) [a-z]", command)}
+    pages |= {
+        f"refdem {name} --help": examples.findall(command.help or "")
+        for name, command in COMMANDS.items()
+    }
+    return {
+        command: name
+        for name, found in pages.items()
+        for command in found
+        if re.match(r"(refdem|make) [a-z]", command)
+    }
 
 
 PRINTED = printed()
 
 
 def words_of(name: str) -> list[list[str]]:
-    """The words after `refdem NAME` of every such command, without those that hold a placeholder."""
+    """The words after `refdem NAME` of every such command, without those that hold a
+    placeholder.
+    """
     found = [shlex.split(command) for command in PRINTED if command.startswith(f"refdem {name} ")]
     return [words[2:] for words in found if not PLACEHOLDER.search(" ".join(words))]
 
 
 def parsed(name: str, words: list[str]) -> dict[str, object]:
-    """The options and arguments as the command itself reads them; it raises where it does not know one."""
+    """The options and arguments as the command itself reads them; it raises where it does not know
+    one.
+    """
     return COMMANDS[name].make_context(name, list(words)).params
 
 
@@ -71,7 +85,9 @@ def test_pages_print_commands_of_every_kind() -> None:
     assert names == set(COMMANDS)
 
 
-@pytest.mark.parametrize("command", [command for command in PRINTED if command.startswith("refdem ")])
+@pytest.mark.parametrize(
+    "command", [command for command in PRINTED if command.startswith("refdem ")]
+)
 def test_a_printed_command_is_read_by_the_command_itself(command: str) -> None:
     _, name, *words = shlex.split(command)
     if words:  # alone, `refdem truth` is the name of a command
@@ -91,24 +107,32 @@ def test_what_a_page_says_to_run_is_run_by_every_engine_that_it_names(words: lis
     cases = [case] if isinstance(case, str) else [str(one) for one in case or ()]  # type: ignore[attr-defined]
     campaign = str(found.get("campaign") or "")
     specification = asked_for(cases, list(found["set"] or ()), campaign)  # type: ignore[call-overload]
-    wanted = Specification(name="printed", case=specification.case, engines=list(found["engine"] or ["reference"]))  # type: ignore[call-overload]
+    wanted = Specification(
+        name="printed", case=specification.case, engines=list(found["engine"] or ["reference"])
+    )  # type: ignore[call-overload]
     engines, _ = plan.engines(wanted)
     assert engines
     for instance, only in plan.instances(wanted):
         for engine in engines:
             tasks = plan.tasks(wanted, instance, only, engine, None)
-            assert any(task.refusal is None for task in tasks), f"{engine.name} runs no {instance.label}"
+            assert any(task.refusal is None for task in tasks), (
+                f"{engine.name} runs no {instance.label}"
+            )
 
 
 @pytest.mark.parametrize("words", words_of("truth"), ids=" ".join)
-def test_a_printed_question_for_the_truth_is_answered(words: list[str], command_line: Answered) -> None:
+def test_a_printed_question_for_the_truth_is_answered(
+    words: list[str], command_line: Answered
+) -> None:
     done = command_line("truth", *words)
     assert done.returncode == 0, done.stderr
     assert done.stdout
 
 
 @pytest.mark.parametrize("name", ["list", "schema", "doctor"])
-def test_a_printed_command_that_only_tells_tells_something(name: str, command_line: Answered) -> None:
+def test_a_printed_command_that_only_tells_tells_something(
+    name: str, command_line: Answered
+) -> None:
     for words in words_of(name):
         done = command_line(name, *words)
         assert done.returncode == 0, done.stderr

@@ -1,4 +1,6 @@
-"""Which part of the kill matrix a change runs in continuous integration: never less than it can touch."""
+"""Which part of the kill matrix a change runs in continuous integration: never less than it can
+touch.
+"""
 
 import importlib.util
 from pathlib import Path
@@ -21,7 +23,12 @@ def touched():
 
 
 def test_pages_tests_and_kernels_touch_no_fault(touched):
-    assert touched(["README.md", "tests/core/test_truth.py", "refdem/kernels/gas.c", "refdem/cli/run.py"]) == set()
+    assert (
+        touched(
+            ["README.md", "tests/core/test_truth.py", "refdem/kernels/gas.c", "refdem/cli/run.py"]
+        )
+        == set()
+    )
 
 
 def test_a_file_of_the_catalogue_touches_its_faults(touched):
@@ -35,13 +42,19 @@ def test_a_check_touches_the_faults_that_are_named_for_it(touched):
 
 
 def test_a_case_touches_the_faults_that_act_on_it(touched):
-    assert {"no-gyroscopic-term", "torque-in-space-axes"} & {fault.name for fault in faults()} <= touched(
-        ["refdem/cases/free_rigid_body.py"]
-    )
+    assert {"no-gyroscopic-term", "torque-in-space-axes"} & {
+        fault.name for fault in faults()
+    } <= touched(["refdem/cases/free_rigid_body.py"])
 
 
 @pytest.mark.parametrize(
-    "file", ["refdem/core/check.py", "refdem/faults/transparent.py", "refdem/truth/balls.py", "refdem/checks/__init__.py"]
+    "file",
+    [
+        "refdem/core/check.py",
+        "refdem/faults/transparent.py",
+        "refdem/truth/balls.py",
+        "refdem/checks/__init__.py",
+    ],
 )
 def test_what_every_fault_goes_through_touches_them_all(touched, file):
     assert touched([file]) is None

@@ -1,4 +1,6 @@
-"""The committed pages are those of the cases, the certified values and the checks as they are; what changed is named."""
+"""The committed pages are those of the cases, the certified values and the checks as they are; what
+changed is named.
+"""
 
 from pathlib import Path
 
@@ -11,7 +13,9 @@ PAGES = Path(__file__).parents[2] / "reports" / "manual"
 
 
 def test_the_committed_pages_are_up_to_date() -> None:
-    assert inputs.out_of_date(PAGES, truth_folder()) == [], "run `refdem manual reports` and commit reports/manual"
+    assert inputs.out_of_date(PAGES, truth_folder()) == [], (
+        "run `refdem manual reports` and commit reports/manual"
+    )
 
 
 @pytest.fixture
@@ -23,7 +27,9 @@ def made(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     return tmp_path
 
 
-def test_what_changed_is_missing_or_gone_is_named(made: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_what_changed_is_missing_or_gone_is_named(
+    made: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     assert inputs.out_of_date(made, made) == []
     (made / "c.md").write_text("a page of nothing")
     assert inputs.out_of_date(made, made) == ["c"]
@@ -34,7 +40,9 @@ def test_what_changed_is_missing_or_gone_is_named(made: Path, monkeypatch: pytes
     assert inputs.out_of_date(made, made) == ["a", "b", "d"]
 
 
-def test_a_digest_knows_certified_values_and_checks(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_digest_knows_certified_values_and_checks(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     (tmp_path / "certified").mkdir()
     before = inputs.digests(tmp_path)
     (tmp_path / "certified" / "pendulum.jsonl").write_text("values")

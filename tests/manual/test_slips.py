@@ -1,4 +1,6 @@
-"""Every slip of the source is settled by its own numbers: what holds is what was measured, what was said is not."""
+"""Every slip of the source is settled by its own numbers: what holds is what was measured, what was
+said is not.
+"""
 
 import itertools
 import math
@@ -10,7 +12,11 @@ from refdem.core import discovery
 from refdem.manual import slips
 from refdem.manual.slips import SLIPS, crossings, slips_of
 
-MEASURED = {where: measure for cases, where, _, _, measure in SLIPS if set(cases) & set(discovery.names("cases"))}
+MEASURED = {
+    where: measure
+    for cases, where, _, _, measure in SLIPS
+    if set(cases) & set(discovery.names("cases"))
+}
 
 
 def values(where: str) -> list[float]:
@@ -35,7 +41,9 @@ def test_the_second_sign_is_that_of_the_matrix() -> None:
 
 
 def test_euler_angles_diverge_at_the_pole_alone() -> None:
-    assert values("section 1.3.7") == pytest.approx([0, 1 / math.tan(0.1), 1e3, 1e6], abs=1e-5, rel=1e-5)
+    assert values("section 1.3.7") == pytest.approx(
+        [0, 1 / math.tan(0.1), 1e3, 1e6], abs=1e-5, rel=1e-5
+    )
 
 
 def test_the_spin_wanders_unless_it_is_about_a_principal_axis() -> None:
@@ -81,7 +89,9 @@ def test_a_crossing_is_a_crossing() -> None:
 
 
 def test_a_slip_is_measured_when_its_page_is_made(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(slips, "SLIPS", ((("pendulum",), "(9.99)", "said", "holds", lambda: (("now", "1"),)),))
+    monkeypatch.setattr(
+        slips, "SLIPS", ((("pendulum",), "(9.99)", "said", "holds", lambda: (("now", "1"),)),)
+    )
     (found,) = slips_of("pendulum")
     assert found.measured == (("now", "1"),)
     assert slips_of("duffing") == ()

@@ -1,4 +1,6 @@
-"""Mass properties against integrals done by hand, and against bodies put together in another way."""
+"""Mass properties against integrals done by hand, and against bodies put together in another
+way.
+"""
 
 import numpy as np
 import pytest
@@ -35,7 +37,8 @@ def test_a_body_that_is_not_convex_is_what_is_left_of_a_cuboid():
     tops = [tuple(n + i for i in reversed(face)) for face in caps]
     found = of_polyhedron(low + high, [*sides, *caps, *tops], 1.0)
     whole, notch = (
-        of_polyhedron(np.array(box(s, s, 1).vertices) + at, CUBOID.faces, 1.0) for s, at in ((2, (1, 1, 0.5)), (1, (1.5, 1.5, 0.5)))
+        of_polyhedron(np.array(box(s, s, 1).vertices) + at, CUBOID.faces, 1.0)
+        for s, at in ((2, (1, 1, 0.5)), (1, (1.5, 1.5, 0.5)))
     )
     left = whole - notch
     assert found.mass == pytest.approx(3, rel=1e-15)
@@ -46,14 +49,19 @@ def test_a_body_that_is_not_convex_is_what_is_left_of_a_cuboid():
 def test_a_triangle_has_the_moment_of_its_base_and_height_and_of_its_sides():
     a, b, h, sigma = 0.7, 3.0, 2.0, 1.5
     found = of_polygon([(0, 0), (b, 0), (a, h)], sigma)
-    assert found.inertia[2, 2] == pytest.approx(sigma * b * h * (b * b - a * b + a * a + h * h) / 36, rel=1e-14)
+    assert found.inertia[2, 2] == pytest.approx(
+        sigma * b * h * (b * b - a * b + a * a + h * h) / 36, rel=1e-14
+    )
     squares = b * b + (a - b) ** 2 + h * h + a * a + h * h
     assert found.inertia[2, 2] == pytest.approx(found.mass * squares / 36, rel=1e-14)
 
 
 def test_a_polygon_that_is_not_convex_is_the_sum_of_its_rectangles():
     found = of_polygon([(0, 0), (2, 0), (2, 1), (1, 1), (1, 2), (0, 2)], 1.0)
-    foot, post = of_polygon([(0, 0), (2, 0), (2, 1), (0, 1)], 1.0), of_polygon([(0, 1), (1, 1), (1, 2), (0, 2)], 1.0)
+    foot, post = (
+        of_polygon([(0, 0), (2, 0), (2, 1), (0, 1)], 1.0),
+        of_polygon([(0, 1), (1, 1), (1, 2), (0, 2)], 1.0),
+    )
     assert found.inertia == pytest.approx((foot + post).inertia, rel=1e-14, abs=1e-15)
     assert foot.inertia[2, 2] == pytest.approx(2 * (4 + 1) / 12, rel=1e-15)
 
@@ -63,7 +71,9 @@ def test_mass_properties_move_and_turn_with_the_body():
     corners = np.array(CUBOID.vertices) @ turn.T + (5, -3, 2)
     found = of_polyhedron(corners, CUBOID.faces, 2.0)
     assert found.centre == pytest.approx([5, -3, 2], rel=1e-14)
-    assert found.inertia == pytest.approx(of_polyhedron(CUBOID.vertices, CUBOID.faces, 2.0).turned(turn).inertia, abs=1e-12)
+    assert found.inertia == pytest.approx(
+        of_polyhedron(CUBOID.vertices, CUBOID.faces, 2.0).turned(turn).inertia, abs=1e-12
+    )
 
 
 def test_points_have_the_sum_of_their_squares_and_any_point_adds_its_own():

@@ -63,26 +63,38 @@ def test_amplitudes_of_forced_oscillators_solve_their_equation():
     answer = response.linear_amplitude(w, 1.0, 0.25, 2.0)
     assert answer == pytest.approx(np.abs(2.0 / (1.0 - w**2 + 0.5j * w)), rel=1e-14)
     where, height = response.linear_peak(1.0, 0.25, 2.0)
-    assert response.linear_amplitude(np.array([where]), 1.0, 0.25, 2.0)[0] == pytest.approx(height, rel=1e-14)
-    assert height > response.linear_amplitude(np.array([where + 1e-3, where - 1e-3]), 1.0, 0.25, 2.0).max()
+    assert response.linear_amplitude(np.array([where]), 1.0, 0.25, 2.0)[0] == pytest.approx(
+        height, rel=1e-14
+    )
+    assert (
+        height
+        > response.linear_amplitude(np.array([where + 1e-3, where - 1e-3]), 1.0, 0.25, 2.0).max()
+    )
 
 
 def test_hysteresis_is_where_sweeps_differ():
     drives = np.array([1.0, 1.1, 1.2, 1.3])
-    assert response.hysteresis(drives, np.array([1.0, 1.0, 1.0, 3.0]), np.array([1.0, 2.0, 2.5, 3.0])) == (1.1, 1.2)
+    assert response.hysteresis(
+        drives, np.array([1.0, 1.0, 1.0, 3.0]), np.array([1.0, 2.0, 2.5, 3.0])
+    ) == (1.1, 1.2)
     assert response.hysteresis(drives, np.ones(4), 1.01 * np.ones(4)) is None
 
 
 @pytest.mark.parametrize(
-    ("drive", "beta", "delta"), [(1.5, 0.4, 0.1), (2.0, 0.4, 0.1), (1.55, 0.4, 0.2), (0.5, -0.1, 0.1), (1.2, 3.0, 0.0)]
+    ("drive", "beta", "delta"),
+    [(1.5, 0.4, 0.1), (2.0, 0.4, 0.1), (1.55, 0.4, 0.2), (0.5, -0.1, 0.1), (1.2, 3.0, 0.0)],
 )
 def test_the_largest_balanced_amplitude_is_the_largest_root_of_its_cubic(drive, beta, delta):
     gap, h, drag = 1.0 - drive**2, 0.75 * beta, (2 * delta * drive) ** 2
     roots = np.roots([h * h, 2 * h * gap, gap * gap + drag, -0.25])
     largest = max(root.real for root in roots if abs(root.imag) < 1e-9)
-    assert response.balanced_amplitude(drive, 1.0, beta, delta, 0.5) == pytest.approx(np.sqrt(largest), rel=1e-9)
+    assert response.balanced_amplitude(drive, 1.0, beta, delta, 0.5) == pytest.approx(
+        np.sqrt(largest), rel=1e-9
+    )
 
 
 def test_without_a_drive_the_balanced_amplitude_is_that_of_free_oscillations():
     assert response.balanced_amplitude(1.2, 1.0, 3.0, 0.1, 0.0) == 0.0
-    assert response.balanced_frequency(np.array(response.balanced_amplitude(1.2, 1.0, 3.0, 0.0, 0.0)), 1.0, 3.0) == pytest.approx(1.2)
+    assert response.balanced_frequency(
+        np.array(response.balanced_amplitude(1.2, 1.0, 3.0, 0.0, 0.0)), 1.0, 3.0
+    ) == pytest.approx(1.2)

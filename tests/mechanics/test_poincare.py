@@ -33,6 +33,9 @@ def test_regimes_need_three_standard_errors():
     assert found.regimes().tolist() == ["chaotic", "quasi-periodic", "periodic", "quasi-periodic"]
 
 
-@pytest.mark.parametrize(("values", "count"), [([], 0), ([1.0], 1), ([2.0, 1.0, 2.0 + 1e-9, 1.0], 2), ([3.0, 1.0, 2.0], 3)])
+@pytest.mark.parametrize(
+    ("values", "count"),
+    [([], 0), ([1.0], 1), ([2.0, 1.0, 2.0 + 1e-9, 1.0], 2), ([3.0, 1.0, 2.0], 3)],
+)
 def test_distinct_values_are_counted_once(values, count):
     assert distinct(np.array(values), 1e-6) == count

@@ -33,19 +33,24 @@ def test_a_turn_about_an_axis_is_counter_clockwise_seen_against_it():
         unit = np.eye(3)
         quarter = rotation.about_axis(axis, np.pi / 2)
         assert quarter @ unit[(axis + 1) % 3] == pytest.approx(unit[(axis + 2) % 3], abs=1e-14)
-        assert rotated(rotation.about_axis_quaternion(unit[axis], np.pi / 2), unit[(axis + 1) % 3]) == pytest.approx(
-            unit[(axis + 2) % 3], abs=1e-14
-        )
+        assert rotated(
+            rotation.about_axis_quaternion(unit[axis], np.pi / 2), unit[(axis + 1) % 3]
+        ) == pytest.approx(unit[(axis + 2) % 3], abs=1e-14)
 
 
 @pytest.mark.parametrize("q", ATTITUDES[:6])
 def test_euler_rates_are_the_derivative_of_the_angles_under_the_quaternions_rate(q):
     omega, h = np.array([0.3, -0.8, 0.5]), 1e-6
     rate = rotation.quaternion_rate(q, omega)
-    ahead, behind = (rotation.euler_of_matrix(matrix(p / np.linalg.norm(p))) for p in (q + h * rate, q - h * rate))
+    ahead, behind = (
+        rotation.euler_of_matrix(matrix(p / np.linalg.norm(p)))
+        for p in (q + h * rate, q - h * rate)
+    )
     turned = (ahead - behind + np.pi) % (2 * np.pi) - np.pi
     phi, theta, _ = rotation.euler_of_matrix(matrix(q))
-    assert rotation.euler_rates(phi, theta, omega) == pytest.approx(turned / (2 * h), rel=1e-6, abs=1e-8)
+    assert rotation.euler_rates(phi, theta, omega) == pytest.approx(
+        turned / (2 * h), rel=1e-6, abs=1e-8
+    )
 
 
 def test_euler_rates_diverge_where_the_quaternions_rate_does_not():

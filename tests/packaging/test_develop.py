@@ -1,4 +1,6 @@
-"""What CONTRIBUTING says of `make develop`: a `refdem` that runs from the tree, workers included, and the way back to the wheel."""
+"""What CONTRIBUTING says of `make develop`: a `refdem` that runs from the tree, workers included,
+and the way back to the wheel.
+"""
 
 import os
 import shutil
@@ -17,14 +19,19 @@ STAMPS = ("made", "for-runs", "for-tests", "for-all")
 
 @pytest.fixture(scope="module")
 def clone(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """A copy of the tracked tree with an environment of its own, whose dependencies are those of the running interpreter."""
+    """A copy of the tracked tree with an environment of its own, whose dependencies are those of
+    the running interpreter.
+    """
     place = tmp_path_factory.mktemp("clone")
-    listed = subprocess.run(["git", "ls-files"], cwd=ROOT, check=True, capture_output=True, text=True)
+    listed = subprocess.run(
+        ["git", "ls-files"], cwd=ROOT, check=True, capture_output=True, text=True
+    )
     for name in listed.stdout.split():
         (place / name).parent.mkdir(parents=True, exist_ok=True)
         shutil.copy(ROOT / name, place / name)
     venv.create(place / ".venv", with_pip=True)
-    # A path file later in the alphabet than refdem's own: the tree is found before whatever refdem is installed over there.
+    # A path file later in the alphabet than refdem's own: the tree is found before whatever refdem
+    # is installed over there.
     lent = packages(place) / "zz-lent.pth"
     lent.write_text(f"{sysconfig.get_path('purelib')}\n")
     for tool in ("meson", "ninja"):
@@ -42,9 +49,15 @@ def packages(place: Path) -> Path:
 
 def done(place: Path, *command: str, cwd: Path | None = None) -> str:
     """What a command prints that must end well."""
-    environment = {name: value for name, value in os.environ.items() if name not in ("PYTHONPATH", "MAKEFLAGS", "MAKELEVEL")}
+    environment = {
+        name: value
+        for name, value in os.environ.items()
+        if name not in ("PYTHONPATH", "MAKEFLAGS", "MAKELEVEL")
+    }
     environment |= {"REFDEM_STORE": str(place / "store.sqlite")}
-    ended = subprocess.run(command, cwd=cwd or place, env=environment, capture_output=True, text=True)
+    ended = subprocess.run(
+        command, cwd=cwd or place, env=environment, capture_output=True, text=True
+    )
     assert ended.returncode == 0, ended.stdout + ended.stderr
     return ended.stdout
 
@@ -55,9 +68,21 @@ def origin(place: Path, elsewhere: Path) -> Path:
     return Path(done(place, str(place / ".venv/bin/python"), "-c", code, cwd=elsewhere).strip())
 
 
-def test_a_contributor_runs_from_the_tree_and_goes_back_to_the_wheel(clone: Path, tmp_path: Path) -> None:
+def test_a_contributor_runs_from_the_tree_and_goes_back_to_the_wheel(
+    clone: Path, tmp_path: Path
+) -> None:
     refdem = str(clone / ".venv/bin/refdem")
-    asked = ("run", "harmonic-oscillator", "--engine", "reference", "--jobs", "2", "--no-cache", "--out", str(tmp_path / "report"))
+    asked = (
+        "run",
+        "harmonic-oscillator",
+        "--engine",
+        "reference",
+        "--jobs",
+        "2",
+        "--no-cache",
+        "--out",
+        str(tmp_path / "report"),
+    )
 
     done(clone, "make", "develop")
     assert origin(clone, tmp_path) == clone / "refdem"

@@ -14,13 +14,17 @@ import pytest
 ROOT = Path(__file__).parents[2]
 VERSION = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]["version"]
 GENERATED = {"__pycache__"}
-ENVIRONMENT = os.environ | {"PATH": f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}"}
+ENVIRONMENT = os.environ | {
+    "PATH": f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}"
+}
 """meson and ninja are beside Python."""
 
 
 def sources(folder: str) -> set[str]:
     """Files that git tracks below a folder."""
-    listed = subprocess.run(["git", "ls-files", folder], cwd=ROOT, check=True, capture_output=True, text=True)
+    listed = subprocess.run(
+        ["git", "ls-files", folder], cwd=ROOT, check=True, capture_output=True, text=True
+    )
     return set(listed.stdout.split())
 
 
@@ -29,7 +33,9 @@ def sdist(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """The source distribution of what is committed."""
     folder = tmp_path_factory.mktemp("sdist")
     code = f"import mesonpy; mesonpy.build_sdist({str(folder)!r})"
-    subprocess.run([sys.executable, "-c", code], cwd=ROOT, env=ENVIRONMENT, check=True, capture_output=True)
+    subprocess.run(
+        [sys.executable, "-c", code], cwd=ROOT, env=ENVIRONMENT, check=True, capture_output=True
+    )
     (made,) = folder.glob("*.tar.gz")
     return made
 
@@ -40,8 +46,22 @@ def wheel(sdist: Path, tmp_path_factory: pytest.TempPathFactory) -> set[str]:
     folder = tmp_path_factory.mktemp("wheel")
     with tarfile.open(sdist) as archive:
         archive.extractall(folder, filter="data")
-    build = [sys.executable, "-m", "pip", "wheel", "--no-deps", "--no-build-isolation", "--wheel-dir", str(folder)]
-    subprocess.run([*build, str(folder / f"refdem-{VERSION}")], env=ENVIRONMENT, check=True, capture_output=True)
+    build = [
+        sys.executable,
+        "-m",
+        "pip",
+        "wheel",
+        "--no-deps",
+        "--no-build-isolation",
+        "--wheel-dir",
+        str(folder),
+    ]
+    subprocess.run(
+        [*build, str(folder / f"refdem-{VERSION}")],
+        env=ENVIRONMENT,
+        check=True,
+        capture_output=True,
+    )
     (made,) = folder.glob("*.whl")
     return set(zipfile.ZipFile(made).namelist())
 
@@ -49,7 +69,14 @@ def wheel(sdist: Path, tmp_path_factory: pytest.TempPathFactory) -> set[str]:
 def test_the_source_distribution_holds_every_tracked_file(sdist: Path) -> None:
     with tarfile.open(sdist) as archive:
         held = {name.partition("/")[2] for name in archive.getnames()}
-    assert not (sources("refdem") | sources("validation") | {"meson.build", "LICENSE", "README.md", "Makefile"}) - held
+    assert (
+        not (
+            sources("refdem")
+            | sources("validation")
+            | {"meson.build", "LICENSE", "README.md", "Makefile"}
+        )
+        - held
+    )
 
 
 def test_the_wheel_holds_the_package_and_the_campaigns(wheel: set[str]) -> None:
@@ -59,7 +86,9 @@ def test_the_wheel_holds_the_package_and_the_campaigns(wheel: set[str]) -> None:
 
 
 def test_the_wheel_holds_a_compiled_extension_for_every_kernel_family(wheel: set[str]) -> None:
-    listed = re.search(r"^families = \[(.*?)\]", (ROOT / "meson.build").read_text(), re.MULTILINE | re.DOTALL)
+    listed = re.search(
+        r"^families = \[(.*?)\]", (ROOT / "meson.build").read_text(), re.MULTILINE | re.DOTALL
+    )
     assert listed
     built = {Path(name).name.partition(".")[0] for name in wheel if name.endswith(".so")}
     assert built == {f"_{family}" for family in re.findall(r"'(\w+)'", listed[1])}

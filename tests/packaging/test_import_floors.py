@@ -1,4 +1,6 @@
-"""The floors of the design: a planted import that a contract forbids breaks that contract, also inside a function."""
+"""The floors of the design: a planted import that a contract forbids breaks that contract, also
+inside a function.
+"""
 
 import shutil
 import subprocess
@@ -14,8 +16,16 @@ PLANTED = [
     ("truth/balls.py", "refdem.core.case", "Truth shares no code with what it judges"),
     ("cases/pendulum.py", "refdem.kernels", "Cases know no engine and no check"),
     ("checks/error.py", "refdem.truth.balls", "Checks know neither answers nor who gave them"),
-    ("engines/mujoco/__init__.py", "refdem.cases.pendulum", "Engines get the question and never the answer"),
-    ("engines/pymunk/__init__.py", "refdem.solvers.solver", "Solvers are reached through engines.reference alone"),
+    (
+        "engines/mujoco/__init__.py",
+        "refdem.cases.pendulum",
+        "Engines get the question and never the answer",
+    ),
+    (
+        "engines/pymunk/__init__.py",
+        "refdem.solvers.solver",
+        "Solvers are reached through engines.reference alone",
+    ),
     ("report/__init__.py", "refdem.truth.balls", "A report is a function of records"),
 ]
 
@@ -23,16 +33,24 @@ PLANTED = [
 def broken(tree: Path) -> set[str]:
     """Names of the contracts that a tree breaks."""
     linter = Path(sys.executable).with_name("lint-imports")
-    printed = subprocess.run([linter, "--no-cache"], cwd=tree, capture_output=True, text=True).stdout
+    printed = subprocess.run(
+        [linter, "--no-cache"], cwd=tree, capture_output=True, text=True
+    ).stdout
     assert "Contracts:" in printed
-    return {line.removesuffix(" BROKEN").strip() for line in printed.splitlines() if line.endswith(" BROKEN")}
+    return {
+        line.removesuffix(" BROKEN").strip()
+        for line in printed.splitlines()
+        if line.endswith(" BROKEN")
+    }
 
 
 @pytest.fixture(scope="module")
 def tree(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A copy of the package and its contracts."""
     folder = tmp_path_factory.mktemp("tree")
-    shutil.copytree(ROOT / "refdem", folder / "refdem", ignore=shutil.ignore_patterns("__pycache__", "*.so"))
+    shutil.copytree(
+        ROOT / "refdem", folder / "refdem", ignore=shutil.ignore_patterns("__pycache__", "*.so")
+    )
     shutil.copy(ROOT / "pyproject.toml", folder)
     return folder
 
@@ -42,7 +60,9 @@ def test_no_contract_is_broken(tree: Path) -> None:
 
 
 @pytest.mark.parametrize(("place", "imported", "contract"), PLANTED)
-def test_a_forbidden_import_inside_a_function_breaks_its_contract(tree: Path, place: str, imported: str, contract: str) -> None:
+def test_a_forbidden_import_inside_a_function_breaks_its_contract(
+    tree: Path, place: str, imported: str, contract: str
+) -> None:
     path = tree / "refdem" / place
     original = path.read_text()
     try:

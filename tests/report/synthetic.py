@@ -1,6 +1,15 @@
 """Synthetic sheets with every outcome, every control and names from a stranger who means harm."""
 
-from refdem.core.finding import CampaignSheet, CaseSheet, EngineSheet, Finding, Level, Record, Series, Sheet
+from refdem.core.finding import (
+    CampaignSheet,
+    CaseSheet,
+    EngineSheet,
+    Finding,
+    Level,
+    Record,
+    Series,
+    Sheet,
+)
 
 HOSTILE = "<script>alert(1)</script>|`x`|</script><img src=x onerror=alert(2)>"
 STEPS = (0.1, 0.05, 0.025, 0.0125)
@@ -10,20 +19,38 @@ def levels(size: float, order: int, steps: tuple[float, ...] = STEPS) -> tuple[L
     """Errors size * (h/0.1)^order, half of their bounds."""
     errors = [size * (h / 0.1) ** order if order else size for h in steps]
     pairs = zip(steps, errors, strict=True)
-    return tuple(Level(level=h, error=e, bound=2 * e, seconds=1e-4 / (h or 1e-4), counts=order > 0) for h, e in pairs)
+    return tuple(
+        Level(level=h, error=e, bound=2 * e, seconds=1e-4 / (h or 1e-4), counts=order > 0)
+        for h, e in pairs
+    )
 
 
-def error(quantity: str, size: float, order: int, *, outcome: str = "pass", steps: tuple[float, ...] = STEPS) -> Finding:
+def error(
+    quantity: str,
+    size: float,
+    order: int,
+    *,
+    outcome: str = "pass",
+    steps: tuple[float, ...] = STEPS,
+) -> Finding:
     """A finding of the check `error`; an order of 0 means no claim of an order."""
     seen = levels(size, order, steps)
     curve = [seen[-1].error * (1 + (k % 7) / 7) / 2 for k in range(65)]
     sentence = f"The error of {quantity} is {seen[-1].error:.2g}: claimed order {order}."
     return Finding(
-        check="error", quantity=quantity, outcome=outcome, sentence=sentence,
-        value=seen[-1].error, bound=seen[-1].bound, basis=f"claimed order {order}", levels=seen,
+        check="error",
+        quantity=quantity,
+        outcome=outcome,
+        sentence=sentence,
+        value=seen[-1].error,
+        bound=seen[-1].bound,
+        basis=f"claimed order {order}",
+        levels=seen,
         series=Series(t=[0.1 * k for k in range(65)], value=curve, bound=[seen[-1].bound] * 65),
-        order_seen=order - 0.02 if order else None, order_claimed=float(order) if order else None, constant_seen=0.3 if order else None,
-    )  # fmt: skip
+        order_seen=order - 0.02 if order else None,
+        order_claimed=float(order) if order else None,
+        constant_seen=0.3 if order else None,
+    )
 
 
 def energy(outcome: str, value: float, bound: float) -> Finding:
@@ -32,9 +59,16 @@ def energy(outcome: str, value: float, bound: float) -> Finding:
     curve = Series(t=times, value=[value * k / 64 for k in range(65)], bound=[bound] * 65)
     sentence = f"The energy drifts by {value:.2g} J, bound {bound:.2g} J."
     return Finding(
-        check="energy", quantity="energy", outcome=outcome, sentence=sentence, value=value, bound=bound, unit="J", basis="no secular drift",
+        check="energy",
+        quantity="energy",
+        outcome=outcome,
+        sentence=sentence,
+        value=value,
+        bound=bound,
+        unit="J",
+        basis="no secular drift",
         series=curve,
-    )  # fmt: skip
+    )
 
 
 def said(check: str, outcome: str, sentence: str) -> Finding:
@@ -45,59 +79,153 @@ def said(check: str, outcome: str, sentence: str) -> Finding:
 def record(case: str, label: str, engine: str, method: str, *findings: Finding) -> Record:
     """A record; the engine called reference is the reference."""
     return Record(
-        case=case, label=label, parameters={}, engine=engine, version="1.0", method=method, is_reference=engine == "reference",
-        runs=("a" * 64, "b" * 64), findings=findings,
-    )  # fmt: skip
+        case=case,
+        label=label,
+        parameters={},
+        engine=engine,
+        version="1.0",
+        method=method,
+        is_reference=engine == "reference",
+        runs=("a" * 64, "b" * 64),
+        findings=findings,
+    )
 
 
 def case_sheet(case: str, label: str, title: str, latex: str) -> CaseSheet:
     """A sheet of an instance."""
     return CaseSheet(
-        case=case, label=label, title=title, statement=f"A statement of {title} with x < y & z.", latex=latex, source="chapter, (1.1)",
-        parameters={"mass": "1", "duration": ""}, units={"mass": "kg", "duration": "s"}, scene='{"bodies": [{"mass": 1.0}]}',
-        scales={"L": 1.0, "tau": 0.5, "T": 10.0, "mass": 1.0}, quantities={"x": "m"},
-        truth_method="closed form", truth_witness="validated integration",
-        truth_scalars={"period": ("6.2831853071795865", "1e-16")}, reproduce=f"refdem run {case} --set mass='1'",
-    )  # fmt: skip
+        case=case,
+        label=label,
+        title=title,
+        statement=f"A statement of {title} with x < y & z.",
+        latex=latex,
+        source="chapter, (1.1)",
+        parameters={"mass": "1", "duration": ""},
+        units={"mass": "kg", "duration": "s"},
+        scene='{"bodies": [{"mass": 1.0}]}',
+        scales={"L": 1.0, "tau": 0.5, "T": 10.0, "mass": 1.0},
+        quantities={"x": "m"},
+        truth_method="closed form",
+        truth_witness="validated integration",
+        truth_scalars={"period": ("6.2831853071795865", "1e-16")},
+        reproduce=f"refdem run {case} --set mass='1'",
+    )
 
 
 def engine_sheet(engine: str) -> EngineSheet:
     """A sheet of an engine."""
     audit = (("damping", "0.2", "0", "the scene has none"), (HOSTILE, HOSTILE, HOSTILE, HOSTILE))
     return EngineSheet(
-        engine=engine, title=f"Engine {engine}", version="1.0", licence="MIT", is_reference=engine == "reference",
-        methods={"verlet": "order 2; symplectic", "rk4": "order 4"}, audit=audit,
-    )  # fmt: skip
+        engine=engine,
+        title=f"Engine {engine}",
+        version="1.0",
+        licence="MIT",
+        is_reference=engine == "reference",
+        methods={"verlet": "order 2; symplectic", "rk4": "order 4"},
+        audit=audit,
+    )
 
 
 def sheets() -> list[Sheet]:
     """A campaign of three instances and five engines."""
-    found: list[Sheet] = [CampaignSheet(name="main", refdem="0.1.0", runs_made=12, runs_read=3, seconds=1.25)]
+    found: list[Sheet] = [
+        CampaignSheet(name="main", refdem="0.1.0", runs_made=12, runs_read=3, seconds=1.25)
+    ]
     found += [engine_sheet(name) for name in ("reference", "alpha", "beta", "gamma", HOSTILE)]
     swing = r"\ddot\theta+\frac{g}{l}\sin\theta=0,\qquad F=m\left(l\dot\theta^2+g\cos\theta\right)"
     found += [
         case_sheet("pendulum", "pendulum", "Pendulum", swing),
         case_sheet("pendulum", "pendulum[theta0=3 mass=2]", "Pendulum", r"\ddot\theta=0"),
-        case_sheet(HOSTILE, f"{HOSTILE}[x=1]", HOSTILE, r"\text{" + HOSTILE + r"}\href{javascript:alert(3)}{x}"),
+        case_sheet(
+            HOSTILE,
+            f"{HOSTILE}[x=1]",
+            HOSTILE,
+            r"\text{" + HOSTILE + r"}\href{javascript:alert(3)}{x}",
+        ),
     ]
     for label in ("pendulum", "pendulum[theta0=3 mass=2]"):
         found += _pendulum(label)
     label = f"{HOSTILE}[x=1]"
     hostile = (error(HOSTILE, 1e-2, 1), energy("pass", 1e-9, 1e-6), said(HOSTILE, "fail", HOSTILE))
     found.append(record(HOSTILE, label, HOSTILE, HOSTILE, *hostile))
-    found.append(record(HOSTILE, label, "reference", "exact", error(HOSTILE, 1e-15, 0, steps=(0.0,)), error("y", 0.0, 0, steps=(0.0,))))
+    found.append(
+        record(
+            HOSTILE,
+            label,
+            "reference",
+            "exact",
+            error(HOSTILE, 1e-15, 0, steps=(0.0,)),
+            error("y", 0.0, 0, steps=(0.0,)),
+        )
+    )
     return found
 
 
 def _pendulum(label: str) -> list[Sheet]:
     undecided = said("order", "undecided", "Not decided: 2 levels count.")
     return [
-        record("pendulum", label, "reference", "exact", error("theta", 3e-16, 0, steps=(0.0,)), energy("pass", 0.0, 1e-14)),
-        record("pendulum", label, "reference", "verlet", error("theta", 1e-2, 2), error("x", 3e-2, 2), energy("pass", 1e-4, 1e-2)),
-        record("pendulum", label, "alpha", "rk4", error("theta", 1e-3, 4), error("x", 2e-3, 4), energy("pass", 1e-7, 1e-6)),
-        record("pendulum", label, "alpha", "euler", error("theta", 0.4, 1, outcome="fail"), energy("fail", 3.0, 1e-2)),
-        record("pendulum", label, "alpha", "adaptive", error("theta", 1e-8, 0, steps=(1e-4, 1e-6, 1e-8)), energy("expected", 1e-5, 1e-7)),
-        record("pendulum", label, "beta", "verlet", said("run", "error", "The engine crashed: signal 11 at step 3.")),
-        record("pendulum", label, "gamma", "verlet", said("support", "unsupported", "gamma has no rod.")),
-        record("pendulum", label, HOSTILE, "verlet", error("theta", 1e-5, 2, outcome="stale"), undecided),
+        record(
+            "pendulum",
+            label,
+            "reference",
+            "exact",
+            error("theta", 3e-16, 0, steps=(0.0,)),
+            energy("pass", 0.0, 1e-14),
+        ),
+        record(
+            "pendulum",
+            label,
+            "reference",
+            "verlet",
+            error("theta", 1e-2, 2),
+            error("x", 3e-2, 2),
+            energy("pass", 1e-4, 1e-2),
+        ),
+        record(
+            "pendulum",
+            label,
+            "alpha",
+            "rk4",
+            error("theta", 1e-3, 4),
+            error("x", 2e-3, 4),
+            energy("pass", 1e-7, 1e-6),
+        ),
+        record(
+            "pendulum",
+            label,
+            "alpha",
+            "euler",
+            error("theta", 0.4, 1, outcome="fail"),
+            energy("fail", 3.0, 1e-2),
+        ),
+        record(
+            "pendulum",
+            label,
+            "alpha",
+            "adaptive",
+            error("theta", 1e-8, 0, steps=(1e-4, 1e-6, 1e-8)),
+            energy("expected", 1e-5, 1e-7),
+        ),
+        record(
+            "pendulum",
+            label,
+            "beta",
+            "verlet",
+            said("run", "error", "The engine crashed: signal 11 at step 3."),
+        ),
+        record(
+            "pendulum",
+            label,
+            "gamma",
+            "verlet",
+            said("support", "unsupported", "gamma has no rod."),
+        ),
+        record(
+            "pendulum",
+            label,
+            HOSTILE,
+            "verlet",
+            error("theta", 1e-5, 2, outcome="stale"),
+            undecided,
+        ),
     ]

@@ -1,4 +1,6 @@
-"""The gallery's files: nothing that a name could smuggle in, curves thinned to what is seen, clouds as pictures."""
+"""The gallery's files: nothing that a name could smuggle in, curves thinned to what is seen, clouds
+as pictures.
+"""
 
 import base64
 import struct
@@ -18,13 +20,26 @@ X = np.linspace(0.0, 1.0, 5001)
 
 
 def panel(*series):
-    return Panel(series=series, x=Axis(title=NASTY, ends=(0.0, 1.0)), y=Axis(title="y", ends=(-1.0, 1.0)), title=NASTY, size=(200, 100))
+    return Panel(
+        series=series,
+        x=Axis(title=NASTY, ends=(0.0, 1.0)),
+        y=Axis(title="y", ends=(-1.0, 1.0)),
+        title=NASTY,
+        size=(200, 100),
+    )
 
 
 LINE = Series(x=X, y=np.sin(20 * X), label=NASTY)
 CLOUD = Series(x=X, y=X**2, mark="cloud", ink=1)
 WORD = Series(x=X[:1], y=X[:1], mark="text", words=(NASTY,))
-FIGURE = Figure(id="9.9", title=NASTY, caption=NASTY, panels=(panel(LINE, WORD), panel(CLOUD)), numbers={NASTY: 1.5}, commands=(NASTY,))
+FIGURE = Figure(
+    id="9.9",
+    title=NASTY,
+    caption=NASTY,
+    panels=(panel(LINE, WORD), panel(CLOUD)),
+    numbers={NASTY: 1.5},
+    commands=(NASTY,),
+)
 
 
 def test_names_are_written_as_text(tmp_path):
@@ -47,13 +62,17 @@ def test_figures_that_are_not_made_again_stay_in_pictures_page_and_text(tmp_path
     every = ["9.9", "co-4"]
     write_gallery(tmp_path / "whole", [FIGURE, other], version="1", every=every)
     write_gallery(tmp_path / "parts", [other], version="1", every=[*every, "9.10"])
-    write_gallery(tmp_path / "parts", [replace(FIGURE, id="9.10")], version="1", every=[*every, "9.10"])
+    write_gallery(
+        tmp_path / "parts", [replace(FIGURE, id="9.10")], version="1", every=[*every, "9.10"]
+    )
     assert (tmp_path / "parts" / "fig-9-10.svg").exists()
     write_gallery(tmp_path / "parts", [FIGURE], version="1", every=every)
     files = ["fig-9-9.svg", "fig-co-4.svg", "gallery.html", "gallery.md"]
     assert sorted(path.name for path in (tmp_path / "parts").iterdir() if path.is_file()) == files
     for name in files:
-        assert (tmp_path / "parts" / name).read_bytes() == (tmp_path / "whole" / name).read_bytes(), name
+        assert (tmp_path / "parts" / name).read_bytes() == (
+            tmp_path / "whole" / name
+        ).read_bytes(), name
 
 
 def test_a_curve_is_thinned_but_nowhere_off_by_a_third_of_a_pixel():

@@ -1,4 +1,6 @@
-"""The manual's files: one page a case of both kinds, nothing in them that a name could smuggle in, pages of lost cases removed."""
+"""The manual's files: one page a case of both kinds, nothing in them that a name could smuggle in,
+pages of lost cases removed.
+"""
 
 import re
 from pathlib import Path
@@ -11,7 +13,15 @@ from refdem.report import write_manual
 
 NASTY = '<script>alert("x")</script> | *a* [b](c)'
 TRUTH = TruthLine(
-    method="closed form", own_witness="none", witness="none", witnessed=0, agreed=None, sets=0, values=0, digits=None, has_no_witness=True
+    method="closed form",
+    own_witness="none",
+    witness="none",
+    witnessed=0,
+    agreed=None,
+    sets=0,
+    values=0,
+    digits=None,
+    has_no_witness=True,
 )
 PAGE = ManualPage(
     case="top",
@@ -26,7 +36,10 @@ PAGE = ManualPage(
     quantities=(QuantityLine(name="x", unit="m", scale=1.5),),
     scalars=(QuantityLine(name="period", mid="6.28", radius="3.2e-3"),),
     truth=TRUTH,
-    checks=(CheckLine(name="error", title="Error", kills=NASTY), CheckLine(name="stop", title="Stop", kills="k", left_out=NASTY)),
+    checks=(
+        CheckLine(name="error", title="Error", kills=NASTY),
+        CheckLine(name="stop", title="Stop", kills="k", left_out=NASTY),
+    ),
     slips=(Slip(where="(1.1)", says=NASTY, holds="h", measured=((NASTY, "1"),)),),
     reproduce=("refdem truth top",),
 )
@@ -34,21 +47,41 @@ PAGE = ManualPage(
 
 @pytest.fixture
 def home(tmp_path: Path) -> Path:
-    proved = msgspec.structs.replace(TRUTH, witness="Taylor", witnessed=3, agreed=34, sets=1, values=3, digits=34, has_no_witness=False)
+    proved = msgspec.structs.replace(
+        TRUTH,
+        witness="Taylor",
+        witnessed=3,
+        agreed=34,
+        sets=1,
+        values=3,
+        digits=34,
+        has_no_witness=False,
+    )
     other = msgspec.structs.replace(PAGE, case="bottom", title="Bottom", truth=proved)
     write_manual(tmp_path, [other, PAGE], version="9.9")
     return tmp_path / "manual"
 
 
 def test_there_is_a_page_of_both_kinds_for_each_case_and_an_index(home: Path) -> None:
-    assert sorted(p.name for p in home.iterdir()) == ["bottom.html", "bottom.md", "index.html", "index.md", "top.html", "top.md"]
+    assert sorted(p.name for p in home.iterdir()) == [
+        "bottom.html",
+        "bottom.md",
+        "index.html",
+        "index.md",
+        "top.html",
+        "top.md",
+    ]
     assert (home.parent / "assets" / "report.css").is_file()
 
 
 def test_a_case_without_a_witness_is_red_and_the_other_is_not(home: Path) -> None:
     assert "no witness" in (home / "top.html").read_text()
     assert "no witness" not in (home / "bottom.html").read_text()
-    lines = {line.split("|")[1].strip(): line for line in (home / "index.md").read_text().splitlines() if line.startswith("| [")}
+    lines = {
+        line.split("|")[1].strip(): line
+        for line in (home / "index.md").read_text().splitlines()
+        if line.startswith("| [")
+    }
     assert "**nobody**" in lines["[top](top.md)"]
     assert "**nobody**" not in lines["[bottom](bottom.md)"]
     assert (home / "index.html").read_text().count('class="outcome fail"') == 1
@@ -60,7 +93,9 @@ def test_no_text_becomes_markup(home: Path) -> None:
         assert "<script" not in text
         if path.suffix == ".md":
             assert re.search(r"(?<!\\)\*a(?<!\\)\*", text) is None
-            rows = [re.split(r"(?<!\\)\|", line) for line in text.splitlines() if line.startswith("|")]
+            rows = [
+                re.split(r"(?<!\\)\|", line) for line in text.splitlines() if line.startswith("|")
+            ]
             assert all(len(row) in (4, 5, 7, 8) for row in rows)
 
 
@@ -77,5 +112,9 @@ def test_pages_of_cases_that_are_gone_are_removed(home: Path) -> None:
 
 def test_the_text_is_the_same_each_time(home: Path) -> None:
     before = {path.name: path.read_bytes() for path in home.iterdir()}
-    write_manual(home.parent, [msgspec.structs.replace(PAGE, case="bottom", title="Bottom"), PAGE], version="9.9")
+    write_manual(
+        home.parent,
+        [msgspec.structs.replace(PAGE, case="bottom", title="Bottom"), PAGE],
+        version="9.9",
+    )
     assert (home / "top.md").read_bytes() == before["top.md"]

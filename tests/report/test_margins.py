@@ -7,12 +7,22 @@ from refdem.report import margins, write_records
 
 
 def finding(value, bound, outcome="pass", check="error"):
-    return Finding(check=check, quantity="x", outcome=outcome, sentence="said", value=value, bound=bound)
+    return Finding(
+        check=check, quantity="x", outcome=outcome, sentence="said", value=value, bound=bound
+    )
 
 
 def record(*findings, engine="e"):
     return Record(
-        case="c", label="c", parameters={}, engine=engine, version="1", method="m", is_reference=False, runs=(), findings=findings
+        case="c",
+        label="c",
+        parameters={},
+        engine=engine,
+        version="1",
+        method="m",
+        is_reference=False,
+        runs=(),
+        findings=findings,
     )
 
 
@@ -23,7 +33,13 @@ def test_a_group_is_loose_if_every_margin_is_three_decades():
 
 
 def test_methods_of_one_engine_are_one_group_and_engines_are_not():
-    found = margins.groups([record(finding(1e-5, 1e-2)), record(finding(1e-2, 1e-1)), record(finding(1e-9, 1e-1), engine="f")])
+    found = margins.groups(
+        [
+            record(finding(1e-5, 1e-2)),
+            record(finding(1e-2, 1e-1)),
+            record(finding(1e-9, 1e-1), engine="f"),
+        ]
+    )
     assert [(group.engine, group.is_loose) for group in found] == [("e", False), ("f", True)]
 
 
@@ -46,7 +62,10 @@ def test_the_command_prints_loose_groups_and_medians(tmp_path, capsys):
     write_records(tmp_path, [record(finding(1e-5, 1e-2), finding(1e-14, 1e-12, check="momentum"))])
     assert margins.main([str(tmp_path)]) == 0
     printed = capsys.readouterr().out
-    assert printed.startswith("1 of 2 groups are 3 decades or more above what is measured throughout.\n  error  c  e: x has 3.0 decades")
+    assert printed.startswith(
+        "1 of 2 groups are 3 decades or more above what is measured throughout.\n  error  c  e: x"
+        " has 3.0 decades"
+    )
     assert "1 bounds above round-off: the median margin is 3.00 decades." in printed
 
 

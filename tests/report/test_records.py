@@ -32,7 +32,9 @@ def test_sheets_are_read_back_as_they_were_written(sheets, tmp_path):
 def test_records_written_again_are_the_same_bytes(sheets, tmp_path):
     write_records(tmp_path / "one", sheets)
     write_records(tmp_path / "two", read_records(tmp_path / "one"))
-    assert (tmp_path / "one/records.jsonl").read_bytes() == (tmp_path / "two/records.jsonl").read_bytes()
+    assert (tmp_path / "one/records.jsonl").read_bytes() == (
+        tmp_path / "two/records.jsonl"
+    ).read_bytes()
 
 
 def test_a_malformed_line_is_named(sheets, tmp_path):
@@ -75,7 +77,12 @@ def test_numbers_that_are_not_finite_cost_the_number_and_not_the_finding(tmp_pat
     write_records(tmp_path, [record(finding)])
     (read,) = read_records(tmp_path)
     (found,) = read.findings
-    assert (found.outcome, found.sentence, found.value, found.bound) == ("fail", "It is nan.", None, 1.0)
+    assert (found.outcome, found.sentence, found.value, found.bound) == (
+        "fail",
+        "It is nan.",
+        None,
+        1.0,
+    )
     assert found.levels == (good,)
     assert found.series == Series(t=[1.0], value=[2.0], bound=[1.0])
 
@@ -84,10 +91,22 @@ def test_a_report_as_tables_has_a_row_for_every_finding_and_level(folder, sheets
     tables = records(folder)
     found = [finding for sheet in sheets if isinstance(sheet, Record) for finding in sheet.findings]
     assert len(tables.findings) == len(found)
-    assert set(tables.findings["outcome"]) == {"pass", "fail", "error", "unsupported", "undecided", "expected", "stale"}
-    verlet = tables.levels.query("label == 'pendulum' and engine == 'reference' and method == 'verlet' and quantity == 'x'")
+    assert set(tables.findings["outcome"]) == {
+        "pass",
+        "fail",
+        "error",
+        "unsupported",
+        "undecided",
+        "expected",
+        "stale",
+    }
+    verlet = tables.levels.query(
+        "label == 'pendulum' and engine == 'reference' and method == 'verlet' and quantity == 'x'"
+    )
     assert verlet["error"].tolist() == pytest.approx([3e-2, 7.5e-3, 1.875e-3, 4.6875e-4])
-    row = tables.tolerance.query("label == 'pendulum' and engine == 'reference' and method == 'verlet' and quantity == 'x'").iloc[0]
+    row = tables.tolerance.query(
+        "label == 'pendulum' and engine == 'reference' and method == 'verlet' and quantity == 'x'"
+    ).iloc[0]
     assert row["step_1e-03"] == 0.0125
     assert math.isnan(row["step_1e-06"])
 
@@ -100,8 +119,15 @@ def test_the_public_name_reads_a_report(folder):
 
 def test_records_of_a_stranger_move_no_cursor(tmp_path):
     text = lines([record(Finding(check="error", quantity="x", outcome="pass", sentence="held"))])
-    (tmp_path / RECORDS).write_bytes(text.replace(b'"sentence":"', b'"sentence":"\\u001b[31m\\u202e::'))
-    found = [finding for sheet in sheets_in(tmp_path) if isinstance(sheet, Record) for finding in sheet.findings]
+    (tmp_path / RECORDS).write_bytes(
+        text.replace(b'"sentence":"', b'"sentence":"\\u001b[31m\\u202e::')
+    )
+    found = [
+        finding
+        for sheet in sheets_in(tmp_path)
+        if isinstance(sheet, Record)
+        for finding in sheet.findings
+    ]
     assert found
     assert all(finding.sentence.startswith("?[31m?::") for finding in found)
 

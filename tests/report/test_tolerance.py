@@ -53,7 +53,11 @@ def rows(*records, label="a"):
 def test_the_largest_step_that_holds_also_holds_at_every_finer_step():
     worst, x, y = rows(record("alpha", "verlet", X, Y))
     assert x.steps == ((0.2, False), (0.1, False), None)
-    assert y.steps == ((0.1, False), (0.1, False), None), "the coarsest step holds 1e-3 by luck: the next does not"
+    assert y.steps == (
+        (0.1, False),
+        (0.1, False),
+        None,
+    ), "the coarsest step holds 1e-3 by luck: the next does not"
     assert worst.quantity == WORST
     assert worst.steps == ((0.1, False), (0.1, False), None)
 
@@ -75,7 +79,11 @@ def test_no_bound_is_held_where_one_quantity_holds_none():
 
 def test_the_worst_of_all_has_the_largest_error_of_each_level():
     worst = rows(record("alpha", "verlet", X, Y))[0]
-    assert [(x.level, x.error, x.bound) for x in worst.levels] == [(0.4, 1e-2, 1e-1), (0.2, 5e-3, 1e-2), (0.1, 3e-7, 1e-7)]
+    assert [(x.level, x.error, x.bound) for x in worst.levels] == [
+        (0.4, 1e-2, 1e-1),
+        (0.2, 5e-3, 1e-2),
+        (0.1, 3e-7, 1e-7),
+    ]
 
 
 def test_the_cost_is_that_of_the_largest_step_that_holds_one_in_a_million():
@@ -83,7 +91,14 @@ def test_the_cost_is_that_of_the_largest_step_that_holds_one_in_a_million():
 
 
 def test_the_order_of_all_is_what_the_check_of_the_order_saw():
-    order = Finding(check="order", quantity="state", outcome="pass", sentence="", order_seen=1.97, order_claimed=2.0)
+    order = Finding(
+        check="order",
+        quantity="state",
+        outcome="pass",
+        sentence="",
+        order_seen=1.97,
+        order_claimed=2.0,
+    )
     assert rows(record("alpha", "verlet", X, order))[0].order_seen == 1.97
     assert rows(record("alpha", "verlet", X))[0].order_seen is None
 
@@ -91,18 +106,28 @@ def test_the_order_of_all_is_what_the_check_of_the_order_saw():
 def test_the_distance_between_engines_lies_between_difference_and_sum_of_their_errors():
     near = finding("x", level(0.1, 1e-9, 1))
     far = finding("x", level(0.1, 4e-3, 1))
-    mine = rows(record("alpha", "rk4", finding("x", level(0.1, 1e-3, 1))), record("beta", "m", near), record("gamma", "m", far))[0]
+    mine = rows(
+        record("alpha", "rk4", finding("x", level(0.1, 1e-3, 1))),
+        record("beta", "m", near),
+        record("gamma", "m", far),
+    )[0]
     assert mine.apart == ("gamma", pytest.approx(3e-3), pytest.approx(5e-3))
 
 
 def test_a_method_without_order_is_exact_at_level_zero_and_else_controlled_by_a_tolerance():
     exact = record("alpha", "exact", finding("x", level(0.0, 1e-16, 1e-14), order=None))
     found = rows(exact, record("alpha", "bs", finding("x", level(1e-8, 1e-9, 1), order=None)))
-    assert {row.record.method: row.control for row in found} == {"exact": "exact", "bs": "tolerance"}
+    assert {row.record.method: row.control for row in found} == {
+        "exact": "exact",
+        "bs": "tolerance",
+    }
 
 
 def test_correct_digits_are_those_of_the_best_method_and_of_its_worst_quantity():
-    records = [record("alpha", "verlet", X, Y), record("alpha", "euler", finding("x", level(0.1, 1e-2, 1)))]
+    records = [
+        record("alpha", "verlet", X, Y),
+        record("alpha", "euler", finding("x", level(0.1, 1e-2, 1))),
+    ]
     found = cell(contents_of(records), rows(*records), "a", "alpha")
     assert found.method == "verlet"
     assert found.digits == pytest.approx(-math.log10(3e-7))
@@ -138,8 +163,19 @@ def test_a_margin_has_its_sign():
 
 
 def test_different_labels_have_different_pages_also_where_case_and_signs_do_not_count():
-    labels = ["a[x=1,2]", "a[x=1.2]", "A[x=1.2]", "a[x=1 2]", "../../etc/passwd", "", "x" * 300, "a"]
+    labels = [
+        "a[x=1,2]",
+        "a[x=1.2]",
+        "A[x=1.2]",
+        "a[x=1 2]",
+        "../../etc/passwd",
+        "",
+        "x" * 300,
+        "a",
+    ]
     names = [page(label) for label in labels]
     assert len({name.lower() for name in names}) == len(names)
-    assert all(name and "/" not in name and not name.startswith(".") and len(name) < 100 for name in names)
+    assert all(
+        name and "/" not in name and not name.startswith(".") and len(name) < 100 for name in names
+    )
     assert page("free-rigid-body") == "free-rigid-body"

@@ -1,4 +1,6 @@
-"""A report that stands as it was left is not written again; one that was touched, or whose findings changed, is."""
+"""A report that stands as it was left is not written again; one that was touched, or whose findings
+changed, is.
+"""
 
 import msgspec
 import pytest
@@ -19,7 +21,14 @@ def time_of(report):
 
 def test_it_is_left_alone_however_long_the_campaign_took(report, sheets, store):
     before = time_of(report)
-    longer = [msgspec.structs.replace(s, seconds=s.seconds + 1, runs_made=0) if isinstance(s, CampaignSheet) else s for s in sheets]
+    longer = [
+        (
+            msgspec.structs.replace(s, seconds=s.seconds + 1, runs_made=0)
+            if isinstance(s, CampaignSheet)
+            else s
+        )
+        for s in sheets
+    ]
     write_report(report, longer, store)
     assert time_of(report) == before
 

@@ -1,4 +1,6 @@
-"""The written report: the same for the same records, without times where it is committed, and safe with any name."""
+"""The written report: the same for the same records, without times where it is committed, and safe
+with any name.
+"""
 
 import json
 import re
@@ -25,7 +27,15 @@ class Page(HTMLParser):
 
     def __init__(self, text):
         super().__init__()
-        self.links, self.ids, self.tags, self.images, self.handlers, self.specs, self._inside = [], [], [], [], [], {}, None
+        self.links, self.ids, self.tags, self.images, self.handlers, self.specs, self._inside = (
+            [],
+            [],
+            [],
+            [],
+            [],
+            {},
+            None,
+        )
         self.feed(text)
 
     def handle_starttag(self, tag, attrs):
@@ -51,9 +61,20 @@ def pages(folder):
 def test_every_file_of_a_report_is_there(folder):
     names = {str(path.relative_to(folder)) for path in folder.rglob("*") if path.is_file()}
     assert {
-        "index.html", "engines.html", "cases/pendulum.html", "assets/vega.js", "assets/report.js", "assets/report.css", "validation.md",
-        "figures/tolerance.svg", "figures/pendulum.svg", "junit.xml", "records.jsonl", "findings.csv", "tolerance.csv",
-    } <= names  # fmt: skip
+        "index.html",
+        "engines.html",
+        "cases/pendulum.html",
+        "assets/vega.js",
+        "assets/report.js",
+        "assets/report.css",
+        "validation.md",
+        "figures/tolerance.svg",
+        "figures/pendulum.svg",
+        "junit.xml",
+        "records.jsonl",
+        "findings.csv",
+        "tolerance.csv",
+    } <= names
 
 
 def test_every_link_and_anchor_resolves(pages):
@@ -65,7 +86,11 @@ def test_every_link_and_anchor_resolves(pages):
                 continue
             assert not parts.scheme, link
             target = (path.parent / unquote(parts.path)).resolve() if parts.path else path
-            if not target.is_file() or (parts.fragment and target.suffix == ".html" and parts.fragment not in pages[target].ids):
+            if not target.is_file() or (
+                parts.fragment
+                and target.suffix == ".html"
+                and parts.fragment not in pages[target].ids
+            ):
                 broken.append((path.name, link))
     assert broken == []
 
@@ -77,10 +102,16 @@ def test_no_id_is_used_twice_in_a_page(pages):
 def test_names_from_strangers_are_text(pages, synthetic):
     for path, page in pages.items():
         assert page.handlers == []
-        assert page.tags.count("script") == len(page.specs) + (0 if path.name == "engines.html" else 2)
-        assert all(source.endswith(".svg") for source in page.images), "an image of a chart, none of a stranger"
+        assert page.tags.count("script") == len(page.specs) + (
+            0 if path.name == "engines.html" else 2
+        )
+        assert all(source.endswith(".svg") for source in page.images), (
+            "an image of a chart, none of a stranger"
+        )
         texts = [json.dumps(json.loads(spec)) for spec in page.specs.values()]
-        assert path.name == "engines.html" or any(synthetic["HOSTILE"] in text for text in texts), "the name is there, as it is"
+        assert path.name == "engines.html" or any(synthetic["HOSTILE"] in text for text in texts), (
+            "the name is there, as it is"
+        )
 
 
 def test_specifications_are_json_that_cannot_end_their_script(pages):
@@ -99,7 +130,9 @@ def test_specifications_satisfy_the_schema_of_vega_lite(pages):
             altair.Chart.from_dict(json.loads(spec), validate=True)
 
 
-def test_the_committed_files_are_the_same_bytes_for_the_same_records_in_any_order(folder, sheets, tmp_path):
+def test_the_committed_files_are_the_same_bytes_for_the_same_records_in_any_order(
+    folder, sheets, tmp_path
+):
     write_report(tmp_path, list(reversed(sheets)))
     for pattern in COMMITTED:
         names = sorted(path.name for path in folder.glob(pattern))
@@ -113,7 +146,11 @@ def test_the_committed_files_are_the_same_bytes_for_the_same_records_in_any_orde
 def test_the_committed_files_do_not_know_how_long_anything_took(folder, sheets, tmp_path):
     def slower(sheet):
         text = json.dumps(sheet)
-        return json.loads(re.sub(r'"seconds": ([0-9.e+-]+)', lambda match: f'"seconds": {float(match[1]) * 7}', text))
+        return json.loads(
+            re.sub(
+                r'"seconds": ([0-9.e+-]+)', lambda match: f'"seconds": {float(match[1]) * 7}', text
+            )
+        )
 
     lines = [json.loads(line) for line in (folder / "records.jsonl").read_text().splitlines()]
     (tmp_path / "records.jsonl").write_text("\n".join(json.dumps(slower(line)) for line in lines))
@@ -156,28 +193,60 @@ def test_every_figure_of_the_markdown_is_there(folder):
 
 def test_junit_counts_failures_and_skips_with_their_reasons(folder, sheets):
     suite = ElementTree.parse(folder / "junit.xml").getroot().find("testsuite")
-    assert len(list(suite)) == sum(len(sheet.findings) for sheet in sheets if isinstance(sheet, Record))
-    assert {key: suite.get(key) for key in ("failures", "errors", "skipped")} == {"failures": "7", "errors": "2", "skipped": "4"}
+    assert len(list(suite)) == sum(
+        len(sheet.findings) for sheet in sheets if isinstance(sheet, Record)
+    )
+    assert {key: suite.get(key) for key in ("failures", "errors", "skipped")} == {
+        "failures": "7",
+        "errors": "2",
+        "skipped": "4",
+    }
     assert len(suite.findall("testcase/failure")) == 7
     assert suite.find("testcase/error").get("message") == "The engine crashed: signal 11 at step 3."
-    assert "gamma has no rod." in {skipped.get("message") for skipped in suite.findall("testcase/skipped")}
+    assert "gamma has no rod." in {
+        skipped.get("message") for skipped in suite.findall("testcase/skipped")
+    }
 
 
 def test_junit_is_well_formed_whatever_a_sentence_holds():
-    finding = Finding(check="error", quantity="x\x00", outcome="fail", sentence="\x1b[31m]]> \ud800 \ufffe <a>&", basis="\x08")
+    finding = Finding(
+        check="error",
+        quantity="x\x00",
+        outcome="fail",
+        sentence="\x1b[31m]]> \ud800 \ufffe <a>&",
+        basis="\x08",
+    )
     record = Record(
-        case="c", label="c", parameters={}, engine="e\x07", version="1", method="m", is_reference=False, runs=(), findings=(finding,)
-    )  # fmt: skip
-    suite = ElementTree.fromstring(junit(contents_of([CampaignSheet(name="\x0c", refdem="", runs_made=0, runs_read=0, seconds=0), record])))
+        case="c",
+        label="c",
+        parameters={},
+        engine="e\x07",
+        version="1",
+        method="m",
+        is_reference=False,
+        runs=(),
+        findings=(finding,),
+    )
+    suite = ElementTree.fromstring(
+        junit(
+            contents_of(
+                [CampaignSheet(name="\x0c", refdem="", runs_made=0, runs_read=0, seconds=0), record]
+            )
+        )
+    )
     assert suite.find("testsuite/testcase/failure").get("message").endswith("<a>&")
 
 
 def test_equations_are_mathml_and_nothing_else():
-    (one, two) = equations(r"\ddot x+\frac{k}{m}x=0,\qquad \left(a\quad b\right)")
+    one, two = equations(r"\ddot x+\frac{k}{m}x=0,\qquad \left(a\quad b\right)")
     assert one.startswith('<math display="block">')
     assert "<mfrac>" in one
     assert "b" in two
-    hostile = "".join(equations(r"\text{<script>alert(1)</script>}\href{javascript:alert(1)}{x}\style{background:url(x)}{y}\class{z}{w}"))
+    hostile = "".join(
+        equations(
+            r"\text{<script>alert(1)</script>}\href{javascript:alert(1)}{x}\style{background:url(x)}{y}\class{z}{w}"
+        )
+    )
     assert "<script" not in hostile
     assert not re.search(r"\b(href|style|class)=", hostile)
     assert "&lt;script&gt;" in hostile
@@ -201,26 +270,51 @@ def test_a_report_of_nothing_is_a_report(tmp_path):
     assert "nothing was judged" in (tmp_path / "index.html").read_text()
 
 
-def test_a_report_over_another_leaves_nothing_of_it_and_nothing_else_is_touched(tmp_path, sheets, store, synthetic):
+def test_a_report_over_another_leaves_nothing_of_it_and_nothing_else_is_touched(
+    tmp_path, sheets, store, synthetic
+):
     write_report(tmp_path, sheets, store)
     (tmp_path / "figures/mine.svg").write_text("mine")
-    write_report(tmp_path, [synthetic["record"]("a", "a", "alpha", "rk4", synthetic["error"]("x", 1e-3, 4))], store)
+    write_report(
+        tmp_path,
+        [synthetic["record"]("a", "a", "alpha", "rk4", synthetic["error"]("x", 1e-3, 4))],
+        store,
+    )
     assert [path.name for path in (tmp_path / "cases").iterdir()] == ["a.html"]
-    assert sorted(path.name for path in (tmp_path / "figures").iterdir()) == ["a.svg", "mine.svg", "tolerance.svg"]
+    assert sorted(path.name for path in (tmp_path / "figures").iterdir()) == [
+        "a.svg",
+        "mine.svg",
+        "tolerance.svg",
+    ]
 
 
 def test_a_record_without_sheets_of_its_case_and_engine_is_reported(tmp_path, synthetic):
-    write_report(tmp_path, [synthetic["record"]("pendulum", "pendulum", "alpha", "rk4", synthetic["error"]("x", 1e-3, 4))])
+    write_report(
+        tmp_path,
+        [
+            synthetic["record"](
+                "pendulum", "pendulum", "alpha", "rk4", synthetic["error"]("x", 1e-3, 4)
+            )
+        ],
+    )
     assert "alpha" in (tmp_path / "cases/pendulum.html").read_text()
 
 
-def test_a_report_whose_charts_are_in_the_store_imports_no_tables_and_no_charts(folder, store, tmp_path):
+def test_a_report_whose_charts_are_in_the_store_imports_no_tables_and_no_charts(
+    folder, store, tmp_path
+):
     code = (
-        "import sys; from pathlib import Path; from refdem.core.store import Store; from refdem.report import read_records, write_report; "
-        f"write_report(Path({str(tmp_path)!r}), read_records(Path({str(folder)!r})), Store(Path({str(store.path)!r}))); "
-        "print([name for name in ('altair', 'pandas', 'vl_convert') if name in sys.modules])"
+        "import sys; from pathlib import Path; from refdem.core.store import Store; from"
+        f" refdem.report import read_records, write_report; write_report(Path({str(tmp_path)!r}),"
+        f" read_records(Path({str(folder)!r})), Store(Path({str(store.path)!r}))); print([name for"
+        " name in ('altair', 'pandas', 'vl_convert') if name in sys.modules])"
     )
-    assert subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout.strip() == "[]"
+    assert (
+        subprocess.run(
+            [sys.executable, "-c", code], capture_output=True, text=True, check=True
+        ).stdout.strip()
+        == "[]"
+    )
     assert (tmp_path / "index.html").read_bytes() == (folder / "index.html").read_bytes()
 
 
@@ -239,8 +333,12 @@ def contrast(one, other):
 
     def luminance(colour):
         parts = [int(colour[k : k + 2], 16) / 255 for k in (1, 3, 5)]
-        linear = [part / 12.92 if part <= 0.04045 else ((part + 0.055) / 1.055) ** 2.4 for part in parts]
-        return sum(weight * part for weight, part in zip((0.2126, 0.7152, 0.0722), linear, strict=True))
+        linear = [
+            part / 12.92 if part <= 0.04045 else ((part + 0.055) / 1.055) ** 2.4 for part in parts
+        ]
+        return sum(
+            weight * part for weight, part in zip((0.2126, 0.7152, 0.0722), linear, strict=True)
+        )
 
     low, high = sorted((luminance(one), luminance(other)))
     return (high + 0.05) / (low + 0.05)

@@ -1,4 +1,6 @@
-"""Hertz's law, the piecewise linear field and the wall for wedges as elements: potentials, dimensions, what they refuse."""
+"""Hertz's law, the piecewise linear field and the wall for wedges as elements: potentials,
+dimensions, what they refuse.
+"""
 
 import numpy as np
 import pytest
@@ -34,13 +36,18 @@ def test_the_potential_of_the_field_is_minus_the_integral_of_its_force():
 def test_the_potential_of_the_wall_is_that_of_the_side_that_looks_at_it():
     scene = Scene.of([Body(mass=1.0, inertia=(1.0, 1.0, 1.0))], [WALL])
     assert WALL.potential(scene, *at([-1.0, 0.5], EDGE)) == pytest.approx([0.0, 0.5])
-    assert WALL.potential(scene, *at([-1.0, 0.5], (np.sqrt(0.5), 0.0, 0.0, np.sqrt(0.5)))) == pytest.approx([0.0, 0.25])
+    assert WALL.potential(
+        scene, *at([-1.0, 0.5], (np.sqrt(0.5), 0.0, 0.0, np.sqrt(0.5)))
+    ) == pytest.approx([0.0, 0.25])
     assert WALL.reversible
     assert not WALL.conservative
 
 
 def test_hertz_holds_two_fifths_of_the_force_times_the_overlap():
-    spheres = [Body(mass=1.0, inertia=(0.4,) * 3, shape=Sphere(radius=1.0), position=(side, 0.0, 0.0)) for side in (-0.875, 0.875)]
+    spheres = [
+        Body(mass=1.0, inertia=(0.4,) * 3, shape=Sphere(radius=1.0), position=(side, 0.0, 0.0))
+        for side in (-0.875, 0.875)
+    ]
     law = Contact(law="hertz", stiffness=10.0)
     scene = Scene.of(spheres, [law])
     held = scene.potential(scene.bodies.position[None], scene.bodies.attitude[None])[0]
@@ -50,15 +57,18 @@ def test_hertz_holds_two_fifths_of_the_force_times_the_overlap():
     assert "contact:hertz" in scene.features
 
 
-@pytest.mark.parametrize(("element", "reason"), [
-    (Contact(law="hertz", stiffness=1.0, damping=1.0), "damping is 1.0, expected 0"),
-    (Contact(law="hertz"), "stiffness"),
-    (PiecewiseField(k1=1.0, k2=-1.0, x1=-1.0, x2=0.5), "continuous"),
-    (PiecewiseField(k1=-1.0, k2=-1.0, x1=-1.0, x2=1.0), "expected x1 < 0 < x2"),
-    (PiecewiseField(k1=1.0, k2=-1.0, x1=-1.0, x2=1.0, axis=(1.0, 1.0, 0.0)), "axis"),
-    (Wedge(quadratic=0.0, stiffness=1.0), "quadratic"),
-    (Wedge(quadratic=1.0, stiffness=1.0, normal=(2.0, 0.0, 0.0)), "normal"),
-])  # fmt: skip
+@pytest.mark.parametrize(
+    ("element", "reason"),
+    [
+        (Contact(law="hertz", stiffness=1.0, damping=1.0), "damping is 1.0, expected 0"),
+        (Contact(law="hertz"), "stiffness"),
+        (PiecewiseField(k1=1.0, k2=-1.0, x1=-1.0, x2=0.5), "continuous"),
+        (PiecewiseField(k1=-1.0, k2=-1.0, x1=-1.0, x2=1.0), "expected x1 < 0 < x2"),
+        (PiecewiseField(k1=1.0, k2=-1.0, x1=-1.0, x2=1.0, axis=(1.0, 1.0, 0.0)), "axis"),
+        (Wedge(quadratic=0.0, stiffness=1.0), "quadratic"),
+        (Wedge(quadratic=1.0, stiffness=1.0, normal=(2.0, 0.0, 0.0)), "normal"),
+    ],
+)
 def test_what_is_not_physical_is_refused(element, reason):
     with pytest.raises(SceneError, match=reason):
         Scene.of([Body(mass=1.0)], [element])

@@ -1,4 +1,6 @@
-"""Scenes of more bodies than JSON lists: their file holds them to the last bit, and nothing else is taken for it."""
+"""Scenes of more bodies than JSON lists: their file holds them to the last bit, and nothing else is
+taken for it.
+"""
 
 import io
 import pickle
@@ -24,7 +26,13 @@ def scene(n=N, seed=1):
     columns["attitude"] = attitude / np.linalg.norm(attitude, axis=1, keepdims=True)
     shapes = (Point(), Sphere(radius=0.5), box(1.0, 2.0, 3.0), Sphere(radius=0.25))
     shape = tuple(shapes[k] for k in rng.integers(0, 4, n))
-    bodies = Bodies(mass=rng.uniform(1, 2, n), inertia=np.ones((n, 3)), shape=shape, fixed=rng.random(n) < 0.1, **columns)
+    bodies = Bodies(
+        mass=rng.uniform(1, 2, n),
+        inertia=np.ones((n, 3)),
+        shape=shape,
+        fixed=rng.random(n) < 0.1,
+        **columns,
+    )
     return Scene(bodies, (UniformGravity(g=(0.0, 0.0, -1.0)),))
 
 
@@ -36,7 +44,10 @@ def request(of=SCENE):
 
 
 def same(one, other):
-    assert all(np.array_equal(getattr(one, name), getattr(other, name)) for name in (*bodies_file.WIDTH, "fixed", "radius"))
+    assert all(
+        np.array_equal(getattr(one, name), getattr(other, name))
+        for name in (*bodies_file.WIDTH, "fixed", "radius")
+    )
     assert one.shape == other.shape
 
 
@@ -103,7 +114,10 @@ BAD = {
     "far too long": (lambda: archive(velocity=np.zeros((2 * N, 3))), "at most"),
     "a shape that is not listed": (lambda: archive(shape=np.full(N, 4)), "expected 0..3"),
     "a shape below the first": (lambda: archive(shape=np.full(N, -1)), "expected 0..3"),
-    "shapes of another kind": (lambda: archive(shapes=np.frombuffer(b'[{"kind":"cube"}]', np.uint8)), "shapes: "),
+    "shapes of another kind": (
+        lambda: archive(shapes=np.frombuffer(b'[{"kind":"cube"}]', np.uint8)),
+        "shapes: ",
+    ),
     "not a number": (lambda: archive(position=np.full((N, 3), np.nan)), "finite"),
     "no mass": (lambda: archive(mass=np.zeros(N)), "mass"),
     "other content": (lambda: archive(position=ROWS), "sha256"),
@@ -140,7 +154,10 @@ order = 2
 """
 
 
-@pytest.mark.parametrize(("more", "refused"), [("", "bodies_file (not in `supports` of refdem.toml)"), (', "bodies_file"', None)])
+@pytest.mark.parametrize(
+    ("more", "refused"),
+    [("", "bodies_file (not in `supports` of refdem.toml)"), (', "bodies_file"', None)],
+)
 def test_a_program_gets_the_file_if_it_says_that_it_reads_it(tmp_path, more, refused):
     (tmp_path / "refdem.toml").write_text(TOML.format(more=more))
     engine, asked = discovery.engine(str(tmp_path / "refdem.toml")), request()

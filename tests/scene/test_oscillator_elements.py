@@ -1,4 +1,6 @@
-"""Springs with powers, dashpots and periodic forces as elements: force against potential, dimensions, clock, and what is refused."""
+"""Springs with powers, dashpots and periodic forces as elements: force against potential,
+dimensions, clock, and what is refused.
+"""
 
 import numpy as np
 import pytest
@@ -19,7 +21,9 @@ LAW = Spring(a=0, stiffness=-1.5, exponent=1.5, length=2.0, quadratic=0.75, cubi
 def test_a_spring_pulls_as_its_potential_falls(distance):
     def potential(at):
         scene = Scene.of([BODY], [LAW])
-        return float(scene.potential(np.array([[[at, 0.0, 0.0]]]), np.array([[[1.0, 0.0, 0.0, 0.0]]]))[0])
+        return float(
+            scene.potential(np.array([[[at, 0.0, 0.0]]]), np.array([[[1.0, 0.0, 0.0, 0.0]]]))[0]
+        )
 
     h, s = 1e-5, distance - 2.0
     slope = (potential(distance + h) - potential(distance - h)) / (2 * h)
@@ -63,8 +67,14 @@ def test_a_later_start_finds_the_force_at_the_same_phase():
 
 
 def test_other_units_change_each_number_by_its_dimension():
-    elements = [LAW, Dashpot(a=0, damping=3.0, van_der_pol=5.0), Force(a=0, amplitude=7.0, frequency=2.0, phase=0.5)]
-    shown = Symmetry(units=(0.25, 8.0, 2.0)).applied(Motion(Scene.of([BODY], elements), np.array([0.0, 1.0])))
+    elements = [
+        LAW,
+        Dashpot(a=0, damping=3.0, van_der_pol=5.0),
+        Force(a=0, amplitude=7.0, frequency=2.0, phase=0.5),
+    ]
+    shown = Symmetry(units=(0.25, 8.0, 2.0)).applied(
+        Motion(Scene.of([BODY], elements), np.array([0.0, 1.0]))
+    )
     spring, dashpot, force = shown.scene.elements
     assert spring.stiffness == pytest.approx(-1.5 * 0.25 * 8.0**-0.5 / 4)
     assert (spring.quadratic, spring.cubic) == (0.75 * 0.25 / 8 / 4, 0.25 * 0.25 / 64 / 4)
@@ -72,12 +82,22 @@ def test_other_units_change_each_number_by_its_dimension():
     assert (force.amplitude, force.frequency, force.phase) == (7.0 * 0.25 * 8 / 4, 1.0, 0.5)
 
 
-@pytest.mark.parametrize(("fields", "word"), [({"axis": (1.0, 1.0, 0.0)}, "axis has length"), ({"frequency": -1.0}, "frequency is -1")])
+@pytest.mark.parametrize(
+    ("fields", "word"),
+    [({"axis": (1.0, 1.0, 0.0)}, "axis has length"), ({"frequency": -1.0}, "frequency is -1")],
+)
 def test_forces_that_are_not_well_formed_are_refused(fields, word):
     with pytest.raises(SceneError, match=word):
         Scene.of([BODY], [Force(a=0, amplitude=1.0, **fields)])
 
 
 def test_elements_survive_json():
-    scene = Scene.of([BODY], [LAW, Dashpot(a=0, damping=3.0, van_der_pol=5.0), Force(a=0, amplitude=7.0, frequency=2.0, phase=0.5)])
+    scene = Scene.of(
+        [BODY],
+        [
+            LAW,
+            Dashpot(a=0, damping=3.0, van_der_pol=5.0),
+            Force(a=0, amplitude=7.0, frequency=2.0, phase=0.5),
+        ],
+    )
     assert Scene.from_json(scene.to_json()).elements == scene.elements

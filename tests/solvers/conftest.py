@@ -18,7 +18,9 @@ def solved() -> Callable[..., Trajectory]:
     """`solved(scene, times, method, step)` runs one method of the reference."""
 
     def run(scene: Scene, times: object, method: str, step: float | None = None) -> Trajectory:
-        trajectory, _ = ENGINE.run(Request(problem=Motion(scene, np.asarray(times, float)), method=method, step=step))
+        trajectory, _ = ENGINE.run(
+            Request(problem=Motion(scene, np.asarray(times, float)), method=method, step=step)
+        )
         return trajectory
 
     return run
@@ -26,7 +28,9 @@ def solved() -> Callable[..., Trajectory]:
 
 @pytest.fixture
 def largest_error() -> Callable[..., float]:
-    """`largest_error(case, trajectory, names, **parameters)`: the largest difference from truth, each over its scale."""
+    """`largest_error(case, trajectory, names, **parameters)`: the largest difference from truth,
+    each over its scale.
+    """
 
     def worst(case: str, trajectory: Trajectory, names: tuple[str, ...], **given: str) -> float:
         instance = discovery.case(case).at(**given)

@@ -1,4 +1,6 @@
-"""Many starts at once: the same as one by one, refused where one of them is; and the question's way through JSON."""
+"""Many starts at once: the same as one by one, refused where one of them is; and the question's way
+through JSON.
+"""
 
 import numpy as np
 import pytest

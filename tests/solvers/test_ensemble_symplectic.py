@@ -1,4 +1,6 @@
-"""Pendulums stepped together: against the closed form start by start, order, blocks, the way back."""
+"""Pendulums stepped together: against the closed form start by start, order, blocks, the way
+back.
+"""
 
 import flint
 import numpy as np
@@ -29,7 +31,9 @@ def run(problem, method, step=None):
 
 
 def in_many_digits(order, angle, time, steps):
-    """Angle (flint.arb) of a pendulum with g/l = 1 from rest, by the composition of that order in 200 bits."""
+    """Angle (flint.arb) of a pendulum with g/l = 1 from rest, by the composition of that order in
+    200 bits.
+    """
     half = [flint.arb(part) for part in WEIGHTS[order]]
     parts, h, rate = half + half[-2::-1], flint.arb(time) / steps, flint.arb(0)
     for _ in range(steps):
@@ -44,26 +48,42 @@ def in_many_digits(order, angle, time, steps):
 def test_compositions_have_their_order(order, coarse, fine):
     """Where order 10 shows, binary64 has no digits left to show it."""
     with flint.ctx.workprec(200):
-        exact, *found = (in_many_digits(o, flint.arb(1.5), 6, steps) for o, steps in ((10, 100), (order, coarse), (order, fine)))
+        exact, *found = (
+            in_many_digits(o, flint.arb(1.5), 6, steps)
+            for o, steps in ((10, 100), (order, coarse), (order, fine))
+        )
         errors = [float(abs(angle - exact)) for angle in found]
     assert np.log(errors[0] / errors[1]) / np.log(fine / coarse) == pytest.approx(order, abs=0.5)
 
 
-@pytest.mark.parametrize(("method", "order", "step"), [("ensemble-symplectic", 8, 2.0**-5), ("ensemble-symplectic-10", 10, 2.0**-4)])
+@pytest.mark.parametrize(
+    ("method", "order", "step"),
+    [("ensemble-symplectic", 8, 2.0**-5), ("ensemble-symplectic-10", 10, 2.0**-4)],
+)
 def test_error_falls_at_least_with_the_order_to_that_of_the_closed_form(method, order, step):
     problem = ensemble(40)
     exact = run(problem, "carried-ensemble")
-    errors = [np.abs(run(problem, method, h)["position"] - exact["position"]).max() for h in (2 * step, step)]
+    errors = [
+        np.abs(run(problem, method, h)["position"] - exact["position"]).max()
+        for h in (2 * step, step)
+    ]
     assert np.log2(errors[0] / errors[1]) > order - 0.3
     fine = run(problem, method, 2.0**-8)
-    grown = 9.0 * np.exp(2 * np.sqrt(G))  # what two seconds near the top make of an ulp of the speed
+    grown = 9.0 * np.exp(
+        2 * np.sqrt(G)
+    )  # what two seconds near the top make of an ulp of the speed
     assert np.abs(fine["velocity"] - exact["velocity"]).max() < 64 * 2.0**-53 * grown
 
 
 def test_members_do_not_depend_on_the_block_that_they_are_in():
     many = run(ensemble(1500), "ensemble-symplectic", 2.0**-5)["position"]
     problem = ensemble(1500)
-    some = Ensemble(scene=problem.scene, times=problem.times, position=problem.position[700:713], velocity=problem.velocity[700:713])
+    some = Ensemble(
+        scene=problem.scene,
+        times=problem.times,
+        position=problem.position[700:713],
+        velocity=problem.velocity[700:713],
+    )
     assert np.array_equal(run(some, "ensemble-symplectic", 2.0**-5)["position"], many[:, 700:713])
 
 
@@ -71,11 +91,21 @@ def test_time_runs_backwards_to_where_it_began():
     problem = ensemble(20)
     there = run(problem, "ensemble-symplectic", 2.0**-6)
     scene, back_times = problem.scene, np.array((2.0, 1.0, 0.0))
-    back = Ensemble(scene=scene, times=back_times, position=there["position"][-1], velocity=there["velocity"][-1])
-    assert np.abs(run(back, "ensemble-symplectic", 2.0**-6)["position"][-1] - problem.position).max() < 2e-12
+    back = Ensemble(
+        scene=scene,
+        times=back_times,
+        position=there["position"][-1],
+        velocity=there["velocity"][-1],
+    )
+    assert (
+        np.abs(run(back, "ensemble-symplectic", 2.0**-6)["position"][-1] - problem.position).max()
+        < 2e-12
+    )
 
 
 def test_a_request_for_an_ensemble_tells_its_step_to_others_and_to_the_store():
-    fine, coarse = (Request(problem=ensemble(3), method="ensemble-symplectic", step=2.0**-k) for k in (5, 4))
+    fine, coarse = (
+        Request(problem=ensemble(3), method="ensemble-symplectic", step=2.0**-k) for k in (5, 4)
+    )
     assert Request.from_json(fine.to_json()).step == 2.0**-5
     assert fine.key("same") != coarse.key("same")

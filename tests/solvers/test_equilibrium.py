@@ -23,17 +23,29 @@ def refusal(bodies: list[Body], *elements) -> str | None:
 
 def block(x: float, z: float, **more) -> Body:
     """A cube of side 1."""
-    return Body(mass=1.0, inertia=(1 / 6,) * 3, position=(x, 0.0, z), shape=box(1.0, 1.0, 1.0), **more)
+    return Body(
+        mass=1.0, inertia=(1 / 6,) * 3, position=(x, 0.0, z), shape=box(1.0, 1.0, 1.0), **more
+    )
 
 
 def stacked(*bodies: Body, friction: float = 0.5) -> str | None:
     """What it says to bodies on level ground under the rigid law."""
-    return refusal(list(bodies), Plane(), UniformGravity(g=(0.0, 0.0, -9.8)), Contact(law="rigid", friction=friction))
+    return refusal(
+        list(bodies),
+        Plane(),
+        UniformGravity(g=(0.0, 0.0, -9.8)),
+        Contact(law="rigid", friction=friction),
+    )
 
 
 def on_slope(friction: float) -> str | None:
     """What it says to a cube on a 3-4-5 slope: the plane is level, gravity is turned."""
-    return refusal([block(0.0, 0.5)], Plane(), UniformGravity(g=(4.8, 0.0, -6.4)), Contact(law="rigid", friction=friction))
+    return refusal(
+        [block(0.0, 0.5)],
+        Plane(),
+        UniformGravity(g=(4.8, 0.0, -6.4)),
+        Contact(law="rigid", friction=friction),
+    )
 
 
 @pytest.mark.parametrize("member", ["block", "stack", "spheres"])
@@ -46,7 +58,9 @@ def test_members_at_rest_stay_to_the_last_bit(member):
 
 
 def test_a_tower_stands_while_what_is_above_each_foot_is_over_it():
-    """Harmonic overhang of unit cubes, from the top: 1/2, 1/4 (closed at the edge); a little more falls."""
+    """Harmonic overhang of unit cubes, from the top: 1/2, 1/4 (closed at the edge); a little more
+    falls.
+    """
     assert stacked(block(0.0, 0.5), block(0.25, 1.5), block(0.75, 2.5)) is None
     assert stacked(block(0.0, 0.5), block(0.25, 1.5), block(0.76, 2.5)) is not None
     assert "centre of mass" in stacked(block(0.0, 0.5), block(0.26, 1.5), block(0.76, 2.5))
@@ -64,15 +78,21 @@ def test_static_friction_holds_on_a_slope_of_three_in_four_from_three_quarters_o
 
 
 def test_a_tall_block_topples_on_a_slope_that_friction_would_hold():
-    tall = Body(mass=1.0, inertia=(1.0, 1.0, 0.1), position=(0.0, 0.0, 2.0), shape=box(1.0, 1.0, 4.0))
-    said = refusal([tall], Plane(), UniformGravity(g=(4.8, 0.0, -6.4)), Contact(law="rigid", friction=1.0))
+    tall = Body(
+        mass=1.0, inertia=(1.0, 1.0, 0.1), position=(0.0, 0.0, 2.0), shape=box(1.0, 1.0, 4.0)
+    )
+    said = refusal(
+        [tall], Plane(), UniformGravity(g=(4.8, 0.0, -6.4)), Contact(law="rigid", friction=1.0)
+    )
     assert "centre of mass" in said
 
 
 def test_a_sphere_stands_on_level_ground_and_rolls_on_a_slope():
     ball = Body(mass=1.0, inertia=(0.1,) * 3, position=(0.0, 0.0, 0.5), shape=Sphere(radius=0.5))
     assert stacked(ball) is None
-    assert "centre of mass" in refusal([ball], Plane(), UniformGravity(g=(0.6, 0.0, -8.0)), Contact(law="rigid", friction=1.0))
+    assert "centre of mass" in refusal(
+        [ball], Plane(), UniformGravity(g=(0.6, 0.0, -8.0)), Contact(law="rigid", friction=1.0)
+    )
 
 
 def test_a_sphere_pressed_by_less_than_its_weight_is_not_in_balance():
@@ -80,7 +100,17 @@ def test_a_sphere_pressed_by_less_than_its_weight_is_not_in_balance():
     laws = Plane(), UniformGravity(g=(0.0, 0.0, -weight)), Contact(law="linear", stiffness=1024.0)
 
     def said(overlap: float) -> str | None:
-        return refusal([Body(mass=1.0, inertia=(0.1,) * 3, position=(0.0, 0.0, 0.5 - overlap), shape=Sphere(radius=0.5))], *laws)
+        return refusal(
+            [
+                Body(
+                    mass=1.0,
+                    inertia=(0.1,) * 3,
+                    position=(0.0, 0.0, 0.5 - overlap),
+                    shape=Sphere(radius=0.5),
+                )
+            ],
+            *laws,
+        )
 
     assert said(weight / 1024.0) is None
     assert "add up" in said(0.99 * weight / 1024.0)
@@ -90,7 +120,9 @@ def test_a_sphere_pressed_by_less_than_its_weight_is_not_in_balance():
 def test_a_hanging_spring_rests_at_its_stretched_length_only():
     def said(depth: float) -> str | None:
         hanging = Body(mass=1.0, position=(0.0, -depth, 0.0))
-        return refusal([hanging], Spring(a=0, stiffness=4.0, length=1.0), UniformGravity(g=(0.0, -8.0, 0.0)))
+        return refusal(
+            [hanging], Spring(a=0, stiffness=4.0, length=1.0), UniformGravity(g=(0.0, -8.0, 0.0))
+        )
 
     assert said(3.0) is None
     assert "add up" in said(3.0001)

@@ -1,4 +1,6 @@
-"""A mass caught by a hook: certified truth, any place and direction, what is out of reach, the event, the force."""
+"""A mass caught by a hook: certified truth, any place and direction, what is out of reach, the
+event, the force.
+"""
 
 import numpy as np
 import pytest
@@ -33,16 +35,24 @@ def test_force_and_event_are_those_of_the_circle(solved):
 
 @pytest.mark.parametrize(
     ("position", "velocity"),
-    [((-2.0, -1.5, 0.0), (1.0, 0.0, 0.0)), ((0.5, -0.5, 0.0), (1.0, 0.0, 0.0)), ((0.5, 0.5, 0.0), (0.0, 0.0, 0.0))],
+    [
+        ((-2.0, -1.5, 0.0), (1.0, 0.0, 0.0)),
+        ((0.5, -0.5, 0.0), (1.0, 0.0, 0.0)),
+        ((0.5, 0.5, 0.0), (0.0, 0.0, 0.0)),
+    ],
 )
 def test_what_is_out_of_reach_flies_away_or_at_rest_stays_straight(solved, position, velocity):
     run = solved(flying(position, velocity), T, "exact-capture")
-    assert run.position[:, 0] == pytest.approx(np.array(position) + np.outer(T, velocity), abs=1e-14)
+    assert run.position[:, 0] == pytest.approx(
+        np.array(position) + np.outer(T, velocity), abs=1e-14
+    )
     assert not run.channels["rod_force"].any() or not any(velocity)
 
 
 def test_what_is_on_the_circle_goes_on(solved):
-    run = solved(flying((0.6, 0.8, 0.0), (-1.6, 1.2, 0.0), hook=(3.0, -1.0, 2.0)), T, "exact-capture")
+    run = solved(
+        flying((0.6, 0.8, 0.0), (-1.6, 1.2, 0.0), hook=(3.0, -1.0, 2.0)), T, "exact-capture"
+    )
     angle = np.arctan2(0.8, 0.6) + 2.0 * T
     expected = np.array([3.0, -1.0, 2.0]) + np.stack([np.cos(angle), np.sin(angle), 0 * T], axis=1)
     assert run.position[:, 0] == pytest.approx(expected, abs=2e-14)
@@ -53,7 +63,13 @@ def test_what_is_on_the_circle_goes_on(solved):
     [
         (flying((1.0, 0.0, 0.0), (0.0, 1.0, 0.0)), T, None),
         (flying((1.0, 0.0, 0.0), (0.0, 1.0, 0.0)), -T, "let go"),
-        (Scene.of([Body(mass=1.0)], [Catch(a=0, radius=1.0), UniformGravity(g=(0.0, -1.0, 0.0))]), T, "freely"),
+        (
+            Scene.of(
+                [Body(mass=1.0)], [Catch(a=0, radius=1.0), UniformGravity(g=(0.0, -1.0, 0.0))]
+            ),
+            T,
+            "freely",
+        ),
         (Scene.of([Body(mass=1.0)] * 2, [Catch(a=0, b=1, radius=1.0)]), T, "bodies"),
     ],
 )

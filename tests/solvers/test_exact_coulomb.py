@@ -1,4 +1,6 @@
-"""The Coulomb oscillator: certified truth at every sample, the stop to the last bit, nothing afterwards."""
+"""The Coulomb oscillator: certified truth at every sample, the stop to the last bit, nothing
+afterwards.
+"""
 
 import numpy as np
 import pytest
@@ -21,21 +23,34 @@ def run(problem: Motion) -> Trajectory:
     return ENGINE.run(Request(problem=problem, method="exact-coulomb"))[0]
 
 
-def rubbed(friction: float = 0.25, gravity: float = 0.0, axis=(1.0, 0.0, 0.0), anchor=(0.0, 0.0, 0.0), **body) -> Scene:
+def rubbed(
+    friction: float = 0.25,
+    gravity: float = 0.0,
+    axis=(1.0, 0.0, 0.0),
+    anchor=(0.0, 0.0, 0.0),
+    **body,
+) -> Scene:
     """A point on a spring of stiffness 1 that rubs."""
     spring = Spring(a=0, stiffness=1.0, anchor_b=anchor)
     field = UniformGravity(g=tuple(gravity * a for a in axis))
-    return Scene.of([Body(mass=1.0, **body)], [spring, Slider(a=0, friction=friction, normal_force=1.0, axis=axis), field])
+    return Scene.of(
+        [Body(mass=1.0, **body)],
+        [spring, Slider(a=0, friction=friction, normal_force=1.0, axis=axis), field],
+    )
 
 
-@pytest.mark.parametrize("given", [
-    {},
-    {"v0": "2"},
-    {"v0": "-1.3", "x0": "0.2"},
-    {"friction_force": "1/3"},
-    {"friction_force": "0.001", "duration": "500"},
-    {"mass": "2.5", "stiffness": "7", "friction_force": "0.1"},
-], ids=str)  # fmt: skip
+@pytest.mark.parametrize(
+    "given",
+    [
+        {},
+        {"v0": "2"},
+        {"v0": "-1.3", "x0": "0.2"},
+        {"friction_force": "1/3"},
+        {"friction_force": "0.001", "duration": "500"},
+        {"mass": "2.5", "stiffness": "7", "friction_force": "0.1"},
+    ],
+    ids=str,
+)
 def test_every_sample_agrees_with_certified_truth(given, largest_error):
     seen = run(discovery.case("coulomb-oscillator").at(**given).problem)
     assert largest_error("coulomb-oscillator", seen, ("x", "v"), **given) < 3e-15
@@ -53,7 +68,9 @@ def test_it_turns_at_1_minus_07_04_and_stops_at_minus_01_after_three_half_cycles
 
 
 def test_dyadic_numbers_give_the_exact_stop():
-    """x0 = 1, f/k = 1/8: turning points -3/4, 1/2, -1/4, 0: exactly representable, so exactly hit."""
+    """x0 = 1, f/k = 1/8: turning points -3/4, 1/2, -1/4, 0: exactly representable, so exactly
+    hit.
+    """
     seen = run(Motion(rubbed(0.125, position=(1.0, 0.0, 0.0)), np.arange(33) * 0.5))
     assert seen.position[-1, 0, 0] == 0.0
     assert seen.events[0].time == 4 * np.pi
@@ -88,16 +105,26 @@ def test_gravity_shifts_the_equilibrium_and_nothing_else():
 def test_it_runs_along_any_axis():
     axis = (0.6, 0.0, 0.8)
     place = tuple(1.0 + 2.0 * a for a in axis)
-    turned = run(Motion(rubbed(0.25, axis=axis, anchor=(1.0, 1.0, 1.0), position=place), np.arange(65) * 0.25))
+    turned = run(
+        Motion(
+            rubbed(0.25, axis=axis, anchor=(1.0, 1.0, 1.0), position=place), np.arange(65) * 0.25
+        )
+    )
     level = run(Motion(rubbed(0.25, position=(2.0, 0.0, 0.0)), np.arange(65) * 0.25))
-    assert np.abs((turned.position[:, 0] - 1.0) @ np.array(axis) - level.position[:, 0, 0]).max() < 1e-14
+    assert (
+        np.abs((turned.position[:, 0] - 1.0) @ np.array(axis) - level.position[:, 0, 0]).max()
+        < 1e-14
+    )
 
 
-@pytest.mark.parametrize(("scene", "reason"), [
-    (rubbed(0.25, position=(1.0, 0.5, 0.0)), "along the slider"),
-    (rubbed(0.25, position=(1.0, 0.0, 0.0), velocity=(0.0, 0.0, 1.0)), "along the slider"),
-    (rubbed(0.0, position=(1.0, 0.0, 0.0)), "does not rub"),
-])  # fmt: skip
+@pytest.mark.parametrize(
+    ("scene", "reason"),
+    [
+        (rubbed(0.25, position=(1.0, 0.5, 0.0)), "along the slider"),
+        (rubbed(0.25, position=(1.0, 0.0, 0.0), velocity=(0.0, 0.0, 1.0)), "along the slider"),
+        (rubbed(0.0, position=(1.0, 0.0, 0.0)), "does not rub"),
+    ],
+)
 def test_what_it_cannot_do_is_refused_with_its_reason(scene, reason):
     assert reason in ENGINE.refusal(Motion(scene, np.arange(3) * 0.5), METHOD)
 

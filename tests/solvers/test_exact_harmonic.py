@@ -14,12 +14,17 @@ from refdem.scene.elements.uniform_gravity import UniformGravity
 def on_spring(position, velocity, g=(0.0, 0.0, 0.0), **more):
     """A point of 2 kg on a spring of 8 N/m: w = 2."""
     spring = {"a": 0, "stiffness": 8.0} | more
-    return Scene.of([Body(mass=2.0, position=position, velocity=velocity)], [Spring(**spring), UniformGravity(g=g)])
+    return Scene.of(
+        [Body(mass=2.0, position=position, velocity=velocity)],
+        [Spring(**spring), UniformGravity(g=g)],
+    )
 
 
 @pytest.mark.parametrize("duration", [6300.0, -1e7])
 @pytest.mark.parametrize("gravity", ["0", "9.75"])
-def test_state_is_right_to_some_ulps_after_any_number_of_periods(solved, largest_error, duration, gravity):
+def test_state_is_right_to_some_ulps_after_any_number_of_periods(
+    solved, largest_error, duration, gravity
+):
     given = {"mass": "3", "stiffness": "7", "gravity": gravity, "x0": "0.5", "v0": "0.25"}
     scene = discovery.case("harmonic-oscillator").at(**given).scene
     trajectory = solved(scene, duration * np.array([0.0, 0.3, 0.7, 1.0]), "exact-harmonic")
@@ -39,14 +44,22 @@ def test_motion_in_space_is_an_ellipse_about_the_shifted_equilibrium(solved):
 
 
 def test_point_at_rest_at_the_equilibrium_stays_to_the_last_bit(solved):
-    trajectory = solved(on_spring((0.0, -2.0, 0.0), (0.0, 0.0, 0.0), (0.0, -8.0, 0.0)), (0.0, 1.0, 1e6), "exact-harmonic")
+    trajectory = solved(
+        on_spring((0.0, -2.0, 0.0), (0.0, 0.0, 0.0), (0.0, -8.0, 0.0)),
+        (0.0, 1.0, 1e6),
+        "exact-harmonic",
+    )
     assert np.array_equal(trajectory.position[:, 0], np.tile((0.0, -2.0, 0.0), (3, 1)))
     assert not trajectory.velocity.any()
 
 
 @pytest.mark.parametrize(
     ("more", "reason"),
-    [({"length": 1.0}, "natural length 0"), ({"exponent": 1.5}, "natural length 0"), ({"anchor_a": (1.0, 0.0, 0.0)}, "off a body's")],
+    [
+        ({"length": 1.0}, "natural length 0"),
+        ({"exponent": 1.5}, "natural length 0"),
+        ({"anchor_a": (1.0, 0.0, 0.0)}, "off a body's"),
+    ],
 )
 def test_springs_that_are_not_harmonic_are_refused(more, reason):
     problem = Motion(on_spring((1.0, 0.0, 0.0), (0.0, 0.0, 0.0), **more), np.array([0.0, 1.0]))

@@ -45,9 +45,14 @@ def test_it_agrees_with_the_event_driven_method_which_shares_no_formula(given):
     problem = discovery.case("two-spheres").at(**given).problem
     closed, stepped = run(problem), run(problem, "contact-events")
     assert np.abs(closed.position - stepped.position).max() < 3e-15
-    assert np.abs(closed.channels["dissipated_work"] - stepped.channels["dissipated_work"]).max() < 3e-15
+    assert (
+        np.abs(closed.channels["dissipated_work"] - stepped.channels["dissipated_work"]).max()
+        < 3e-15
+    )
     assert [e.kind for e in closed.events] == [e.kind for e in stepped.events]
-    assert all(abs(a.time - b.time) < 4e-15 for a, b in zip(closed.events, stepped.events, strict=True))
+    assert all(
+        abs(a.time - b.time) < 4e-15 for a, b in zip(closed.events, stepped.events, strict=True)
+    )
 
 
 @pytest.mark.parametrize("given", GIVEN, ids=str)
@@ -61,15 +66,24 @@ def test_momentum_and_work_balance_to_round_off(given):
 
 
 def test_spheres_apart_fly_first_and_touch_when_the_gap_is_closed():
-    """A gap of 1/4 at closing speed 1; flying along a slanted line, carried by a moving centre of mass."""
+    """A gap of 1/4 at closing speed 1; flying along a slanted line, carried by a moving centre of
+    mass.
+    """
     scene = scene_of(damping="6")
     turn = np.array([[0.6, -0.8, 0.0], [0.8, 0.6, 0.0], [0.0, 0.0, 1.0]])
     apart = (scene.bodies.position + np.array([[-0.125, 0, 0], [0.125, 0, 0]])) @ turn.T
-    moving = scene.with_state(position=apart, velocity=scene.bodies.velocity @ turn.T + np.array([0.0, 0.0, 2.0]))
-    seen, at_once = run(Motion(moving, np.arange(129) * 2.0**-7)), run(Motion(scene, np.arange(129) * 2.0**-7))
+    moving = scene.with_state(
+        position=apart, velocity=scene.bodies.velocity @ turn.T + np.array([0.0, 0.0, 2.0])
+    )
+    seen, at_once = (
+        run(Motion(moving, np.arange(129) * 2.0**-7)),
+        run(Motion(scene, np.arange(129) * 2.0**-7)),
+    )
     assert [e.kind for e in seen.events] == ["contact", "release"]
     assert seen.events[0].time == pytest.approx(0.25, abs=1e-15)
-    assert seen.events[1].time - seen.events[0].time == pytest.approx(at_once.events[0].time, abs=1e-15)
+    assert seen.events[1].time - seen.events[0].time == pytest.approx(
+        at_once.events[0].time, abs=1e-15
+    )
     back = (seen.velocity[32:] - np.array([0.0, 0.0, 2.0])) @ turn
     assert np.abs(back - at_once.velocity[: len(back)]).max() < 4e-15
 
@@ -85,10 +99,13 @@ def test_an_elastic_collision_runs_back_to_its_start(backward):
     assert np.abs(sign * home.velocity[-1] - scene.bodies.velocity).max() < 1e-14
 
 
-@pytest.mark.parametrize(("given", "reason"), [
-    ({"angle": "0.5"}, "line of their centres"),
-    ({"spins": "0,0,1,0,0,0"}, "turns"),
-])  # fmt: skip
+@pytest.mark.parametrize(
+    ("given", "reason"),
+    [
+        ({"angle": "0.5"}, "line of their centres"),
+        ({"spins": "0,0,1,0,0,0"}, "turns"),
+    ],
+)
 def test_what_it_cannot_do_is_refused_with_its_reason(given, reason):
     problem = Motion(scene_of(**given), np.arange(3) * 0.5)
     assert reason in ENGINE.refusal(problem, ENGINE.method("exact-head-on"))
@@ -103,7 +120,9 @@ def test_a_dashpot_has_no_way_back_and_an_overlap_no_known_past():
 
 
 def test_spheres_of_any_size_meet():
-    """Squares of their distance underflow below 1e-162 m; velocities are as they were, in units of the length."""
+    """Squares of their distance underflow below 1e-162 m; velocities are as they were, in units of
+    the length.
+    """
     motion = Motion(scene_of(damping="6"), np.arange(33) * 2.0**-6)
     seen = run(motion)
     for unit in (2.0**-600, 2.0**-900, 2.0**300):

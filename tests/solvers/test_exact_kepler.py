@@ -13,17 +13,24 @@ from refdem.scene.elements.central_field import CentralField
 
 def orbiting(position, velocity, gm):
     """A point about the origin."""
-    return Scene.of([Body(mass=1.0, position=tuple(position), velocity=tuple(velocity))], [CentralField(gm=gm)])
+    return Scene.of(
+        [Body(mass=1.0, position=tuple(position), velocity=tuple(velocity))], [CentralField(gm=gm)]
+    )
 
 
 @pytest.mark.parametrize("speed", [1, 2, 3, 4, 14, 100])
 @pytest.mark.parametrize("orbits", [1, -100])
-def test_state_is_right_to_some_ulps_after_many_orbits_of_any_eccentricity(solved, largest_error, speed, orbits):
-    # Periapsis at 1 m with a whole speed k: gm = a = (k^2 + 1)/2 and e = (k^2 - 1)/(k^2 + 1) are exact, up to e = 0.9998.
+def test_state_is_right_to_some_ulps_after_many_orbits_of_any_eccentricity(
+    solved, largest_error, speed, orbits
+):
+    # Periapsis at 1 m with a whole speed k: gm = a = (k^2 + 1)/2 and e = (k^2 - 1)/(k^2 + 1) are
+    # exact, up to e = 0.9998.
     a, e = Fraction(speed**2 + 1, 2), Fraction(speed**2 - 1, speed**2 + 1)
     given = {"gm": str(a), "semi_major": str(a), "eccentricity": str(e)}
     t = np.array([0.0, 1e-4, 0.01, 0.3, 0.5, 0.9999, 1.0]) * orbits * 2 * np.pi * float(a)
-    trajectory = solved(orbiting((1.0, 0.0, 0.0), (0.0, float(speed), 0.0), float(a)), t, "exact-kepler")
+    trajectory = solved(
+        orbiting((1.0, 0.0, 0.0), (0.0, float(speed), 0.0), float(a)), t, "exact-kepler"
+    )
     assert largest_error("two-body-orbit", trajectory, ("x", "y", "vx", "vy"), **given) < 3e-15
 
 
@@ -35,7 +42,9 @@ def test_energy_angular_momentum_and_laplace_vector_stay_on_a_tilted_orbit(solve
     moment = np.cross(x, u)
     laplace = np.cross(u, moment) / gm - x / size[:, None]
     assert moment == pytest.approx(np.tile(np.cross(r, v), (60, 1)), abs=5e-15)
-    assert np.sum(u * u, axis=1) / 2 - gm / size == pytest.approx(np.full(60, v @ v / 2 - gm / np.linalg.norm(r)), abs=3e-14)
+    assert np.sum(u * u, axis=1) / 2 - gm / size == pytest.approx(
+        np.full(60, v @ v / 2 - gm / np.linalg.norm(r)), abs=3e-14
+    )
     assert laplace == pytest.approx(np.tile(laplace[0], (60, 1)), abs=2e-14)
 
 
@@ -51,7 +60,9 @@ def test_orbit_from_anywhere_returns_after_its_period(solved):
 
 def test_motion_with_its_velocity_turned_round_is_the_motion_backwards(solved):
     forward = solved(orbiting((1.0, 0.5, 0.0), (0.25, 1.0, 0.0), 1.0), (0.0, 40.0), "exact-kepler")
-    backward = solved(orbiting((1.0, 0.5, 0.0), (-0.25, -1.0, 0.0), 1.0), (0.0, -40.0), "exact-kepler")
+    backward = solved(
+        orbiting((1.0, 0.5, 0.0), (-0.25, -1.0, 0.0), 1.0), (0.0, -40.0), "exact-kepler"
+    )
     assert forward.position[1] == pytest.approx(backward.position[1], abs=1e-14)
     assert forward.velocity[1] == pytest.approx(-backward.velocity[1], abs=1e-14)
 

@@ -1,4 +1,6 @@
-"""A piecewise linear field in closed form: against certified truth, there and back, turned in space."""
+"""A piecewise linear field in closed form: against certified truth, there and back, turned in
+space.
+"""
 
 import numpy as np
 import pytest
@@ -20,7 +22,11 @@ STARTS = [
 
 @pytest.mark.parametrize("given", STARTS)
 def test_it_agrees_with_certified_truth(given, largest_error):
-    seen = ENGINE.run(Request(problem=discovery.case("asymmetric-field").at(**given).problem, method="exact-piecewise"))[0]
+    seen = ENGINE.run(
+        Request(
+            problem=discovery.case("asymmetric-field").at(**given).problem, method="exact-piecewise"
+        )
+    )[0]
     assert largest_error("asymmetric-field", seen, ("x", "v"), **given) < 2e-14
 
 
@@ -36,7 +42,9 @@ def test_what_is_gained_forward_is_lost_backward():
 
 def test_at_rest_at_the_far_edge_it_stays():
     instance = discovery.case("asymmetric-field").at(x0="1/4")
-    scene = instance.scene.with_state(position=np.array([[0.5, 0.0, 0.0]]), velocity=np.zeros((1, 3)))
+    scene = instance.scene.with_state(
+        position=np.array([[0.5, 0.0, 0.0]]), velocity=np.zeros((1, 3))
+    )
     seen = ENGINE.run(Request(problem=Motion(scene, instance.times), method="exact-piecewise"))[0]
     assert np.ptp(seen.position) == 0.5
     assert not seen.velocity.any()
@@ -45,4 +53,6 @@ def test_at_rest_at_the_far_edge_it_stays():
 def test_motion_across_the_axis_is_refused():
     instance = discovery.case("asymmetric-field").at()
     scene = instance.scene.with_state(velocity=np.array([[1.0, 1.0, 0.0]]))
-    assert "across" in ENGINE.refusal(Motion(scene, instance.times), ENGINE.method("exact-piecewise"))
+    assert "across" in ENGINE.refusal(
+        Motion(scene, instance.times), ENGINE.method("exact-piecewise")
+    )

@@ -1,4 +1,6 @@
-"""Contacts of a power of the overlap in closed form: against certified truth, from any start, and through the wedge's turn."""
+"""Contacts of a power of the overlap in closed form: against certified truth, from any start, and
+through the wedge's turn.
+"""
 
 import numpy as np
 import pytest
@@ -16,13 +18,20 @@ def solved(case, method, **given):
     return ENGINE.run(Request(problem=problem, method=method))[0]
 
 
-@pytest.mark.parametrize(("case", "method", "given"), [
-    ("hertz-spheres", "exact-hertz", {}),
-    ("hertz-spheres", "exact-hertz", {"closing_speed": "1000", "stiffness": "1e9", "effective_mass": "1/1000"}),
-    ("hertz-spheres", "exact-hertz", {"closing_speed": "1e-6", "samples": "300"}),
-    ("wedge-collision", "exact-wedge", {}),
-    ("wedge-collision", "exact-wedge", {"k1": "20", "closing_speed": "7", "samples": "300"}),
-])  # fmt: skip
+@pytest.mark.parametrize(
+    ("case", "method", "given"),
+    [
+        ("hertz-spheres", "exact-hertz", {}),
+        (
+            "hertz-spheres",
+            "exact-hertz",
+            {"closing_speed": "1000", "stiffness": "1e9", "effective_mass": "1/1000"},
+        ),
+        ("hertz-spheres", "exact-hertz", {"closing_speed": "1e-6", "samples": "300"}),
+        ("wedge-collision", "exact-wedge", {}),
+        ("wedge-collision", "exact-wedge", {"k1": "20", "closing_speed": "7", "samples": "300"}),
+    ],
+)
 def test_it_agrees_with_certified_truth(case, method, given, largest_error):
     assert largest_error(case, solved(case, method, **given), STATE, **given) < 3e-14
 
@@ -87,7 +96,9 @@ def test_other_laws_and_other_ways_are_refused():
     assert ENGINE.refusal(linear, ENGINE.method("exact-hertz"))
     assert ENGINE.refusal(hertz, ENGINE.method("exact-head-on"))
     assert "not smooth" in ENGINE.refusal(hertz, ENGINE.method("contact-events"))
-    sideways = hertz.scene.with_state(velocity=hertz.scene.bodies.velocity + np.array([[0.0, 0.1, 0.0], [0.0, 0.0, 0.0]]))
+    sideways = hertz.scene.with_state(
+        velocity=hertz.scene.bodies.velocity + np.array([[0.0, 0.1, 0.0], [0.0, 0.0, 0.0]])
+    )
     assert ENGINE.refusal(Motion(sideways, hertz.times), ENGINE.method("exact-hertz"))
 
 
@@ -96,6 +107,9 @@ def test_particles_under_hertz_converge_as_the_onset_allows(method, order):
     instance = discovery.case("hertz-spheres").at(samples="16")
     exact = solved("hertz-spheres", "exact-hertz", samples="16").velocity
     step = float(instance.problem.interval) / 8
-    runs = [ENGINE.run(Request(problem=instance.problem, method=method, step=step / 2**k))[0].velocity for k in (0, 1)]
+    runs = [
+        ENGINE.run(Request(problem=instance.problem, method=method, step=step / 2**k))[0].velocity
+        for k in (0, 1)
+    ]
     coarse, fine = (np.abs(run - exact).max() for run in runs)
     assert np.log2(coarse / fine) == pytest.approx(order, abs=0.25)

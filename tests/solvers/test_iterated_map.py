@@ -1,4 +1,6 @@
-"""Maps in C: against plain Python, exact rationals and reversal of the path; a million bounces in a fraction of a second."""
+"""Maps in C: against plain Python, exact rationals and reversal of the path; a million bounces in a
+fraction of a second.
+"""
 
 from fractions import Fraction
 
@@ -11,7 +13,10 @@ from refdem.engines.reference import ENGINE
 from refdem.faults.iterating import SOUND_MAPS, iterated
 
 UNIT = np.array([0.25, 0.125, 0.8, 0.6])
-STADIUM, RECTANGLE = StadiumBilliard(width=4.0, height=2.0), RectangleBilliard(width=4.0, height=2.0)
+STADIUM, RECTANGLE = (
+    StadiumBilliard(width=4.0, height=2.0),
+    RectangleBilliard(width=4.0, height=2.0),
+)
 PROBLEMS = [
     Iteration(Logistic(eta=3.2), np.array([0.3]), 500),
     Iteration(LogisticFlow(eta=0.5), np.array([0.01]), 30),
@@ -34,13 +39,17 @@ def test_the_kernel_is_what_plain_python_gives(problem):
     assert cost.steps == problem.n
     assert np.array_equal(run.t, problem.times)
     for name, values in plain.values.items():
-        assert np.allclose(run.values[name], values, rtol=0, atol=1e-9 if len(problem.start) == 4 else 1e-12)
+        assert np.allclose(
+            run.values[name], values, rtol=0, atol=1e-9 if len(problem.start) == 4 else 1e-12
+        )
 
 
 def test_iterate_zero_is_the_start():
     for problem in PROBLEMS:
         run, _ = ran(problem)
-        assert np.array_equal(np.concatenate([np.ravel(values[0]) for values in run.values.values()]), problem.start)
+        assert np.array_equal(
+            np.concatenate([np.ravel(values[0]) for values in run.values.values()]), problem.start
+        )
 
 
 def test_a_million_bounces_in_a_rectangle_are_exact_to_the_last_digits():
@@ -50,7 +59,10 @@ def test_a_million_bounces_in_a_rectangle_are_exact_to_the_last_digits():
     for k in range(0, len(n), 17):
         if n[k] == 0:
             continue
-        low, high = 0, int(n[k])  # crossings of x among the first n, by bisection on the exact times
+        low, high = (
+            0,
+            int(n[k]),
+        )  # crossings of x among the first n, by bisection on the exact times
         first = [(2 - Fraction(UNIT[0])) / dx, (1 - Fraction(UNIT[1])) / dy]
         every = [4 / dx, 2 / dy]
         while low < high:
@@ -58,7 +70,10 @@ def test_a_million_bounces_in_a_rectangle_are_exact_to_the_last_digits():
             t = first[0] + (middle - 1) * every[0]
             others = 0 if t < first[1] else int((t - first[1]) // every[1]) + 1
             low, high = (middle, high) if middle + others <= n[k] else (low, middle - 1)
-        times = [first[0] + (low - 1) * every[0] if low else 0, first[1] + (int(n[k]) - low - 1) * every[1] if n[k] > low else 0]
+        times = [
+            first[0] + (low - 1) * every[0] if low else 0,
+            first[1] + (int(n[k]) - low - 1) * every[1] if n[k] > low else 0,
+        ]
         t = max(times)
         x = Fraction(UNIT[0]) + dx * t - 4 * low
         y = Fraction(UNIT[1]) + dy * t - 2 * (int(n[k]) - low)
@@ -70,7 +85,12 @@ def test_a_million_bounces_in_a_rectangle_are_exact_to_the_last_digits():
 def test_a_path_runs_back_when_its_direction_is_turned(table):
     n = 8
     run, _ = ran(Iteration(table, UNIT, n))
-    end = np.concatenate((run.values["position"][n - 1] * (1 - 1e-12), -(run.values["position"][n - 1] - run.values["position"][n - 2])))
+    end = np.concatenate(
+        (
+            run.values["position"][n - 1] * (1 - 1e-12),
+            -(run.values["position"][n - 1] - run.values["position"][n - 2]),
+        )
+    )
     end[2:] /= np.hypot(*end[2:])
     back, _ = ran(Iteration(table, end, n))
     assert np.allclose(back.values["position"][1], run.values["position"][n - 2], atol=1e-8)
@@ -111,7 +131,9 @@ def test_a_map_that_it_does_not_have_is_refused():
     class Tent(Logistic, frozen=True, kw_only=True, tag="tent"):
         """Another map."""
 
-    assert "no map tent" in ENGINE.refuses(Iteration(Tent(eta=2.0), np.array([0.5]), 3), ENGINE.method("iterated-map"))
+    assert "no map tent" in ENGINE.refuses(
+        Iteration(Tent(eta=2.0), np.array([0.5]), 3), ENGINE.method("iterated-map")
+    )
 
 
 def test_a_direction_of_no_length_writes_nothing_out_of_bounds():

@@ -1,4 +1,6 @@
-"""Verlet on a lattice: the way back is exact, the error has order two, and energy stays where it was."""
+"""Verlet on a lattice: the way back is exact, the error has order two, and energy stays where it
+was.
+"""
 
 import numpy as np
 import pytest
@@ -13,7 +15,10 @@ from refdem.scene.elements.uniform_gravity import UniformGravity
 
 
 def oscillator(*more, x=1.0, v=0.25, **spring):
-    return Scene.of([Body(mass=2.0, position=(x, 0.0, 0.0), velocity=(v, 0.0, 0.0))], [Spring(a=0, b=-1, stiffness=3.0, **spring), *more])
+    return Scene.of(
+        [Body(mass=2.0, position=(x, 0.0, 0.0), velocity=(v, 0.0, 0.0))],
+        [Spring(a=0, b=-1, stiffness=3.0, **spring), *more],
+    )
 
 
 SCENES = {
@@ -28,7 +33,12 @@ SCENES = {
 def test_the_way_back_ends_in_the_bits_of_the_start(solved, name):
     scene = SCENES[name]
     there = solved(scene, (0.0, 1024.0), "lattice-verlet", 2.0**-6)
-    back = solved(scene.with_state(position=there.position[-1], velocity=-there.velocity[-1]), (0.0, 1024.0), "lattice-verlet", 2.0**-6)
+    back = solved(
+        scene.with_state(position=there.position[-1], velocity=-there.velocity[-1]),
+        (0.0, 1024.0),
+        "lattice-verlet",
+        2.0**-6,
+    )
     assert np.array_equal(back.position[-1], scene.bodies.position)
     assert np.array_equal(back.velocity[-1], -scene.bodies.velocity)
     assert not np.array_equal(there.position[-1], scene.bodies.position)
@@ -37,7 +47,10 @@ def test_the_way_back_ends_in_the_bits_of_the_start(solved, name):
 def test_error_falls_with_order_two(solved):
     times = np.arange(9) * 1.0
     exact = solved(SCENES["harmonic"], times, "exact-harmonic").position
-    errors = [np.abs(solved(SCENES["harmonic"], times, "lattice-verlet", 2.0**-k).position - exact).max() for k in (5, 6, 7)]
+    errors = [
+        np.abs(solved(SCENES["harmonic"], times, "lattice-verlet", 2.0**-k).position - exact).max()
+        for k in (5, 6, 7)
+    ]
     assert np.log2(np.divide(errors[:-1], errors[1:])) == pytest.approx(2.0, abs=0.02)
 
 
@@ -45,8 +58,12 @@ def test_energy_wanders_no_farther_than_roundings_of_the_lattice_add_up_to(solve
     h, scene = 2.0**-6, SCENES["harmonic"]
     run = solved(scene, np.arange(0, 2**14 + 1, 64.0), "lattice-verlet", h)
     x, v, square = run.position[:, 0, 0], run.velocity[:, 0, 0], 1.5
-    kept = v * v + square * x * x * (1 - square * h * h / 4)  # what Verlet keeps of a harmonic oscillator
-    assert np.abs(kept / kept[0] - 1).max() < 2.0**-53 * 12 * np.sqrt(2**21)  # 2^21 kicks and drifts, each off by half a unit
+    kept = v * v + square * x * x * (
+        1 - square * h * h / 4
+    )  # what Verlet keeps of a harmonic oscillator
+    assert np.abs(kept / kept[0] - 1).max() < 2.0**-53 * 12 * np.sqrt(
+        2**21
+    )  # 2^21 kicks and drifts, each off by half a unit
 
 
 @pytest.mark.parametrize(
@@ -59,7 +76,9 @@ def test_energy_wanders_no_farther_than_roundings_of_the_lattice_add_up_to(solve
     ],
 )
 def test_what_has_no_lattice_is_refused(scene, reason):
-    assert reason in ENGINE.refusal(Motion(scene, np.array([0.0, 1.0])), ENGINE.method("lattice-verlet"))
+    assert reason in ENGINE.refusal(
+        Motion(scene, np.array([0.0, 1.0])), ENGINE.method("lattice-verlet")
+    )
 
 
 def test_a_case_runs_on_it():

@@ -1,4 +1,6 @@
-"""A tangential spring that stiffens with the load: the exact method, methods that step, and what they refuse."""
+"""A tangential spring that stiffens with the load: the exact method, methods that step, and what
+they refuse.
+"""
 
 import numpy as np
 import pytest
@@ -14,7 +16,9 @@ REFERENCE = discovery.engine("reference")
 
 
 def seen(instance, method, step=None):
-    return instance.observe(REFERENCE.run(Request(problem=instance.problem, method=method, step=step))[0])
+    return instance.observe(
+        REFERENCE.run(Request(problem=instance.problem, method=method, step=step))[0]
+    )
 
 
 @pytest.mark.parametrize("angle", ["1/4", "-0.05"])
@@ -23,7 +27,10 @@ def test_methods_that_step_converge_to_the_exact_one(method, order, angle):
     instance = discovery.case("impact-benchmarks").at(member="dem-05-mindlin", angle=angle)
     exact = seen(instance, "exact-hertz-wall")
     coarse, fine = (
-        max(np.abs(seen(instance, method, instance.problem.interval / n)[name] - exact[name]).max() for name in ("v.y", "r.y"))
+        max(
+            np.abs(seen(instance, method, instance.problem.interval / n)[name] - exact[name]).max()
+            for name in ("v.y", "r.y")
+        )
         for n in (4, 32)
     )
     assert np.log2(coarse / fine) / 3 == pytest.approx(order, abs=0.3)
@@ -48,11 +55,18 @@ def test_a_law_of_hertz_with_a_spring_is_named_and_its_stiffness_has_its_own_uni
 def test_the_engine_that_carries_faults_does_not_pretend_to_have_it():
     transparent = Transparent()
     problem = discovery.case("impact-benchmarks").at(member="dem-05-mindlin").problem
-    without = Motion(Scene(problem.scene.bodies, tuple(_without(e) for e in problem.scene.elements)), problem.times)
+    without = Motion(
+        Scene(problem.scene.bodies, tuple(_without(e) for e in problem.scene.elements)),
+        problem.times,
+    )
     told = {transparent.refusal(problem, method) for method in transparent.methods}
     assert told == {"no tangential spring under Hertz's law", "cannot run a motion"}
     assert any(transparent.refusal(without, method) is None for method in transparent.methods)
 
 
 def _without(element):
-    return Contact(law="hertz", stiffness=element.stiffness, branch="R") if isinstance(element, Contact) else element
+    return (
+        Contact(law="hertz", stiffness=element.stiffness, branch="R")
+        if isinstance(element, Contact)
+        else element
+    )

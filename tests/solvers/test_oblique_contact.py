@@ -1,4 +1,6 @@
-"""Oblique collisions by series: certified truth, the extrapolating method, and what it leaves to others."""
+"""Oblique collisions by series: certified truth, the extrapolating method, and what it leaves to
+others.
+"""
 
 import numpy as np
 import pytest
@@ -18,8 +20,16 @@ SETS = {
     "elastic": RUBS | {"damping": "0"},
     "spins, unequal": RUBS | {"masses": "1,2", "spins": "0,0,1,0,0,-2"},
     "slips at once": RUBS | {"angle": "1.2", "friction": "0.1", "damping": "0", "branch": "R-d"},
-    "force that must not pull": RUBS
-    | {"masses": "1,3", "radii": "1/2,4/5", "spins": "0,0,2,0,0,-5", "cutoff": "zero_force", "branch": "R"},
+    "force that must not pull": (
+        RUBS
+        | {
+            "masses": "1,3",
+            "radii": "1/2,4/5",
+            "spins": "0,0,2,0,0,-5",
+            "cutoff": "zero_force",
+            "branch": "R",
+        }
+    ),
     "smooth": {"angle": "0.6"},
     "rough": RUBS | {"friction": "2"},
     "never parts": RUBS | {"damping": "20"},
@@ -37,18 +47,25 @@ def refused(**given: str) -> str | None:
 @pytest.mark.parametrize("given", SETS.values(), ids=SETS)
 def test_it_agrees_with_certified_truth_to_an_ulp_or_two_of_the_place(given, largest_error):
     problem = discovery.case("two-spheres").at(**given).motion
-    assert largest_error("two-spheres", solved(problem.scene, problem.times), STATE, **given) < 4e-14
+    assert (
+        largest_error("two-spheres", solved(problem.scene, problem.times), STATE, **given) < 4e-14
+    )
 
 
 @pytest.mark.parametrize("given", SETS.values(), ids=SETS)
 def test_channels_and_release_are_those_of_the_extrapolating_method(given):
     problem = discovery.case("two-spheres").at(**given).motion
-    seen, other = (solved(problem.scene, problem.times, method) for method in ("oblique-contact", "contact-events"))
+    seen, other = (
+        solved(problem.scene, problem.times, method)
+        for method in ("oblique-contact", "contact-events")
+    )
     for name, size in (("overlap", 1.0), ("contact_force", 20.0), ("dissipated_work", 1.0)):
         assert np.abs(seen.channels[name] - other.channels[name])[1:].max() < 1e-13 * size, name
     assert np.array_equal(seen.channels["contacts"][1:], other.channels["contacts"][1:])
     assert [event.kind for event in seen.events] == [event.kind for event in other.events]
-    assert [event.time for event in seen.events] == pytest.approx([event.time for event in other.events], rel=4e-15)
+    assert [event.time for event in seen.events] == pytest.approx(
+        [event.time for event in other.events], rel=4e-15
+    )
     assert np.abs(seen.attitude - other.attitude).max() < 1e-14
 
 
@@ -66,9 +83,13 @@ def test_the_work_lost_is_as_exact_as_the_motion_over_steps_as_long(given):
     instance = discovery.case("two-spheres").at(**given)
     run, scene = solved(instance.scene, instance.times), instance.scene
     inner = run.channels["contacts"] == 0  # while the tangential spring is bent it holds energy
-    energy = mechanical(scene, run) + run.channels["dissipated_work"].reshape(len(run.t), -1).sum(axis=1)
+    energy = mechanical(scene, run) + run.channels["dissipated_work"].reshape(len(run.t), -1).sum(
+        axis=1
+    )
     seen = slice(None) if "friction" not in given else inner
-    assert np.abs(energy[seen] / energy[0] - 1.0).max() < 2e-14  # 3e-13 where the work's series ends with the motion's
+    assert (
+        np.abs(energy[seen] / energy[0] - 1.0).max() < 2e-14
+    )  # 3e-13 where the work's series ends with the motion's
 
 
 def test_a_plane_turned_in_space_turns_the_motion():
@@ -77,7 +98,10 @@ def test_a_plane_turned_in_space_turns_the_motion():
     turn *= np.linalg.det(turn)
     bodies = problem.scene.bodies
     turned = [body_at(bodies, number, turn) for number in range(2)]
-    seen, plain = (solved(scene, problem.times) for scene in (Scene.of(turned, problem.scene.elements), problem.scene))
+    seen, plain = (
+        solved(scene, problem.times)
+        for scene in (Scene.of(turned, problem.scene.elements), problem.scene)
+    )
     assert np.abs(seen.position - plain.position @ turn.T).max() < 6e-15
     assert np.abs(seen.omega - plain.omega @ turn.T).max() < 1e-14
 
@@ -85,8 +109,16 @@ def test_a_plane_turned_in_space_turns_the_motion():
 def body_at(bodies, number: int, turn: np.ndarray):
     from refdem.scene import Body
 
-    vectors = {name: tuple(turn @ getattr(bodies, name)[number]) for name in ("position", "velocity", "omega")}
-    return Body(mass=bodies.mass[number], inertia=tuple(bodies.inertia[number]), shape=bodies.shape[number], **vectors)
+    vectors = {
+        name: tuple(turn @ getattr(bodies, name)[number])
+        for name in ("position", "velocity", "omega")
+    }
+    return Body(
+        mass=bodies.mass[number],
+        inertia=tuple(bodies.inertia[number]),
+        shape=bodies.shape[number],
+        **vectors,
+    )
 
 
 def test_what_it_cannot_say_is_refused_by_name():
@@ -97,4 +129,6 @@ def test_what_it_cannot_say_is_refused_by_name():
     assert "backwards" in (METHOD.refusal(Motion(problem.scene, -problem.times)) or "")
     parting = [body_at(problem.scene.bodies, 1 - number, np.eye(3)) for number in range(2)]
     scene = Scene.of(parting, problem.scene.elements)
-    assert METHOD.refusal(Motion(scene, problem.times)) is None  # the same pair, named the other way round
+    assert (
+        METHOD.refusal(Motion(scene, problem.times)) is None
+    )  # the same pair, named the other way round

@@ -1,4 +1,6 @@
-"""RATTLE: rods in position and velocity, order, drift and reversal, and systems whose motion is known otherwise."""
+"""RATTLE: rods in position and velocity, order, drift and reversal, and systems whose motion is
+known otherwise.
+"""
 
 import numpy as np
 import pytest
@@ -25,7 +27,9 @@ def pendulum():
 
 
 def cluster():
-    """Four masses on six rods, spinning: inertia (2 b^2 + 4 c^2, 2 a^2 + 4 c^2, 2 a^2 + 2 b^2) for masses of 1 kg."""
+    """Four masses on six rods, spinning: inertia (2 b^2 + 4 c^2, 2 a^2 + 4 c^2, 2 a^2 + 2 b^2) for
+    masses of 1 kg.
+    """
     a, b, c = 0.5, 0.75, 0.25
     places = np.array([(a, 0, -c), (-a, 0, -c), (0, b, c), (0, -b, c)])
     omega = np.array((0.9, 1.1, 1.3))
@@ -52,7 +56,12 @@ def test_rods_keep_length_and_velocity_stays_across_them_over_1e5_steps(solved, 
 
 def test_round_off_of_a_million_steps_does_not_hide_the_order(solved, largest_error, pendulum):
     # The errors are 5e-11 and 1e-11; sums that lose their low parts are off by 1 % of them.
-    errors = [largest_error("pendulum", solved(pendulum, (0.0, 4.0), "rattle", 2.0**-k), ("x", "y"), **GIVEN) for k in (18, 19)]
+    errors = [
+        largest_error(
+            "pendulum", solved(pendulum, (0.0, 4.0), "rattle", 2.0**-k), ("x", "y"), **GIVEN
+        )
+        for k in (18, 19)
+    ]
     assert np.log2(errors[0] / errors[1]) == pytest.approx(2.0, abs=1e-4)
 
 
@@ -76,13 +85,17 @@ def test_run_back_by_negative_steps_or_turned_velocity_returns(solved, pendulum)
     there = solved(pendulum, (0.0, 4.0, 8.0), "rattle", 2.0**-7)
     end = pendulum.with_state(**there.end())
     turned = pendulum.with_state(position=there.position[-1], velocity=-there.velocity[-1])
-    for back, sign in ((solved(end, (8.0, 4.0, 0.0), "rattle", 2.0**-7), 1), (solved(turned, (0.0, 4.0, 8.0), "rattle", 2.0**-7), -1)):
+    for back, sign in (
+        (solved(end, (8.0, 4.0, 0.0), "rattle", 2.0**-7), 1),
+        (solved(turned, (0.0, 4.0, 8.0), "rattle", 2.0**-7), -1),
+    ):
         assert back.position == pytest.approx(there.position[::-1], abs=1e-12)
         assert back.velocity == pytest.approx(sign * there.velocity[::-1], abs=1e-11)
 
 
 def test_rod_force_is_tension_and_that_of_the_state(solved):
-    # At the bottom with speed v: m (v^2/l + g); two equal masses that turn about each other: (m/2) w^2 L; hung at rest: m g.
+    # At the bottom with speed v: m (v^2/l + g); two equal masses that turn about each other: (m/2)
+    # w^2 L; hung at rest: m g.
     body = Body(mass=2.0, position=(0.0, -4.0, 0.0), velocity=(3.0, 0.0, 0.0))
     swing = solved(Scene.of([body], [Rod(a=0, length=4.0), GRAVITY]), (0.0, 0.25), "rattle", 0.25)
     assert swing.channels["rod_force"][0] == pytest.approx([2.0 * (9.0 / 4.0 + 9.8125)], rel=1e-15)
@@ -107,9 +120,13 @@ def test_isolated_rods_keep_momentum_and_angular_momentum(solved):
     moving = scene.with_state(velocity=scene.bodies.velocity + np.array((0.5, -0.25, 1.0)))
     trajectory = solved(moving, np.arange(5) * 4.0, "rattle", 2.0**-6)
     mass = scene.bodies.mass
-    momentum, moment = linear(mass, trajectory.velocity), orbital(mass, trajectory.position, trajectory.velocity)
+    momentum, moment = (
+        linear(mass, trajectory.velocity),
+        orbital(mass, trajectory.position, trajectory.velocity),
+    )
     assert momentum == pytest.approx(np.tile(momentum[0], (5, 1)), abs=1e-13)
-    # The centre is 16 m from the origin at the end, where an ulp of the velocity is one of 16 m in the moment.
+    # The centre is 16 m from the origin at the end, where an ulp of the velocity is one of 16 m in
+    # the moment.
     assert moment == pytest.approx(np.tile(moment[0], (5, 1)), abs=1e-12)
 
 
@@ -125,28 +142,54 @@ def test_a_rod_given_twice_changes_nothing_but_shares_the_force(solved):
 def test_fixed_body_holds_like_the_world(solved):
     free = Body(mass=1.0, position=(0.5, -1.0, 0.0))
     post = Body(mass=1.0, position=(0.5, 0.0, 0.0), fixed=True)
-    world = solved(Scene.of([free], [Rod(a=0, anchor_b=(0.5, 0.0, 0.0), length=1.0), GRAVITY]), (0.0, 1.0, 2.0), "rattle", 2.0**-7)
-    fixed = solved(Scene.of([free, post], [Rod(a=0, b=1, length=1.0), GRAVITY]), (0.0, 1.0, 2.0), "rattle", 2.0**-7)
+    world = solved(
+        Scene.of([free], [Rod(a=0, anchor_b=(0.5, 0.0, 0.0), length=1.0), GRAVITY]),
+        (0.0, 1.0, 2.0),
+        "rattle",
+        2.0**-7,
+    )
+    fixed = solved(
+        Scene.of([free, post], [Rod(a=0, b=1, length=1.0), GRAVITY]),
+        (0.0, 1.0, 2.0),
+        "rattle",
+        2.0**-7,
+    )
     assert np.array_equal(world.position[:, 0], fixed.position[:, 0])
     assert np.array_equal(fixed.position[:, 1], np.tile((0.5, 0.0, 0.0), (3, 1)))
 
 
 def test_centre_of_two_joined_masses_on_equal_springs_is_harmonic(solved):
     bodies = [Body(mass=1.0, position=(x, 0.5, 0.0), velocity=(0.0, x, 0.0)) for x in (1.0, -1.0)]
-    elements = [Rod(a=0, b=1, length=2.0), Spring(a=0, stiffness=4.0), Spring(a=1, stiffness=4.0), GRAVITY]
+    elements = [
+        Rod(a=0, b=1, length=2.0),
+        Spring(a=0, stiffness=4.0),
+        Spring(a=1, stiffness=4.0),
+        GRAVITY,
+    ]
     times = np.arange(5) * 0.5
-    centre = Scene.of([Body(mass=2.0, position=(0.0, 0.5, 0.0))], [Spring(a=0, stiffness=8.0), GRAVITY])
+    centre = Scene.of(
+        [Body(mass=2.0, position=(0.0, 0.5, 0.0))], [Spring(a=0, stiffness=8.0), GRAVITY]
+    )
     expected = solved(centre, times, "exact-harmonic").position[:, 0]
     held = solved(Scene.of(bodies, elements), times, "rattle", 2.0**-12).position.mean(axis=1)
     assert held == pytest.approx(expected, abs=1e-6)
 
 
 def test_bent_spring_law_acts_along_the_stretch(solved):
-    # Energy with a spring of natural length 3/2 and exponent 3/2 goes from the spring into the mass and back.
+    # Energy with a spring of natural length 3/2 and exponent 3/2 goes from the spring into the mass
+    # and back.
     body = Body(mass=1.0, position=(0.0, -1.0, 0.0))
-    scene = Scene.of([body], [Rod(a=0, length=1.0), Spring(a=0, stiffness=30.0, length=1.5, exponent=1.5, anchor_b=(2.0, 0.0, 0.0))])
+    scene = Scene.of(
+        [body],
+        [
+            Rod(a=0, length=1.0),
+            Spring(a=0, stiffness=30.0, length=1.5, exponent=1.5, anchor_b=(2.0, 0.0, 0.0)),
+        ],
+    )
     trajectory = solved(scene, np.arange(41) * 0.125, "rattle", 2.0**-12)
-    energy = np.sum(trajectory.velocity**2, axis=(1, 2)) / 2 + scene.potential(trajectory.position, trajectory.attitude)
+    energy = np.sum(trajectory.velocity**2, axis=(1, 2)) / 2 + scene.potential(
+        trajectory.position, trajectory.attitude
+    )
     assert energy == pytest.approx(np.full(41, energy[0]), abs=1e-5)
     assert np.ptp(trajectory.position[:, 0, 0]) > 0.5
 
@@ -164,13 +207,30 @@ HUNG = Body(mass=1.0, position=(1.0, 0.0, 0.0))
     [
         (Scene.of([Body(mass=1.0)], [GRAVITY]), "no rod"),
         (
-            Scene.of([Body(mass=1.0, position=(1.0, 0.0, 0.0))], [Rod(a=0, length=1.0), Slider(a=0, friction=0.5, normal_force=1.0)]),
+            Scene.of(
+                [Body(mass=1.0, position=(1.0, 0.0, 0.0))],
+                [Rod(a=0, length=1.0), Slider(a=0, friction=0.5, normal_force=1.0)],
+            ),
             "slider is not",
         ),
-        (Scene.of([Body(mass=1.0, inertia=(1.0, 1.0, 1.0), omega=(0.0, 0.0, 1.0))], [Rod(a=0, length=1.0)]), "rotation"),
-        (Scene.of([HUNG], [Rod(a=0, length=1.0), Spring(a=0, stiffness=1.0, quadratic=0.5)]), "a square or a cube"),
-        (Scene.of([HUNG], [Rod(a=0, length=1.0), Spring(a=0, stiffness=1.0, cubic=0.5)]), "a square or a cube"),
+        (
+            Scene.of(
+                [Body(mass=1.0, inertia=(1.0, 1.0, 1.0), omega=(0.0, 0.0, 1.0))],
+                [Rod(a=0, length=1.0)],
+            ),
+            "rotation",
+        ),
+        (
+            Scene.of([HUNG], [Rod(a=0, length=1.0), Spring(a=0, stiffness=1.0, quadratic=0.5)]),
+            "a square or a cube",
+        ),
+        (
+            Scene.of([HUNG], [Rod(a=0, length=1.0), Spring(a=0, stiffness=1.0, cubic=0.5)]),
+            "a square or a cube",
+        ),
     ],
 )
 def test_scene_that_is_more_than_points_on_rods_is_refused(scene, reason):
-    assert reason in str(ENGINE.refusal(Motion(scene, np.array([0.0, 1.0])), ENGINE.method("rattle")))
+    assert reason in str(
+        ENGINE.refusal(Motion(scene, np.array([0.0, 1.0])), ENGINE.method("rattle"))
+    )

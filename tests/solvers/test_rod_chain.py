@@ -1,4 +1,6 @@
-"""Chains of rods in angles: certified truth, RATTLE's rod forces, the work of a moved pivot, what stands upright, refusals."""
+"""Chains of rods in angles: certified truth, RATTLE's rod forces, the work of a moved pivot, what
+stands upright, refusals.
+"""
 
 import msgspec
 import numpy as np
@@ -21,13 +23,26 @@ def case_scene(name, **given):
     return discovery.case(name).at(**given).scene
 
 
-@pytest.mark.parametrize("given", [{}, {"masses": "2,1/3", "lengths": "1/2,3/2", "theta0": "-1,2", "thetadot0": "3,-1"}])
+@pytest.mark.parametrize(
+    "given", [{}, {"masses": "2,1/3", "lengths": "1/2,3/2", "theta0": "-1,2", "thetadot0": "3,-1"}]
+)
 def test_double_pendulum_is_right_to_round_off(solved, largest_error, given):
     run = solved(case_scene("double-pendulum", **given), 0.25 * np.arange(5), "rod-chain")
-    assert largest_error("double-pendulum", run, ("theta1", "thetadot1", "theta2", "thetadot2"), **given) < 1e-13
+    assert (
+        largest_error(
+            "double-pendulum", run, ("theta1", "thetadot1", "theta2", "thetadot2"), **given
+        )
+        < 1e-13
+    )
 
 
-@pytest.mark.parametrize("given", [{}, {"length": "3", "gravity": "9.81", "drive_amplitude": "1", "drive": "7", "thetadot0": "1"}])
+@pytest.mark.parametrize(
+    "given",
+    [
+        {},
+        {"length": "3", "gravity": "9.81", "drive_amplitude": "1", "drive": "7", "thetadot0": "1"},
+    ],
+)
 def test_a_moved_pivot_is_right_to_round_off(solved, largest_error, given):
     run = solved(case_scene("kapitza-pendulum", **given), 0.25 * np.arange(9), "rod-chain")
     assert largest_error("kapitza-pendulum", run, ("thetadot",), **given) < 1e-13
@@ -42,9 +57,18 @@ def test_one_rod_is_the_closed_form_of_the_pendulum_with_its_force(solved):
 
 def three():
     """Three bobs that fold over each other."""
-    angles, lengths, rates = np.array([1.0, -2.0, 3.0]), np.array([1.0, 0.5, 0.75]), np.array([0.5, 3.0, -2.0])
-    places = np.cumsum(lengths[:, None] * np.stack([np.sin(angles), -np.cos(angles), 0 * angles], 1), axis=0)
-    speeds = np.cumsum((lengths * rates)[:, None] * np.stack([np.cos(angles), np.sin(angles), 0 * angles], 1), axis=0)
+    angles, lengths, rates = (
+        np.array([1.0, -2.0, 3.0]),
+        np.array([1.0, 0.5, 0.75]),
+        np.array([0.5, 3.0, -2.0]),
+    )
+    places = np.cumsum(
+        lengths[:, None] * np.stack([np.sin(angles), -np.cos(angles), 0 * angles], 1), axis=0
+    )
+    speeds = np.cumsum(
+        (lengths * rates)[:, None] * np.stack([np.cos(angles), np.sin(angles), 0 * angles], 1),
+        axis=0,
+    )
     bobs = [
         Body(mass=m, position=tuple(r), velocity=tuple(v))
         for m, r, v in zip((1.0, 3.0, 0.5), places.tolist(), speeds.tolist(), strict=True)
@@ -58,7 +82,10 @@ def test_a_chain_of_three_and_its_forces_are_what_rattle_tends_to(solved):
     for steps in (256, 512):
         stepped = solved(three(), T, "rattle", T[1] / steps)
         errors.append(
-            [np.abs(chain.position - stepped.position).max(), np.abs(chain.channels["rod_force"] - stepped.channels["rod_force"]).max()]
+            [
+                np.abs(chain.position - stepped.position).max(),
+                np.abs(chain.channels["rod_force"] - stepped.channels["rod_force"]).max(),
+            ]
         )
     assert np.divide(*errors) == pytest.approx([4.0, 4.0], rel=0.02)
     assert max(errors[1]) < 1e-2
@@ -69,11 +96,18 @@ def test_order_of_bodies_and_of_rods_does_not_matter(solved):
     bodies, (first, second, third, down) = scene.bodies.single(), scene.elements
     turned = Scene.of(
         bodies[::-1],
-        [down, Rod(a=1, b=0, length=third.length), Rod(a=2, b=1, length=second.length), msgspec.structs.replace(first, a=2)],
+        [
+            down,
+            Rod(a=1, b=0, length=third.length),
+            Rod(a=2, b=1, length=second.length),
+            msgspec.structs.replace(first, a=2),
+        ],
     )
     plain, other = solved(scene, T, "rod-chain"), solved(turned, T, "rod-chain")
     assert np.array_equal(plain.position, other.position[:, ::-1])
-    assert plain.channels["rod_force"] == pytest.approx(other.channels["rod_force"][:, ::-1], rel=1e-12)
+    assert plain.channels["rod_force"] == pytest.approx(
+        other.channels["rod_force"][:, ::-1], rel=1e-12
+    )
 
 
 def test_backwards_and_forwards_meet(solved):
@@ -85,11 +119,23 @@ def test_backwards_and_forwards_meet(solved):
 
 def shaken(**anchor):
     """A bob that hangs on a rod of length 1 below a pivot of mass 2 that shakes."""
-    given = {"amplitude": 0.25, "frequency": 8.0, "axis": (0.6, 0.8, 0.0), "anchor_b": (1.0, 2.0, 0.0)} | anchor
+    given = {
+        "amplitude": 0.25,
+        "frequency": 8.0,
+        "axis": (0.6, 0.8, 0.0),
+        "anchor_b": (1.0, 2.0, 0.0),
+    } | anchor
     moved = MovingAnchor(a=0, **given)
     place, velocity = moved.place(np.zeros(1))[0], moved.velocity(np.zeros(1))[0]
-    bob = Body(mass=0.5, position=tuple(np.add(place, (0.6, -0.8, 0.0))), velocity=tuple(np.add(velocity, (0.8, 0.6, 0.0))))
-    return Scene.of([Body(mass=2.0, position=tuple(place), velocity=tuple(velocity)), bob], [moved, Rod(a=1, b=0, length=1.0), DOWN])
+    bob = Body(
+        mass=0.5,
+        position=tuple(np.add(place, (0.6, -0.8, 0.0))),
+        velocity=tuple(np.add(velocity, (0.8, 0.6, 0.0))),
+    )
+    return Scene.of(
+        [Body(mass=2.0, position=tuple(place), velocity=tuple(velocity)), bob],
+        [moved, Rod(a=1, b=0, length=1.0), DOWN],
+    )
 
 
 @pytest.mark.parametrize("anchor", [{}, {"phase": 1.0}, {"amplitude": -0.125, "frequency": 3.0}])
@@ -107,16 +153,21 @@ def test_a_pivot_follows_the_clock_of_the_scene(solved):
     moved, *others = scene.elements
     late = Scene.of(scene.bodies.single(), [moved.delayed(64.0), *others])
     assert late.elements[0].phase == -512.0
-    assert solved(late, T + 64.0, "rod-chain").position == pytest.approx(solved(scene, T, "rod-chain").position, abs=1e-12)
+    assert solved(late, T + 64.0, "rod-chain").position == pytest.approx(
+        solved(scene, T, "rod-chain").position, abs=1e-12
+    )
 
 
 def test_an_accelerated_pivot_without_gravity_pulls_with_mass_times_acceleration(solved):
     moved = MovingAnchor(a=0, amplitude=0.25, frequency=8.0, axis=(0.0, 1.0, 0.0))
     scene = Scene.of(
-        [Body(mass=1.0, position=(0.0, 0.25, 0.0)), Body(mass=3.0, position=(0.0, -0.75, 0.0))], [moved, Rod(a=1, b=0, length=1.0)]
+        [Body(mass=1.0, position=(0.0, 0.25, 0.0)), Body(mass=3.0, position=(0.0, -0.75, 0.0))],
+        [moved, Rod(a=1, b=0, length=1.0)],
     )
     run = solved(scene, T, "rod-chain")
-    assert run.channels["rod_force"][:, 0] == pytest.approx(-3.0 * 0.25 * 64.0 * np.cos(8.0 * T), abs=1e-12)
+    assert run.channels["rod_force"][:, 0] == pytest.approx(
+        -3.0 * 0.25 * 64.0 * np.cos(8.0 * T), abs=1e-12
+    )
 
 
 def test_what_stands_upright_stays_to_the_last_bit(solved):
@@ -143,11 +194,17 @@ def changed(scene, *, elements=None, **columns):
         (changed(three(), velocity=np.add(three().bodies.velocity, (0.0, 0.0, 1.0))), "plane"),
         (changed(three(), velocity=three().bodies.velocity * [[1], [1], [0]]), "speed along"),
         (changed(three(), position=three().bodies.position * 1.01), "long"),
-        (changed(three(), elements=[*three().elements, Rod(a=2, length=1.0)]), "one below the other"),
+        (
+            changed(three(), elements=[*three().elements, Rod(a=2, length=1.0)]),
+            "one below the other",
+        ),
         (changed(three(), elements=three().elements[1:]), "one below the other"),
         (changed(shaken(), velocity=np.zeros((2, 3))), None),
         (changed(shaken(phase=1.0), velocity=np.zeros((2, 3))), "law of time"),
-        (changed(shaken(), position=np.add(shaken().bodies.position, (0.1, 0.0, 0.0))), "law of time"),
+        (
+            changed(shaken(), position=np.add(shaken().bodies.position, (0.1, 0.0, 0.0))),
+            "law of time",
+        ),
         (Scene.of([Body(mass=1.0)], [DOWN]), "0 rods"),
     ],
 )

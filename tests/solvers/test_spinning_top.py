@@ -1,4 +1,6 @@
-"""A body on a ball joint: certified truth, a compound pendulum, free bodies, backwards, refusals."""
+"""A body on a ball joint: certified truth, a compound pendulum, free bodies, backwards,
+refusals.
+"""
 
 import numpy as np
 import pytest
@@ -12,14 +14,35 @@ from refdem.scene.elements.rod import Rod
 from refdem.scene.elements.uniform_gravity import UniformGravity
 
 T = np.linspace(0.0, 1.0, 5)
-SETS = [{}, {"theta0": "2", "phidot0": "-1", "thetadot0": "1/2", "spin": "-9", "inertia": "2,1/3", "mass": "3/2"}]
+SETS = [
+    {},
+    {
+        "theta0": "2",
+        "phidot0": "-1",
+        "thetadot0": "1/2",
+        "spin": "-9",
+        "inertia": "2,1/3",
+        "mass": "3/2",
+    },
+]
 
 
-def hung(inertia=(1.0, 2.0, 2.5), omega=(0.0, 0.0, 0.0), turn=0.0, anchor=(0.0, 0.0, 0.0), gravity=(0.0, 0.0, 0.0)):
+def hung(
+    inertia=(1.0, 2.0, 2.5),
+    omega=(0.0, 0.0, 0.0),
+    turn=0.0,
+    anchor=(0.0, 0.0, 0.0),
+    gravity=(0.0, 0.0, 0.0),
+):
     """A body whose centre is 0.5 along its own third axis from the joint, turned about x."""
     axis = np.array([0.0, -np.sin(turn), np.cos(turn)])
     attitude = (np.cos(turn / 2), np.sin(turn / 2), 0.0, 0.0)
-    state = {"position": tuple(anchor + 0.5 * axis), "velocity": tuple(np.cross(omega, 0.5 * axis)), "attitude": attitude, "omega": omega}
+    state = {
+        "position": tuple(anchor + 0.5 * axis),
+        "velocity": tuple(np.cross(omega, 0.5 * axis)),
+        "attitude": attitude,
+        "omega": omega,
+    }
     joint = BallJoint(a=0, anchor_a=(0.0, 0.0, -0.5), anchor_b=anchor)
     return Scene.of([Body(mass=2.0, inertia=inertia, **state)], [joint, UniformGravity(g=gravity)])
 
@@ -32,9 +55,15 @@ def test_tilt_and_its_rate_are_right_to_round_off(solved, largest_error, given):
 
 def test_swinging_about_one_axis_it_is_a_compound_pendulum(solved):
     # J_x about the joint 1 + 2/4 = 1.5, m g l = 8: a pendulum of length J/(m l) = 1.5
-    run = solved(hung(turn=2.0, gravity=(0.0, 0.0, -8.0), anchor=(1.0, 2.0, 3.0)), T, "spinning-top")
+    run = solved(
+        hung(turn=2.0, gravity=(0.0, 0.0, -8.0), anchor=(1.0, 2.0, 3.0)), T, "spinning-top"
+    )
     bob = Body(mass=1.0, position=(1.5 * np.sin(np.pi - 2.0), -1.5 * np.cos(np.pi - 2.0), 0.0))
-    simple = solved(Scene.of([bob], [Rod(a=0, length=1.5), UniformGravity(g=(0.0, -8.0, 0.0))]), T, "exact-pendulum")
+    simple = solved(
+        Scene.of([bob], [Rod(a=0, length=1.5), UniformGravity(g=(0.0, -8.0, 0.0))]),
+        T,
+        "exact-pendulum",
+    )
     swing = (run.position[:, 0] - [1.0, 2.0, 3.0]) / 0.5
     assert -swing[:, 1] == pytest.approx(simple.position[:, 0, 0] / 1.5, abs=1e-13)
     assert swing[:, 2] == pytest.approx(simple.position[:, 0, 1] / 1.5, abs=1e-13)

@@ -1,4 +1,6 @@
-"""The free rigid body by steps: splitting and Runge-Kutta against certified truth, and what each keeps."""
+"""The free rigid body by steps: splitting and Runge-Kutta against certified truth, and what each
+keeps.
+"""
 
 from fractions import Fraction
 
@@ -26,28 +28,53 @@ def scene():
 
 @pytest.mark.parametrize(("method", "order"), [("splitting-free-body", 2), ("rk4-free-body", 4)])
 def test_error_falls_with_the_claimed_order(solved, largest_error, scene, method, order):
-    errors = [largest_error("free-rigid-body", solved(scene, TIMES, method, 2.0**-k), STATE, **GIVEN) for k in (4, 5, 6, 7)]
+    errors = [
+        largest_error("free-rigid-body", solved(scene, TIMES, method, 2.0**-k), STATE, **GIVEN)
+        for k in (4, 5, 6, 7)
+    ]
     seen = np.log2(np.divide(errors[:-1], errors[1:]))
     assert seen == pytest.approx(order, abs=0.1)
     assert ENGINE.method(method).order == order
 
 
-@pytest.mark.parametrize("inertia", ["1,2,3", "1/128,1,257/256", "1,1048577/1048576,1/524288", f"{2**-40},1,{1 + 2**-41}", "1,1/64,65/64"])
+@pytest.mark.parametrize(
+    "inertia",
+    [
+        "1,2,3",
+        "1/128,1,257/256",
+        "1,1048577/1048576,1/524288",
+        f"{2**-40},1,{1 + 2**-41}",
+        "1,1/64,65/64",
+    ],
+)
 def test_splitting_claims_a_constant_that_holds_for_needles_and_plates(solved, inertia):
-    """In place of 1/8 that a bound allows, at most 0.003 (1 + t/tau) S; turns about all three axes have 1e8 of it at 2^-40."""
+    """In place of 1/8 that a bound allows, at most 0.003 (1 + t/tau) S; turns about all three axes
+    have 1e8 of it at 2^-40.
+    """
     instance = discovery.case("free-rigid-body").at(inertia=inertia)
     truth, tau, step = instance.case.truth(instance.p), instance.scales.tau, 2.0**-5
-    seen, exact = solved(instance.scene, TIMES, "splitting-free-body", step), solved(instance.scene, TIMES, "exact-free-body")
-    grown = np.maximum.accumulate([max(1.0, float(truth.sensitivity(Fraction(t)))) for t in TIMES.tolist()])
+    seen, exact = (
+        solved(instance.scene, TIMES, "splitting-free-body", step),
+        solved(instance.scene, TIMES, "exact-free-body"),
+    )
+    grown = np.maximum.accumulate(
+        [max(1.0, float(truth.sensitivity(Fraction(t)))) for t in TIMES.tolist()]
+    )
     allowed = (1 + TIMES / tau) * (step / tau) ** 2 * grown
-    off = np.linalg.norm(seen.omega - exact.omega, axis=-1)[:, 0] * tau + angle_between(seen.attitude, exact.attitude)[:, 0]
+    off = (
+        np.linalg.norm(seen.omega - exact.omega, axis=-1)[:, 0] * tau
+        + angle_between(seen.attitude, exact.attitude)[:, 0]
+    )
     assert (off / allowed).max() < 0.01 < ENGINE.method("splitting-free-body").constant
 
 
 def test_splitting_is_exact_for_symmetric_bodies(solved):
     for inertia in ("1,1,2", "1,1,1/64", "1/128,1,1", "3/2,1,3/2"):
         start = discovery.case("free-rigid-body").at(inertia=inertia).scene
-        seen, exact = solved(start, TIMES, "splitting-free-body", 1.0), solved(start, TIMES, "exact-free-body")
+        seen, exact = (
+            solved(start, TIMES, "splitting-free-body", 1.0),
+            solved(start, TIMES, "exact-free-body"),
+        )
         assert angle_between(seen.attitude, exact.attitude).max() < 1e-13, inertia
         assert np.abs(seen.omega - exact.omega).max() < 1e-13, inertia
 
@@ -62,13 +89,16 @@ def test_splitting_keeps_angular_momentum_in_space_over_1e5_steps(solved, scene)
     trajectory = solved(scene, np.arange(11) * 625.0, "splitting-free-body", 0.0625)
     momentum = spin(INERTIA, trajectory.attitude, trajectory.omega)
     size = np.linalg.norm(momentum[0])
-    # 5e5 turns by about 0.1: in increments each adds u times its angle, which makes sqrt(5e5) 0.1 u; plain products add u each.
+    # 5e5 turns by about 0.1: in increments each adds u times its angle, which makes sqrt(5e5) 0.1
+    # u; plain products add u each.
     assert np.abs(momentum - momentum[0]).max() < 256 * 2.0**-53 * size
 
 
 def test_splitting_has_no_drift_of_energy(solved, scene):
     trajectory = solved(scene, np.arange(2001) * 5.0, "splitting-free-body", 0.0625)
-    energy = kinetic(np.ones(1), INERTIA, trajectory.velocity, trajectory.attitude, trajectory.omega)
+    energy = kinetic(
+        np.ones(1), INERTIA, trajectory.velocity, trajectory.attitude, trajectory.omega
+    )
     off = np.abs(energy / energy[0] - 1)
     assert off[1001:].max() < 1.05 * off[:1001].max() < 1e-3
 
@@ -78,7 +108,9 @@ def test_runge_kutta_loses_energy_where_splitting_does_not(solved, scene):
     off = {}
     for method in ("splitting-free-body", "rk4-free-body"):
         trajectory = solved(scene, times, method, 0.25)
-        energy = kinetic(np.ones(1), INERTIA, trajectory.velocity, trajectory.attitude, trajectory.omega)
+        energy = kinetic(
+            np.ones(1), INERTIA, trajectory.velocity, trajectory.attitude, trajectory.omega
+        )
         off[method] = np.abs(energy / energy[0] - 1)
     assert off["rk4-free-body"][-1] > 1.5 * off["rk4-free-body"][100] > 1e-3
     assert off["splitting-free-body"][100:].max() < 1.05 * off["splitting-free-body"][:101].max()
@@ -96,7 +128,9 @@ def test_splitting_with_omega_turned_round_retraces_its_steps(solved, scene):
     there = solved(scene, (0.0, 1.0, 2.0), "splitting-free-body", 0.125)
     turned = scene.with_state(attitude=there.attitude[-1], omega=-there.omega[-1])
     back = solved(turned, (0.0, 1.0, 2.0), "splitting-free-body", 0.125)
-    assert angle_between(back.attitude[1:, 0], there.attitude[1::-1, 0]) == pytest.approx(np.zeros(2), abs=5e-15)
+    assert angle_between(back.attitude[1:, 0], there.attitude[1::-1, 0]) == pytest.approx(
+        np.zeros(2), abs=5e-15
+    )
     assert back.omega[1:] == pytest.approx(-there.omega[1::-1], abs=5e-15)
 
 
@@ -108,6 +142,12 @@ def test_nothing_that_turns_is_refused(method):
 
 def test_thin_rod_without_moment_about_its_axis_turns_over_its_end(solved):
     scene = Scene.of([Body(mass=1.0, inertia=(0.0, 1.0, 1.0), omega=(0.0, 0.0, 1.0))])
-    for method, step in (("splitting-free-body", 0.125), ("rk4-free-body", 0.0078125), ("exact-free-body", None)):
+    for method, step in (
+        ("splitting-free-body", 0.125),
+        ("rk4-free-body", 0.0078125),
+        ("exact-free-body", None),
+    ):
         trajectory = solved(scene, (0.0, 3.0), method, step)
-        assert trajectory.attitude[1, 0] == pytest.approx([np.cos(1.5), 0, 0, np.sin(1.5)], abs=1e-10)
+        assert trajectory.attitude[1, 0] == pytest.approx(
+            [np.cos(1.5), 0, 0, np.sin(1.5)], abs=1e-10
+        )

@@ -1,4 +1,6 @@
-"""Stick-slip in the reference: certified truth at every sample, events to the last bits, the section, and what is refused."""
+"""Stick-slip in the reference: certified truth at every sample, events to the last bits, the
+section, and what is refused.
+"""
 
 import numpy as np
 import pytest
@@ -27,18 +29,35 @@ def run(problem: Motion) -> Trajectory:
 
 def belted(*more, axis=(1.0, 0.0, 0.0), length=0.0, b=-1, **body) -> Scene:
     """A point on a spring and a belt."""
-    slider = Slider(a=0, b=b, normal_force=10.0, law="stribeck", mu0=0.4, mu1=0.1, lambda0=1.42, lambda1=0.01, belt_velocity=1.0, axis=axis)
-    return Scene.of([Body(mass=1.0, **body)], [Spring(a=0, stiffness=1.0, length=length), slider, *more])
+    slider = Slider(
+        a=0,
+        b=b,
+        normal_force=10.0,
+        law="stribeck",
+        mu0=0.4,
+        mu1=0.1,
+        lambda0=1.42,
+        lambda1=0.01,
+        belt_velocity=1.0,
+        axis=axis,
+    )
+    return Scene.of(
+        [Body(mass=1.0, **body)], [Spring(a=0, stiffness=1.0, length=length), slider, *more]
+    )
 
 
-@pytest.mark.parametrize("given", [
-    {},
-    {"friction_law": "linear", "gamma": "2", "eta": "5/4", "x0": "1", "v0": "2"},
-    {"a": "4", "mu0": "0.3", "lambda0": "2", "belt": "-0.5", "gamma": "3", "eta": "1.6"},
-    {"belt": "0", "gamma": "9", "x0": "2", "v0": "0"},
-    {"lambda0": "0", "lambda1": "0", "mu1": "0.4", "gamma": "3"},
-    {"eta": "0", "gamma": "-1"},
-], ids=str)  # fmt: skip
+@pytest.mark.parametrize(
+    "given",
+    [
+        {},
+        {"friction_law": "linear", "gamma": "2", "eta": "5/4", "x0": "1", "v0": "2"},
+        {"a": "4", "mu0": "0.3", "lambda0": "2", "belt": "-0.5", "gamma": "3", "eta": "1.6"},
+        {"belt": "0", "gamma": "9", "x0": "2", "v0": "0"},
+        {"lambda0": "0", "lambda1": "0", "mu1": "0.4", "gamma": "3"},
+        {"eta": "0", "gamma": "-1"},
+    ],
+    ids=str,
+)
 def test_every_sample_agrees_with_certified_truth(given, largest_error):
     seen = run(discovery.case("stick-slip").at(**(SHORT | given)).problem)
     assert largest_error("stick-slip", seen, ("x", "v"), **(SHORT | given)) < 4e-14
@@ -70,9 +89,22 @@ def test_energy_and_work_add_up():
 
 def test_the_axis_may_point_anywhere():
     axis = np.array([2.0, -1.0, 2.0]) / 3
-    straight = run(Motion(belted(Force(a=0, amplitude=0.5, frequency=1.2), position=(0.5, 0, 0)), np.linspace(0, 8, 9)))
-    tilted = belted(Force(a=0, amplitude=0.5, frequency=1.2, axis=tuple(axis)), axis=tuple(axis), position=tuple(0.5 * axis))
-    np.testing.assert_allclose(run(Motion(tilted, np.linspace(0, 8, 9))).position[:, 0] @ axis, straight.position[:, 0, 0], atol=1e-13)
+    straight = run(
+        Motion(
+            belted(Force(a=0, amplitude=0.5, frequency=1.2), position=(0.5, 0, 0)),
+            np.linspace(0, 8, 9),
+        )
+    )
+    tilted = belted(
+        Force(a=0, amplitude=0.5, frequency=1.2, axis=tuple(axis)),
+        axis=tuple(axis),
+        position=tuple(0.5 * axis),
+    )
+    np.testing.assert_allclose(
+        run(Motion(tilted, np.linspace(0, 8, 9))).position[:, 0] @ axis,
+        straight.position[:, 0, 0],
+        atol=1e-13,
+    )
 
 
 def test_the_section_tells_windows_from_chaos():
@@ -86,23 +118,34 @@ def test_the_section_tells_windows_from_chaos():
 
 
 def test_the_default_drive_makes_no_chaos():
-    found = ENGINE.section(discovery.case("stick-slip").at().problem, np.linspace(0.95, 1.35, 9), skip=60, keep=100)
+    found = ENGINE.section(
+        discovery.case("stick-slip").at().problem, np.linspace(0.95, 1.35, 9), skip=60, keep=100
+    )
     assert "chaotic" not in found.exponent.regimes()
 
 
 def test_a_section_of_another_scene_is_refused():
     with pytest.raises(UnsupportedError, match="no section"):
-        ENGINE.section(discovery.case("harmonic-oscillator").at().problem, np.array([1.0]), skip=1, keep=1)
+        ENGINE.section(
+            discovery.case("harmonic-oscillator").at().problem, np.array([1.0]), skip=1, keep=1
+        )
 
 
-@pytest.mark.parametrize(("scene", "word"), [
-    (belted(Dashpot(a=0, damping=0.1)), "dashpot"),
-    (belted(length=1.0, position=(1.0, 0.0, 0.0)), "natural length 0"),
-    (belted(UniformGravity(g=(0.0, -1.0, 0.0))), "along the slider"),
-    (belted(position=(1.0, 0.5, 0.0)), "along the slider"),
-    (belted(Force(a=0, amplitude=1.0), Force(a=0, amplitude=1.0)), "at most one force"),
-    (Scene.of([Body(mass=1.0)], [Spring(a=0, stiffness=1.0), Slider(a=0, normal_force=1.0)]), "does not hold"),
-], ids=str)  # fmt: skip
+@pytest.mark.parametrize(
+    ("scene", "word"),
+    [
+        (belted(Dashpot(a=0, damping=0.1)), "dashpot"),
+        (belted(length=1.0, position=(1.0, 0.0, 0.0)), "natural length 0"),
+        (belted(UniformGravity(g=(0.0, -1.0, 0.0))), "along the slider"),
+        (belted(position=(1.0, 0.5, 0.0)), "along the slider"),
+        (belted(Force(a=0, amplitude=1.0), Force(a=0, amplitude=1.0)), "at most one force"),
+        (
+            Scene.of([Body(mass=1.0)], [Spring(a=0, stiffness=1.0), Slider(a=0, normal_force=1.0)]),
+            "does not hold",
+        ),
+    ],
+    ids=str,
+)
 def test_what_it_cannot_do_is_refused_in_words(scene, word):
     assert word in (ENGINE.refusal(Motion(scene, np.linspace(0, 1, 3)), METHOD) or "")
 

@@ -1,4 +1,6 @@
-"""A string over a wheel: certified truth, energy, a machine at rest, Atwood's acceleration, sides of the wheel, refusals."""
+"""A string over a wheel: certified truth, energy, a machine at rest, Atwood's acceleration, sides
+of the wheel, refusals.
+"""
 
 import msgspec
 import numpy as np
@@ -18,7 +20,15 @@ QUANTITIES = ("r", "rdot", "thetadot")
 SETS = [
     {},
     {"wheel_radius": "0", "wheel_inertia": "0", "counter_mass": "3"},
-    {"wheel_radius": "1/3", "wheel_inertia": "1/5", "mass": "2", "counter_mass": "7/3", "theta0": "-1", "rdot0": "1/2", "thetadot0": "2"},
+    {
+        "wheel_radius": "1/3",
+        "wheel_inertia": "1/5",
+        "mass": "2",
+        "counter_mass": "7/3",
+        "theta0": "-1",
+        "rdot0": "1/2",
+        "thetadot0": "2",
+    },
 ]
 
 
@@ -71,7 +81,9 @@ def test_the_string_keeps_its_length_round_the_wheel(solved):
     run = solved(scene, np.linspace(0.0, 3.0, 49), "string-wheel")
     x, y = run.position[:, 0, 0], run.position[:, 0, 1]
     r = np.sqrt(x**2 + y**2 - 1 / 9)
-    contact = np.unwrap(np.arctan2(y, x) + np.arctan2(r, 1 / 3))  # where the string leaves the wheel
+    contact = np.unwrap(
+        np.arctan2(y, x) + np.arctan2(r, 1 / 3)
+    )  # where the string leaves the wheel
     length = r - contact / 3 - run.position[:, 1, 1]
     assert length == pytest.approx(np.full(49, length[0]), abs=1e-13)
 
@@ -80,7 +92,11 @@ def test_the_pendulum_may_hang_on_either_side(solved):
     scene = machine(**SETS[2])
     flipped = Scene.of(
         [
-            msgspec.structs.replace(b, position=(-b.position[0], *b.position[1:]), velocity=(-b.velocity[0], *b.velocity[1:]))
+            msgspec.structs.replace(
+                b,
+                position=(-b.position[0], *b.position[1:]),
+                velocity=(-b.velocity[0], *b.velocity[1:]),
+            )
             for b in scene.bodies.single()
         ],
         scene.elements,
@@ -92,7 +108,11 @@ def test_the_pendulum_may_hang_on_either_side(solved):
 def test_backwards_and_forwards_meet(solved):
     scene = machine()
     forward = solved(scene, T, "string-wheel")
-    back = solved(scene.with_state(position=forward.position[-1], velocity=forward.velocity[-1]), T[::-1], "string-wheel")
+    back = solved(
+        scene.with_state(position=forward.position[-1], velocity=forward.velocity[-1]),
+        T[::-1],
+        "string-wheel",
+    )
     assert back.position[-1] == pytest.approx(forward.position[0], abs=1e-13)
 
 
@@ -100,7 +120,12 @@ def test_a_pendulum_drawn_onto_the_wheel_is_an_error_with_its_time():
     from refdem.core.problem import Request
 
     with pytest.raises(UnsupportedError, match=r"contact with the wheel: .*before t = 0\.6"):
-        ENGINE.run(Request(problem=Motion(machine(counter_mass="3"), np.linspace(0.0, 1.0, 6)), method="string-wheel"))
+        ENGINE.run(
+            Request(
+                problem=Motion(machine(counter_mass="3"), np.linspace(0.0, 1.0, 6)),
+                method="string-wheel",
+            )
+        )
 
 
 def test_a_pendulum_drawn_straight_up_onto_the_wheel_is_an_error_too():
@@ -126,7 +151,10 @@ STILL = hanging()
         (hanging(speed=1.0), None),
         (Scene(STILL.bodies, STILL.elements[:1]), "with gravity"),
         (Scene(STILL.bodies, STILL.elements[1:]), "one string"),
-        (changed(STILL, position=np.add(STILL.bodies.position, [(0, 0, 0), (0.1, 0, 0)])), "straight down"),
+        (
+            changed(STILL, position=np.add(STILL.bodies.position, [(0, 0, 0), (0.1, 0, 0)])),
+            "straight down",
+        ),
         (changed(STILL, velocity=np.array([(0.0, 0, 0), (1.0, 0, 0)])), "straight down"),
         (changed(STILL, velocity=np.array([(0.0, 1, 0), (0.0, 1, 0)])), "do not share"),
         (changed(STILL, position=np.array([(0.25, 0, 0), (-0.5, -1, 0)])), "on the wheel"),

@@ -1,4 +1,6 @@
-"""Motions of any pace: a kernel with series of high order is told them in a unit of time of their own."""
+"""Motions of any pace: a kernel with series of high order is told them in a unit of time of their
+own.
+"""
 
 import numpy as np
 import pytest
@@ -12,13 +14,22 @@ from refdem.solvers._single_point import time_unit
 @pytest.mark.parametrize(
     ("method", "case", "ordinary", "other", "seconds", "metres"),
     [
-        ("stick-slip", "coulomb-oscillator", {"mass": "1"}, {"mass": str(2.0**-112)}, 2.0**-56, 1.0),
+        (
+            "stick-slip",
+            "coulomb-oscillator",
+            {"mass": "1"},
+            {"mass": str(2.0**-112)},
+            2.0**-56,
+            1.0,
+        ),
         ("stick-slip", "coulomb-oscillator", {"mass": "1"}, {"mass": str(2.0**112)}, 2.0**56, 1.0),
         ("rod-taylor", "pendulum", {"gravity": "1"}, {"gravity": str(2.0**-100)}, 2.0**50, 1.0),
         ("rod-taylor", "pendulum", {"gravity": "1"}, {"gravity": str(2.0**100)}, 2.0**-50, 1.0),
     ],
 )
-def test_the_same_motion_at_another_pace_has_the_same_numbers(method, case, ordinary, other, seconds, metres):
+def test_the_same_motion_at_another_pace_has_the_same_numbers(
+    method, case, ordinary, other, seconds, metres
+):
     def run(given, duration):
         problem = discovery.case(case).at(**given, duration=str(duration), samples="16").problem
         trajectory, _ = ENGINE.run(Request(problem=problem, method=method, step=None))
@@ -32,6 +43,9 @@ def test_the_same_motion_at_another_pace_has_the_same_numbers(method, case, ordi
         assert same.time / seconds == pytest.approx(one.time, rel=1e-12)
 
 
-@pytest.mark.parametrize(("times", "unit"), [([1.0], 1.0), ([1e-5, 1e30], 1.0), ([0.0, float("inf")], 1.0), ([1e-18, 1.0], 2.0**-60)])
+@pytest.mark.parametrize(
+    ("times", "unit"),
+    [([1.0], 1.0), ([1e-5, 1e30], 1.0), ([0.0, float("inf")], 1.0), ([1e-18, 1.0], 2.0**-60)],
+)
 def test_the_unit_is_a_second_unless_a_motion_is_very_fast_or_very_slow(times, unit):
     assert time_unit(times) == unit

@@ -1,4 +1,6 @@
-"""A convex body whose corners press on a plane: certified truth, a bounce in closed form, energy, momenta, refusals."""
+"""A convex body whose corners press on a plane: certified truth, a bounce in closed form, energy,
+momenta, refusals.
+"""
 
 import msgspec
 import numpy as np
@@ -30,7 +32,16 @@ def test_motion_is_certified_through_a_contact(solved, largest_error):
     assert largest_error("neglected-gyroscopic", run, names, member="slope") < 2e-13
 
 
-@pytest.mark.parametrize("given", [{}, {"damping": "0"}, {"friction": "0"}, {"slope": "0", "friction": "1/8"}, {"stiffness": "2e4"}])
+@pytest.mark.parametrize(
+    "given",
+    [
+        {},
+        {"damping": "0"},
+        {"friction": "0"},
+        {"slope": "0", "friction": "1/8"},
+        {"stiffness": "2e4"},
+    ],
+)
 def test_energy_is_lost_by_the_work_that_is_told_and_by_no_other(solved, given):
     scene = slope(**given)
     run = solved(scene, LONG, "tumbling-body")
@@ -58,8 +69,15 @@ def test_a_level_plane_without_friction_pushes_up_alone(solved):
 
 
 def flat(**law):
-    """A box of 1 kg that falls flat from 1/2 m under g = 8 m/s^2: it lands at 0.35 s with 2.8 m/s."""
-    body = Body(mass=1.0, inertia=(0.2, 0.3, 0.4), position=(0.0, 0.0, 0.49 + 0.125), shape=box(1.0, 0.5, 0.25))
+    """A box of 1 kg that falls flat from 1/2 m under g = 8 m/s^2: it lands at 0.35 s with 2.8
+    m/s.
+    """
+    body = Body(
+        mass=1.0,
+        inertia=(0.2, 0.3, 0.4),
+        position=(0.0, 0.0, 0.49 + 0.125),
+        shape=box(1.0, 0.5, 0.25),
+    )
     given = {"law": "linear", "stiffness": 2500.0, "branch": "R", "cutoff": "zero_force"} | law
     return Scene.of([body], [Plane(), UniformGravity(g=(0.0, 0.0, -8.0)), Contact(**given)])
 

@@ -1,4 +1,6 @@
-"""What the tests of batteries share: one ladder, shortened, climbed in this process by the reference or by one that carries a fault."""
+"""What the tests of batteries share: one ladder, shortened, climbed in this process by the
+reference or by one that carries a fault.
+"""
 
 from collections.abc import Callable, Sequence
 from dataclasses import replace
@@ -19,17 +21,38 @@ REFERENCE = discovery.engine("reference")
 
 
 def climbs(
-    folder: Path, name: str, ladder: str, rungs: Sequence[str], engine: Engine = REFERENCE, method: str = "", **options: Any
+    folder: Path,
+    name: str,
+    ladder: str,
+    rungs: Sequence[str],
+    engine: Engine = REFERENCE,
+    method: str = "",
+    **options: Any,
 ) -> Record:
-    """The record of one ladder with these rungs alone; the last of them that is promised stays promised."""
+    """The record of one ladder with these rungs alone; the last of them that is promised stays
+    promised.
+    """
     whole = battery(name)
     (found,) = (one for one in whole.ladders if one.name == ladder)
     promised = found.promised if found.promised in rungs else ""
     exempt = {who: due if due[0] in rungs else ("", "") for who, due in found.exempt.items()}
-    short = replace(found, rungs=tuple(rungs), promised=promised, basis=found.basis if promised else "", exempt=exempt)
+    short = replace(
+        found,
+        rungs=tuple(rungs),
+        promised=promised,
+        basis=found.basis if promised else "",
+        exempt=exempt,
+    )
     with discovery.engine_here(engine):
         asked = replace(whole, ladders=(short,))
-        return Stress([asked], Store(folder / "store.sqlite"), engines=[engine.name], method=method, jobs=0, **options).record()
+        return Stress(
+            [asked],
+            Store(folder / "store.sqlite"),
+            engines=[engine.name],
+            method=method,
+            jobs=0,
+            **options,
+        ).record()
 
 
 def verdicts(record: Record) -> dict[str, list[str]]:
@@ -39,18 +62,31 @@ def verdicts(record: Record) -> dict[str, list[str]]:
 
 def carrier(name: str, *, before: Any = None, after: Any = None) -> Engine:
     """The reference with a fault."""
-    fault = Fault(name=name, kind="stress", sentence=f"{name}.", on=(), sees=("", ""), before=before, after=after)
+    fault = Fault(
+        name=name,
+        kind="stress",
+        sentence=f"{name}.",
+        on=(),
+        sees=("", ""),
+        before=before,
+        after=after,
+    )
     return Carrier(REFERENCE, fault)
 
 
-def changed_bodies(change: Callable[[dict[str, Any]], dict[str, Any]]) -> Callable[[Request], Request]:
+def changed_bodies(
+    change: Callable[[dict[str, Any]], dict[str, Any]],
+) -> Callable[[Request], Request]:
     """A fault before the run: columns of bodies that are changed."""
 
     def before(request: Request) -> Request:
         problem = request.problem
         assert isinstance(problem, Motion)
         bodies = problem.scene.bodies
-        columns = {name: getattr(bodies, name).copy() for name in ("mass", "inertia", "position", "velocity", "omega")}
+        columns = {
+            name: getattr(bodies, name).copy()
+            for name in ("mass", "inertia", "position", "velocity", "omega")
+        }
         scene = replace(problem.scene, bodies=replace(bodies, **change(columns)))
         return replace(request, problem=replace(problem, scene=scene))
 
@@ -66,15 +102,25 @@ def changed_elements(**changes: Callable[[float], float]) -> Callable[[Request],
         assert isinstance(problem, Motion)
         elements = [
             msgspec.structs.replace(
-                element, **{name: change(getattr(element, name)) for name, change in changes.items() if hasattr(element, name)}
+                element,
+                **{
+                    name: change(getattr(element, name))
+                    for name, change in changes.items()
+                    if hasattr(element, name)
+                },
             )
             for element in problem.scene.elements
         ]
-        return replace(request, problem=replace(problem, scene=replace(problem.scene, elements=tuple(elements))))
+        return replace(
+            request,
+            problem=replace(problem, scene=replace(problem.scene, elements=tuple(elements))),
+        )
 
     return before
 
 
 def changed_run(**changes: Callable[[Any], Any]) -> Callable[[Request, Trajectory], Trajectory]:
     """A fault after the run: columns of the trajectory that are changed."""
-    return lambda request, run: replace(run, **{name: change(getattr(run, name)) for name, change in changes.items()})
+    return lambda request, run: replace(
+        run, **{name: change(getattr(run, name)) for name, change in changes.items()}
+    )

@@ -1,4 +1,6 @@
-"""The command from end to end: exit status, JSON, pages; programs with a refdem.toml; crashes and hangs that cost one rung."""
+"""The command from end to end: exit status, JSON, pages; programs with a refdem.toml; crashes and
+hangs that cost one rung.
+"""
 
 import json
 import sys
@@ -15,7 +17,15 @@ from refdem.cli.stress import command, status
 from refdem.errors import UsageError
 from refdem.stress.record import Climb, Record, Rung, read
 
-DEFAULT: dict[str, Any] = {"require": False, "longest": 5.0, "timeout": 20.0, "jobs": 1, "json": False, "method": "", "case": None}
+DEFAULT: dict[str, Any] = {
+    "require": False,
+    "longest": 5.0,
+    "timeout": 20.0,
+    "jobs": 1,
+    "json": False,
+    "method": "",
+    "case": None,
+}
 PROGRAM = """
 import os, sys, time
 asked = dict(line.split(maxsplit=1) for line in open(sys.argv[1]))
@@ -34,7 +44,7 @@ with open(sys.argv[2], "w") as out:
             v -= h / 2 * k * x
         print(asked[f"times.{n}"].strip(), 0, x, 0, 0, v, 0, 0, *[""] * 7, sep=",", file=out)
 """
-TOML = f'''
+TOML = f"""
 [engine]
 name = "springs"
 command = ["{sys.executable}", "springs.py", "{{request_txt}}", "{{trajectory}}"]
@@ -45,7 +55,7 @@ timeout = 6
 name = "verlet"
 order = 2
 symplectic = true
-'''
+"""
 
 
 @pytest.fixture(autouse=True)
@@ -66,7 +76,15 @@ def ended(tmp_path: Path) -> Callable[..., int]:
 def test_a_stress_test_writes_its_record_and_its_pages(
     ended: Callable[..., int], tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    assert ended(engine=["reference"], battery=["step-limit"], method="velocity-verlet", case=["harmonic-oscillator"]) == 0
+    assert (
+        ended(
+            engine=["reference"],
+            battery=["step-limit"],
+            method="velocity-verlet",
+            case=["harmonic-oscillator"],
+        )
+        == 0
+    )
     record = read(tmp_path / "out" / "stress.json")
     (climb,) = record.climbs
     assert (climb.holds, climb.breaks, climb.kept) == (0.99, 1.01, True)
@@ -78,18 +96,32 @@ def test_a_stress_test_writes_its_record_and_its_pages(
     assert (tmp_path / "out" / "figures" / "stress-step-limit.svg").read_text().startswith("<svg")
 
 
-def test_the_record_is_what_the_schema_says(ended: Callable[..., int], capsys: pytest.CaptureFixture[str]) -> None:
+def test_the_record_is_what_the_schema_says(
+    ended: Callable[..., int], capsys: pytest.CaptureFixture[str]
+) -> None:
     schema("stress")
     shown = json.loads(capsys.readouterr().out)
     assert {"climbs", "batteries"} <= set(shown["$defs"]["Record"]["properties"])
-    ended(engine=["reference"], battery=["step-limit"], method="rk4", case=["harmonic-oscillator"], json=True)
+    ended(
+        engine=["reference"],
+        battery=["step-limit"],
+        method="rk4",
+        case=["harmonic-oscillator"],
+        json=True,
+    )
     msgspec.json.decode(capsys.readouterr().out, type=Record)
 
 
-def test_a_program_is_stressed_by_its_refdem_toml_and_a_crash_or_a_hang_costs_one_rung(ended: Callable[..., int], tmp_path: Path) -> None:
+def test_a_program_is_stressed_by_its_refdem_toml_and_a_crash_or_a_hang_costs_one_rung(
+    ended: Callable[..., int], tmp_path: Path
+) -> None:
     (tmp_path / "springs.py").write_text(PROGRAM)
     (tmp_path / "refdem.toml").write_text(TOML)
-    asked = {"engine": [str(tmp_path / "refdem.toml")], "battery": ["stiffness"], "case": ["harmonic-oscillator"]}
+    asked = {
+        "engine": [str(tmp_path / "refdem.toml")],
+        "battery": ["stiffness"],
+        "case": ["harmonic-oscillator"],
+    }
     assert ended(**asked) == 0
     harder, softer = read(tmp_path / "out" / "stress.json").climbs
     assert [rung.verdict for rung in harder.rungs] == ["pass", "pass", "error", "error", "error"]
@@ -109,7 +141,10 @@ def test_what_has_no_ladder_is_refused_with_what_there_is(ended: Callable[..., i
 def test_general_ladders_are_put_on_any_motion(ended: Callable[..., int], tmp_path: Path) -> None:
     assert ended(engine=["reference"], battery=["frame"], case=["captured-mass[speed=2]"]) == 0
     record = read(tmp_path / "out" / "stress.json")
-    assert {climb.ladder for climb in record.climbs} >= {"far away: captured-mass[speed=2]", "turned: captured-mass[speed=2]"}
+    assert {climb.ladder for climb in record.climbs} >= {
+        "far away: captured-mass[speed=2]",
+        "turned: captured-mass[speed=2]",
+    }
     assert all(climb.required is None for climb in record.climbs)
 
 
@@ -117,7 +152,16 @@ def test_general_ladders_are_put_on_any_motion(ended: Callable[..., int], tmp_pa
 def test_exit_status(verdict: Any, expected: int) -> None:
     rungs = [Rung(rung="1", verdict=verdict)]
     climb = Climb(
-        battery="b", ladder="l", label="c", along="x", engine="e", version="", method="m", is_reference=True, rungs=rungs, kept=False
+        battery="b",
+        ladder="l",
+        label="c",
+        along="x",
+        engine="e",
+        version="",
+        method="m",
+        is_reference=True,
+        rungs=rungs,
+        kept=False,
     )
     record = Record(refdem="0", longest=1.0, batteries=[], climbs=[climb])
     assert status(record) == expected
@@ -127,7 +171,16 @@ def test_exit_status(verdict: Any, expected: int) -> None:
 def test_a_breaking_point_that_nobody_promised_is_no_failure(verdict: Any) -> None:
     rungs = [Rung(rung="1", verdict=verdict)]
     climb = Climb(
-        battery="b", ladder="l", label="c", along="x", engine="e", version="", method="m", is_reference=True, rungs=rungs, kept=None
+        battery="b",
+        ladder="l",
+        label="c",
+        along="x",
+        engine="e",
+        version="",
+        method="m",
+        is_reference=True,
+        rungs=rungs,
+        kept=None,
     )
     assert status(Record(refdem="0", longest=1.0, batteries=[], climbs=[climb])) == 0
 

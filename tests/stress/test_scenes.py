@@ -1,4 +1,6 @@
-"""The truth of the scenes of stress/scenes against a Runge-Kutta integration of this file; the reference against both."""
+"""The truth of the scenes of stress/scenes against a Runge-Kutta integration of this file; the
+reference against both.
+"""
 
 from fractions import Fraction
 
@@ -16,8 +18,12 @@ from refdem.stress.scenes.simultaneous import CASE as SIMULTANEOUS
 SCALE = {"overlap": 1.0, "rate": 1.0}
 
 
-def integrated(square: float, start: tuple[float, float], end: float, steps: int = 20000) -> tuple[float, float]:
-    """Overlap and rate at `end` by the classical method; the force has a kink where contact ends, of first order in the step."""
+def integrated(
+    square: float, start: tuple[float, float], end: float, steps: int = 20000
+) -> tuple[float, float]:
+    """Overlap and rate at `end` by the classical method; the force has a kink where contact ends,
+    of first order in the step.
+    """
     y, h = np.array(start), end / steps
 
     def rates(y: np.ndarray) -> np.ndarray:
@@ -41,16 +47,26 @@ def test_the_half_sine_is_the_solution(start: tuple[str, str], end: str) -> None
 
 
 def test_the_growth_of_errors_counts_every_body() -> None:
-    alone, many = (HalfSine(Fraction(9), (Fraction(0), Fraction(1)), SCALE, bodies) for bodies in (1, 5))
-    assert many.sensitivity(Fraction(1)) == pytest.approx(5 * alone.sensitivity(Fraction(1)), rel=1e-6)
+    alone, many = (
+        HalfSine(Fraction(9), (Fraction(0), Fraction(1)), SCALE, bodies) for bodies in (1, 5)
+    )
+    assert many.sensitivity(Fraction(1)) == pytest.approx(
+        5 * alone.sensitivity(Fraction(1)), rel=1e-6
+    )
 
 
-@pytest.mark.parametrize("instance", [OVERLAP.at(samples="8"), SIMULTANEOUS.at(hits="4", samples="8")], ids=lambda one: one.label)
+@pytest.mark.parametrize(
+    "instance",
+    [OVERLAP.at(samples="8"), SIMULTANEOUS.at(hits="4", samples="8")],
+    ids=lambda one: one.label,
+)
 def test_the_reference_agrees_with_the_truth(instance: object) -> None:
     truth = truth_here(instance)
     assert truth is not None
     assert truth.until == 9
-    run, _ = discovery.engine("reference").run(Request(problem=instance.problem, method="contact-events"))
+    run, _ = discovery.engine("reference").run(
+        Request(problem=instance.problem, method="contact-events")
+    )
     assert max(float(values.max()) for values in errors(instance, run, truth).values()) < 1e-13
 
 

@@ -10,17 +10,36 @@ from refdem.stress.record import Climb, Rung, Verdict
 from refdem.stress.verdict import climbed, number, ratio, rung_of, words
 
 RUNGS = ("1", "1e2", "1e4", "1e6")
-BARE = Climb(battery="b", ladder="l", label="c", along="x", engine="e", version="1", method="m", is_reference=True, rungs=[])
+BARE = Climb(
+    battery="b",
+    ladder="l",
+    label="c",
+    along="x",
+    engine="e",
+    version="1",
+    method="m",
+    is_reference=True,
+    rungs=[],
+)
 
 
 def ladder(promised: str = "1e4", **more: object) -> Ladder:
     return Ladder(
-        name="l", case="pendulum", along="x", rungs=RUNGS, measure=Parameters(lambda x: {}), promised=promised, basis="why", **more
+        name="l",
+        case="pendulum",
+        along="x",
+        rungs=RUNGS,
+        measure=Parameters(lambda x: {}),
+        promised=promised,
+        basis="why",
+        **more,
     )
 
 
 def climb(*verdicts: Verdict, promised: str = "1e4", **more: object) -> Climb:
-    rungs = [Rung(rung=rung, verdict=verdict) for rung, verdict in zip(RUNGS, verdicts, strict=True)]
+    rungs = [
+        Rung(rung=rung, verdict=verdict) for rung, verdict in zip(RUNGS, verdicts, strict=True)
+    ]
     return climbed(BARE, ladder(promised, **more), rungs, is_required=True)
 
 
@@ -29,7 +48,17 @@ def judged(*found: tuple[Outcome, float | None]) -> Record:
         Finding(check=f"c{k}", quantity="q", outcome=outcome, sentence="s", value=value, bound=1.0)
         for k, (outcome, value) in enumerate(found)
     )
-    return Record(case="c", label="c", parameters={}, engine="e", version="1", method="m", is_reference=False, runs=(), findings=findings)
+    return Record(
+        case="c",
+        label="c",
+        parameters={},
+        engine="e",
+        version="1",
+        method="m",
+        is_reference=False,
+        runs=(),
+        findings=findings,
+    )
 
 
 def test_a_method_holds_to_the_last_rung_before_the_first_that_breaks() -> None:
@@ -50,8 +79,14 @@ def test_a_promise_whose_rungs_were_left_out_is_neither_kept_nor_broken(verdict:
 
 def test_a_promise_ends_where_it_says() -> None:
     assert climb("pass", "pass", "pass", "fail").kept is True
-    assert climb("pass", "pass", "fail", "fail", exempt={"m": ("1e2", "it is for slow ones")}).kept is True
-    assert climb("pass", "fail", "fail", "fail", exempt={"m": ("1e2", "it is for slow ones")}).kept is False
+    assert (
+        climb("pass", "pass", "fail", "fail", exempt={"m": ("1e2", "it is for slow ones")}).kept
+        is True
+    )
+    assert (
+        climb("pass", "fail", "fail", "fail", exempt={"m": ("1e2", "it is for slow ones")}).kept
+        is False
+    )
 
 
 def test_an_engine_that_promised_nothing_is_held_to_nothing() -> None:
@@ -62,7 +97,15 @@ def test_an_engine_that_promised_nothing_is_held_to_nothing() -> None:
 def test_a_promise_without_a_reason_or_beyond_the_ladder_is_refused() -> None:
     for promised, basis in (("1e4", ""), ("1e5", "why")):
         with pytest.raises(UsageError, match="expected one of its rungs, with a basis"):
-            Ladder(name="l", case="pendulum", along="x", rungs=RUNGS, measure=Parameters(lambda x: {}), promised=promised, basis=basis)
+            Ladder(
+                name="l",
+                case="pendulum",
+                along="x",
+                rungs=RUNGS,
+                measure=Parameters(lambda x: {}),
+                promised=promised,
+                basis=basis,
+            )
 
 
 @pytest.mark.parametrize(
@@ -77,7 +120,9 @@ def test_a_promise_without_a_reason_or_beyond_the_ladder_is_refused() -> None:
         ([("unsupported", None)], "unsupported", None),
     ],
 )
-def test_a_rung_is_as_bad_as_its_worst_finding(found: list[tuple[Outcome, float | None]], verdict: Verdict, value: float | None) -> None:
+def test_a_rung_is_as_bad_as_its_worst_finding(
+    found: list[tuple[Outcome, float | None]], verdict: Verdict, value: float | None
+) -> None:
     rung = rung_of("1", judged(*found))
     assert rung.verdict == verdict
     assert value is None or rung.value == value
@@ -89,6 +134,9 @@ def test_a_value_over_a_bound_of_zero_is_drawn_above_it_unless_it_is_zero() -> N
     assert ratio(Rung(rung="1", verdict="error")) is None
 
 
-@pytest.mark.parametrize(("value", "shown"), [(0.0, "0"), (0.99, "0.99"), (2.0, "2"), (1e8, "1e8"), (2.0**27, "1.3e8"), (1e-12, "1e-12")])
+@pytest.mark.parametrize(
+    ("value", "shown"),
+    [(0.0, "0"), (0.99, "0.99"), (2.0, "2"), (1e8, "1e8"), (2.0**27, "1.3e8"), (1e-12, "1e-12")],
+)
 def test_rungs_have_two_digits(value: float, shown: str) -> None:
     assert number(value) == shown

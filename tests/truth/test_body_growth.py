@@ -1,6 +1,8 @@
-"""S(t) of free bodies against impulses from outside: the variational equation by Runge-Kutta, written anew, and powers of its period.
+"""S(t) of free bodies against impulses from outside: the variational equation by Runge-Kutta,
+written anew, and powers of its period.
 
-At random times a body is struck, in all directions at once: the largest growth over directions is a singular value.
+At random times a body is struck, in all directions at once: the largest growth over directions is a
+singular value.
 """
 
 from collections.abc import Sequence
@@ -41,7 +43,9 @@ def exact(text: str) -> tuple[Fraction, ...]:
 
 @dataclass(frozen=True)
 class Numbers:
-    """A body in doubles: its tensor, scales of turn and spin, omega at (n,) times and the matrix of its attitude at one."""
+    """A body in doubles: its tensor, scales of turn and spin, omega at (n,) times and the matrix of
+    its attitude at one.
+    """
 
     truth: FreeRigidBody
     tensor: Array
@@ -58,7 +62,9 @@ class Numbers:
             return np.array([[float(x.mid()) for x in row] for row in rows])
 
     def slopes(self, omegas: Array) -> Array:
-        """The variational equation (n, 6, 6) of (psi, d): psi' = d - omega x psi, J d' = J d x omega + J omega x d."""
+        """The variational equation (n, 6, 6) of (psi, d): psi' = d - omega x psi, J d' = J d x
+        omega + J omega x d.
+        """
         found = np.zeros((len(omegas), 6, 6))
         turning = crossed(omegas)
         found[:, :3, :3] = -turning
@@ -80,10 +86,14 @@ class Numbers:
         return found
 
     def largest(self, matrices: Array) -> float:
-        """The largest growth (of a turn, or of one component) by matrices (n, 9, 6), over all impulses of one scale in both parts."""
+        """The largest growth (of a turn, or of one component) by matrices (n, 9, 6), over all
+        impulses of one scale in both parts.
+        """
         by_turn = matrices[..., :3] * self.turn
         by_spin = matrices[..., 3:] * self.spin
-        turned = np.linalg.norm(by_turn[:, :3], ord=2, axis=(-2, -1)) + np.linalg.norm(by_spin[:, :3], ord=2, axis=(-2, -1))
+        turned = np.linalg.norm(by_turn[:, :3], ord=2, axis=(-2, -1)) + np.linalg.norm(
+            by_spin[:, :3], ord=2, axis=(-2, -1)
+        )
         others = np.linalg.norm(by_turn[:, 3:], axis=-1) + np.linalg.norm(by_spin[:, 3:], axis=-1)
         return float(max(turned.max(), others.max()))
 
@@ -106,7 +116,9 @@ def of_body(inertia: str, omega: str) -> Numbers:
 
 
 def steps_of(numbers: Numbers, end: float) -> tuple[Array, Array]:
-    """omega at the ends of steps (STEPS + 1, 3), and what errors become during each step (STEPS, 6, 6), by Runge and Kutta."""
+    """omega at the ends of steps (STEPS + 1, 3), and what errors become during each step (STEPS, 6,
+    6), by Runge and Kutta.
+    """
     step = end / STEPS
     omegas = numbers.omegas(np.linspace(0.0, end, 2 * STEPS + 1))
     slopes = numbers.slopes(omegas)
@@ -122,7 +134,9 @@ def steps_of(numbers: Numbers, end: float) -> tuple[Array, Array]:
 def compared(numbers: Numbers, t: Fraction, growth: float) -> None:
     """S is not below the largest growth, and not above twice of it."""
     bound = inner(numbers.truth, t)
-    assert growth <= bound * (1 + MARGIN), f"t = {float(t)}: an impulse grows by {growth}, S is {bound}"
+    assert growth <= bound * (1 + MARGIN), (
+        f"t = {float(t)}: an impulse grows by {growth}, S is {bound}"
+    )
     assert bound <= SHARP * growth, f"t = {float(t)}: S is {bound}, the largest growth {growth}"
 
 
@@ -186,7 +200,9 @@ REPEATED = [
 
 
 def repeated(numbers: Numbers, periods: Sequence[int]) -> None:
-    """Impulses at random times of all periods so far, by powers of what a period makes of errors."""
+    """Impulses at random times of all periods so far, by powers of what a period makes of
+    errors.
+    """
     rng = np.random.default_rng(1)
     with precision(192):
         period = float(numbers.truth.body().period().mid())
@@ -199,7 +215,9 @@ def repeated(numbers: Numbers, periods: Sequence[int]) -> None:
     for count in periods:
         for k in rng.integers(1, STEPS, LOOKS // 2).tolist():
             seconds = k * (period / STEPS)
-            readings = numbers.readings(Fraction(seconds) + count * Fraction(period), numbers.omegas([seconds])[0])
+            readings = numbers.readings(
+                Fraction(seconds) + count * Fraction(period), numbers.omegas([seconds])[0]
+            )
             # Impulses of this period, of the first one, and of others.
             found = numbers.largest(readings @ since[k] @ back[: k + 1])
             for n in {count, *rng.integers(1, count + 1, 9).tolist()}:
@@ -224,14 +242,23 @@ def test_so_it_is_of_points_in_axes_that_are_not_principal(positions):
     truth = discovery.case("rigid-cluster").at(positions=positions, masses=masses).truth()
     axes = np.array([[float(x.mid()) for x in row] for row in truth.axes()])
     tensor = np.array([[float(x) for x in row] for row in truth.tensor])
-    numbers = Numbers(truth, axes @ tensor @ axes.T, float(truth.scale["attitude.w"]), float(truth.scale["omega.x"]))
+    numbers = Numbers(
+        truth,
+        axes @ tensor @ axes.T,
+        float(truth.scale["attitude.w"]),
+        float(truth.scale["omega.x"]),
+    )
     repeated(numbers, (1, 5, 500))
 
 
 def test_a_motion_that_nearly_is_a_separatrix_is_known_for_ever():
-    """Products of derivatives in doubles had lost it after two turns, and no working precision helped."""
+    """Products of derivatives in doubles had lost it after two turns, and no working precision
+    helped.
+    """
     truth = discovery.case("intermediate-axis").at(offset="1e-12", direction="3").truth()
-    early, late = (max(truth.sensitivity(Fraction(t) + 16 * n) for n in range(12)) for t in (1000, 100_000))
+    early, late = (
+        max(truth.sensitivity(Fraction(t) + 16 * n) for n in range(12)) for t in (1000, 100_000)
+    )
     assert 1e24 < early < late < 1e30
 
 

@@ -44,7 +44,9 @@ class Harmonic(ClosedForm):
     @per_precision
     def growth(self):
         ratio = arb_of(self.scale["x"] / self.scale["v"])
-        return SteadyGrowth(partial(linear, arb(1), -1, ratio), Norm([1, 1]), narrow(arb(1)), 2 * arb.pi())
+        return SteadyGrowth(
+            partial(linear, arb(1), -1, ratio), Norm([1, 1]), narrow(arb(1)), 2 * arb.pi()
+        )
 
     def constants(self):
         return {"period": 2 * arb.pi()}
@@ -71,7 +73,13 @@ def test_sensitivity_is_the_largest_scaled_row_sum_of_the_flow_jacobian():
     t = 0.75
     expected = max(cos(t) + sin(t) / 2, 2 * sin(t) + cos(t))
     assert expected <= harmonic().sensitivity(Fraction(t)) <= 1.2 * expected
-    assert sqrt(2) <= Harmonic(Fraction(0), Fraction(0), {"x": 1.0, "v": 1.0}).sensitivity(Fraction(0.7853981633974483)) < 1.2 * sqrt(2)
+    assert (
+        sqrt(2)
+        <= Harmonic(Fraction(0), Fraction(0), {"x": 1.0, "v": 1.0}).sensitivity(
+            Fraction(0.7853981633974483)
+        )
+        < 1.2 * sqrt(2)
+    )
 
 
 def test_work_done_at_a_precision_is_kept():
@@ -96,7 +104,9 @@ def test_samples_are_doubles_whose_radii_contain_the_ball():
     assert found.reason == ""
     for i, t in enumerate(found.t):
         ball = truth.at(Fraction(t))["x"]
-        assert abs(Fraction(found.values["x"][i]) - ball.mid) + ball.radius <= Fraction(found.radii["x"][i])
+        assert abs(Fraction(found.values["x"][i]) - ball.mid) + ball.radius <= Fraction(
+            found.radii["x"][i]
+        )
         # sharp: a radius that is proved, in arithmetic that is the same everywhere
         assert found.radii["x"][i] < 1e-16
     assert found.scalars["period"][0] == 6.283185307179586
@@ -134,5 +144,19 @@ def test_numbers_that_would_be_rounded_are_refused(inertia, omega, wrong):
 
 def test_scales_may_be_floats_and_named_numbers_are_looked_at():
     with pytest.raises(TypeError, match="HarmonicOscillator got 1 in mass"):
-        HarmonicOscillator({"x": 1.0}, mass=1, stiffness=Fraction(2), gravity=Fraction(0), x0=Fraction(1), v0=Fraction(0))
-    HarmonicOscillator({"x": 1.0, "v": 0.1}, mass=Fraction(1), stiffness=Fraction(2), gravity=Fraction(0), x0=Fraction(1), v0=Fraction(0))
+        HarmonicOscillator(
+            {"x": 1.0},
+            mass=1,
+            stiffness=Fraction(2),
+            gravity=Fraction(0),
+            x0=Fraction(1),
+            v0=Fraction(0),
+        )
+    HarmonicOscillator(
+        {"x": 1.0, "v": 0.1},
+        mass=Fraction(1),
+        stiffness=Fraction(2),
+        gravity=Fraction(0),
+        x0=Fraction(1),
+        v0=Fraction(0),
+    )

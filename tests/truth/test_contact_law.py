@@ -1,4 +1,6 @@
-"""What follows from a contact's parameters is inside the proof: checked against the motion computed here at four times the precision."""
+"""What follows from a contact's parameters is inside the proof: checked against the motion computed
+here at four times the precision.
+"""
 
 from fractions import Fraction
 
@@ -46,7 +48,9 @@ def angle_of(restitution, cutoff):
 
 
 def normal_motion(instance, t):
-    """r.x, v.x, and the scalars of the normal motion of a sphere on a wall: a damped sine, from the written parameters alone."""
+    """r.x, v.x, and the scalars of the normal motion of a sphere on a wall: a damped sine, from the
+    written parameters alone.
+    """
     p = instance.case.meant(instance.p)
     radius, k, speed = (arb_of(p[name]) for name in ("radius", "stiffness", "speed"))
     mass = arb_of(p["density"]) * 4 * arb.pi() * radius**3 / 3
@@ -74,17 +78,22 @@ def contains(ball, value):
     return bool(apart <= arb_of(ball.radius) + arb(2) ** -1000)
 
 
-@pytest.mark.parametrize(("given", "digits"), [
-    ({**CO_4, "restitution": "0.1353352832366127"}, 40),
-    ({**CO_4, "restitution": "0.135336"}, 40),
-    ({**CO_4, "restitution": JUST_ENOUGH}, 60),
-    ({**CO_4, "restitution": "0.999999999999999"}, 40),
-    ({**CO_4, "restitution": "0.73", "angle": "1.2"}, 200),
-    (CO_3, 150),
-    ({**CO_3, "restitution": "1e-9"}, 120),
-])  # fmt: skip
+@pytest.mark.parametrize(
+    ("given", "digits"),
+    [
+        ({**CO_4, "restitution": "0.1353352832366127"}, 40),
+        ({**CO_4, "restitution": "0.135336"}, 40),
+        ({**CO_4, "restitution": JUST_ENOUGH}, 60),
+        ({**CO_4, "restitution": "0.999999999999999"}, 40),
+        ({**CO_4, "restitution": "0.73", "angle": "1.2"}, 200),
+        (CO_3, 150),
+        ({**CO_3, "restitution": "1e-9"}, 120),
+    ],
+)
 def test_every_value_of_a_damped_contact_is_inside_its_ball(given, digits):
-    """The dashpot came from 12 steps of Newton's rule to a nearly double root, and pi from 99 digits: 7.7e-9 and 4.7e-101 off."""
+    """The dashpot came from 12 steps of Newton's rule to a nearly double root, and pi from 99
+    digits: 7.7e-9 and 4.7e-101 off.
+    """
     instance = discovery.case("impact-benchmarks").at(**given)
     truth = instance.truth().refined(digits)
     scalars = truth.scalars()
@@ -108,7 +117,9 @@ def test_a_restitution_that_no_damping_makes_is_refused_to_the_last_digit():
 
 @pytest.mark.parametrize("digits", [1, 5, 20, 60, 200])
 @pytest.mark.parametrize("ends_with_overlap", [False, True])
-def test_a_dashpot_gives_back_its_restitution_however_near_to_the_critical_damping(digits, ends_with_overlap):
+def test_a_dashpot_gives_back_its_restitution_however_near_to_the_critical_damping(
+    digits, ends_with_overlap
+):
     restitution = beyond_critical(digits)
     found = dashpot(restitution, Fraction(3), Fraction(7), ends_with_overlap=ends_with_overlap)
     with precision(BITS):
@@ -123,10 +134,16 @@ def test_a_dashpot_gives_back_its_restitution_however_near_to_the_critical_dampi
 def test_a_scene_gets_the_rounded_values_of_the_proof():
     instance = discovery.case("impact-benchmarks").at(**CO_4, restitution="0.135336")
     p = instance.case.meant(instance.p)
-    contact = next(element for element in instance.scene.elements if type(element).__name__ == "Contact")
+    contact = next(
+        element for element in instance.scene.elements if type(element).__name__ == "Contact"
+    )
     with precision(BITS):
         mass = arb_of(p["density"]) * 4 * arb.pi() * arb_of(p["radius"]) ** 3 / 3
-        damping = 2 * (mass * arb_of(p["stiffness"])).sqrt() * angle_of(p["restitution"], "zero_force").cos()
+        damping = (
+            2
+            * (mass * arb_of(p["stiffness"])).sqrt()
+            * angle_of(p["restitution"], "zero_force").cos()
+        )
         assert instance.scene.bodies.mass[0] == float(mass)
         assert contact.damping == float(damping)
 
@@ -136,12 +153,16 @@ def test_masses_and_stiffnesses_of_spheres_are_their_formulas():
         assert (sphere_mass(Fraction(3), Fraction(2)).ball() - 32 * arb.pi()).contains(0)
         # 8 G sqrt(R)/(2 - nu) with G = E/(2 (1 + nu)), nu = 1/4, E = 10, R = 2
         expected = 8 * arb(4) / (arb(7) / 4) * arb(2).sqrt()
-        assert (mindlin_wall_stiffness(Fraction(10), Fraction(1, 4), Fraction(2)).ball() - expected).contains(0)
+        assert (
+            mindlin_wall_stiffness(Fraction(10), Fraction(1, 4), Fraction(2)).ball() - expected
+        ).contains(0)
 
 
 @pytest.mark.parametrize("bits", [53, 64, 128, 192, 193, 200, 256, 1000])
 def test_the_cosine_of_a_damping_that_is_nearly_critical_is_enclosed_at_every_precision(bits):
-    """Where 2 - ln(1/e) is lost in rounding Newton's rule has nothing to go by, and the ball was not a number."""
+    """Where 2 - ln(1/e) is lost in rounding Newton's rule has nothing to go by, and the ball was
+    not a number.
+    """
     restitution = beyond_critical(58)
     with precision(BITS):
         expected = angle_of(restitution, "zero_force").cos()

@@ -1,4 +1,6 @@
-"""Only exact numbers go from a case to its truth, and from a truth into a proof: held by types, by the source, and by perturbing floats."""
+"""Only exact numbers go from a case to its truth, and from a truth into a proof: held by types, by
+the source, and by perturbing floats.
+"""
 
 import ast
 from decimal import Decimal
@@ -28,22 +30,53 @@ from refdem.truth.traced_field import traced
 CASES = sorted(Path(refdem.__file__).with_name("cases").rglob("*.py"))
 TRUTHS = sorted(Path(refdem.__file__).with_name("truth").rglob("*.py"))
 ROUNDED = [0.5, np.float64(0.5), Decimal("0.5")]
-ROUNDING = ("limit_denominator", "from_float", "from_decimal", "as_integer_ratio", "from_number", "Decimal", "decimal")
+ROUNDING = (
+    "limit_denominator",
+    "from_float",
+    "from_decimal",
+    "as_integer_ratio",
+    "from_number",
+    "Decimal",
+    "decimal",
+)
 TEXTS = {"Fraction(default)", "map(Fraction, MATERIALS[found['material']])"}
 """What a case may make a Fraction of besides literals: texts of its own tables."""
-ELEMENTARY = {"pi", "sin", "cos", "tan", "sqrt", "exp", "atan2", "acos", "asin", "gamma", "e", "tau"}
+ELEMENTARY = {
+    "pi",
+    "sin",
+    "cos",
+    "tan",
+    "sqrt",
+    "exp",
+    "atan2",
+    "acos",
+    "asin",
+    "gamma",
+    "e",
+    "tau",
+}
 FORECASTS = {"two_spheres.py": {"pi", "sqrt"}}
 """What a proof will cost may be guessed by rounded numbers: no value comes from them."""
 TINY = 1 + 2.0**-20
 
 
 def motions():
-    """Every case at its defaults, every member of the impact benchmarks, and every choice (of a flow, a law) that a certified set makes."""
-    names = [name for name in discovery.names("cases") if not isinstance(discovery.case(name), Selection)]
-    found = [(name, {}) for name in names if name != "impact-benchmarks"] + [("impact-benchmarks", {"member": m}) for m in MEMBERS]
+    """Every case at its defaults, every member of the impact benchmarks, and every choice (of a
+    flow, a law) that a certified set makes.
+    """
+    names = [
+        name for name in discovery.names("cases") if not isinstance(discovery.case(name), Selection)
+    ]
+    found = [(name, {}) for name in names if name != "impact-benchmarks"] + [
+        ("impact-benchmarks", {"member": m}) for m in MEMBERS
+    ]
     for one in load():
         declared = {p.name: p for p in discovery.case(one.case).parameters}
-        chosen = {name: text for name, text in given_of(one).items() if declared[name].choices} if one.case != "impact-benchmarks" else {}
+        chosen = (
+            {name: text for name, text in given_of(one).items() if declared[name].choices}
+            if one.case != "impact-benchmarks"
+            else {}
+        )
         if chosen and (one.case, chosen) not in found:
             found.append((one.case, chosen))
     return found
@@ -65,7 +98,9 @@ def made_of_what_may_be_rounded(source):
         if not isinstance(node, ast.Call):
             continue
         called = ast.unparse(node.func)
-        makes = called == "Fraction" or (called == "map" and ast.unparse(node.args[0]) == "Fraction")
+        makes = called == "Fraction" or (
+            called == "map" and ast.unparse(node.args[0]) == "Fraction"
+        )
         if makes and not all(map(is_literal, node.args)):
             found.append(ast.unparse(node))
     return found
@@ -80,19 +115,36 @@ def test_no_case_makes_an_exact_number_of_a_rounded_one(path):
     assert names.isdisjoint(ROUNDING)
 
 
-@pytest.mark.parametrize("source", ["Fraction(1.25 * half)", "Fraction(getattr(v, 'x'))", "map(Fraction, sizes)", "Fraction(0.5)"])
+@pytest.mark.parametrize(
+    "source",
+    ["Fraction(1.25 * half)", "Fraction(getattr(v, 'x'))", "map(Fraction, sizes)", "Fraction(0.5)"],
+)
 def test_the_search_would_find_them(source):
     assert made_of_what_may_be_rounded(source) == [source]
 
 
 @pytest.mark.parametrize("path", TRUTHS, ids=lambda path: path.stem)
 def test_no_proof_knows_decimals_or_elementary_functions_of_binary64(path):
-    """ceil, log2 and the like of a float choose a step or a precision; a sine, a root or pi of one would be a value."""
+    """ceil, log2 and the like of a float choose a step or a precision; a sine, a root or pi of one
+    would be a value.
+    """
     tree = ast.parse(path.read_text())
-    imported = [alias.name for node in ast.walk(tree) if isinstance(node, ast.ImportFrom) and node.module == "math" for alias in node.names]
+    imported = [
+        alias.name
+        for node in ast.walk(tree)
+        if isinstance(node, ast.ImportFrom) and node.module == "math"
+        for alias in node.names
+    ]
     assert ELEMENTARY & set(imported) <= FORECASTS.get(path.name, set())
-    assert "decimal" not in {alias.name for node in ast.walk(tree) if isinstance(node, ast.Import) for alias in node.names}
-    assert "decimal" not in {node.module for node in ast.walk(tree) if isinstance(node, ast.ImportFrom)}
+    assert "decimal" not in {
+        alias.name
+        for node in ast.walk(tree)
+        if isinstance(node, ast.Import)
+        for alias in node.names
+    }
+    assert "decimal" not in {
+        node.module for node in ast.walk(tree) if isinstance(node, ast.ImportFrom)
+    }
 
 
 @pytest.mark.parametrize("rounded", ROUNDED, ids=str)
@@ -138,7 +190,9 @@ def answers(instance):
 
 
 def moved_away(case, given, monkeypatch):
-    """Which balls move when every float that the case can get from its parameters, or from what follows from them, is moved by 1e-6."""
+    """Which balls move when every float that the case can get from its parameters, or from what
+    follows from them, is moved by 1e-6.
+    """
     instance = case.at(**given)
     if "duration" in instance.p:
         given = {**given, "duration": str(Fraction(instance.scales.duration) / 8)}
@@ -159,7 +213,11 @@ def moved_away(case, given, monkeypatch):
     shifted = answers(again)
     assert shifted.keys() == plain.keys()
     told = [key for key, ball in plain.items() if ball is not None]
-    return [key for key in told if abs(plain[key].mid - shifted[key].mid) > plain[key].radius + shifted[key].radius]
+    return [
+        key
+        for key in told
+        if abs(plain[key].mid - shifted[key].mid) > plain[key].radius + shifted[key].radius
+    ]
 
 
 def words(value):

@@ -1,7 +1,9 @@
-"""S(t) of motions x'' = f(x) and of comets, near their separatrices and after many periods, against motions beside them to 512 bits.
+"""S(t) of motions x'' = f(x) and of comets, near their separatrices and after many periods, against
+motions beside them to 512 bits.
 
-What an error made at s has become at t is J(t) J(s)^-1, J being differences of the closed form by its start: in doubles, or by
-the variational equation, this product is lost where errors grow by 1e15, shrink, and grow again.
+What an error made at s has become at t is J(t) J(s)^-1, J being differences of the closed form by
+its start: in doubles, or by the variational equation, this product is lost where errors grow by
+1e15, shrink, and grow again.
 """
 
 from fractions import Fraction
@@ -48,7 +50,9 @@ def growth(now: arb_mat, back: arb_mat) -> float:
 @pytest.mark.parametrize("periods", [1, 3, 1000])
 @pytest.mark.parametrize(("case", "given"), MOTIONS)
 def test_s_is_at_most_twice_the_largest_growth_and_not_below_it(case, given, periods):
-    """Products of derivatives in doubles had lost it after one turn near a separatrix, and no working precision helped."""
+    """Products of derivatives in doubles had lost it after one turn near a separatrix, and no
+    working precision helped.
+    """
     truth = discovery.case(case).at(**given).truth()
     rng = np.random.default_rng(1)
     with precision(BITS):
@@ -67,4 +71,6 @@ def test_s_is_at_most_twice_the_largest_growth_and_not_below_it(case, given, per
             largest = max(growth(now, one) for s, one in zip(struck, back, strict=True) if s <= t)
             bound = truth.sensitivity(t)
             assert largest <= bound, f"t = {float(t)}: an impulse grows by {largest}, S is {bound}"
-            assert bound <= SHARP * largest, f"t = {float(t)}: S is {bound}, the largest growth {largest}"
+            assert bound <= SHARP * largest, (
+                f"t = {float(t)}: S is {bound}, the largest growth {largest}"
+            )

@@ -1,7 +1,9 @@
-"""S(t) against impulses from outside: neighbouring motions of equations that are written anew here, without a ball or a Jacobian.
+"""S(t) against impulses from outside: neighbouring motions of equations that are written anew here,
+without a ball or a Jacobian.
 
-At random times the motion is displaced by a small impulse in each coordinate, and how much of it is left is compared with S. The sum over
-the coordinates of what one quantity answers is the most that any impulse of one scale in every coordinate can do.
+At random times the motion is displaced by a small impulse in each coordinate, and how much of it is
+left is compared with S. The sum over the coordinates of what one quantity answers is the most that
+any impulse of one scale in every coordinate can do.
 """
 
 from collections.abc import Callable, Mapping
@@ -36,7 +38,9 @@ State = np.ndarray
 
 @dataclass(frozen=True)
 class Motion:
-    """A case, the rates of its state (n, copies) at a time, and what is read of a state besides itself."""
+    """A case, the rates of its state (n, copies) at a time, and what is read of a state besides
+    itself.
+    """
 
     case: str
     names: tuple[str, ...]
@@ -61,7 +65,10 @@ def seen_pendulum(p, y):
 
 def oscillator(p, y, t):
     push = getattr(p, "f0", 0.0) * np.cos(getattr(p, "drive", 0.0) * t)
-    return [y[1], -p.stiffness / p.mass * y[0] + p.gravity - 2 * getattr(p, "delta", 0.0) * y[1] + push]
+    return [
+        y[1],
+        -p.stiffness / p.mass * y[0] + p.gravity - 2 * getattr(p, "delta", 0.0) * y[1] + push,
+    ]
 
 
 def power(p, y, t):
@@ -73,7 +80,10 @@ def duffing(p, y, t):
 
 
 def driven_duffing(p, y, t):
-    return [y[1], -2 * p.delta * y[1] - p.alpha * y[0] - p.beta * y[0] ** 3 + p.f0 * np.cos(p.drive * t)]
+    return [
+        y[1],
+        -2 * p.delta * y[1] - p.alpha * y[0] - p.beta * y[0] ** 3 + p.f0 * np.cos(p.drive * t),
+    ]
 
 
 def kepler(p, y, t):
@@ -102,19 +112,31 @@ def wedge(p, y, t):
 def hill(p, y, t):
     fall = p.k1 * -p.x1 / p.x2
     rising, falling = p.k1 * (y[0] - p.x1), -fall * (y[0] - p.x2)
-    return [y[1], np.where(y[0] < p.x1, 0.0, np.where(y[0] < 0, rising, np.where(y[0] < p.x2, falling, 0.0))) / p.mass]
+    return [
+        y[1],
+        np.where(y[0] < p.x1, 0.0, np.where(y[0] < 0, rising, np.where(y[0] < p.x2, falling, 0.0)))
+        / p.mass,
+    ]
 
 
 def wheel(p, y, t):
     r, theta, rdot, rate = y
-    whole = p.mass + p.counter_mass + (p.wheel_inertia / p.wheel_radius**2 if p.wheel_radius else 0.0)
-    string = (p.mass * r * rate**2 + p.mass * p.gravity * np.cos(theta) - p.counter_mass * p.gravity) / whole
+    whole = (
+        p.mass + p.counter_mass + (p.wheel_inertia / p.wheel_radius**2 if p.wheel_radius else 0.0)
+    )
+    string = (
+        p.mass * r * rate**2 + p.mass * p.gravity * np.cos(theta) - p.counter_mass * p.gravity
+    ) / whole
     turning = (p.wheel_radius * rate**2 - 2 * rdot * rate - p.gravity * np.sin(theta)) / r
     return [rdot, rate, string + turning * p.wheel_radius, turning]
 
 
 def sliding(p, y, t):
-    sine, cosine = (p.slope / np.hypot(1, p.slope), 1 / np.hypot(1, p.slope)) if p.angle is None else (np.sin(p.angle), np.cos(p.angle))
+    sine, cosine = (
+        (p.slope / np.hypot(1, p.slope), 1 / np.hypot(1, p.slope))
+        if p.angle is None
+        else (np.sin(p.angle), np.cos(p.angle))
+    )
     return [y[1], np.full_like(y[1], p.gravity * (sine - p.friction * cosine))]
 
 
@@ -125,7 +147,13 @@ TOUCH = ("overlap", "v")
 MOTIONS = [
     Motion("pendulum", ANGLE, pendulum, {}, seen_pendulum),
     Motion("pendulum", ANGLE, pendulum, {"theta0": "0", "thetadot0": "7"}, seen_pendulum),
-    Motion("pendulum", ANGLE, pendulum, {"theta0": "3.14", "gravity": "1", "duration": "34.087186", "samples": "2"}, seen_pendulum),
+    Motion(
+        "pendulum",
+        ANGLE,
+        pendulum,
+        {"theta0": "3.14", "gravity": "1", "duration": "34.087186", "samples": "2"},
+        seen_pendulum,
+    ),
     Motion("pendulum", ANGLE, pendulum, {"theta0": "2", "duration": "12"}, seen_pendulum),
     Motion("harmonic-oscillator", LINE, oscillator),
     Motion("harmonic-oscillator", LINE, oscillator, {"stiffness": "7", "v0": "2"}),
@@ -135,8 +163,15 @@ MOTIONS = [
     Motion("power-oscillator", LINE, power),
     Motion("power-oscillator", LINE, power, {"exponent": "3", "duration": "40"}),
     Motion("duffing", LINE, duffing),
-    Motion("duffing", LINE, duffing, {"alpha": "-1", "beta": "1", "amplitude": "1.4", "duration": "20"}),
-    Motion("duffing", LINE, duffing, {"alpha": "1", "beta": "-1", "amplitude": "0.95", "duration": "30"}),
+    Motion(
+        "duffing", LINE, duffing, {"alpha": "-1", "beta": "1", "amplitude": "1.4", "duration": "20"}
+    ),
+    Motion(
+        "duffing",
+        LINE,
+        duffing,
+        {"alpha": "1", "beta": "-1", "amplitude": "0.95", "duration": "30"},
+    ),
     Motion("driven-duffing", LINE, driven_duffing),
     Motion("two-body-orbit", ORBIT, kepler),
     Motion("two-body-orbit", ORBIT, kepler, {"eccentricity": "0"}),
@@ -172,7 +207,9 @@ def growths(motion: Motion, seed: int = 1) -> tuple[list[Fraction], list[float],
         if k in looks:
             found.append(left_of(motion, p, truth.scale, pairs, sizes))
         if k in struck:
-            moved = np.concatenate([base + motion.size * np.diag(sizes), base - motion.size * np.diag(sizes)], axis=1)
+            moved = np.concatenate(
+                [base + motion.size * np.diag(sizes), base - motion.size * np.diag(sizes)], axis=1
+            )
             pairs = np.concatenate([pairs, moved], axis=1)
         y, t = np.concatenate([base, pairs], axis=1), k * step
         k1 = rates(y, t)
@@ -185,7 +222,9 @@ def growths(motion: Motion, seed: int = 1) -> tuple[list[Fraction], list[float],
     return times, found, [truth.sensitivity(t) for t in times]
 
 
-def left_of(motion: Motion, p: object, scale: Mapping[str, Fraction], pairs: State, sizes: State) -> float:
+def left_of(
+    motion: Motion, p: object, scale: Mapping[str, Fraction], pairs: State, sizes: State
+) -> float:
     """The largest sum, over the coordinates struck, of what a quantity answers."""
     count = len(sizes)
     answers = dict(zip(motion.names, pairs, strict=True)) | motion.read(p, pairs)
@@ -201,8 +240,12 @@ def left_of(motion: Motion, p: object, scale: Mapping[str, Fraction], pairs: Sta
 def test_no_impulse_grows_by_more_than_s_and_s_is_at_most_twice_the_largest_growth(motion):
     times, found, told = growths(motion)
     for t, growth, bound in zip(times, found, told, strict=True):
-        assert growth <= bound * (1 + MARGIN), f"t = {float(t)}: an impulse grows by {growth}, S is {bound}"
-        assert bound <= SHARP * max(1.0, growth), f"t = {float(t)}: S is {bound}, the largest growth {growth}"
+        assert growth <= bound * (1 + MARGIN), (
+            f"t = {float(t)}: an impulse grows by {growth}, S is {bound}"
+        )
+        assert bound <= SHARP * max(1.0, growth), (
+            f"t = {float(t)}: S is {bound}, the largest growth {growth}"
+        )
 
 
 ASKED = [
@@ -217,7 +260,9 @@ ASKED = [
 ]
 
 
-@pytest.mark.parametrize("case", [*ASKED, "stick-slip", "two-spheres", "captured-mass", "dissipating-body"])
+@pytest.mark.parametrize(
+    "case", [*ASKED, "stick-slip", "two-spheres", "captured-mass", "dissipating-body"]
+)
 def test_s_does_not_depend_on_what_else_is_asked(case):
     instance = discovery.case(case).at()
     times = [Fraction(float(t)) for t in instance.times][: len(instance.times) // 2]
@@ -240,7 +285,9 @@ def test_an_orbit_is_followed_for_ten_thousand_turns():
 
 
 def test_a_bound_of_what_is_not_finite_is_infinite():
-    """max(1.0, nan) is 1.0 in Python: a comet's field was bounded by 14 per second on balls that hold the centre."""
+    """max(1.0, nan) is 1.0 in Python: a comet's field was bounded by 14 per second on balls that
+    hold the centre.
+    """
     assert most([arb(1), arb("nan")]) == most([arb(0).union(arb(1)) ** -1, arb(2)]) == float("inf")
     assert tidal(arb(1), arb(1), arb(99) / 100, arb(1), arb(0).union(arb(1))) == float("inf")
     assert steepness(arb("nan"), arb(1)) == float("inf")

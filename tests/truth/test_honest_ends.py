@@ -1,4 +1,6 @@
-"""Where nothing can be proved the error has code, time and last state; costs are said before; what was given is proved again."""
+"""Where nothing can be proved the error has code, time and last state; costs are said before; what
+was given is proved again.
+"""
 
 from fractions import Fraction
 
@@ -64,7 +66,15 @@ class Squares(ValidatedFlow):
 
 
 def squares(kind):
-    return kind(lambda y: [y[0] * y[0]], [Fraction(1)], lambda y: {"x": y[0]}, {"x": 1.0}, state=("x",), moved=(0,), digits=10)
+    return kind(
+        lambda y: [y[0] * y[0]],
+        [Fraction(1)],
+        lambda y: {"x": y[0]},
+        {"x": 1.0},
+        state=("x",),
+        moved=(0,),
+        digits=10,
+    )
 
 
 @pytest.mark.parametrize(("kind", "code"), [(Squares, "singular"), (ValidatedFlow, "precision")])
@@ -91,12 +101,17 @@ def test_precision_is_raised_once_and_no_more_where_the_end_does_not_move():
         ("12", {"damping": "40"}),
     ],
 )
-def test_a_body_that_settles_about_an_axis_is_certified_long_after_it_has_and_keeps_its_angular_momentum(t, given):
+def test_a_body_that_settles_about_an_axis_is_certified_long_after_and_keeps_angular_momentum(
+    t, given
+):
     instance = discovery.case("dissipating-body").at(**given)
     truth = instance.truth()
     balls = truth.at(Fraction(t))
     assert all(ball.radius <= Fraction(1, 10**40) for ball in balls.values())
-    momentum = [sum((j * w) ** 2 for j, w in zip(truth.inertia, omega, strict=True)) for omega in (truth.omega, mids(balls))]
+    momentum = [
+        sum((j * w) ** 2 for j, w in zip(truth.inertia, omega, strict=True))
+        for omega in (truth.omega, mids(balls))
+    ]
     assert abs(momentum[1] / momentum[0] - 1) < Fraction(1, 10**38)
 
 
@@ -114,7 +129,9 @@ def mids(balls):
         ("quadratic-response", {"eps": "-3", "f0": "3,3", "x0": "0"}),
     ],
 )
-def test_an_oscillator_that_a_drive_throws_out_of_its_well_is_proved_to_be_infinite_soon(case, given):
+def test_an_oscillator_that_a_drive_throws_out_of_its_well_is_proved_to_be_infinite_soon(
+    case, given
+):
     error = ended(discovery.case(case).at(**given).truth(), 100)
     assert error.code == "singular"
     assert "infinite before" in str(error)
@@ -133,14 +150,21 @@ def test_a_start_that_the_spring_draws_back_is_not_called_infinite():
 
 
 def test_the_time_to_infinity_bounds_that_of_a_spring_that_is_solved():
-    """z'' = 2 z^3 with z' = z^2 at z = 1 is z = 1/(1 - t); the bound must lie beyond t = 1 and near it."""
-    bound = Repulsion(3, Fraction(2), Fraction(0), Fraction(0), Fraction(0)).infinite_within(arb(1), arb(1))
+    """z'' = 2 z^3 with z' = z^2 at z = 1 is z = 1/(1 - t); the bound must lie beyond t = 1 and near
+    it.
+    """
+    bound = Repulsion(3, Fraction(2), Fraction(0), Fraction(0), Fraction(0)).infinite_within(
+        arb(1), arb(1)
+    )
     assert 1 < bound < 2
 
 
 def test_a_duffing_oscillator_above_its_escape_energy_is_singular():
     with pytest.raises(NotCertifiedError) as caught:
-        duffing.truth({"alpha": Fraction(1), "beta": Fraction(-1), "amplitude": Fraction(2)}, {"x": 1.0, "v": 1.0}).at(Fraction(1))
+        duffing.truth(
+            {"alpha": Fraction(1), "beta": Fraction(-1), "amplitude": Fraction(2)},
+            {"x": 1.0, "v": 1.0},
+        ).at(Fraction(1))
     assert caught.value.code == "singular"
 
 
@@ -155,7 +179,11 @@ def test_multipliers_of_a_slow_drive_end_as_precision_and_the_motion_does_not():
 def test_stiff_and_fast_motions_have_discs():
     for name, t, given in (
         ("driven-duffing", "1/64", {"delta": "200"}),
-        ("kapitza-pendulum", "1/64", {"length": "3/5", "drive_amplitude": "3/5", "theta0": "-5/64"}),
+        (
+            "kapitza-pendulum",
+            "1/64",
+            {"length": "3/5", "drive_amplitude": "3/5", "theta0": "-5/64"},
+        ),
     ):
         balls = discovery.case(name).at(**given).truth().at(Fraction(t))
         assert all(ball.radius < Fraction(1, 10**38) for ball in balls.values())
@@ -175,16 +203,33 @@ def test_a_motion_through_events_says_what_it_will_cost_and_is_not_displaced():
 def test_where_s_is_not_known_it_says_why_and_from_where_on():
     with pytest.raises(NotCertifiedError, match="no sensitivity") as caught:
         Torn({"x": 1.0}).sensitivity(Fraction(3, 2))
-    assert (caught.value.code, caught.value.time, caught.value.state["x"].mid) == ("separatrix", 0.0, 1)
+    assert (caught.value.code, caught.value.time, caught.value.state["x"].mid) == (
+        "separatrix",
+        0.0,
+        1,
+    )
 
 
 def test_s_of_a_motion_through_events_ends_where_the_motion_does():
     """S is asked for first: nothing of the motion is known yet."""
-    given = {"spins": "1,3,1,2,-1,3", "angle": "1/3", "tangential_stiffness": "512", "friction": "1/64", "damping": "0"}
-    for ask in (lambda truth, t: truth.sensitivity(t), lambda truth, t: truth.sensitivities([Fraction(0), t])):
+    given = {
+        "spins": "1,3,1,2,-1,3",
+        "angle": "1/3",
+        "tangential_stiffness": "512",
+        "friction": "1/64",
+        "damping": "0",
+    }
+    for ask in (
+        lambda truth, t: truth.sensitivity(t),
+        lambda truth, t: truth.sensitivities([Fraction(0), t]),
+    ):
         with pytest.raises(NotCertifiedError, match=r"S at t = [01] s") as caught:
             ask(discovery.case("two-spheres").at(**given).truth(), Fraction(1))
-        assert (caught.value.code, caught.value.time, caught.value.state["omega1.y"].mid) == ("singular", 0.0, 3)
+        assert (caught.value.code, caught.value.time, caught.value.state["omega1.y"].mid) == (
+            "singular",
+            0.0,
+            3,
+        )
 
 
 def test_a_time_within_an_event_has_the_entry_before_it_as_last_state():
@@ -200,5 +245,16 @@ def test_a_time_within_an_event_has_the_entry_before_it_as_last_state():
 def test_members_are_proved_again_with_what_was_given_alone():
     for one in load("impact-benchmarks"):
         given = given_of(one)
-        assert set(given) <= {"member", "angle", "partner_spin", "branch", "restitution", "friction", "radius", "speed", "cutoff", "spin"}
+        assert set(given) <= {
+            "member",
+            "angle",
+            "partner_spin",
+            "branch",
+            "restitution",
+            "friction",
+            "radius",
+            "speed",
+            "cutoff",
+            "spin",
+        }
         assert discovery.case(one.case).at(**given).label == one.label

@@ -1,4 +1,6 @@
-"""Jacobi's functions against published values, special values and Arb's own incomplete integrals."""
+"""Jacobi's functions against published values, special values and Arb's own incomplete
+integrals.
+"""
 
 import pytest
 from flint import acb, arb, ctx
@@ -21,7 +23,9 @@ def test_quarter_period_at_one_half_is_that_of_the_lemniscate():
     # K(m = 1/2) = Gamma(1/4)^2/(4 sqrt pi) (DLMF 19.6.2); digits: OEIS A093341
     k = jacobi("0.5").k
     assert k.overlaps(arb("0.25").gamma() ** 2 / (4 * arb.pi().sqrt()))
-    assert abs(k - arb("1.85407467730137191843385034719526004621759882352176690558592804")) < arb("1e-61")
+    assert abs(k - arb("1.85407467730137191843385034719526004621759882352176690558592804")) < arb(
+        "1e-61"
+    )
     assert k.rad() < 1e-85
 
 
@@ -30,7 +34,11 @@ def test_half_of_the_quarter_period_has_its_algebraic_values(m):
     j = jacobi(m)
     k1 = j.m1.sqrt()
     sn, cn, dn = j.sn_cn_dn(j.k / 2)  # DLMF 22.5.ii
-    for value, expected in ((sn, 1 / (1 + k1).sqrt()), (cn, (k1 / (1 + k1)).sqrt()), (dn, k1.sqrt())):
+    for value, expected in (
+        (sn, 1 / (1 + k1).sqrt()),
+        (cn, (k1 / (1 + k1)).sqrt()),
+        (dn, k1.sqrt()),
+    ):
         assert value.overlaps(expected)
         assert value.rad() < 1e-70
 
@@ -54,7 +62,9 @@ def test_zeta_on_the_imaginary_axis_is_that_of_the_incomplete_second_integral():
     j = jacobi("0.6")
     phi = acb(0, 1) * arb("0.8")
     u = acb.elliptic_f(phi, acb(j.m))
-    zeta = acb.elliptic_e_inc(phi, acb(j.m)) - acb(j.m).elliptic_e() / acb(j.m).elliptic_k() * u  # DLMF 22.16.32
+    zeta = (
+        acb.elliptic_e_inc(phi, acb(j.m)) - acb(j.m).elliptic_e() / acb(j.m).elliptic_k() * u
+    )  # DLMF 22.16.32
     assert u.real.contains(0)
     assert j.zeta_on_imaginary_axis(u.imag).overlaps(zeta.imag)
 

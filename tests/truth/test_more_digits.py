@@ -1,7 +1,9 @@
-"""More digits never contradict fewer: answers to 15, 30 and 60 digits overlap, at every certified set and at random settings.
+"""More digits never contradict fewer: answers to 15, 30 and 60 digits overlap, at every certified
+set and at random settings.
 
-An iteration that stops too early, or a number that is rounded at one precision otherwise than at another, is found here.
-REFDEM_RANDOM_SETTINGS (20 for a night) says how many settings a case gets, REFDEM_RANDOM_SEED which ones.
+An iteration that stops too early, or a number that is rounded at one precision otherwise than at
+another, is found here. REFDEM_RANDOM_SETTINGS (20 for a night) says how many settings a case gets,
+REFDEM_RANDOM_SEED which ones.
 """
 
 import os
@@ -25,14 +27,18 @@ SETTINGS = int(os.environ.get("REFDEM_RANDOM_SETTINGS", "2"))
 SEED = os.environ.get("REFDEM_RANDOM_SEED", "12")
 DIGITS = (15, 30, 60)
 SHORT = Fraction(1, 16)
-"""Part of its default duration that a motion gets: validated integration costs as much as the time it covers."""
+"""Part of its default duration that a motion gets: validated integration costs as much as the time
+it covers.
+"""
 EARLY = (Fraction(1, 16), Fraction(1, 4))
 """Parts of that."""
 ITERATES = (Fraction(1), Fraction(7))
 TRIES = 40
 """Draws for one setting: some are refused, for parameters that do not go together."""
 LEFT_ALONE = ("duration", "samples", "points", "n", "spheres", "member")
-NAMES = [name for name in discovery.names("cases") if not isinstance(discovery.case(name), Selection)]
+NAMES = [
+    name for name in discovery.names("cases") if not isinstance(discovery.case(name), Selection)
+]
 
 
 def near(rng: random.Random, parameter: Parameter, value: Fraction) -> Fraction:
@@ -51,7 +57,9 @@ def drawn(rng: random.Random, parameter: Parameter, default: str) -> str:
     """Another value of a parameter, as text."""
     if parameter.choices:
         return rng.choice(parameter.choices)
-    own = Parameter(name=parameter.name, default=default, unit="", doc="", shape=parameter.shape).parsed(default)
+    own = Parameter(
+        name=parameter.name, default=default, unit="", doc="", shape=parameter.shape
+    ).parsed(default)
     values = own if isinstance(own, tuple) else (own,)
     if parameter.whole:
         return default
@@ -62,7 +70,9 @@ def settings(rng: random.Random, case: str) -> dict[str, str]:
     """A few parameters of a case, drawn anew."""
     declared = {p.name: p for p in discovery.case(case).parameters}
     given = {}
-    defaults = {name: p.default for name, p in declared.items() if name not in LEFT_ALONE and p.default}
+    defaults = {
+        name: p.default for name, p in declared.items() if name not in LEFT_ALONE and p.default
+    }
     if case == "impact-benchmarks":
         given["member"] = rng.choice(MEMBERS)
         defaults = dict(member(given["member"]).numbers)
@@ -75,7 +85,9 @@ def shortened(case: str, given: dict[str, str]):
     instance = discovery.case(case).at(**given)
     if "duration" not in instance.p:
         return instance
-    return discovery.case(case).at(**{**given, "duration": str(Fraction(instance.scales.duration) * SHORT)})
+    return discovery.case(case).at(
+        **{**given, "duration": str(Fraction(instance.scales.duration) * SHORT)}
+    )
 
 
 def random_instance(case: str, number: int):
@@ -114,7 +126,10 @@ def contradictions(instance, times):
         for key in each[fewer].keys() & each[more].keys():
             one, other = each[fewer][key], each[more][key]
             if abs(one.mid - other.mid) > one.radius + other.radius:
-                found.append(f"{instance.label}: {key[1]} at {key[0]} with {DIGITS[fewer]} and {DIGITS[more]} digits")
+                found.append(
+                    f"{instance.label}: {key[1]} at {key[0]} with {DIGITS[fewer]} and"
+                    f" {DIGITS[more]} digits"
+                )
     return found
 
 
@@ -145,7 +160,9 @@ def test_more_digits_agree_with_fewer_at_every_certified_set(case):
 
 
 def test_balls_that_are_too_small_for_their_precision_are_found():
-    """The test of the test: a third, 3 units off in the last digit that is asked for, with a radius of 1."""
+    """The test of the test: a third, 3 units off in the last digit that is asked for, with a radius
+    of 1.
+    """
 
     class Off:
         def __init__(self, digits=15):

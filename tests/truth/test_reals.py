@@ -1,4 +1,6 @@
-"""A number that follows from parameters is enclosed at every precision, is never rounded, and its comparisons are proved."""
+"""A number that follows from parameters is enclosed at every precision, is never rounded, and its
+comparisons are proved.
+"""
 
 import operator
 import random
@@ -17,10 +19,19 @@ ROUNDED = (0.5, np.float64(0.5), Decimal("0.5"), np.int64(2), True, "1/2", 1j)
 
 def grown(rng):
     """A random expression of exact numbers and of numbers that follow from them."""
-    leaves = [pi(), root(Fraction(2)), root(Fraction(3, 5)), sine(Fraction(1, 3)), cosine(Fraction(7, 4)), logarithm(Fraction(5))]
+    leaves = [
+        pi(),
+        root(Fraction(2)),
+        root(Fraction(3, 5)),
+        sine(Fraction(1, 3)),
+        cosine(Fraction(7, 4)),
+        logarithm(Fraction(5)),
+    ]
     value = rng.choice(leaves)
     for _ in range(rng.randint(1, 12)):
-        other = rng.choice([*leaves, Fraction(rng.randint(1, 9), rng.randint(1, 9)), rng.randint(1, 5)])
+        other = rng.choice(
+            [*leaves, Fraction(rng.randint(1, 9), rng.randint(1, 9)), rng.randint(1, 5)]
+        )
         operation = rng.choice([operator.add, operator.sub, operator.mul, operator.truediv])
         is_first = operation is operator.truediv or rng.random() < 0.5
         value = operation(value, other) if is_first else operation(other, value)

@@ -8,7 +8,9 @@ from refdem.core import discovery
 from refdem.truth.sampled import sampled
 
 
-def test_earlier_samples_are_those_of_the_earlier_times_and_nothing_is_known_before_the_first() -> None:
+def test_earlier_samples_are_those_of_the_earlier_times_and_nothing_is_known_before_the_first() -> (
+    None
+):
     instance = discovery.case("harmonic-oscillator").at(samples="8", duration="2")
     times, delay = instance.times, 2.0**-6
     found = sampled(instance.truth(), times.tolist(), [delay])

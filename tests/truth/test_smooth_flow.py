@@ -19,13 +19,17 @@ def grown(truth):
     return truth.sensitivities([Fraction(0), MADE, SEEN])[-1]
 
 
-@pytest.mark.parametrize("given", [{"theta0": "3"}, {"theta0": "0", "thetadot0": "6"}, {"theta0": "1", "thetadot0": "-7"}])
+@pytest.mark.parametrize(
+    "given",
+    [{"theta0": "3"}, {"theta0": "0", "thetadot0": "6"}, {"theta0": "1", "thetadot0": "-7"}],
+)
 def test_growth_in_a_pendulum_is_that_of_one_started_on_the_way(given):
     truth, p = truth_of("pendulum", **given), case("pendulum").at(**given).p
     way = truth.refined(70).at(MADE)
     start = dict(p) | {"theta0": way["theta"].mid, "thetadot0": way["thetadot"].mid}
     later = Pendulum(start, truth.scale).sensitivity(SEEN - MADE)
-    # What grows from MADE on alone is no more than S, and S is not much more than the largest of what is made before and after.
+    # What grows from MADE on alone is no more than S, and S is not much more than the largest of
+    # what is made before and after.
     assert later <= 1.3 * grown(truth)
     assert grown(truth) <= 1.3 * max(later, truth.sensitivity(MADE) * later)
     assert from_the_start(truth, SEEN) <= grown(truth)

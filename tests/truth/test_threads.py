@@ -1,4 +1,6 @@
-"""Proofs of several threads are, ball for ball, those of one; nothing but balls.py touches python-flint's settings."""
+"""Proofs of several threads are, ball for ball, those of one; nothing but balls.py touches
+python-flint's settings.
+"""
 
 import ast
 from concurrent.futures import ThreadPoolExecutor
@@ -35,7 +37,12 @@ def told(case, given, t):
     time = Fraction(t)
     balls = dict(truth.at(time))
     growth = truth.sensitivity(time)
-    return balls, dict(truth.scalars()), growth, exponent(truth, time) if case == "van-der-pol" else None
+    return (
+        balls,
+        dict(truth.scalars()),
+        growth,
+        exponent(truth, time) if case == "van-der-pol" else None,
+    )
 
 
 def test_eight_threads_prove_bit_for_bit_what_one_proves():
@@ -78,7 +85,9 @@ def test_a_setting_is_held_until_its_thread_is_done(setting):
 
 
 def test_a_truth_is_asked_under_the_lock():
-    """Another thread that holds the lock keeps `at` waiting; so what is evaluated outside of `precision` is guarded too."""
+    """Another thread that holds the lock keeps `at` waiting; so what is evaluated outside of
+    `precision` is guarded too.
+    """
     truth = discovery.case("harmonic-oscillator").at().truth()
     found = []
     with CONTEXT:
@@ -99,7 +108,9 @@ def test_a_series_that_was_cut_short_is_no_series():
 
 
 def settings_changed(path):
-    """Lines of a file that change python-flint's settings: an assignment to one of them, or one of its own managers."""
+    """Lines of a file that change python-flint's settings: an assignment to one of them, or one of
+    its own managers.
+    """
     for node in ast.walk(ast.parse(path.read_text())):
         if isinstance(node, ast.Assign | ast.AugAssign | ast.AnnAssign):
             targets = node.targets if isinstance(node, ast.Assign) else [node.target]
@@ -109,18 +120,39 @@ def settings_changed(path):
                     yield node.lineno
         elif isinstance(node, ast.Call):
             name = ast.unparse(node.func)
-            is_manager = name.rpartition(".")[2] in {"workprec", "workdps", "extraprec", "extradps", "default", "cleanup"}
-            if (is_manager and "ctx" in name) or (name == "setattr" and "ctx" in ast.unparse(node.args[0])):
+            is_manager = name.rpartition(".")[2] in {
+                "workprec",
+                "workdps",
+                "extraprec",
+                "extradps",
+                "default",
+                "cleanup",
+            }
+            if (is_manager and "ctx" in name) or (
+                name == "setattr" and "ctx" in ast.unparse(node.args[0])
+            ):
                 yield node.lineno
 
 
 def test_nothing_but_balls_changes_the_settings_of_the_process():
-    found = {path.relative_to(SOURCE).as_posix() for path in SOURCE.rglob("*.py") if list(settings_changed(path))}
+    found = {
+        path.relative_to(SOURCE).as_posix()
+        for path in SOURCE.rglob("*.py")
+        if list(settings_changed(path))
+    }
     assert found == {"truth/balls.py"}
 
 
 @pytest.mark.parametrize(
-    "line", ["ctx.prec = 5", "flint.ctx.cap = 1", "ctx.dps += 3", "x, ctx.prec = 1, 2", "ctx.workprec(9)", "setattr(ctx, 'cap', 3)"]
+    "line",
+    [
+        "ctx.prec = 5",
+        "flint.ctx.cap = 1",
+        "ctx.dps += 3",
+        "x, ctx.prec = 1, 2",
+        "ctx.workprec(9)",
+        "setattr(ctx, 'cap', 3)",
+    ],
 )
 def test_a_change_of_settings_is_seen(line, tmp_path):
     (tmp_path / "planted.py").write_text(line)

@@ -38,8 +38,16 @@ def test_a_fat_start_carries_all_that_lies_in_it():
 def test_a_body_about_a_principal_axis_turns_at_its_rate():
     with precision(200):
         j = tuple(map(Fraction, (1, 2, 3)))
-        omega, q = body_flow(j, (Fraction(0), Fraction(3, 2), Fraction(0)), (Fraction(2), *[Fraction(0)] * 3), Fraction(2), order=40)
-        assert [x.overlaps(v) for x, v in zip(omega, (arb(0), arb("1.5"), arb(0)), strict=True)] == [True] * 3
+        omega, q = body_flow(
+            j,
+            (Fraction(0), Fraction(3, 2), Fraction(0)),
+            (Fraction(2), *[Fraction(0)] * 3),
+            Fraction(2),
+            order=40,
+        )
+        assert [
+            x.overlaps(v) for x, v in zip(omega, (arb(0), arb("1.5"), arb(0)), strict=True)
+        ] == [True] * 3
         assert q[0].overlaps(arb("1.5").cos())
         assert q[2].overlaps(arb("1.5").sin())
         assert q[2].rad() < 1e-20
@@ -47,7 +55,9 @@ def test_a_body_about_a_principal_axis_turns_at_its_rate():
 
 def test_a_pendulum_on_its_separatrix_rises_as_tanh():
     with precision(200):
-        cosine, sine, rate = pendulum_flow(arb(0), Fraction(6), Fraction(9), Fraction(1, 2), order=40)
+        cosine, sine, rate = pendulum_flow(
+            arb(0), Fraction(6), Fraction(9), Fraction(1, 2), order=40
+        )
         half = arb("1.5").sinh().atan()
         assert cosine.overlaps((2 * half).cos())
         assert sine.overlaps((2 * half).sin())

@@ -1,4 +1,6 @@
-"""What every driver of a code needs at its border: the request, quaternions (w, x, y, z), and the trajectory file."""
+"""What every driver of a code needs at its border: the request, quaternions (w, x, y, z), and the
+trajectory file.
+"""
 
 import json
 import sys
@@ -39,7 +41,10 @@ def refuse_shapes(request):
     for body in request["scene"]["bodies"]:
         moment = 0.4 * body["mass"] * body["shape"].get("radius", 0.0) ** 2
         cannot(body["shape"]["kind"] == "polyhedron", "polyhedra")
-        cannot(any(abs(j - moment) > 1e-14 * max(j, moment) for j in body["inertia"]), "inertia other than that of a solid sphere")
+        cannot(
+            any(abs(j - moment) > 1e-14 * max(j, moment) for j in body["inertia"]),
+            "inertia other than that of a solid sphere",
+        )
 
 
 def contact_law(request):
@@ -53,7 +58,12 @@ def product(p, q):
     """The quaternion p q."""
     a, b, c, d = p
     e, f, g, h = q
-    return (a * e - b * f - c * g - d * h, a * f + b * e + c * h - d * g, a * g - b * h + c * e + d * f, a * h + b * g - c * f + d * e)
+    return (
+        a * e - b * f - c * g - d * h,
+        a * f + b * e + c * h - d * g,
+        a * g - b * h + c * e + d * f,
+        a * h + b * g - c * f + d * e,
+    )
 
 
 def conjugate(q):
@@ -68,13 +78,29 @@ def turned(q, vector):
 
 def tensor(body):
     """The inertia tensor in space axes, rows."""
-    axes = [turned(body["attitude"], axis) for axis in ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))]
-    return [[sum(j * axis[m] * axis[n] for j, axis in zip(body["inertia"], axes, strict=True)) for n in range(3)] for m in range(3)]
+    axes = [
+        turned(body["attitude"], axis)
+        for axis in ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
+    ]
+    return [
+        [
+            sum(j * axis[m] * axis[n] for j, axis in zip(body["inertia"], axes, strict=True))
+            for n in range(3)
+        ]
+        for m in range(3)
+    ]
 
 
 def write(path, rows):
-    """The trajectory: rows of t, body, position, velocity, attitude (None: as at the start), omega."""
+    """The trajectory: rows of t, body, position, velocity, attitude (None: as at the start),
+    omega.
+    """
     with Path(path).open("w") as file:
         file.write(HEADER + "\n")
         for t, body, *vectors in rows:
-            file.write(",".join([repr(t), str(body), *(repr(float(x)) for vector in vectors for x in vector)]) + "\n")
+            file.write(
+                ",".join(
+                    [repr(t), str(body), *(repr(float(x)) for vector in vectors for x in vector)]
+                )
+                + "\n"
+            )

@@ -1,4 +1,6 @@
-"""Codes that move many spheres, for the cost of a step alone: one a file, each with a CROWD; nothing that they compute is judged."""
+"""Codes that move many spheres, for the cost of a step alone: one a file, each with a CROWD;
+nothing that they compute is judged.
+"""
 
 from importlib import import_module
 from pathlib import Path
@@ -8,6 +10,11 @@ from refdem.bench.crowds._crowd import Crowd
 
 def crowds() -> list[Crowd]:
     """Those that are installed here, the reference first."""
-    names = sorted(path.stem for path in Path(__file__).parent.glob("*.py") if not path.name.startswith("_"))
+    names = sorted(
+        path.stem for path in Path(__file__).parent.glob("*.py") if not path.name.startswith("_")
+    )
     found: list[Crowd] = [import_module(f"refdem.bench.crowds.{name}").CROWD for name in names]
-    return sorted((crowd for crowd in found if crowd.missing() is None), key=lambda crowd: not crowd.is_reference)
+    return sorted(
+        (crowd for crowd in found if crowd.missing() is None),
+        key=lambda crowd: not crowd.is_reference,
+    )

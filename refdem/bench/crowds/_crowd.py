@@ -16,7 +16,9 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True, eq=False)
 class Gas:
-    """An instance of granular-gas in numbers, and the step [s]: `size` [m] is the edge of the cube, periodic or with walls."""
+    """An instance of granular-gas in numbers, and the step [s]: `size` [m] is the edge of the cube,
+    periodic or with walls.
+    """
 
     instance: Instance
     step: float
@@ -55,7 +57,11 @@ class Gas:
     def size(self) -> float:
         """[m]."""
         boxes = self.instance.scene.all(PeriodicBox)
-        return boxes[0].size if boxes else max(plane.point[0] for plane in self.instance.scene.all(Plane))
+        return (
+            boxes[0].size
+            if boxes
+            else max(plane.point[0] for plane in self.instance.scene.all(Plane))
+        )
 
 
 class Crowd(ABC):

@@ -50,16 +50,28 @@ class Lammps(Crowd):
         law = gas.law
         style = "gran/hooke/history" if law.friction else "gran/hooke"
         words = INPUT.format(
-            mass=gas.mass, skin=SKIN * gas.diameter, style=style, stiffness=law.stiffness, tangential=law.tangential_stiffness,
-            per_mass=2 * law.damping / gas.mass, friction=law.friction, step=gas.step, steps=steps,
-        )  # fmt: skip
+            mass=gas.mass,
+            skin=SKIN * gas.diameter,
+            style=style,
+            stiffness=law.stiffness,
+            tangential=law.tangential_stiffness,
+            per_mass=2 * law.damping / gas.mass,
+            friction=law.friction,
+            step=gas.step,
+            steps=steps,
+        )
         with tempfile.TemporaryDirectory(prefix="refdem-bench-") as name:
             folder = Path(name)
             (folder / "data.lammps").write_text(_data(gas))
             (folder / "in.lammps").write_text(words)
             told = os.environ | {"OMP_NUM_THREADS": "1", "TMPDIR": name}
             done = subprocess.run(
-                ["lmp", "-in", "in.lammps", "-log", "none"], cwd=folder, env=told, capture_output=True, text=True, check=False
+                ["lmp", "-in", "in.lammps", "-log", "none"],
+                cwd=folder,
+                env=told,
+                capture_output=True,
+                text=True,
+                check=False,
             )
         found = re.search(r"Loop time of (\S+) on 1 procs", done.stdout)
         if done.returncode or found is None:
@@ -69,9 +81,17 @@ class Lammps(Crowd):
 
 def _data(gas: Gas) -> str:
     sides = "".join(f"0 {gas.size!r} {a}lo {a}hi\n" for a in "xyz")
-    atoms = "\n".join(f"{k} 1 {gas.diameter!r} 1.0 {x!r} {y!r} {z!r}" for k, (x, y, z) in enumerate(gas.position.tolist(), 1))
-    speeds = "\n".join(f"{k} {x!r} {y!r} {z!r} 0 0 0" for k, (x, y, z) in enumerate(gas.velocity.tolist(), 1))
-    return f"gas\n\n{len(gas.position)} atoms\n1 atom types\n{sides}\nAtoms # sphere\n\n{atoms}\n\nVelocities\n\n{speeds}\n"
+    atoms = "\n".join(
+        f"{k} 1 {gas.diameter!r} 1.0 {x!r} {y!r} {z!r}"
+        for k, (x, y, z) in enumerate(gas.position.tolist(), 1)
+    )
+    speeds = "\n".join(
+        f"{k} {x!r} {y!r} {z!r} 0 0 0" for k, (x, y, z) in enumerate(gas.velocity.tolist(), 1)
+    )
+    return (
+        f"gas\n\n{len(gas.position)} atoms\n1 atom types\n{sides}\nAtoms #"
+        f" sphere\n\n{atoms}\n\nVelocities\n\n{speeds}\n"
+    )
 
 
 CROWD = Lammps()

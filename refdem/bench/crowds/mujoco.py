@@ -19,7 +19,9 @@ TURN: dict[tuple[float, ...], str] = {
 
 
 class Mujoco(Crowd):
-    """Its own soft contacts; conjugate gradients and a sparse Jacobian, the cheapest settings for so many bodies."""
+    """Its own soft contacts; conjugate gradients and a sparse Jacobian, the cheapest settings for
+    so many bodies.
+    """
 
     name, note = "MuJoCo", "its own soft contacts"
 
@@ -48,13 +50,22 @@ def _document(gas: Gas) -> str:
     """MJCF of the gas; with friction contacts have two tangential directions."""
     rubs = gas.law.friction > 0
     flags = " ".join(f'{name.lower()}="disable"' for name in OFF if name != "PASSIVE")
-    shape = f'<geom size="{gas.diameter / 2!r}" mass="{gas.mass!r}" condim="{3 if rubs else 1}" friction="{gas.law.friction or 1!r} 0 0"/>'
-    spheres = "".join(f'<body pos="{x!r} {y!r} {z!r}"><freejoint/>{shape}</body>' for x, y, z in gas.position.tolist())
+    shape = (
+        f'<geom size="{gas.diameter / 2!r}" mass="{gas.mass!r}" condim="{3 if rubs else 1}"'
+        f' friction="{gas.law.friction or 1!r} 0 0"/>'
+    )
+    spheres = "".join(
+        f'<body pos="{x!r} {y!r} {z!r}"><freejoint/>{shape}</body>'
+        for x, y, z in gas.position.tolist()
+    )
     walls = "".join(
-        f'<geom type="plane" size="0 0 1" condim="1" pos="{p.point[0]!r} {p.point[1]!r} {p.point[2]!r}" euler="{TURN[p.normal]}"/>'
+        f'<geom type="plane" size="0 0 1" condim="1" pos="{p.point[0]!r} {p.point[1]!r}'
+        f' {p.point[2]!r}" euler="{TURN[p.normal]}"/>'
         for p in gas.instance.scene.all(Plane)
     )
-    option = f'<option timestep="{gas.step!r}" solver="CG" jacobian="sparse"><flag {flags}/></option>'
+    option = (
+        f'<option timestep="{gas.step!r}" solver="CG" jacobian="sparse"><flag {flags}/></option>'
+    )
     return f'<mujoco>{option}<size memory="2G"/><worldbody>{walls}{spheres}</worldbody></mujoco>'
 
 

@@ -1,4 +1,6 @@
-"""pymunk (Chipmunk): as many discs in a square, with the same part of it filled as spheres fill of the cube."""
+"""pymunk (Chipmunk): as many discs in a square, with the same part of it filled as spheres fill of
+the cube.
+"""
 
 from importlib.util import find_spec
 from time import perf_counter
@@ -9,7 +11,9 @@ from refdem.bench.crowds._crowd import Crowd, Gas
 
 
 class Pymunk(Crowd):
-    """Its tree of bounding boxes, which is 3 to 6 times as fast here as its spatial hash, and a single pass of the solver."""
+    """Its tree of bounding boxes, which is 3 to 6 times as fast here as its spatial hash, and a
+    single pass of the solver.
+    """
 
     name, note = "pymunk", "discs in a plane, elastic impacts"
 
@@ -33,12 +37,20 @@ class Pymunk(Crowd):
         space.iterations = 1
         for k, velocity in enumerate(gas.velocity.tolist()):
             body = pymunk.Body(gas.mass, gas.mass * radius**2 / 2)
-            body.position, body.velocity = ((k % side + 0.5) * edge / side, (k // side + 0.5) * edge / side), tuple(velocity[:2])
+            body.position, body.velocity = (
+                (
+                    (k % side + 0.5) * edge / side,
+                    (k // side + 0.5) * edge / side,
+                ),
+                tuple(velocity[:2]),
+            )
             disc = pymunk.Circle(body, radius)
             disc.elasticity, disc.friction = 1.0, gas.law.friction
             space.add(body, disc)
         corners = [(0.0, 0.0), (edge, 0.0), (edge, edge), (0.0, edge)]
-        walls = [pymunk.Segment(space.static_body, corners[k - 1], corners[k], radius) for k in range(4)]
+        walls = [
+            pymunk.Segment(space.static_body, corners[k - 1], corners[k], radius) for k in range(4)
+        ]
         for wall in walls:
             wall.elasticity = 1.0
         space.add(*walls)

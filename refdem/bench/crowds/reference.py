@@ -24,7 +24,11 @@ class Reference(Crowd):
     def seconds(self, gas: Gas, steps: int) -> float:
         """The time in the kernel."""
         motion = Motion(gas.instance.scene, np.array([0.0, steps * gas.step]))
-        return discovery.engine("reference").run(Request(problem=motion, method="gas", step=gas.step))[1].seconds
+        return (
+            discovery.engine("reference")
+            .run(Request(problem=motion, method="gas", step=gas.step))[1]
+            .seconds
+        )
 
 
 CROWD = Reference()

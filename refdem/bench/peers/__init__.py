@@ -1,4 +1,6 @@
-"""Integrators for comparison alone: one a file, each with a PEER that is an engine; nothing but the bench finds them."""
+"""Integrators for comparison alone: one a file, each with a PEER that is an engine; nothing but the
+bench finds them.
+"""
 
 from importlib import import_module
 from pathlib import Path
@@ -8,6 +10,8 @@ from refdem.core.engine import Engine
 
 def peers() -> list[Engine]:
     """The peers that are installed here."""
-    names = sorted(path.stem for path in Path(__file__).parent.glob("*.py") if not path.name.startswith("_"))
+    names = sorted(
+        path.stem for path in Path(__file__).parent.glob("*.py") if not path.name.startswith("_")
+    )
     found: list[Engine] = [import_module(f"refdem.bench.peers.{name}").PEER for name in names]
     return [peer for peer in found if peer.missing() is None]

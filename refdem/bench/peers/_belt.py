@@ -1,7 +1,9 @@
-"""The section of a point on a belt that is driven, by the peers: Stribeck's law between events, the drive at many frequencies.
+"""The section of a point on a belt that is driven, by the peers: Stribeck's law between events, the
+drive at many frequencies.
 
-A slip, x' = u + belt, m u' = pull - side N mu(side u), ends at side u = 0; the section counts v = 0 on its way. Sticking, the pull alone is
-followed, P' = -F w sin(w t) - k belt, to where it passes the limit.
+A slip, x' = u + belt, m u' = pull - side N mu(side u), ends at side u = 0; the section counts v = 0
+on its way. Sticking, the pull alone is followed, P' = -F w sin(w t) - k belt, to where it passes
+the limit.
 """
 
 import math
@@ -31,7 +33,9 @@ class Belt:
     @classmethod
     def of(cls, scene: Scene) -> "Belt":
         """The belt of a scene of the case stick-slip."""
-        return cls(scene.all(Slider)[0], scene.all(Force)[0].amplitude, scene.all(Spring)[0].anchor_b[0])
+        return cls(
+            scene.all(Slider)[0], scene.all(Force)[0].amplitude, scene.all(Spring)[0].anchor_b[0]
+        )
 
     @property
     def limit(self) -> float:
@@ -41,18 +45,33 @@ class Belt:
     def friction(self, w: Any) -> Any:
         """N mu at the speed w of a slip, for numbers and symbols."""
         s = self.slider
-        return s.normal_force * ((s.mu0 - s.mu1) / (1.0 + s.lambda0 * w) + s.mu1 + s.lambda1 * w * w)
+        return s.normal_force * (
+            (s.mu0 - s.mu1) / (1.0 + s.lambda0 * w) + s.mu1 + s.lambda1 * w * w
+        )
 
     def pull(self, t: float, frequency: float, x: float) -> float:
         """What spring and drive pull with [N]."""
         return self.amplitude * math.cos(frequency * t) - x
 
-    def walked(self, frequency: float, periods: int, skip: int, slip: Callable[..., Any], stick: Callable[..., Any]) -> list[float]:
+    def walked(
+        self,
+        frequency: float,
+        periods: int,
+        skip: int,
+        slip: Callable[..., Any],
+        stick: Callable[..., Any],
+    ) -> list[float]:
         """Places > 0 [m] at which v = 0 after `skip` of the periods, from x = v = 0.
 
-        slip(t, x, u, side, end, frequency) -> (t, x, places with times), stick(t, pull, end, frequency) -> t.
+        slip(t, x, u, side, end, frequency) -> (t, x, places with times), stick(t, pull, end,
+        frequency) -> t.
         """
-        t, x, u, end = 0.0, -self.anchor, -self.slider.belt_velocity, 2 * math.pi / frequency * periods
+        t, x, u, end = (
+            0.0,
+            -self.anchor,
+            -self.slider.belt_velocity,
+            2 * math.pi / frequency * periods,
+        )
         begin, places, side = 2 * math.pi / frequency * skip, [], math.copysign(1.0, u)
         while True:
             t, x, passed = slip(t, x, u, side, end, frequency)
@@ -78,15 +97,28 @@ def by_heyoka(belt: Belt, tolerance: float) -> tuple[Callable[..., Any], Callabl
     def seen(integrator: Any, when: float, direction: int) -> None:
         passed.append((when, float(integrator.update_d_output(when)[0]) + belt.anchor))
 
-    rates = [(x, u + speed), (u, belt.amplitude * heyoka.cos(w * heyoka.time) - x - side * belt.friction(side * u))]
+    rates = [
+        (x, u + speed),
+        (u, belt.amplitude * heyoka.cos(w * heyoka.time) - x - side * belt.friction(side * u)),
+    ]
     down, up = heyoka.event_direction.negative, heyoka.event_direction.positive
-    stops, turns = [heyoka.t_event(side * u, direction=down)], [heyoka.nt_event(u + speed, callback=seen)]
-    slips = heyoka.taylor_adaptive(rates, [0.0, 0.0], pars=[1.0, 1.0], t_events=stops, nt_events=turns, tol=tolerance)
+    stops, turns = (
+        [heyoka.t_event(side * u, direction=down)],
+        [heyoka.nt_event(u + speed, callback=seen)],
+    )
+    slips = heyoka.taylor_adaptive(
+        rates, [0.0, 0.0], pars=[1.0, 1.0], t_events=stops, nt_events=turns, tol=tolerance
+    )
     held = [(pulled, -belt.amplitude * w * heyoka.sin(w * heyoka.time) - speed)]
-    limits = [heyoka.t_event(pulled - belt.limit, direction=up), heyoka.t_event(pulled + belt.limit, direction=down)]
+    limits = [
+        heyoka.t_event(pulled - belt.limit, direction=up),
+        heyoka.t_event(pulled + belt.limit, direction=down),
+    ]
     sticks = heyoka.taylor_adaptive(held, [0.0], pars=[1.0], t_events=limits, tol=tolerance)
 
-    def slip(t: float, x: float, u: float, side: float, end: float, frequency: float) -> tuple[float, float, list[tuple[float, float]]]:
+    def slip(
+        t: float, x: float, u: float, side: float, end: float, frequency: float
+    ) -> tuple[float, float, list[tuple[float, float]]]:
         passed.clear()
         slips.time, slips.state[:], slips.pars[:] = t, (x, u), (frequency, side)
         slips.propagate_until(end)
@@ -107,7 +139,9 @@ def by_scipy(belt: Belt, tolerance: float) -> tuple[Callable[..., Any], Callable
     given = {"method": "DOP853", "rtol": max(tolerance, 2.3e-14), "atol": tolerance}
     speed = belt.slider.belt_velocity
 
-    def slip(t: float, x: float, u: float, side: float, end: float, frequency: float) -> tuple[float, float, list[tuple[float, float]]]:
+    def slip(
+        t: float, x: float, u: float, side: float, end: float, frequency: float
+    ) -> tuple[float, float, list[tuple[float, float]]]:
         def rates(now: float, y: np.ndarray) -> tuple[float, float]:
             return y[1] + speed, belt.pull(now, frequency, y[0]) - side * belt.friction(side * y[1])
 
@@ -119,7 +153,10 @@ def by_scipy(belt: Belt, tolerance: float) -> tuple[Callable[..., Any], Callable
 
         stops.terminal, stops.direction = True, -1  # type: ignore[attr-defined]
         found = solve_ivp(rates, (t, end), (x, u), events=(stops, turns), **given)
-        passed = [(float(when), float(y[0]) + belt.anchor) for when, y in zip(found.t_events[1], found.y_events[1], strict=True)]
+        passed = [
+            (float(when), float(y[0]) + belt.anchor)
+            for when, y in zip(found.t_events[1], found.y_events[1], strict=True)
+        ]
         return float(found.t[-1]), float(found.y[0, -1]), passed
 
     def stick(t: float, pull: float, end: float, frequency: float) -> float:

@@ -1,4 +1,6 @@
-"""A mass on a spring with dry friction, between events: m x'' = -k x - f s with s the direction in which it slides."""
+"""A mass on a spring with dry friction, between events: m x'' = -k x - f s with s the direction in
+which it slides.
+"""
 
 from dataclasses import dataclass
 from typing import Any
@@ -24,7 +26,9 @@ class Coulomb:
         return 1.0 if towards > 0 else -1.0
 
     def integrator(self, tolerance: float | None) -> Any:
-        """heyoka's integrator, which stops at a turning point where friction holds and else turns round."""
+        """heyoka's integrator, which stops at a turning point where friction holds and else turns
+        round.
+        """
         import heyoka
 
         x, v = heyoka.make_vars("x", "v")
@@ -36,18 +40,40 @@ class Coulomb:
 
         rates = [(x, v), (v, -self.stiffness * x - self.friction * heyoka.par[0])]
         events = [heyoka.t_event(v, callback=turned)]
-        return heyoka.taylor_adaptive(rates, [self.place, self.speed], pars=[self.direction], t_events=events, tol=tolerance)
+        return heyoka.taylor_adaptive(
+            rates, [self.place, self.speed], pars=[self.direction], t_events=events, tol=tolerance
+        )
 
 
 def coulomb(scene: Scene) -> Coulomb | None:
     """The oscillator, if the scene is one along x whose spring has no natural length."""
-    if len(scene.bodies) != 1 or sorted(element.kind for element in scene.elements) != ["slider", "spring"]:
+    if len(scene.bodies) != 1 or sorted(element.kind for element in scene.elements) != [
+        "slider",
+        "spring",
+    ]:
         return None
     (spring,), (slider,), bodies = scene.all(Spring), scene.all(Slider), scene.bodies
-    aside = (*bodies.position[0, 1:], *bodies.velocity[0, 1:], *spring.anchor_a, *spring.anchor_b, spring.length)
-    curved = spring.quadratic or spring.cubic or spring.exponent != 1 or slider.belt_velocity or slider.law != "coulomb"
+    aside = (
+        *bodies.position[0, 1:],
+        *bodies.velocity[0, 1:],
+        *spring.anchor_a,
+        *spring.anchor_b,
+        spring.length,
+    )
+    curved = (
+        spring.quadratic
+        or spring.cubic
+        or spring.exponent != 1
+        or slider.belt_velocity
+        or slider.law != "coulomb"
+    )
     if any(aside) or curved or spring.b >= 0 or slider.b >= 0 or slider.axis != (1.0, 0.0, 0.0):
         return None
     mass = float(bodies.mass[0])
     friction = slider.friction * slider.normal_force / mass
-    return Coulomb(float(bodies.position[0, 0]), float(bodies.velocity[0, 0]), spring.stiffness / mass, friction)
+    return Coulomb(
+        float(bodies.position[0, 0]),
+        float(bodies.velocity[0, 0]),
+        spring.stiffness / mass,
+        friction,
+    )

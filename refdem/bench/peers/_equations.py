@@ -1,4 +1,6 @@
-"""Equations of motion of simple scenes as first-order systems, written once for numbers and for symbols alike."""
+"""Equations of motion of simple scenes as first-order systems, written once for numbers and for
+symbols alike.
+"""
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
@@ -21,7 +23,10 @@ Sine = Callable[[Any], Any]
 
 @dataclass(frozen=True)
 class Equations:
-    """y' = rates(y, sine) from `start`, and the motion of the scene from states (T, n). `key` tells equal systems."""
+    """y' = rates(y, sine) from `start`, and the motion of the scene from states (T, n).
+
+    `key` tells equal systems.
+    """
 
     key: tuple[Any, ...]
     start: tuple[float, ...]
@@ -30,7 +35,10 @@ class Equations:
 
 
 def equations(problem: Motion, *, cartesian: bool = False) -> Equations | None:
-    """The equations of the scene, a rod's in its angle or `cartesian`; None if it is not one of the simple ones."""
+    """The equations of the scene, a rod's in its angle or `cartesian`;
+
+    None if it is not one of the simple ones.
+    """
     scene = problem.scene
     kinds = sorted(element.kind for element in scene.elements)
     if len(scene.bodies) != 1 or scene.bodies.fixed.any():
@@ -50,26 +58,54 @@ def _free_body(scene: Scene) -> Equations:
 
     bodies = scene.bodies
     j1, j2, j3 = bodies.inertia[0].tolist()
-    start = (*rotated(conjugate(bodies.attitude[0]), bodies.omega[0]).tolist(), *bodies.attitude[0].tolist())
+    start = (
+        *rotated(conjugate(bodies.attitude[0]), bodies.omega[0]).tolist(),
+        *bodies.attitude[0].tolist(),
+    )
 
     def rates(y: Sequence[Any], sine: Sine) -> list[Any]:
         p, q, r, w, x, u, z = y
-        turn = [-x * p - u * q - z * r, w * p + u * r - z * q, w * q + z * p - x * r, w * r + x * q - u * p]
-        return [(j2 - j3) / j1 * (q * r), (j3 - j1) / j2 * (r * p), (j1 - j2) / j3 * (p * q), *(0.5 * part for part in turn)]
+        turn = [
+            -x * p - u * q - z * r,
+            w * p + u * r - z * q,
+            w * q + z * p - x * r,
+            w * r + x * q - u * p,
+        ]
+        return [
+            (j2 - j3) / j1 * (q * r),
+            (j3 - j1) / j2 * (r * p),
+            (j1 - j2) / j3 * (p * q),
+            *(0.5 * part for part in turn),
+        ]
 
     def trajectory(t: Array, y: Array) -> Trajectory:
         attitude = y[:, 3:] / np.linalg.norm(y[:, 3:], axis=1, keepdims=True)
         velocity = np.broadcast_to(bodies.velocity, (len(t), 1, 3)).copy()
         place = bodies.position + (t - t[0])[:, None, None] * velocity
-        return Trajectory(t=t, position=place, velocity=velocity, attitude=attitude[:, None], omega=rotated(attitude, y[:, :3])[:, None])
+        return Trajectory(
+            t=t,
+            position=place,
+            velocity=velocity,
+            attitude=attitude[:, None],
+            omega=rotated(attitude, y[:, :3])[:, None],
+        )
 
     return Equations(("free", j1, j2, j3), start, rates, trajectory)
 
 
 def _hanging(scene: Scene) -> tuple[float, float] | None:
-    """Length [m] and gravity [m/s^2] of a rod from the world's origin in the x-y plane, gravity along -y."""
+    """Length [m] and gravity [m/s^2] of a rod from the world's origin in the x-y plane, gravity
+    along -y.
+    """
     (rod,), (weight,), bodies = scene.all(Rod), scene.all(UniformGravity), scene.bodies
-    sideways = (bodies.position[0, 2], bodies.velocity[0, 2], weight.g[0], weight.g[2], *rod.anchor_a, *rod.anchor_b)
+    sideways = (
+        bodies.position[0, 2],
+        bodies.velocity[0, 2],
+        weight.g[0],
+        weight.g[2],
+        *rod.anchor_a,
+        *rod.anchor_b,
+    )
     return None if any(sideways) or rod.b >= 0 else (rod.length, -weight.g[1])
 
 
@@ -88,14 +124,19 @@ def _pendulum(scene: Scene) -> Equations | None:
     def trajectory(t: Array, found: Array) -> Trajectory:
         angle, rate = found.T
         s, c, zero = np.sin(angle), np.cos(angle), np.zeros(len(t))
-        place, speed = length * np.stack([s, -c, zero], axis=-1), (length * rate)[:, None] * np.stack([c, s, zero], axis=-1)
+        place, speed = (
+            length * np.stack([s, -c, zero], axis=-1),
+            (length * rate)[:, None] * np.stack([c, s, zero], axis=-1),
+        )
         return Trajectory.of_points(t, place[:, None], speed[:, None])
 
     return Equations(("pendulum", ratio), start, rates, trajectory)
 
 
 def _constrained(scene: Scene) -> Equations | None:
-    """r'' = g - r (v.v + g.r)/(r.r): the multiplier divided by r^2, without which a Taylor method leaves the circle."""
+    """r'' = g - r (v.v + g.r)/(r.r): the multiplier divided by r^2, without which a Taylor method
+    leaves the circle.
+    """
     if (hanging := _hanging(scene)) is None:
         return None
     gravity = hanging[1]
@@ -124,12 +165,20 @@ def _kepler(scene: Scene) -> Equations | None:
 
 def _oscillator(scene: Scene) -> Equations | None:
     """m x'' = m g - k x - a x^2 - b x^3 along x, the spring of natural length 0."""
-    if {element.kind for element in scene.elements} - {"spring", "uniform_gravity"} or len(scene.all(Spring)) != 1:
+    if {element.kind for element in scene.elements} - {"spring", "uniform_gravity"} or len(
+        scene.all(Spring)
+    ) != 1:
         return None
     (spring,), mass = scene.all(Spring), float(scene.bodies.mass[0])
     weights = [element.g for element in scene.all(UniformGravity)]
     place, speed = scene.bodies.position[0], scene.bodies.velocity[0]
-    aside = (*place[1:], *speed[1:], *spring.anchor_a, *spring.anchor_b, *(part for g in weights for part in g[1:]))
+    aside = (
+        *place[1:],
+        *speed[1:],
+        *spring.anchor_a,
+        *spring.anchor_b,
+        *(part for g in weights for part in g[1:]),
+    )
     if any(aside) or spring.length or spring.exponent != 1 or spring.b >= 0:
         return None
     weight = sum(g[0] for g in weights)
@@ -145,7 +194,12 @@ def _oscillator(scene: Scene) -> Equations | None:
         places[:, 0, 0], speeds[:, 0, 0] = found.T
         return Trajectory.of_points(t, places, speeds)
 
-    return Equations(("oscillator", weight, linear, square, cube), (float(place[0]), float(speed[0])), rates, trajectory)
+    return Equations(
+        ("oscillator", weight, linear, square, cube),
+        (float(place[0]), float(speed[0])),
+        rates,
+        trajectory,
+    )
 
 
 def _plane(scene: Scene) -> tuple[float, ...]:

@@ -1,6 +1,8 @@
-"""Two spheres that touch, hold or slip, and part in a plane: equations between events, those of the mode that a contact is in.
+"""Two spheres that touch, hold or slip, and part in a plane: equations between events, those of the
+mode that a contact is in.
 
-State: overlap d, its rate g, transverse velocity q of the second from the first, angle of the line of centres, spins, tangential spring s.
+State: overlap d, its rate g, transverse velocity q of the second from the first, angle of the line
+of centres, spins, tangential spring s.
 """
 
 from dataclasses import dataclass
@@ -20,7 +22,9 @@ Array = NDArray[np.float64]
 BRANCH = {"R": 0.0, "R-d": 1.0, "R-d/2": 0.5}
 HOLDS, SLIPS, FREE, APART = range(4)
 INSIDE = 1 - 1e-14
-"""A spring that begins to hold is shorter than its longest by this, so that no event is seen where it begins."""
+"""A spring that begins to hold is shorter than its longest by this, so that no event is seen where
+it begins.
+"""
 
 
 @dataclass(frozen=True, eq=False)
@@ -34,7 +38,12 @@ class Oblique:
     def key(self) -> tuple[Any, ...]:
         """What the equations depend on."""
         bodies = self.scene.bodies
-        return (self.law, *bodies.mass.tolist(), *bodies.radius.tolist(), *bodies.inertia[:, 0].tolist())
+        return (
+            self.law,
+            *bodies.mass.tolist(),
+            *bodies.radius.tolist(),
+            *bodies.inertia[:, 0].tolist(),
+        )
 
     @property
     def share(self) -> float:
@@ -48,33 +57,73 @@ class Oblique:
         slip = float(bodies.radius[0] * p + bodies.radius[1] * r - relative[1])
         held = bool(self.law.damping) or abs(slip) <= self.share * self.law.stiffness * -relative[0]
         state = [0.0, -relative[0], relative[1], 0.0, p, r, 0.0]
-        return state, (HOLDS if held else SLIPS) if self.law.friction else FREE, 1.0 if slip > 0 else -1.0
+        return (
+            state,
+            (HOLDS if held else SLIPS) if self.law.friction else FREE,
+            1.0 if slip > 0 else -1.0,
+        )
 
     def integrators(self, tolerance: float | None) -> list[Any]:
-        """heyoka's integrators: the spring holds; it slips to the side of par[0]; no friction. Each stops at what ends it."""
+        """heyoka's integrators: the spring holds; it slips to the side of par[0]; no friction.
+
+        Each stops at what ends it.
+        """
         import heyoka
 
-        bodies, law, down = self.scene.bodies, self.law, {"direction": heyoka.event_direction.negative}
+        bodies, law, down = (
+            self.scene.bodies,
+            self.law,
+            {"direction": heyoka.event_direction.negative},
+        )
         (r1, r2), (j1, j2) = bodies.radius.tolist(), bodies.inertia[:, 0].tolist()
         d, g, q, _, spin1, spin2, s = names = heyoka.make_vars("d", "g", "q", "a", "u", "v", "s")
-        force, side, ease = law.stiffness * d + law.damping * g, heyoka.par[0], float(np.sum(1 / bodies.mass))
-        turn, arm1, arm2 = q / (r1 + r2 - d), r1 - BRANCH[law.branch] * d, r2 - BRANCH[law.branch] * d
+        force, side, ease = (
+            law.stiffness * d + law.damping * g,
+            heyoka.par[0],
+            float(np.sum(1 / bodies.mass)),
+        )
+        turn, arm1, arm2 = (
+            q / (r1 + r2 - d),
+            r1 - BRANCH[law.branch] * d,
+            r2 - BRANCH[law.branch] * d,
+        )
         slip, bend = arm1 * spin1 + arm2 * spin2 - q, -q * turn - ease * force
         ends = side * slip - self.share * (law.stiffness * g + law.damping * bend)
-        watched = {HOLDS: [self.share * force - s, self.share * force + s], SLIPS: [ends, *([force] if law.damping else [])], FREE: []}
+        watched = {
+            HOLDS: [self.share * force - s, self.share * force + s],
+            SLIPS: [ends, *([force] if law.damping else [])],
+            FREE: [],
+        }
         made = []
         for mode in (HOLDS, SLIPS, FREE) if law.friction else (FREE,):
             across = (-law.tangential_stiffness * s, -side * law.friction * force, 0.0)[mode]
-            rates = [g, bend, g * turn - ease * across, turn, arm1 * across / j1, arm2 * across / j2, slip if mode == HOLDS else 0.0]
+            rates = [
+                g,
+                bend,
+                g * turn - ease * across,
+                turn,
+                arm1 * across / j1,
+                arm2 * across / j2,
+                slip if mode == HOLDS else 0.0,
+            ]
             events = [heyoka.t_event(what, **down) for what in (d, *watched[mode])]
-            system = [(name, heyoka.expression(rate) if isinstance(rate, float) else rate) for name, rate in zip(names, rates, strict=True)]
-            made.append(heyoka.taylor_adaptive(system, [0.0] * 7, pars=[1.0] * (mode == SLIPS), t_events=events, tol=tolerance))
+            system = [
+                (name, heyoka.expression(rate) if isinstance(rate, float) else rate)
+                for name, rate in zip(names, rates, strict=True)
+            ]
+            made.append(
+                heyoka.taylor_adaptive(
+                    system, [0.0] * 7, pars=[1.0] * (mode == SLIPS), t_events=events, tol=tolerance
+                )
+            )
         return made
 
     def followed(self, integrators: list[Any], t: Array) -> tuple[list[Array], int, float]:
-        """States in touch at the samples, then the one at which they part, if they do, with its time as last number; steps; seconds.
+        """States in touch at the samples, then the one at which they part, if they do, with its
+        time as last number; steps; seconds.
 
-        The seconds are those of heyoka's own loops alone: what sets them up between events is no part of a compiled program's time.
+        The seconds are those of heyoka's own loops alone: what sets them up between events is no
+        part of a compiled program's time.
         """
         state, mode, side = self.start()
         found, now, steps, seconds = [np.array(state)], t[0], 0, 0.0
@@ -85,11 +134,17 @@ class Oblique:
                 integrator.pars[0] = side
             grid = np.concatenate([[now], t[len(found) :]])
             started = perf_counter()
-            told = integrator.propagate_until(t[-1]) if len(grid) == 2 else integrator.propagate_grid(grid)
+            told = (
+                integrator.propagate_until(t[-1])
+                if len(grid) == 2
+                else integrator.propagate_grid(grid)
+            )
             seconds += perf_counter() - started
             found += [] if len(grid) == 2 else list(told[-1][1:])
             while len(found) < len(t) and t[len(found)] <= integrator.time:
-                found.append(integrator.update_d_output(t[len(found)]).copy())  # of the step that an event has cut
+                found.append(
+                    integrator.update_d_output(t[len(found)]).copy()
+                )  # of the step that an event has cut
             steps += int(told[3])
             if len(found) == len(t):
                 break
@@ -107,7 +162,12 @@ class Oblique:
         if mode == HOLDS:
             return SLIPS, 1.0 if event == 1 else -1.0
         if event == 1:
-            state[6] = side * INSIDE * self.share * (self.law.stiffness * state[0] + self.law.damping * state[1])
+            state[6] = (
+                side
+                * INSIDE
+                * self.share
+                * (self.law.stiffness * state[0] + self.law.damping * state[1])
+            )
         return (HOLDS if event == 1 else FREE), side
 
     def trajectory(self, t: Array, found: list[Array]) -> Trajectory:
@@ -124,14 +184,26 @@ class Oblique:
             since = t[len(found) - 1 :] - found[-1][7]
             place = np.concatenate([place[:, :-1], place[:, -1:] + speed[:, -1:] * since], axis=1)
             later = [np.repeat(column[:, -1:], len(since), axis=1) for column in (speed, spins)]
-            speed, spins = (np.concatenate([column[:, :-1], more], axis=1) for column, more in zip((speed, spins), later, strict=True))
+            speed, spins = (
+                np.concatenate([column[:, :-1], more], axis=1)
+                for column, more in zip((speed, spins), later, strict=True)
+            )
         share = np.array([-bodies.mass[1], bodies.mass[0]])[:, None] / bodies.mass.sum()
         position, velocity, omega = (np.zeros((len(t), 2, 3)) for _ in range(3))
-        centre, drift = (bodies.mass @ column / bodies.mass.sum() for column in (bodies.position, bodies.velocity))
-        position[:, :, :2], velocity[:, :, :2], omega[:, :, 2] = place.T[:, None] * share, speed.T[:, None] * share, spins.T
+        centre, drift = (
+            bodies.mass @ column / bodies.mass.sum()
+            for column in (bodies.position, bodies.velocity)
+        )
+        position[:, :, :2], velocity[:, :, :2], omega[:, :, 2] = (
+            place.T[:, None] * share,
+            speed.T[:, None] * share,
+            spins.T,
+        )
         position += centre + drift * (t - t[0])[:, None, None]
         still = np.broadcast_to(bodies.attitude, (len(t), 2, 4)).copy()
-        return Trajectory(t=t, position=position, velocity=velocity + drift, attitude=still, omega=omega)
+        return Trajectory(
+            t=t, position=position, velocity=velocity + drift, attitude=still, omega=omega
+        )
 
 
 def oblique(scene: Scene) -> Oblique | None:
@@ -141,6 +213,10 @@ def oblique(scene: Scene) -> Oblique | None:
         return None
     if reference.refusal(Motion(scene, np.array([0.0, 1.0])), reference.method("oblique-contact")):
         return None
-    line, velocity, spins = np.diff(scene.bodies.position, axis=0)[0], scene.bodies.velocity, scene.bodies.omega
+    line, velocity, spins = (
+        np.diff(scene.bodies.position, axis=0)[0],
+        scene.bodies.velocity,
+        scene.bodies.omega,
+    )
     aside = (*line[1:], *velocity[:, 2], *spins[:, :2].ravel())
     return Oblique(scene, laws[0]) if line[0] > 0 and not any(aside) else None

@@ -9,7 +9,9 @@ from refdem.core.problem import Motion, Problem
 from refdem.errors import UnsupportedError
 
 CARTESIAN = "-cartesian"
-"""Ends the name of a method that moves a rod's end in Cartesian coordinates, by its constraint force."""
+"""Ends the name of a method that moves a rod's end in Cartesian coordinates, by its constraint
+force.
+"""
 
 
 class Peer(Engine):
@@ -31,11 +33,19 @@ class Peer(Engine):
         """None for the scenes whose equations are written down."""
         if problem.interval < 0:
             return "only forward in time"
-        return None if equations(problem, cartesian=method.name.endswith(CARTESIAN)) else "its equations are not written for peers"
+        return (
+            None
+            if equations(problem, cartesian=method.name.endswith(CARTESIAN))
+            else "its equations are not written for peers"
+        )
 
     def asked(self, problem: Problem, name: str) -> Equations:
         """The equations; raises UnsupportedError if there are none."""
-        found = equations(problem, cartesian=name.endswith(CARTESIAN)) if isinstance(problem, Motion) else None
+        found = (
+            equations(problem, cartesian=name.endswith(CARTESIAN))
+            if isinstance(problem, Motion)
+            else None
+        )
         if found is None:
             raise UnsupportedError(f"{self.name} has no equations for this scene")
         return found

@@ -1,4 +1,6 @@
-"""heyoka: Taylor's method of adaptive order and step, compiled for each system (Biscani and Izzo 2021)."""
+"""heyoka: Taylor's method of adaptive order and step, compiled for each system (Biscani and Izzo
+2021).
+"""
 
 from time import perf_counter
 from typing import Any
@@ -17,15 +19,29 @@ EVENTS = "taylor-events"
 
 
 class Heyoka(Peer):
-    """A compiled integrator is kept for each system and tolerance, so that only its first run pays for the compiler."""
+    """A compiled integrator is kept for each system and tolerance, so that only its first run pays
+    for the compiler.
+    """
 
     name = "heyoka"
     title = "heyoka"
     licence = "MPL-2.0"
     methods = (
-        Method(name="taylor", summary="Taylor, order by the tolerance; a pendulum in its angle", control="tolerance"),
-        Method(name="taylor" + CARTESIAN, summary="a rod's end by its stabilised constraint force", control="tolerance"),
-        Method(name=EVENTS, summary="dry friction, and oblique contact, with their events", control="tolerance"),
+        Method(
+            name="taylor",
+            summary="Taylor, order by the tolerance; a pendulum in its angle",
+            control="tolerance",
+        ),
+        Method(
+            name="taylor" + CARTESIAN,
+            summary="a rod's end by its stabilised constraint force",
+            control="tolerance",
+        ),
+        Method(
+            name=EVENTS,
+            summary="dry friction, and oblique contact, with their events",
+            control="tolerance",
+        ),
     )
 
     def __init__(self) -> None:
@@ -35,7 +51,11 @@ class Heyoka(Peer):
         """None for scenes with equations; events for a Coulomb oscillator."""
         if method.name == EVENTS:
             told = coulomb(problem.scene) or oblique(problem.scene)
-            return None if told else "dry friction on a line and contact of two spheres are all it has events for"
+            return (
+                None
+                if told
+                else "dry friction on a line and contact of two spheres are all it has events for"
+            )
         return super().refusal(problem, method)
 
     def run(self, request: Request) -> tuple[Trajectory, Cost]:
@@ -54,11 +74,15 @@ class Heyoka(Peer):
             started = perf_counter()
             found = integrator.propagate_grid(problem.times)
             seconds += (perf_counter() - started) / repeats()
-        cost = Cost(seconds=seconds, setup=perf_counter() - begun - repeats() * seconds, steps=int(found[3]))
+        cost = Cost(
+            seconds=seconds, setup=perf_counter() - begun - repeats() * seconds, steps=int(found[3])
+        )
         return system.trajectory(problem.times, np.ascontiguousarray(found[-1])), cost
 
     def _with_events(self, request: Request) -> tuple[Trajectory, Cost]:
-        """From turning point to turning point, until at one of them the spring is no stronger than friction."""
+        """From turning point to turning point, until at one of them the spring is no stronger than
+        friction.
+        """
         begun, t = perf_counter(), request.problem.times
         law = coulomb(request.problem.scene)
         if law is None:
@@ -69,13 +93,19 @@ class Heyoka(Peer):
         integrator = self._compiled[key]
         seconds, states = 0.0, np.empty((len(t), 2))
         for _ in range(repeats()):
-            integrator.time, integrator.state[:], integrator.pars[0] = t[0], (law.place, law.speed), law.direction
+            integrator.time, integrator.state[:], integrator.pars[0] = (
+                t[0],
+                (law.place, law.speed),
+                law.direction,
+            )
             started = perf_counter()
             found = integrator.propagate_grid(t)
             states[: len(found[-1])] = found[-1]
             states[len(found[-1]) :] = integrator.state[0], 0.0
             seconds += (perf_counter() - started) / repeats()
-        cost = Cost(seconds=seconds, setup=perf_counter() - begun - repeats() * seconds, steps=int(found[3]))
+        cost = Cost(
+            seconds=seconds, setup=perf_counter() - begun - repeats() * seconds, steps=int(found[3])
+        )
         position, velocity = np.zeros((len(t), 1, 3)), np.zeros((len(t), 1, 3))
         position[:, 0, 0], velocity[:, 0, 0] = states.T
         return Trajectory.of_points(t, position, velocity), cost
@@ -101,7 +131,9 @@ def _integrator(system: Any, tolerance: float | None) -> Any:
 
     names = heyoka.make_vars(*(f"y{number}" for number in range(len(system.start))))
     rates = system.rates(names, heyoka.sin)
-    return heyoka.taylor_adaptive(list(zip(names, rates, strict=True)), list(system.start), tol=tolerance, compact_mode=False)
+    return heyoka.taylor_adaptive(
+        list(zip(names, rates, strict=True)), list(system.start), tol=tolerance, compact_mode=False
+    )
 
 
 PEER = Heyoka()

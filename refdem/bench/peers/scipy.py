@@ -1,4 +1,7 @@
-"""SciPy's DOP853 and LSODA (Hairer, Norsett and Wanner 1993; Petzold 1983), the right-hand side in Python."""
+"""SciPy's DOP853 and LSODA (Hairer, Norsett and Wanner 1993;
+
+Petzold 1983), the right-hand side in Python.
+"""
 
 import math
 from time import perf_counter
@@ -22,7 +25,9 @@ class SciPy(Peer):
     title = "SciPy"
     licence = "BSD-3-Clause"
     methods = (
-        Method(name="dop853", summary="Runge-Kutta of order 8 with step control", control="tolerance"),
+        Method(
+            name="dop853", summary="Runge-Kutta of order 8 with step control", control="tolerance"
+        ),
         Method(name="lsoda", summary="Adams and BDF of variable order", control="tolerance"),
     )
 
@@ -30,19 +35,36 @@ class SciPy(Peer):
         """Absolute and relative tolerance the same; steps are the calls of the right-hand side."""
         from scipy.integrate import odeint, solve_ivp
 
-        system, t, tolerance = self.asked(request.problem, request.method), request.problem.times, max(request.tolerance or 0.0, LEAST)
+        system, t, tolerance = (
+            self.asked(request.problem, request.method),
+            request.problem.times,
+            max(request.tolerance or 0.0, LEAST),
+        )
 
         def rates(time: float, y: np.ndarray) -> list[float]:
             return system.rates(y.tolist(), math.sin)
 
         started = perf_counter()
         if request.method == "lsoda":
-            states, told = odeint(rates, system.start, t, rtol=tolerance, atol=tolerance, mxstep=MOST_STEPS, full_output=True, tfirst=True)
+            states, told = odeint(
+                rates,
+                system.start,
+                t,
+                rtol=tolerance,
+                atol=tolerance,
+                mxstep=MOST_STEPS,
+                full_output=True,
+                tfirst=True,
+            )
             seconds, calls = perf_counter() - started, int(told["nfe"][-1])
         else:
-            found = solve_ivp(rates, (t[0], t[-1]), system.start, "DOP853", t, rtol=tolerance, atol=tolerance)
+            found = solve_ivp(
+                rates, (t[0], t[-1]), system.start, "DOP853", t, rtol=tolerance, atol=tolerance
+            )
             seconds, calls, states = perf_counter() - started, int(found.nfev), found.y.T
-        return system.trajectory(t, np.ascontiguousarray(states)), Cost(seconds=seconds, steps=calls)
+        return system.trajectory(t, np.ascontiguousarray(states)), Cost(
+            seconds=seconds, steps=calls
+        )
 
 
 PEER = SciPy()

@@ -1,4 +1,6 @@
-"""Impact tests that users of DEM codes know: Chung and Ooi's eight, MFiX' five, slide to roll; a file a member."""
+"""Impact tests that users of DEM codes know: Chung and Ooi's eight, MFiX' five, slide to roll; a
+file a member.
+"""
 
 from functools import cache
 from importlib import import_module
@@ -18,7 +20,9 @@ from refdem.core.truth import Truth
 from refdem.scene import Scene
 
 Array = NDArray[np.float64]
-MEMBERS = tuple(sorted(path.stem.replace("_", "-") for path in Path(__file__).parent.glob("[a-z]*.py")))
+MEMBERS = tuple(
+    sorted(path.stem.replace("_", "-") for path in Path(__file__).parent.glob("[a-z]*.py"))
+)
 
 
 @cache
@@ -29,22 +33,34 @@ def member(name: str) -> Member:
 
 
 class ImpactBenchmarks(Case):
-    """Every member against truth for the law that it declares: branch vector, tangential spring, damping, end of contact."""
+    """Every member against truth for the law that it declares: branch vector, tangential spring,
+    damping, end of contact.
+    """
 
     id = "impact-benchmarks"
     title = "Impact benchmarks"
     statement = (
-        "The collisions by which DEM codes are known: spheres that hit each other or a wall head-on, obliquely or spinning, that "
-        "bounce, lie squeezed, or slide until they roll. What an impact does follows from the law that is declared, to the last digit."
+        "The collisions by which DEM codes are known: spheres that hit each other or a wall"
+        " head-on, obliquely or spinning, that bounce, lie squeezed, or slide until they roll. What"
+        " an impact does follows from the law that is declared, to the last digit."
     )
     latex = (
-        r"e_t=1-\frac{\mu(1+e)}{\tan\theta},\quad\omega=\frac{5\mu(1+e)v_n}{2R},\quad\frac{u}{u_0}=\frac57,\quad\frac{\mu g t}{u_0}=\frac27"
+        r"e_t=1-\frac{\mu(1+e)}{\tan\theta},\quad\omega=\frac{5\mu(1+e)v_n}{2R},\quad\frac{u}{u_0}=\frac57,\quad\frac{\mu"
+        r" g t}{u_0}=\frac27"
     )
-    source = "Chung and Ooi, Granular Matter 13 (2011) 643; Garg et al., Powder Technology 220 (2012) 122 (MFiX); Hertz 1882"
-    parameters = (Parameter(name="member", default="co-4", unit="1", doc="which test", choices=MEMBERS), *OF_MEMBERS)
+    source = (
+        "Chung and Ooi, Granular Matter 13 (2011) 643; Garg et al., Powder Technology 220 (2012)"
+        " 122 (MFiX); Hertz 1882"
+    )
+    parameters = (
+        Parameter(name="member", default="co-4", unit="1", doc="which test", choices=MEMBERS),
+        *OF_MEMBERS,
+    )
 
     def refuse(self, p: Parameters) -> None:
-        """Raises UsageError for a parameter that is another member's, or values that do not go together."""
+        """Raises UsageError for a parameter that is another member's, or values that do not go
+        together.
+        """
         member(p.member).refuse(p)
 
     def scene(self, p: Parameters) -> Scene:
@@ -69,7 +85,9 @@ class ImpactBenchmarks(Case):
 
     def truth(self, p: Parameters) -> Truth:
         """The member's: closed form, or proven from switch to switch."""
-        return member(p.member).truth(member(p.member).values(p), {q.name: q.scale for q in self.quantities(p)})
+        return member(p.member).truth(
+            member(p.member).values(p), {q.name: q.scale for q in self.quantities(p)}
+        )
 
 
 CASE = ImpactBenchmarks()

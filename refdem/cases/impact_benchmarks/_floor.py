@@ -22,7 +22,9 @@ class OnFloor(Member):
     """What the members have in common: one law, gravity."""
 
     def values(self, p: Parameters) -> Any:
-        """With the dashpot that makes the restitution of the sphere on the floor, without gravity."""
+        """With the dashpot that makes the restitution of the sphere on the floor, without
+        gravity.
+        """
         v = super().values(p)
         v.effective = v.mass
         v.branch, v.cutoff, v.tangential_stiffness = "R", "zero_overlap", Fraction(0)
@@ -33,24 +35,44 @@ class OnFloor(Member):
 
     def of(self, v: Any, bodies: list[Body], *planes: Plane) -> Scene:
         """The scene of these bodies."""
-        return Scene.of(bodies, [Plane(normal=(0.0, 1.0, 0.0)), *planes, UniformGravity(g=(0.0, -float(v.gravity), 0.0)), linear(v)])
+        return Scene.of(
+            bodies,
+            [
+                Plane(normal=(0.0, 1.0, 0.0)),
+                *planes,
+                UniformGravity(g=(0.0, -float(v.gravity), 0.0)),
+                linear(v),
+            ],
+        )
 
     def floor(self, v: Any) -> Any:
         """The same for truth."""
         from refdem.truth.closed_forms.impact_benchmarks.floor import Floor
 
-        return Floor(**{name: getattr(v, name) for name in ("mass", "radius", "stiffness", "damping", "gravity")})
+        return Floor(
+            **{
+                name: getattr(v, name)
+                for name in ("mass", "radius", "stiffness", "damping", "gravity")
+            }
+        )
 
 
 def ball(v: Any, mass: Any, height: Fraction, speed: Fraction = Fraction(0)) -> Body:
     """A solid sphere over the origin."""
     m, r = float(mass), float(v.radius)
-    return Body(mass=m, inertia=(0.4 * m * r * r,) * 3, shape=Sphere(radius=r), position=(0.0, float(height), 0.0),
-                velocity=(float(speed), 0.0, 0.0))  # fmt: skip
+    return Body(
+        mass=m,
+        inertia=(0.4 * m * r * r,) * 3,
+        shape=Sphere(radius=r),
+        position=(0.0, float(height), 0.0),
+        velocity=(float(speed), 0.0, 0.0),
+    )
 
 
 class Bounce(OnFloor):
-    """Let fall from `height`; lasts to about the top of the flight after bounce number `bounces`."""
+    """Let fall from `height`; lasts to about the top of the flight after bounce number
+    `bounces`.
+    """
 
     bounces: ClassVar[int] = 2
 
@@ -58,7 +80,10 @@ class Bounce(OnFloor):
         """With a fall to come."""
         v = super().values(p)
         if v.height <= v.radius:
-            raise UsageError(f"parameter height: got {float(v.height):g} m; expected more than the radius {float(v.radius):g} m")
+            raise UsageError(
+                f"parameter height: got {float(v.height):g} m; expected more than the radius"
+                f" {float(v.radius):g} m"
+            )
         return v
 
     def scene(self, v: Any) -> Scene:
@@ -66,7 +91,9 @@ class Bounce(OnFloor):
         return self.of(v, [ball(v, v.mass, v.height)])
 
     def scales(self, v: Any) -> Scales:
-        """tau = sqrt(m/k); the length that it falls in that time at the floor, but at least height/8."""
+        """tau = sqrt(m/k); the length that it falls in that time at the floor, but at least
+        height/8.
+        """
         tau = float(np.sqrt(float(v.mass / v.stiffness)))
         drop = 2 * float(v.height - v.radius)
         fall = float(np.sqrt(drop / float(v.gravity)))
@@ -74,10 +101,17 @@ class Bounce(OnFloor):
         flights = 1 + 2 * sum(e**n for n in range(1, self.bounces)) + e**self.bounces
         lasts = fall * flights + self.bounces * np.pi * tau
         speed = float(np.sqrt(drop * float(v.gravity)))
-        return Scales(max(speed * tau, float(v.height) / POSITIONS_ARE_ROUNDED), tau, float(lasts), float(v.mass))
+        return Scales(
+            max(speed * tau, float(v.height) / POSITIONS_ARE_ROUNDED),
+            tau,
+            float(lasts),
+            float(v.mass),
+        )
 
     def truth(self, v: Any, scale: Mapping[str, float]) -> Truth:
         """From bounce to bounce."""
         from refdem.truth.closed_forms.impact_benchmarks import floor
 
-        return floor.Bounce(scale, self.floor(v), height=v.height, restitution=v.restitution, bounces=self.bounces)
+        return floor.Bounce(
+            scale, self.floor(v), height=v.height, restitution=v.restitution, bounces=self.bounces
+        )

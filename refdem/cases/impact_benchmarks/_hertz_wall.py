@@ -1,4 +1,6 @@
-"""A sphere that touches a rigid wall, the plane x = 0, from the left: under Hertz's law, with Coulomb friction."""
+"""A sphere that touches a rigid wall, the plane x = 0, from the left: under Hertz's law, with
+Coulomb friction.
+"""
 
 from collections.abc import Mapping
 from typing import Any
@@ -42,5 +44,8 @@ class HertzWall(Wall):
         """Closed form."""
         from refdem.truth.closed_forms.impact_benchmarks.hertz_wall import HertzWallImpact
 
-        numbers = {name: getattr(v, name) for name in ("mass", "radius", "friction", "normal", "across", "spin")}
+        numbers = {
+            name: getattr(v, name)
+            for name in ("mass", "radius", "friction", "normal", "across", "spin")
+        }
         return HertzWallImpact(scale, stiffness=v.hertz, **numbers)

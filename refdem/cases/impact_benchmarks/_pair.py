@@ -37,11 +37,19 @@ class HertzPair(Member):
         """Greatest overlap, but at least R/8; tau = duration/pi; two contacts."""
         depth = (1.25 * float(v.effective * v.speed**2 / v.hertz)) ** 0.4
         lasts = HERTZ_CONTACT * depth / float(v.speed)
-        return Scales(max(depth, float(v.radius) / POSITIONS_ARE_ROUNDED), lasts / np.pi, 2 * lasts, float(v.effective))
+        return Scales(
+            max(depth, float(v.radius) / POSITIONS_ARE_ROUNDED),
+            lasts / np.pi,
+            2 * lasts,
+            float(v.effective),
+        )
 
     def quantities(self, v: Any) -> tuple[Quantity, ...]:
         """Overlap and its rate."""
-        return (Quantity("overlap", "m", self.scales(v).length), Quantity("v", "m/s", self.scales(v).speed))
+        return (
+            Quantity("overlap", "m", self.scales(v).length),
+            Quantity("v", "m/s", self.scales(v).speed),
+        )
 
     def observe(self, v: Any, run: Trajectory) -> dict[str, Array]:
         """Overlap and its rate."""
@@ -56,11 +64,20 @@ class HertzPair(Member):
 
 
 def touching(v: Any) -> list[Body]:
-    """Sphere 1 at x < 0, sphere 2 at x > 0, centre of mass at rest at the origin; `masses`, `radii`, `spins` of both, closing `speed`."""
+    """Sphere 1 at x < 0, sphere 2 at x > 0, centre of mass at rest at the origin;
+
+    `masses`, `radii`, `spins` of both, closing `speed`.
+    """
     total, gap = sum(v.masses), sum(v.radii)
     columns = zip(v.masses, v.masses[::-1], v.radii, v.spins, (1, -1), strict=True)
     return [
-        Body(mass=float(m), inertia=(0.4 * float(m * r * r),) * 3, shape=Sphere(radius=float(r)), omega=(0.0, 0.0, float(spin)),
-             position=(float(-sign * other / total * gap), 0.0, 0.0), velocity=(float(sign * other / total * v.speed), 0.0, 0.0))
+        Body(
+            mass=float(m),
+            inertia=(0.4 * float(m * r * r),) * 3,
+            shape=Sphere(radius=float(r)),
+            omega=(0.0, 0.0, float(spin)),
+            position=(float(-sign * other / total * gap), 0.0, 0.0),
+            velocity=(float(sign * other / total * v.speed), 0.0, 0.0),
+        )
         for m, other, r, spin, sign in columns
-    ]  # fmt: skip
+    ]

@@ -1,4 +1,6 @@
-"""The parameters that members of the family may have; each member says which of them it takes, and its own values."""
+"""The parameters that members of the family may have; each member says which of them it takes, and
+its own values.
+"""
 
 from fractions import Fraction
 
@@ -12,22 +14,50 @@ MATERIALS = {
     "aluminium-oxide": ("3.8e11", "0.23", "4000"),
     "steel": ("2.08e11", "0.3", "7850"),
 }
-"""Young's modulus [Pa], Poisson's ratio and density [kg/m^3] (Chung and Ooi 2011, tables 1 to 8)."""
+"""Young's modulus [Pa], Poisson's ratio and density [kg/m^3] (Chung and Ooi 2011, tables 1 to 8).
+"""
 
 LEVERS = {"R": Fraction(0), "R-d/2": Fraction(1, 2), "R-d": Fraction(1)}
 """The part of the overlap that the lever arm of friction is short of the radius."""
 
 
-def optional(name: str, unit: str, doc: str, *, above: float | None = None, at_least: float | None = None, at_most: float | None = None,
-             ) -> Parameter:  # fmt: skip
+def optional(
+    name: str,
+    unit: str,
+    doc: str,
+    *,
+    above: float | None = None,
+    at_least: float | None = None,
+    at_most: float | None = None,
+) -> Parameter:
     """A number that is the member's own if it is not given."""
-    return Parameter(name=name, default="", unit=unit, doc=doc, above=above, at_least=at_least, at_most=at_most)
+    return Parameter(
+        name=name, default="", unit=unit, doc=doc, above=above, at_least=at_least, at_most=at_most
+    )
 
 
 OF_MEMBERS = (
-    Parameter(name="material", default="own", unit="1", doc="modulus, Poisson's ratio, density", choices=("own", *MATERIALS)),
-    Parameter(name="branch", default="own", unit="1", doc="lever arm of friction", choices=("own", "R", "R-d", "R-d/2")),
-    Parameter(name="cutoff", default="own", unit="1", doc="when the force ends", choices=("own", "zero_overlap", "zero_force")),
+    Parameter(
+        name="material",
+        default="own",
+        unit="1",
+        doc="modulus, Poisson's ratio, density",
+        choices=("own", *MATERIALS),
+    ),
+    Parameter(
+        name="branch",
+        default="own",
+        unit="1",
+        doc="lever arm of friction",
+        choices=("own", "R", "R-d", "R-d/2"),
+    ),
+    Parameter(
+        name="cutoff",
+        default="own",
+        unit="1",
+        doc="when the force ends",
+        choices=("own", "zero_overlap", "zero_force"),
+    ),
     optional("radius", "m", "of the sphere", above=0),
     optional("density", "kg/m^3", "of the sphere; without a material", above=0),
     optional("speed", "m/s", "at touch, closing speed of two; that of sliding", above=0),
@@ -37,7 +67,9 @@ OF_MEMBERS = (
     optional("spin", "rad/s", "about z", at_least=-1e12, at_most=1e12),
     optional("partner_radius", "m", "of the second sphere", above=0),
     optional("partner_density", "kg/m^3", "of the second sphere", above=0),
-    optional("partner_spin", "rad/s", "of the second sphere, about z", at_least=-1e12, at_most=1e12),
+    optional(
+        "partner_spin", "rad/s", "of the second sphere, about z", at_least=-1e12, at_most=1e12
+    ),
     optional("restitution", "1", "makes the dashpot", above=0, at_most=1),
     optional("stiffness", "N/m", "normal spring", above=0),
     optional("tangential_stiffness", "N/m", "0: sliding friction of full size", at_least=0),

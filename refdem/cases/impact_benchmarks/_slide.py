@@ -16,13 +16,17 @@ from refdem.scene import Scene
 
 
 class Slide(OnFloor):
-    """Thrown along x with `speed`, without spin, its overlap that of its weight; lasts twice as long as it slides."""
+    """Thrown along x with `speed`, without spin, its overlap that of its weight; lasts twice as
+    long as it slides.
+    """
 
     def values(self, p: Parameters) -> Any:
         """With friction, for without it the sphere slides for ever."""
         v = super().values(p)
         if not v.friction:
-            raise UsageError("parameter friction: got 0; expected more than 0: without it the sphere never rolls")
+            raise UsageError(
+                "parameter friction: got 0; expected more than 0: without it the sphere never rolls"
+            )
         return v
 
     def scene(self, v: Any) -> Scene:
@@ -31,7 +35,10 @@ class Slide(OnFloor):
 
     def scales(self, v: Any) -> Scales:
         """tau = sqrt(m/k)."""
-        tau, slides = float(np.sqrt(float(v.mass / v.stiffness))), float(Fraction(2, 7) * v.speed / (v.friction * v.gravity))
+        tau, slides = (
+            float(np.sqrt(float(v.mass / v.stiffness))),
+            float(Fraction(2, 7) * v.speed / (v.friction * v.gravity)),
+        )
         length = max(float(v.speed) * tau, float(v.radius) / POSITIONS_ARE_ROUNDED)
         return Scales(length, tau, 2 * slides, float(v.mass))
 

@@ -1,4 +1,6 @@
-"""Two spheres, alike or not, that touch and spin about z while they close head-on, under the linear law."""
+"""Two spheres, alike or not, that touch and spin about z while they close head-on, under the linear
+law.
+"""
 
 from collections.abc import Mapping
 from fractions import Fraction
@@ -23,7 +25,9 @@ class SpinningPair(Member):
     bodies: ClassVar[int] = 2
 
     def values(self, p: Parameters) -> Any:
-        """With masses, radii and spins of both, the effective mass, and the dashpot that makes the restitution."""
+        """With masses, radii and spins of both, the effective mass, and the dashpot that makes the
+        restitution.
+        """
         from refdem.truth.contact_law import sphere_mass
 
         v = super().values(p)
@@ -43,8 +47,12 @@ class SpinningPair(Member):
         mass = float(v.effective)
         lasts = linear_contact_time(v, v.effective)
         tau = float(np.sqrt(mass / max(float(v.stiffness), 3.5 * float(v.tangential_stiffness))))
-        speed = float(v.speed + max(abs(r * spin) for r, spin in zip(v.radii, v.spins, strict=True)))
-        return Scales(max(speed * tau, float(max(v.radii)) / POSITIONS_ARE_ROUNDED), tau, 2 * lasts, mass)
+        speed = float(
+            v.speed + max(abs(r * spin) for r, spin in zip(v.radii, v.spins, strict=True))
+        )
+        return Scales(
+            max(speed * tau, float(max(v.radii)) / POSITIONS_ARE_ROUNDED), tau, 2 * lasts, mass
+        )
 
     def truth(self, v: Any, scale: Mapping[str, float]) -> Truth:
         """That of two spheres."""
@@ -53,9 +61,14 @@ class SpinningPair(Member):
 
         nothing = Fraction(0)
         names = ("masses", "radii", "stiffness", "damping", "tangential_stiffness", "friction")
-        return TwoSpheres(scale, SpherePair(
-            **{name: getattr(v, name) for name in names}, closing_speed=v.speed, angle=nothing,
-            spins=(nothing, nothing, v.spins[0], nothing, nothing, v.spins[1]),
-            lever=LEVERS[v.branch],
-            ends_with_overlap=v.cutoff == "zero_overlap",
-        ))  # fmt: skip
+        return TwoSpheres(
+            scale,
+            SpherePair(
+                **{name: getattr(v, name) for name in names},
+                closing_speed=v.speed,
+                angle=nothing,
+                spins=(nothing, nothing, v.spins[0], nothing, nothing, v.spins[1]),
+                lever=LEVERS[v.branch],
+                ends_with_overlap=v.cutoff == "zero_overlap",
+            ),
+        )

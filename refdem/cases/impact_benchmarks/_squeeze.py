@@ -1,4 +1,6 @@
-"""A small sphere that spins between two large ones that close on it from both sides, under the linear law."""
+"""A small sphere that spins between two large ones that close on it from both sides, under the
+linear law.
+"""
 
 from collections.abc import Mapping
 from fractions import Fraction
@@ -17,12 +19,17 @@ from refdem.scene import Body, Scene, Sphere
 
 
 class Squeeze(Member):
-    """`partner_radius` and `partner_spin` are the large ones'; `speed` and `angle` those of each against the small one."""
+    """`partner_radius` and `partner_spin` are the large ones';
+
+    `speed` and `angle` those of each against the small one.
+    """
 
     bodies: ClassVar[int] = 3
 
     def values(self, p: Parameters) -> Any:
-        """With the large spheres' mass, and the dashpot that makes the restitution of each against the small one, which stays."""
+        """With the large spheres' mass, and the dashpot that makes the restitution of each against
+        the small one, which stays.
+        """
         from refdem.truth.contact_law import sphere_mass
         from refdem.truth.reals import cosine, sine
 
@@ -37,13 +44,23 @@ class Squeeze(Member):
         """Centres on x, the small sphere at the origin; half a turn about z changes nothing."""
         reach, r = float(v.radius + v.partner_radius), float(v.partner_radius)
         sides = [
-            Body(mass=float(v.large), inertia=(0.4 * float(v.large) * r * r,) * 3, shape=Sphere(radius=r),
-                 position=(-side * reach, 0.0, 0.0), velocity=(side * float(v.normal), side * float(v.across), 0.0),
-                 omega=(0.0, 0.0, float(v.partner_spin)))
+            Body(
+                mass=float(v.large),
+                inertia=(0.4 * float(v.large) * r * r,) * 3,
+                shape=Sphere(radius=r),
+                position=(-side * reach, 0.0, 0.0),
+                velocity=(side * float(v.normal), side * float(v.across), 0.0),
+                omega=(0.0, 0.0, float(v.partner_spin)),
+            )
             for side in (1, -1)
-        ]  # fmt: skip
+        ]
         m, small = float(v.mass), float(v.radius)
-        middle = Body(mass=m, inertia=(0.4 * m * small * small,) * 3, shape=Sphere(radius=small), omega=(0.0, 0.0, float(v.spin)))
+        middle = Body(
+            mass=m,
+            inertia=(0.4 * m * small * small,) * 3,
+            shape=Sphere(radius=small),
+            omega=(0.0, 0.0, float(v.spin)),
+        )
         return Scene.of([sides[0], middle, sides[1]], [linear(v)])
 
     def scales(self, v: Any) -> Scales:
@@ -53,15 +70,33 @@ class Squeeze(Member):
         turning = float(v.tangential_stiffness * (Fraction(7, 2) + 5 * v.large / v.mass))
         tau = float(np.sqrt(mass / max(float(v.stiffness), turning)))
         speed = float(v.speed + max(abs(v.radius * v.spin), abs(v.partner_radius * v.partner_spin)))
-        return Scales(max(speed * tau, float(v.partner_radius) / POSITIONS_ARE_ROUNDED), tau, 2 * lasts, mass)
+        return Scales(
+            max(speed * tau, float(v.partner_radius) / POSITIONS_ARE_ROUNDED), tau, 2 * lasts, mass
+        )
 
     def truth(self, v: Any, scale: Mapping[str, float]) -> Truth:
         """A pair's, by symmetry."""
         from refdem.truth.closed_forms.impact_benchmarks.three_spheres import Squeezed, ThreeSpheres
 
-        nothing, names = Fraction(0), ("stiffness", "damping", "tangential_stiffness", "friction", "angle")
-        return ThreeSpheres(scale, Squeezed(
-            **{name: getattr(v, name) for name in names}, closing_speed=v.speed, lever=LEVERS[v.branch],
-            masses=(v.large, v.mass / 2), radii=(v.partner_radius, v.radius),
-            spins=(nothing, nothing, v.partner_spin, nothing, nothing, v.spin), ends_with_overlap=v.cutoff == "zero_overlap",
-        ))  # fmt: skip
+        nothing, names = (
+            Fraction(0),
+            (
+                "stiffness",
+                "damping",
+                "tangential_stiffness",
+                "friction",
+                "angle",
+            ),
+        )
+        return ThreeSpheres(
+            scale,
+            Squeezed(
+                **{name: getattr(v, name) for name in names},
+                closing_speed=v.speed,
+                lever=LEVERS[v.branch],
+                masses=(v.large, v.mass / 2),
+                radii=(v.partner_radius, v.radius),
+                spins=(nothing, nothing, v.partner_spin, nothing, nothing, v.spin),
+                ends_with_overlap=v.cutoff == "zero_overlap",
+            ),
+        )

@@ -30,7 +30,10 @@ class Stack(OnFloor):
         v.effective = v.mass * v.upper / (v.mass + v.upper)
         v.damping = dashpot_of(v, v.effective)
         if not v.height < 4 * v.radius:
-            raise UsageError(f"parameter height: got {float(v.height):g} m; expected less than four radii, so that all contacts press")
+            raise UsageError(
+                f"parameter height: got {float(v.height):g} m; expected less than four radii, so"
+                " that all contacts press"
+            )
         return v
 
     def scene(self, v: Any) -> Scene:
@@ -48,4 +51,10 @@ class Stack(OnFloor):
         """A linear system."""
         from refdem.truth.closed_forms.impact_benchmarks import floor
 
-        return floor.Stack(scale, self.floor(v), upper_mass=v.upper, ceiling=v.height, starts=(v.height / 4, v.height * 3 / 4))
+        return floor.Stack(
+            scale,
+            self.floor(v),
+            upper_mass=v.upper,
+            ceiling=v.height,
+            starts=(v.height / 4, v.height * 3 / 4),
+        )

@@ -17,10 +17,14 @@ from refdem.scene.elements.plane import Plane
 
 
 class Wall(Member):
-    """The linear law; velocity by speed and angle, or by its normal part and psi = v_t/(friction v_n)."""
+    """The linear law; velocity by speed and angle, or by its normal part and psi = v_t/(friction
+    v_n).
+    """
 
     def values(self, p: Any) -> Any:
-        """With `normal`, `across` [m/s], `spin` [rad/s] and, without a stiffness, Hertz's `hertz`."""
+        """With `normal`, `across` [m/s], `spin` [rad/s] and, without a stiffness, Hertz's
+        `hertz`.
+        """
         from refdem.truth.reals import cosine, sine
 
         v = super().values(p)
@@ -53,25 +57,54 @@ class Wall(Member):
         """From switch to switch."""
         from refdem.truth.closed_forms.impact_benchmarks.wall import WallImpact, WallPair
 
-        names = ("mass", "radius", "stiffness", "damping", "tangential_stiffness", "friction", "normal", "across", "spin")
+        names = (
+            "mass",
+            "radius",
+            "stiffness",
+            "damping",
+            "tangential_stiffness",
+            "friction",
+            "normal",
+            "across",
+            "spin",
+        )
         numbers = {name: getattr(v, name) for name in names}
-        return WallImpact(scale, WallPair(lever=LEVERS[v.branch], ends_with_overlap=v.cutoff == "zero_overlap", **numbers))
+        return WallImpact(
+            scale,
+            WallPair(
+                lever=LEVERS[v.branch], ends_with_overlap=v.cutoff == "zero_overlap", **numbers
+            ),
+        )
 
 
 def struck(v: Any) -> Body:
     """The sphere, left of the wall."""
     m, r = float(v.mass), float(v.radius)
-    return Body(mass=m, inertia=(0.4 * m * r * r,) * 3, shape=Sphere(radius=r), position=(-r, 0.0, 0.0),
-                velocity=(float(v.normal), float(v.across), 0.0), omega=(0.0, 0.0, float(v.spin)))  # fmt: skip
+    return Body(
+        mass=m,
+        inertia=(0.4 * m * r * r,) * 3,
+        shape=Sphere(radius=r),
+        position=(-r, 0.0, 0.0),
+        velocity=(float(v.normal), float(v.across), 0.0),
+        omega=(0.0, 0.0, float(v.spin)),
+    )
 
 
 def linear(v: Any) -> Contact:
     """The law."""
-    numbers = {name: float(getattr(v, name)) for name in ("stiffness", "damping", "tangential_stiffness", "friction")}
+    numbers = {
+        name: float(getattr(v, name))
+        for name in ("stiffness", "damping", "tangential_stiffness", "friction")
+    }
     return Contact(law="linear", branch=v.branch, cutoff=v.cutoff, **numbers)
 
 
 def of_impact(v: Any, *, tau: float, lasts: float) -> Scales:
     """Length: the way in tau, but at least R/8."""
     speed = float(np.hypot(float(v.normal), float(v.across))) + abs(float(v.spin * v.radius))
-    return Scales(length=max(speed * tau, float(v.radius) / POSITIONS_ARE_ROUNDED), tau=tau, duration=2 * lasts, mass=float(v.mass))
+    return Scales(
+        length=max(speed * tau, float(v.radius) / POSITIONS_ARE_ROUNDED),
+        tau=tau,
+        duration=2 * lasts,
+        mass=float(v.mass),
+    )

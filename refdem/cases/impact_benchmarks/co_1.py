@@ -2,4 +2,6 @@
 
 from refdem.cases.impact_benchmarks._pair import HertzPair
 
-MEMBER = HertzPair("Two equal spheres, head-on, Hertz", {"material": "glass", "radius": "0.01", "speed": "20"})
+MEMBER = HertzPair(
+    "Two equal spheres, head-on, Hertz", {"material": "glass", "radius": "0.01", "speed": "20"}
+)

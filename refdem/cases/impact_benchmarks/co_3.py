@@ -1,4 +1,6 @@
-"""Chung and Ooi, test 3: normal impact on a rigid wall at any restitution above 0, made by a dashpot."""
+"""Chung and Ooi, test 3: normal impact on a rigid wall at any restitution above 0, made by a
+dashpot.
+"""
 
 from refdem.cases.impact_benchmarks._wall import Wall
 

@@ -1,4 +1,6 @@
-"""Chung and Ooi, test 4: oblique impact at constant speed, damped, linear law; experiments of Kharaz et al. scatter by 5 to 10 %."""
+"""Chung and Ooi, test 4: oblique impact at constant speed, damped, linear law; experiments of
+Kharaz et al. scatter by 5 to 10 %.
+"""
 
 from refdem.cases.impact_benchmarks._wall import Wall
 

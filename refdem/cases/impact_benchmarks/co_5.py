@@ -1,4 +1,6 @@
-"""Chung and Ooi, test 5: oblique impact at constant normal speed of a grain of dust; psi' = psi - 7 where it slides."""
+"""Chung and Ooi, test 5: oblique impact at constant normal speed of a grain of dust; psi' = psi - 7
+where it slides.
+"""
 
 from refdem.cases.impact_benchmarks._wall import Wall
 

@@ -1,4 +1,6 @@
-"""Chung and Ooi, test 6: a spinning sphere falls on a wall; tangential restitution -1 + 3.5 mu (1 + e) v_n/v_st where it slides."""
+"""Chung and Ooi, test 6: a spinning sphere falls on a wall; tangential restitution -1 + 3.5 mu (1 +
+e) v_n/v_st where it slides.
+"""
 
 from refdem.cases.impact_benchmarks._wall import Wall
 

@@ -1,4 +1,6 @@
-"""Chung and Ooi, test 7: equal spheres that spin like gears, each against the other: nothing slips, nothing tangential happens, exactly."""
+"""Chung and Ooi, test 7: equal spheres that spin like gears, each against the other: nothing slips,
+nothing tangential happens, exactly.
+"""
 
 from refdem.cases.impact_benchmarks._spinning_pair import SpinningPair
 

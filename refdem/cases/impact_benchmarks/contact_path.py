@@ -1,4 +1,6 @@
-"""Contact path without an integrator (after ON-DEM's tests): overlap, spring, clipping and a normal that turns, all prescribed."""
+"""Contact path without an integrator (after ON-DEM's tests): overlap, spring, clipping and a normal
+that turns, all prescribed.
+"""
 
 from refdem.cases.impact_benchmarks._path import Path
 

@@ -1,4 +1,6 @@
-"""The contact path once more, the whole pair turned in space by a rational rotation: the force turns with it."""
+"""The contact path once more, the whole pair turned in space by a rational rotation: the force
+turns with it.
+"""
 
 from fractions import Fraction
 from typing import Any
@@ -12,7 +14,9 @@ THIRD = Fraction(1, 3)
 class TurnedPath(Path):
     """Its axes are the columns."""
 
-    frame: Any = tuple(tuple(THIRD * x for x in row) for row in ((2, -1, 2), (2, 2, -1), (-1, 2, 2)))
+    frame: Any = tuple(
+        tuple(THIRD * x for x in row) for row in ((2, -1, 2), (2, 2, -1), (-1, 2, 2))
+    )
 
 
 MEMBER = TurnedPath("Prescribed path of a contact, turned", NUMBERS)

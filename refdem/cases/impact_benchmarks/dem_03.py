@@ -1,4 +1,6 @@
-"""MFiX DEM03: two stacked spheres of unlike density, squeezed between walls: a linear system of two degrees of freedom."""
+"""MFiX DEM03: two stacked spheres of unlike density, squeezed between walls: a linear system of two
+degrees of freedom.
+"""
 
 from refdem.cases.impact_benchmarks._stack import Stack
 

@@ -1,4 +1,6 @@
-"""MFiX DEM04: a sphere slides until it rolls, u/u0 = 5/7 at mu g t/u0 = 2/7, whatever mu, R and m."""
+"""MFiX DEM04: a sphere slides until it rolls, u/u0 = 5/7 at mu g t/u0 = 2/7, whatever mu, R and
+m.
+"""
 
 from refdem.cases.impact_benchmarks._slide import Slide
 

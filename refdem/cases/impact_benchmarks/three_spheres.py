@@ -1,4 +1,6 @@
-"""Three spheres of unequal size, after Vyas et al. 2025: a slip of half-step velocities across full-step normals goes wrong."""
+"""Three spheres of unequal size, after Vyas et al. 2025: a slip of half-step velocities across
+full-step normals goes wrong.
+"""
 
 from refdem.cases.impact_benchmarks._squeeze import Squeeze
 

@@ -1,4 +1,6 @@
-"""Any program that a refdem.toml describes: requests go in as files, trajectories come back as files."""
+"""Any program that a refdem.toml describes: requests go in as files, trajectories come back as
+files.
+"""
 
 import hashlib
 from functools import cached_property
@@ -12,7 +14,14 @@ from refdem.engines.external.description import Description, read
 from refdem.engines.external.program import Program
 from refdem.engines.external.sense import DIMENSIONS
 
-IMPLIED = {"contact", "contact:damping", "contact:friction", "constraint", "tumbling", "shape:sphere"}
+IMPLIED = {
+    "contact",
+    "contact:damping",
+    "contact:friction",
+    "constraint",
+    "tumbling",
+    "shape:sphere",
+}
 """Features that come with others which a program names: a law, friction, a rod, rotation."""
 
 
@@ -27,7 +36,11 @@ class External(ProgramEngine):
         table = self.description.engine
         self.name = self.title = table.name
         self.methods = tuple(method.method(table) for method in table.methods)
-        self.time_limit, self.budget, self.expected = table.timeout, table.budget, tuple(self.description.expected)
+        self.time_limit, self.budget, self.expected = (
+            table.timeout,
+            table.budget,
+            tuple(self.description.expected),
+        )
         self.may_refuse = frozenset(table.may_refuse)
         self.program = Program(table, self.path.parent)
 
@@ -49,12 +62,19 @@ class External(ProgramEngine):
         return self._version or f"files {self.fingerprint(self.methods[0])[:12]}"
 
     def fingerprint(self, method: Method) -> str:
-        """sha256 of refdem.toml, every file that the command names, every file that `inputs` matches, and the machine."""
+        """sha256 of refdem.toml, every file that the command names, every file that `inputs`
+        matches, and the machine.
+        """
         digest = hashlib.sha256(fingerprint.of_files([self.path]).encode())
         for file in self.program.files():
             digest.update(f"{file}\0{fingerprint.of_files([file])}".encode())
         source = fingerprint.of_source(
-            "engines/external", "core/request_text.py", "core/trajectory_csv.py", "core/answer_csv.py", "core/statics.py", "scene"
+            "engines/external",
+            "core/request_text.py",
+            "core/trajectory_csv.py",
+            "core/answer_csv.py",
+            "core/statics.py",
+            "scene",
         )
         digest.update(f"{source}\0{fingerprint.of_machine()}".encode())
         return digest.hexdigest()
@@ -64,7 +84,9 @@ class External(ProgramEngine):
         if problem.interval < 0 and not method.backward:
             return "negative steps"
         supports = set(self.description.engine.supports)
-        needs = problem.scene.features | ({"bodies_file"} if problem.scene.has_bodies_file else set())
+        needs = problem.scene.features | (
+            {"bodies_file"} if problem.scene.has_bodies_file else set()
+        )
         anywhere = set() if supports & DIMENSIONS else DIMENSIONS
         lacking = sorted(needs - IMPLIED - anywhere - supports)
         return f"{', '.join(lacking)} (not in `supports` of {self.path.name})" if lacking else None
@@ -75,5 +97,7 @@ class External(ProgramEngine):
 
 
 def load(path: Path) -> External:
-    """The program that a refdem.toml describes; raises UsageError if the file is not well formed."""
+    """The program that a refdem.toml describes; raises UsageError if the file is not well
+    formed.
+    """
     return External(path)

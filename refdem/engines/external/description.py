@@ -33,33 +33,54 @@ class MethodTable(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fiel
     control: Annotated[
         Literal["step", "tolerance", "exact"],
         said(
-            "what the request sets: the step [s] with its `stride`, the number of steps from each sample "
-            "to the next, which the program counts (it never compares times), or a tolerance"
+            "what the request sets: the step [s] with its `stride`, the number of steps from each"
+            " sample to the next, which the program counts (it never compares times), or a"
+            " tolerance"
         ),
     ] = "step"
     order: Annotated[int, said("claimed: errors fall as step**order")] = 0
-    order_with: Annotated[dict[str, int], said("the lower order with a feature of the scene, such as contact = 1")] = {}
-    constant: Annotated[float, said("C of the bound C (1 + t/tau) (h/tau)**order, in units of the scales")] = 1.0
+    order_with: Annotated[
+        dict[str, int], said("the lower order with a feature of the scene, such as contact = 1")
+    ] = {}
+    constant: Annotated[
+        float, said("C of the bound C (1 + t/tau) (h/tau)**order, in units of the scales")
+    ] = 1.0
     constant_reason: str = ""
     conserves: Annotated[list[Law], said("kept to round-off, whatever the step")] = []
     reversible: Annotated[bool, said("with velocities flipped it comes back to round-off")] = False
     symplectic: Annotated[bool, said("no secular drift of energy, also where bodies turn")] = False
-    backward: Annotated[bool, said("it can be asked for times that fall; the step stays positive")] = False
-    locates_events: Annotated[bool, said("events are told at their own times, not at the end of the step that sees them")] = False
-    complete_state: Annotated[bool, said("a run can go on from positions, velocities, attitudes and omegas alone")] = True
+    backward: Annotated[
+        bool, said("it can be asked for times that fall; the step stays positive")
+    ] = False
+    locates_events: Annotated[
+        bool, said("events are told at their own times, not at the end of the step that sees them")
+    ] = False
+    complete_state: Annotated[
+        bool, said("a run can go on from positions, velocities, attitudes and omegas alone")
+    ] = True
     deterministic: Annotated[bool, said("the same request gives the same bits")] = True
 
     def method(self, engine: "EngineTable") -> Method:
-        """The method as the checks know it; a staggered one cannot go on from its end state, and mass properties have no step."""
+        """The method as the checks know it; a staggered one cannot go on from its end state, and
+        mass properties have no step.
+        """
         fields = msgspec.structs.asdict(self)
         fields["conserves"] = frozenset(self.conserves)
         fields["summary"] = one_line(self.summary)
         fields["constant_reason"] = one_line(self.constant_reason)
         fields["complete_state"] = self.complete_state and engine.velocity_time == "synchronous"
         if self.answers == "solid":
-            fields |= {"control": "exact", "knows": frozenset(name for name in engine.supports if name.startswith("solid:"))}
+            fields |= {
+                "control": "exact",
+                "knows": frozenset(name for name in engine.supports if name.startswith("solid:")),
+            }
         summed = self.control == "step"
-        return Method(**fields, precision=engine.precision, velocity_time=engine.velocity_time, summed_clock=summed)
+        return Method(
+            **fields,
+            precision=engine.precision,
+            velocity_time=engine.velocity_time,
+            summed_clock=summed,
+        )
 
 
 class EngineTable(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
@@ -68,30 +89,54 @@ class EngineTable(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fiel
     name: str
     command: Annotated[
         list[str],
-        said("argv, run in an empty folder; {request} {request_txt} {trajectory} {events} stand for files, events as CSV time,kind,body"),
+        said(
+            "argv, run in an empty folder; {request} {request_txt} {trajectory} {events} stand for"
+            " files, events as CSV time,kind,body"
+        ),
     ]
     methods: list[MethodTable]
-    inputs: Annotated[list[str], said("patterns of files below this one whose change makes results stale, sources for instance")] = []
+    inputs: Annotated[
+        list[str],
+        said(
+            "patterns of files below this one whose change makes results stale, sources for"
+            " instance"
+        ),
+    ] = []
     version_command: list[str] = []
-    supports: Annotated[list[Feature], said("what its scenes may have; a case that needs more is left out")] = []
+    supports: Annotated[
+        list[Feature], said("what its scenes may have; a case that needs more is left out")
+    ] = []
     precision: Literal["double", "single"] = "double"
     velocity_time: Annotated[
         Literal["synchronous", "minus-half-step"],
-        said("minus-half-step: velocities and omegas of a row hold half a step before its t, at the first row too"),
+        said(
+            "minus-half-step: velocities and omegas of a row hold half a step before its t, at the"
+            " first row too"
+        ),
     ] = "synchronous"
     may_refuse: Annotated[
-        list[Picture], said("pictures of a scene that it may answer with 77 although it runs the scene itself; any other is an error")
+        list[Picture],
+        said(
+            "pictures of a scene that it may answer with 77 although it runs the scene itself; any"
+            " other is an error"
+        ),
     ] = []
     timeout: Annotated[float, said("[s] a run may take")] = 60.0
     budget: Annotated[float, said("[s] a gate may take")] = 600.0
-    memory: Annotated[float | None, said("[GB] a process of a run may take; without it all that the machine has")] = None
+    memory: Annotated[
+        float | None, said("[GB] a process of a run may take; without it all that the machine has")
+    ] = None
 
 
 class GateTable(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """What its gate runs: cases (none: all that the program supports), levels, baseline."""
 
     cases: Annotated[
-        list[str], said("`pendulum` or `pendulum[theta0=2 mass=3]`; none: all that it supports, some at several settings")
+        list[str],
+        said(
+            "`pendulum` or `pendulum[theta0=2 mass=3]`; none: all that it supports, some at several"
+            " settings"
+        ),
     ] = []
     levels: int = 4
     baseline: str = "refdem-baseline.jsonl"

@@ -1,7 +1,8 @@
-"""The folders of runs: empty at their begin, taken away at their end, whatever a program has left in them.
+"""The folders of runs: empty at their begin, taken away at their end, whatever a program has left
+in them.
 
-All that a process makes lie in one folder, which it holds by a lock, so that others see when it is gone;
-its supervisors (supervisor.py) take that folder away if it is killed.
+All that a process makes lie in one folder, which it holds by a lock, so that others see when it is
+gone; its supervisors (supervisor.py) take that folder away if it is killed.
 """
 
 import atexit
@@ -36,7 +37,8 @@ def home() -> Path:
     """The folder of this process; those of processes that are gone are taken away first."""
     sweep()
     made = Path(tempfile.mkdtemp(prefix="refdem-new-"))
-    # The lock lasts as long as the process does; nobody takes the folder for a stale one before it has it.
+    # The lock lasts as long as the process does; nobody takes the folder for a stale one before it
+    # has it.
     holding = os.open(made, os.O_RDONLY | os.O_CLOEXEC)
     fcntl.flock(holding, fcntl.LOCK_SH)
     held = made.rename(made.with_name(made.name.replace("refdem-new-", PREFIX)))

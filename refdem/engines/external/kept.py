@@ -15,12 +15,17 @@ MOST_FILES = 32
 
 
 def kept(folder: Path, name: str) -> Path | None:
-    """Copies the files of a failed run beside the store and drops older ones; None if nothing can be written there."""
+    """Copies the files of a failed run beside the store and drops older ones;
+
+    None if nothing can be written there.
+    """
     home = default_path().parent / "failed-runs"
     place = home / f"{name}-{time.time_ns()}"
     try:
         place.mkdir(parents=True)
-        for path in sorted(path for path in folder.iterdir() if path.is_file() and not path.is_symlink())[:MOST_FILES]:
+        for path in sorted(
+            path for path in folder.iterdir() if path.is_file() and not path.is_symlink()
+        )[:MOST_FILES]:
             with path.open("rb") as file:
                 (place / path.name).write_bytes(file.read(MOST_BYTES))
     except OSError:
@@ -33,5 +38,7 @@ def kept(folder: Path, name: str) -> Path | None:
 def _drop_older(home: Path) -> None:
     """Removes all but the newest folders; another process may be doing the same."""
     with contextlib.suppress(OSError):
-        for path in sorted(home.iterdir(), key=lambda path: path.name.rpartition("-")[2])[:-MOST_FOLDERS]:
+        for path in sorted(home.iterdir(), key=lambda path: path.name.rpartition("-")[2])[
+            :-MOST_FOLDERS
+        ]:
             shutil.rmtree(path, ignore_errors=True)

@@ -1,7 +1,8 @@
-"""A program under limits: its time, its memory, the size of what it writes, and that nothing of it stays.
+"""A program under limits: its time, its memory, the size of what it writes, and that nothing of it
+stays.
 
-Every thread that runs programs has a supervisor (supervisor.py), a small process that starts them one
-after another and ends what they leave, also when this process is killed.
+Every thread that runs programs has a supervisor (supervisor.py), a small process that starts them
+one after another and ends what they leave, also when this process is killed.
 """
 
 import contextlib
@@ -31,7 +32,9 @@ _BUSY: set["Supervised"] = set()
 
 @dataclass(frozen=True, kw_only=True)
 class Limits:
-    """Of a run: time [s], bytes of each file that it writes, bytes of memory of each of its processes."""
+    """Of a run: time [s], bytes of each file that it writes, bytes of memory of each of its
+    processes.
+    """
 
     timeout: float
     file_bytes: int
@@ -40,7 +43,9 @@ class Limits:
 
 @dataclass(frozen=True)
 class Ended:
-    """How a program ended: its exit status, None if its time was up; seconds; how many processes it left running."""
+    """How a program ended: its exit status, None if its time was up; seconds; how many processes it
+    left running.
+    """
 
     status: int | None
     seconds: float
@@ -64,7 +69,9 @@ class Supervised:
         self.said = self.socket.makefile("rb")
 
     def ended(self, request: dict[str, Any], out: BinaryIO, err: BinaryIO) -> Ended:
-        """Runs what is asked for; raises EngineError if it cannot be started or if the supervisor itself was ended."""
+        """Runs what is asked for; raises EngineError if it cannot be started or if the supervisor
+        itself was ended.
+        """
         _BUSY.add(self)
         try:
             text = json.dumps(request).encode() + b"\n"
@@ -76,10 +83,15 @@ class Supervised:
             _BUSY.discard(self)
         if not line:
             self.close()
-            raise EngineError(f"{request['command'][0]} was ended from outside, with the process that watched over it")
+            raise EngineError(
+                f"{request['command'][0]} was ended from outside, with the process that watched"
+                " over it"
+            )
         answer = json.loads(line)
         if "problem" in answer:
-            raise EngineError(f"{request['command'][0]} cannot be started: {one_line(answer['problem'])}")
+            raise EngineError(
+                f"{request['command'][0]} cannot be started: {one_line(answer['problem'])}"
+            )
         return Ended(answer["status"], answer["seconds"], answer["left"])
 
     def stop(self) -> None:
@@ -120,22 +132,28 @@ def run(command: list[str], folder: Path, out: BinaryIO, err: BinaryIO, limits: 
 
 
 def ended(command: list[str], folder: Path, *, name: str, limits: Limits) -> float:
-    """Runs the command in `folder`, its output in stdout.txt and stderr.txt there, and then ends all that it has started.
+    """Runs the command in `folder`, its output in stdout.txt and stderr.txt there, and then ends
+    all that it has started.
 
-    Returns the seconds that it took. Raises UnsupportedError for exit status 77, EngineError if it cannot start, does not end in
-    time, ends with another status, or leaves processes behind.
+    Returns the seconds that it took. Raises UnsupportedError for exit status 77, EngineError if it
+    cannot start, does not end in time, ends with another status, or leaves processes behind.
     """
-    # What it said is read from the descriptor: in its folder a program may put anything at that name.
+    # What it said is read from the descriptor: in its folder a program may put anything at that
+    # name.
     with (folder / "stdout.txt").open("wb") as out, (folder / "stderr.txt").open("w+b") as err:
         found = run(command, folder, out, err, limits)
         says = _last_lines(err)
     if found.status is None:
         raise HangError(f"{name} was still running after {limits.timeout:g} s and was ended")
     if found.status == NOT_SUPPORTED:
-        raise UnsupportedError(one_line(says[-1]) if says else "the program says it cannot (exit 77)")
+        raise UnsupportedError(
+            one_line(says[-1]) if says else "the program says it cannot (exit 77)"
+        )
     if found.status != 0:
         told = one_line(" / ".join(says))[-SHOWN:]
-        raise EngineError(f"{name} ended with {_status(found.status)}: {told or 'it said nothing on stderr'}")
+        raise EngineError(
+            f"{name} ended with {_status(found.status)}: {told or 'it said nothing on stderr'}"
+        )
     if found.left:
         raise EngineError(
             f"{name} ended and left {found.left} of its processes running, which were ended; "
@@ -156,7 +174,9 @@ def _status(status: int) -> str:
         return f"exit status {status}"
     with contextlib.suppress(ValueError):
         name = signal.Signals(-status).name
-        return f"signal {-status} ({name}" + (": a file grew too large)" if name == "SIGXFSZ" else ")")
+        return f"signal {-status} ({name}" + (
+            ": a file grew too large)" if name == "SIGXFSZ" else ")"
+        )
     return f"signal {-status}"
 
 

@@ -1,4 +1,6 @@
-"""The program of a refdem.toml: where it is, what belongs to it, and one run of it in an empty folder."""
+"""The program of a refdem.toml: where it is, what belongs to it, and one run of it in an empty
+folder.
+"""
 
 import shutil
 import tempfile
@@ -19,7 +21,12 @@ from refdem.engines.external.process import Limits, ended, machine_memory, run
 from refdem.errors import EngineError, UsageError
 from refdem.scene import bodies_file
 
-FILES = {"request": "request.json", "request_txt": "request.txt", "trajectory": "trajectory.csv", "events": "events.csv"}
+FILES = {
+    "request": "request.json",
+    "request_txt": "request.txt",
+    "trajectory": "trajectory.csv",
+    "events": "events.csv",
+}
 ROW = 1024
 """Bytes that a row of the CSV file may take; 15 numbers and 5 channels of 17 digits take 500."""
 SPARE = 2**26
@@ -41,7 +48,10 @@ class Program:
         word = self.table.command[0]
         if shutil.which(self._placed(word)):
             return None
-        return f"{word} is not there or cannot be run (from {self.home}); build it, or correct engine.command"
+        return (
+            f"{word} is not there or cannot be run (from {self.home}); build it, or correct"
+            " engine.command"
+        )
 
     def files(self) -> list[Path]:
         """Every file that the command names, and every file that `inputs` matches."""
@@ -51,10 +61,15 @@ class Program:
         return sorted({path.resolve() for path in [*named, *matched] if path.is_file()})
 
     def _matched(self, pattern: str) -> list[Path]:
-        """The files that one of `inputs` matches; a fingerprint without them would call a changed program unchanged."""
+        """The files that one of `inputs` matches; a fingerprint without them would call a changed
+        program unchanged.
+        """
         found = [path for path in self.home.glob(pattern) if path.is_file()]
         if not found:
-            raise UsageError(f"{self.home / 'refdem.toml'}: engine.inputs has {pattern!r}, which matches no file; correct or remove it")
+            raise UsageError(
+                f"{self.home / 'refdem.toml'}: engine.inputs has {pattern!r}, which matches no"
+                " file; correct or remove it"
+            )
         return found
 
     def version(self) -> str:
@@ -78,7 +93,9 @@ class Program:
                 return (yield from self._stages(request, folder))
             except EngineError as error:
                 place = kept(folder, self.table.name)
-                raise type(error)(f"{error} (request and output are kept in {place})" if place else str(error)) from None
+                raise type(error)(
+                    f"{error} (request and output are kept in {place})" if place else str(error)
+                ) from None
 
     def _stages(self, request: Request, folder: Path) -> Stages[tuple[Trajectory, Cost]]:
         paths = {name: folder / file for name, file in FILES.items()}
@@ -92,10 +109,15 @@ class Program:
         result = yield partial(ended, command, folder, name=self.table.name, limits=limits)
         seconds = result()
         trajectory = read_answer(request.problem, paths["trajectory"], paths["events"])
-        return trajectory, Cost(seconds=seconds, steps=request.stride * (len(request.problem.times) - 1) if request.step else 0)
+        return trajectory, Cost(
+            seconds=seconds,
+            steps=request.stride * (len(request.problem.times) - 1) if request.step else 0,
+        )
 
     def _memory(self) -> int:
-        """Bytes that a process of a run may take: what its author says, else what the machine has."""
+        """Bytes that a process of a run may take: what its author says, else what the machine
+        has.
+        """
         if self.table.memory is None:
             return machine_memory()
         return int(self.table.memory * GIGABYTE)

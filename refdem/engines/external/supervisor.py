@@ -1,11 +1,11 @@
 """Runs programs one after another for the process that started it, and ends all that they start.
 
-A script with the standard library alone, started by process.py as `python -I -S supervisor.py FOLDER`. Its
-standard input is a socket: a line of JSON with the descriptors of the program's output comes in, a
-line of JSON goes out. It adopts orphans (PR_SET_CHILD_SUBREAPER), so that every process that a program
-has started, in whatever session, is a descendant of it; and when the socket is closed, because refdem
-has ended in whatever way, it ends them and itself. The folder is that of all runs of the process, which
-it takes away if that process was killed.
+A script with the standard library alone, started by process.py as `python -I -S supervisor.py
+FOLDER`. Its standard input is a socket: a line of JSON with the descriptors of the program's output
+comes in, a line of JSON goes out. It adopts orphans (PR_SET_CHILD_SUBREAPER), so that every process
+that a program has started, in whatever session, is a descendant of it; and when the socket is
+closed, because refdem has ended in whatever way, it ends them and itself. The folder is that of all
+runs of the process, which it takes away if that process was killed.
 """
 
 import contextlib
@@ -43,7 +43,8 @@ class Supervisor:
         self.woken, waking = os.pipe()
         os.set_blocking(self.woken, False)
         os.set_blocking(waking, False)
-        # The end of a child writes a byte into the pipe, so that one `select` waits for it and for the socket.
+        # The end of a child writes a byte into the pipe, so that one `select` waits for it and for
+        # the socket.
         signal.signal(signal.SIGCHLD, lambda *_: None)
         signal.set_wakeup_fd(waking)
 
@@ -85,7 +86,9 @@ class Supervisor:
         return {"status": status, "seconds": seconds, "left": left}
 
     def waited(self, program: int, until: float) -> "int | None":
-        """The exit status of the program, None if it was still running `until` then; raises AbandonedError."""
+        """The exit status of the program, None if it was still running `until` then; raises
+        AbandonedError.
+        """
         while True:
             statuses = reaped()
             if program in statuses:
@@ -128,7 +131,14 @@ def become(request: "dict[str, Any]", descriptors: "list[int]") -> None:
     os.setsid()
     control(PR_SET_PDEATHSIG, signal.SIGKILL)
     signal.set_wakeup_fd(-1)
-    for number in (signal.SIGCHLD, signal.SIGPIPE, signal.SIGXFSZ, signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
+    for number in (
+        signal.SIGCHLD,
+        signal.SIGPIPE,
+        signal.SIGXFSZ,
+        signal.SIGINT,
+        signal.SIGTERM,
+        signal.SIGHUP,
+    ):
         signal.signal(number, signal.SIG_DFL)
     out, err = descriptors
     nothing = os.open(os.devnull, os.O_RDONLY)
@@ -174,7 +184,10 @@ def lingering() -> int:
 
 
 def end_descendants() -> None:
-    """Ends all that this process has started or adopted. They are stopped first, so that none starts another meanwhile."""
+    """Ends all that this process has started or adopted.
+
+    They are stopped first, so that none starts another meanwhile.
+    """
     while True:
         reaped()
         there = descendants()
@@ -198,7 +211,8 @@ def descendants() -> "list[int]":
         with contextlib.suppress(OSError):
             with open(f"/proc/{name}/stat", "rb") as file:
                 text = file.read()
-            # The name of the program, in brackets, may hold anything: what follows the last bracket counts.
+            # The name of the program, in brackets, may hold anything: what follows the last bracket
+            # counts.
             state, parent = text[text.rindex(b")") + 1 :].split()[:2]
             if state not in (b"Z", b"X"):
                 children.setdefault(int(parent), []).append(int(name))
@@ -219,7 +233,8 @@ def control(option: int, value: int) -> None:
 
 def main() -> None:
     """Answers over standard input."""
-    # A program must not be able to answer for itself: it gets neither this descriptor nor this standard input.
+    # A program must not be able to answer for itself: it gets neither this descriptor nor this
+    # standard input.
     asked = socket.socket(fileno=os.dup(0))
     nothing = os.open(os.devnull, os.O_RDWR)
     for target in (0, 1):

@@ -1,4 +1,7 @@
-"""MuJoCo 4 (Google DeepMind, Apache-2.0): what the adapter claims, refuses and runs; MuJoCo itself is imported when it runs."""
+"""MuJoCo 4 (Google DeepMind, Apache-2.0): what the adapter claims, refuses and runs;
+
+MuJoCo itself is imported when it runs.
+"""
 
 import hashlib
 from importlib.metadata import version
@@ -34,7 +37,9 @@ class Mujoco(Engine):
         return version("mujoco")
 
     def fingerprint(self, method: Method) -> str:
-        """Digest of MuJoCo's packages, this adapter, the scene's own code, the recorder and the machine."""
+        """Digest of MuJoCo's packages, this adapter, the scene's own code, the recorder and the
+        machine.
+        """
         parts = (
             fingerprint.of_package("mujoco"),
             fingerprint.of_package("mujoco-core"),
@@ -49,7 +54,9 @@ class Mujoco(Engine):
         return refusal(problem)
 
     def run(self, request: Request) -> tuple[Trajectory, Cost]:
-        """Compiles the scene and steps it in MuJoCo's own loop; or asks its compiler and its algebra."""
+        """Compiles the scene and steps it in MuJoCo's own loop; or asks its compiler and its
+        algebra.
+        """
         if isinstance(request.problem, Motion):
             from refdem.engines.mujoco.session import run
         else:

@@ -1,4 +1,6 @@
-"""A body on a ball joint of the world: MuJoCo's own, at the joint, with the centre of mass at the end of an arm."""
+"""A body on a ball joint of the world: MuJoCo's own, at the joint, with the centre of mass at the
+end of an arm.
+"""
 
 from dataclasses import dataclass
 from typing import Any
@@ -33,7 +35,12 @@ class Ball(Freedom):
         return -np.array(self.joint.anchor_a)
 
     def say(self, mujoco: Any, world: Any) -> Any:
-        own = {"mass": self.body.mass, "inertia": self.body.inertia, "ipos": tuple(self.arm), "explicitinertial": True}
+        own = {
+            "mass": self.body.mass,
+            "inertia": self.body.inertia,
+            "ipos": tuple(self.arm),
+            "explicitinertial": True,
+        }
         said = world.add_body(pos=self.joint.anchor_b, **own)
         said.add_joint(type=mujoco.mjtJoint.mjJNT_BALL)
         return said
@@ -58,13 +65,19 @@ def of_ball_joints(scene: Scene) -> str | None:
         return "this adapter says ball joints of the world only, one a body"
     for joint in joints:
         body = scene.bodies.single()[joint.a]
-        arm, omega = rotated(np.array(body.attitude), -np.array(joint.anchor_a)), np.array(body.omega)
-        off, slip = np.subtract(body.position, joint.anchor_b) - arm, np.subtract(body.velocity, np.cross(omega, arm))
+        arm, omega = (
+            rotated(np.array(body.attitude), -np.array(joint.anchor_a)),
+            np.array(body.omega),
+        )
+        off, slip = (
+            np.subtract(body.position, joint.anchor_b) - arm,
+            np.subtract(body.velocity, np.cross(omega, arm)),
+        )
         size = float(np.linalg.norm(arm))
         if body.fixed or not any(body.inertia):
             return "a ball joint on a body that does not turn"
-        if np.linalg.norm(off) > FITS * (size + np.linalg.norm(joint.anchor_b)) or np.linalg.norm(slip) > FITS * size * np.linalg.norm(
-            omega
-        ):
+        if np.linalg.norm(off) > FITS * (size + np.linalg.norm(joint.anchor_b)) or np.linalg.norm(
+            slip
+        ) > FITS * size * np.linalg.norm(omega):
             return "a start with the joint open: a ball joint cannot show it"
     return None

@@ -1,4 +1,6 @@
-"""A slider on a belt along x, as a sphere on a plane whose surface moves (`surfacevel`), pressed down by a steady force."""
+"""A slider on a belt along x, as a sphere on a plane whose surface moves (`surfacevel`), pressed
+down by a steady force.
+"""
 
 from typing import Any
 
@@ -16,15 +18,21 @@ def belts(scene: Scene) -> list[Slider]:
 
 
 def add(mujoco: Any, spec: Any, scene: Scene, said: list[Any], step: float) -> None:
-    """A sphere on the body of each such slider, the plane under it, and their contact; no other geoms touch these."""
+    """A sphere on the body of each such slider, the plane under it, and their contact; no other
+    geoms touch these.
+    """
     alone = {"contype": 0, "conaffinity": 0}
     for number, slider in enumerate(belts(scene)):
         names = (f"on belt {number}", f"belt {number}")
-        said[slider.a].add_geom(name=names[0], type=mujoco.mjtGeom.mjGEOM_SPHERE, size=(RADIUS, 0, 0), **alone)
+        said[slider.a].add_geom(
+            name=names[0], type=mujoco.mjtGeom.mjGEOM_SPHERE, size=(RADIUS, 0, 0), **alone
+        )
         plane = {"type": mujoco.mjtGeom.mjGEOM_PLANE, "size": (0, 0, 1), "pos": (0, 0, -RADIUS)}
         moving = (slider.belt_velocity * slider.axis[0], 0, 0, 0, 0, 0)
         spec.worldbody.add_geom(name=names[1], surfacevel=moving, **plane, **alone)
-        spec.add_pair(geomname1=names[0], geomname2=names[1], **solver.rubbing(slider.friction, step, RADIUS))
+        spec.add_pair(
+            geomname1=names[0], geomname2=names[1], **solver.rubbing(slider.friction, step, RADIUS)
+        )
 
 
 def press(scene: Scene, data: Any) -> None:

@@ -1,28 +1,49 @@
-"""What is claimed for MuJoCo's integrators: Computation chapter of its documentation, "Numerical integration"."""
+"""What is claimed for MuJoCo's integrators: Computation chapter of its documentation, "Numerical
+integration".
+"""
 
 from refdem.core.engine import Method
 
 FIRST_ORDER = {"contact": 1, "friction": 1}
-"""Contact and dry friction switch inside a step, and no integrator of MuJoCo looks for the moment."""
+"""Contact and dry friction switch inside a step, and no integrator of MuJoCo looks for the moment.
+"""
 
 GEOMS = frozenset({"solid:cuboid", "solid:ellipsoid", "solid:cylinder"})
 ALGEBRA = frozenset(
     f"identity:{name}"
     for name in (
-        *("quaternion-about", "turn-about", "matrix-product", "matrix-vector", "product", "conjugate", "rotated", "matrix-of-quaternion"),
+        *(
+            "quaternion-about",
+            "turn-about",
+            "matrix-product",
+            "matrix-vector",
+            "product",
+            "conjugate",
+            "rotated",
+            "matrix-of-quaternion",
+        ),
         *("quaternion-of-matrix", "quaternion-of-euler", "rate", "unit", "absolute", "dot"),
     )
 )
 """Operations for which MuJoCo has a function."""
 
 COORDINATES = {
-    "rod": "MuJoCo's coordinate is the angle of a hinge, and the adapter puts the point at the rod's length from it",
-    "ball_joint": "MuJoCo's coordinate is the attitude about the joint, and the adapter puts the centre at the arm's end",
+    "rod": (
+        "MuJoCo's coordinate is the angle of a hinge, and the adapter puts the point at the rod's"
+        " length from it"
+    ),
+    "ball_joint": (
+        "MuJoCo's coordinate is the attitude about the joint, and the adapter puts the centre at"
+        " the arm's end"
+    ),
 }
 METHODS = (
     Method(
         name="rk4",
-        summary="classical Runge-Kutta, fourth order also in the orientation of free joints (since 4.0.0)",
+        summary=(
+            "classical Runge-Kutta, fourth order also in the orientation of free joints (since"
+            " 4.0.0)"
+        ),
         control="step",
         order=4,
         order_with=FIRST_ORDER,
@@ -43,7 +64,10 @@ METHODS = (
     ),
     Method(
         name="implicitfast",
-        summary="Euler, implicit in velocity (gyroscopic terms of free bodies included), which MuJoCo recommends",
+        summary=(
+            "Euler, implicit in velocity (gyroscopic terms of free bodies included), which MuJoCo"
+            " recommends"
+        ),
         control="step",
         order=1,
         conserves=frozenset({"momentum", "constraint"}),
@@ -51,16 +75,31 @@ METHODS = (
         summed_clock=True,
         cost_rank=1,
     ),
-    Method(name="compiler", summary="the compiler's inertia of geoms of the solid's kind", control="exact", answers="solid", knows=GEOMS),
+    Method(
+        name="compiler",
+        summary="the compiler's inertia of geoms of the solid's kind",
+        control="exact",
+        answers="solid",
+        knows=GEOMS,
+    ),
     Method(
         name="mesh-compiler",
-        summary="the compiler's exact inertia of meshes, whose vertices MuJoCo keeps in single precision",
+        summary=(
+            "the compiler's exact inertia of meshes, whose vertices MuJoCo keeps in single"
+            " precision"
+        ),
         control="exact",
         precision="single",
         answers="solid",
         knows=frozenset({"solid:polyhedron"}),
     ),
-    Method(name="algebra", summary="the functions mju_* for matrices and quaternions", control="exact", answers="identity", knows=ALGEBRA),
+    Method(
+        name="algebra",
+        summary="the functions mju_* for matrices and quaternions",
+        control="exact",
+        answers="identity",
+        knows=ALGEBRA,
+    ),
 )
 
 INTEGRATORS = {"rk4": "mjINT_RK4", "euler": "mjINT_EULER", "implicitfast": "mjINT_IMPLICITFAST"}

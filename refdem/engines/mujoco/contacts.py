@@ -1,4 +1,6 @@
-"""Contact between the scene's shapes: geoms, planes, and what each pair of them is told of the law."""
+"""Contact between the scene's shapes: geoms, planes, and what each pair of them is told of the
+law.
+"""
 
 from itertools import chain, combinations, product
 from typing import Any
@@ -13,7 +15,9 @@ from refdem.scene.elements.uniform_gravity import UniformGravity
 
 
 def add(mujoco: Any, spec: Any, scene: Scene, said: list[Any], step: float) -> None:
-    """Gives the bodies of MuJoCo their geoms, the world its planes, and both the scene's contact law, if it has one."""
+    """Gives the bodies of MuJoCo their geoms, the world its planes, and both the scene's contact
+    law, if it has one.
+    """
     for law in scene.all(Contact):
         friction = rubs(scene, law)
         words = {} if friction else solver.contact(scene, law, step, _size(scene))
@@ -27,7 +31,11 @@ def add(mujoco: Any, spec: Any, scene: Scene, said: list[Any], step: float) -> N
             for number, plane in enumerate(scene.all(Plane))
         ]
         for one, other in chain(combinations(geoms, 2), product(geoms, planes)) if friction else ():
-            spec.add_pair(geomname1=one.name, geomname2=other.name, **solver.rubbing(law.friction, step, _size(scene)))
+            spec.add_pair(
+                geomname1=one.name,
+                geomname2=other.name,
+                **solver.rubbing(law.friction, step, _size(scene)),
+            )
 
 
 def rubs(scene: Scene, law: Contact) -> bool:
@@ -35,13 +43,19 @@ def rubs(scene: Scene, law: Contact) -> bool:
     if law.law != "rigid" or not law.friction > 0 or not scene.has_shapes():
         return False
     pulls = [np.array(gravity.g) for gravity in scene.all(UniformGravity)]
-    along = [np.linalg.norm(np.cross(plane.normal, g)) > solver.ROUNDING * np.linalg.norm(g) for plane in scene.all(Plane) for g in pulls]
+    along = [
+        np.linalg.norm(np.cross(plane.normal, g)) > solver.ROUNDING * np.linalg.norm(g)
+        for plane in scene.all(Plane)
+        for g in pulls
+    ]
     return any(along) or bool(scene.bodies.velocity.any() or scene.bodies.omega.any())
 
 
 def _size(scene: Scene) -> float:
     """How far from the origin [m] anything of a body is."""
-    return float(np.linalg.norm(scene.bodies.position, axis=1).max()) + max(_extent(shape) for shape in scene.bodies.shape)
+    return float(np.linalg.norm(scene.bodies.position, axis=1).max()) + max(
+        _extent(shape) for shape in scene.bodies.shape
+    )
 
 
 def _extent(shape: Any) -> float:

@@ -1,4 +1,6 @@
-"""Forces that follow the clock: MuJoCo's callback for passive forces, called in every stage of an integrator at that stage's time."""
+"""Forces that follow the clock: MuJoCo's callback for passive forces, called in every stage of an
+integrator at that stage's time.
+"""
 
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
@@ -14,9 +16,14 @@ Push = tuple[Force, list[tuple[int, float]]]
 
 @contextmanager
 def driving(mujoco: Any, scene: Scene, places: Sequence[list[int]]) -> Iterator[None]:
-    """While a run lasts the scene's forces act on the velocities `places` of its bodies; the callback is the process's, not a model's."""
+    """While a run lasts the scene's forces act on the velocities `places` of its bodies; the
+    callback is the process's, not a model's.
+    """
     kept = mujoco.get_mjcb_passive()
-    pushes: list[Push] = [(f, [(v, f.axis[k]) for k, v in enumerate(places[f.a][:3]) if f.axis[k]]) for f in scene.all(Force)]
+    pushes: list[Push] = [
+        (f, [(v, f.axis[k]) for k, v in enumerate(places[f.a][:3]) if f.axis[k]])
+        for f in scene.all(Force)
+    ]
     if pushes:
         mujoco.set_mjcb_passive(_passive(pushes))
     try:
@@ -43,9 +50,17 @@ def of_forces(scene: Scene) -> str | None:
     """None if every force acts on one body that moves along the axes of space; else why not."""
     for force in scene.all(Force):
         if force.b >= 0 or any(force.anchor_a):
-            return "this adapter says periodic forces on the centre of one body only, not between bodies"
+            return (
+                "this adapter says periodic forces on the centre of one body only, not between"
+                " bodies"
+            )
         if scene.bodies.fixed[force.a]:
             return "a force on a body that is fixed"
-    if scene.all(Force) and any(element.kind in ("rod", "ball_joint") for element in scene.elements):
-        return "this adapter says periodic forces on bodies that nothing holds: coordinates of joints that turn are no places"
+    if scene.all(Force) and any(
+        element.kind in ("rod", "ball_joint") for element in scene.elements
+    ):
+        return (
+            "this adapter says periodic forces on bodies that nothing holds: coordinates of joints"
+            " that turn are no places"
+        )
     return None

@@ -1,4 +1,6 @@
-"""How a body that does not turn may move: not at all, or on slide joints along the axes that the scene needs."""
+"""How a body that does not turn may move: not at all, or on slide joints along the axes that the
+scene needs.
+"""
 
 from abc import ABC, abstractmethod
 from dataclasses import dataclass
@@ -13,7 +15,9 @@ Array = NDArray[np.float64]
 
 
 class Columns(NamedTuple):
-    """One body's samples: position, velocity (T, 3), attitude (T, 4), omega (T, 3) in space axes."""
+    """One body's samples: position, velocity (T, 3), attitude (T, 4), omega (T, 3) in space
+    axes.
+    """
 
     position: Array
     velocity: Array
@@ -35,7 +39,9 @@ class Freedom(ABC):
 
     @abstractmethod
     def say(self, mujoco: Any, world: Any) -> Any:
-        """The body of MuJoCo, added to the world or to the body from which it hangs, with its joints."""
+        """The body of MuJoCo, added to the world or to the body from which it hangs, with its
+        joints.
+        """
 
     @abstractmethod
     def start(self) -> tuple[Array, Array]:
@@ -82,8 +88,9 @@ class Fixed(Freedom):
 class Slides(Freedom):
     """A body that does not turn: one slide joint an axis, whose coordinate is the position itself.
 
-    `stiffness` (of the first, second and third power) and `reference` (3,) [m] make a spring to the world; `friction`
-    (3,) [N] dry friction along each axis; `solver` the parameters of the latter; `damping` [N s/m] that of every axis.
+    `stiffness` (of the first, second and third power) and `reference` (3,) [m] make a spring to the
+    world; `friction` (3,) [N] dry friction along each axis; `solver` the parameters of the latter;
+    `damping` [N s/m] that of every axis.
     """
 
     body: Body
@@ -107,7 +114,9 @@ class Slides(Freedom):
                 "springref": self.reference[k],
                 "frictionloss": self.friction[k],
             }
-            said.add_joint(type=mujoco.mjtJoint.mjJNT_SLIDE, axis=np.eye(3)[k], **own, **self.solver)
+            said.add_joint(
+                type=mujoco.mjtJoint.mjJNT_SLIDE, axis=np.eye(3)[k], **own, **self.solver
+            )
         return said
 
     def start(self) -> tuple[Array, Array]:

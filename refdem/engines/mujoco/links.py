@@ -1,4 +1,6 @@
-"""What MuJoCo cannot say of springs, dashpots, dry friction and rods: None, or the missing feature in a few words."""
+"""What MuJoCo cannot say of springs, dashpots, dry friction and rods: None, or the missing feature
+in a few words.
+"""
 
 import numpy as np
 
@@ -14,9 +16,15 @@ def of_springs(scene: Scene) -> str | None:
     rods = {body for rod in scene.all(Rod) for body in (rod.a, rod.b)} - {-1}
     for spring in scene.all(Spring):
         if spring.exponent not in (1, 3):
-            return f"no spring of exponent {spring.exponent:g}: its force is a polynomial, linear or cubic where it is odd"
+            return (
+                f"no spring of exponent {spring.exponent:g}: its force is a polynomial, linear or"
+                " cubic where it is odd"
+            )
         if spring.quadratic:
-            return "no spring with a square: even powers of its polynomial take the sign of the stretch"
+            return (
+                "no spring with a square: even powers of its polynomial take the sign of the"
+                " stretch"
+            )
         if rods & {spring.a, spring.b}:
             return "this adapter says no spring on a body that hangs on a rod"
     return None
@@ -42,14 +50,19 @@ def of_sliders(scene: Scene) -> str | None:
         if slider.b >= 0:
             return "this adapter says dry friction against the world only"
         if slider.law != "coulomb":
-            return "no dry friction that depends on the speed: frictionloss and contacts (surfacevel) have one coefficient"
+            return (
+                "no dry friction that depends on the speed: frictionloss and contacts (surfacevel)"
+                " have one coefficient"
+            )
         if sorted(np.abs(slider.axis)) != [0, 0, 1]:
             return "this adapter says dry friction along x, y or z only"
         if "rotation" in scene.features and scene.bodies.inertia[slider.a].any():
             return "no dry friction along an axis on a free joint"
         if any(rod.a == slider.a for rod in scene.all(Rod)):
             return "this adapter says no dry friction on a body that hangs on a rod"
-        if slider.belt_velocity and (abs(slider.axis[0]) < 1 or "dimension:1" not in scene.features):
+        if slider.belt_velocity and (
+            abs(slider.axis[0]) < 1 or "dimension:1" not in scene.features
+        ):
             return "this adapter says a belt for motion along x only"
     return None
 
@@ -58,17 +71,25 @@ def of_rods(scene: Scene) -> str | None:
     """None if every one of the rods can be said."""
     rods = scene.all(Rod)
     if rods and "dimension:3" in scene.features:
-        return "this adapter says a rod in a plane only (as a hinge); else it would be a soft constraint"
+        return (
+            "this adapter says a rod in a plane only (as a hinge); else it would be a soft"
+            " constraint"
+        )
     above = {rod.a: rod.b for rod in rods}
     if len(above) < len(rods) or not all(_reaches_the_world(above, rod.a) for rod in rods):
-        return "this adapter says rods that hang from the world, or one below the other, only; else they would be soft constraints"
+        return (
+            "this adapter says rods that hang from the world, or one below the other, only; else"
+            " they would be soft constraints"
+        )
     place, velocity = scene.bodies.position, scene.bodies.velocity
     for rod in rods:
         if any(rod.anchor_a) or (rod.b >= 0 and any(rod.anchor_b)) or scene.bodies.fixed[rod.a]:
             return "this adapter says a rod to a body's centre only"
         arm = place[rod.a] - (place[rod.b] if rod.b >= 0 else np.array(rod.anchor_b))
         slip = abs(arm @ (velocity[rod.a] - (velocity[rod.b] if rod.b >= 0 else 0.0)))
-        if abs(np.linalg.norm(arm) - rod.length) > 1e-9 * rod.length or slip > 1e-9 * rod.length * (1 + slip):
+        if abs(np.linalg.norm(arm) - rod.length) > 1e-9 * rod.length or slip > 1e-9 * rod.length * (
+            1 + slip
+        ):
             return "a start off the rod: a hinge cannot show it"
     return None
 

@@ -36,7 +36,11 @@ def compiled(request: Request) -> tuple[Any, list[Freedom]]:
         if not _is_of_joints(scene, spring):
             _add_tendon(spec, scene, freedoms, said, spring, f"spring {number}")
     for rod in scene.all(Rod):
-        spec.add_sensor(type=mujoco.mjtSensor.mjSENS_FORCE, objtype=mujoco.mjtObj.mjOBJ_SITE, objname=f"rod on {rod.a}")
+        spec.add_sensor(
+            type=mujoco.mjtSensor.mjSENS_FORCE,
+            objtype=mujoco.mjtObj.mjOBJ_SITE,
+            objname=f"rod on {rod.a}",
+        )
     return spec.compile(), freedoms
 
 
@@ -44,7 +48,10 @@ def _said(mujoco: Any, spec: Any, freedoms: list[Freedom]) -> list[Any]:
     """The bodies of MuJoCo in the scene's order, each said after that from which it hangs."""
     said: dict[int, Any] = {}
     for number, freedom in sorted(enumerate(freedoms), key=lambda pair: len(pair[1].lineage)):
-        above = next((said[i] for i, other in enumerate(freedoms) if freedom.lineage[-2:-1] == (other,)), spec.worldbody)
+        above = next(
+            (said[i] for i, other in enumerate(freedoms) if freedom.lineage[-2:-1] == (other,)),
+            spec.worldbody,
+        )
         said[number] = freedom.say(mujoco, above)
         said[number].name = f"body {number}"
     return [said[number] for number in range(len(freedoms))]
@@ -76,22 +83,53 @@ def _freedom(scene: Scene, number: int, step: float) -> Freedom:
         return Free(body)
     rubbed = any(belt.a == number for belt in belts.belts(scene))
     dimension = 3 if rubbed else next(n for n in (1, 2, 3) if f"dimension:{n}" in scene.features)
-    springs = [spring for spring in scene.all(Spring) if spring.a == number and _is_of_joints(scene, spring)]
+    springs = [
+        spring
+        for spring in scene.all(Spring)
+        if spring.a == number and _is_of_joints(scene, spring)
+    ]
     stiffness = (springs[0].stiffness, 0.0, 0.0) if springs else STILL
     reference = springs[0].anchor_b if springs else STILL
-    sliders = [slider for slider in scene.all(Slider) if slider.a == number and not slider.belt_velocity]
-    friction = np.sum([np.abs(s.axis) * s.friction * s.normal_force for s in sliders], axis=0) if sliders else STILL
+    sliders = [
+        slider for slider in scene.all(Slider) if slider.a == number and not slider.belt_velocity
+    ]
+    friction = (
+        np.sum([np.abs(s.axis) * s.friction * s.normal_force for s in sliders], axis=0)
+        if sliders
+        else STILL
+    )
     damping = sum(dashpot.damping for dashpot in scene.all(Dashpot) if dashpot.a == number)
-    return Slides(body, dimension, stiffness, reference, tuple(friction), solver.friction(step) if sliders else {}, damping)
+    return Slides(
+        body,
+        dimension,
+        stiffness,
+        reference,
+        tuple(friction),
+        solver.friction(step) if sliders else {},
+        damping,
+    )
 
 
 def _is_of_joints(scene: Scene, spring: Spring) -> bool:
-    """A linear spring of no length to the world is the same along every axis: the joints' own stiffness. One a body."""
-    plain = [s for s in scene.all(Spring) if s.a == spring.a and s.b < 0 and s.length == 0 and s.exponent == 1 and not s.cubic]
-    return spring in plain and not any(spring.anchor_a) and not _turns(scene, spring.a) and plain[0] is spring
+    """A linear spring of no length to the world is the same along every axis: the joints' own
+    stiffness. One a body.
+    """
+    plain = [
+        s
+        for s in scene.all(Spring)
+        if s.a == spring.a and s.b < 0 and s.length == 0 and s.exponent == 1 and not s.cubic
+    ]
+    return (
+        spring in plain
+        and not any(spring.anchor_a)
+        and not _turns(scene, spring.a)
+        and plain[0] is spring
+    )
 
 
-def _add_tendon(spec: Any, scene: Scene, freedoms: list[Freedom], said: list[Any], spring: Spring, name: str) -> None:
+def _add_tendon(
+    spec: Any, scene: Scene, freedoms: list[Freedom], said: list[Any], spring: Spring, name: str
+) -> None:
     """A spring as a spatial tendon between two sites."""
     tendon = spec.add_tendon(name=name, springlength=(spring.length,) * 2)
     linear, cube = (spring.stiffness, 0.0) if spring.exponent == 1 else (0.0, spring.stiffness)

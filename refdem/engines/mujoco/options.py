@@ -1,4 +1,6 @@
-"""MuJoCo's options and flags: what the scene does not need is off, nothing adds forces or resets a state by itself."""
+"""MuJoCo's options and flags: what the scene does not need is off, nothing adds forces or resets a
+state by itself.
+"""
 
 from typing import Any
 
@@ -11,7 +13,9 @@ from refdem.scene.elements.uniform_gravity import UniformGravity
 
 NEVER = ("LIMIT", "EQUALITY", "ACTUATION", "SENSOR", "WARMSTART", "AUTORESET")
 NOSLIP = 100
-"""Most iterations of the post-solver that takes the softness out of friction; it ends by itself when nothing changes."""
+"""Most iterations of the post-solver that takes the softness out of friction; it ends by itself
+when nothing changes.
+"""
 ITERATIONS = 100
 TOLERANCE = 1e-15
 FRICTION_TO_NORMAL = 1.0
@@ -34,7 +38,9 @@ def set_options(mujoco: Any, spec: Any, scene: Scene, method: str, step: float) 
     option = spec.option
     option.timestep = step
     option.integrator = getattr(mujoco.mjtIntegrator, INTEGRATORS[method])
-    option.gravity = np.sum(np.array([(0.0, 0.0, 0.0), *(e.g for e in scene.all(UniformGravity))]), axis=0)
+    option.gravity = np.sum(
+        np.array([(0.0, 0.0, 0.0), *(e.g for e in scene.all(UniformGravity))]), axis=0
+    )
     option.density = option.viscosity = 0.0
     option.cone = mujoco.mjtCone.mjCONE_ELLIPTIC
     option.solver = mujoco.mjtSolver.mjSOL_NEWTON
@@ -57,7 +63,9 @@ def unneeded(scene: Scene) -> tuple[str, ...]:
         "CONTACT": not meets,
         "CONSTRAINT": not meets and "slider" not in features,
         "FRICTIONLOSS": all(slider.belt_velocity for slider in scene.all(Slider)),
-        "SPRING": not features & {"spring", "force"},  # without springs and dampers MuJoCo leaves out its callback as well
+        "SPRING": (
+            not features & {"spring", "force"}
+        ),  # without springs and dampers MuJoCo leaves out its callback as well
         "DAMPER": "dashpot" not in features,
         "GRAVITY": "uniform_gravity" not in features,
     }

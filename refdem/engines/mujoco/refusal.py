@@ -1,4 +1,6 @@
-"""What MuJoCo cannot say, read off the scene's content: None, or the missing feature in a few words."""
+"""What MuJoCo cannot say, read off the scene's content: None, or the missing feature in a few
+words.
+"""
 
 from itertools import islice
 
@@ -12,12 +14,28 @@ from refdem.engines.mujoco.shapes import box_sides, pairs
 from refdem.scene import Polyhedron, Scene
 from refdem.scene.elements.contact import Contact
 
-SAID = {"ball_joint", "dashpot", "force", "spring", "slider", "rod", "plane", "contact", "uniform_gravity"}
+SAID = {
+    "ball_joint",
+    "dashpot",
+    "force",
+    "spring",
+    "slider",
+    "rod",
+    "plane",
+    "contact",
+    "uniform_gravity",
+}
 UNSAID = {
     "central_field": "no central field: gravity is uniform",
-    "moving_anchor": "no joint that follows a law of time: a mocap body is put in place between steps and has no velocity",
+    "moving_anchor": (
+        "no joint that follows a law of time: a mocap body is put in place between steps and has no"
+        " velocity"
+    ),
     "string_over_wheel": "no taut string: a tendon holds its length as a soft constraint",
-    "catch": "no constraint that begins at closest approach: one is switched between steps only, and is soft",
+    "catch": (
+        "no constraint that begins at closest approach: one is switched between steps only, and is"
+        " soft"
+    ),
 }
 SMALLEST = 1e-15
 """mjMINVAL: mass [kg] and principal inertia [kg m^2] of a moving body may not be below it."""
@@ -82,15 +100,23 @@ def _of_rigid_contact(scene: Scene, law: Contact) -> str | None:
 
 
 def _of_linear_contact(scene: Scene, law: Contact) -> str | None:
-    """Springs and dampers of one frictionless pair can be said in the acceleration, nothing more."""
+    """Springs and dampers of one frictionless pair can be said in the acceleration, nothing
+    more.
+    """
     if any(isinstance(shape, Polyhedron) for shape in scene.bodies.shape):
         return "no linear contact law for polyhedra"
     if law.friction > 0:
-        return "no tangential contact spring with a Coulomb limit: its friction is a velocity constraint"
+        return (
+            "no tangential contact spring with a Coulomb limit: its friction is a velocity"
+            " constraint"
+        )
     if law.damping > 0 and law.cutoff == "zero_overlap":
         return "no contact force that pulls: it ends when it would, before the overlap does"
     if len(list(islice(pairs(scene), 2))) > 1:
-        return "a linear contact law holds for one pair only: where contacts share a body they change each other"
+        return (
+            "a linear contact law holds for one pair only: where contacts share a body they change"
+            " each other"
+        )
     if scene.elements and {e.kind for e in scene.elements} - {"contact", "plane"}:
         return "its linear contact law holds in the absence of other forces only"
     return None

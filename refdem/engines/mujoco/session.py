@@ -20,7 +20,9 @@ Array = NDArray[np.float64]
 
 
 def run(request: Request) -> tuple[Trajectory, Cost]:
-    """Trajectory and cost of one request; raises EngineError for MuJoCo's warnings and numbers that are not finite."""
+    """Trajectory and cost of one request; raises EngineError for MuJoCo's warnings and numbers that
+    are not finite.
+    """
     import mujoco
 
     began = perf_counter()
@@ -30,8 +32,14 @@ def run(request: Request) -> tuple[Trajectory, Cost]:
     try:
         model, freedoms = compiled(request)
         data = _started(mujoco, model, freedoms, request)
-        with driving(mujoco, request.problem.scene, [_columns(model, freedoms, n)[1] for n in range(len(freedoms))]):
-            mujoco.mj_step(model, _started(mujoco, model, freedoms, request))  # raises here what would end the process in the loop
+        with driving(
+            mujoco,
+            request.problem.scene,
+            [_columns(model, freedoms, n)[1] for n in range(len(freedoms))],
+        ):
+            mujoco.mj_step(
+                model, _started(mujoco, model, freedoms, request)
+            )  # raises here what would end the process in the loop
             setup = perf_counter() - began
             rows, seconds = recorded(model, data, request)
         _refuse_warnings(data, warnings)
@@ -49,7 +57,10 @@ def _started(mujoco: Any, model: Any, freedoms: list[Freedom], request: Request)
     data = mujoco.MjData(model)
     for number, freedom in enumerate(freedoms):
         q, v = _columns(model, freedoms, number)
-        data.qpos[q[-freedom.nq :] if freedom.nq else []], data.qvel[v[-freedom.nv :] if freedom.nv else []] = freedom.start()
+        (
+            data.qpos[q[-freedom.nq :] if freedom.nq else []],
+            data.qvel[v[-freedom.nv :] if freedom.nv else []],
+        ) = freedom.start()
     data.time = float(request.problem.times[0])
     press(request.problem.scene, data)
     return data
@@ -65,16 +76,25 @@ def _trajectory(mujoco: Any, model: Any, freedoms: list[Freedom], rows: Array) -
     """The recorded rows in the scene's terms."""
     q, v = rows[:, : model.nq], rows[:, model.nq : -1]
     places = [_columns(model, freedoms, number) for number in range(len(freedoms))]
-    read = [freedom.read(q[:, a], v[:, b]) for freedom, (a, b) in zip(freedoms, places, strict=True)]
+    read = [
+        freedom.read(q[:, a], v[:, b]) for freedom, (a, b) in zip(freedoms, places, strict=True)
+    ]
     columns: Any = {
-        name: np.stack([getattr(body, name) for body in read], axis=1) for name in ("position", "velocity", "attitude", "omega")
+        name: np.stack([getattr(body, name) for body in read], axis=1)
+        for name in ("position", "velocity", "attitude", "omega")
     }
-    channels = {"rod_force": _rod_force(mujoco, model, q, v)} if any(isinstance(f, Hinge) for f in freedoms) else {}
+    channels = (
+        {"rod_force": _rod_force(mujoco, model, q, v)}
+        if any(isinstance(f, Hinge) for f in freedoms)
+        else {}
+    )
     return Trajectory(t=np.ascontiguousarray(rows[:, -1]), channels=channels, **columns)
 
 
 def _columns(model: Any, freedoms: list[Freedom], number: int) -> tuple[list[int], list[int]]:
-    """Which coordinates and which velocities of the model tell the state of body `number`: those of its lineage."""
+    """Which coordinates and which velocities of the model tell the state of body `number`: those of
+    its lineage.
+    """
     q: list[int] = []
     v: list[int] = []
     for freedom in freedoms[number].lineage:
@@ -86,7 +106,8 @@ def _columns(model: Any, freedoms: list[Freedom], number: int) -> tuple[list[int
 
 
 def _rod_force(mujoco: Any, model: Any, q: Array, v: Array) -> Array:
-    """Tension (T, number of rods) [N] that MuJoCo's force sensors show at the samples; (T,) for one rod.
+    """Tension (T, number of rods) [N] that MuJoCo's force sensors show at the samples; (T,) for one
+    rod.
 
     A step leaves sensors at its start, so that each sampled state is evaluated once more.
     """

@@ -14,11 +14,17 @@ Array = NDArray[np.float64]
 
 
 def box_sides(shape: Polyhedron) -> Array | None:
-    """Side lengths (3,) [m] of a box about the body's centre along its axes, or None for any other polyhedron."""
+    """Side lengths (3,) [m] of a box about the body's centre along its axes, or None for any other
+    polyhedron.
+    """
     vertices = np.array(shape.vertices)
     half = np.abs(vertices[0])
     corners = {tuple(corner) for corner in np.sign(vertices)}
-    is_box = len(vertices) == len(corners) == 8 and bool(half.all()) and np.array_equal(np.abs(vertices), np.tile(half, (8, 1)))
+    is_box = (
+        len(vertices) == len(corners) == 8
+        and bool(half.all())
+        and np.array_equal(np.abs(vertices), np.tile(half, (8, 1)))
+    )
     return 2 * half if is_box else None
 
 
@@ -44,13 +50,21 @@ def add_shape(mujoco: Any, said: Any, shape: Any, words: dict[str, Any]) -> Any:
 
 def add_plane(mujoco: Any, world: Any, plane: Plane, words: dict[str, Any]) -> Any:
     """The geom of a plane, added to the world; its z axis is the normal."""
-    return world.add_geom(type=mujoco.mjtGeom.mjGEOM_PLANE, size=(0, 0, 1), pos=plane.point, quat=_turned_up(plane.normal), **words)
+    return world.add_geom(
+        type=mujoco.mjtGeom.mjGEOM_PLANE,
+        size=(0, 0, 1),
+        pos=plane.point,
+        quat=_turned_up(plane.normal),
+        **words,
+    )
 
 
 def _turned_up(normal: tuple[float, float, float]) -> Array:
     """The quaternion of the shortest turn that takes the z axis to `normal`."""
     x, y, z = normal
-    if z < -0.5:  # the shortest turn is ill-conditioned near half a turn: go by way of the opposite normal
+    if (
+        z < -0.5
+    ):  # the shortest turn is ill-conditioned near half a turn: go by way of the opposite normal
         w, a, b, c = _turned_up((x, -y, -z))
         return np.array([-a, w, -c, b])
     half = np.array([1 + z, -y, x, 0.0])

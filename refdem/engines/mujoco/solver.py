@@ -1,4 +1,6 @@
-"""How hard MuJoCo's constraints are set: friction, rigid contact, and the linear contact law in its own terms."""
+"""How hard MuJoCo's constraints are set: friction, rigid contact, and the linear contact law in its
+own terms.
+"""
 
 from typing import Any
 
@@ -11,15 +13,21 @@ from refdem.scene.elements.contact import Contact
 HARDEST = 0.9999
 """mjMAXIMP: the largest impedance; MuJoCo clamps to it."""
 ROUNDING = 2.0**-50
-"""Part of a scene's size by which shapes may be apart and still touch: a contact of depth 0 would not act."""
+"""Part of a scene's size by which shapes may be apart and still touch: a contact of depth 0 would
+not act.
+"""
 SLIDING = 2.0**-10
-"""Impedance of contacts that slide: a convex contact law lifts what slides (see `rubbing`), the less, the smaller this is."""
+"""Impedance of contacts that slide: a convex contact law lifts what slides (see `rubbing`), the
+less, the smaller this is.
+"""
 ANY = 0.5
 """Impedance of the linear law; it cancels (see `linear_law`) and halves exactly."""
 
 
 def stiffest(step: float) -> list[float]:
-    """solref (time constant [s], damping ratio): two steps is the shortest time constant that MuJoCo's refsafe allows."""
+    """solref (time constant [s], damping ratio): two steps is the shortest time constant that
+    MuJoCo's refsafe allows.
+    """
     return [2 * step, 1.0]
 
 
@@ -31,25 +39,35 @@ def impedance(value: float) -> list[float]:
 def linear_law(scene: Scene, law: Contact) -> list[float]:
     """solref in direct form, (-stiffness, -damping) per effective mass [1/s^2, 1/s].
 
-    Contact acceleration a with impedance d obeys `a + d (b v + k r) = (1 - d) a_free`, where direct form sets
-    `b = damping/d`, `k = stiffness/d` if d is constant (MuJoCo, Modeling chapter, "Solver parameters"). With a_free = 0
-    the d cancels: `m_eff a = -(m_eff damping) v - (m_eff stiffness) r`.
+    Contact acceleration a with impedance d obeys `a + d (b v + k r) = (1 - d) a_free`, where direct
+    form sets
+    `b = damping/d`, `k = stiffness/d` if d is constant (MuJoCo, Modeling chapter, "Solver
+    parameters"). With a_free = 0 the d cancels: `m_eff a = -(m_eff damping) v - (m_eff stiffness)
+    r`.
     """
     (effective_mass,) = pairs(scene)
     return [-law.stiffness / effective_mass, -law.damping / effective_mass]
 
 
 def rubbing(friction: float, step: float, size: float) -> dict[str, Any]:
-    """Parameters of a pair that slides or sticks, in direct form: its depth is a critically damped oscillator of rate 1/(2 step).
+    """Parameters of a pair that slides or sticks, in direct form: its depth is a critically damped
+    oscillator of rate 1/(2 step).
 
-    The force minimises one cost of both residuals, so that slip at v_t also pushes along the normal, until
-    `a_n + b v_n + k r = mu |a_t + b_t v_t|` less a part that grows as the impedance d falls: with d near 1 what slides leaves the
-    ground at mu v_t and hops, however short the step. In direct form b and k are 1/d of what is given, and the depth obeys
-    d b and d k, so that a small d lets b_t alone be 1/step: what slides stays down, friction is mu times the normal force, and
-    what sticks comes to rest in a step, for the post-solver takes the softness out of friction.
+    The force minimises one cost of both residuals, so that slip at v_t also pushes along the
+    normal, until
+    `a_n + b v_n + k r = mu |a_t + b_t v_t|` less a part that grows as the impedance d falls: with d
+    near 1 what slides leaves the ground at mu v_t and hops, however short the step. In direct form
+    b and k are 1/d of what is given, and the depth obeys d b and d k, so that a small d lets b_t
+    alone be 1/step: what slides stays down, friction is mu times the normal force, and what sticks
+    comes to rest in a step, for the post-solver takes the softness out of friction.
     """
     normal, tangential = [-1 / (4 * step**2), -1 / step], [-np.finfo(float).tiny, -SLIDING / step]
-    own = {"condim": 3, "friction": (friction, friction, 0.0, 0.0, 0.0), "solimp": impedance(SLIDING), "margin": ROUNDING * size}
+    own = {
+        "condim": 3,
+        "friction": (friction, friction, 0.0, 0.0, 0.0),
+        "solimp": impedance(SLIDING),
+        "margin": ROUNDING * size,
+    }
     return own | {"solref": normal, "solreffriction": tangential}
 
 
@@ -64,4 +82,7 @@ def contact(scene: Scene, law: Contact, step: float, size: float) -> dict[str, A
 
 def friction(step: float) -> dict[str, Any]:
     """Parameters of dry friction in a joint."""
-    return {"solref_friction": np.array(stiffest(step)), "solimp_friction": np.array(impedance(HARDEST))}
+    return {
+        "solref_friction": np.array(stiffest(step)),
+        "solimp_friction": np.array(impedance(HARDEST)),
+    }

@@ -1,4 +1,6 @@
-"""What MuJoCo says of solids, as its compiler has them, and its rotation algebra, the functions mju_*."""
+"""What MuJoCo says of solids, as its compiler has them, and its rotation algebra, the functions
+mju_*.
+"""
 
 from collections.abc import Callable
 from time import perf_counter
@@ -31,11 +33,17 @@ def compiled(piece: Piece) -> dict[str, float] | None:
     """A geom of the solid's own kind."""
     shape = piece.shape
     if isinstance(shape, Cuboid):
-        return _of_geom(piece, type=mujoco.mjtGeom.mjGEOM_BOX, size=[side / 2 for side in shape.sides])
+        return _of_geom(
+            piece, type=mujoco.mjtGeom.mjGEOM_BOX, size=[side / 2 for side in shape.sides]
+        )
     if isinstance(shape, Ellipsoid):
         return _of_geom(piece, type=mujoco.mjtGeom.mjGEOM_ELLIPSOID, size=list(shape.half_axes))
     if isinstance(shape, Cylinder) and shape.half_axes[0] == shape.half_axes[1]:
-        return _of_geom(piece, type=mujoco.mjtGeom.mjGEOM_CYLINDER, size=[shape.half_axes[0], shape.height / 2, 0.0])
+        return _of_geom(
+            piece,
+            type=mujoco.mjtGeom.mjGEOM_CYLINDER,
+            size=[shape.half_axes[0], shape.height / 2, 0.0],
+        )
     return None
 
 
@@ -44,25 +52,39 @@ def meshed(piece: Piece) -> dict[str, float] | None:
     shape = piece.shape
     if not isinstance(shape, Polyhedron):
         return None
-    triangles = [index for face in shape.faces for k in range(1, len(face) - 1) for index in (face[0], face[k], face[k + 1])]
+    triangles = [
+        index
+        for face in shape.faces
+        for k in range(1, len(face) - 1)
+        for index in (face[0], face[k], face[k + 1])
+    ]
     mesh = {"uservert": np.array(shape.vertices).ravel().tolist(), "userface": triangles}
     return _of_geom(piece, mesh=mesh, type=mujoco.mjtGeom.mjGEOM_MESH, meshname="solid")
 
 
-def _of_geom(piece: Piece, *, mesh: dict[str, Any] | None = None, **geom: Any) -> dict[str, float] | None:
-    """Mass, place and tensor of the compiled body; None for what a geom cannot be: hollow, or asked about another point."""
+def _of_geom(
+    piece: Piece, *, mesh: dict[str, Any] | None = None, **geom: Any
+) -> dict[str, float] | None:
+    """Mass, place and tensor of the compiled body;
+
+    None for what a geom cannot be: hollow, or asked about another point.
+    """
     if piece.hollow is not None or piece.about is not None:
         return None
     specification = mujoco.MjSpec()
     if mesh is not None:
-        specification.add_mesh(name="solid", inertia=mujoco.mjtMeshInertia.mjMESH_INERTIA_EXACT, **mesh)
+        specification.add_mesh(
+            name="solid", inertia=mujoco.mjtMeshInertia.mjMESH_INERTIA_EXACT, **mesh
+        )
     holder = specification.worldbody.add_body()
     holder.add_freejoint()
     attitude = np.array(piece.attitude)
     holder.add_geom(density=piece.density, quat=attitude / np.linalg.norm(attitude), **geom)
     model = specification.compile()
     turn = _new(9, mujoco.mju_quat2Mat, model.body_iquat[1]).reshape(3, 3)
-    return body(model.body_mass[1], model.body_ipos[1], turn @ np.diag(model.body_inertia[1]) @ turn.T)
+    return body(
+        model.body_mass[1], model.body_ipos[1], turn @ np.diag(model.body_inertia[1]) @ turn.T
+    )
 
 
 def _new(size: int, function: Callable[..., None], *operands: Any) -> Array:
@@ -78,14 +100,20 @@ def _by(size: int, function: Callable[..., None]) -> Callable[..., Array]:
 
 ANSWERS: dict[str, Callable[..., Any]] = {
     "quaternion-about": lambda axis, angle: _new(4, mujoco.mju_axisAngle2Quat, axis, angle[0]),
-    "turn-about": lambda axis, angle: _new(9, mujoco.mju_quat2Mat, _new(4, mujoco.mju_axisAngle2Quat, axis, angle[0])),
-    "matrix-product": lambda m, n: _new(9, lambda out, *_: mujoco.mju_mulMatMat(out.reshape(3, 3), m.reshape(3, 3), n.reshape(3, 3))),
+    "turn-about": lambda axis, angle: _new(
+        9, mujoco.mju_quat2Mat, _new(4, mujoco.mju_axisAngle2Quat, axis, angle[0])
+    ),
+    "matrix-product": lambda m, n: _new(
+        9, lambda out, *_: mujoco.mju_mulMatMat(out.reshape(3, 3), m.reshape(3, 3), n.reshape(3, 3))
+    ),
     "matrix-vector": lambda m, v: _new(3, mujoco.mju_mulMatVec, m.reshape(3, 3), v),
     "product": _by(4, mujoco.mju_mulQuat),
     "conjugate": _by(4, mujoco.mju_negQuat),
     "rotated": lambda q, v: _new(3, mujoco.mju_rotVecQuat, v, q),
     "matrix-of-quaternion": _by(9, mujoco.mju_quat2Mat),
-    "quaternion-of-matrix": lambda m: (q := _new(4, mujoco.mju_mat2Quat, m)) * (1.0 if q[0] >= 0 else -1.0),
+    "quaternion-of-matrix": (
+        lambda m: (q := _new(4, mujoco.mju_mat2Quat, m)) * (1.0 if q[0] >= 0 else -1.0)
+    ),
     "quaternion-of-euler": lambda euler: _new(4, mujoco.mju_euler2Quat, euler, "zxz"),
     "rate": _by(4, mujoco.mju_derivQuat),
     "unit": lambda q: (u := q.copy(), mujoco.mju_normalize4(u))[0],

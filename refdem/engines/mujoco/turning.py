@@ -11,12 +11,16 @@ from refdem.scene import Body
 from refdem.scene.elements.rod import Rod
 
 SPECK = 1e-15
-"""Inertia [kg m^2] about its own centre of a point on a rod: MuJoCo wants at least mjMINVAL = 1e-15."""
+"""Inertia [kg m^2] about its own centre of a point on a rod: MuJoCo wants at least mjMINVAL =
+1e-15.
+"""
 
 
 @dataclass(frozen=True)
 class Free(Freedom):
-    """A rigid body on a free joint: velocity in space axes, omega in body axes, quaternion w first, body to space."""
+    """A rigid body on a free joint: velocity in space axes, omega in body axes, quaternion w first,
+    body to space.
+    """
 
     body: Body
     nq = 7
@@ -42,7 +46,8 @@ class Free(Freedom):
 
 @dataclass(frozen=True)
 class Hinge(Freedom):
-    """A point on a massless rod below the world or another such point: a hinge about z at the upper end.
+    """A point on a massless rod below the world or another such point: a hinge about z at the upper
+    end.
 
     The coordinate is the angle from straight down, or from the direction of the rod above.
     """
@@ -63,11 +68,18 @@ class Hinge(Freedom):
         return (*self.above.lineage, self) if self.above else (self,)
 
     def say(self, mujoco: Any, world: Any) -> Any:
-        """Mass and arm that make up for the speck, so that m l and m l^2 about the hinge are the point's own."""
+        """Mass and arm that make up for the speck, so that m l and m l^2 about the hinge are the
+        point's own.
+        """
         mass, length = self.body.mass, self.rod.length
         arm = length - SPECK / (mass * length)
         place = (0.0, -self.above.rod.length, 0.0) if self.above else self.rod.anchor_b
-        bob = {"mass": mass * (length / arm), "inertia": (SPECK,) * 3, "ipos": (0.0, -arm, 0.0), "explicitinertial": True}
+        bob = {
+            "mass": mass * (length / arm),
+            "inertia": (SPECK,) * 3,
+            "ipos": (0.0, -arm, 0.0),
+            "explicitinertial": True,
+        }
         said = world.add_body(pos=place, **bob)
         said.add_joint(type=mujoco.mjtJoint.mjJNT_HINGE, axis=(0.0, 0.0, 1.0))
         said.add_site(name=self.site)
@@ -75,13 +87,22 @@ class Hinge(Freedom):
 
     @property
     def site(self) -> str:
-        """The name of the site at the anchor where the rod's force is felt, in axes that turn with the rod."""
+        """The name of the site at the anchor where the rod's force is felt, in axes that turn with
+        the rod.
+        """
         return f"rod on {self.rod.a}"
 
     def hanging(self) -> tuple[float, float]:
         """Angle from straight down and its rate at the start."""
-        place, speed = (self.above.body.position, self.above.body.velocity) if self.above else (self.rod.anchor_b, (0.0, 0.0, 0.0))
-        (x, y, _), (u, v, _) = np.subtract(self.body.position, place), np.subtract(self.body.velocity, speed)
+        place, speed = (
+            (self.above.body.position, self.above.body.velocity)
+            if self.above
+            else (self.rod.anchor_b, (0.0, 0.0, 0.0))
+        )
+        (x, y, _), (u, v, _) = (
+            np.subtract(self.body.position, place),
+            np.subtract(self.body.velocity, speed),
+        )
         return float(np.arctan2(x, -y)), float((x * v - y * u) / self.rod.length**2)
 
     def start(self) -> tuple[Array, Array]:
@@ -96,4 +117,8 @@ class Hinge(Freedom):
         sine, cosine, nothing = np.sin(angle), np.cos(angle), np.zeros_like(angle)
         outward = np.stack([sine, -cosine, nothing], axis=-1) * length[:, None]
         sideways = np.stack([cosine, sine, nothing], axis=-1) * (length * rate)[..., None]
-        return Columns(outward.sum(axis=1) + np.array(self.lineage[0].rod.anchor_b), sideways.sum(axis=1), *self.still(len(q)))
+        return Columns(
+            outward.sum(axis=1) + np.array(self.lineage[0].rod.anchor_b),
+            sideways.sum(axis=1),
+            *self.still(len(q)),
+        )

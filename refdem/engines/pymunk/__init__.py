@@ -1,4 +1,6 @@
-"""pymunk (Chipmunk): planar rigid bodies, symplectic Euler, iterated impulses for joints and contact."""
+"""pymunk (Chipmunk): planar rigid bodies, symplectic Euler, iterated impulses for joints and
+contact.
+"""
 
 from importlib.metadata import version
 from importlib.util import find_spec
@@ -12,12 +14,18 @@ from refdem.engines.pymunk.audit import AUDIT
 from refdem.engines.pymunk.refusal import reason
 
 POSITION_CORRECTION = {"angular-momentum": frozenset({"contact"})}
-"""Chipmunk moves bodies that overlap apart along their normal and leaves their velocities: p n x (v_a - v_b) is lost or won, in
-proportion to the overlap, and a friction impulse acts on the two surfaces, which an overlap holds apart."""
-UNIT_BY_ANGLE = {"attitude": "the adapter makes attitudes of Chipmunk's angles, so that their norm is always 1"}
+"""Chipmunk moves bodies that overlap apart along their normal and leaves their velocities: p n x
+(v_a - v_b) is lost or won, in proportion to the overlap, and a friction impulse acts on the two
+surfaces, which an overlap holds apart."""
+UNIT_BY_ANGLE = {
+    "attitude": "the adapter makes attitudes of Chipmunk's angles, so that their norm is always 1"
+}
 SEMI_IMPLICIT_EULER = Method(
     name="semi-implicit-euler",
-    summary="Chipmunk's step: positions with the old velocities, forces there, then velocities with impulses for joints",
+    summary=(
+        "Chipmunk's step: positions with the old velocities, forces there, then velocities with"
+        " impulses for joints"
+    ),
     control="step",
     order=1,
     conserves=frozenset({"momentum", "angular-momentum"}),
@@ -34,7 +42,9 @@ STATICS = (
         answers="solid",
         knows=frozenset({"solid:polygon"}),
     ),
-    Method(name="vectors", summary="Vec2d's turns", control="exact", answers="identity", knows=TURNS),
+    Method(
+        name="vectors", summary="Vec2d's turns", control="exact", answers="identity", knows=TURNS
+    ),
 )
 
 
@@ -49,14 +59,18 @@ class Pymunk(Engine):
 
     def missing(self) -> str | None:
         """None if pymunk is installed, else how to install it."""
-        return None if find_spec("pymunk") else "pymunk is not installed: pip install 'refdem[pymunk]'"
+        return (
+            None if find_spec("pymunk") else "pymunk is not installed: pip install 'refdem[pymunk]'"
+        )
 
     def version(self) -> str:
         """The version of the package pymunk."""
         return version("pymunk")
 
     def fingerprint(self, method: Method) -> str:
-        """Digest of the installed package (Chipmunk is in it), this adapter, the scene's vocabulary, the loop and the machine."""
+        """Digest of the installed package (Chipmunk is in it), this adapter, the scene's
+        vocabulary, the loop and the machine.
+        """
         return "-".join(
             (
                 fingerprint.of_package("pymunk"),
@@ -72,7 +86,9 @@ class Pymunk(Engine):
         return reason(problem)
 
     def run(self, request: Request) -> tuple[Trajectory, Cost]:
-        """Runs one request; the times are the steps that the engine counted, times the step: it has no clock."""
+        """Runs one request; the times are the steps that the engine counted, times the step: it has
+        no clock.
+        """
         if not isinstance(request.problem, Motion):
             from refdem.engines.pymunk.statics import run
 

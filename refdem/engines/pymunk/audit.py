@@ -3,8 +3,18 @@
 from refdem.core.engine import Default
 
 AUDIT = (
-    Default("clock", "none", "steps counted by the engine (cpSpaceGetTimestamp) times the step", "Chipmunk keeps no time"),
-    Default("Space.damping", "1", "exp(-damping/mass) of the dashpots", "velocities are multiplied by damping**dt, the same for all"),
+    Default(
+        "clock",
+        "none",
+        "steps counted by the engine (cpSpaceGetTimestamp) times the step",
+        "Chipmunk keeps no time",
+    ),
+    Default(
+        "Space.damping",
+        "1",
+        "exp(-damping/mass) of the dashpots",
+        "velocities are multiplied by damping**dt, the same for all",
+    ),
     Default("Space.sleep_time_threshold", "inf", "inf", "nothing is put to sleep"),
     Default(
         "Space.iterations",
@@ -12,9 +22,17 @@ AUDIT = (
         "1 with one joint or none and no contact, else 200",
         "one joint is solved exactly at once; coupled ones converge",
     ),
-    Default("Space.collision_slop", "0.1 m", "0", "bodies would sink into each other by 0.1 m, which can be a body's size"),
     Default(
-        "Space.collision_bias", "0.9**60 a second", "0.9**60 a second", "pseudo-velocities that part overlapping bodies add no momentum"
+        "Space.collision_slop",
+        "0.1 m",
+        "0",
+        "bodies would sink into each other by 0.1 m, which can be a body's size",
+    ),
+    Default(
+        "Space.collision_bias",
+        "0.9**60 a second",
+        "0.9**60 a second",
+        "pseudo-velocities that part overlapping bodies add no momentum",
     ),
     Default("Space.threaded", "False", "False", "one thread: the same bits every time"),
     Default(
@@ -25,9 +43,17 @@ AUDIT = (
     ),
     Default("Constraint.max_bias of a rod", "inf", "inf", "no drift is left over"),
     Default(
-        "Constraint.error_bias of dry friction", "0.9**60 a second", "1", "friction has no memory of a place: nothing pulls the body back"
+        "Constraint.error_bias of dry friction",
+        "0.9**60 a second",
+        "1",
+        "friction has no memory of a place: nothing pulls the body back",
     ),
-    Default("Constraint.max_force of dry friction", "inf", "friction * normal_force", "Coulomb's limit, as impulse max_force * dt a step"),
+    Default(
+        "Constraint.max_force of dry friction",
+        "inf",
+        "friction * normal_force",
+        "Coulomb's limit, as impulse max_force * dt a step",
+    ),
     Default(
         "Constraint.pre_solve of dry friction",
         "none",
@@ -41,12 +67,23 @@ AUDIT = (
         "a force that follows the clock, taken where the positions are",
     ),
     Default("DampedSpring.damping", "an argument", "0", "springs dissipate nothing"),
-    Default("Body.moment", "an argument", "the scene's J3; inf for a point", "a body without inertia does not turn"),
+    Default(
+        "Body.moment",
+        "an argument",
+        "the scene's J3; inf for a point",
+        "a body without inertia does not turn",
+    ),
     Default(
         "Shape.friction, Shape.elasticity",
         "0",
         "the contact's value and 1 for a shape alone between walls, else its square root",
-        "Chipmunk combines the two shapes of a pair by product; the square of a rounded root may hold a little less",
+        "Chipmunk combines the two shapes of a pair by product; the square of a rounded root may"
+        " hold a little less",
     ),
-    Default("rod force", "size of the impulse only", "not reported", "cpConstraintGetImpulse has no sign, so a strut would read as a tie"),
+    Default(
+        "rod force",
+        "size of the impulse only",
+        "not reported",
+        "cpConstraintGetImpulse has no sign, so a strut would read as a tie",
+    ),
 )

@@ -14,9 +14,14 @@ from refdem.scene.elements.spring import Spring
 from refdem.scene.elements.uniform_gravity import UniformGravity
 
 UNKNOWN = {
-    "moving_anchor": "a pivot that follows a law of time (a kinematic body keeps the velocity that it was given)",
+    "moving_anchor": (
+        "a pivot that follows a law of time (a kinematic body keeps the velocity that it was given)"
+    ),
     "string_over_wheel": "a string over a wheel (no pulley among the joints)",
-    "catch": "a hook that begins to hold at closest approach (joints hold from the start, or are added between steps)",
+    "catch": (
+        "a hook that begins to hold at closest approach (joints hold from the start, or are added"
+        " between steps)"
+    ),
 }
 KNOWN = (Contact, Dashpot, Force, Plane, Rod, Slider, Spring, UniformGravity)
 
@@ -30,13 +35,19 @@ def reason(problem: Motion) -> str | None:
         return "motion or rotation in three dimensions"
     for element in scene.elements:
         if not isinstance(element, KNOWN):
-            return UNKNOWN.get(element.kind, f"{element.kind} (no such element, and a force field would have to be programmed into it)")
+            return UNKNOWN.get(
+                element.kind,
+                f"{element.kind} (no such element, and a force field would have to be programmed"
+                " into it)",
+            )
     return _element_reason(scene) or _contact_reason(scene)
 
 
 def _element_reason(scene: Scene) -> str | None:
     """Springs are linear, dry friction acts on every velocity at once."""
-    if any(spring.exponent != 1 or spring.quadratic or spring.cubic for spring in scene.all(Spring)):
+    if any(
+        spring.exponent != 1 or spring.quadratic or spring.cubic for spring in scene.all(Spring)
+    ):
         return "a spring whose force is not linear"
     if scene.all(Dashpot) and fading(scene) is None:
         return "damping that is not one rate of all bodies against the world (Space.damping)"
@@ -48,11 +59,20 @@ def _element_reason(scene: Scene) -> str | None:
 
 
 def fading(scene: Scene) -> float | None:
-    """The rate [1/s] at which the dashpots take velocity from every body alike; None if they do not."""
+    """The rate [1/s] at which the dashpots take velocity from every body alike;
+
+    None if they do not.
+    """
     free = [number for number, fixed in enumerate(scene.bodies.fixed) if not fixed]
     damping = dict.fromkeys(free, 0.0)
     for dashpot in scene.all(Dashpot):
-        if dashpot.b >= 0 or dashpot.van_der_pol or dashpot.damping < 0 or any(dashpot.anchor_a) or dashpot.a not in damping:
+        if (
+            dashpot.b >= 0
+            or dashpot.van_der_pol
+            or dashpot.damping < 0
+            or any(dashpot.anchor_a)
+            or dashpot.a not in damping
+        ):
             return None
         damping[dashpot.a] += dashpot.damping
     rates = {damping[number] / float(scene.bodies.mass[number]) for number in free}
@@ -68,7 +88,9 @@ def _contact_reason(scene: Scene) -> str | None:
     if law.law != "rigid":
         return f"contact:{law.law} (impulses between rigid bodies only, no contact stiffness)"
     for shape, inertia in zip(scene.bodies.shape, scene.bodies.inertia, strict=True):
-        if not inertia[2] > 0 and (isinstance(shape, Polyhedron) or (isinstance(shape, Sphere) and law.friction > 0)):
+        if not inertia[2] > 0 and (
+            isinstance(shape, Polyhedron) or (isinstance(shape, Sphere) and law.friction > 0)
+        ):
             return "contact forces that turn a body without a moment of inertia"
         if isinstance(shape, Polyhedron) and outline(shape) is None:
             return "a polyhedron that is no prism along z"

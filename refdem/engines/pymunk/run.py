@@ -27,13 +27,17 @@ FUNCTIONS = {
 
 
 def recorded(request: Request) -> tuple[Trajectory, Cost]:
-    """Runs the request; raises EngineError if Chipmunk was built with numbers that are not doubles, or lost count."""
+    """Runs the request; raises EngineError if Chipmunk was built with numbers that are not doubles,
+    or lost count.
+    """
     began = perf_counter()
     if engine_ffi.sizeof("cpFloat") != 8 or engine_ffi.sizeof("cpVect") != 16:
         raise EngineError(f"pymunk: cpFloat has {engine_ffi.sizeof('cpFloat')} bytes; expected 8")
     columns = request.problem.scene.bodies
     space, bodies = space_of(request.problem.scene)
-    drive(space, request.problem.scene, bodies, float(request.problem.times[0]), request.signed_step)
+    drive(
+        space, request.problem.scene, bodies, float(request.problem.times[0]), request.signed_step
+    )
     ffi, lib = kernels.load("chipmunk").ffi, kernels.load("chipmunk").lib
     engine = _engine(ffi, space, turns=bool((columns.inertia[:, 2] * ~columns.fixed).any()))
     handles = ffi.new("void *[]", [_address(ffi, body._body) for body in bodies])
@@ -42,13 +46,19 @@ def recorded(request: Request) -> tuple[Trajectory, Cost]:
     rows[..., 4], rows[..., 5] = angle_of(columns.attitude), 0.0
     out = kernels.pointer("chipmunk", rows, output=True)
     started = perf_counter()
-    lib.refdem_chipmunk_record(engine, len(bodies), handles, request.signed_step, samples, stride, out)
+    lib.refdem_chipmunk_record(
+        engine, len(bodies), handles, request.signed_step, samples, stride, out
+    )
     ended = perf_counter()
     steps = int(engine_lib.cpSpaceGetTimestamp(space._space))
     if steps != (samples - 1) * stride:
-        raise EngineError(f"pymunk: the engine counted {steps} steps; expected {(samples - 1) * stride}")
+        raise EngineError(
+            f"pymunk: the engine counted {steps} steps; expected {(samples - 1) * stride}"
+        )
     t = request.problem.times[0] + np.arange(samples) * stride * request.signed_step
-    return _trajectory(request, t, rows), Cost(seconds=ended - started, setup=started - began, steps=steps)
+    return _trajectory(request, t, rows), Cost(
+        seconds=ended - started, setup=started - began, steps=steps
+    )
 
 
 def _engine(ffi: Any, space: pymunk.Space, *, turns: bool) -> Any:
@@ -56,7 +66,14 @@ def _engine(ffi: Any, space: pymunk.Space, *, turns: bool) -> Any:
     engine = ffi.new("refdem_chipmunk_engine *", {"space": _address(ffi, space._space)})
     for field, function in FUNCTIONS.items():
         if turns or field not in ("angle", "omega"):
-            setattr(engine, field, ffi.cast(ffi.typeof(getattr(engine, field)), _number(engine_ffi.addressof(engine_lib, function))))
+            setattr(
+                engine,
+                field,
+                ffi.cast(
+                    ffi.typeof(getattr(engine, field)),
+                    _number(engine_ffi.addressof(engine_lib, function)),
+                ),
+            )
     return engine
 
 

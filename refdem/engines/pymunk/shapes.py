@@ -26,7 +26,10 @@ def add_shapes(space: pymunk.Space, scene: Scene, bodies: list[pymunk.Body]) -> 
             shapes.append(pymunk.Circle(body, shape.radius))
         elif isinstance(shape, Polyhedron):
             shapes.append(pymunk.Poly(body, outline(shape) or []))
-    size = WALL * max(float(np.abs(scene.bodies.position).max()), *(_extent(shape) for shape in scene.bodies.shape))
+    size = WALL * max(
+        float(np.abs(scene.bodies.position).max()),
+        *(_extent(shape) for shape in scene.bodies.shape),
+    )
     walls = [_wall(space, plane, size) for plane in scene.all(Plane)]
     for name, value in (("friction", law.friction), ("elasticity", law.restitution)):
         own, of_walls = shares(value, alone=len(shapes) == 1)
@@ -37,9 +40,11 @@ def add_shapes(space: pymunk.Space, scene: Scene, bodies: list[pymunk.Body]) -> 
 
 
 def shares(value: float, *, alone: bool) -> tuple[float, float]:
-    """What a shape and what a wall brings to a pair, of which Chipmunk takes the product: `value`, exactly for a shape that is alone.
+    """What a shape and what a wall brings to a pair, of which Chipmunk takes the product: `value`,
+    exactly for a shape that is alone.
 
-    The square of a rounded root may be less: sqrt(3/4)^2 = 3/4 (1 - 1.5e-16) does not hold a block on the slope 3/4.
+    The square of a rounded root may be less: sqrt(3/4)^2 = 3/4 (1 - 1.5e-16) does not hold a block
+    on the slope 3/4.
     """
     own = value if alone else sqrt(value)
     return own, value / own if own else 0.0
@@ -56,5 +61,10 @@ def _wall(space: pymunk.Space, plane: Plane, size: float) -> pymunk.Shape:
     """A wide and deep block behind the plane."""
     point, normal = np.array(plane.point[:2]), np.array(plane.normal[:2])
     along = np.array([-normal[1], normal[0]]) * size
-    corners = [point + along, point - along, point - along - size * normal, point + along - size * normal]
+    corners = [
+        point + along,
+        point - along,
+        point - along - size * normal,
+        point + along - size * normal,
+    ]
     return pymunk.Poly(space.static_body, [tuple(c.tolist()) for c in corners])

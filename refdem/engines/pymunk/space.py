@@ -16,7 +16,9 @@ from refdem.scene.elements.spring import Spring
 from refdem.scene.elements.uniform_gravity import UniformGravity
 
 COUPLED_ITERATIONS = 200
-"""Passes over joints and contacts that share bodies: Gauss-Seidel needs many to come near round-off."""
+"""Passes over joints and contacts that share bodies: Gauss-Seidel needs many to come near
+round-off.
+"""
 
 
 def space_of(scene: Scene) -> tuple[pymunk.Space, list[pymunk.Body]]:
@@ -24,11 +26,17 @@ def space_of(scene: Scene) -> tuple[pymunk.Space, list[pymunk.Body]]:
     space = pymunk.Space()
     space.damping, space.collision_slop = exp(-(fading(scene) or 0.0)), 0.0
     space.sleep_time_threshold = float("inf")
-    space.gravity = tuple(np.sum([g.g[:2] for g in scene.all(UniformGravity)] or [(0.0, 0.0)], axis=0).tolist())
+    space.gravity = tuple(
+        np.sum([g.g[:2] for g in scene.all(UniformGravity)] or [(0.0, 0.0)], axis=0).tolist()
+    )
     bodies = [_body(scene, number) for number in range(len(scene.bodies))]
     space.add(*bodies)
     links = [element for element in scene.elements if isinstance(element, Spring | Rod | Slider)]
-    joints = [_joint(space, bodies, link) for link in links if not all(_is_still(scene, end) for end in (link.a, link.b))]
+    joints = [
+        _joint(space, bodies, link)
+        for link in links
+        if not all(_is_still(scene, end) for end in (link.a, link.b))
+    ]
     space.add(*joints)
     solved = sum(not isinstance(joint, pymunk.DampedSpring) for joint in joints)
     touching = add_shapes(space, scene, bodies)
@@ -47,7 +55,9 @@ def _body(scene: Scene, number: int) -> pymunk.Body:
     if column.fixed[number]:
         body = pymunk.Body(body_type=pymunk.Body.STATIC)
     else:
-        body = pymunk.Body(float(column.mass[number]), float(column.inertia[number, 2]) or float("inf"))
+        body = pymunk.Body(
+            float(column.mass[number]), float(column.inertia[number, 2]) or float("inf")
+        )
     body.position = tuple(column.position[number, :2].tolist())
     body.angle = float(angle_of(column.attitude[number]))
     if not column.fixed[number]:
@@ -68,13 +78,19 @@ def _is_still(scene: Scene, end: int) -> bool:
     return end < 0 or bool(scene.bodies.fixed[end])
 
 
-def _joint(space: pymunk.Space, bodies: list[pymunk.Body], link: Spring | Rod | Slider) -> pymunk.Constraint:
-    """A spring without damper, a rod without slack, or friction as a joint that holds no more than Coulomb's limit."""
+def _joint(
+    space: pymunk.Space, bodies: list[pymunk.Body], link: Spring | Rod | Slider
+) -> pymunk.Constraint:
+    """A spring without damper, a rod without slack, or friction as a joint that holds no more than
+    Coulomb's limit.
+    """
     a, b = bodies[link.a], space.static_body if link.b < 0 else bodies[link.b]
     if isinstance(link, Slider) and link.belt_velocity:
         b = _belt(space, link)
     if isinstance(link, Spring):
-        return pymunk.DampedSpring(a, b, link.anchor_a[:2], link.anchor_b[:2], link.length, link.stiffness, 0.0)
+        return pymunk.DampedSpring(
+            a, b, link.anchor_a[:2], link.anchor_b[:2], link.length, link.stiffness, 0.0
+        )
     if isinstance(link, Rod):
         rod = pymunk.PinJoint(a, b, link.anchor_a[:2], link.anchor_b[:2])
         rod.distance, rod.error_bias = link.length, 0.0

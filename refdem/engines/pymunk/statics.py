@@ -44,6 +44,10 @@ def _is_convex(polygon: Polygon) -> bool:
 
 ANSWERS: dict[str, Callable[..., Any]] = {
     "plane-turn": lambda angle, v: pymunk.Vec2d(*v).rotated(angle[0]),
-    "complex-turn": lambda angle, v: pymunk.Vec2d(*v).cpvrotate(pymunk.Vec2d(np.cos(angle[0]), np.sin(angle[0]))),
+    "complex-turn": (
+        lambda angle, v: pymunk.Vec2d(*v).cpvrotate(
+            pymunk.Vec2d(np.cos(angle[0]), np.sin(angle[0]))
+        )
+    ),
 }
 """pymunk's own function for each operation that it has."""

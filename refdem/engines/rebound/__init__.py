@@ -1,4 +1,7 @@
-"""REBOUND: particles in fields of force by leapfrog, WHFast, IAS15 and Bulirsch-Stoer. GPL-3: imported only in this adapter."""
+"""REBOUND: particles in fields of force by leapfrog, WHFast, IAS15 and Bulirsch-Stoer.
+
+GPL-3: imported only in this adapter.
+"""
 
 from importlib.metadata import version
 from importlib.util import find_spec
@@ -12,8 +15,16 @@ from refdem.engines.rebound.audit import AUDIT
 from refdem.engines.rebound.methods import METHODS
 from refdem.engines.rebound.refusal import reason
 
-KNOWN = frozenset(f"identity:{name}" for name in ("quaternion-about", "product", "inverse", "unit", "rotated"))
-ROTATION = Method(name="rotation", summary="unit quaternions, rebound.Rotation", control="exact", answers="identity", knows=KNOWN)
+KNOWN = frozenset(
+    f"identity:{name}" for name in ("quaternion-about", "product", "inverse", "unit", "rotated")
+)
+ROTATION = Method(
+    name="rotation",
+    summary="unit quaternions, rebound.Rotation",
+    control="exact",
+    answers="identity",
+    knows=KNOWN,
+)
 
 
 class Rebound(Engine):
@@ -27,14 +38,20 @@ class Rebound(Engine):
 
     def missing(self) -> str | None:
         """None if REBOUND is installed, else how to install it."""
-        return None if find_spec("rebound") else "REBOUND is not installed: pip install 'refdem[rebound]'"
+        return (
+            None
+            if find_spec("rebound")
+            else "REBOUND is not installed: pip install 'refdem[rebound]'"
+        )
 
     def version(self) -> str:
         """The version of the package rebound."""
         return version("rebound")
 
     def fingerprint(self, method: Method) -> str:
-        """Digest of the installed package, this adapter, the scene's vocabulary, the callbacks and the machine."""
+        """Digest of the installed package, this adapter, the scene's vocabulary, the callbacks and
+        the machine.
+        """
         return "-".join(
             (
                 fingerprint.of_package("rebound"),

@@ -3,19 +3,30 @@
 from refdem.core.engine import Default
 
 AUDIT = (
-    Default("gravity", "basic, G = 1", "none; basic with G = 1 in a central field", "the bodies of a scene do not attract each other"),
+    Default(
+        "gravity",
+        "basic, G = 1",
+        "none; basic with G = 1 in a central field",
+        "the bodies of a scene do not attract each other",
+    ),
     Default(
         "central_field",
         "no such thing",
         "a first particle of mass gm at rest at the origin, N_active = 1",
         "REBOUND's own attraction; bodies are test particles, so the centre rests",
     ),
-    Default("testparticle_type", "0", "0", "test particles act on nothing; accelerations do not need their mass"),
+    Default(
+        "testparticle_type",
+        "0",
+        "0",
+        "test particles act on nothing; accelerations do not need their mass",
+    ),
     Default("softening", "0", "0", "Newton's attraction as it is"),
     Default(
         "additional_forces",
         "none",
-        "a compiled callback if there are springs, dashpots, periodic forces, rods or uniform gravity",
+        "a compiled callback if there are springs, dashpots, periodic forces, rods or uniform"
+        " gravity",
         "REBOUND knows no such elements: its users program forces, and so does the adapter",
     ),
     Default(
@@ -24,13 +35,24 @@ AUDIT = (
         "multiplier force (v.v + r.a)/(r.r) in the callback",
         "the distance at the start is kept by the equations alone, nothing projects it",
     ),
-    Default("force_is_velocity_dependent", "0", "1 with rods or dashpots", "IAS15 predicts velocities only then"),
-    Default("clock of a periodic force", "-", "sim.t at every evaluation", "each integrator sets it to the time of the stage"),
+    Default(
+        "force_is_velocity_dependent",
+        "0",
+        "1 with rods or dashpots",
+        "IAS15 predicts velocities only then",
+    ),
+    Default(
+        "clock of a periodic force",
+        "-",
+        "sim.t at every evaluation",
+        "each integrator sets it to the time of the stage",
+    ),
     Default(
         "rotation",
         "particles have no spin",
         "attitude and Euler's equations as further equations of bs (create_ode)",
-        "a quaternion of any length stands for an attitude; it is divided by its length at the door",
+        "a quaternion of any length stands for an attitude; it is divided by its length at the"
+        " door",
     ),
     Default("collision, boundary", "none", "none", "nothing meets and there is no box"),
     Default("integrator", "ias15", "the method's", "named by the request"),
@@ -39,30 +61,54 @@ AUDIT = (
         "clock",
         "summed part by part of every step",
         "the engine's; of leapfrog-8 its number of steps times dt",
-        "18 rounded parts a step leave that clock 4e-12 behind after 3e4 steps; no force here reads it",
+        "18 rounded parts a step leave that clock 4e-12 behind after 3e4 steps; no force here"
+        " reads it",
     ),
-    Default("whfast.safe_mode, corrector, kernel", "1, 0, default", "the same", "with one centre there is nothing to correct"),
+    Default(
+        "whfast.safe_mode, corrector, kernel",
+        "1, 0, default",
+        "the same",
+        "with one centre there is nothing to correct",
+    ),
     Default("ias15.epsilon, min_dt", "1e-9, 0", "1e-9, 0", "the authors' choice for round-off"),
     Default(
         "ias15.adaptive_mode",
         "prs23",
         "global with springs and rods, else prs23",
-        "prs23 takes its time from the acceleration: 100 times the steps where it goes through zero, no end where a rod holds it at 0",
+        "prs23 takes its time from the acceleration: 100 times the steps where it goes through"
+        " zero, no end where a rod holds it at 0",
     ),
-    Default("bs.eps_rel, bs.eps_abs", "1e-8, 1e-8", "the tolerance", "absolute in SI for places, velocities and quaternions alike"),
+    Default(
+        "bs.eps_rel, bs.eps_abs",
+        "1e-8, 1e-8",
+        "the tolerance",
+        "absolute in SI for places, velocities and quaternions alike",
+    ),
     Default("bs.min_dt, bs.max_dt", "0, 0", "0, 0", "no limits to the step"),
     Default(
         "dt of ias15 and bs at the start",
         "0.001",
         "2^-8 of the sample interval",
-        "small beside every motion, as the default is in years/2pi: a long first step is never shortened, see exact_finish_time",
+        "small beside every motion, as the default is in years/2pi: a long first step is never"
+        " shortened, see exact_finish_time",
     ),
     Default(
         "exact_finish_time",
         "1",
         "1",
-        "ias15 and bs cut their step to meet a sample and start from the one before the cut: more samples change the steps",
+        "ias15 and bs cut their step to meet a sample and start from the one before the cut: more"
+        " samples change the steps",
     ),
-    Default("warnings", "passed on", "dropped; errors end the run", "ias15 warns of loops that did not converge even where nothing pulls"),
-    Default("SIGINT", "its own handler", "put back after every run", "integrate() takes the process's handler and keeps it"),
+    Default(
+        "warnings",
+        "passed on",
+        "dropped; errors end the run",
+        "ias15 warns of loops that did not converge even where nothing pulls",
+    ),
+    Default(
+        "SIGINT",
+        "its own handler",
+        "put back after every run",
+        "integrate() takes the process's handler and keeps it",
+    ),
 )

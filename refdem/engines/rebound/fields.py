@@ -1,4 +1,6 @@
-"""What REBOUND's callbacks read: masses, gravity, springs, dashpots, drives, rods and rotors, as the compiled loop has them."""
+"""What REBOUND's callbacks read: masses, gravity, springs, dashpots, drives, rods and rotors, as
+the compiled loop has them.
+"""
 
 from dataclasses import dataclass
 from typing import Any
@@ -38,7 +40,12 @@ def fields_of(scene: Scene) -> Fields:
     doubles = {
         "mass": scene.bodies.mass,
         "gravity": np.sum([g.g for g in gravity] or [(0.0, 0.0, 0.0)], axis=0),
-        "spring": np.array([(s.stiffness, s.length, s.exponent, *s.anchor_b, s.quadratic, s.cubic) for s in springs]),
+        "spring": np.array(
+            [
+                (s.stiffness, s.length, s.exponent, *s.anchor_b, s.quadratic, s.cubic)
+                for s in springs
+            ]
+        ),
         "dashpot": np.array([(d.damping, d.van_der_pol, *d.anchor_b) for d in dashpots]),
         "drive": np.array([(f.amplitude, f.frequency, f.phase, *f.axis) for f in drives]),
         "rod_anchor": np.array([rod.anchor_b for rod in rods]),
@@ -52,13 +59,25 @@ def fields_of(scene: Scene) -> Fields:
         "drive_end": np.array([(f.a, f.b) for f in drives]),
         "rod_end": np.array([(rod.a, rod.b) for rod in rods]),
     }
-    counts = {"bodies": len(scene.bodies), "springs": len(springs), "dashpots": len(dashpots), "drives": len(drives)}
+    counts = {
+        "bodies": len(scene.bodies),
+        "springs": len(springs),
+        "dashpots": len(dashpots),
+        "drives": len(drives),
+    }
     counts |= {"rods": len(rods), "turning": len(rotors)}
     struct, kept = ffi.new("refdem_rebound_scene *", counts), []
-    for columns, kind, dtype in ((doubles, "double[]", np.float64), (integers, "int64_t[]", np.int64)):
+    for columns, kind, dtype in (
+        (doubles, "double[]", np.float64),
+        (integers, "int64_t[]", np.int64),
+    ):
         for name, values in columns.items():
-            view = ffi.from_buffer(kind, np.ascontiguousarray(values, dtype), require_writable=False)
+            view = ffi.from_buffer(
+                kind, np.ascontiguousarray(values, dtype), require_writable=False
+            )
             setattr(struct, name, ffi.cast(kind.replace("[]", " *"), view))
             kept.append(view)
     acts = bool(springs or dashpots or drives or rods or gravity)
-    return Fields(struct, tuple(kept), tuple(rotors), len(rods), acts, reads_velocity=bool(dashpots or rods))
+    return Fields(
+        struct, tuple(kept), tuple(rotors), len(rods), acts, reads_velocity=bool(dashpots or rods)
+    )

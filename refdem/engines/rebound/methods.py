@@ -31,7 +31,10 @@ METHODS = (
     ),
     Method(
         name="whfast",
-        summary="Wisdom-Holman: motion about one centre is propagated exactly (Rein and Tamayo 2015); one step a sample",
+        summary=(
+            "Wisdom-Holman: motion about one centre is propagated exactly (Rein and Tamayo 2015);"
+            " one step a sample"
+        ),
         control="exact",
         conserves=KEPT,
         reversible=True,
@@ -40,7 +43,10 @@ METHODS = (
     ),
     Method(
         name="ias15",
-        summary="Gauss-Radau of order 15 whose step keeps the error under round-off (Rein and Spiegel 2015, Pham et al. 2024)",
+        summary=(
+            "Gauss-Radau of order 15 whose step keeps the error under round-off (Rein and Spiegel"
+            " 2015, Pham et al. 2024)"
+        ),
         control="exact",
         backward=True,
         summed_clock=True,
@@ -48,11 +54,19 @@ METHODS = (
     ),
     Method(
         name="bs",
-        summary="Gragg-Bulirsch-Stoer with eps_rel = eps_abs = tolerance; the only one that carries Euler's equations",
+        summary=(
+            "Gragg-Bulirsch-Stoer with eps_rel = eps_abs = tolerance; the only one that carries"
+            " Euler's equations"
+        ),
         control="tolerance",
         constant=1e-3,
-        constant_reason="a step is accepted at the tolerance and then extrapolated once more, so that smooth motions are off by less",
-        derived={"attitude": "the adapter divides attitudes by their length, so that it is always 1"},
+        constant_reason=(
+            "a step is accepted at the tolerance and then extrapolated once more, so that smooth"
+            " motions are off by less"
+        ),
+        derived={
+            "attitude": "the adapter divides attitudes by their length, so that it is always 1"
+        },
         backward=True,
         cost_rank=4,
     ),

@@ -14,13 +14,17 @@ from refdem.scene.elements.uniform_gravity import UniformGravity
 
 KNOWN = (CentralField, Dashpot, Force, Rod, Spring, UniformGravity)
 FIT = 1e-9
-"""A rod fits if its ends are this close to its length, relatively: the multiplier keeps what it finds."""
+"""A rod fits if its ends are this close to its length, relatively: the multiplier keeps what it
+finds.
+"""
 UNKNOWN = {
     "slider": "dry friction (no force that jumps with the velocity)",
     "contact": "contact with a force law (only instantaneous collisions of hard spheres)",
     "plane": "walls",
     "ball_joint": "a ball joint (particles have no attitude)",
-    "moving_anchor": "a pivot that follows a law of time (a rod's force needs a point at rest or a particle)",
+    "moving_anchor": (
+        "a pivot that follows a law of time (a rod's force needs a point at rest or a particle)"
+    ),
     "string_over_wheel": "a string over a wheel (no constraint solver)",
     "catch": "a hook (no event that begins a constraint)",
 }
@@ -38,7 +42,9 @@ def reason(problem: Motion, method: str) -> str | None:
 def turning(scene: Scene) -> list[int]:
     """Numbers of the bodies that spin."""
     columns = scene.bodies
-    return np.flatnonzero(columns.inertia.any(axis=1) & columns.omega.any(axis=1) & ~columns.fixed).tolist()
+    return np.flatnonzero(
+        columns.inertia.any(axis=1) & columns.omega.any(axis=1) & ~columns.fixed
+    ).tolist()
 
 
 def _link_reason(scene: Scene) -> str | None:
@@ -60,16 +66,27 @@ def _link_reason(scene: Scene) -> str | None:
 
 
 def _method_reason(scene: Scene, method: str) -> str | None:
-    """Only bs carries rotation; leapfrog takes no velocities; whfast knows a centre and nothing else."""
+    """Only bs carries rotation; leapfrog takes no velocities; whfast knows a centre and nothing
+    else.
+    """
     rotors = turning(scene)
     if rotors and method != "bs":
         return "rotation (particles have no spin; only bs carries Euler's equations beside them)"
     if rotors and not scene.bodies.inertia[rotors].all():
         return "a spinning body with a moment of inertia that is zero"
     for kind in {"rod", "dashpot"} & scene.features if method.startswith("leapfrog") else ():
-        return f"a {kind} (its force depends on velocities, which leapfrog has only at the other time)"
-    if method in ("leapfrog-8", "ias15") and any(spring.exponent % 2 != 1 for spring in scene.all(Spring)):
-        return "a spring whose force is not smooth where it changes sign (order 8 needs its derivatives, ias15's steps shrink to nothing)"
-    if method == "whfast" and not (scene.elements and all(isinstance(e, CentralField) for e in scene.elements)):
+        return (
+            f"a {kind} (its force depends on velocities, which leapfrog has only at the other time)"
+        )
+    if method in ("leapfrog-8", "ias15") and any(
+        spring.exponent % 2 != 1 for spring in scene.all(Spring)
+    ):
+        return (
+            "a spring whose force is not smooth where it changes sign (order 8 needs its"
+            " derivatives, ias15's steps shrink to nothing)"
+        )
+    if method == "whfast" and not (
+        scene.elements and all(isinstance(e, CentralField) for e in scene.elements)
+    ):
         return "anything but one attracting centre"
     return None

@@ -19,7 +19,11 @@ from refdem.errors import EngineError, UsageError
 from refdem.mechanics.quaternion import rotated
 
 Array = NDArray[np.float64]
-FUNCTIONS = {"steps": "reb_simulation_steps", "integrate": "reb_simulation_integrate", "update": "reb_simulation_update_acceleration"}
+FUNCTIONS = {
+    "steps": "reb_simulation_steps",
+    "integrate": "reb_simulation_integrate",
+    "update": "reb_simulation_update_acceleration",
+}
 FINEST_TOLERANCE = 1e-15
 """Round-off hides smaller errors: at 1e-16 bs rejects every step, however small, for ever."""
 STEPPED = {"leapfrog", "leapfrog-8", "whfast"}
@@ -29,7 +33,8 @@ def recorded(request: Request) -> tuple[Trajectory, Cost]:
     """Runs the request; raises EngineError if REBOUND gives up or has an error to tell."""
     if request.tolerance is not None and request.tolerance < FINEST_TOLERANCE:
         raise UsageError(
-            f"rebound, {request.method}: tolerance is {request.tolerance:g}; expected >= {FINEST_TOLERANCE:g}, or no step is accepted"
+            f"rebound, {request.method}: tolerance is {request.tolerance:g}; expected >="
+            f" {FINEST_TOLERANCE:g}, or no step is accepted"
         )
     began = perf_counter()
     fields = fields_of(request.problem.scene)
@@ -37,16 +42,31 @@ def recorded(request: Request) -> tuple[Trajectory, Cost]:
     engine = _engine(sim, ode)
     times = np.ascontiguousarray(request.problem.times)
     stride = request.stride if request.step else int(request.method in STEPPED)
-    rows = np.full((len(times), 1 + 6 * len(request.problem.scene.bodies) + 7 * len(fields.rotors) + fields.rods), np.nan)
+    rows = np.full(
+        (
+            len(times),
+            1 + 6 * len(request.problem.scene.bodies) + 7 * len(fields.rotors) + fields.rods,
+        ),
+        np.nan,
+    )
     started = perf_counter()
     failed = kernels.load(FAMILY).lib.refdem_rebound_record(
-        engine, fields.struct, stride, len(times), kernels.pointer(FAMILY, times), kernels.pointer(FAMILY, rows, output=True)
+        engine,
+        fields.struct,
+        stride,
+        len(times),
+        kernels.pointer(FAMILY, times),
+        kernels.pointer(FAMILY, rows, output=True),
     )
     ended = perf_counter()
     _refuse_failure(sim, request, failed)
     if request.method == "leapfrog-8":
-        rows[:, 0] = times[0] + np.arange(len(times)) * (sim.steps_done // (len(times) - 1)) * sim.dt
-    return _trajectory(request, fields, rows), Cost(seconds=ended - started, setup=started - began, steps=int(sim.steps_done))
+        rows[:, 0] = (
+            times[0] + np.arange(len(times)) * (sim.steps_done // (len(times) - 1)) * sim.dt
+        )
+    return _trajectory(request, fields, rows), Cost(
+        seconds=ended - started, setup=started - began, steps=int(sim.steps_done)
+    )
 
 
 def _engine(sim: rebound.Simulation, ode: ODE | None) -> Any:
@@ -54,7 +74,9 @@ def _engine(sim: rebound.Simulation, ode: ODE | None) -> Any:
     ffi = kernels.load(FAMILY).ffi
     engine = ffi.new("refdem_rebound_engine *", {"simulation": ffi.cast("void *", addressof(sim))})
     for field, function in FUNCTIONS.items():
-        setattr(engine, field, ffi.cast(ffi.typeof(getattr(engine, field)), function_address(function)))
+        setattr(
+            engine, field, ffi.cast(ffi.typeof(getattr(engine, field)), function_address(function))
+        )
     engine.clock = ffi.cast("double *", addressof(sim) + rebound.Simulation.t.offset)
     if ode is not None:
         engine.equations = ffi.cast("double **", addressof(ode) + ODE.y.offset)
@@ -62,7 +84,9 @@ def _engine(sim: rebound.Simulation, ode: ODE | None) -> Any:
 
 
 def _refuse_failure(sim: rebound.Simulation, request: Request, failed: int) -> None:
-    """Raises EngineError with REBOUND's own words; its warnings are not passed on: the checks see what they warn of."""
+    """Raises EngineError with REBOUND's own words; its warnings are not passed on: the checks see
+    what they warn of.
+    """
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", RuntimeWarning)
@@ -86,5 +110,9 @@ def _trajectory(request: Request, fields: Fields, rows: Array) -> Trajectory:
         unit = turned[..., :4] / np.linalg.norm(turned[..., :4], axis=-1, keepdims=True)
         attitude[:, fields.rotors], omega[:, fields.rotors] = unit, rotated(unit, turned[..., 4:])
     channels = {"rod_force": rows[:, -fields.rods :].copy()} if fields.rods else {}
-    t, position, velocity = (np.ascontiguousarray(part) for part in (rows[:, 0], state[..., :3], state[..., 3:]))
-    return Trajectory(t=t, position=position, velocity=velocity, attitude=attitude, omega=omega, channels=channels)
+    t, position, velocity = (
+        np.ascontiguousarray(part) for part in (rows[:, 0], state[..., :3], state[..., 3:])
+    )
+    return Trajectory(
+        t=t, position=position, velocity=velocity, attitude=attitude, omega=omega, channels=channels
+    )

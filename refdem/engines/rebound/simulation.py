@@ -17,7 +17,9 @@ from refdem.scene import Scene
 from refdem.scene.elements.central_field import CentralField
 
 FIRST_STEP = 2.0**-8
-"""First step of the adaptive integrators, in units of the sample interval: REBOUND's default is a thousandth of a unit of time."""
+"""First step of the adaptive integrators, in units of the sample interval: REBOUND's default is a
+thousandth of a unit of time.
+"""
 
 
 def simulation_of(request: Request, fields: Fields) -> tuple[rebound.Simulation, ODE | None]:
@@ -30,7 +32,9 @@ def simulation_of(request: Request, fields: Fields) -> tuple[rebound.Simulation,
     _place(sim, fields, first)
     ode = _add_rotors(sim, scene, fields)
     if fields.has_forces:
-        sim._additional_forces = AFF(_callback("forces", rebound.Simulation.extras.offset))  # the property would wrap it in Python
+        sim._additional_forces = AFF(
+            _callback("forces", rebound.Simulation.extras.offset)
+        )  # the property would wrap it in Python
         sim.force_is_velocity_dependent = int(fields.reads_velocity)
     return sim, ode
 
@@ -59,14 +63,18 @@ def _set_integrator(sim: rebound.Simulation, request: Request) -> None:
 
 
 def _add_particles(sim: rebound.Simulation, scene: Scene) -> int:
-    """The attracting centre, if there is one, and the bodies; the number of the first body among the particles."""
+    """The attracting centre, if there is one, and the bodies; the number of the first body among
+    the particles.
+    """
     centres = scene.all(CentralField)
     sim.gravity = "basic" if centres else "none"
     if centres:
         sim.add(m=sum(centre.gm for centre in centres))
         sim.N_active = 1
     columns = scene.bodies
-    for mass, (x, y, z), (vx, vy, vz), fixed in zip(columns.mass, columns.position, columns.velocity, columns.fixed, strict=True):
+    for mass, (x, y, z), (vx, vy, vz), fixed in zip(
+        columns.mass, columns.position, columns.velocity, columns.fixed, strict=True
+    ):
         still = {} if fixed else {"vx": vx, "vy": vy, "vz": vz}
         sim.add(m=0.0 if centres else mass, x=x, y=y, z=z, **still)
     return len(centres[:1])
@@ -75,10 +83,17 @@ def _add_particles(sim: rebound.Simulation, scene: Scene) -> int:
 def _place(sim: rebound.Simulation, fields: Fields, first: int) -> None:
     """Tells the callbacks where the particles lie, and the simulation where the fields do."""
     ffi, particle = kernels.load(FAMILY).ffi, rebound.Particle
-    base, size = addressof(sim._particles.contents), addressof(sim._particles[1]) - addressof(sim._particles[0])
+    base, size = (
+        addressof(sim._particles.contents),
+        addressof(sim._particles[1]) - addressof(sim._particles[0]),
+    )
     struct = fields.struct
     struct.particle, struct.size = ffi.cast("char *", base + first * size), size
-    struct.position, struct.velocity, struct.acceleration = particle.x.offset, particle.vx.offset, particle.ax.offset
+    struct.position, struct.velocity, struct.acceleration = (
+        particle.x.offset,
+        particle.vx.offset,
+        particle.ax.offset,
+    )
     struct.clock = ffi.cast("double *", addressof(sim) + rebound.Simulation.t.offset)
     sim.extras = int(ffi.cast("uintptr_t", struct))
 
@@ -92,7 +107,9 @@ def _add_rotors(sim: rebound.Simulation, scene: Scene, fields: Fields) -> ODE | 
     ode._derivatives = ODEDER(_callback("euler", ODE.ref.offset))
     rotors = list(fields.rotors)
     attitude, omega = scene.bodies.attitude[rotors], scene.bodies.omega[rotors]
-    for number, value in enumerate(np.hstack([attitude, rotated(conjugate(attitude), omega)]).ravel().tolist()):
+    for number, value in enumerate(
+        np.hstack([attitude, rotated(conjugate(attitude), omega)]).ravel().tolist()
+    ):
         ode.y[number] = value
     return ode
 
@@ -102,5 +119,8 @@ def _callback(name: str, place: int) -> int:
     library: Any = kernels.load(FAMILY)
     found = getattr(library.lib, f"refdem_rebound_{name}")(place)
     if found == library.ffi.NULL:
-        raise EngineError(f"rebound keeps its user's pointer at byte {place} of its struct; the callbacks know places 0 to 1016")
+        raise EngineError(
+            f"rebound keeps its user's pointer at byte {place} of its struct; the callbacks know"
+            " places 0 to 1016"
+        )
     return int(library.ffi.cast("uintptr_t", found))

@@ -19,7 +19,9 @@ def run(request: Request) -> tuple[Trajectory, Cost]:
     """The results of operations."""
     problem, started = request.problem, perf_counter()
     assert isinstance(problem, Identity)
-    return Trajectory.of_values(problem.times, results(problem, ANSWERS)), Cost(seconds=perf_counter() - started)
+    return Trajectory.of_values(problem.times, results(problem, ANSWERS)), Cost(
+        seconds=perf_counter() - started
+    )
 
 
 def rotation(q: Array) -> Any:
@@ -34,7 +36,9 @@ def numbers(found: Any) -> list[float]:
 
 
 ANSWERS: dict[str, Callable[..., Any]] = {
-    "quaternion-about": lambda axis, angle: numbers(rebound.Rotation(angle=angle[0], axis=axis.tolist())),
+    "quaternion-about": lambda axis, angle: numbers(
+        rebound.Rotation(angle=angle[0], axis=axis.tolist())
+    ),
     "product": lambda p, q: numbers(rotation(p) * rotation(q)),
     "inverse": lambda q: numbers(rotation(q).inverse()),
     "unit": lambda q: numbers(rotation(q).normalize()),

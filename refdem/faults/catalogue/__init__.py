@@ -24,4 +24,6 @@ def chosen(names: list[str]) -> tuple[Fault, ...]:
     for name in names:
         if name not in known:
             raise UsageError(f"no fault {name!r}; {nearest(name, known)}")
-    return tuple(fault for fault in faults() if not names or fault.name in names or fault.kind in names)
+    return tuple(
+        fault for fault in faults() if not names or fault.name in names or fault.kind in names
+    )

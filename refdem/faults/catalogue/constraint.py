@@ -79,14 +79,22 @@ FAULTS = (
         sentence="The rod's force leaves the centripetal part out.",
         on=("circler",),
         sees=FORCE,
-        inside=lambda p: {"rod_tension": lambda rod, apart, relative, pull, ease: p.rod_tension(rod, apart, vec.ZERO, pull, ease)},
+        inside=lambda p: {
+            "rod_tension": lambda rod, apart, relative, pull, ease: p.rod_tension(
+                rod, apart, vec.ZERO, pull, ease
+            )
+        },
     ),
     constraint(
         name="rod-force-without-weight",
         sentence="The rod's force leaves the weight out.",
         on=("circler",),
         sees=FORCE,
-        inside=lambda p: {"rod_tension": lambda rod, apart, relative, pull, ease: p.rod_tension(rod, apart, relative, vec.ZERO, ease)},
+        inside=lambda p: {
+            "rod_tension": lambda rod, apart, relative, pull, ease: p.rod_tension(
+                rod, apart, relative, vec.ZERO, ease
+            )
+        },
     ),
     constraint(
         name="rod-force-late",
@@ -99,7 +107,11 @@ FAULTS = (
         sentence="The rod's force is an acceleration.",
         sees=FORCE,
         inside=lambda p: {
-            "rod_tension": lambda rod, apart, relative, pull, ease: ease * p.rod_tension(rod, apart, relative, pull, ease) / 1.5
+            "rod_tension": (
+                lambda rod, apart, relative, pull, ease: (
+                    ease * p.rod_tension(rod, apart, relative, pull, ease) / 1.5
+                )
+            )
         },
     ),
     constraint(

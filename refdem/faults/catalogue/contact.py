@@ -1,4 +1,6 @@
-"""Contact: overlap, stiffness, damping, cut-off, reaction, radii, and the springs of the tangential force."""
+"""Contact: overlap, stiffness, damping, cut-off, reaction, radii, and the springs of the tangential
+force.
+"""
 
 from dataclasses import replace
 from functools import partial
@@ -27,14 +29,19 @@ def _late_damping(p: Parts) -> dict[str, Any]:
         if before is None:
             return p.loads(world, state, parts)
         old = state.copy()
-        old.v = [vec.moved(v, -h / m, f) for v, m, f in zip(state.v, world.mass, before.force, strict=True)]
+        old.v = [
+            vec.moved(v, -h / m, f)
+            for v, m, f in zip(state.v, world.mass, before.force, strict=True)
+        ]
         return p.loads(world, old, parts, before, h)
 
     return {"loads": loads}
 
 
 def _old_normal(p: Parts) -> dict[str, Any]:
-    """The direction between two spheres is that of the step before, their distance the present one."""
+    """The direction between two spheres is that of the step before, their distance the present
+    one.
+    """
     turned: dict[str, Any] = {"by": vec.ZERO}
 
     def loads(world: Any, state: Any, parts: Parts, before: Any = None, h: Any = 0.0) -> Any:
@@ -53,12 +60,18 @@ def _old_normal(p: Parts) -> dict[str, Any]:
 
 def _hertz(p: Parts) -> dict[str, Any]:
     """Force with d^(3/2): the nonlinear law for the linear one."""
-    return {"normal_force": lambda law, depth, rate: law.stiffness * 4 * max(depth, 0.0) ** 1.5 + law.damping * rate}
+    return {
+        "normal_force": (
+            lambda law, depth, rate: law.stiffness * 4 * max(depth, 0.0) ** 1.5 + law.damping * rate
+        )
+    }
 
 
 def _larger(request: Request) -> Request:
     """Radii 1 % larger."""
-    return _reshaped(request, lambda shapes: tuple(Sphere(radius=1.01 * shape.radius) for shape in shapes))
+    return _reshaped(
+        request, lambda shapes: tuple(Sphere(radius=1.01 * shape.radius) for shape in shapes)
+    )
 
 
 def _swapped_shapes(request: Request) -> Request:
@@ -68,7 +81,9 @@ def _swapped_shapes(request: Request) -> Request:
 
 def _reshaped(request: Request, change: Any) -> Request:
     scene = request.problem.scene
-    return request.with_scene(Scene(replace(scene.bodies, shape=change(scene.bodies.shape)), scene.elements))
+    return request.with_scene(
+        Scene(replace(scene.bodies, shape=change(scene.bodies.shape)), scene.elements)
+    )
 
 
 FAULTS = (
@@ -107,7 +122,9 @@ FAULTS = (
         sentence="The dashpot drives.",
         on=("knock",),
         sees=("energy", "balance"),
-        inside=lambda p: {"normal_force": lambda law, depth, rate: p.normal_force(law, depth, -rate)},
+        inside=lambda p: {
+            "normal_force": lambda law, depth, rate: p.normal_force(law, depth, -rate)
+        },
     ),
     contact(
         name="damping-on-approach-only",
@@ -156,7 +173,11 @@ FAULTS = (
         before=_larger,
     ),
     contact(
-        name="law-of-hertz", sentence="The exponent 3/2 of Hertz in the linear law.", on=("bounce",), sees=("error", "v1.x"), inside=_hertz
+        name="law-of-hertz",
+        sentence="The exponent 3/2 of Hertz in the linear law.",
+        on=("bounce",),
+        sees=("error", "v1.x"),
+        inside=_hertz,
     ),
     contact(
         name="no-reaction",
@@ -181,10 +202,14 @@ FAULTS = (
     ),
     contact(
         name="normal-not-unit",
-        sentence="The normal is a tenth too long: it was divided by something else than its length.",
+        sentence=(
+            "The normal is a tenth too long: it was divided by something else than its length."
+        ),
         on=("knock",),
         sees=("error", "v1.x"),
-        inside=lambda p: {"normal_force": lambda law, depth, rate: 1.1 * p.normal_force(law, depth, rate)},
+        inside=lambda p: {
+            "normal_force": lambda law, depth, rate: 1.1 * p.normal_force(law, depth, rate)
+        },
     ),
     contact(
         name="normal-of-the-step-before",
@@ -211,7 +236,9 @@ FAULTS = (
     ),
     contact(
         name="spring-stiffness-of-the-normal",
-        sentence="The tangential spring has the stiffness of the normal one, and so a tighter limit.",
+        sentence=(
+            "The tangential spring has the stiffness of the normal one, and so a tighter limit."
+        ),
         on=("bristle",),
         levels=4,
         sees=("error", "omega1.z"),

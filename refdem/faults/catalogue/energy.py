@@ -15,17 +15,29 @@ energy = partial(Fault, kind="energy", on=("oscillator",))
 
 def _damped(rate: float) -> Any:
     """Velocities decay at a rate [1/s]."""
-    return lambda p: {"kicked": lambda v, force, mass, h: vec.times(1 - rate * abs(h), p.kicked(v, force, mass, h))}
+    return lambda p: {
+        "kicked": lambda v, force, mass, h: vec.times(
+            1 - rate * abs(h), p.kicked(v, force, mass, h)
+        )
+    }
 
 
 def _power(exponent: float) -> Any:
     """Attraction with another power of the distance."""
-    return lambda p: {"central_force": lambda mass, gm, r: vec.times(-mass * gm / vec.size(r) ** (exponent + 1), r)}
+    return lambda p: {
+        "central_force": lambda mass, gm, r: vec.times(
+            -mass * gm / vec.size(r) ** (exponent + 1), r
+        )
+    }
 
 
 def _softened(length: float) -> Any:
     """Attraction softened at short distance."""
-    return lambda p: {"central_force": lambda mass, gm, r: vec.times(-mass * gm / (vec.dot(r, r) + length**2) ** 1.5, r)}
+    return lambda p: {
+        "central_force": lambda mass, gm, r: vec.times(
+            -mass * gm / (vec.dot(r, r) + length**2) ** 1.5, r
+        )
+    }
 
 
 def _clamped(fastest: float) -> Any:
@@ -82,7 +94,13 @@ FAULTS = (
         levels=5,
         inside=_power(2.001),
     ),
-    energy(name="exponent-one", sentence="The attraction falls with the power 1.", on=("orbit",), sees=("error", "x"), inside=_power(1.0)),
+    energy(
+        name="exponent-one",
+        sentence="The attraction falls with the power 1.",
+        on=("orbit",),
+        sees=("error", "x"),
+        inside=_power(1.0),
+    ),
     energy(
         name="softened",
         sentence="The attraction is softened by 1 % of the distance.",
@@ -96,7 +114,9 @@ FAULTS = (
         name="spring-one-sided",
         sentence="The spring pulls on one side only.",
         sees=("error", "x"),
-        inside=lambda p: {"spring_force": lambda s, a, b: p.spring_force(s, a, b) if a[0] > 0 else vec.ZERO},
+        inside=lambda p: {
+            "spring_force": lambda s, a, b: p.spring_force(s, a, b) if a[0] > 0 else vec.ZERO
+        },
     ),
     energy(
         name="spring-cubic",
@@ -104,9 +124,18 @@ FAULTS = (
         method="suzuki",
         sees=("error", "x"),
         levels=4,
-        inside=lambda p: {"spring_force": lambda s, a, b: vec.times(1 + 0.01 * vec.dot(a, a), p.spring_force(s, a, b))},
+        inside=lambda p: {
+            "spring_force": lambda s, a, b: vec.times(
+                1 + 0.01 * vec.dot(a, a), p.spring_force(s, a, b)
+            )
+        },
     ),
-    energy(name="spring-twice", sentence="The spring acts twice.", sees=("error", "x"), before=of_elements(Spring, stiffness=scaled(2.0))),
+    energy(
+        name="spring-twice",
+        sentence="The spring acts twice.",
+        sees=("error", "x"),
+        before=of_elements(Spring, stiffness=scaled(2.0)),
+    ),
     energy(
         name="spring-length",
         sentence="The spring has a natural length.",
@@ -119,7 +148,11 @@ FAULTS = (
         on=("ellipse",),
         method="suzuki",
         sees=("angular-momentum", "total"),
-        inside=lambda p: {"spring_force": lambda s, a, b: vec.moved(p.spring_force(s, a, b), 1e-3, (-a[1], a[0], 0.0))},
+        inside=lambda p: {
+            "spring_force": lambda s, a, b: vec.moved(
+                p.spring_force(s, a, b), 1e-3, (-a[1], a[0], 0.0)
+            )
+        },
     ),
     energy(
         name="gravity-sign",
@@ -168,14 +201,18 @@ FAULTS = (
         sentence="The contact force is off by one part in 1e9.",
         on=("resting",),
         sees=("rest", "speed"),
-        inside=lambda p: {"normal_force": lambda law, depth, rate: (1 + 1e-9) * p.normal_force(law, depth, rate)},
+        inside=lambda p: {
+            "normal_force": lambda law, depth, rate: (1 + 1e-9) * p.normal_force(law, depth, rate)
+        },
     ),
     energy(
         name="rest-sinks",
         sentence="The wall is softer than the spheres.",
         on=("resting",),
         sees=("rest", "displacement"),
-        inside=lambda p: {"overlap": lambda a, b, distance: p.overlap(a, b, distance) * (1.0 if b else 0.999)},
+        inside=lambda p: {
+            "overlap": lambda a, b, distance: p.overlap(a, b, distance) * (1.0 if b else 0.999)
+        },
     ),
     energy(
         name="free-body-slows",

@@ -1,4 +1,6 @@
-"""Events that are told wrongly of a motion that is right: late, of another kind, where nothing happens."""
+"""Events that are told wrongly of a motion that is right: late, of another kind, where nothing
+happens.
+"""
 
 from collections.abc import Callable
 from dataclasses import replace
@@ -15,7 +17,9 @@ from refdem.scene.elements.contact import Contact
 told = partial(Fault, kind="event-times", levels=7)
 
 
-def _changed(change: Callable[[tuple[Event, ...], Request, Trajectory], tuple[Event, ...]]) -> Callable[[Request, Trajectory], Trajectory]:
+def _changed(
+    change: Callable[[tuple[Event, ...], Request, Trajectory], tuple[Event, ...]],
+) -> Callable[[Request, Trajectory], Trajectory]:
     """A trajectory with other events."""
     return lambda request, run: replace(run, events=change(run.events, request, run))
 
@@ -24,8 +28,12 @@ def _moved(event: Event, by: float) -> Event:
     return Event(event.time + by, event.kind, event.body)
 
 
-def _where_force_turns(events: tuple[Event, ...], request: Request, run: Trajectory) -> tuple[Event, ...]:
-    """The contact is told to end when k d + c d' = 0, as if it never pulled: after 2 acos(b/w0)/w, b = c/(2 m), w^2 = w0^2 - b^2."""
+def _where_force_turns(
+    events: tuple[Event, ...], request: Request, run: Trajectory
+) -> tuple[Event, ...]:
+    """The contact is told to end when k d + c d' = 0, as if it never pulled: after 2 acos(b/w0)/w,
+    b = c/(2 m), w^2 = w0^2 - b^2.
+    """
     scene = request.problem.scene
     law, mass = scene.all(Contact)[0], scene.bodies.mass
     effective = float(mass.prod() / mass.sum())
@@ -40,14 +48,22 @@ FAULTS = (
         sentence="The end of a contact is told a step late.",
         on=("bounce", "knock", "hertz"),
         sees=("event-times", "release"),
-        after=_changed(lambda events, request, run: tuple(_moved(event, request.signed_step) for event in events)),
+        after=_changed(
+            lambda events, request, run: tuple(
+                _moved(event, request.signed_step) for event in events
+            )
+        ),
     ),
     told(
         name="stick-a-step-late",
         sentence="What sticks is told a step late.",
         on=("sticking", "rubbing"),
         sees=("event-times", "stick"),
-        after=_changed(lambda events, request, run: tuple(_moved(event, request.signed_step) for event in events)),
+        after=_changed(
+            lambda events, request, run: tuple(
+                _moved(event, request.signed_step) for event in events
+            )
+        ),
     ),
     told(
         name="slip-at-samples",
@@ -56,7 +72,12 @@ FAULTS = (
         sees=("event-times", "slip"),
         after=_changed(
             lambda events, request, run: tuple(
-                Event(float(run.t[min(int(np.searchsorted(run.t, e.time)), len(run.t) - 1)]), e.kind, e.body) for e in events
+                Event(
+                    float(run.t[min(int(np.searchsorted(run.t, e.time)), len(run.t) - 1)]),
+                    e.kind,
+                    e.body,
+                )
+                for e in events
             )
         ),
     ),
@@ -66,7 +87,9 @@ FAULTS = (
         on=("sticking",),
         sees=("event-times", "stick"),
         after=_changed(
-            lambda events, request, run: tuple(Event(e.time, {"stick": "slip", "slip": "stick"}[e.kind], e.body) for e in events)
+            lambda events, request, run: tuple(
+                Event(e.time, {"stick": "slip", "slip": "stick"}[e.kind], e.body) for e in events
+            )
         ),
     ),
     told(
@@ -74,11 +97,18 @@ FAULTS = (
         sentence="A contact is told to end in the middle, and once more where it ends.",
         on=("bounce", "knock", "hertz"),
         sees=("event-times", "release"),
-        after=_changed(lambda events, request, run: (*(Event(e.time / 2, e.kind, e.body) for e in events), *events)),
+        after=_changed(
+            lambda events, request, run: (
+                *(Event(e.time / 2, e.kind, e.body) for e in events),
+                *events,
+            )
+        ),
     ),
     told(
         name="release-where-the-force-turns",
-        sentence="A contact that ends with the overlap is told to end where the dashpot begins to pull.",
+        sentence=(
+            "A contact that ends with the overlap is told to end where the dashpot begins to pull."
+        ),
         on=("knock",),
         sees=("event-times", "release"),
         after=_changed(_where_force_turns),

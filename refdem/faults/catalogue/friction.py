@@ -31,7 +31,11 @@ def _regularised(p: Parts) -> dict[str, Any]:
             found.power -= force * speed
         return found
 
-    return {"loads": loads, "side_of": lambda *arguments: 0, "holds": lambda *arguments: True}  # no mode to leave
+    return {
+        "loads": loads,
+        "side_of": lambda *arguments: 0,
+        "holds": lambda *arguments: True,
+    }  # no mode to leave
 
 
 def _without_damping(p: Parts) -> dict[str, Any]:
@@ -72,7 +76,9 @@ FAULTS = (
         sentence="Dry friction acts along the velocity.",
         on=("rubbing",),
         sees=("energy", "dissipation"),
-        inside=lambda p: {"slider_force": lambda slider, side, speed: p.slider_force(slider, -side, speed)},
+        inside=lambda p: {
+            "slider_force": lambda slider, side, speed: p.slider_force(slider, -side, speed)
+        },
     ),
     friction(
         name="friction-missing",
@@ -175,7 +181,11 @@ FAULTS = (
         on=("scrape",),
         sees=("error", "omega1.z"),
         levels=4,
-        inside=lambda p: {"sliding_friction": lambda law, normal, slip, stopping: vec.times(-law.friction * max(normal, 0.0), slip)},
+        inside=lambda p: {
+            "sliding_friction": lambda law, normal, slip, stopping: vec.times(
+                -law.friction * max(normal, 0.0), slip
+            )
+        },
     ),
     friction(
         name="slip-of-the-end",
@@ -199,7 +209,9 @@ FAULTS = (
         on=("sticker",),
         sees=("error", "omega1.z"),
         levels=6,
-        inside=lambda p: {"stretched": lambda s, before, now, h: p.stretched(vec.ZERO, before, now, h)},
+        inside=lambda p: {
+            "stretched": lambda s, before, now, h: p.stretched(vec.ZERO, before, now, h)
+        },
     ),
     friction(
         name="spring-slides-at-once",

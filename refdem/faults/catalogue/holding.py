@@ -1,4 +1,6 @@
-"""Constraints beside the pendulum's rod: chains, tops on their tips, hooks that catch, strings over wheels, and equilibria."""
+"""Constraints beside the pendulum's rod: chains, tops on their tips, hooks that catch, strings over
+wheels, and equilibria.
+"""
 
 from dataclasses import replace
 from functools import partial
@@ -47,7 +49,10 @@ def _last_rod(request: Request, factor: float) -> Request:
     """The last rod longer by a factor."""
     *others, last = request.problem.scene.elements
     rods = [element for element in (*others, last) if isinstance(element, Rod)]
-    made = [Rod(a=e.a, b=e.b, length=factor * e.length, anchor_b=e.anchor_b) if e is rods[-1] else e for e in (*others, last)]
+    made = [
+        Rod(a=e.a, b=e.b, length=factor * e.length, anchor_b=e.anchor_b) if e is rods[-1] else e
+        for e in (*others, last)
+    ]
     return request.with_scene(Scene(request.problem.scene.bodies, tuple(made)))
 
 
@@ -66,7 +71,9 @@ FAULTS = (
     ),
     top(
         name="top-half-steiner",
-        sentence="The distance of the centre of mass from the tip counts half in the moments of inertia.",
+        sentence=(
+            "The distance of the centre of mass from the tip counts half in the moments of inertia."
+        ),
         sees=("error", "theta"),
         levels=4,
         before=_half_steiner,
@@ -75,7 +82,12 @@ FAULTS = (
         name="top-swirls",
         sentence="A torque of 1e-6 N m acts about the vertical.",
         sees=("top", "L_z"),
-        inside=lambda p: _holding(p, tip_torque=lambda arm, force: vec.plus(p.holding.tip_torque(arm, force), (0.0, 0.0, 1e-6))),
+        inside=lambda p: _holding(
+            p,
+            tip_torque=lambda arm, force: vec.plus(
+                p.holding.tip_torque(arm, force), (0.0, 0.0, 1e-6)
+            ),
+        ),
     ),
     top(
         name="top-spun-by-its-weight",
@@ -84,7 +96,10 @@ FAULTS = (
         sees=("top", "L_3"),
         levels=5,
         inside=lambda p: _holding(
-            p, tip_torque=lambda arm, force: vec.moved(p.holding.tip_torque(arm, force), 0.05 * vec.size(force), arm)
+            p,
+            tip_torque=lambda arm, force: vec.moved(
+                p.holding.tip_torque(arm, force), 0.05 * vec.size(force), arm
+            ),
         ),
     ),
     top(
@@ -132,7 +147,13 @@ FAULTS = (
         sees=("error", "x"),
         inside=lambda p: _holding(p, line_caught=lambda *a: 0.0),
     ),
-    hook(name="hook-brakes", sentence="What is caught loses 1 % of its speed.", sees=("capture", "speed"), levels=5, after=_braked),
+    hook(
+        name="hook-brakes",
+        sentence="What is caught loses 1 % of its speed.",
+        sees=("capture", "speed"),
+        levels=5,
+        after=_braked,
+    ),
     string(
         name="string-counter-weight",
         method="suzuki",

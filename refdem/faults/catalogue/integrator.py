@@ -167,7 +167,11 @@ FAULTS = (
         sees=("limit", "state"),
         on=("tumbler",),
         levels=5,
-        inside=lambda p: {"axis_turn": lambda axis, inertia, omega, q, h: p.axis_turn(axis, inertia, omega, q, h * (1 + 1e-6))},
+        inside=lambda p: {
+            "axis_turn": lambda axis, inertia, omega, q, h: p.axis_turn(
+                axis, inertia, omega, q, h * (1 + 1e-6)
+            )
+        },
     ),
     integrator(
         name="rk4-last-stage",
@@ -177,7 +181,10 @@ FAULTS = (
         inside=lambda p: {"rk4_nodes": (0.5, 0.5, 0.5)},
     ),
     integrator(
-        name="one-sided-kick", sentence="One whole kick in place of two halves.", sees=ORDER, inside=lambda p: {"verlet_kicks": (1.0, 0.0)}
+        name="one-sided-kick",
+        sentence="One whole kick in place of two halves.",
+        sees=ORDER,
+        inside=lambda p: {"verlet_kicks": (1.0, 0.0)},
     ),
     integrator(
         name="kick-too-short",
@@ -186,10 +193,23 @@ FAULTS = (
         levels=4,
         inside=lambda p: {"verlet_kicks": (0.5, 0.495)},
     ),
-    integrator(name="first-kick-whole", sentence="The first kick of a run is a whole one.", sees=ORDER, inside=_first_kick_twice),
-    integrator(name="loads-late", sentence="All forces are those of the step before.", sees=ORDER, inside=_late_loads),
     integrator(
-        name="drift-with-old-velocity", sentence="Positions move with the velocity of the step before.", sees=ORDER, inside=_old_velocity
+        name="first-kick-whole",
+        sentence="The first kick of a run is a whole one.",
+        sees=ORDER,
+        inside=_first_kick_twice,
+    ),
+    integrator(
+        name="loads-late",
+        sentence="All forces are those of the step before.",
+        sees=ORDER,
+        inside=_late_loads,
+    ),
+    integrator(
+        name="drift-with-old-velocity",
+        sentence="Positions move with the velocity of the step before.",
+        sees=ORDER,
+        inside=_old_velocity,
     ),
     integrator(
         name="kick-reversed",
@@ -209,11 +229,17 @@ FAULTS = (
         method="suzuki",
         sees=("error", "x"),
         levels=4,
-        inside=lambda p: {"drifted": lambda r, v, h: p.drifted(r, v, 1.001 * h), "kicked": lambda v, f, m, h: p.kicked(v, f, m, 1.001 * h)},
+        inside=lambda p: {
+            "drifted": lambda r, v, h: p.drifted(r, v, 1.001 * h),
+            "kicked": lambda v, f, m, h: p.kicked(v, f, m, 1.001 * h),
+        },
     ),
     integrator(
         name="axis-order",
-        sentence="The splitting of the free body is not symmetric: one half turn is twice as long, another missing.",
+        sentence=(
+            "The splitting of the free body is not symmetric: one half turn is twice as long,"
+            " another missing."
+        ),
         on=("tumbler",),
         sees=ORDER,
         inside=lambda p: {"axis_turn": _lopsided(p)},
@@ -237,6 +263,8 @@ FAULTS = (
         name="reversal-broken",
         sentence="Each kick rounds towards zero by one part in 1e11.",
         sees=("reversal", "reversed"),
-        inside=lambda p: {"kicked": lambda v, force, mass, h: vec.times(1 - 1e-11, p.kicked(v, force, mass, h))},
+        inside=lambda p: {
+            "kicked": lambda v, force, mass, h: vec.times(1 - 1e-11, p.kicked(v, force, mass, h))
+        },
     ),
 )

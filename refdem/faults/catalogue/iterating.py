@@ -1,4 +1,6 @@
-"""Maps: a wrong branch, wall or reflection, state that is rounded between iterates; and energy fed into a regular motion."""
+"""Maps: a wrong branch, wall or reflection, state that is rounded between iterates; and energy fed
+into a regular motion.
+"""
 
 from collections.abc import Callable
 from dataclasses import replace
@@ -26,7 +28,9 @@ def _with(**changed: Callable[..., Any]) -> Callable[[Parts], dict[str, Any]]:
 
 def _late(request: Request, run: Trajectory) -> Trajectory:
     """Every iterate but the first is the one before it."""
-    return replace(run, values={name: np.concatenate((x[:1], x[:-1])) for name, x in run.values.items()})
+    return replace(
+        run, values={name: np.concatenate((x[:1], x[:-1])) for name, x in run.values.items()}
+    )
 
 
 def _rounded(state: tuple[float, ...]) -> tuple[float, ...]:
@@ -53,51 +57,90 @@ def _nearest_only(place: tuple[float, float], direction: tuple[float, float], ta
 
 def _driven_on(p: Parts) -> dict[str, Any]:
     """A push along the velocity: energy is fed in, a tenth of the speed in a unit of time."""
-    return {"kicked": lambda v, force, mass, h: p.kicked(v, vec.plus(force, vec.times(0.1 * mass, v)), mass, h)}
+    return {
+        "kicked": lambda v, force, mass, h: p.kicked(
+            v, vec.plus(force, vec.times(0.1 * mass, v)), mass, h
+        )
+    }
 
 
 FAULTS = (
     mapped(
-        name="map-slope", sentence="x (1 - x) is taken as x - x^2 with the square rounded to single precision.", on=("chaotic-map",),
-        sees=("error", "x_n"), inside=_with(logistic=lambda x, eta: eta * (x - float(np.float32(x * x)))),
+        name="map-slope",
+        sentence="x (1 - x) is taken as x - x^2 with the square rounded to single precision.",
+        on=("chaotic-map",),
+        sees=("error", "x_n"),
+        inside=_with(logistic=lambda x, eta: eta * (x - float(np.float32(x * x)))),
     ),
     mapped(
-        name="equation-as-map", sentence="The equation is stepped with the map.", on=("growth",),
-        sees=("error", "x_n"), inside=_with(logistic_flow=SOUND_MAPS.logistic),
+        name="equation-as-map",
+        sentence="The equation is stepped with the map.",
+        on=("growth",),
+        sees=("error", "x_n"),
+        inside=_with(logistic_flow=SOUND_MAPS.logistic),
     ),
     mapped(
-        name="iterate-late", sentence="Every iterate is the one before.", on=("chaotic-map", "growth"), sees=("error", "x_n"), after=_late,
+        name="iterate-late",
+        sentence="Every iterate is the one before.",
+        on=("chaotic-map", "growth"),
+        sees=("error", "x_n"),
+        after=_late,
     ),
     mapped(
-        name="iterates-six-digits", sentence="The state is kept with six digits from iterate to iterate.", on=("chaotic-map",),
-        sees=("lyapunov", "class"), inside=_with(settled=_rounded),
+        name="iterates-six-digits",
+        sentence="The state is kept with six digits from iterate to iterate.",
+        on=("chaotic-map",),
+        sees=("lyapunov", "class"),
+        inside=_with(settled=_rounded),
     ),
     mapped(
-        name="reflection-short", sentence="The reflection turns the velocity by less than twice its normal part.", on=("stadium",),
-        sees=PLACE, inside=_with(reflected=_absorbed),
+        name="reflection-short",
+        sentence="The reflection turns the velocity by less than twice its normal part.",
+        on=("stadium",),
+        sees=PLACE,
+        inside=_with(reflected=_absorbed),
     ),
     mapped(
-        name="half-circle-displaced", sentence="The half circles of a stadium are centred a thousandth too far in.", on=("stadium",),
-        sees=("bounces", "wall"), inside=_with(centre=lambda table: 0.999 * SOUND_MAPS.centre(table)),
+        name="half-circle-displaced",
+        sentence="The half circles of a stadium are centred a thousandth too far in.",
+        on=("stadium",),
+        sees=("bounces", "wall"),
+        inside=_with(centre=lambda table: 0.999 * SOUND_MAPS.centre(table)),
     ),
     mapped(
-        name="direction-shrinks", sentence="The direction loses some of its length at every bounce.", on=("stadium",),
-        sees=("bounces", "speed"), inside=_with(settled=_shrinking),
+        name="direction-shrinks",
+        sentence="The direction loses some of its length at every bounce.",
+        on=("stadium",),
+        sees=("bounces", "speed"),
+        inside=_with(settled=_shrinking),
     ),
     mapped(
-        name="reflected-twice", sentence="At a bounce the direction is reversed.", on=("rectangle",),
-        sees=PLACE, inside=_with(reflected=lambda u, n: (-u[0], -u[1])),
+        name="reflected-twice",
+        sentence="At a bounce the direction is reversed.",
+        on=("rectangle",),
+        sees=PLACE,
+        inside=_with(reflected=lambda u, n: (-u[0], -u[1])),
     ),
     mapped(
-        name="not-reflected", sentence="The point flies on through the wall.", on=("rectangle",),
-        sees=("bounces", "inward"), inside=_with(reflected=lambda u, n: u),
+        name="not-reflected",
+        sentence="The point flies on through the wall.",
+        on=("rectangle",),
+        sees=("bounces", "inward"),
+        inside=_with(reflected=lambda u, n: u),
     ),
     mapped(
-        name="one-pair-of-walls", sentence="The walls along the table are not seen.", on=("rectangle",),
-        sees=("error", "position.y"), inside=_with(ahead=_nearest_only),
+        name="one-pair-of-walls",
+        sentence="The walls along the table are not seen.",
+        on=("rectangle",),
+        sees=("error", "position.y"),
+        inside=_with(ahead=_nearest_only),
     ),
     Fault(
-        name="pushed-along", kind="energy", sentence="A force along the velocity feeds energy in.", on=("long-oscillator",),
-        sees=("lyapunov", "power"), inside=_driven_on,
+        name="pushed-along",
+        kind="energy",
+        sentence="A force along the velocity feeds energy in.",
+        on=("long-oscillator",),
+        sees=("lyapunov", "power"),
+        inside=_driven_on,
     ),
-)  # fmt: skip
+)

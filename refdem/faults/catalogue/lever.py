@@ -44,7 +44,9 @@ def _spinless(p: Parts) -> dict[str, Any]:
     """Slip of the centres alone; there is none head-on, and then no friction."""
     return {
         "slip": lambda velocity, spin, normal: p.slip(velocity, vec.ZERO, normal),
-        "sliding_friction": lambda law, normal, slip, stopping: p.sliding_friction(law, normal, slip, 1e300) if any(slip) else vec.ZERO,
+        "sliding_friction": lambda law, normal, slip, stopping: (
+            p.sliding_friction(law, normal, slip, 1e300) if any(slip) else vec.ZERO
+        ),
     }
 
 
@@ -90,7 +92,9 @@ FAULTS = (
         sentence="The torque turns the other way.",
         on=("scrape",),
         sees=("angular-momentum", "total"),
-        inside=lambda p: {"torque_on": lambda arm, normal, force: vec.times(-1.0, p.torque_on(arm, normal, force))},
+        inside=lambda p: {
+            "torque_on": lambda arm, normal, force: vec.times(-1.0, p.torque_on(arm, normal, force))
+        },
     ),
     contact(
         name="slip-without-spin",
@@ -104,6 +108,8 @@ FAULTS = (
         sentence="Spins enter the slip with the other sign (Lethe 889).",
         on=("spinner",),
         sees=("error", "omega2.z"),
-        inside=lambda p: {"slip": lambda velocity, spin, normal: p.slip(velocity, vec.times(-1.0, spin), normal)},
+        inside=lambda p: {
+            "slip": lambda velocity, spin, normal: p.slip(velocity, vec.times(-1.0, spin), normal)
+        },
     ),
 )

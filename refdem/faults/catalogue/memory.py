@@ -25,13 +25,20 @@ def _counted(size: float) -> Callable[[Parts], dict[str, Any]]:
             runs[0] += 1
             p.fresh(kept)
 
-        return {"fresh": fresh, "kicked": lambda v, force, mass, h: p.kicked(v, (force[0] + size * (runs[0] % 7), *force[1:]), mass, h)}
+        return {
+            "fresh": fresh,
+            "kicked": lambda v, force, mass, h: p.kicked(
+                v, (force[0] + size * (runs[0] % 7), *force[1:]), mass, h
+            ),
+        }
 
     return inside
 
 
 def _kept_spring(p: Parts) -> dict[str, Any]:
-    """The tangential spring of the last contact of the run before is there at the first one of this."""
+    """The tangential spring of the last contact of the run before is there at the first one of
+    this.
+    """
     last: dict[str, Any] = {"stretch": vec.ZERO, "new": True}
 
     def fresh(kept: dict[str, Any]) -> None:
@@ -98,7 +105,12 @@ def _cached_mass(p: Parts) -> dict[str, Any]:
 
 
 FAULTS = (
-    memory(name="never-set", sentence="A force has a part of 1e-13 N that was never set.", sees=AGAIN, inside=_counted(1e-13)),
+    memory(
+        name="never-set",
+        sentence="A force has a part of 1e-13 N that was never set.",
+        sees=AGAIN,
+        inside=_counted(1e-13),
+    ),
     memory(
         name="never-set-large",
         sentence="A force has a part of 1e-3 N that was never set.",
@@ -113,9 +125,25 @@ FAULTS = (
         sees=AGAIN,
         inside=_counted(1e-12),
     ),
-    memory(name="spring-kept", sentence="The tangential spring is kept from run to run.", on=("sticker",), sees=AGAIN, inside=_kept_spring),
-    memory(name="force-kept", sentence="The first force of a run is the last one of the run before.", sees=AGAIN, inside=_kept_late),
-    memory(name="step-kept", sentence="Half of the first step of the first run is used in all kicks.", sees=("error", "x"), inside=_cached),
+    memory(
+        name="spring-kept",
+        sentence="The tangential spring is kept from run to run.",
+        on=("sticker",),
+        sees=AGAIN,
+        inside=_kept_spring,
+    ),
+    memory(
+        name="force-kept",
+        sentence="The first force of a run is the last one of the run before.",
+        sees=AGAIN,
+        inside=_kept_late,
+    ),
+    memory(
+        name="step-kept",
+        sentence="Half of the first step of the first run is used in all kicks.",
+        sees=("error", "x"),
+        inside=_cached,
+    ),
     memory(
         name="mass-kept",
         sentence="The mass of the first body is used for all.",

@@ -25,13 +25,18 @@ def frozen(request: Request, run: Trajectory) -> Trajectory:
 
 
 def one_per_cent(request: Request, run: Trajectory) -> Trajectory:
-    """Every column is a per cent further from its start; attitudes have turned by a per cent more; events are a per cent late."""
+    """Every column is a per cent further from its start; attitudes have turned by a per cent more;
+    events are a per cent late.
+    """
     changed: dict[str, Any] = {name: _stretched(getattr(run, name)) for name in STATE}
     changed["attitude"] = _turned_further(run.attitude)
     changed["channels"] = {name: _stretched(values) for name, values in run.channels.items()}
     changed["values"] = {name: _stretched(values) for name, values in run.values.items()}
     start = float(run.t[0])
-    late = tuple(Event(time=start + PER_CENT * (event.time - start), kind=event.kind, body=event.body) for event in run.events)
+    late = tuple(
+        Event(time=start + PER_CENT * (event.time - start), kind=event.kind, body=event.body)
+        for event in run.events
+    )
     return replace(run, events=late, **changed)
 
 
@@ -41,14 +46,18 @@ def _held(values: Array) -> Array:
 
 
 def _stretched(values: Array) -> Array:
-    """Every row a per cent further from the first; the one answer to a question without time a per cent larger."""
+    """Every row a per cent further from the first; the one answer to a question without time a per
+    cent larger.
+    """
     if len(values) == 1:
         return PER_CENT * values
     return values[:1] + PER_CENT * (values - values[:1])
 
 
 def _turned_further(attitude: Array) -> Array:
-    """Attitudes (T, N, 4) whose rotation from the first one, of half a turn at most, is a per cent larger."""
+    """Attitudes (T, N, 4) whose rotation from the first one, of half a turn at most, is a per cent
+    larger.
+    """
     start = np.broadcast_to(attitude[:1], attitude.shape)
     turn = product(attitude, conjugate(start))
     turn = np.where(turn[..., :1] < 0, -turn, turn)
@@ -66,7 +75,11 @@ def _flown_further(request: Request, run: Trajectory) -> Trajectory:
 
 FAULTS = (
     moving(name="frozen", sentence="Nothing moves: every row is the start.", after=frozen),
-    moving(name="one-per-cent", sentence="Every way from the start is a per cent too long.", after=one_per_cent),
+    moving(
+        name="one-per-cent",
+        sentence="Every way from the start is a per cent too long.",
+        after=one_per_cent,
+    ),
     moving(
         name="flown-further",
         sentence="Places are a per cent further than velocities take them.",

@@ -1,4 +1,6 @@
-"""Oscillators: damping and its sign, drives and their clock, powers of a spring, van der Pol's dashpot."""
+"""Oscillators: damping and its sign, drives and their clock, powers of a spring, van der Pol's
+dashpot.
+"""
 
 from functools import partial
 from math import pi
@@ -18,16 +20,26 @@ oscillator = partial(Fault, kind="oscillator", sees=("error", "x"))
 
 def _per_mass(request: Request) -> Request:
     """Amplitudes of forces are taken for accelerations."""
-    return of_elements(Force, amplitude=scaled(float(request.problem.scene.bodies.mass[0])))(request)
+    return of_elements(Force, amplitude=scaled(float(request.problem.scene.bodies.mass[0])))(
+        request
+    )
 
 
 def _restarted(request: Request) -> Request:
     """Forces count the time from the first sample."""
     start = float(request.problem.times[0])
     changed = tuple(
-        Force(a=e.a, amplitude=e.amplitude, frequency=e.frequency, phase=e.phase + e.frequency * start, axis=e.axis)
-        if isinstance(e, Force)
-        else e
+        (
+            Force(
+                a=e.a,
+                amplitude=e.amplitude,
+                frequency=e.frequency,
+                phase=e.phase + e.frequency * start,
+                axis=e.axis,
+            )
+            if isinstance(e, Force)
+            else e
+        )
         for e in request.problem.scene.elements
     )
     return request.with_scene(type(request.problem.scene)(request.problem.scene.bodies, changed))

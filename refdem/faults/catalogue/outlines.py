@@ -30,15 +30,26 @@ def _squeezed(x: float, v: float, square: float, delta: float, t: float) -> Any:
 
 FAULTS = (
     carried(
-        name="point-left-behind", sentence="One point of an outline is not carried with the others.", on=("head",),
-        sees=AREA, after=_left_behind,
+        name="point-left-behind",
+        sentence="One point of an outline is not carried with the others.",
+        on=("head",),
+        sees=AREA,
+        after=_left_behind,
     ),
     carried(
-        name="hidden-damping-of-volume", sentence="A flow that should keep phase space volume loses a little of it.", on=("head",),
-        sees=AREA, inside=lambda p: {"flow": _squeezed},
+        name="hidden-damping-of-volume",
+        sentence="A flow that should keep phase space volume loses a little of it.",
+        on=("head",),
+        sees=AREA,
+        inside=lambda p: {"flow": _squeezed},
     ),
     carried(
-        name="volume-shrinks-half-as-fast", sentence="The volume falls as exp(-delta t), not exp(-2 delta t).", on=("wet-head",),
-        sees=AREA, inside=lambda p: {"flow": lambda x, v, square, delta, t: linear_flow(x, v, square, delta / 2, t)},
+        name="volume-shrinks-half-as-fast",
+        sentence="The volume falls as exp(-delta t), not exp(-2 delta t).",
+        on=("wet-head",),
+        sees=AREA,
+        inside=lambda p: {
+            "flow": lambda x, v, square, delta, t: linear_flow(x, v, square, delta / 2, t)
+        },
     ),
-)  # fmt: skip
+)

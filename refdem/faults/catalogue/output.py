@@ -25,7 +25,11 @@ def _step_late(request: Request, run: Trajectory) -> Trajectory:
     """Every row but the first is a step late."""
     h = np.full(len(run.t), request.signed_step)[:, None, None]
     h[0] = 0.0
-    return replace(run, position=run.position - h * run.velocity, velocity=run.velocity - h * _rate(run, "velocity"))
+    return replace(
+        run,
+        position=run.position - h * run.velocity,
+        velocity=run.velocity - h * _rate(run, "velocity"),
+    )
 
 
 def _half_step_velocity(request: Request, run: Trajectory) -> Trajectory:
@@ -50,12 +54,18 @@ def _drawn_out(run: Trajectory, factor: float) -> Trajectory:
 
 def _short(request: Request, run: Trajectory) -> Trajectory:
     """The last row is missing."""
-    columns = {name: getattr(run, name)[:-1] for name in ("t", "position", "velocity", "attitude", "omega")}
-    return replace(run, **columns, channels={name: values[:-1] for name, values in run.channels.items()})
+    columns = {
+        name: getattr(run, name)[:-1] for name in ("t", "position", "velocity", "attitude", "omega")
+    }
+    return replace(
+        run, **columns, channels={name: values[:-1] for name, values in run.channels.items()}
+    )
 
 
 def _not_a_number(request: Request, run: Trajectory) -> Trajectory:
-    return replace(run, velocity=np.where(np.arange(len(run.t))[:, None, None] == 5, np.nan, run.velocity))
+    return replace(
+        run, velocity=np.where(np.arange(len(run.t))[:, None, None] == 5, np.nan, run.velocity)
+    )
 
 
 def _touched(state: Any) -> Any:
@@ -65,7 +75,12 @@ def _touched(state: Any) -> Any:
 
 
 FAULTS = (
-    output(name="step-late", sentence="Every sample is a step late.", sees=("order", "state"), after=_step_late),
+    output(
+        name="step-late",
+        sentence="Every sample is a step late.",
+        sees=("order", "state"),
+        after=_step_late,
+    ),
     output(
         name="sample-late",
         sentence="Every row is the one before.",
@@ -103,10 +118,16 @@ FAULTS = (
         name="clock-added-up",
         sentence="The time column is added up in single precision.",
         sees=TRAJECTORY,
-        inside=lambda p: {"clock": lambda start, count, interval: float(np.float32(p.clock(start, count, interval)) + np.float32(1e-7))},
+        inside=lambda p: {
+            "clock": lambda start, count, interval: float(
+                np.float32(p.clock(start, count, interval)) + np.float32(1e-7)
+            )
+        },
     ),
     output(name="row-missing", sentence="The last row is missing.", sees=TRAJECTORY, after=_short),
-    output(name="not-a-number", sentence="One number is NaN.", sees=TRAJECTORY, after=_not_a_number),
+    output(
+        name="not-a-number", sentence="One number is NaN.", sees=TRAJECTORY, after=_not_a_number
+    ),
     output(
         name="output-changes-state",
         sentence="Asking for output changes the trajectory (LAMMPS 1631).",
@@ -139,7 +160,12 @@ FAULTS = (
         sentence="After three quarters of the run the same row is written again and again.",
         sees=("error", "x"),
         after=of_columns(
-            position=lambda r: np.concatenate([r[: 3 * len(r) // 4], np.repeat(r[3 * len(r) // 4][None], len(r) - 3 * len(r) // 4, 0)])
+            position=lambda r: np.concatenate(
+                [
+                    r[: 3 * len(r) // 4],
+                    np.repeat(r[3 * len(r) // 4][None], len(r) - 3 * len(r) // 4, 0),
+                ]
+            )
         ),
     ),
     output(
@@ -162,13 +188,20 @@ FAULTS = (
         sees=("error", "v"),
         after=lambda request, run: replace(run, velocity=_rate(run, "position")),
     ),
-    output(name="largest-only", sentence="Speeds are written without their sign.", sees=("error", "v"), after=of_columns(velocity=np.abs)),
+    output(
+        name="largest-only",
+        sentence="Speeds are written without their sign.",
+        sees=("error", "v"),
+        after=of_columns(velocity=np.abs),
+    ),
     output(
         name="momentum-for-velocity",
         sentence="Momentum is written for velocity.",
         on=("knock",),
         sees=("momentum", "total"),
-        after=lambda request, run: replace(run, velocity=run.velocity * request.problem.scene.bodies.mass[:, None]),
+        after=lambda request, run: replace(
+            run, velocity=run.velocity * request.problem.scene.bodies.mass[:, None]
+        ),
     ),
     output(
         name="end-from-file",
@@ -177,7 +210,11 @@ FAULTS = (
         before=lambda request: (
             request
             if request.problem.scene.bodies.velocity[0, 0] == 0
-            else request.with_scene(request.problem.scene.with_state(velocity=np.round(request.problem.scene.bodies.velocity, 8)))
+            else request.with_scene(
+                request.problem.scene.with_state(
+                    velocity=np.round(request.problem.scene.bodies.velocity, 8)
+                )
+            )
         ),
     ),
     output(
@@ -203,9 +240,13 @@ FAULTS = (
     ),
     output(
         name="sorted",
-        sentence="Bodies are written in order of x, so that they change numbers when sorted by speed.",
+        sentence=(
+            "Bodies are written in order of x, so that they change numbers when sorted by speed."
+        ),
         on=("knock",),
         sees=("error", "v2.x"),
-        after=of_columns(velocity=lambda v: np.take_along_axis(v, np.argsort(v[..., :1], axis=1), axis=1)),
+        after=of_columns(
+            velocity=lambda v: np.take_along_axis(v, np.argsort(v[..., :1], axis=1), axis=1)
+        ),
     ),
 )

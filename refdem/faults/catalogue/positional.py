@@ -1,4 +1,6 @@
-"""Forces of place and orientation: Hertz's power and its factors, the flanks of a field, a law that looks at the velocity."""
+"""Forces of place and orientation: Hertz's power and its factors, the flanks of a field, a law that
+looks at the velocity.
+"""
 
 from functools import partial
 from typing import Any
@@ -26,7 +28,11 @@ def _of_field(force: Any) -> Any:
 def _by_sign(p: Parts) -> dict[str, Any]:
     """Which law presses is read off the sign of d', as an approach and a separation."""
     sound = p.positional.wedge_force
-    return {"positional": PositionalParts(wedge_force=lambda wall, depth, edge, rate: sound(wall, depth, rate > 0, rate))}
+    return {
+        "positional": PositionalParts(
+            wedge_force=lambda wall, depth, edge, rate: sound(wall, depth, rate > 0, rate)
+        )
+    }
 
 
 def _one_slope(field: Any, s: Any) -> Any:
@@ -67,7 +73,10 @@ FAULTS = (
     ),
     positional(
         name="wedge-by-sign",
-        sentence="Approach and separation are told apart by the sign of the velocity, not by the orientation.",
+        sentence=(
+            "Approach and separation are told apart by the sign of the velocity, not by the"
+            " orientation."
+        ),
         on=("wedge",),
         sees=("energy-return", "return"),
         inside=_by_sign,

@@ -15,7 +15,9 @@ precision = partial(Fault, kind="precision")
 
 def _table(p: Parts) -> Any:
     """Sines from a table of 4096 entries."""
-    return lambda axis, inertia, omega, q, h: p.axis_turn(axis, inertia, omega, q, round(h * omega[axis] * 4096) / 4096 / omega[axis])
+    return lambda axis, inertia, omega, q, h: p.axis_turn(
+        axis, inertia, omega, q, round(h * omega[axis] * 4096) / 4096 / omega[axis]
+    )
 
 
 def _single_spin(p: Parts) -> Any:
@@ -139,6 +141,8 @@ FAULTS = (
         method="rk4",
         sees=("quaternion-norm", "norm"),
         levels=4,
-        inside=lambda p: {"unit": lambda q: p.unit(q) if abs(sum(x * x for x in q) - 1) > 1e-6 else q},
+        inside=lambda p: {
+            "unit": lambda q: p.unit(q) if abs(sum(x * x for x in q) - 1) > 1e-6 else q
+        },
     ),
 )

@@ -24,7 +24,9 @@ def _left_handed(q: Any, omega: Any) -> Any:
 
 def _turned_back(sound: Any, axis: int) -> Any:
     """The turn about one axis goes the wrong way."""
-    return lambda about, inertia, omega, q, h: sound(about, inertia, omega, q, -h if about == axis else h)
+    return lambda about, inertia, omega, q, h: sound(
+        about, inertia, omega, q, -h if about == axis else h
+    )
 
 
 def _leaning(g: Any) -> Any:
@@ -42,7 +44,9 @@ def _half_turn(sound: Any) -> Any:
 
 
 def _steady(sound: Any) -> Any:
-    """The body turns about its axes with the angular velocity that it has, which stays in body axes."""
+    """The body turns about its axes with the angular velocity that it has, which stays in body
+    axes.
+    """
     return lambda axis, inertia, omega, q, h: (omega, sound(axis, inertia, omega, q, h)[1])
 
 
@@ -59,7 +63,10 @@ FAULTS = (
         on=("tumbler",),
         method="rk4",
         sees=OMEGA,
-        inside=lambda p: {"gyroscopic": lambda inertia, omega: vec.ZERO, "axis_turn": _steady(p.axis_turn)},
+        inside=lambda p: {
+            "gyroscopic": lambda inertia, omega: vec.ZERO,
+            "axis_turn": _steady(p.axis_turn),
+        },
     ),
     rotation(
         name="no-gyroscopic-term-first-order",
@@ -75,7 +82,9 @@ FAULTS = (
         on=("tumbler",),
         method="rk4",
         sees=OMEGA,
-        inside=lambda p: {"gyroscopic": lambda inertia, omega: vec.times(-1.0, p.gyroscopic(inertia, omega))},
+        inside=lambda p: {
+            "gyroscopic": lambda inertia, omega: vec.times(-1.0, p.gyroscopic(inertia, omega))
+        },
     ),
     rotation(
         name="gyroscopic-half",
@@ -83,7 +92,9 @@ FAULTS = (
         on=("tumbler",),
         method="rk4",
         sees=("error", "omega_body.y"),
-        inside=lambda p: {"gyroscopic": lambda inertia, omega: vec.times(0.5, p.gyroscopic(inertia, omega))},
+        inside=lambda p: {
+            "gyroscopic": lambda inertia, omega: vec.times(0.5, p.gyroscopic(inertia, omega))
+        },
     ),
     rotation(
         name="gyroscopic-late",
@@ -179,7 +190,11 @@ FAULTS = (
         inside=lambda p: {"to_space": lambda q, a: p.to_space(vec.conjugate(q), a)},
     ),
     rotation(
-        name="conjugated", sentence="The attitude maps space to body.", on=("tumbler",), sees=TURN, after=of_columns(attitude=conjugate)
+        name="conjugated",
+        sentence="The attitude maps space to body.",
+        on=("tumbler",),
+        sees=TURN,
+        after=of_columns(attitude=conjugate),
     ),
     rotation(
         name="order-xyzw",

@@ -1,4 +1,6 @@
-"""Friction that depends on the speed, on a belt that moves: against what the speed counts, how it fades, sticking, and the drive."""
+"""Friction that depends on the speed, on a belt that moves: against what the speed counts, how it
+fades, sticking, and the drive.
+"""
 
 from dataclasses import replace
 from functools import partial
@@ -38,11 +40,17 @@ FAULTS = (
         name="stribeck-against-the-ground",
         sentence="The friction's speed is taken against the ground instead of the belt.",
         sees=("error", "v"),
-        inside=lambda p: {"slider_force": lambda s, side, speed: p.slider_force(s, side, abs(side * speed + s.belt_velocity))},
+        inside=lambda p: {
+            "slider_force": lambda s, side, speed: p.slider_force(
+                s, side, abs(side * speed + s.belt_velocity)
+            )
+        },
     ),
     stick_slip(
         name="stribeck-sign-against-the-ground",
-        sentence="Friction opposes the velocity against the ground instead of that against the belt.",
+        sentence=(
+            "Friction opposes the velocity against the ground instead of that against the belt."
+        ),
         sees=("error", "v"),
         before=of_elements(Slider, belt_velocity=scaled(0.0)),
     ),

@@ -1,4 +1,6 @@
-"""Faults that act only now and then: after many steps, for one sign, one body, unequal masses, one row, in other frames or units."""
+"""Faults that act only now and then: after many steps, for one sign, one body, unequal masses, one
+row, in other frames or units.
+"""
 
 from dataclasses import replace
 from functools import partial
@@ -57,7 +59,10 @@ def _first_radius(p: Parts) -> dict[str, Any]:
         kept.clear()
         p.fresh(memory)
 
-    return {"fresh": fresh, "lever": lambda law, radius, depth: p.lever(law, kept.setdefault("radius", radius), depth)}
+    return {
+        "fresh": fresh,
+        "lever": lambda law, radius, depth: p.lever(law, kept.setdefault("radius", radius), depth),
+    }
 
 
 def _whole_steps(p: Parts) -> Any:
@@ -68,12 +73,16 @@ def _whole_steps(p: Parts) -> Any:
 def _work_late(request: Request, run: Trajectory) -> Trajectory:
     """The work of dissipation is that of the row before."""
     work = run.channels["dissipated_work"]
-    return replace(run, channels={**run.channels, "dissipated_work": np.concatenate([work[:1], work[:-1]])})
+    return replace(
+        run, channels={**run.channels, "dissipated_work": np.concatenate([work[:1], work[:-1]])}
+    )
 
 
 def _channel(name: str, factor: float) -> Any:
     """A channel times a factor."""
-    return lambda request, run: replace(run, channels={**run.channels, name: factor * run.channels[name]})
+    return lambda request, run: replace(
+        run, channels={**run.channels, name: factor * run.channels[name]}
+    )
 
 
 def _row_twice(request: Request, run: Trajectory) -> Trajectory:
@@ -91,21 +100,29 @@ FAULTS = (
         method="suzuki",
         levels=4,
         sees=("error", "x"),
-        inside=lambda p: _after(p, "spring_force", 100, lambda *a: vec.times(1.01, p.spring_force(*a))),
+        inside=lambda p: _after(
+            p, "spring_force", 100, lambda *a: vec.times(1.01, p.spring_force(*a))
+        ),
     ),
     subtle(
         name="torque-of-the-plane",
         sentence="The torque of friction is that of plane motion: about z alone.",
         on=("tumbling-spheres",),
         sees=("angular-momentum", "total"),
-        inside=lambda p: {"torque_on": lambda arm, normal, force: (0.0, 0.0, p.torque_on(arm, normal, force)[2])},
+        inside=lambda p: {
+            "torque_on": lambda arm, normal, force: (0.0, 0.0, p.torque_on(arm, normal, force)[2])
+        },
     ),
     subtle(
         name="friction-one-way",
         sentence="Dry friction acts on slip in one direction only.",
         on=("rubbing",),
         sees=("error", "x"),
-        inside=lambda p: {"slider_force": lambda s, side, speed: p.slider_force(s, side, speed) if side >= 0 else vec.ZERO},
+        inside=lambda p: {
+            "slider_force": lambda s, side, speed: (
+                p.slider_force(s, side, speed) if side >= 0 else vec.ZERO
+            )
+        },
     ),
     subtle(
         name="inertia-of-the-first",
@@ -162,14 +179,20 @@ FAULTS = (
         method="suzuki",
         levels=6,
         sees=("reversal", "reversed"),
-        inside=lambda p: {"kicked": lambda v, f, m, h: v if vec.size(p.kicked(v, f, m, h)) < 1e-3 else p.kicked(v, f, m, h)},
+        inside=lambda p: {
+            "kicked": lambda v, f, m, h: (
+                v if vec.size(p.kicked(v, f, m, h)) < 1e-3 else p.kicked(v, f, m, h)
+            )
+        },
     ),
     subtle(
         name="cells",
         sentence="Positions are kept on a grid of 1e-9 m.",
         on=("bounce",),
         sees=("reversal", "reversed"),
-        inside=lambda p: {"drifted": lambda r, v, h: tuple(round(x, 9) for x in p.drifted(r, v, h))},
+        inside=lambda p: {
+            "drifted": lambda r, v, h: tuple(round(x, 9) for x in p.drifted(r, v, h))
+        },
     ),
     subtle(
         name="braked-against-the-ground",
@@ -183,7 +206,12 @@ FAULTS = (
         sentence="The torque has the other sign where it is negative.",
         on=("scrape",),
         sees=("symmetry", "mirrored"),
-        inside=lambda p: {"torque_on": lambda arm, n, f: (*p.torque_on(arm, n, f)[:2], abs(p.torque_on(arm, n, f)[2]))},
+        inside=lambda p: {
+            "torque_on": lambda arm, n, f: (
+                *p.torque_on(arm, n, f)[:2],
+                abs(p.torque_on(arm, n, f)[2]),
+            )
+        },
     ),
     subtle(
         name="radius-of-the-first",
@@ -197,7 +225,11 @@ FAULTS = (
         sentence="Overlaps below 1 cm are none.",
         on=("bounce",),
         sees=("symmetry", "rescaled"),
-        inside=lambda p: {"overlap": lambda a, b, distance: (lambda d: 0.0 if 0 < d < 1e-2 else d)(p.overlap(a, b, distance))},
+        inside=lambda p: {
+            "overlap": lambda a, b, distance: (lambda d: 0.0 if 0 < d < 1e-2 else d)(
+                p.overlap(a, b, distance)
+            )
+        },
     ),
     subtle(
         name="work-late",

@@ -48,7 +48,12 @@ FAULTS = (
         sees=("error", "vx"),
         before=of_bodies(position=lambda r: 1e3 * r),
     ),
-    units(name="grams", sentence="The mass is read in grams.", sees=("error", "v"), before=of_bodies(mass=lambda m: 1e3 * m)),
+    units(
+        name="grams",
+        sentence="The mass is read in grams.",
+        sees=("error", "v"),
+        before=of_bodies(mass=lambda m: 1e3 * m),
+    ),
     units(
         name="stiffness-per-millimetre",
         sentence="The stiffness is read per centimetre.",

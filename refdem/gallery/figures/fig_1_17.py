@@ -1,4 +1,6 @@
-"""Figure 1.17: amplitude of the driven linear oscillator over the frequency of the drive, for several dampings (1.105), (1.106)."""
+"""Figure 1.17: amplitude of the driven linear oscillator over the frequency of the drive, for
+several dampings (1.105), (1.106).
+"""
 
 import numpy as np
 
@@ -16,14 +18,25 @@ def figure() -> Figure:
     drives = np.linspace(0.05, 2.0, 118)
     found = {delta: np.array([steady_amplitude(w, delta) for w in drives]) for delta in DAMPINGS}
     seen("driven-oscillator", delta=DAMPINGS[0], drive=drives[57])
-    curves = [Series(x=drives, y=a, label=f"delta = {delta:g}", ink=n) for n, (delta, a) in enumerate(found.items())]
+    curves = [
+        Series(x=drives, y=a, label=f"delta = {delta:g}", ink=n)
+        for n, (delta, a) in enumerate(found.items())
+    ]
     peaks = np.array([linear_peak(1.0, delta, 1.0) for delta in np.geomspace(DAMPINGS[0], 0.7, 60)])
     maxima = Series(x=peaks[:, 0], y=peaks[:, 1], label="maxima (1.106)", ink=GREY, dashed=True)
-    panel = Panel(series=(*curves, maxima), x=Axis(title="frequency w of the drive [rad/s]"), y=Axis(title="|A| [m]"), size=(560, 340))
-    numbers = {f"largest |A| seen, delta = {delta:g} [m]": float(a.max()) for delta, a in found.items()}
+    panel = Panel(
+        series=(*curves, maxima),
+        x=Axis(title="frequency w of the drive [rad/s]"),
+        y=Axis(title="|A| [m]"),
+        size=(560, 340),
+    )
+    numbers = {
+        f"largest |A| seen, delta = {delta:g} [m]": float(a.max()) for delta, a in found.items()
+    }
     caption = (
-        "w0 = 1, f0 = 1. Each point is a run that has settled: its place and velocity at one instant give the amplitude. The maxima lie "
-        "at w^2 = w0^2 - 2 delta^2 and are f0/(2 delta sqrt(w0^2 - delta^2)) high, as long as delta < w0/sqrt 2."
+        "w0 = 1, f0 = 1. Each point is a run that has settled: its place and velocity at one"
+        " instant give the amplitude. The maxima lie at w^2 = w0^2 - 2 delta^2 and are f0/(2 delta"
+        " sqrt(w0^2 - delta^2)) high, as long as delta < w0/sqrt 2."
     )
     return Figure(id="1.17", title="Resonance", caption=caption, panels=(panel,), numbers=numbers)
 

@@ -1,4 +1,6 @@
-"""Figure 1.19: phase flow of the linear oscillator in a fluid; the area falls as exp(-2 delta t)."""
+"""Figure 1.19: phase flow of the linear oscillator in a fluid; the area falls as exp(-2 delta
+t).
+"""
 
 import numpy as np
 
@@ -13,9 +15,14 @@ ENDS = (-1.45, 1.45)
 def figure() -> Figure:
     """Spirals, and the head shrinking."""
     starts = ((1.3, 0), (-1.3, 0), (0, 1.3), (0, -1.3))
-    runs = [seen("viscous-oscillator", x0=x, v0=v, delta="0.1", duration=20, samples=800) for x, v in starts]
+    runs = [
+        seen("viscous-oscillator", x0=x, v0=v, delta="0.1", duration=20, samples=800)
+        for x, v in starts
+    ]
     outline = carried(3 * np.pi, 9, flow="viscous")
-    panel = portrait([*trajectories(runs), arrows(runs, 60, ENDS), *heads(outline, (0, 2, 4, 6, 8))], ENDS)
+    panel = portrait(
+        [*trajectories(runs), arrows(runs, 60, ENDS), *heads(outline, (0, 2, 4, 6, 8))], ENDS
+    )
     expected = outline.area[0] * np.exp(-0.2 * outline.t)
     numbers = {
         "points of the outline": float(outline.x.shape[1]),
@@ -24,7 +31,13 @@ def figure() -> Figure:
         "largest distance from exp(-2 delta t)": float(np.abs(outline.area - expected).max()),
     }
     caption = (
-        "m = k = 1, delta = 0.1. The spirals end in the origin, after infinite time. The head keeps its shape, its area falls "
-        "exponentially, and the density (1.111) grows in turn."
+        "m = k = 1, delta = 0.1. The spirals end in the origin, after infinite time. The head keeps"
+        " its shape, its area falls exponentially, and the density (1.111) grows in turn."
     )
-    return Figure(id="1.19", title="Phase flow with viscous damping", caption=caption, panels=(panel,), numbers=numbers)
+    return Figure(
+        id="1.19",
+        title="Phase flow with viscous damping",
+        caption=caption,
+        panels=(panel,),
+        numbers=numbers,
+    )

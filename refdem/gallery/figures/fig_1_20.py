@@ -1,4 +1,6 @@
-"""Figure 1.20: phase flow of the linear oscillator with dry friction; the head ends on a segment, from above and from below."""
+"""Figure 1.20: phase flow of the linear oscillator with dry friction; the head ends on a segment,
+from above and from below.
+"""
 
 import numpy as np
 
@@ -16,20 +18,37 @@ def figure() -> Figure:
     starts = ((1.3, 0), (-1.3, 0), (0, 1.3), (0, -1.3), (0.7, 1.1))
     runs = [seen("coulomb-oscillator", x0=x, v0=v, duration=16, samples=640) for x, v in starts]
     outline = carried(5 * np.pi, 20, flow="coulomb")
-    whole = portrait([*trajectories(runs), arrows(runs, 40, ENDS), *heads(outline, (0, 2, 4, 6, 8, 10)), segment()], ENDS)
+    whole = portrait(
+        [
+            *trajectories(runs),
+            arrows(runs, 40, ENDS),
+            *heads(outline, (0, 2, 4, 6, 8, 10)),
+            segment(),
+        ],
+        ENDS,
+    )
     near = [*heads(outline, (9, 11, 13), ink=2), segment()]
     close = Panel(
-        series=tuple(near), x=Axis(title="x [m]", ends=(-0.4, 0.4)), y=Axis(title="v [m/s]", ends=(-0.4, 0.4)), size=(300, 300),
+        series=tuple(near),
+        x=Axis(title="x [m]", ends=(-0.4, 0.4)),
+        y=Axis(title="v [m/s]", ends=(-0.4, 0.4)),
+        size=(300, 300),
         title="splitting, and coming to rest",
-    )  # fmt: skip
+    )
     caption = (
-        "m = k = 1, f = 0.15. Between turning points the area is kept, at each it is multiplied by (k|x| - f)/(k|x| + f), point by point; "
-        "the head is split and put down on the closed segment |x| <= f/k, v = 0 (thick), part of it from above and part from below. "
-        "Nothing moves along the segment."
+        "m = k = 1, f = 0.15. Between turning points the area is kept, at each it is multiplied by"
+        " (k|x| - f)/(k|x| + f), point by point; the head is split and put down on the closed"
+        " segment |x| <= f/k, v = 0 (thick), part of it from above and part from below. Nothing"
+        " moves along the segment."
     )
     return Figure(
-        id="1.20", title="Phase flow with dry friction", caption=caption, panels=(whole, close), columns=2, numbers=numbers(outline),
-    )  # fmt: skip
+        id="1.20",
+        title="Phase flow with dry friction",
+        caption=caption,
+        panels=(whole, close),
+        columns=2,
+        numbers=numbers(outline),
+    )
 
 
 def segment() -> Series:

@@ -1,4 +1,6 @@
-"""Figure 1.21: period and amplitude of the linear oscillator, the oscillator with a square, and the pendulum (1.92), (1.112), (1.113)."""
+"""Figure 1.21: period and amplitude of the linear oscillator, the oscillator with a square, and the
+pendulum (1.92), (1.112), (1.113).
+"""
 
 import numpy as np
 
@@ -15,32 +17,60 @@ LONG = np.linspace(0.0, 45.0, 901)
 
 def figure() -> Figure:
     """Motions from two amplitudes, and the periods over the amplitude."""
-    pairs = {"linear": [linear(2), linear(1)], "n = 2": [square(2), square(ISOCHRONOUS)], "pendulum": [swing(2), swing("1/5")]}
+    pairs = {
+        "linear": [linear(2), linear(1)],
+        "n = 2": [square(2), square(ISOCHRONOUS)],
+        "pendulum": [swing(2), swing("1/5")],
+    }
     inks = {"linear": GREY, "n = 2": 0, "pendulum": 1}
     curves = [
-        Series(x=run.t, y=run["theta" if kind == "pendulum" else "x"], ink=inks[kind], label=kind if not k else "", dashed=bool(k))
+        Series(
+            x=run.t,
+            y=run["theta" if kind == "pendulum" else "x"],
+            ink=inks[kind],
+            label=kind if not k else "",
+            dashed=bool(k),
+        )
         for kind, runs in pairs.items()
         for k, run in enumerate(runs)
     ]
-    motions = Panel(series=tuple(curves), x=Axis(title="t [s]", ends=(0, 14)), y=Axis(title="x [m], angle [rad]"), size=(430, 300))
+    motions = Panel(
+        series=tuple(curves),
+        x=Axis(title="t [s]", ends=(0, 14)),
+        y=Axis(title="x [m], angle [rad]"),
+        size=(430, 300),
+    )
     periods = {kind: np.array([measured(kind, a) for a in AMPLITUDES]) for kind in pairs}
-    over = [Series(x=AMPLITUDES, y=values, ink=inks[kind], label=kind) for kind, values in periods.items()]
+    over = [
+        Series(x=AMPLITUDES, y=values, ink=inks[kind], label=kind)
+        for kind, values in periods.items()
+    ]
     periods_panel = Panel(
-        series=tuple(over), x=Axis(title="amplitude [m], of the pendulum [rad]"),
-        y=Axis(title="period [s]", ends=(0.0, 20.0)), size=(330, 300),
-    )  # fmt: skip
+        series=tuple(over),
+        x=Axis(title="amplitude [m], of the pendulum [rad]"),
+        y=Axis(title="period [s]", ends=(0.0, 20.0)),
+        size=(330, 300),
+    )
     numbers = {
         f"period of n = 2 at {ISOCHRONOUS} m [s]": measured("n = 2", float(ISOCHRONOUS)),
         "period of n = 2 at 2 m [s]": measured("n = 2", 2.0),
         "period of the pendulum at 2 rad [s]": measured("pendulum", 2.0),
     }
     caption = (
-        "All of them with m = k = 1, l = g = 1. Solid: amplitude 2; dashed: the amplitude at which the period is 2 pi (for the pendulum, "
-        "which has it at no amplitude, 1/5; for the linear one, which has it at every amplitude, 1). A force that grows slower than its "
-        "stretch makes the period longer with the amplitude, one that grows faster makes it shorter."
+        "All of them with m = k = 1, l = g = 1. Solid: amplitude 2; dashed: the amplitude at which"
+        " the period is 2 pi (for the pendulum, which has it at no amplitude, 1/5; for the linear"
+        " one, which has it at every amplitude, 1). A force that grows slower than its stretch"
+        " makes the period longer with the amplitude, one that grows faster makes it shorter."
     )
     title = "Period and amplitude"
-    return Figure(id="1.21", title=title, caption=caption, panels=(motions, periods_panel), columns=2, numbers=numbers)
+    return Figure(
+        id="1.21",
+        title=title,
+        caption=caption,
+        panels=(motions, periods_panel),
+        columns=2,
+        numbers=numbers,
+    )
 
 
 def linear(amplitude: object) -> Seen:

@@ -16,16 +16,31 @@ def figure() -> Figure:
     """Swinging and rotating, and two heads: one inside the separatrix, one outside."""
     names = ("theta", "thetadot")
     clock = {"gravity": 1, "samples": 400}
-    swings = [seen("pendulum", theta0=a, thetadot0=0, duration="13", **clock) for a in ("1/2", "1.2", "2", "2.8")]
-    turns = [seen("pendulum", theta0="-3", thetadot0=v, duration="7", **clock) for v in ("1.2", "1.9", "2.6")]
+    swings = [
+        seen("pendulum", theta0=a, thetadot0=0, duration="13", **clock)
+        for a in ("1/2", "1.2", "2", "2.8")
+    ]
+    turns = [
+        seen("pendulum", theta0="-3", thetadot0=v, duration="7", **clock)
+        for v in ("1.2", "1.9", "2.6")
+    ]
     inside = carried(8.0, 8, flow="pendulum", centre=(1.3, 0), size=0.45)
     outside = unrolled(carried(4.5, 12, flow="pendulum", centre=(-2.6, 1.9), size=0.45))
-    curves = [Series(x=np.unwrap(run["theta"]), y=run["thetadot"], ink=GREY, width=1) for run in turns]
-    series = [*trajectories(swings, names=names), *curves, arrows(swings, 50, (-2.5, 2.5), names=names)]
+    curves = [
+        Series(x=np.unwrap(run["theta"]), y=run["thetadot"], ink=GREY, width=1) for run in turns
+    ]
+    series = [
+        *trajectories(swings, names=names),
+        *curves,
+        arrows(swings, 50, (-2.5, 2.5), names=names),
+    ]
     series += [*heads(inside, (0, 2, 4, 6, 8)), *heads(outside, (0, 4, 8, 12), ink=1)]
     panel = Panel(
-        series=tuple(series), x=Axis(title="theta [rad]", ends=WIDE), y=Axis(title="theta' [rad/s]", ends=HIGH), size=(800, 320)
-    )  # fmt: skip
+        series=tuple(series),
+        x=Axis(title="theta [rad]", ends=WIDE),
+        y=Axis(title="theta' [rad/s]", ends=HIGH),
+        size=(800, 320),
+    )
     numbers = {
         "points of the two outlines": float(inside.x.shape[1] + outside.x.shape[1]),
         "area of each at the start": float(inside.area[0]),
@@ -33,10 +48,16 @@ def figure() -> Figure:
         "largest change of the area outside": float(np.ptp(outside.area)),
     }
     caption = (
-        "l = g = 1. One head swings, the other goes over the top. What is farther out swings slower, so that both are sheared and wound "
-        "up; their areas stay what they were."
+        "l = g = 1. One head swings, the other goes over the top. What is farther out swings"
+        " slower, so that both are sheared and wound up; their areas stay what they were."
     )
-    return Figure(id="1.22", title="Phase flow of the pendulum", caption=caption, panels=(panel,), numbers=numbers)
+    return Figure(
+        id="1.22",
+        title="Phase flow of the pendulum",
+        caption=caption,
+        panels=(panel,),
+        numbers=numbers,
+    )
 
 
 def unrolled(outline: Outline) -> Outline:

@@ -1,4 +1,6 @@
-"""Figure 1.23: amplitude and frequency of the driven Duffing oscillator by harmonic balance (1.121), and as it runs."""
+"""Figure 1.23: amplitude and frequency of the driven Duffing oscillator by harmonic balance
+(1.121), and as it runs.
+"""
 
 import numpy as np
 
@@ -12,27 +14,45 @@ DRIVES = tuple(np.round(np.arange(0.7, 2.5, 0.06), 3).tolist())
 
 
 def figure() -> Figure:
-    """Curves of harmonic balance, with the amplitudes of runs whose frequency was raised step by step, and lowered."""
+    """Curves of harmonic balance, with the amplitudes of runs whose frequency was raised step by
+    step, and lowered.
+    """
     series = []
     for ink, delta in enumerate(DAMPINGS):
         lower, higher = balanced_drives(AMPLITUDES, ALPHA, BETA, delta, FORCE)
         x, y = np.r_[lower, higher[::-1]], np.r_[AMPLITUDES, AMPLITUDES[::-1]]
-        series.append(Series(x=np.where(np.isfinite(x), x, np.nan), y=y, ink=ink, label=f"delta = {delta:g}"))
+        series.append(
+            Series(x=np.where(np.isfinite(x), x, np.nan), y=y, ink=ink, label=f"delta = {delta:g}")
+        )
         up, down = amplitudes(delta, DRIVES), amplitudes(delta, DRIVES[::-1])[::-1]
-        series += [Series(x=np.array(DRIVES), y=found, ink=ink, mark="points") for found in (up, down)]
+        series += [
+            Series(x=np.array(DRIVES), y=found, ink=ink, mark="points") for found in (up, down)
+        ]
     free = balanced_frequency(AMPLITUDES, ALPHA, BETA)
     series.append(Series(x=free, y=AMPLITUDES, ink=GREY, dashed=True, label="free, undamped"))
-    folds = {delta: fold(np.linspace(0.5, 3.0, 20001), ALPHA, BETA, delta, FORCE) for delta in DAMPINGS}
+    folds = {
+        delta: fold(np.linspace(0.5, 3.0, 20001), ALPHA, BETA, delta, FORCE) for delta in DAMPINGS
+    }
     shown(DAMPINGS[1], 1.5)
     panel = Panel(
-        series=tuple(series), x=Axis(title="frequency W of the drive [rad/s]", ends=(0.6, 2.6)),
-        y=Axis(title="amplitude A [m]", ends=(0.0, 4.2)), size=(600, 380),
-    )  # fmt: skip
+        series=tuple(series),
+        x=Axis(title="frequency W of the drive [rad/s]", ends=(0.6, 2.6)),
+        y=Axis(title="amplitude A [m]", ends=(0.0, 4.2)),
+        size=(600, 380),
+    )
     caption = (
-        "alpha = 1, beta = 0.4, f0 = 1.5. Curves: (1.121); dots: runs of the reference, settled, with the frequency raised step by step "
-        "and lowered. The resonance leans over; between its two branches no run ever settles on the middle one."
+        "alpha = 1, beta = 0.4, f0 = 1.5. Curves: (1.121); dots: runs of the reference, settled,"
+        " with the frequency raised step by step and lowered. The resonance leans over; between its"
+        " two branches no run ever settles on the middle one."
     )
     return Figure(
-        id="1.23", title="Leaning resonance", caption=caption, panels=(panel,),
-        numbers={f"fold of (1.121), delta = {delta:g} [rad/s]": value for delta, value in folds.items() if value is not None},
-    )  # fmt: skip
+        id="1.23",
+        title="Leaning resonance",
+        caption=caption,
+        panels=(panel,),
+        numbers={
+            f"fold of (1.121), delta = {delta:g} [rad/s]": value
+            for delta, value in folds.items()
+            if value is not None
+        },
+    )

@@ -13,19 +13,38 @@ DRIVES = np.round(np.arange(0.8, 2.6, 0.03), 3)
 
 
 def figure() -> Figure:
-    """Amplitudes of a sweep up and of a sweep down, with the points A to F where they part and meet."""
-    up, down = amplitudes(DELTA, tuple(DRIVES.tolist())), amplitudes(DELTA, tuple(DRIVES[::-1].tolist()))[::-1]
+    """Amplitudes of a sweep up and of a sweep down, with the points A to F where they part and
+    meet.
+    """
+    up, down = (
+        amplitudes(DELTA, tuple(DRIVES.tolist())),
+        amplitudes(DELTA, tuple(DRIVES[::-1].tolist()))[::-1],
+    )
     found = hysteresis(DRIVES, up, down)
     assert found is not None
     grid = np.linspace(0.3, 4.2, 4000)
     _, higher = balanced_drives(grid, ALPHA, BETA, DELTA, FORCE)
-    middle = np.where((higher > found[0] - 0.05) & (higher < found[1] + 0.12) & (np.gradient(higher) > 0), higher, np.nan)
+    middle = np.where(
+        (higher > found[0] - 0.05) & (higher < found[1] + 0.12) & (np.gradient(higher) > 0),
+        higher,
+        np.nan,
+    )
     first, last = (int(np.argmin(abs(DRIVES - end))) for end in found)
-    places = [(0, up[0]), (first, up[first]), (last, up[last]), (first, down[first]), (last + 1, up[last + 1]), (len(DRIVES) - 1, up[-1])]
+    places = [
+        (0, up[0]),
+        (first, up[first]),
+        (last, up[last]),
+        (first, down[first]),
+        (last + 1, up[last + 1]),
+        (len(DRIVES) - 1, up[-1]),
+    ]
     letters = Series(
-        x=DRIVES[[k for k, _ in places]] + np.array([0.0, -0.03, 0.0, -0.03, 0.02, 0.0]), y=np.array([y for _, y in places]) + 0.16,
-        mark="text", ink=GREY, words=tuple("ABCDEF"),
-    )  # fmt: skip
+        x=DRIVES[[k for k, _ in places]] + np.array([0.0, -0.03, 0.0, -0.03, 0.02, 0.0]),
+        y=np.array([y for _, y in places]) + 0.16,
+        mark="text",
+        ink=GREY,
+        words=tuple("ABCDEF"),
+    )
     series = (
         Series(x=DRIVES, y=up, ink=0, width=2.5, label="frequency raised: A B C E F"),
         Series(x=DRIVES, y=down, ink=1, label="frequency lowered: F E D B A"),
@@ -33,11 +52,24 @@ def figure() -> Figure:
         letters,
     )
     shown(DELTA, float(DRIVES[first]))
-    axes: dict[str, Any] = {"x": Axis(title="frequency W of the drive [rad/s]"), "y": Axis(title="amplitude A [m]", ends=(0.0, 4.0))}
+    axes: dict[str, Any] = {
+        "x": Axis(title="frequency W of the drive [rad/s]"),
+        "y": Axis(title="amplitude A [m]", ends=(0.0, 4.0)),
+    }
     panel = Panel(series=series, size=(560, 340), **axes)
     caption = (
-        "alpha = 1, beta = 0.4, f0 = 1.5, delta = 0.1. Each amplitude is that of a settled run which went on from the one before. Going "
-        "up it falls at C, coming down it leaps at D: which of two amplitudes it has at one frequency depends on the past."
+        "alpha = 1, beta = 0.4, f0 = 1.5, delta = 0.1. Each amplitude is that of a settled run"
+        " which went on from the one before. Going up it falls at C, coming down it leaps at D:"
+        " which of two amplitudes it has at one frequency depends on the past."
     )
-    numbers = {"lowest frequency with two amplitudes [rad/s]": found[0], "highest frequency with two amplitudes [rad/s]": found[1]}
-    return Figure(id="1.24", title="Hysteresis of the resonance", caption=caption, panels=(panel,), numbers=numbers)
+    numbers = {
+        "lowest frequency with two amplitudes [rad/s]": found[0],
+        "highest frequency with two amplitudes [rad/s]": found[1],
+    }
+    return Figure(
+        id="1.24",
+        title="Hysteresis of the resonance",
+        caption=caption,
+        panels=(panel,),
+        numbers=numbers,
+    )

@@ -1,4 +1,6 @@
-"""Figure 1.25: the van der Pol oscillator without and with a drive: place, phase portrait, spectrum (1.124)."""
+"""Figure 1.25: the van der Pol oscillator without and with a drive: place, phase portrait, spectrum
+(1.124).
+"""
 
 import numpy as np
 
@@ -11,7 +13,9 @@ DURATION, SAMPLES, SETTLED, SHOWN = 1050, 10500, 450, 1500
 
 
 def figure() -> Figure:
-    """A row for each force: x(t) with its beginning in grey, the cycle, and the amplitudes of its lines."""
+    """A row for each force: x(t) with its beginning in grey, the cycle, and the amplitudes of its
+    lines.
+    """
     panels: list[Panel] = []
     numbers = {}
     for ink, force in enumerate(FORCES):
@@ -20,22 +24,47 @@ def figure() -> Figure:
         begin, rest = slice(0, SETTLED + 1), slice(SETTLED, SHOWN)
         size = (270, 170)
         time = Panel(
-            series=(Series(x=run.t[begin], y=run["x"][begin], ink=-1), Series(x=run.t[rest], y=run["x"][rest], ink=ink)),
-            x=Axis(title="t [s]", ends=(0, SHOWN / 10)), y=Axis(title="x [m]", ends=(-2.6, 2.6)), title=f"p = {force}", size=size,
-        )  # fmt: skip
-        cycle = Series(x=run["x"][SETTLED : SETTLED + 2500], y=run["v"][SETTLED : SETTLED + 2500], ink=ink, width=0.8)
-        phase = Panel(series=(cycle,), x=Axis(title="x [m]", ends=(-2.6, 2.6)), y=Axis(title="v [m/s]", ends=(-3, 3)), size=(170, 170))
+            series=(
+                Series(x=run.t[begin], y=run["x"][begin], ink=-1),
+                Series(x=run.t[rest], y=run["x"][rest], ink=ink),
+            ),
+            x=Axis(title="t [s]", ends=(0, SHOWN / 10)),
+            y=Axis(title="x [m]", ends=(-2.6, 2.6)),
+            title=f"p = {force}",
+            size=size,
+        )
+        cycle = Series(
+            x=run["x"][SETTLED : SETTLED + 2500],
+            y=run["v"][SETTLED : SETTLED + 2500],
+            ink=ink,
+            width=0.8,
+        )
+        phase = Panel(
+            series=(cycle,),
+            x=Axis(title="x [m]", ends=(-2.6, 2.6)),
+            y=Axis(title="v [m/s]", ends=(-3, 3)),
+            size=(170, 170),
+        )
         near = (frequency > 0.5) & (frequency < 1.5)
         lines = Series(x=frequency[near], y=np.maximum(height[near] / height.max(), 1e-6), ink=ink)
         axis = Axis(title="amplitude / largest", ends=(1e-5, 1.5), is_log=True)
-        panels += [time, phase, Panel(series=(lines,), x=Axis(title="w [rad/s]", ends=(0.5, 1.5)), y=axis, size=(230, 170))]
+        panels += [
+            time,
+            phase,
+            Panel(
+                series=(lines,), x=Axis(title="w [rad/s]", ends=(0.5, 1.5)), y=axis, size=(230, 170)
+            ),
+        ]
         numbers[f"highest line, p = {force} [rad/s]"] = float(frequency[np.argmax(height)])
         if force == "0":
             numbers["amplitude of the free cycle [m]"] = float(np.abs(run["x"][SETTLED:]).max())
     caption = (
-        "mu = 0.2, drive 1.15 rad/s. From the top: no force, a weak one, a strong one. The weak force adds lines at the drive, at "
-        "2 w - 1.15 = 0.85 and at 3 w - 2.30 = 0.7; the strong one more of them. Grey is left out of the spectra (Hann window, t = 45 s "
-        "to 1050 s), so that lines stand as high as the resolution allows."
+        "mu = 0.2, drive 1.15 rad/s. From the top: no force, a weak one, a strong one. The weak"
+        " force adds lines at the drive, at 2 w - 1.15 = 0.85 and at 3 w - 2.30 = 0.7; the strong"
+        " one more of them. Grey is left out of the spectra (Hann window, t = 45 s to 1050 s), so"
+        " that lines stand as high as the resolution allows."
     )
     title = "Van der Pol oscillator"
-    return Figure(id="1.25", title=title, caption=caption, panels=tuple(panels), columns=3, numbers=numbers)
+    return Figure(
+        id="1.25", title=title, caption=caption, panels=tuple(panels), columns=3, numbers=numbers
+    )

@@ -1,4 +1,6 @@
-"""Figure 1.26: a bifurcation scenario: the period doubles again and again, until there is a continuum of states."""
+"""Figure 1.26: a bifurcation scenario: the period doubles again and again, until there is a
+continuum of states.
+"""
 
 import numpy as np
 
@@ -10,25 +12,40 @@ BETWEEN = {1: (2.9, 3.1), 2: (3.4, 3.5), 4: (3.53, 3.55)}
 
 
 def figure() -> Figure:
-    """Settled iterates of the logistic map up to where chaos begins, with the doublings that were found."""
+    """Settled iterates of the logistic map up to where chaos begins, with the doublings that were
+    found.
+    """
     found = {periods: doubling(periods, *ends) for periods, ends in BETWEEN.items()}
     etas = np.linspace(LOW, HIGH, 440)
     values = [late(float(eta)) for eta in etas]
-    cloud = Series(x=np.repeat(etas, [len(x) for x in values]), y=np.concatenate(values), mark="cloud", width=1.5)
-    lines = [Series(x=np.array([eta, eta]), y=np.array([0.27, 0.97]), ink=GREY, dashed=True, width=1) for eta in found.values()]
+    cloud = Series(
+        x=np.repeat(etas, [len(x) for x in values]),
+        y=np.concatenate(values),
+        mark="cloud",
+        width=1.5,
+    )
+    lines = [
+        Series(x=np.array([eta, eta]), y=np.array([0.27, 0.97]), ink=GREY, dashed=True, width=1)
+        for eta in found.values()
+    ]
     words = tuple(f"{n} to {2 * n}" for n in found)
     height = np.array([0.985, 0.985, 1.02])
     names = Series(x=np.array(list(found.values())), y=height, ink=GREY, mark="text", words=words)
     shown("3.5")
     panel = Panel(
-        series=(cloud, *lines, names), x=Axis(title="eta", ends=(LOW, HIGH)), y=Axis(title="x", ends=(0.25, 1.05)), size=(640, 340)
-    )  # fmt: skip
+        series=(cloud, *lines, names),
+        x=Axis(title="eta", ends=(LOW, HIGH)),
+        y=Axis(title="x", ends=(0.25, 1.05)),
+        size=(640, 340),
+    )
     numbers = {f"{n} values become {2 * n} at": eta for n, eta in found.items()}
     one, two, four = found.values()
     numbers["length of a window over that of the next"] = (two - one) / (four - two)
     caption = (
-        "The values between which a variable settles, over the strength of the nonlinearity: here the logistic map, whose fixed point "
-        "splits at 3, at 1 + sqrt 6 = 3.4495, at 3.5441, and so on, up to a continuum. Marked is where the runs begin to show twice "
-        "as many values."
+        "The values between which a variable settles, over the strength of the nonlinearity: here"
+        " the logistic map, whose fixed point splits at 3, at 1 + sqrt 6 = 3.4495, at 3.5441, and"
+        " so on, up to a continuum. Marked is where the runs begin to show twice as many values."
     )
-    return Figure(id="1.26", title="Bifurcation scenario", caption=caption, panels=(panel,), numbers=numbers)
+    return Figure(
+        id="1.26", title="Bifurcation scenario", caption=caption, panels=(panel,), numbers=numbers
+    )

@@ -10,28 +10,53 @@ SPEEDS = np.linspace(-4.0, 4.0, 801)
 
 
 def figure() -> Figure:
-    """mu(v), and mu(v) sgn(v) with all its terms and with some left out; at rest any value between the limits."""
-    whole, no_growth, plain = (law(**left) for left in ({}, {"lambda1": 0}, {"lambda0": 0, "lambda1": 0, "mu0": "1/10"}))
+    """mu(v), and mu(v) sgn(v) with all its terms and with some left out; at rest any value between
+    the limits.
+    """
+    whole, no_growth, plain = (
+        law(**left) for left in ({}, {"lambda1": 0}, {"lambda0": 0, "lambda1": 0, "mu0": "1/10"})
+    )
     size = whole.coefficient(np.abs(SPEEDS))
     law_panel = Panel(
         series=(Series(x=SPEEDS, y=size, ink=0, width=2),),
-        x=Axis(title="v [m/s]"), y=Axis(title="mu(v)", ends=(0.0, 0.45)), size=(330, 260), title="the law",
-    )  # fmt: skip
-    kinds = (("mu0, mu1, lambda0, lambda1", whole, 0), ("without lambda1", no_growth, 1), ("mu1 alone", plain, GREY))
-    series = [Series(x=SPEEDS, y=signed(slider), ink=ink, label=label, dashed=ink == GREY) for label, slider, ink in kinds]
-    force = Panel(series=tuple(series), x=Axis(title="v [m/s]"), y=Axis(title="mu(v) Sgn(v)"), size=(330, 260), title="the force")
+        x=Axis(title="v [m/s]"),
+        y=Axis(title="mu(v)", ends=(0.0, 0.45)),
+        size=(330, 260),
+        title="the law",
+    )
+    kinds = (
+        ("mu0, mu1, lambda0, lambda1", whole, 0),
+        ("without lambda1", no_growth, 1),
+        ("mu1 alone", plain, GREY),
+    )
+    series = [
+        Series(x=SPEEDS, y=signed(slider), ink=ink, label=label, dashed=ink == GREY)
+        for label, slider, ink in kinds
+    ]
+    force = Panel(
+        series=tuple(series),
+        x=Axis(title="v [m/s]"),
+        y=Axis(title="mu(v) Sgn(v)"),
+        size=(330, 260),
+        title="the force",
+    )
     numbers = {
         "at rest": float(whole.coefficient(0.0)),
         "least": float(size.min()),
         "speed of the least [m/s]": abs(float(SPEEDS[size.argmin()])),
     }
     caption = (
-        "The coefficients of the scene that the stick-slip runs are made of. Friction first falls with the speed, from mu0 = 0.4 towards "
-        "mu1 = 0.1, then grows with its square; falling friction is what feeds the oscillation. At rest it takes any value between its "
-        "limits."
+        "The coefficients of the scene that the stick-slip runs are made of. Friction first falls"
+        " with the speed, from mu0 = 0.4 towards mu1 = 0.1, then grows with its square; falling"
+        " friction is what feeds the oscillation. At rest it takes any value between its limits."
     )
     return Figure(
-        id="1.28", title="Friction that depends on the speed", caption=caption, panels=(law_panel, force), columns=2, numbers=numbers
+        id="1.28",
+        title="Friction that depends on the speed",
+        caption=caption,
+        panels=(law_panel, force),
+        columns=2,
+        numbers=numbers,
     )
 
 
@@ -45,5 +70,7 @@ def law(**parameters: object) -> Slider:
 
 def signed(slider: Slider) -> Array:
     """mu(v) Sgn(v), from limit to limit at rest."""
-    force: Array = np.broadcast_to(slider.coefficient(np.abs(SPEEDS)), SPEEDS.shape) * np.sign(SPEEDS)
+    force: Array = np.broadcast_to(slider.coefficient(np.abs(SPEEDS)), SPEEDS.shape) * np.sign(
+        SPEEDS
+    )
     return force

@@ -1,4 +1,6 @@
-"""Figure 1.29: settled trajectories of the stick-slip oscillator for several frequencies of the drive (1.125)."""
+"""Figure 1.29: settled trajectories of the stick-slip oscillator for several frequencies of the
+drive (1.125).
+"""
 
 from typing import Any
 
@@ -18,11 +20,22 @@ def figure() -> Figure:
         curve = Series(x=run["x"][1:], y=run["v"][1:], ink=n, width=1)
         fastest.append(float(run["v"][1:].max()))
         titles = ("x [m]" if n > 2 else "", "v [m/s]" if n % 3 == 0 else "")
-        axes: dict[str, Any] = {"x": Axis(title=titles[0], ends=(-4, 4)), "y": Axis(title=titles[1], ends=(-4, 1.4))}
+        axes: dict[str, Any] = {
+            "x": Axis(title=titles[0], ends=(-4, 4)),
+            "y": Axis(title=titles[1], ends=(-4, 1.4)),
+        }
         panels.append(Panel(series=(curve,), title=f"eta = {eta}", size=(230, 170), **axes))
     caption = (
-        "a = 10, gamma = 0.5, belt 1 m/s. While it sticks it moves exactly as the belt: the flat top of every orbit. Sixty periods of the "
-        "drive are left out, twenty shown: what is one closed line is periodic, what fills a band is not."
+        "a = 10, gamma = 0.5, belt 1 m/s. While it sticks it moves exactly as the belt: the flat"
+        " top of every orbit. Sixty periods of the drive are left out, twenty shown: what is one"
+        " closed line is periodic, what fills a band is not."
     )
     numbers = {"largest velocity of all [m/s]": float(np.max(fastest))}
-    return Figure(id="1.29", title="Stick-slip orbits", caption=caption, panels=tuple(panels), columns=3, numbers=numbers)
+    return Figure(
+        id="1.29",
+        title="Stick-slip orbits",
+        caption=caption,
+        panels=tuple(panels),
+        columns=3,
+        numbers=numbers,
+    )

@@ -1,4 +1,6 @@
-"""Figure 1.30: trajectories of the stick-slip oscillator over the frequency of the drive, cut by the plane v = 0 (1.125)."""
+"""Figure 1.30: trajectories of the stick-slip oscillator over the frequency of the drive, cut by
+the plane v = 0 (1.125).
+"""
 
 import numpy as np
 
@@ -13,7 +15,9 @@ MANY = np.linspace(LOW, HIGH, 121)
 
 
 def figure() -> Figure:
-    """Orbits side by side, their crossings of v = 0 where x > 0, and the crossings of many more frequencies in between."""
+    """Orbits side by side, their crossings of v = 0 where x > 0, and the crossings of many more
+    frequencies in between.
+    """
     found = section(MANY, skip=60, keep=40)
     etas = np.repeat(MANY, [len(x) for x in found.places])
     places = np.column_stack((np.concatenate(found.places), etas, np.zeros(len(etas))))
@@ -21,20 +25,39 @@ def figure() -> Figure:
     for n, eta in enumerate(ETAS):
         run = orbit(eta, periods=6)
         x, v = run["x"][1:], run["v"][1:]
-        series.append(drawn(np.column_stack((x, np.full(len(x), float(eta)), v)), ink=n, label=f"eta = {eta}"))
+        series.append(
+            drawn(np.column_stack((x, np.full(len(x), float(eta)), v)), ink=n, label=f"eta = {eta}")
+        )
     for n, eta in enumerate(ETAS):
         cuts = section(np.array([float(eta)]), skip=60, keep=6).places[0]
-        series.append(drawn(np.column_stack((cuts, np.full(len(cuts), float(eta)), np.zeros(len(cuts)))), mark="points", ink=n))
-    frame = [((-3.5, LOW, -3), (3.5, LOW, -3), "x [m]"), ((3.5, LOW, -3), (3.5, HIGH, -3), "eta"), ((-3.5, LOW, -3), (-3.5, LOW, 1.5), "v")]
+        series.append(
+            drawn(
+                np.column_stack((cuts, np.full(len(cuts), float(eta)), np.zeros(len(cuts)))),
+                mark="points",
+                ink=n,
+            )
+        )
+    frame = [
+        ((-3.5, LOW, -3), (3.5, LOW, -3), "x [m]"),
+        ((3.5, LOW, -3), (3.5, HIGH, -3), "eta"),
+        ((-3.5, LOW, -3), (-3.5, LOW, 1.5), "v"),
+    ]
     for begin, end, name in frame:
         series += axis(stretched(np.array([begin]))[0], stretched(np.array([end]))[0], name)
-    panel = Panel(series=tuple(series), x=Axis(is_hidden=True), y=Axis(is_hidden=True), size=(640, 420))
+    panel = Panel(
+        series=tuple(series), x=Axis(is_hidden=True), y=Axis(is_hidden=True), size=(640, 420)
+    )
     caption = (
-        "Settled orbits at five frequencies of the drive (lines) and where they pass v = 0 with x > 0 (dots of their colour); grey dots "
-        "are such passages at 121 frequencies between: one dimension less, and figure 1.31 is all that is left to look at."
+        "Settled orbits at five frequencies of the drive (lines) and where they pass v = 0 with x >"
+        " 0 (dots of their colour); grey dots are such passages at 121 frequencies between: one"
+        " dimension less, and figure 1.31 is all that is left to look at."
     )
     return Figure(
-        id="1.30", title="Poincare section of the stick-slip oscillator", caption=caption, panels=(panel,), numbers=counted(found)
+        id="1.30",
+        title="Poincare section of the stick-slip oscillator",
+        caption=caption,
+        panels=(panel,),
+        numbers=counted(found),
     )
 
 

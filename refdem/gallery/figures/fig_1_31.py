@@ -1,4 +1,6 @@
-"""Figure 1.31: the return map of the stick-slip oscillator over the frequency of the drive, twice magnified (1.125)."""
+"""Figure 1.31: the return map of the stick-slip oscillator over the frequency of the drive, twice
+magnified (1.125).
+"""
 
 from typing import Any
 
@@ -12,7 +14,9 @@ SKIP, KEEP = 80, 120
 
 
 def figure() -> Figure:
-    """Places of the passages v = 0, x > 0 for every frequency; each panel is a part of the one before."""
+    """Places of the passages v = 0, x > 0 for every frequency; each panel is a part of the one
+    before.
+    """
     panels, numbers = [], {}
     for n, (low, high, count) in enumerate(WINDOWS):
         eta = np.linspace(low, high, count)
@@ -20,14 +24,27 @@ def figure() -> Figure:
         x = np.repeat(eta, [len(places) for places in found.places])
         y = np.concatenate(found.places)
         size = (780, 300 if n == 0 else 220)
-        axes: dict[str, Any] = {"x": Axis(title="eta [rad/s]", ends=(low, high)), "y": Axis(title="x [m]")}
-        panels.append(Panel(series=(Series(x=x, y=y, mark="cloud", ink=n),), size=size, title=f"eta from {low:g} to {high:g}", **axes))
+        axes: dict[str, Any] = {
+            "x": Axis(title="eta [rad/s]", ends=(low, high)),
+            "y": Axis(title="x [m]"),
+        }
+        panels.append(
+            Panel(
+                series=(Series(x=x, y=y, mark="cloud", ink=n),),
+                size=size,
+                title=f"eta from {low:g} to {high:g}",
+                **axes,
+            )
+        )
         regimes = found.exponent.regimes()
-        numbers[f"periodic from {low:g} to {high:g} [parts of 1]"] = float(np.mean(regimes == "periodic"))
+        numbers[f"periodic from {low:g} to {high:g} [parts of 1]"] = float(
+            np.mean(regimes == "periodic")
+        )
     caption = (
-        "After 80 periods of the drive, the places at which the velocity passes zero with x > 0 during 120 more. Few dots above one "
-        "frequency are a periodic motion, many a motion that never closes. With gamma = 0.5 windows of the one alternate with "
-        "stretches of the other; magnified, the map does not repeat itself."
+        "After 80 periods of the drive, the places at which the velocity passes zero with x > 0"
+        " during 120 more. Few dots above one frequency are a periodic motion, many a motion that"
+        " never closes. With gamma = 0.5 windows of the one alternate with stretches of the other;"
+        " magnified, the map does not repeat itself."
     )
     title = "Return map of the stick-slip oscillator"
     return Figure(id="1.31", title=title, caption=caption, panels=tuple(panels), numbers=numbers)

@@ -1,4 +1,6 @@
-"""Figure 1.32: return map of the logistic map, and twice a part of it that looks like the whole (1.127)."""
+"""Figure 1.32: return map of the logistic map, and twice a part of it that looks like the whole
+(1.127).
+"""
 
 import numpy as np
 
@@ -6,7 +8,9 @@ from refdem.core.figure import GREY, Axis, Figure, Panel, Series
 from refdem.gallery.iterates import late, shown
 
 WINDOWS = (((2.8, 4.0), (0.0, 1.0)), ((3.44, 3.63), (0.32, 0.62)), ((3.54, 3.5875), (0.455, 0.555)))
-"""eta and x of the whole, of the middle branch from its second doubling on, and of the middle branch of that."""
+"""eta and x of the whole, of the middle branch from its second doubling on, and of the middle
+branch of that.
+"""
 COLUMNS = 380
 
 
@@ -16,22 +20,52 @@ def figure() -> Figure:
     for n, (etas, ends) in enumerate(WINDOWS):
         grid = np.linspace(*etas, COLUMNS)
         values = [late(float(eta), chunks=1 + n) for eta in grid]
-        series = [Series(x=np.repeat(grid, [len(x) for x in values]), y=np.concatenate(values), mark="cloud", ink=n, width=1.5)]
+        series = [
+            Series(
+                x=np.repeat(grid, [len(x) for x in values]),
+                y=np.concatenate(values),
+                mark="cloud",
+                ink=n,
+                width=1.5,
+            )
+        ]
         if n + 1 < len(WINDOWS):
             series.append(frame(*WINDOWS[n + 1]))
         size = (255, 255)
-        panels.append(Panel(series=tuple(series), x=Axis(title="eta", ends=etas), y=Axis(title="x" if not n else "", ends=ends), size=size))
+        panels.append(
+            Panel(
+                series=tuple(series),
+                x=Axis(title="eta", ends=etas),
+                y=Axis(title="x" if not n else "", ends=ends),
+                size=size,
+            )
+        )
     shown("3.57")
     caption = (
-        "Iterates of x -> eta x (1 - x) after 4096 others. Each panel is the part of the one before that is framed: the same forks, "
-        "upside down every time, 4.67 times narrower."
+        "Iterates of x -> eta x (1 - x) after 4096 others. Each panel is the part of the one before"
+        " that is framed: the same forks, upside down every time, 4.67 times narrower."
     )
     chaotic = late(4.0, chunks=8)
-    numbers = {"least of 1032 iterates at eta = 4": float(chaotic.min()), "greatest": float(chaotic.max())}
-    return Figure(id="1.32", title="Return map of the logistic map", caption=caption, panels=tuple(panels), columns=3, numbers=numbers)
+    numbers = {
+        "least of 1032 iterates at eta = 4": float(chaotic.min()),
+        "greatest": float(chaotic.max()),
+    }
+    return Figure(
+        id="1.32",
+        title="Return map of the logistic map",
+        caption=caption,
+        panels=tuple(panels),
+        columns=3,
+        numbers=numbers,
+    )
 
 
 def frame(etas: tuple[float, float], ends: tuple[float, float]) -> Series:
     """The border of a part."""
     (left, right), (low, high) = etas, ends
-    return Series(x=np.array([left, right, right, left, left]), y=np.array([low, low, high, high, low]), ink=GREY, width=1)
+    return Series(
+        x=np.array([left, right, right, left, left]),
+        y=np.array([low, low, high, high, low]),
+        ink=GREY,
+        width=1,
+    )

@@ -1,4 +1,6 @@
-"""Figure 1.33: the shape of the wall alone: a cat's head of points flies on a rectangular and on a stadium table (1.6.4)."""
+"""Figure 1.33: the shape of the wall alone: a cat's head of points flies on a rectangular and on a
+stadium table (1.6.4).
+"""
 
 from typing import Any
 
@@ -23,19 +25,34 @@ def figure() -> Figure:
         remember(command(asked))
         paths = [path(asked, point) for point in points]
         series = [Series(x=paths[k][:, 0], y=paths[k][:, 1], ink=GREY, width=1) for k in PICKED]
-        series.append(Series(x=wall(geometry, asked.p.size)[:, 0], y=wall(geometry, asked.p.size)[:, 1], ink=1, width=2))
+        series.append(
+            Series(
+                x=wall(geometry, asked.p.size)[:, 0],
+                y=wall(geometry, asked.p.size)[:, 1],
+                ink=1,
+                width=2,
+            )
+        )
         for n, moment in enumerate(MOMENTS):
             places = np.array([place(own, moment) for own in paths])
             series.append(Series(x=places[:, 0], y=places[:, 1], mark="cloud", width=2.5))
             if n in (0, len(MOMENTS) - 1):
-                numbers[f"{geometry}: spread at t = {moment:g} [m]"] = float(np.hypot(*places.std(axis=0)))
-        axes: dict[str, Any] = {"x": Axis(ends=(-2.1, 2.1), is_hidden=True), "y": Axis(ends=(-1.1, 1.1), is_hidden=True)}
+                numbers[f"{geometry}: spread at t = {moment:g} [m]"] = float(
+                    np.hypot(*places.std(axis=0))
+                )
+        axes: dict[str, Any] = {
+            "x": Axis(ends=(-2.1, 2.1), is_hidden=True),
+            "y": Axis(ends=(-1.1, 1.1), is_hidden=True),
+        }
         panels.append(Panel(series=tuple(series), title=geometry, size=(630, 330), **axes))
     caption = (
-        "1040 points on a cat's head fly with one velocity and are reflected by the wall; blue are the points at t = 0, 4, 8 and 14, grey "
-        "the paths of three of them. In the rectangle they stay side by side, in the stadium the half circles scatter them."
+        "1040 points on a cat's head fly with one velocity and are reflected by the wall; blue are"
+        " the points at t = 0, 4, 8 and 14, grey the paths of three of them. In the rectangle they"
+        " stay side by side, in the stadium the half circles scatter them."
     )
-    return Figure(id="1.33", title="Billiards", caption=caption, panels=tuple(panels), numbers=numbers)
+    return Figure(
+        id="1.33", title="Billiards", caption=caption, panels=tuple(panels), numbers=numbers
+    )
 
 
 def path(asked: Any, start: Array) -> Array:

@@ -10,32 +10,63 @@ APART = 1e-6
 
 
 def measured(name: str, found: Growth) -> dict[str, float]:
-    """How two neighbours part: an exponent where the growth is exponential, else the power of the time that it is."""
+    """How two neighbours part: an exponent where the growth is exponential, else the power of the
+    time that it is.
+    """
     if not found.is_exponential():
         return {f"{name}: power of the time": found.power}
-    return {f"{name}: exponent [1/s]": found.exponent, f"{name}: its standard error [1/s]": found.error}
+    return {
+        f"{name}: exponent [1/s]": found.exponent,
+        f"{name}: its standard error [1/s]": found.error,
+    }
 
 
 def figure() -> Figure:
-    """A pendulum and a double pendulum, each started twice, and how far the two of each are apart."""
+    """A pendulum and a double pendulum, each started twice, and how far the two of each are
+    apart.
+    """
     clock = {"duration": 16, "samples": 1600}
     stable = [seen("pendulum", theta0=start, **clock) for start in ("1", "1.000001")]
-    unstable = [seen("double-pendulum", theta0=(start, "5/2"), **clock) for start in ("2", "2.000001")]
+    unstable = [
+        seen("double-pendulum", theta0=(start, "5/2"), **clock) for start in ("2", "2.000001")
+    ]
     panels: list[Panel] = []
     numbers: dict[str, float] = {}
     pairs = {"pendulum": ([r["theta"] for r in stable], [r["thetadot"] for r in stable])}
-    pairs["double pendulum"] = ([np.unwrap(r["theta1"]) for r in unstable], [r["thetadot1"] for r in unstable])
+    pairs["double pendulum"] = (
+        [np.unwrap(r["theta1"]) for r in unstable],
+        [r["thetadot1"] for r in unstable],
+    )
     t, gaps = stable[0].t, []
     for n, (name, (angles, rates)) in enumerate(pairs.items()):
-        curves = [Series(x=t, y=angle, ink=n, dashed=bool(k), width=2 - k / 2) for k, angle in enumerate(angles)]
-        panels.append(Panel(series=tuple(curves), x=Axis(title="t [s]"), y=Axis(title="angle [rad]"), title=name, size=(370, 220)))
+        curves = [
+            Series(x=t, y=angle, ink=n, dashed=bool(k), width=2 - k / 2)
+            for k, angle in enumerate(angles)
+        ]
+        panels.append(
+            Panel(
+                series=tuple(curves),
+                x=Axis(title="t [s]"),
+                y=Axis(title="angle [rad]"),
+                title=name,
+                size=(370, 220),
+            )
+        )
         gap = np.hypot(angles[1] - angles[0], rates[1] - rates[0])
         gaps.append(Series(x=t, y=gap, ink=n, label=name))
         numbers |= measured(name, growth(t, gap))
     gap_axis = Axis(title="distance in phase space", ends=(1e-7, 30.0), is_log=True)
     panels.append(Panel(series=tuple(gaps), x=Axis(title="t [s]"), y=gap_axis, size=(370, 220)))
     caption = (
-        "Each is started twice, 1e-6 rad apart. The two pendulums part as a power of the time, here in proportion to it; the two double "
-        "pendulums exponentially, until they have nothing to do with one another: Lyapunov unstable."
+        "Each is started twice, 1e-6 rad apart. The two pendulums part as a power of the time, here"
+        " in proportion to it; the two double pendulums exponentially, until they have nothing to"
+        " do with one another: Lyapunov unstable."
     )
-    return Figure(id="1.35", title="Stable and unstable", caption=caption, panels=tuple(panels), columns=2, numbers=numbers)
+    return Figure(
+        id="1.35",
+        title="Stable and unstable",
+        caption=caption,
+        panels=tuple(panels),
+        columns=2,
+        numbers=numbers,
+    )

@@ -1,4 +1,6 @@
-"""Figure 1.36: angular momentum of a free body on Poinsot's ellipsoid of constant kinetic energy (1.137), (1.138)."""
+"""Figure 1.36: angular momentum of a free body on Poinsot's ellipsoid of constant kinetic energy
+(1.137), (1.138).
+"""
 
 from typing import Any
 
@@ -18,7 +20,9 @@ ANGLES = (0.25, 0.5, 0.75)
 
 
 def figure() -> Figure:
-    """Closed curves about axes 1 and 3, the separatrix through axis 2 (dashed), and the border of the ellipsoid."""
+    """Closed curves about axes 1 and 3, the separatrix through axis 2 (dashed), and the border of
+    the ellipsoid.
+    """
     series = [border()]
     lengths = {}
     for ink, first in ((0, 0), (1, 2)):
@@ -28,28 +32,43 @@ def figure() -> Figure:
                 round_one[first], round_one[2 - first] = sign * np.cos(angle), np.sin(angle)
                 curve = momentum(round_one)
                 series += [drawn(curve, ink, is_front=False), drawn(curve, ink, is_front=True)]
-                lengths[f"axis {first + 1}, {angle:g} rad off"] = float(np.ptp(np.linalg.norm(curve, axis=1)))
+                lengths[f"axis {first + 1}, {angle:g} rad off"] = float(
+                    np.ptp(np.linalg.norm(curve, axis=1))
+                )
     # J1 (J2 - J1) w1^2 = J3 (J3 - J2) w3^2 with w = L/J on the ellipsoid: L/HALF_AXES = n
-    ratio = np.sqrt(INERTIA[1] * (INERTIA[2] - INERTIA[1]) / (INERTIA[1] * (INERTIA[1] - INERTIA[0])))
+    ratio = np.sqrt(
+        INERTIA[1] * (INERTIA[2] - INERTIA[1]) / (INERTIA[1] * (INERTIA[1] - INERTIA[0]))
+    )
     for start in ((ratio, 1.0), (-ratio, 1.0), (ratio, -1.0), (-ratio, -1.0)):
         near = np.array([start[0], 0.0, start[1]]) / np.hypot(*start)
-        series += [drawn(momentum(near, forward=forward), GREY, is_front=True, dashed=True) for forward in (True, False)]
+        series += [
+            drawn(momentum(near, forward=forward), GREY, is_front=True, dashed=True)
+            for forward in (True, False)
+        ]
     for n, name in enumerate(("L1", "L2", "L3")):
         unit = np.eye(3)[n]
         begin, end = HALF_AXES[n] * unit, (HALF_AXES[n] + BEYOND[n]) * unit
         series += axis(begin, end, name)
-    axes: dict[str, Any] = {"x": Axis(ends=(-REACH, REACH), is_hidden=True), "y": Axis(ends=(-REACH, REACH), is_hidden=True)}
+    axes: dict[str, Any] = {
+        "x": Axis(ends=(-REACH, REACH), is_hidden=True),
+        "y": Axis(ends=(-REACH, REACH), is_hidden=True),
+    }
     panel = Panel(series=tuple(series), size=(540, 540), **axes)
     caption = (
-        "J = (1, 2, 3), kinetic energy 1. The angular momentum in body axes, as the reference's runs have it, runs along closed curves "
-        "about axis 1 (blue) and axis 3 (orange), thin behind; the dashed separatrix leads from axis 2 to its opposite."
+        "J = (1, 2, 3), kinetic energy 1. The angular momentum in body axes, as the reference's"
+        " runs have it, runs along closed curves about axis 1 (blue) and axis 3 (orange), thin"
+        " behind; the dashed separatrix leads from axis 2 to its opposite."
     )
     numbers = {"largest change of |L| of all": max(lengths.values())}
-    return Figure(id="1.36", title="Poinsot's ellipsoid", caption=caption, panels=(panel,), numbers=numbers)
+    return Figure(
+        id="1.36", title="Poinsot's ellipsoid", caption=caption, panels=(panel,), numbers=numbers
+    )
 
 
 def momentum(round_one: Array, *, forward: bool = True) -> Array:
-    """L (T, 3) in body axes of a run whose start is at this place of the unit sphere, stretched to the ellipsoid."""
+    """L (T, 3) in body axes of a run whose start is at this place of the unit sphere, stretched to
+    the ellipsoid.
+    """
     omega = tuple(f"{w:.12g}" for w in HALF_AXES * round_one / INERTIA)
     if forward:
         run = seen("free-rigid-body", omega_body=omega, duration="24", samples=480)
@@ -63,7 +82,13 @@ def drawn(points: Array, ink: int, *, is_front: bool, dashed: bool = False) -> S
     right, up, _ = seen_from_above(points)
     towards = seen_from_above(points / INERTIA)[2] >= 0  # omega = L/J is normal to the ellipsoid
     hidden = towards != is_front
-    return Series(x=np.where(hidden, np.nan, right), y=np.where(hidden, np.nan, up), ink=ink, width=1.8 if is_front else 0.5, dashed=dashed)
+    return Series(
+        x=np.where(hidden, np.nan, right),
+        y=np.where(hidden, np.nan, up),
+        ink=ink,
+        width=1.8 if is_front else 0.5,
+        dashed=dashed,
+    )
 
 
 def border() -> Series:

@@ -1,4 +1,6 @@
-"""Figure 1.37: an asymmetric force field, and the energy that appears going forward and disappears coming back (1.139), (1.140)."""
+"""Figure 1.37: an asymmetric force field, and the energy that appears going forward and disappears
+coming back (1.139), (1.140).
+"""
 
 import numpy as np
 
@@ -10,27 +12,51 @@ def figure() -> Figure:
     """The force as a particle felt it, and its kinetic energy there and back."""
     forth = seen("asymmetric-field", duration="5/2", samples=2000)
     gained = float(forth["v"][-1])
-    back = seen("asymmetric-field", x0=f"{forth['x'][-1]:.15g}", v0=f"{-gained:.15g}", duration="5/2", samples=2000)
+    back = seen(
+        "asymmetric-field",
+        x0=f"{forth['x'][-1]:.15g}",
+        v0=f"{-gained:.15g}",
+        duration="5/2",
+        samples=2000,
+    )
     force = Series(x=forth["x"][1:-1], y=felt(forth), ink=0, width=2)
     p = forth.instance.p
     ends = (-1.5, 1.5)
     zero = Series(x=np.array(ends), y=np.zeros(2), ink=GREY, width=1)
-    field = Panel(series=(zero, force), x=Axis(title="x [m]", ends=ends), y=Axis(title="force [N]"), size=(370, 260))
+    field = Panel(
+        series=(zero, force),
+        x=Axis(title="x [m]", ends=ends),
+        y=Axis(title="force [N]"),
+        size=(370, 260),
+    )
     energies = (
         Series(x=forth["x"], y=energy(forth), ink=0, label="going forward", width=2.5),
         Series(x=back["x"], y=energy(back), ink=1, label="coming back", dashed=True),
     )
-    kinetic = Panel(series=energies, x=Axis(title="x [m]", ends=ends), y=Axis(title="kinetic energy [J]"), size=(370, 260))
+    kinetic = Panel(
+        series=energies,
+        x=Axis(title="x [m]", ends=ends),
+        y=Axis(title="kinetic energy [J]"),
+        size=(370, 260),
+    )
     numbers = {
         "gained going forward [J]": float(energy(forth)[-1] - energy(forth)[0]),
         "lost coming back [J]": float(energy(back)[0] - energy(back)[-1]),
         "k1 |x1| (x2 - x1)/2 [J]": float(p.k1 * abs(p.x1) * (p.x2 - p.x1) / 2),
     }
     caption = (
-        "The force rises linearly from x1 = -1 to 0 and falls linearly to x2 = 1/2; it is the mass times the change of the velocity of a "
-        "run. A particle that crosses the field forward gains the area under it, and gives it back to the last bit on its way back."
+        "The force rises linearly from x1 = -1 to 0 and falls linearly to x2 = 1/2; it is the mass"
+        " times the change of the velocity of a run. A particle that crosses the field forward"
+        " gains the area under it, and gives it back to the last bit on its way back."
     )
-    return Figure(id="1.37", title="Asymmetric force field", caption=caption, panels=(field, kinetic), columns=2, numbers=numbers)
+    return Figure(
+        id="1.37",
+        title="Asymmetric force field",
+        caption=caption,
+        panels=(field, kinetic),
+        columns=2,
+        numbers=numbers,
+    )
 
 
 def felt(run: Seen) -> Array:

@@ -1,4 +1,6 @@
-"""Figure 1.38: a collision of wedges whose force differs between approach and separation: energy is lost without any damping."""
+"""Figure 1.38: a collision of wedges whose force differs between approach and separation: energy is
+lost without any damping.
+"""
 
 import numpy as np
 
@@ -15,24 +17,46 @@ def figure() -> Figure:
     wall = Series(x=np.array([-0.6, 3.0]), y=np.zeros(2), ink=GREY, width=3)
     before = Series(x=np.array([-0.6, 0.0]), y=np.array([-0.6 * v[0], 0.0]), ink=0, width=2)
     way = Panel(
-        series=(wall, before, Series(x=t[: turn + 1], y=d[: turn + 1], ink=0, width=2, label="approach, edge first"),
-                Series(x=t[turn:], y=d[turn:], ink=1, width=2, label="separation, flat side first")),
-        x=Axis(title="time [s]", ends=(-0.6, 3.0)), y=Axis(title="space: overlap [m]", ends=(-0.7, 0.75)), size=(430, 300),
-    )  # fmt: skip
+        series=(
+            wall,
+            before,
+            Series(x=t[: turn + 1], y=d[: turn + 1], ink=0, width=2, label="approach, edge first"),
+            Series(x=t[turn:], y=d[turn:], ink=1, width=2, label="separation, flat side first"),
+        ),
+        x=Axis(title="time [s]", ends=(-0.6, 3.0)),
+        y=Axis(title="space: overlap [m]", ends=(-0.7, 0.75)),
+        size=(430, 300),
+    )
     force = -m * (v[2:] - v[:-2]) / (t[2:] - t[:-2])
     inside = d[1:-1] > 1e-3
-    first, last = inside & (np.arange(1, len(t) - 1) < turn), inside & (np.arange(1, len(t) - 1) > turn + 1)
+    first, last = (
+        inside & (np.arange(1, len(t) - 1) < turn),
+        inside & (np.arange(1, len(t) - 1) > turn + 1),
+    )
     loop = Panel(
-        series=(Series(x=d[1:-1][first], y=force[first], ink=0, width=2), Series(x=d[1:-1][last], y=force[last], ink=1, width=2)),
-        x=Axis(title="overlap [m]"), y=Axis(title="force [N]"), size=(330, 300),
-    )  # fmt: skip
+        series=(
+            Series(x=d[1:-1][first], y=force[first], ink=0, width=2),
+            Series(x=d[1:-1][last], y=force[last], ink=1, width=2),
+        ),
+        x=Axis(title="overlap [m]"),
+        y=Axis(title="force [N]"),
+        size=(330, 300),
+    )
     numbers = {
         "kinetic energy before [J]": float(m * v[0] ** 2 / 2),
         "kinetic energy after [J]": float(m * v[-1] ** 2 / 2),
         "largest overlap [m]": float(d[turn]),
     }
     caption = (
-        "On its way in the force grows as k2 d^2, on its way out it falls as k1 d: the wedge has turned over. The two areas differ, so "
-        "kinetic energy is lost though nothing depends on a velocity; the slopes of the lines on the left are the speeds."
+        "On its way in the force grows as k2 d^2, on its way out it falls as k1 d: the wedge has"
+        " turned over. The two areas differ, so kinetic energy is lost though nothing depends on a"
+        " velocity; the slopes of the lines on the left are the speeds."
     )
-    return Figure(id="1.38", title="Wedge collision", caption=caption, panels=(way, loop), columns=2, numbers=numbers)
+    return Figure(
+        id="1.38",
+        title="Wedge collision",
+        caption=caption,
+        panels=(way, loop),
+        columns=2,
+        numbers=numbers,
+    )

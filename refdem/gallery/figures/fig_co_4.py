@@ -1,4 +1,6 @@
-"""Chung and Ooi's test 4, which MFiX has as DEM05: oblique impact, certified, beside what Kharaz, Gorham and Salman 2001 measured."""
+"""Chung and Ooi's test 4, which MFiX has as DEM05: oblique impact, certified, beside what Kharaz,
+Gorham and Salman 2001 measured.
+"""
 
 from fractions import Fraction
 
@@ -19,7 +21,12 @@ AXES = {
     "spin": "spin after the impact [rad/s]",
     "tangential restitution": "tangential velocity, after over before",
 }
-LABELS = ("linear law, e = 0.98 (certified)", "Hertz and Mindlin, e = 1", "measured, as MFiX reads it", "measured, as Kratos reads it")
+LABELS = (
+    "linear law, e = 0.98 (certified)",
+    "Hertz and Mindlin, e = 1",
+    "measured, as MFiX reads it",
+    "measured, as Kratos reads it",
+)
 
 
 def figure() -> Figure:
@@ -28,27 +35,50 @@ def figure() -> Figure:
     measured = readings("kharaz_2001")
     panels = []
     for quantity, title in AXES.items():
-        series = [Series(x=ANGLES, y=law[quantity], ink=k, label=LABELS[k], dashed=k == 1, width=2) for k, law in enumerate(laws)]
+        series = [
+            Series(x=ANGLES, y=law[quantity], ink=k, label=LABELS[k], dashed=k == 1, width=2)
+            for k, law in enumerate(laws)
+        ]
         for one in measured:
             if one.quantity == quantity:
                 x, y = one.places
                 ink = 2 + one.by.startswith("Kratos")
                 series.append(Series(x=x, y=y, ink=ink, mark="points", label=LABELS[ink]))
         panels.append(
-            Panel(series=tuple(series), x=Axis(title="impact angle [degrees]", ends=(0, 90)), y=Axis(title=title), size=(370, 260))
+            Panel(
+                series=tuple(series),
+                x=Axis(title="impact angle [degrees]", ends=(0, 90)),
+                y=Axis(title=title),
+                size=(370, 260),
+            )
         )
-    near = [np.abs(np.interp(one.angle, ANGLES, laws[0][one.quantity]) - one.value) for one in measured if one.quantity.startswith("tang")]
+    near = [
+        np.abs(np.interp(one.angle, ANGLES, laws[0][one.quantity]) - one.value)
+        for one in measured
+        if one.quantity.startswith("tang")
+    ]
     numbers = {
         "largest distance of the curve from certified values, of their size": farthest(laws[0]),
         "measured points": float(sum(len(one.angle) for one in measured)),
-        "mean distance of measured tangential restitution from the curve (not judged)": float(np.mean(np.concatenate(near))),
+        "mean distance of measured tangential restitution from the curve (not judged)": float(
+            np.mean(np.concatenate(near))
+        ),
     }
     caption = (
-        "A sphere of aluminium oxide, 5 mm across, strikes a wall at 3.9 m/s: it sticks or slides, the more the larger the angle from the "
-        "normal. Lines: the reference, held against certified values for the declared law. Points: measured by Kharaz, Gorham and Salman "
-        "(2001), twice read off printed figures; they scatter by 5 to 10 % and judge nothing, neither law nor code."
+        "A sphere of aluminium oxide, 5 mm across, strikes a wall at 3.9 m/s: it sticks or slides,"
+        " the more the larger the angle from the normal. Lines: the reference, held against"
+        " certified values for the declared law. Points: measured by Kharaz, Gorham and Salman"
+        " (2001), twice read off printed figures; they scatter by 5 to 10 % and judge nothing,"
+        " neither law nor code."
     )
-    return Figure(id="co-4", title="Oblique impact beside an experiment", caption=caption, panels=tuple(panels), columns=2, numbers=numbers)
+    return Figure(
+        id="co-4",
+        title="Oblique impact beside an experiment",
+        caption=caption,
+        panels=tuple(panels),
+        columns=2,
+        numbers=numbers,
+    )
 
 
 def curves(member: str) -> dict[str, Array]:
@@ -63,7 +93,9 @@ def curves(member: str) -> dict[str, Array]:
 
 
 def seen_in(normal: Array, across: Array, spin: Array, before: Array) -> dict[str, Array]:
-    """Quantities from velocities [m/s] away from the wall and along it, the spin [rad/s], and the velocity along the wall before."""
+    """Quantities from velocities [m/s] away from the wall and along it, the spin [rad/s], and the
+    velocity along the wall before.
+    """
     return {
         "rebound angle": np.degrees(np.arctan2(across, normal)),
         "rebound angle of the contact": np.degrees(np.arctan2(across - RADIUS * spin, normal)),
@@ -77,7 +109,15 @@ def farthest(law: dict[str, Array]) -> float:
     found = []
     for angle in CERTIFIED:
         asked = instance(CASE, member="co-4", angle=float(np.radians(angle)))
-        end = {name: np.array([float(ball.mid)]) for name, ball in asked.truth().at(Fraction(float(asked.times[-1]))).items()}
-        proved = seen_in(-end["v.x"], end["v.y"], -end["omega.z"], asked.scene.bodies.velocity[0, 1:2])
-        found += [abs(law[name][angle == ANGLES] / proved[name] - 1) for name in ("spin", "tangential restitution")]
+        end = {
+            name: np.array([float(ball.mid)])
+            for name, ball in asked.truth().at(Fraction(float(asked.times[-1]))).items()
+        }
+        proved = seen_in(
+            -end["v.x"], end["v.y"], -end["omega.z"], asked.scene.bodies.velocity[0, 1:2]
+        )
+        found += [
+            abs(law[name][angle == ANGLES] / proved[name] - 1)
+            for name in ("spin", "tangential restitution")
+        ]
     return float(np.max(found))

@@ -1,4 +1,6 @@
-"""What experiments measured, in files that say where each number comes from: drawn in figures, never judged."""
+"""What experiments measured, in files that say where each number comes from: drawn in figures,
+never judged.
+"""
 
 from pathlib import Path
 
@@ -12,7 +14,9 @@ FOLDER = Path(__file__).parent
 
 
 class Reading(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
-    """Values of a quantity at impact angles [degrees from the normal]: `of` what figure, read `by` whom."""
+    """Values of a quantity at impact angles [degrees from the normal]: `of` what figure, read `by`
+    whom.
+    """
 
     quantity: str
     of: str
@@ -31,7 +35,9 @@ class _File(msgspec.Struct, forbid_unknown_fields=True):
 
 
 def readings(name: str, folder: Path = FOLDER) -> list[Reading]:
-    """What the file of that name holds; raises UsageError for one that is not of this kind, or with other than finite pairs."""
+    """What the file of that name holds; raises UsageError for one that is not of this kind, or with
+    other than finite pairs.
+    """
     path = folder / f"{name}.toml"
     try:
         found = msgspec.toml.decode(path.read_bytes(), type=_File).reading
@@ -39,5 +45,7 @@ def readings(name: str, folder: Path = FOLDER) -> list[Reading]:
         raise UsageError(f"{path}: {error}") from None
     for one in found:
         if len(one.angle) != len(one.value) or not np.isfinite([*one.angle, *one.value]).all():
-            raise UsageError(f"{path}: {one.quantity}, {one.of}: expected as many finite values as angles")
+            raise UsageError(
+                f"{path}: {one.quantity}, {one.of}: expected as many finite values as angles"
+            )
     return found

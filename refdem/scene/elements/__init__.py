@@ -18,7 +18,11 @@ def _kinds() -> dict[str, type[Element]]:
             continue
         module = import_module(f"refdem.scene.elements.{path.stem}")
         for value in vars(module).values():
-            if isinstance(value, type) and issubclass(value, Element) and value not in (Element, Link):
+            if (
+                isinstance(value, type)
+                and issubclass(value, Element)
+                and value not in (Element, Link)
+            ):
                 found[str(value.__struct_config__.tag)] = value
     return found
 

@@ -4,7 +4,9 @@ from refdem.scene.element import Link
 
 
 class BallJoint(Link, frozen=True, kw_only=True, tag="ball_joint"):
-    """Keeps `anchor_a` of body `a` where `anchor_b` of body `b`, or of the world, is; free of friction."""
+    """Keeps `anchor_a` of body `a` where `anchor_b` of body `b`, or of the world, is; free of
+    friction.
+    """
 
     @property
     def external(self) -> bool:  # type: ignore[override]

@@ -5,9 +5,11 @@ from refdem.scene.element import Link
 
 
 class Catch(Link, frozen=True, kw_only=True, tag="catch"):
-    """Joins the anchors, when they come closest, by a rod of that length, if they are then within `radius` [m] of each other.
+    """Joins the anchors, when they come closest, by a rod of that length, if they are then within
+    `radius` [m] of each other.
 
-    At closest approach nothing moves along the line between the anchors, so that catching does no work and exerts no impulse.
+    At closest approach nothing moves along the line between the anchors, so that catching does no
+    work and exerts no impulse.
     """
 
     radius: Length

@@ -9,7 +9,9 @@ from refdem.scene.element import Array, Element
 
 
 class CentralField(Element, frozen=True, kw_only=True, tag="central_field"):
-    """Acceleration `-gm r / |r|**3` of every body towards the origin; gm [m**3/s**2]; potential zero at infinity."""
+    """Acceleration `-gm r / |r|**3` of every body towards the origin; gm [m**3/s**2]; potential
+    zero at infinity.
+    """
 
     external: ClassVar[bool] = True
 
@@ -21,6 +23,10 @@ class CentralField(Element, frozen=True, kw_only=True, tag="central_field"):
 
     def potential(self, scene: Any, position: Array, attitude: Array) -> Array:
         """`-gm sum m/|r|` (T,) [J]."""
-        with np.errstate(divide="ignore"):  # a body that a code puts into the centre has no finite energy, and so fails
-            energy: Array = -self.gm * np.sum(scene.bodies.mass / np.linalg.norm(position, axis=-1), axis=-1)
+        with np.errstate(
+            divide="ignore"
+        ):  # a body that a code puts into the centre has no finite energy, and so fails
+            energy: Array = -self.gm * np.sum(
+                scene.bodies.mass / np.linalg.norm(position, axis=-1), axis=-1
+            )
         return energy

@@ -1,4 +1,6 @@
-"""The contact law between shapes that meet: linear spring-dashpot with tangential spring and Coulomb limit, Hertz's, or rigid."""
+"""The contact law between shapes that meet: linear spring-dashpot with tangential spring and
+Coulomb limit, Hertz's, or rigid.
+"""
 
 from typing import Any, Literal
 
@@ -15,15 +17,19 @@ from refdem.scene.elements.plane import Plane
 class Contact(Element, frozen=True, kw_only=True, tag="contact"):
     """One law for every pair of shapes in the scene, planes included.
 
-    linear: normal force `stiffness * overlap + damping * d(overlap)/dt`; tangential spring `tangential_stiffness * slip`
-    with no dashpot, clipped (spring included) at `friction` times the normal force, nothing while that pulls;
-    `tangential_stiffness = 0` with friction > 0 is sliding friction of full size whenever there is slip. The spring is 0 at
-    the touch and turns with the plane of contact. `branch` is the lever arm of the tangential force, and that at which slip
-    is measured: the radius R, R - overlap, or R - overlap/2, with each sphere's own R.
-    `cutoff`: the force ends with the overlap, or already when it would pull (zero_force). hertz: normal force
-    `stiffness * overlap**(3/2)` (Hertz 1882) and tangential spring `tangential_stiffness * sqrt(overlap) * slip` (after Mindlin
-    1949), both [N/m^(3/2)], clipped alike, without damping; that spring grows stiffer with its load, so that it stores no energy
-    of its own. rigid: no overlap, `restitution` for the normal velocity, Coulomb friction.
+    linear: normal force `stiffness * overlap + damping * d(overlap)/dt`; tangential spring
+    `tangential_stiffness * slip` with no dashpot, clipped (spring included) at `friction` times the
+    normal force, nothing while that pulls;
+    `tangential_stiffness = 0` with friction > 0 is sliding friction of full size whenever there is
+    slip. The spring is 0 at the touch and turns with the plane of contact. `branch` is the lever
+    arm of the tangential force, and that at which slip is measured: the radius R, R - overlap, or R
+    - overlap/2, with each sphere's own R.
+    `cutoff`: the force ends with the overlap, or already when it would pull (zero_force). hertz:
+    normal force
+    `stiffness * overlap**(3/2)` (Hertz 1882) and tangential spring `tangential_stiffness *
+    sqrt(overlap) * slip` (after Mindlin 1949), both [N/m^(3/2)], clipped alike, without damping;
+    that spring grows stiffer with its load, so that it stores no energy of its own. rigid: no
+    overlap, `restitution` for the normal velocity, Coulomb friction.
     """
 
     law: Literal["linear", "hertz", "rigid"]
@@ -38,7 +44,11 @@ class Contact(Element, frozen=True, kw_only=True, tag="contact"):
     @property
     def conservative(self) -> bool:  # type: ignore[override]
         """Neither damping nor friction, and a rigid law that gives everything back."""
-        return self.damping == 0 and self.friction == 0 and (self.law != "rigid" or self.restitution == 1)
+        return (
+            self.damping == 0
+            and self.friction == 0
+            and (self.law != "rigid" or self.restitution == 1)
+        )
 
     @property
     def exponent(self) -> float:
@@ -51,7 +61,9 @@ class Contact(Element, frozen=True, kw_only=True, tag="contact"):
         return Dimension(1, 1 - self.exponent, -2) if stiff else super().dimension(field)
 
     def features(self) -> frozenset[str]:
-        """The law, friction where there is some, and mindlin where its spring stiffens with the load."""
+        """The law, friction where there is some, and mindlin where its spring stiffens with the
+        load.
+        """
         names = {"contact", f"contact:{self.law}"}
         if self.friction > 0:
             names |= {"friction", "contact:friction"}
@@ -64,7 +76,11 @@ class Contact(Element, frozen=True, kw_only=True, tag="contact"):
     def faults(self) -> list[str]:
         """Negative coefficients, and a linear law without stiffness."""
         numbers = ("stiffness", "damping", "tangential_stiffness", "friction", "restitution")
-        found = [f"{name} is {value}, expected >= 0" for name in numbers if (value := getattr(self, name)) < 0]
+        found = [
+            f"{name} is {value}, expected >= 0"
+            for name in numbers
+            if (value := getattr(self, name)) < 0
+        ]
         if self.law != "rigid" and not self.stiffness > 0:
             found.append(f"stiffness is {self.stiffness}, expected > 0 for the {self.law} law")
         if self.law == "hertz" and self.damping:
@@ -74,7 +90,9 @@ class Contact(Element, frozen=True, kw_only=True, tag="contact"):
         return found
 
     def potential(self, scene: Any, position: Array, attitude: Array) -> Array:
-        """`stiffness overlap**(n+1) / (n+1)` of spheres with each other and with planes (T,) [J], n = 1 or 3/2; no tangential spring."""
+        """`stiffness overlap**(n+1) / (n+1)` of spheres with each other and with planes (T,) [J], n
+        = 1 or 3/2; no tangential spring.
+        """
         energy = np.zeros(len(position))
         if self.law == "rigid":
             return energy
@@ -83,17 +101,33 @@ class Contact(Element, frozen=True, kw_only=True, tag="contact"):
         few = np.count_nonzero(radius) <= FEW
         for samples in [slice(None)] if few else [slice(k, k + 1) for k in range(len(position))]:
             overlap = _overlaps(scene, position[samples], radius)
-            energy[samples] = self.stiffness / power * np.sum(np.maximum(overlap, 0.0) ** power, axis=1)
+            energy[samples] = (
+                self.stiffness / power * np.sum(np.maximum(overlap, 0.0) ** power, axis=1)
+            )
         for plane in scene.all(Plane):
             overlap = radius - (position - np.array(plane.point)) @ np.array(plane.normal)
-            energy += self.stiffness / power * np.sum(np.maximum(overlap, 0.0) ** power * (radius > 0), axis=1)
-            energy += self.stiffness / power * np.sum(np.maximum(_depths(scene, plane, position, attitude), 0.0) ** power, axis=1)
+            energy += (
+                self.stiffness
+                / power
+                * np.sum(np.maximum(overlap, 0.0) ** power * (radius > 0), axis=1)
+            )
+            energy += (
+                self.stiffness
+                / power
+                * np.sum(
+                    np.maximum(_depths(scene, plane, position, attitude), 0.0) ** power, axis=1
+                )
+            )
         return energy
 
 
 def _depths(scene: Any, plane: Plane, position: Array, attitude: Array) -> Array:
     """How deep (T, C) [m] the corners of all polyhedra are behind a plane."""
-    corners = [(i, corner) for i, shape in enumerate(scene.bodies.shape) for corner in getattr(shape, "vertices", ())]
+    corners = [
+        (i, corner)
+        for i, shape in enumerate(scene.bodies.shape)
+        for corner in getattr(shape, "vertices", ())
+    ]
     body, arm = [i for i, _ in corners], np.array([corner for _, corner in corners]).reshape(-1, 3)
     turned = rotated(attitude[:, body], np.broadcast_to(arm, (len(position), *arm.shape)))
     depth: Array = -(position[:, body] + turned - np.array(plane.point)) @ np.array(plane.normal)
@@ -101,13 +135,19 @@ def _depths(scene: Any, plane: Plane, position: Array, attitude: Array) -> Array
 
 
 def _overlaps(scene: Any, position: Array, radius: Array) -> Array:
-    """Overlaps (T, P) [m] of all pairs of spheres, of many of those that are near in the first sample; of nearest images in a box."""
+    """Overlaps (T, P) [m] of all pairs of spheres, of many of those that are near in the first
+    sample; of nearest images in a box.
+    """
     spheres, boxes = np.flatnonzero(radius > 0), scene.all(PeriodicBox)
     if len(spheres) <= FEW:
         i, j = np.triu_indices(len(spheres), 1)
     else:
-        i, j = near_pairs(position[0, spheres], 2 * float(radius.max()), boxes[0].size if boxes else 0.0)
+        i, j = near_pairs(
+            position[0, spheres], 2 * float(radius.max()), boxes[0].size if boxes else 0.0
+        )
     i, j = spheres[i], spheres[j]
     apart = position[:, j] - position[:, i]
-    overlap: Array = radius[i] + radius[j] - np.linalg.norm(boxes[0].nearest(apart) if boxes else apart, axis=-1)
+    overlap: Array = (
+        radius[i] + radius[j] - np.linalg.norm(boxes[0].nearest(apart) if boxes else apart, axis=-1)
+    )
     return overlap

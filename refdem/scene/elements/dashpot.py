@@ -1,4 +1,6 @@
-"""A dashpot between two anchors, or in a fluid at rest: its force opposes their relative velocity."""
+"""A dashpot between two anchors, or in a fluid at rest: its force opposes their relative
+velocity.
+"""
 
 from typing import Annotated
 
@@ -7,10 +9,12 @@ from refdem.scene.element import Link
 
 
 class Dashpot(Link, frozen=True, kw_only=True, tag="dashpot"):
-    """Force `-(damping + van_der_pol d**2) w` on a, d [m] being the distance of the anchors and w [m/s] the velocity of a against b.
+    """Force `-(damping + van_der_pol d**2) w` on a, d [m] being the distance of the anchors and w
+    [m/s] the velocity of a against b.
 
-    damping [N s/m], van_der_pol [N s/m**3]; either may be negative: then the dashpot brings energy in. It resists in all
-    directions alike, as a fluid does, so that nothing is singular where the anchors meet.
+    damping [N s/m], van_der_pol [N s/m**3]; either may be negative: then the dashpot brings energy
+    in. It resists in all directions alike, as a fluid does, so that nothing is singular where the
+    anchors meet.
     """
 
     damping: Damping = 0.0

@@ -1,4 +1,6 @@
-"""A periodic force along an axis: `amplitude cos(frequency t + phase)`, t being the time of the scene."""
+"""A periodic force along an axis: `amplitude cos(frequency t + phase)`, t being the time of the
+scene.
+"""
 
 from typing import ClassVar, Self
 
@@ -11,9 +13,11 @@ from refdem.scene.element import Array, Link
 
 
 class Force(Link, frozen=True, kw_only=True, tag="force"):
-    """Pushes `a` with `amplitude` [N] `* cos(frequency t + phase)` along `axis` (unit, world axes), and b the other way.
+    """Pushes `a` with `amplitude` [N] `* cos(frequency t + phase)` along `axis` (unit, world axes),
+    and b the other way.
 
-    `frequency` is angular [rad/s]; t counts from the scene's own zero of time, not from the first sample.
+    `frequency` is angular [rad/s]; t counts from the scene's own zero of time, not from the first
+    sample.
     """
 
     conservative: ClassVar[bool] = False
@@ -34,11 +38,17 @@ class Force(Link, frozen=True, kw_only=True, tag="force"):
         """An axis that is not a unit vector, a frequency below zero."""
         found = [] if self.frequency >= 0 else [f"frequency is {self.frequency}, expected >= 0"]
         size = sum(x * x for x in self.axis)
-        return found if abs(size - 1) < 1e-12 else [*found, f"axis has length {size**0.5}, expected 1"]
+        return (
+            found if abs(size - 1) < 1e-12 else [*found, f"axis has length {size**0.5}, expected 1"]
+        )
 
     def delayed(self, delay: float) -> Self:
         """The same force for a motion that begins `delay` [s] later."""
-        return msgspec.structs.replace(self, phase=self.phase - self.frequency * delay) if delay else self
+        return (
+            msgspec.structs.replace(self, phase=self.phase - self.frequency * delay)
+            if delay
+            else self
+        )
 
     def strength(self, t: Array) -> Array:
         """The force along the axis (T,) [N] at times t (T,) [s]."""

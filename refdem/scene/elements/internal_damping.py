@@ -1,4 +1,6 @@
-"""Damping inside a body: angular momentum stays in space, kinetic energy goes, and the body ends about its axis of largest inertia."""
+"""Damping inside a body: angular momentum stays in space, kinetic energy goes, and the body ends
+about its axis of largest inertia.
+"""
 
 from typing import Annotated, ClassVar
 
@@ -7,10 +9,12 @@ from refdem.scene.element import Link
 
 
 class InternalDamping(Link, frozen=True, kw_only=True, tag="internal_damping"):
-    """Body `a` turns with omega + coefficient (L x omega), where L = J omega is its angular momentum, and loses coefficient |L x omega|^2.
+    """Body `a` turns with omega + coefficient (L x omega), where L = J omega is its angular
+    momentum, and loses coefficient |L x omega|^2.
 
-    coefficient [s/(kg m**2)]. L stays in space, so that in body axes L' = L x omega + coefficient L x (L x omega): the double
-    bracket of Bloch, Krishnaprasad, Marsden and Ratiu 1996. The omega of a state is that of J^-1 L, which carries L and the energy.
+    coefficient [s/(kg m**2)]. L stays in space, so that in body axes L' = L x omega + coefficient L
+    x (L x omega): the double bracket of Bloch, Krishnaprasad, Marsden and Ratiu 1996. The omega of
+    a state is that of J^-1 L, which carries L and the energy.
     """
 
     conservative: ClassVar[bool] = False
@@ -20,5 +24,9 @@ class InternalDamping(Link, frozen=True, kw_only=True, tag="internal_damping"):
 
     def faults(self) -> list[str]:
         """Damping that brings energy in, or that is between two bodies."""
-        found = [] if self.coefficient >= 0 else [f"coefficient is {self.coefficient}, expected >= 0"]
-        return found + ([] if self.b < 0 else [f"b is {self.b}, expected -1: it is inside body a alone"])
+        found = (
+            [] if self.coefficient >= 0 else [f"coefficient is {self.coefficient}, expected >= 0"]
+        )
+        return found + (
+            [] if self.b < 0 else [f"b is {self.b}, expected -1: it is inside body a alone"]
+        )

@@ -1,4 +1,6 @@
-"""An anchor that is moved by a law of time: it carries a body along a straight line to and fro, whatever pulls at it."""
+"""An anchor that is moved by a law of time: it carries a body along a straight line to and fro,
+whatever pulls at it.
+"""
 
 from typing import ClassVar, Self
 
@@ -10,9 +12,11 @@ from refdem.scene.element import Array, Link
 
 
 class MovingAnchor(Link, frozen=True, kw_only=True, tag="moving_anchor"):
-    """Keeps `a` at `anchor_b + amplitude cos(frequency t + phase) axis` (axis: unit, world axes), t being the time of the scene.
+    """Keeps `a` at `anchor_b + amplitude cos(frequency t + phase) axis` (axis: unit, world axes), t
+    being the time of the scene.
 
-    amplitude [m] of either sign, `frequency` angular [rad/s]. What is joined to `a` hangs from a pivot that no force moves.
+    amplitude [m] of either sign, `frequency` angular [rad/s]. What is joined to `a` hangs from a
+    pivot that no force moves.
     """
 
     conservative: ClassVar[bool] = False
@@ -30,25 +34,44 @@ class MovingAnchor(Link, frozen=True, kw_only=True, tag="moving_anchor"):
         return frozenset({"moving_anchor", "constraint"})
 
     def faults(self) -> list[str]:
-        """An end that is not the world's, an axis that is not a unit vector, a frequency below zero."""
-        found = [] if self.b < 0 else [f"b is {self.b}, expected -1: a law of time is one of the world"]
+        """An end that is not the world's, an axis that is not a unit vector, a frequency below
+        zero.
+        """
+        found = (
+            [] if self.b < 0 else [f"b is {self.b}, expected -1: a law of time is one of the world"]
+        )
         if any(self.anchor_a):
-            found.append(f"anchor_a is {self.anchor_a}, expected zeros: the centre of the body is carried")
+            found.append(
+                f"anchor_a is {self.anchor_a}, expected zeros: the centre of the body is carried"
+            )
         if not self.frequency >= 0:
             found.append(f"frequency is {self.frequency}, expected >= 0")
         size = sum(x * x for x in self.axis)
-        return found if abs(size - 1) < 1e-12 else [*found, f"axis has length {size**0.5}, expected 1"]
+        return (
+            found if abs(size - 1) < 1e-12 else [*found, f"axis has length {size**0.5}, expected 1"]
+        )
 
     def delayed(self, delay: float) -> Self:
         """The same anchor for a motion that begins `delay` [s] later."""
-        return msgspec.structs.replace(self, phase=self.phase - self.frequency * delay) if delay else self
+        return (
+            msgspec.structs.replace(self, phase=self.phase - self.frequency * delay)
+            if delay
+            else self
+        )
 
     def place(self, t: Array) -> Array:
         """Where the body is (T, 3) [m] at times t (T,) [s]."""
-        place: Array = np.array(self.anchor_b) + self.amplitude * np.cos(self.frequency * t + self.phase)[:, None] * np.array(self.axis)
+        place: Array = np.array(self.anchor_b) + self.amplitude * np.cos(
+            self.frequency * t + self.phase
+        )[:, None] * np.array(self.axis)
         return place
 
     def velocity(self, t: Array) -> Array:
         """Its velocity (T, 3) [m/s]."""
-        velocity: Array = -self.amplitude * self.frequency * np.sin(self.frequency * t + self.phase)[:, None] * np.array(self.axis)
+        velocity: Array = (
+            -self.amplitude
+            * self.frequency
+            * np.sin(self.frequency * t + self.phase)[:, None]
+            * np.array(self.axis)
+        )
         return velocity

@@ -1,14 +1,18 @@
-"""Space that repeats itself: what leaves a cubic box on one side is also what comes in on the other."""
+"""Space that repeats itself: what leaves a cubic box on one side is also what comes in on the
+other.
+"""
 
 from refdem.scene.dimension import Length
 from refdem.scene.element import Array, Element
 
 
 class PeriodicBox(Element, frozen=True, kw_only=True, tag="periodic_box"):
-    """Every body has images `size` [m] apart along x, y and z, and pairs meet by their nearest images.
+    """Every body has images `size` [m] apart along x, y and z, and pairs meet by their nearest
+    images.
 
-    Positions of a trajectory go on beyond the box, so that velocities are their rates; which of the images they are does not matter.
-    Momentum is kept; angular momentum is not, for the force between images does not act along one line.
+    Positions of a trajectory go on beyond the box, so that velocities are their rates; which of the
+    images they are does not matter. Momentum is kept; angular momentum is not, for the force
+    between images does not act along one line.
     """
 
     size: Length

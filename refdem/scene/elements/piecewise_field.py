@@ -1,4 +1,6 @@
-"""A field of force along one axis that rises linearly from x1 to the origin and falls linearly to x2 (1.139)."""
+"""A field of force along one axis that rises linearly from x1 to the origin and falls linearly to
+x2 (1.139).
+"""
 
 from typing import Any, ClassVar
 
@@ -9,10 +11,12 @@ from refdem.scene.element import Array, Element
 
 
 class PiecewiseField(Element, frozen=True, kw_only=True, tag="piecewise_field"):
-    """Force F(s) along `axis` on every body that is not fixed, s = (r - point).axis [m]; potential zero before x1.
+    """Force F(s) along `axis` on every body that is not fixed, s = (r - point).axis [m]; potential
+    zero before x1.
 
-    `k1 (s - x1)` for x1 <= s <= 0, `k2 (s - x2)` for 0 <= s <= x2, else 0, with x1 < 0 < x2, k1 > 0 > k2 and k1 x1 = k2 x2, so that
-    the force is continuous. What crosses it along the axis gains `k1 |x1| (x2 - x1)/2`, and loses that on the way back.
+    `k1 (s - x1)` for x1 <= s <= 0, `k2 (s - x2)` for 0 <= s <= x2, else 0, with x1 < 0 < x2, k1 > 0
+    > k2 and k1 x1 = k2 x2, so that the force is continuous. What crosses it along the axis gains
+    `k1 |x1| (x2 - x1)/2`, and loses that on the way back.
     """
 
     external: ClassVar[bool] = True
@@ -28,16 +32,24 @@ class PiecewiseField(Element, frozen=True, kw_only=True, tag="piecewise_field"):
         """Flanks that do not meet, an axis that is not a unit vector."""
         found = []
         if not (self.x1 < 0 < self.x2 and self.k1 > 0 > self.k2):
-            found.append(f"x1, x2, k1, k2 are {self.x1}, {self.x2}, {self.k1}, {self.k2}, expected x1 < 0 < x2 and k1 > 0 > k2")
+            found.append(
+                f"x1, x2, k1, k2 are {self.x1}, {self.x2}, {self.k1}, {self.k2}, expected x1 < 0 <"
+                " x2 and k1 > 0 > k2"
+            )
         elif abs(self.k1 * self.x1 - self.k2 * self.x2) > 1e-12 * self.k1 * -self.x1:
-            found.append(f"k1 x1 is {self.k1 * self.x1} and k2 x2 {self.k2 * self.x2}, expected the same: the force is continuous")
+            found.append(
+                f"k1 x1 is {self.k1 * self.x1} and k2 x2 {self.k2 * self.x2}, expected the same:"
+                " the force is continuous"
+            )
         if abs(sum(x * x for x in self.axis) - 1) > 1e-12:
             found.append(f"axis has length {sum(x * x for x in self.axis) ** 0.5}, expected 1")
         return found
 
     def force(self, s: Array) -> Array:
         """F [N] at s [m], of any shape."""
-        return np.where(s <= 0, self.k1 * np.maximum(s - self.x1, 0.0), self.k2 * np.minimum(s - self.x2, 0.0))
+        return np.where(
+            s <= 0, self.k1 * np.maximum(s - self.x1, 0.0), self.k2 * np.minimum(s - self.x2, 0.0)
+        )
 
     def potential(self, scene: Any, position: Array, attitude: Array) -> Array:
         """`-integral F` of every body (T,) [J]."""

@@ -1,4 +1,6 @@
-"""Dry friction along an axis: `Sgn(0) = [-1, 1]`, so a body at rest under no more than the limit stays at rest."""
+"""Dry friction along an axis: `Sgn(0) = [-1, 1]`, so a body at rest under no more than the limit
+stays at rest.
+"""
 
 from typing import Annotated, Any, ClassVar, Literal
 
@@ -11,11 +13,13 @@ Speed = Annotated[float, Dimension(0, 1, -1)]
 
 
 class Slider(Link, frozen=True, kw_only=True, tag="slider"):
-    """Friction of size `coefficient(|u|) normal_force` [N] against u, the velocity along `axis` (unit, world axes) less that of the belt.
+    """Friction of size `coefficient(|u|) normal_force` [N] against u, the velocity along `axis`
+    (unit, world axes) less that of the belt.
 
-    coulomb: the coefficient is `friction`, whatever the speed. stribeck: `(mu0 - mu1)/(1 + lambda0 |u|) + mu1 + lambda1 |u|**2`, or
-    with |u| in the last term (stribeck_linear); lambda0 [s/m], lambda1 [s**2/m**2] or [s/m]. At u = 0 it holds up to the coefficient
-    of zero speed. `belt_velocity` [m/s] is that of what it rubs on, along the axis.
+    coulomb: the coefficient is `friction`, whatever the speed. stribeck: `(mu0 - mu1)/(1 + lambda0
+    |u|) + mu1 + lambda1 |u|**2`, or with |u| in the last term (stribeck_linear); lambda0 [s/m],
+    lambda1 [s**2/m**2] or [s/m]. At u = 0 it holds up to the coefficient of zero speed.
+    `belt_velocity` [m/s] is that of what it rubs on, along the axis.
     """
 
     conservative: ClassVar[bool] = False
@@ -47,17 +51,27 @@ class Slider(Link, frozen=True, kw_only=True, tag="slider"):
 
     def dimension(self, field: str) -> Dimension | None:
         """That of `lambda1` follows from the law."""
-        return Dimension(0, -1, 1) if field == "lambda1" and self.law == "stribeck_linear" else super().dimension(field)
+        return (
+            Dimension(0, -1, 1)
+            if field == "lambda1" and self.law == "stribeck_linear"
+            else super().dimension(field)
+        )
 
     def features(self) -> frozenset[str]:
         """Dry friction is a feature of its own: it lowers the order of most methods."""
         own = {"slider:stribeck"} if self.law != "coulomb" else set()
-        return frozenset({"slider", "friction"} | own | ({"slider:belt"} if self.belt_velocity else set()))
+        return frozenset(
+            {"slider", "friction"} | own | ({"slider:belt"} if self.belt_velocity else set())
+        )
 
     def faults(self) -> list[str]:
         """A negative coefficient or normal force."""
         names = ("friction", "normal_force", "mu0", "mu1", "lambda0", "lambda1")
-        return [f"{name} is {value}, expected >= 0" for name in names if (value := getattr(self, name)) < 0]
+        return [
+            f"{name} is {value}, expected >= 0"
+            for name in names
+            if (value := getattr(self, name)) < 0
+        ]
 
     def coefficient(self, speed: Any) -> Any:
         """Friction over normal force at a speed |u| >= 0 [m/s]."""

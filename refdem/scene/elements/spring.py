@@ -1,4 +1,6 @@
-"""A spring along the line between two anchors: a power law of the stretch = distance - length, and its square and cube."""
+"""A spring along the line between two anchors: a power law of the stretch = distance - length, and
+its square and cube.
+"""
 
 from typing import Annotated, Any
 
@@ -9,9 +11,11 @@ from refdem.scene.element import Array, Link
 
 
 class Spring(Link, frozen=True, kw_only=True, tag="spring"):
-    """Pulls the anchors together with `stiffness |s|**exponent sgn s + quadratic s**2 + cubic s**3`, s = distance - length [m].
+    """Pulls the anchors together with `stiffness |s|**exponent sgn s + quadratic s**2 + cubic
+    s**3`, s = distance - length [m].
 
-    stiffness [N/m**exponent], quadratic [N/m**2], cubic [N/m**3], each of any sign; potential zero at the distance `length`.
+    stiffness [N/m**exponent], quadratic [N/m**2], cubic [N/m**3], each of any sign; potential zero
+    at the distance `length`.
     """
 
     stiffness: Stiffness
@@ -27,11 +31,19 @@ class Spring(Link, frozen=True, kw_only=True, tag="spring"):
 
     def dimension(self, field: str) -> Dimension | None:
         """That of `stiffness` [N/m**exponent] follows from the exponent."""
-        return Dimension(1, 1 - self.exponent, -2) if field == "stiffness" else super().dimension(field)
+        return (
+            Dimension(1, 1 - self.exponent, -2)
+            if field == "stiffness"
+            else super().dimension(field)
+        )
 
     def features(self) -> frozenset[str]:
         """The kind, and what makes its force other than proportional to the stretch."""
-        laws = {"spring:exponent": self.exponent != 1, "spring:quadratic": self.quadratic != 0, "spring:cubic": self.cubic != 0}
+        laws = {
+            "spring:exponent": self.exponent != 1,
+            "spring:quadratic": self.quadratic != 0,
+            "spring:cubic": self.cubic != 0,
+        }
         return frozenset({"spring", *(name for name, has in laws.items() if has)})
 
     def faults(self) -> list[str]:
@@ -46,18 +58,29 @@ class Spring(Link, frozen=True, kw_only=True, tag="spring"):
     def pull(self, stretch: Array) -> Array:
         """Force [N] towards each other for stretch [m], both of any shape."""
         s = np.asarray(stretch, float)
-        pull: Array = self.stiffness * np.sign(s) * np.abs(s) ** self.exponent + (self.quadratic + self.cubic * s) * s * s
+        pull: Array = (
+            self.stiffness * np.sign(s) * np.abs(s) ** self.exponent
+            + (self.quadratic + self.cubic * s) * s * s
+        )
         return pull
 
     def potential_size(self, position: Array, attitude: Array) -> Array:
-        """The potential (T,) [J] with the sizes of its terms: terms of opposite sign cancel, their rounding does not."""
+        """The potential (T,) [J] with the sizes of its terms: terms of opposite sign cancel, their
+        rounding does not.
+        """
         s = np.abs(self.distance(position, attitude) - self.length)
         size: Array = abs(self.stiffness) * s ** (self.exponent + 1) / (self.exponent + 1)
         size += (abs(self.quadratic) / 3 + abs(self.cubic) * s / 4) * s**3
         return size
 
     def potential(self, scene: Any, position: Array, attitude: Array) -> Array:
-        """`stiffness |s|**(exponent+1) / (exponent+1) + quadratic s**3 / 3 + cubic s**4 / 4` (T,) [J]."""
+        """`stiffness |s|**(exponent+1) / (exponent+1) + quadratic s**3 / 3 + cubic s**4 / 4` (T,)
+        [J].
+        """
         s = self.distance(position, attitude) - self.length
         energy: Array = self.stiffness * np.abs(s) ** (self.exponent + 1) / (self.exponent + 1)
-        return energy + (self.quadratic / 3 + self.cubic * s / 4) * s**3 if self.quadratic or self.cubic else energy
+        return (
+            energy + (self.quadratic / 3 + self.cubic * s / 4) * s**3
+            if self.quadratic or self.cubic
+            else energy
+        )

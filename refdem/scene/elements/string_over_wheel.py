@@ -1,4 +1,6 @@
-"""A string that runs over a wheel: one body swings on one side, another hangs straight down on the other (fig. 1.3b)."""
+"""A string that runs over a wheel: one body swings on one side, another hangs straight down on the
+other (fig. 1.3b).
+"""
 
 from typing import Annotated, Any, ClassVar
 
@@ -9,10 +11,12 @@ from refdem.scene.element import Array, Element
 
 
 class StringOverWheel(Element, frozen=True, kw_only=True, tag="string_over_wheel"):
-    """Body `a` swings in a plane with gravity, body `b` moves along gravity on the other side; the taut string does not slip.
+    """Body `a` swings in a plane with gravity, body `b` moves along gravity on the other side; the
+    taut string does not slip.
 
-    The string leaves the wheel (`radius` [m] >= 0, `inertia` [kg m^2] about its axle at `centre`) at its tangents; its length is what
-    the start has. Wheel and string hold no potential energy; the wheel turns at u/radius, u being the speed of the string.
+    The string leaves the wheel (`radius` [m] >= 0, `inertia` [kg m^2] about its axle at `centre`)
+    at its tangents; its length is what the start has. Wheel and string hold no potential energy;
+    the wheel turns at u/radius, u being the speed of the string.
     """
 
     external: ClassVar[bool] = True
@@ -29,10 +33,21 @@ class StringOverWheel(Element, frozen=True, kw_only=True, tag="string_over_wheel
 
     def faults(self) -> list[str]:
         """Negative sizes, a wheel of no radius that would have to turn infinitely fast."""
-        found = [f"{name} is {value}, expected >= 0" for name in ("radius", "inertia") if (value := getattr(self, name)) < 0]
+        found = [
+            f"{name} is {value}, expected >= 0"
+            for name in ("radius", "inertia")
+            if (value := getattr(self, name)) < 0
+        ]
         if self.radius == 0 and self.inertia > 0:
-            found.append(f"inertia is {self.inertia} at radius 0, expected 0: a point does not turn with the string")
-        return found if self.b >= 0 else [*found, f"b is {self.b}, expected a body: the world does not hang on a string"]
+            found.append(
+                f"inertia is {self.inertia} at radius 0, expected 0: a point does not turn with the"
+                " string"
+            )
+        return (
+            found
+            if self.b >= 0
+            else [*found, f"b is {self.b}, expected a body: the world does not hang on a string"]
+        )
 
     @property
     def drag(self) -> float:

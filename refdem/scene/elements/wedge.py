@@ -1,4 +1,6 @@
-"""A wall and particles that are wedges: edge first they are pressed back otherwise than flat side first, and they turn when they stop."""
+"""A wall and particles that are wedges: edge first they are pressed back otherwise than flat side
+first, and they turn when they stop.
+"""
 
 from typing import Annotated, Any, ClassVar
 
@@ -10,11 +12,13 @@ from refdem.scene.element import Array, Element
 
 
 class Wedge(Element, frozen=True, kw_only=True, tag="wedge"):
-    """Presses bodies that have passed `point` against `normal` by d [m] back along the normal, by their orientation.
+    """Presses bodies that have passed `point` against `normal` by d [m] back along the normal, by
+    their orientation.
 
-    Edge first (the body's y axis looks at the wall) with `quadratic d**2` [N/m^2], flat side first with `stiffness d` [N/m]. Where
-    a body that presses comes to a stop it turns by pi about its z axis, at once: the force depends on place and orientation, never
-    on the velocity. Run back, it comes in with the law with which it went out. Potential zero at the wall.
+    Edge first (the body's y axis looks at the wall) with `quadratic d**2` [N/m^2], flat side first
+    with `stiffness d` [N/m]. Where a body that presses comes to a stop it turns by pi about its z
+    axis, at once: the force depends on place and orientation, never on the velocity. Run back, it
+    comes in with the law with which it went out. Potential zero at the wall.
     """
 
     conservative: ClassVar[bool] = False
@@ -33,9 +37,17 @@ class Wedge(Element, frozen=True, kw_only=True, tag="wedge"):
 
     def faults(self) -> list[str]:
         """Forces that do not press, a normal that is not a unit vector."""
-        found = [f"{name} is {value}, expected > 0" for name in ("quadratic", "stiffness") if not (value := getattr(self, name)) > 0]
+        found = [
+            f"{name} is {value}, expected > 0"
+            for name in ("quadratic", "stiffness")
+            if not (value := getattr(self, name)) > 0
+        ]
         size = sum(x * x for x in self.normal)
-        return found if abs(size - 1) < 1e-12 else [*found, f"normal has length {size**0.5}, expected 1"]
+        return (
+            found
+            if abs(size - 1) < 1e-12
+            else [*found, f"normal has length {size**0.5}, expected 1"]
+        )
 
     def overlap(self, position: Array) -> Array:
         """d (...) [m], negative before the wall, for position (..., 3)."""
@@ -44,13 +56,17 @@ class Wedge(Element, frozen=True, kw_only=True, tag="wedge"):
 
     def edge_first(self, attitude: Array) -> Array:
         """Whether the edge looks at the wall (...), for attitude (..., 4)."""
-        edge = rotated(attitude, np.broadcast_to(np.array([0.0, 1.0, 0.0]), (*attitude.shape[:-1], 3)))
+        edge = rotated(
+            attitude, np.broadcast_to(np.array([0.0, 1.0, 0.0]), (*attitude.shape[:-1], 3))
+        )
         looks: Array = edge @ np.asarray(self.normal) < 0
         return looks
 
     def potential(self, scene: Any, position: Array, attitude: Array) -> Array:
         """`quadratic d**3 / 3` or `stiffness d**2 / 2` of every body that presses (T,) [J]."""
         d = np.maximum(self.overlap(position), 0.0)
-        energy = np.where(self.edge_first(attitude), self.quadratic * d**3 / 3, self.stiffness * d**2 / 2)
+        energy = np.where(
+            self.edge_first(attitude), self.quadratic * d**3 / 3, self.stiffness * d**2 / 2
+        )
         total: Array = np.sum(energy * ~scene.bodies.fixed, axis=-1)
         return total

@@ -8,7 +8,10 @@ from refdem.stress.scenes.simultaneous import CASE as SIMULTANEOUS
 BATTERY = Battery(
     id="contacts",
     title="Simultaneous contacts, overlap at the start",
-    question="How many contacts may begin at the same instant, and how small or deep an overlap may a motion start with?",
+    question=(
+        "How many contacts may begin at the same instant, and how small or deep an overlap may a"
+        " motion start with?"
+    ),
     ladders=(
         Ladder(
             name="hits at once",

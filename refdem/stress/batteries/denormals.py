@@ -10,7 +10,10 @@ BASIS = "squares of lengths stay above the smallest normal number, 2e-308"
 BATTERY = Battery(
     id="denormals",
     title="Denormal numbers",
-    question="How small may a scene be? Squares of lengths underflow first, then the lengths themselves lose digits.",
+    question=(
+        "How small may a scene be? Squares of lengths underflow first, then the lengths themselves"
+        " lose digits."
+    ),
     ladders=tuple(
         Ladder(
             name=f"tiny: {case.partition('[')[0]}",

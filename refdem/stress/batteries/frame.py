@@ -30,16 +30,24 @@ def dyadic(x: float) -> float:
 
 def turned(instance: Instance, x: float) -> Symmetry:
     """By an angle of x rad, about z in a plane."""
-    axis = np.array([2.0, 1.0, 2.0]) / 3 if "dimension:3" in instance.scene.features else np.array([0.0, 0.0, 1.0])
+    axis = (
+        np.array([2.0, 1.0, 2.0]) / 3
+        if "dimension:3" in instance.scene.features
+        else np.array([0.0, 0.0, 1.0])
+    )
     return Symmetry(turn=np.array([np.cos(x / 2), *(np.sin(x / 2) * axis)]))
 
 
 def units(mass: int, length: int, time: int) -> Callable[[Instance, float], Symmetry]:
     """Units that are so many powers of x."""
-    return lambda instance, x: Symmetry(units=(dyadic(x) ** mass, dyadic(x) ** length, dyadic(x) ** time))
+    return lambda instance, x: Symmetry(
+        units=(dyadic(x) ** mass, dyadic(x) ** length, dyadic(x) ** time)
+    )
 
 
-FRAMES: tuple[tuple[str, str, Change, tuple[str, ...], str, str, Callable[[Instance, float], Symmetry]], ...] = (
+FRAMES: tuple[
+    tuple[str, str, Change, tuple[str, ...], str, str, Callable[[Instance, float], Symmetry]], ...
+] = (
     (
         "far away",
         "distance / L",
@@ -58,7 +66,15 @@ FRAMES: tuple[tuple[str, str, Change, tuple[str, ...], str, str, Callable[[Insta
         "positions and velocities are rounded to u times their size",
         lambda instance, x: Symmetry(boost=dyadic(x) * instance.scales.speed * along(instance)),
     ),
-    ("turned", "angle [rad]", "rotated", ANGLES, "3", "a turned vector is rounded in every component", turned),
+    (
+        "turned",
+        "angle [rad]",
+        "rotated",
+        ANGLES,
+        "3",
+        "a turned vector is rounded in every component",
+        turned,
+    ),
     (
         "later",
         "start / interval of samples",
@@ -68,13 +84,50 @@ FRAMES: tuple[tuple[str, str, Change, tuple[str, ...], str, str, Callable[[Insta
         "samples are whole numbers of intervals, exact up to 2^32",
         lambda instance, x: Symmetry(delay=dyadic(x) * instance.motion.interval),
     ),
-    ("longer", "unit of length", "rescaled", UNITS, "1e12", "units that are powers of two round nothing", units(0, 1, 0)),
-    ("shorter", "1 / unit of length", "rescaled", UNITS, "1e12", "units that are powers of two round nothing", units(0, -1, 0)),
-    ("slower", "unit of time", "rescaled", UNITS, "1e12", "units that are powers of two round nothing", units(0, 0, 1)),
-    ("heavier", "unit of mass", "rescaled", UNITS, "1e12", "units that are powers of two round nothing", units(1, 0, 0)),
+    (
+        "longer",
+        "unit of length",
+        "rescaled",
+        UNITS,
+        "1e12",
+        "units that are powers of two round nothing",
+        units(0, 1, 0),
+    ),
+    (
+        "shorter",
+        "1 / unit of length",
+        "rescaled",
+        UNITS,
+        "1e12",
+        "units that are powers of two round nothing",
+        units(0, -1, 0),
+    ),
+    (
+        "slower",
+        "unit of time",
+        "rescaled",
+        UNITS,
+        "1e12",
+        "units that are powers of two round nothing",
+        units(0, 0, 1),
+    ),
+    (
+        "heavier",
+        "unit of mass",
+        "rescaled",
+        UNITS,
+        "1e12",
+        "units that are powers of two round nothing",
+        units(1, 0, 0),
+    ),
 )
 CASES = {
-    "far away": ("harmonic-oscillator", "two-spheres[friction=1/4 angle=1/2]", "pendulum", "free-rigid-body"),
+    "far away": (
+        "harmonic-oscillator",
+        "two-spheres[friction=1/4 angle=1/2]",
+        "pendulum",
+        "free-rigid-body",
+    ),
     "boosted": ("two-spheres[friction=1/4 angle=1/2]", "newtons-first-law"),
     "turned": ("two-spheres[friction=1/4 angle=1/2]", "pendulum", "free-rigid-body"),
     "later": ("driven-oscillator", "pendulum"),
@@ -88,7 +141,10 @@ CASES = {
 BATTERY = Battery(
     id="frame",
     title="Far away, boosted, turned, later, in other units",
-    question="Mechanics is the same there, and may differ by round-off of numbers of that size alone: is it, and how far?",
+    question=(
+        "Mechanics is the same there, and may differ by round-off of numbers of that size alone: is"
+        " it, and how far?"
+    ),
     ladders=tuple(
         Ladder(
             name=f"{name}: {case.partition('[')[0]}",

@@ -8,14 +8,22 @@ MORE = ("1", "1e1", "1e3", "1e6", "1e12")
 SLOWER = ("1", "1e-1", "1e-3", "1e-6", "1e-9", "1e-12", "0")
 STOPS = "each half cycle is in closed form, and where there is no friction none is taken off"
 HOLDS = "what friction can hold does not move at all, however large it is"
-GRIPS = "spheres stick until the force has all but gone, and the slip that is left is 1/mu as long; its ends are events"
-BEYOND = "a given step goes on beyond the end of the force, where friction is mu times as large and wrongly directed"
+GRIPS = (
+    "spheres stick until the force has all but gone, and the slip that is left is 1/mu as long; its"
+    " ends are events"
+)
+BEYOND = (
+    "a given step goes on beyond the end of the force, where friction is mu times as large and"
+    " wrongly directed"
+)
 RUBS = "sliding friction has a direction for every speed but exactly 0, where it is 0"
 
 BATTERY = Battery(
     id="friction",
     title="Friction 0 and huge, zero tangential speed",
-    question="How small, and how large, may friction be, and how small the speed that it acts against?",
+    question=(
+        "How small, and how large, may friction be, and how small the speed that it acts against?"
+    ),
     ladders=(
         Ladder(
             name="less and less on an oscillator",
@@ -70,7 +78,10 @@ BATTERY = Battery(
             promised="1e12",
             basis=GRIPS,
             exempt={"rk4": ("1e3", BEYOND)},
-            measure=Parameters(lambda x: {"friction": f"{x}", "angle": "1/2", "tangential_stiffness": "64"}, samples=8),
+            measure=Parameters(
+                lambda x: {"friction": f"{x}", "angle": "1/2", "tangential_stiffness": "64"},
+                samples=8,
+            ),
         ),
         Ladder(
             name="less and less tangential speed",
@@ -79,7 +90,10 @@ BATTERY = Battery(
             rungs=SLOWER,
             promised="0",
             basis=RUBS,
-            measure=Parameters(lambda x: {"friction": "1/4", "angle": f"{x}", "tangential_stiffness": "64"}, samples=8),
+            measure=Parameters(
+                lambda x: {"friction": "1/4", "angle": f"{x}", "tangential_stiffness": "64"},
+                samples=8,
+            ),
         ),
     ),
 )

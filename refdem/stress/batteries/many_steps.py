@@ -4,7 +4,10 @@ from refdem.stress.ladder import Battery, Ladder
 from refdem.stress.measures.many_steps import ManySteps
 
 RUNGS = (*(str(256 * 4**k) for k in range(1, 9)), str(2**27))
-BASIS = "a symplectic step keeps a quadratic form, and round-off of random sign adds as the square root of the number of steps"
+BASIS = (
+    "a symplectic step keeps a quadratic form, and round-off of random sign adds as the square root"
+    " of the number of steps"
+)
 
 BATTERY = Battery(
     id="many-steps",
@@ -19,7 +22,9 @@ BATTERY = Battery(
             measure=ManySteps(),
             promised=str(2**20),
             basis=BASIS,
-            exempt={"rk4": ("4096", "truncation of a method that is not symplectic damps the motion")},
+            exempt={
+                "rk4": ("4096", "truncation of a method that is not symplectic damps the motion")
+            },
             costly=True,
         ),
     ),

@@ -7,7 +7,10 @@ LESS = ("1", "0.9999", "0.9", "0.5", "0.2", "0.14")
 NEARER = ("1e-1", "1e-3", "1e-6", "1e-12", "0")
 CRITICAL = ("1/2", "1e-1", "1e-2", "1e-3", "1e-4", "1e-6")
 HARDER = ("1", "1e1", "30", "1e2", "1e4", "1e6")
-BASIS = "a linear contact ends at a known phase, and the phase is real for every loss below critical damping"
+BASIS = (
+    "a linear contact ends at a known phase, and the phase is real for every loss below critical"
+    " damping"
+)
 
 BATTERY = Battery(
     id="restitution",

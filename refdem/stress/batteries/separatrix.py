@@ -1,15 +1,28 @@
-"""Starts nearer and nearer to where the motion would never end: the unstable axis, the upright pendulum."""
+"""Starts nearer and nearer to where the motion would never end: the unstable axis, the upright
+pendulum.
+"""
 
 from refdem.stress.ladder import Battery, Ladder
 from refdem.stress.measures.parameters import Parameters
 
 RUNGS = (*(f"1e-{k}" for k in range(1, 13)), "1e-14", "1e-16", "1e-20")
-BASIS = "the distance from the separatrix is a number of its own in closed forms, and S says how much of its rounding is seen"
+BASIS = (
+    "the distance from the separatrix is a number of its own in closed forms, and S says how much"
+    " of its rounding is seen"
+)
 
 
 def ladder(name: str, case: str, along: str, measure: Parameters) -> Ladder:
     """A ladder of starts, promised to 1e-12."""
-    return Ladder(name=name, case=case, along=along, rungs=RUNGS, measure=measure, promised="1e-12", basis=BASIS)
+    return Ladder(
+        name=name,
+        case=case,
+        along=along,
+        rungs=RUNGS,
+        measure=measure,
+        promised="1e-12",
+        basis=BASIS,
+    )
 
 
 BATTERY = Battery(
@@ -17,9 +30,17 @@ BATTERY = Battery(
     title="Near the separatrix and the unstable axis",
     question="How near to the separatrix may a motion start?",
     ladders=(
-        ladder("off axis 2, towards axis 1", "intermediate-axis", "offset / omega", Parameters(lambda x: {"offset": f"{x}"})),
         ladder(
-            "off axis 2, towards axis 3", "intermediate-axis", "offset / omega", Parameters(lambda x: {"offset": f"{x}", "direction": "3"})
+            "off axis 2, towards axis 1",
+            "intermediate-axis",
+            "offset / omega",
+            Parameters(lambda x: {"offset": f"{x}"}),
+        ),
+        ladder(
+            "off axis 2, towards axis 3",
+            "intermediate-axis",
+            "offset / omega",
+            Parameters(lambda x: {"offset": f"{x}", "direction": "3"}),
         ),
         ladder(
             "pendulum that just does not turn over",
@@ -33,6 +54,11 @@ BATTERY = Battery(
             "k - 1",
             Parameters(lambda x: {"gravity": "1", "theta0": "0", "thetadot0": f"{2 + 2 * x}"}),
         ),
-        ladder("pendulum let go near the top", "pendulum-equilibria", "angle [rad]", Parameters(lambda x: {"delta": f"{x}"})),
+        ladder(
+            "pendulum let go near the top",
+            "pendulum-equilibria",
+            "angle [rad]",
+            Parameters(lambda x: {"delta": f"{x}"}),
+        ),
     ),
 )

@@ -1,4 +1,6 @@
-"""How many digits a code really carries: two starts that differ by a small part must be told apart to the end."""
+"""How many digits a code really carries: two starts that differ by a small part must be told apart
+to the end.
+"""
 
 from refdem.core.symmetry import Symmetry
 from refdem.stress.ladder import Battery, Ladder
@@ -10,7 +12,10 @@ BASIS = "a part of x is seen to a tenth while round-off, 2 c u sqrt(n) S, is bel
 BATTERY = Battery(
     id="single-precision",
     title="Single precision inside",
-    question="To how small a part are two starts told apart? A code that passes through single precision ends at 1e-6.",
+    question=(
+        "To how small a part are two starts told apart? A code that passes through single precision"
+        " ends at 1e-6."
+    ),
     ladders=tuple(
         Ladder(
             name=f"told apart: {case.partition('[')[0]}",
@@ -20,8 +25,15 @@ BATTERY = Battery(
             is_general=True,
             promised=promised,
             basis=BASIS,
-            measure=Frame("rescaled", lambda instance, x: Symmetry(units=(1.0, 1.0 + x, 1.0)), told_apart=True),
+            measure=Frame(
+                "rescaled", lambda instance, x: Symmetry(units=(1.0, 1.0 + x, 1.0)), told_apart=True
+            ),
         )
-        for case, promised in (("harmonic-oscillator", "1e-10"), ("two-spheres", "1e-10"), ("pendulum", "1e-8"), ("two-body-orbit", "1e-8"))
+        for case, promised in (
+            ("harmonic-oscillator", "1e-10"),
+            ("two-spheres", "1e-10"),
+            ("pendulum", "1e-8"),
+            ("two-body-orbit", "1e-8"),
+        )
     ),
 )

@@ -3,14 +3,37 @@
 from refdem.stress.ladder import Battery, Ladder
 from refdem.stress.measures.step_limit import StepLimit
 
-RUNGS = ("1/8", "1/4", "1/2", "3/4", "9/10", "99/100", "101/100", "11/10", "5/4", "7/5", "143/100", "3/2", "2", "4", "8", "16")
+RUNGS = (
+    "1/8",
+    "1/4",
+    "1/2",
+    "3/4",
+    "9/10",
+    "99/100",
+    "101/100",
+    "11/10",
+    "5/4",
+    "7/5",
+    "143/100",
+    "3/2",
+    "2",
+    "4",
+    "8",
+    "16",
+)
 ALONG = "step in units of 2/omega"
-THEORY = "the limit of Verlet's method is 2/omega, that of classical Runge-Kutta 2.83/omega (Hairer, Norsett and Wanner 1996, IV.2)"
+THEORY = (
+    "the limit of Verlet's method is 2/omega, that of classical Runge-Kutta 2.83/omega (Hairer,"
+    " Norsett and Wanner 1996, IV.2)"
+)
 
 BATTERY = Battery(
     id="step-limit",
     title="Step up to and past the stability limit",
-    question="How long may the step be before the run grows without bound? 1000 steps must stay within 100 times the motion's size.",
+    question=(
+        "How long may the step be before the run grows without bound? 1000 steps must stay within"
+        " 100 times the motion's size."
+    ),
     ladders=(
         Ladder(
             name="step: harmonic-oscillator",
@@ -22,8 +45,29 @@ BATTERY = Battery(
             promised="99/100",
             basis=THEORY,
         ),
-        Ladder(name="step: pendulum", case="pendulum", along=ALONG, rungs=RUNGS, measure=StepLimit(), is_general=True),
-        Ladder(name="step: two-body-orbit", case="two-body-orbit", along=ALONG, rungs=RUNGS, measure=StepLimit(), is_general=True),
-        Ladder(name="step: free-rigid-body", case="free-rigid-body", along=ALONG, rungs=RUNGS, measure=StepLimit(), is_general=True),
+        Ladder(
+            name="step: pendulum",
+            case="pendulum",
+            along=ALONG,
+            rungs=RUNGS,
+            measure=StepLimit(),
+            is_general=True,
+        ),
+        Ladder(
+            name="step: two-body-orbit",
+            case="two-body-orbit",
+            along=ALONG,
+            rungs=RUNGS,
+            measure=StepLimit(),
+            is_general=True,
+        ),
+        Ladder(
+            name="step: free-rigid-body",
+            case="free-rigid-body",
+            along=ALONG,
+            rungs=RUNGS,
+            measure=StepLimit(),
+            is_general=True,
+        ),
     ),
 )

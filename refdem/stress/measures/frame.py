@@ -1,4 +1,6 @@
-"""The same scene in another frame: far away, fast, turned, in other units; judged against itself where it is."""
+"""The same scene in another frame: far away, fast, turned, in other units; judged against itself
+where it is.
+"""
 
 import sys
 from collections.abc import Callable, Mapping
@@ -31,7 +33,8 @@ TINY = 2.0**-1074
 class Frame(Measure):
     """`show` gives the frame of a rung, `change` the symmetry that it is one of.
 
-    With `told_apart` the frame differs from the scene's by a part x only, and a tenth of x must be seen.
+    With `told_apart` the frame differs from the scene's by a part x only, and a tenth of x must be
+    seen.
     """
 
     change: Change
@@ -46,13 +49,21 @@ class Frame(Measure):
         """All of a short refinement: the check takes the one that tells."""
         return refinement.levels(instance, method, LEVELS, MOST_STEPS)
 
-    def refusal(self, engine: Engine, method: Method, instance: Instance, x: Fraction) -> str | None:
-        """What breaks the symmetry, or why the method refuses the scene as it is or as the frame shows it."""
+    def refusal(
+        self, engine: Engine, method: Method, instance: Instance, x: Fraction
+    ) -> str | None:
+        """What breaks the symmetry, or why the method refuses the scene as it is or as the frame
+        shows it.
+        """
         if not isinstance(instance.problem, Motion):
             return f"{instance.problem.words} has no frame"
         broken = symmetry.broken(instance.scene, self.change)
         shown = self.show(instance, float(x))
-        return broken or engine.refuses(instance.problem, method) or engine.refuses(shown.applied(instance.motion), method)
+        return (
+            broken
+            or engine.refuses(instance.problem, method)
+            or engine.refuses(shown.applied(instance.motion), method)
+        )
 
     def request(self, task: Task, variant: Variant, x: Fraction) -> Request:
         """The scene as the frame shows it, with the step in its units."""
@@ -65,15 +76,26 @@ class Frame(Measure):
 
     def checks(self, trial: Trial, x: Fraction) -> tuple[Check, ...]:
         """Seen from the frame, the motion is the same."""
-        return (Seen(self.change, self.show(trial.instance, float(x)), float(x) if self.told_apart else None),)
+        return (
+            Seen(
+                self.change,
+                self.show(trial.instance, float(x)),
+                float(x) if self.told_apart else None,
+            ),
+        )
 
 
 class Seen(Check):
-    """The motion, seen from a frame and taken back, is the motion itself to round-off of numbers as large as they are there."""
+    """The motion, seen from a frame and taken back, is the motion itself to round-off of numbers as
+    large as they are there.
+    """
 
     name = "frame"
     title = "Frame"
-    kills = "precision lost far from the origin, an absolute threshold, a force that knows the origin, single precision inside"
+    kills = (
+        "precision lost far from the origin, an absolute threshold, a force that knows the origin,"
+        " single precision inside"
+    )
 
     def __init__(self, change: Change, view: Symmetry, part: float | None) -> None:
         self.change, self.view, self.part = change, view, part
@@ -85,36 +107,65 @@ class Seen(Check):
     def needs(self, trial: Trial) -> tuple[Variant, ...]:
         """One level as it is, with its start moved a little, and seen from the frame."""
         level = level_for(trial)
-        return Variant(level), Variant(level, "perturbed", perturbation(trial.method)), Variant(level, self.change)
+        return (
+            Variant(level),
+            Variant(level, "perturbed", perturbation(trial.method)),
+            Variant(level, self.change),
+        )
 
     def judge(self, trial: Trial, runs: Mapping[Variant, Outcome]) -> list[Finding]:
         """The largest scaled difference of any state."""
-        plain, moved, seen = (runs[variant].trajectory if variant in runs else None for variant in self.needs(trial))
+        plain, moved, seen = (
+            runs[variant].trajectory if variant in runs else None for variant in self.needs(trial)
+        )
         if plain is None or seen is None:
             return [undecided(self.name, self.change, "the code refused the scene when it ran")]
-        bounds = allowed(trial, self.view, growth_of(trial, moved or plain, plain)) * self._denormal(trial)
+        bounds = allowed(
+            trial, self.view, growth_of(trial, moved or plain, plain)
+        ) * self._denormal(trial)
         count = scored(bounds)
         if self.part is not None:
             count = len(bounds) if bounds[-1] <= self.part / 10 else 0
             bounds = np.full(len(bounds), self.part / 10)
         if count < 2:
-            return [undecided(self.name, self.change, "round-off alone may be as large as what would have to be seen")]
+            return [
+                undecided(
+                    self.name,
+                    self.change,
+                    "round-off alone may be as large as what would have to be seen",
+                )
+            ]
         with np.errstate(all="ignore"):
             apart = distances(trial.instance, self.view.undone(seen), plain)
         return [
             worst(
-                check=self.name, quantity=self.change, t=trial.instance.times[:count], values=apart[:count], allowed=bounds[:count],
-                unit="1", basis=self._basis(), what="The difference between the motion and the same in this frame, in units of each scale,",
+                check=self.name,
+                quantity=self.change,
+                t=trial.instance.times[:count],
+                values=apart[:count],
+                allowed=bounds[:count],
+                unit="1",
+                basis=self._basis(),
+                what="The difference between the motion and the same in this frame,"
+                " in units of each scale,",
             )
-        ]  # fmt: skip
+        ]
 
     def _basis(self) -> str:
         if self.part is not None:
-            return "starts that differ by a part x make motions that differ by it, and a tenth of it must be seen"
-        return "mechanics is the same there, so only round-off of numbers of that size, as it grows in this motion, may differ"
+            return (
+                "starts that differ by a part x make motions that differ by it, and a tenth of it"
+                " must be seen"
+            )
+        return (
+            "mechanics is the same there, so only round-off of numbers of that size, as it grows in"
+            " this motion, may differ"
+        )
 
     def _denormal(self, trial: Trial) -> float:
-        """How much coarser numbers of the frame's size are than u: 1 but for those that are nearly denormal."""
+        """How much coarser numbers of the frame's size are than u: 1 but for those that are nearly
+        denormal.
+        """
         scales, (_, length, time) = trial.instance.scales, self.view.units
         smallest = min(scales.length * length, scales.speed * length / time)
         return max(1.0, TINY / smallest * 2.0**53) if smallest > TINY else sys.float_info.max

@@ -19,21 +19,27 @@ from refdem.stress.measures.measure import Measure
 
 SAMPLES = 256
 PER_TAU = 10
-"""Steps in the shortest time tau, 63 in a period: no power of two, whose sums would hide a clock that adds."""
+"""Steps in the shortest time tau, 63 in a period: no power of two, whose sums would hide a clock
+that adds.
+"""
 ILL = 1e4
 """A fit whose numbers are worse conditioned than this has seen too little of the ellipse."""
 
 
 @dataclass(frozen=True)
 class ManySteps(Measure):
-    """The rung is the number of steps of a harmonic oscillator, a multiple of SAMPLES; methods without a step go as far."""
+    """The rung is the number of steps of a harmonic oscillator, a multiple of SAMPLES; methods
+    without a step go as far.
+    """
 
     needs_truth: bool = False
 
     def instance(self, case: Canonical, given: Mapping[str, str], x: Fraction) -> Instance:
         """The case for so many steps."""
         tau = case.at(**given).scales.tau
-        return case.at(**{"samples": str(SAMPLES), **given, "duration": str(x * Fraction(tau) / PER_TAU)})
+        return case.at(
+            **{"samples": str(SAMPLES), **given, "duration": str(x * Fraction(tau) / PER_TAU)}
+        )
 
     def levels(self, instance: Instance, method: Method, x: Fraction) -> tuple[float, ...]:
         """The step; the finest tolerance that a method takes."""
@@ -49,8 +55,9 @@ class ManySteps(Measure):
 class Drift(Check):
     """What the run's own linear map keeps in its first quarter it keeps to the end.
 
-    A symplectic step of a linear oscillator keeps a quadratic form a x^2 + b x v + c v^2 exactly, near the energy but not the same: its
-    change is drift alone, without the wobble that truncation makes of the energy (Hairer, Lubich and Wanner 2006, IX).
+    A symplectic step of a linear oscillator keeps a quadratic form a x^2 + b x v + c v^2 exactly,
+    near the energy but not the same: its change is drift alone, without the wobble that truncation
+    makes of the energy (Hairer, Lubich and Wanner 2006, IX).
     """
 
     name = "drift"
@@ -81,20 +88,43 @@ class Drift(Check):
             return [undecided(self.name, "form", "truncation may change it by more than a tenth")]
         return [
             worst(
-                check=self.name, quantity="form", t=run.t, values=np.abs(form - 1.0), allowed=allowed, unit="1", basis=basis,
-                what="The change of the quadratic form that the run keeps in its first quarter, in units of itself,",
+                check=self.name,
+                quantity="form",
+                t=run.t,
+                values=np.abs(form - 1.0),
+                allowed=allowed,
+                unit="1",
+                basis=basis,
+                what="The change of the quadratic form that the run keeps in its"
+                " first quarter, in units of itself,",
             )
-        ]  # fmt: skip
+        ]
 
 
 def bound(trial: Trial, level: float) -> tuple[Array, str]:
-    """How much (T,) the form may change: by round-off c u sqrt(n) where the method is symplectic or exact, else by truncation.
+    """How much (T,) the form may change: by round-off c u sqrt(n) where the method is symplectic or
+    exact, else by truncation.
 
-    A frequency that is rounded turns the phase, which no quadratic form feels: u T/tau of the ordinary round-off is left out.
+    A frequency that is rounded turns the phase, which no quadratic form feels: u T/tau of the
+    ordinary round-off is left out.
     """
     turns = trial.instance.scales.duration / trial.instance.scales.tau
-    steps = refinement.steps_at(trial.instance, trial.method, level) + refinement.CLOCK_STEPS * turns
-    rounding = np.full(len(trial.instance.times), 2 * refinement.ROUND_OFF_FACTOR * trial.method.round_off * math.sqrt(steps))
+    steps = (
+        refinement.steps_at(trial.instance, trial.method, level) + refinement.CLOCK_STEPS * turns
+    )
+    rounding = np.full(
+        len(trial.instance.times),
+        2 * refinement.ROUND_OFF_FACTOR * trial.method.round_off * math.sqrt(steps),
+    )
     if trial.method.symplectic or trial.method.control == "exact":
-        return rounding, "a symplectic step keeps a quadratic form, so that only round-off, c u sqrt(n) in x and in v, may change it"
-    return rounding + 2 * trial.truncation(level), "the truncation error that the method may make, in x and in v"
+        return (
+            rounding,
+            (
+                "a symplectic step keeps a quadratic form, so that only round-off, c u sqrt(n) in x"
+                " and in v, may change it"
+            ),
+        )
+    return (
+        rounding + 2 * trial.truncation(level),
+        "the truncation error that the method may make, in x and in v",
+    )

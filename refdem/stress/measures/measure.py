@@ -1,4 +1,6 @@
-"""What a ladder's rung is: an instance, the levels it is run at, its requests, and the checks that judge it."""
+"""What a ladder's rung is: an instance, the levels it is run at, its requests, and the checks that
+judge it.
+"""
 
 from abc import ABC, abstractmethod
 from collections.abc import Mapping
@@ -15,7 +17,9 @@ from refdem.core.truth import SampledTruth
 from refdem.core.variant import Variant
 
 LEVELS, MOST_STEPS = 3, 1e5
-"""The third level of refinement is run, or the last that takes so many steps: a tighter bound than the first level's, still cheap."""
+"""The third level of refinement is run, or the last that takes so many steps: a tighter bound than
+the first level's, still cheap.
+"""
 
 
 class Measure(ABC):
@@ -31,7 +35,9 @@ class Measure(ABC):
         """Levels of a rung, coarse to fine; none if the method would need too many steps."""
         return refinement.levels(instance, method, LEVELS, MOST_STEPS)[-1:]
 
-    def refusal(self, engine: Engine, method: Method, instance: Instance, x: Fraction) -> str | None:
+    def refusal(
+        self, engine: Engine, method: Method, instance: Instance, x: Fraction
+    ) -> str | None:
         """None if the method can climb to the rung, else why not."""
         return engine.refuses(instance.problem, method)
 
@@ -43,7 +49,9 @@ class Measure(ABC):
     def checks(self, trial: Trial, x: Fraction) -> tuple[Check, ...]:
         """What judges the rung."""
 
-    def task(self, engine: Engine, method: Method, instance: Instance, x: Fraction, truth: SampledTruth) -> Task:
+    def task(
+        self, engine: Engine, method: Method, instance: Instance, x: Fraction, truth: SampledTruth
+    ) -> Task:
         """The task of a method on the rung, for its requests and its judging."""
         refusal = self.refusal(engine, method, instance, x)
         levels = () if refusal else self.levels(instance, method, x)
@@ -63,4 +71,8 @@ def plain_checks(trial: Trial) -> tuple[Check, ...]:
     (level,) = trial.levels
     excluded = trial.instance.case.exclude_for(trial.instance.p)
     known = [discovery.check(name) for name in discovery.names("checks") if name not in excluded]
-    return tuple(check for check in known if check.left_out(trial) is None and set(check.needs(trial)) == {Variant(level)})
+    return tuple(
+        check
+        for check in known
+        if check.left_out(trial) is None and set(check.needs(trial)) == {Variant(level)}
+    )

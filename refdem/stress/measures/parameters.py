@@ -1,4 +1,6 @@
-"""The same case at harder parameters, judged by all checks of a run against truth and invariants."""
+"""The same case at harder parameters, judged by all checks of a run against truth and
+invariants.
+"""
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
@@ -13,7 +15,10 @@ SAMPLES = 16
 
 @dataclass(frozen=True)
 class Parameters(Measure):
-    """`given` has the parameters of the rung, each as text; `samples` intervals are seen; invariants alone judge without truth."""
+    """`given` has the parameters of the rung, each as text;
+
+    `samples` intervals are seen; invariants alone judge without truth.
+    """
 
     given: Callable[[Fraction], Mapping[str, str]]
     samples: int = SAMPLES

@@ -30,7 +30,9 @@ class StepLimit(Measure):
         """The step."""
         return (stability.probe(instance, float(x)).interval,)
 
-    def refusal(self, engine: Engine, method: Method, instance: Instance, x: Fraction) -> str | None:
+    def refusal(
+        self, engine: Engine, method: Method, instance: Instance, x: Fraction
+    ) -> str | None:
         """What has no step has no limit."""
         if method.control != "step":
             return "the method has no fixed step"
@@ -40,7 +42,11 @@ class StepLimit(Measure):
 
     def request(self, task: Task, variant: Variant, x: Fraction) -> Request:
         """Many steps, each a sample."""
-        return Request(problem=stability.probe(task.trial.instance, float(x)), method=task.method.name, step=variant.level)
+        return Request(
+            problem=stability.probe(task.trial.instance, float(x)),
+            method=task.method.name,
+            step=variant.level,
+        )
 
     def checks(self, trial: Trial, x: Fraction) -> tuple[Check, ...]:
         """Bounded."""
@@ -66,9 +72,13 @@ class Bounded(Check):
         """The largest number of the run in units of its scale."""
         return [
             judged(
-                check=self.name, quantity="size", value=stability.excess(trial.instance, runs[trial.finest].trajectory),
-                bound=stability.BEYOND, unit="1", basis=f"a stable step keeps the motion's size for {stability.STEPS} steps, and one that "
-                "is too long by a part in a thousand does not",
+                check=self.name,
+                quantity="size",
+                value=stability.excess(trial.instance, runs[trial.finest].trajectory),
+                bound=stability.BEYOND,
+                unit="1",
+                basis=f"a stable step keeps the motion's size for {stability.STEPS} steps, "
+                "and one that is too long by a part in a thousand does not",
                 what="The largest place, velocity or spin, in units of its scale,",
             )
-        ]  # fmt: skip
+        ]

@@ -1,4 +1,7 @@
-"""Scenes that only a stress test has: contacts that the catalogue does not ask for. Their truth is made here, at once."""
+"""Scenes that only a stress test has: contacts that the catalogue does not ask for.
+
+Their truth is made here, at once.
+"""
 
 from refdem.core import discovery
 from refdem.core.case import Instance
@@ -6,7 +9,10 @@ from refdem.core.truth import SampledTruth
 
 
 def truth_here(instance: Instance) -> SampledTruth | None:
-    """The sampled truth of a scene of this folder; None for cases of the catalogue, whose truth is proved in workers and kept."""
+    """The sampled truth of a scene of this folder;
+
+    None for cases of the catalogue, whose truth is proved in workers and kept.
+    """
     from refdem.truth.sampled import sampled
 
     if instance.case.id in discovery.names("cases"):

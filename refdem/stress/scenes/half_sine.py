@@ -1,4 +1,6 @@
-"""Certified contact of a linear spring without loss: d'' = -w^2 d while d > 0, uniform motion before and after."""
+"""Certified contact of a linear spring without loss: d'' = -w^2 d while d > 0, uniform motion
+before and after.
+"""
 
 from collections.abc import Iterator, Mapping
 from fractions import Fraction
@@ -13,16 +15,24 @@ from refdem.truth.line_growth import linear
 
 
 class HalfSine(ClosedForm):
-    """The overlap d (negative: apart) and its rate, from an exact start (d, rate) that is in contact or comes into it; w^2 = k/m.
+    """The overlap d (negative: apart) and its rate, from an exact start (d, rate) that is in
+    contact or comes into it; w^2 = k/m.
 
-    `bodies`: so many take part, and an error of each reaches all others, so that S is as many times larger.
+    `bodies`: so many take part, and an error of each reaches all others, so that S is as many times
+    larger.
     """
 
     method = "uniform motion, sine until the overlap is 0, uniform motion: Arb balls"
     witness = "Runge-Kutta integration (tests/stress)"
     state = ("overlap", "rate")
 
-    def __init__(self, square: Fraction, start: tuple[Fraction, Fraction], scale: Mapping[str, Size], bodies: int = 1) -> None:
+    def __init__(
+        self,
+        square: Fraction,
+        start: tuple[Fraction, Fraction],
+        scale: Mapping[str, Size],
+        bodies: int = 1,
+    ) -> None:
         super().__init__(scale)
         self.square, self.start, self.bodies = square, start, bodies
 
@@ -45,7 +55,11 @@ class HalfSine(ClosedForm):
         raise UndecidedError("at the end of contact")
 
     def _pair(self, overlap: arb, rate: arb) -> dict[str, arb]:
-        return {"overlap": overlap, "rate": rate, **{name: arb(0) for name in self.scale if name not in self.state}}
+        return {
+            "overlap": overlap,
+            "rate": rate,
+            **{name: arb(0) for name in self.scale if name not in self.state},
+        }
 
     def displaced(self, axis: int, amount: Fraction) -> "HalfSine":
         """From a start that is larger by `amount`."""
@@ -60,7 +74,9 @@ class HalfSine(ClosedForm):
         return Times(Growth(self.stretches(), Norm([1, 1]), step=narrow(rate)), arb(self.bodies))
 
     def stretches(self) -> Iterator[Stretch]:
-        """Uniform motion, contact, uniform motion; the force has no jump, and so errors have none."""
+        """Uniform motion, contact, uniform motion; the force has no jump, and so errors have
+        none.
+        """
         d, rate = self.start
         ratio, w = arb_of(self.scale["overlap"] / self.scale["rate"]), arb_of(self.square).sqrt()
         touch = arb_of(-d / rate if d < 0 else Fraction(0))

@@ -20,15 +20,30 @@ class OverlapAtStart(Case):
 
     id = "overlap-at-start"
     title = "Overlap at the start"
-    statement = "Two spheres that overlap at rest part with the speed that the energy of the spring between them gives."
+    statement = (
+        "Two spheres that overlap at rest part with the speed that the energy of the spring between"
+        " them gives."
+    )
     latex = r"d=d_0\cos\omega t,\quad \omega^2=2k/m"
     source = "Matuttis and Chen 2014, chapter 1, section 1.7.4"
-    parameters = (Parameter(name="overlap", default="1/64", unit="m", doc="at the start", above=0, at_most=0.9),)
+    parameters = (
+        Parameter(
+            name="overlap", default="1/64", unit="m", doc="at the start", above=0, at_most=0.9
+        ),
+    )
 
     def scene(self, p: Parameters) -> Scene:
         """Two equal spheres."""
         place, inertia = RADIUS - p.overlap / 2, (0.4 * MASS * RADIUS**2,) * 3
-        bodies = [Body(mass=MASS, inertia=inertia, shape=Sphere(radius=RADIUS), position=(s * place, 0.0, 0.0)) for s in (-1.0, 1.0)]
+        bodies = [
+            Body(
+                mass=MASS,
+                inertia=inertia,
+                shape=Sphere(radius=RADIUS),
+                position=(s * place, 0.0, 0.0),
+            )
+            for s in (-1.0, 1.0)
+        ]
         return Scene.of(bodies, [Contact(law="linear", stiffness=STIFFNESS)])
 
     def scales(self, p: Parameters) -> Scales:
@@ -45,7 +60,10 @@ class OverlapAtStart(Case):
         """Of the centres' distance."""
         apart = trajectory.position[:, 1] - trajectory.position[:, 0]
         distance = np.linalg.norm(apart, axis=1)
-        rate = np.sum(apart * (trajectory.velocity[:, 1] - trajectory.velocity[:, 0]), axis=1) / distance
+        rate = (
+            np.sum(apart * (trajectory.velocity[:, 1] - trajectory.velocity[:, 0]), axis=1)
+            / distance
+        )
         return {"overlap": 2 * RADIUS - distance, "rate": -rate}
 
     def truth(self, p: Parameters) -> Truth:
@@ -57,7 +75,9 @@ class OverlapAtStart(Case):
         overlap = p["overlap"]
         assert isinstance(overlap, Fraction)
         square = Fraction(2 * STIFFNESS) / Fraction(MASS)
-        return HalfSine(square, (overlap, Fraction(0)), {q.name: q.scale for q in self.quantities(p)})
+        return HalfSine(
+            square, (overlap, Fraction(0)), {q.name: q.scale for q in self.quantities(p)}
+        )
 
 
 CASE = OverlapAtStart()

@@ -1,4 +1,6 @@
-"""Many spheres that hit one in the middle at the same instant, from all sides: by symmetry it stays where it is."""
+"""Many spheres that hit one in the middle at the same instant, from all sides: by symmetry it stays
+where it is.
+"""
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,10 +22,23 @@ class Simultaneous(Case):
 
     id = "simultaneous-contacts"
     title = "Simultaneous contacts"
-    statement = "Small spheres hit a large one from all sides at once: it stays, and they leave with the speed that they came with."
+    statement = (
+        "Small spheres hit a large one from all sides at once: it stays, and they leave with the"
+        " speed that they came with."
+    )
     latex = r"d=\frac v\omega\sin\omega t,\quad \omega^2=k/m"
     source = "Matuttis and Chen 2014, chapter 1, section 1.7.4"
-    parameters = (Parameter(name="hits", default="2", unit="1", doc="spheres that come", at_least=2, at_most=24, whole=True),)
+    parameters = (
+        Parameter(
+            name="hits",
+            default="2",
+            unit="1",
+            doc="spheres that come",
+            at_least=2,
+            at_most=24,
+            whole=True,
+        ),
+    )
 
     def scene(self, p: Parameters) -> Scene:
         """The middle one first."""
@@ -32,7 +47,13 @@ class Simultaneous(Case):
         large = Body(mass=MASS, inertia=(0.4 * MASS * RADIUS**2,) * 3, shape=Sphere(radius=RADIUS))
         inertia = (0.4 * LIGHT * SMALL**2,) * 3
         small = [
-            Body(mass=LIGHT, inertia=inertia, shape=Sphere(radius=SMALL), position=tuple((RADIUS + SMALL) * n), velocity=tuple(-SPEED * n))
+            Body(
+                mass=LIGHT,
+                inertia=inertia,
+                shape=Sphere(radius=SMALL),
+                position=tuple((RADIUS + SMALL) * n),
+                velocity=tuple(-SPEED * n),
+            )
             for n in sides
         ]
         return Scene.of([large, *small], [Contact(law="linear", stiffness=STIFFNESS)])
@@ -43,17 +64,30 @@ class Simultaneous(Case):
         return Scales(max(SPEED * tau, RADIUS / 8), tau, 2 * float(np.pi) * tau, LIGHT)
 
     def quantities(self, p: Parameters) -> tuple[Quantity, ...]:
-        """The deepest overlap (negative when they are apart), the fastest approach, and how far the middle one went."""
+        """The deepest overlap (negative when they are apart), the fastest approach, and how far the
+        middle one went.
+        """
         s = self.scales(p)
-        return Quantity("overlap", "m", s.length), Quantity("rate", "m/s", s.speed), Quantity("middle", "m", s.length)
+        return (
+            Quantity("overlap", "m", s.length),
+            Quantity("rate", "m/s", s.speed),
+            Quantity("middle", "m", s.length),
+        )
 
     def observe(self, p: Parameters, trajectory: Trajectory) -> dict[str, Array]:
         """Of all pairs with the middle one, that which is farthest from the others' mean."""
         apart = trajectory.position[:, 1:] - trajectory.position[:, :1]
         distance = np.linalg.norm(apart, axis=2)
-        rate = np.sum(apart * (trajectory.velocity[:, 1:] - trajectory.velocity[:, :1]), axis=2) / distance
+        rate = (
+            np.sum(apart * (trajectory.velocity[:, 1:] - trajectory.velocity[:, :1]), axis=2)
+            / distance
+        )
         middle = np.linalg.norm(trajectory.position[:, 0], axis=1)
-        return {"overlap": RADIUS + SMALL - _oddest(distance), "rate": -_oddest(rate), "middle": middle}
+        return {
+            "overlap": RADIUS + SMALL - _oddest(distance),
+            "rate": -_oddest(rate),
+            "middle": middle,
+        }
 
     def truth(self, p: Parameters) -> Truth:
         """Half a sine, then uniform motion; the middle one stays."""

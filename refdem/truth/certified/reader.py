@@ -1,13 +1,15 @@
-"""Reads and checks certified values. The standard library alone, so that this one file can be taken elsewhere: python reader.py FOLDER.
+"""Reads and checks certified values. The standard library alone, so that this one file can be taken
+elsewhere: python reader.py FOLDER.
 
-A file is JSON Lines. The first line says format, case, number of sets and columns. Each set is a line with its exact parameters and
-how it was proved, and then its values, one a line: [t, quantity, mid, radius, binary64]. t [s] is an exact number as text, null for
-what does not depend on time. The exact value lies in [mid - radius, mid + radius]; binary64 (C's %a) is there where both ends round
+A file is JSON Lines. The first line says format, case, number of sets and columns. Each set is a
+line with its exact parameters and how it was proved, and then its values, one a line: [t, quantity,
+mid, radius, binary64]. t [s] is an exact number as text, null for what does not depend on time. The
+exact value lies in [mid - radius, mid + radius]; binary64 (C's %a) is there where both ends round
 to that double.
 
-sha256 is the last member of its line. That of a set is of its lines, each with its newline, with the text of sha256 itself left empty;
-that of the first line is of the whole file, with its own text left empty. sha256sums.txt, beside the files, lists each of them and no
-other.
+sha256 is the last member of its line. That of a set is of its lines, each with its newline, with
+the text of sha256 itself left empty; that of the first line is of the whole file, with its own text
+left empty. sha256sums.txt, beside the files, lists each of them and no other.
 """
 
 import hashlib
@@ -30,14 +32,31 @@ RADIUS = re.compile(r"0|[0-9]\.[0-9]{2}e-?[0-9]{1,3}")
 DOUBLE = re.compile(r"-?0x[01]\.[0-9a-f]{1,13}p[+-][0-9]{1,4}")
 SEALED = re.compile(r'(\{.*"sha256":")([0-9a-f]{64})("\}\n)')
 LISTED = re.compile(r"([0-9a-f]{64})  ([A-Za-z0-9_-]+\.jsonl)")
-TEXT = {"set": str, "parameters": dict, "method": str, "witness": str, "digits": int, "versions": dict, "source": str, "job": str}
-MEMBERS: dict[str, Any] = {**TEXT, "witnessed": (dict, type(None)), "not_certified": dict, "values": int, "sha256": str}
+TEXT = {
+    "set": str,
+    "parameters": dict,
+    "method": str,
+    "witness": str,
+    "digits": int,
+    "versions": dict,
+    "source": str,
+    "job": str,
+}
+MEMBERS: dict[str, Any] = {
+    **TEXT,
+    "witnessed": (dict, type(None)),
+    "not_certified": dict,
+    "values": int,
+    "sha256": str,
+}
 HEAD: dict[str, Any] = {"format": int, "case": str, "sets": int, "columns": list, "sha256": str}
 
 
 @dataclass(frozen=True)
 class Value:
-    """One value: decimal midpoint and radius as they stand, the time [s] (None: it does not depend on time), the double if it is sure."""
+    """One value: decimal midpoint and radius as they stand, the time [s] (None: it does not depend
+    on time), the double if it is sure.
+    """
 
     t: Fraction | None
     quantity: str
@@ -70,8 +89,10 @@ class Value:
 class CertifiedSet:
     """A case at one set of exact parameters (as text), its values, and how they were proved.
 
-    `source` is the digest of the code that proved them, `job` that of all that was asked and of all code that had a part in the lines,
-    `versions` that of the packages; `witnessed` says who confirmed how many of the values and to how many digits, None if nobody did;
+    `source` is the digest of the code that proved them, `job` that of all that was asked and of all
+    code that had a part in the lines,
+    `versions` that of the packages; `witnessed` says who confirmed how many of the values and to
+    how many digits, None if nobody did;
     `not_certified` has the times at which nothing could be proved, and why.
     """
 
@@ -94,7 +115,10 @@ class CertifiedSet:
         for value in self.values:
             if value.quantity == quantity and value.t == when:
                 return value
-        raise KeyError(f"{self.label} has no {quantity} at {t}; it has {', '.join(sorted({v.quantity for v in self.values}))}")
+        raise KeyError(
+            f"{self.label} has no {quantity} at {t}; it has"
+            f" {', '.join(sorted({v.quantity for v in self.values}))}"
+        )
 
 
 def default_folder() -> Path:
@@ -126,8 +150,11 @@ def text_of(path: Path) -> str:
         raise ValueError(f"{path.name}, line {line}: not UTF-8") from None
 
 
-def problems_of_list(home: Path, only: str = "", inside: Callable[[Path], str] | None = None) -> Iterator[str]:
-    """What does not agree between the list of files and the files, both ways: of all, or of one file.
+def problems_of_list(
+    home: Path, only: str = "", inside: Callable[[Path], str] | None = None
+) -> Iterator[str]:
+    """What does not agree between the list of files and the files, both ways: of all, or of one
+    file.
 
     `inside` says what is wrong with a file in itself, or nothing.
     """
@@ -140,10 +167,16 @@ def problems_of_list(home: Path, only: str = "", inside: Callable[[Path], str] |
     for number, line in enumerate(text_of(path).split("\n")[:-1], 1):
         found = LISTED.fullmatch(line)
         if found is None or found[2] in listed:
-            yield f"{LIST}, line {number}: not a digest and the name of a file, or one that was there before"
+            yield (
+                f"{LIST}, line {number}: not a digest and the name of a file, or one that was there"
+                " before"
+            )
             return
         listed[found[2]] = found[1]
-    there = {found.name: hashlib.sha256(found.read_bytes()).hexdigest() for found in home.glob(only or "*.jsonl")}
+    there = {
+        found.name: hashlib.sha256(found.read_bytes()).hexdigest()
+        for found in home.glob(only or "*.jsonl")
+    }
     for name in sorted({only} if only else {*listed, *there}):
         if name not in there:
             yield f"{name}: missing, though {LIST} has it"
@@ -176,23 +209,33 @@ def sets_of(text: str, name: str) -> Iterator[CertifiedSet]:
         about = member_of(lines[at], MEMBERS, where)
         block = lines[at : at + 1 + about["values"]]
         if about["values"] < 1 or len(block) != 1 + about["values"]:
-            raise ValueError(f"{where}: {about['set']} says {about['values']} values; {len(block) - 1} lines follow")
+            raise ValueError(
+                f"{where}: {about['set']} says {about['values']} values; {len(block) - 1} lines"
+                " follow"
+            )
         rows = [row_of(line, f"{name}, line {at + 2 + k}") for k, line in enumerate(block[1:])]
         if sha256_of(block) != about["sha256"]:
-            raise ValueError(f"{where}: the sha256 of {about['set']} is not that of its lines; take the file anew")
+            raise ValueError(
+                f"{where}: the sha256 of {about['set']} is not that of its lines; take the file"
+                " anew"
+            )
         found.append(_certified_set(head["case"], about, rows, where))
         at += len(block)
     if len(found) != head["sets"]:
         raise ValueError(f"{name}, line 1: {len(found)} sets; its first line says {head['sets']}")
     if sha256_of(lines) != head["sha256"]:
-        raise ValueError(f"{name}, line 1: the sha256 of the file is not that of its lines; take the file anew")
+        raise ValueError(
+            f"{name}, line 1: the sha256 of the file is not that of its lines; take the file anew"
+        )
     if head["case"] != name.removesuffix(".jsonl"):
         raise ValueError(f"{name}, line 1: it has the values of {head['case']}")
     yield from found
 
 
 def lines_of(text: str, name: str) -> list[str]:
-    """The lines with their newlines; raises ValueError if there are none, or the last one has no end."""
+    """The lines with their newlines; raises ValueError if there are none, or the last one has no
+    end.
+    """
     lines = [line + "\n" for line in text.split("\n")]
     if lines.pop() != "\n" or not lines:
         raise ValueError(f"{name}, line {len(lines) + 1}: the file ends within a line")
@@ -208,7 +251,9 @@ def json_of(line: str, where: str) -> Any:
 
 
 def member_of(line: str, members: dict[str, Any], where: str) -> dict[str, Any]:
-    """The object of a line with exactly these members, sha256 the last; raises ValueError that says where."""
+    """The object of a line with exactly these members, sha256 the last; raises ValueError that says
+    where.
+    """
     found = json_of(line, where)
     if not isinstance(found, dict) or SEALED.fullmatch(line) is None:
         raise ValueError(f"{where}: expected an object that ends with its sha256")
@@ -228,7 +273,12 @@ def row_of(line: str, where: str) -> Value:
     if not isinstance(row, list) or len(row) != len(COLUMNS):
         raise ValueError(f"{where}: expected [t, quantity, mid, radius, binary64]")
     t, quantity, mid, radius, binary64 = row
-    forms = (("t", t, TIME, True), ("mid", mid, DECIMAL, False), ("radius", radius, RADIUS, False), ("binary64", binary64, DOUBLE, True))
+    forms = (
+        ("t", t, TIME, True),
+        ("mid", mid, DECIMAL, False),
+        ("radius", radius, RADIUS, False),
+        ("binary64", binary64, DOUBLE, True),
+    )
     for name, text, form, may_lack in forms:
         is_lacking = may_lack and text is None
         if not is_lacking and not (isinstance(text, str) and form.fullmatch(text)):
@@ -257,7 +307,9 @@ def sha256_of(block: Iterable[str]) -> str:
     return hashlib.sha256("".join([SEALED.sub(r"\1\3", first), *rest]).encode()).hexdigest()
 
 
-def _certified_set(case: str, about: dict[str, Any], values: list[Value], where: str) -> CertifiedSet:
+def _certified_set(
+    case: str, about: dict[str, Any], values: list[Value], where: str
+) -> CertifiedSet:
     for name in ("parameters", "not_certified", "versions"):
         if not all(isinstance(text, str) for text in about[name].values()):
             raise ValueError(f"{where}: {name} has something that is not a text")
@@ -274,7 +326,10 @@ def main(arguments: list[str]) -> int:
     except (ValueError, OSError) as error:
         print(f"PROBLEM: {error}")
         return 1
-    print(f"{len(found)} sets of {len({s.case for s in found})} cases, {sum(len(s.values) for s in found)} values: all hold")
+    print(
+        f"{len(found)} sets of {len({s.case for s in found})} cases,"
+        f" {sum(len(s.values) for s in found)} values: all hold"
+    )
     return 0
 
 

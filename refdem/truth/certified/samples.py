@@ -1,7 +1,9 @@
-"""Sampled truths that are dear to prove, kept for judging: doubles with radii at the default samples of a campaign's instances.
+"""Sampled truths that are dear to prove, kept for judging: doubles with radii at the default
+samples of a campaign's instances.
 
-An entry holds as long as its key (case, parameters, times, scales) and the digest of the code behind it (sources.py) are the same. Its
-sha256 ends its line, and is of the line with the text of sha256 itself left empty; sha256sums.txt has every file of the folder.
+An entry holds as long as its key (case, parameters, times, scales) and the digest of the code
+behind it (sources.py) are the same. Its sha256 ends its line, and is of the line with the text of
+sha256 itself left empty; sha256sums.txt has every file of the folder.
 """
 
 import hashlib
@@ -18,7 +20,10 @@ from refdem.truth.certified.writing import sealed
 
 
 class KeptSamples(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
-    """One line of samples/<case>.jsonl; `job` is the digest of all that was asked and of all code that had a part in the line."""
+    """One line of samples/<case>.jsonl;
+
+    `job` is the digest of all that was asked and of all code that had a part in the line.
+    """
 
     label: str
     key: str
@@ -28,17 +33,25 @@ class KeptSamples(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     sha256: str
 
 
-def key_of(case: str, parameters: Mapping[str, str], times: Sequence[float], scales: Mapping[str, float]) -> str:
+def key_of(
+    case: str, parameters: Mapping[str, str], times: Sequence[float], scales: Mapping[str, float]
+) -> str:
     """sha256 of all that a truth is asked with."""
-    return hashlib.sha256(msgspec.json.encode([case, dict(parameters), list(times), dict(scales)])).hexdigest()
+    return hashlib.sha256(
+        msgspec.json.encode([case, dict(parameters), list(times), dict(scales)])
+    ).hexdigest()
 
 
 def line_of(label: str, key: str, source: str, truth: SampledTruth, job: str = "") -> bytes:
     """The entry of one instance; radii and S are rounded up to three digits."""
-    radii = {name: [rounded_up(radius) for radius in column] for name, column in truth.radii.items()}
+    radii = {
+        name: [rounded_up(radius) for radius in column] for name, column in truth.radii.items()
+    }
     scalars = {name: (value, rounded_up(radius)) for name, (value, radius) in truth.scalars.items()}
     sensitivity = [rounded_up(value) for value in truth.sensitivity]
-    short = msgspec.structs.replace(truth, radii=radii, scalars=scalars, sensitivity=sensitivity, earlier={})
+    short = msgspec.structs.replace(
+        truth, radii=radii, scalars=scalars, sensitivity=sensitivity, earlier={}
+    )
     entry = msgspec.json.encode(KeptSamples(label, key, source, job, short, "")).decode()
     return sealed([entry + "\n"])[0].encode()
 
@@ -48,7 +61,11 @@ def rounded_up(value: float) -> float:
     if value == 0 or not math.isfinite(value):
         return value
     mantissa, _, exponent = f"{value:.2e}".partition("e")
-    return next(short for more in (0, 0.01) if (short := float(f"{float(mantissa) + more:.2f}e{exponent}")) >= value)
+    return next(
+        short
+        for more in (0, 0.01)
+        if (short := float(f"{float(mantissa) + more:.2f}e{exponent}")) >= value
+    )
 
 
 def kept(folder: Path, case: str) -> list[KeptSamples]:
@@ -76,4 +93,6 @@ def entry_of(line: bytes, path: Path, number: int) -> KeptSamples:
 
 def damaged(path: Path, number: int, what: str) -> StoreError:
     """The error for a file of samples."""
-    return StoreError(f"{path}, line {number}: {what}. Run `make certify`, or install refdem again.")
+    return StoreError(
+        f"{path}, line {number}: {what}. Run `make certify`, or install refdem again."
+    )

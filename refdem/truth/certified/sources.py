@@ -1,7 +1,9 @@
-"""What a certified value was proved with: the digest of every file of this package that its truth can reach.
+"""What a certified value was proved with: the digest of every file of this package that its truth
+can reach.
 
-Read from the import statements (those inside functions too), not by importing. A value is stale once the code of one of these files
-changes: the syntax tree counts, without docstrings, comments and layout, so that a sentence or a formatter makes nothing stale.
+Read from the import statements (those inside functions too), not by importing. A value is stale
+once the code of one of these files changes: the syntax tree counts, without docstrings, comments
+and layout, so that a sentence or a formatter makes nothing stale.
 """
 
 import ast
@@ -17,7 +19,9 @@ ALWAYS = ("core/truth.py",)
 
 
 def digest_of(case: str) -> str:
-    """sha256 of the names and the code of the files behind the truth of a case of refdem's own; empty if it is not one."""
+    """sha256 of the names and the code of the files behind the truth of a case of refdem's own;
+    empty if it is not one.
+    """
     home = case_files(case)
     return digest_of_files({*closure(home), *(ROOT / name for name in ALWAYS)}) if home else ""
 
@@ -38,7 +42,9 @@ def case_files(case: str) -> tuple[Path, ...]:
 
 
 def closure(start: tuple[Path, ...]) -> set[Path]:
-    """The files given and all that they import, directly or through others, of the packages followed."""
+    """The files given and all that they import, directly or through others, of the packages
+    followed.
+    """
     found: set[Path] = set()
     waiting = list(start)
     while waiting:
@@ -58,7 +64,15 @@ def imports(path: Path) -> tuple[Path, ...]:
             names |= {alias.name for alias in node.names}
         elif isinstance(node, ast.ImportFrom) and node.module:
             names |= {node.module, *(f"{node.module}.{alias.name}" for alias in node.names)}
-    return tuple(sorted({found for name in names if name.startswith(FOLLOWED) and (found := _file(name)) is not None}))
+    return tuple(
+        sorted(
+            {
+                found
+                for name in names
+                if name.startswith(FOLLOWED) and (found := _file(name)) is not None
+            }
+        )
+    )
 
 
 def statements(node: ast.AST) -> Iterator[ast.AST]:
@@ -70,10 +84,19 @@ def statements(node: ast.AST) -> Iterator[ast.AST]:
 
 
 def _file(module: str) -> Path | None:
-    """The file of a module; None for a name inside one, or for a package, whose __init__ says nothing but what it is."""
+    """The file of a module;
+
+    None for a name inside one, or for a package, whose __init__ says nothing but what it is.
+    """
     path = ROOT.joinpath(*module.split(".")[1:]).with_suffix(".py")
     package = path.with_suffix("") / "__init__.py"
-    return path if path.is_file() else package if package.is_file() and module not in FOLLOWED else None
+    return (
+        path
+        if path.is_file()
+        else package
+        if package.is_file() and module not in FOLLOWED
+        else None
+    )
 
 
 @cache
@@ -82,9 +105,11 @@ def _content(path: Path) -> str:
 
 
 def code_of(source: bytes) -> str:
-    """What a file of Python does, as text: its syntax tree without positions, comments, docstrings and other sentences on their own.
+    """What a file of Python does, as text: its syntax tree without positions, comments, docstrings
+    and other sentences on their own.
 
-    Empty fields are left out, so that a version of Python that adds one says the same of what does not use it.
+    Empty fields are left out, so that a version of Python that adds one says the same of what does
+    not use it.
     """
     return _tree(ast.parse(source))
 
@@ -94,10 +119,21 @@ def _tree(node: object) -> str:
         return "[" + ",".join(_tree(item) for item in node if not _is_sentence(item)) + "]"
     if not isinstance(node, ast.AST):
         return repr(node)
-    fields = [(name, value) for name, value in ast.iter_fields(node) if value is not None and value != []]
-    return type(node).__name__ + "(" + ",".join(f"{name}={_tree(value)}" for name, value in fields) + ")"
+    fields = [
+        (name, value) for name, value in ast.iter_fields(node) if value is not None and value != []
+    ]
+    return (
+        type(node).__name__
+        + "("
+        + ",".join(f"{name}={_tree(value)}" for name, value in fields)
+        + ")"
+    )
 
 
 def _is_sentence(node: object) -> bool:
     """A statement that is a text and nothing else."""
-    return isinstance(node, ast.Expr) and isinstance(node.value, ast.Constant) and isinstance(node.value.value, str)
+    return (
+        isinstance(node, ast.Expr)
+        and isinstance(node.value, ast.Constant)
+        and isinstance(node.value.value, str)
+    )

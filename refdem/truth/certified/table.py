@@ -1,4 +1,6 @@
-"""The certified store as CSV, made from its JSON Lines: for people's tables and for programs without a JSON reader."""
+"""The certified store as CSV, made from its JSON Lines: for people's tables and for programs
+without a JSON reader.
+"""
 
 import csv
 import io
@@ -6,11 +8,24 @@ from collections.abc import Iterable
 
 from refdem.truth.certified.reader import CertifiedSet
 
-HEADER = ("case", "parameters", "t", "quantity", "mid", "radius", "binary64", "method", "witness", "sha256_of_source")
+HEADER = (
+    "case",
+    "parameters",
+    "t",
+    "quantity",
+    "mid",
+    "radius",
+    "binary64",
+    "method",
+    "witness",
+    "sha256_of_source",
+)
 
 
 def csv_of(sets: Iterable[CertifiedSet]) -> str:
-    """A header and a line a value: parameters as `name=value ...`, t empty where nothing depends on time, binary64 as C's %a."""
+    """A header and a line a value: parameters as `name=value ...`, t empty where nothing depends on
+    time, binary64 as C's %a.
+    """
     out = io.StringIO()
     rows = csv.writer(out, lineterminator="\n")
     rows.writerow(HEADER)
@@ -19,5 +34,18 @@ def csv_of(sets: Iterable[CertifiedSet]) -> str:
         for value in one.values:
             sure = "" if value.binary64 is None else value.binary64.hex()
             t = "" if value.t is None else str(value.t)
-            rows.writerow((one.case, parameters, t, value.quantity, value.mid, value.radius, sure, one.method, one.witness, one.source))
+            rows.writerow(
+                (
+                    one.case,
+                    parameters,
+                    t,
+                    value.quantity,
+                    value.mid,
+                    value.radius,
+                    sure,
+                    one.method,
+                    one.witness,
+                    one.source,
+                )
+            )
     return out.getvalue()

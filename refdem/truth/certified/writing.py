@@ -14,13 +14,17 @@ from refdem.truth.certified.reader import COLUMNS, FORMAT, LARGEST_RADIUS, sha25
 from refdem.truth.sampled import certified_scalars
 
 DIGITS, PLACES = 36, 34
-"""Radii of the balls, and decimal places that are kept: the radius of the decimals is half a unit of the last place."""
+"""Radii of the balls, and decimal places that are kept: the radius of the decimals is half a unit
+of the last place.
+"""
 
 Rows = list[tuple[str | None, str, str, str, str | None]]
 
 
 def rows(truth: Truth, times: Sequence[Fraction]) -> tuple[Rows, dict[str, str]]:
-    """Every value, scalars first, then the quantities at each time; and the times that cannot be certified, with reasons."""
+    """Every value, scalars first, then the quantities at each time; and the times that cannot be
+    certified, with reasons.
+    """
     found = [row(None, name, ball) for name, ball in certified_scalars(truth).items()]
     missing: dict[str, str] = {}
     for t in times:
@@ -34,7 +38,9 @@ def rows(truth: Truth, times: Sequence[Fraction]) -> tuple[Rows, dict[str, str]]
     return found, missing
 
 
-def row(t: Fraction | None, quantity: str, ball: Ball) -> tuple[str | None, str, str, str, str | None]:
+def row(
+    t: Fraction | None, quantity: str, ball: Ball
+) -> tuple[str | None, str, str, str, str | None]:
     """One line of the store."""
     mid, radius = ball.decimals(PLACES)
     if radius == "0" and "." in mid:
@@ -48,10 +54,24 @@ def versions() -> dict[str, str]:
     return {"refdem": __version__, "python-flint": version("python-flint")}
 
 
-def block(label: str, parameters: Mapping[str, str], truth: Truth, found: Rows, **more: Any) -> list[str]:
+def block(
+    label: str, parameters: Mapping[str, str], truth: Truth, found: Rows, **more: Any
+) -> list[str]:
     """The lines of one set; `more` has source and job (digests), witnessed and not_certified."""
-    proved = {"method": truth.method, "witness": truth.witness, "digits": DIGITS, "versions": versions()}
-    about = {"set": label, "parameters": dict(parameters), **proved, **more, "values": len(found), "sha256": ""}
+    proved = {
+        "method": truth.method,
+        "witness": truth.witness,
+        "digits": DIGITS,
+        "versions": versions(),
+    }
+    about = {
+        "set": label,
+        "parameters": dict(parameters),
+        **proved,
+        **more,
+        "values": len(found),
+        "sha256": "",
+    }
     lines = [compact(about), *(compact(list(item)) for item in found)]
     return sealed(lines)
 
@@ -83,7 +103,10 @@ def blocks_in(text: str) -> list[list[str]]:
 
 def sums(files: Mapping[str, str]) -> str:
     """What `sha256sum -c` checks the files with."""
-    return "".join(f"{hashlib.sha256(text.encode()).hexdigest()}  {name}\n" for name, text in sorted(files.items()))
+    return "".join(
+        f"{hashlib.sha256(text.encode()).hexdigest()}  {name}\n"
+        for name, text in sorted(files.items())
+    )
 
 
 def compact(value: Any) -> str:

@@ -1,1 +1,3 @@
-"""Closed forms, one family a file: elliptic and theta functions, exact rationals, roots by interval Newton."""
+"""Closed forms, one family a file: elliptic and theta functions, exact rationals, roots by interval
+Newton.
+"""

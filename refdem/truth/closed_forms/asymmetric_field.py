@@ -1,7 +1,9 @@
-"""A particle in a force that rises from x1 to 0 and falls to x2 (1.139): phases in closed form, which one follows by exact energies.
+"""A particle in a force that rises from x1 to 0 and falls to x2 (1.139): phases in closed form,
+which one follows by exact energies.
 
-Rising flank: x - x1 = xi, xi'' = (k1/m) xi. Falling flank: x - x2 = eta, eta'' = -|k2|/m eta. Outside free flight. Speeds squared at
-x1, 0 and x2 are rational, so that whether it turns, and on which flank, is decided exactly.
+Rising flank: x - x1 = xi, xi'' = (k1/m) xi. Falling flank: x - x2 = eta, eta'' = -|k2|/m eta.
+Outside free flight. Speeds squared at x1, 0 and x2 are rational, so that whether it turns, and on
+which flank, is decided exactly.
 """
 
 from collections.abc import Iterator, Mapping
@@ -44,7 +46,9 @@ class Phase:
 
 
 class AsymmetricField(SmoothFlow):
-    """x [m] and v [m/s] at t >= 0; scalar: work, that of the force on a particle that crosses from left to right [J]."""
+    """x [m] and v [m/s] at t >= 0; scalar: work, that of the force on a particle that crosses from
+    left to right [J].
+    """
 
     state = ("x", "v")
     method = "closed form phase by phase, branches by exact energies"
@@ -89,9 +93,17 @@ class AsymmetricField(SmoothFlow):
         x1, x2 = self.exact["x1"], self.exact["x2"]
         speed = arb_of(start.square).sqrt()
         if region == "left":
-            return (arb_of(x1 - start.x) / speed, "rising", Start(x1, start.square, 1)) if start.sense > 0 else None
+            return (
+                (arb_of(x1 - start.x) / speed, "rising", Start(x1, start.square, 1))
+                if start.sense > 0
+                else None
+            )
         if region == "right":
-            return (arb_of(start.x - x2) / speed, "falling", Start(x2, start.square, -1)) if start.sense < 0 else None
+            return (
+                (arb_of(start.x - x2) / speed, "falling", Start(x2, start.square, -1))
+                if start.sense < 0
+                else None
+            )
         return self.climbed(start) if region == "rising" else self.descended(start)
 
     def climbed(self, start: Start) -> tuple[arb, str, Start] | None:
@@ -120,10 +132,18 @@ class AsymmetricField(SmoothFlow):
         lag = self.lag(eta, start)
         if start.sense < 0 and size > wide * wide:
             until = (arb_of(-wide) / arb_of(size).sqrt()).acos()
-            return (until - lag) / rate, "rising", Start(Fraction(0), self.fall * (size - wide * wide), -1)
+            return (
+                (until - lag) / rate,
+                "rising",
+                Start(Fraction(0), self.fall * (size - wide * wide), -1),
+            )
         if start.sense < 0 and size == wide * wide:
             raise UndecidedError("it turns exactly where the flanks meet")
-        return (3 * arb.pi() / 2 - lag) / rate, "right", Start(self.exact["x2"], self.fall * size, 1)
+        return (
+            (3 * arb.pi() / 2 - lag) / rate,
+            "right",
+            Start(self.exact["x2"], self.fall * size, 1),
+        )
 
     def lag(self, eta: Fraction, start: Start) -> arb:
         """delta."""
@@ -149,18 +169,32 @@ class AsymmetricField(SmoothFlow):
         flank = self.steep if phase.region == "rising" else self.fall
         centre = arb_of(self.exact["x1" if phase.region == "rising" else "x2"])
         rate = arb_of(flank).sqrt()
-        c, s = ((rate * t).cosh(), (rate * t).sinh()) if phase.region == "rising" else ((rate * t).cos(), (rate * t).sin())
+        c, s = (
+            ((rate * t).cosh(), (rate * t).sinh())
+            if phase.region == "rising"
+            else ((rate * t).cos(), (rate * t).sin())
+        )
         side = 1 if phase.region == "rising" else -1
-        return {"x": centre + (x - centre) * c + v / rate * s, "v": side * (x - centre) * rate * s + v * c}
+        return {
+            "x": centre + (x - centre) * c + v / rate * s,
+            "v": side * (x - centre) * rate * s + v * c,
+        }
 
     @per_precision
     def growth(self) -> Grows:
-        return Growth(self.stretches(), Norm([1, 1]), step=narrow(arb_of(max(self.steep, self.fall)).sqrt()))
+        return Growth(
+            self.stretches(), Norm([1, 1]), step=narrow(arb_of(max(self.steep, self.fall)).sqrt())
+        )
 
     def stretches(self) -> Iterator[Stretch]:
         """Phase by phase; the force has no jump, and so errors have none."""
         ratio = arb_of(self.scale["x"] / self.scale["v"])
-        kinds = {"left": (arb(0), 0), "rising": (arb_of(self.steep), 1), "falling": (arb_of(self.fall), -1), "right": (arb(0), 0)}
+        kinds = {
+            "left": (arb(0), 0),
+            "rising": (arb_of(self.steep), 1),
+            "falling": (arb_of(self.fall), -1),
+            "right": (arb(0), 0),
+        }
         for phase in self.phases():
             length = None if phase.end is None else phase.end - phase.begin
             yield smooth(phase.begin, length, partial(linear, *kinds[phase.region], ratio))

@@ -1,4 +1,6 @@
-"""A block on a slope: exactly at rest if friction >= tan(angle), else s = g (sin a - mu cos a) t^2/2."""
+"""A block on a slope: exactly at rest if friction >= tan(angle), else s = g (sin a - mu cos a)
+t^2/2.
+"""
 
 from collections.abc import Mapping
 from copy import copy
@@ -20,14 +22,22 @@ MOST_BITS = 16384
 
 
 class Slide(ClosedForm):
-    """s [m] and v [m/s] of a block that slides from rest; the tangent of the slope is exact, or the angle is."""
+    """s [m] and v [m/s] of a block that slides from rest; the tangent of the slope is exact, or the
+    angle is.
+    """
 
     method = "closed form"
     witness = "work of gravity and friction: v^2/2 = a s"
     state = ("s", "v")
 
     def __init__(
-        self, scale: Mapping[str, float], *, friction: Fraction, gravity: Fraction, slope: Fraction, angle: Fraction | None
+        self,
+        scale: Mapping[str, float],
+        *,
+        friction: Fraction,
+        gravity: Fraction,
+        slope: Fraction,
+        angle: Fraction | None,
     ) -> None:
         super().__init__(scale)
         self.friction, self.gravity, self.slope, self.angle = friction, gravity, slope, angle
@@ -59,7 +69,9 @@ class Slide(ClosedForm):
 
 
 def slides(friction: Fraction, slope: Fraction, angle: Fraction | None) -> bool:
-    """Whether friction < tan(angle): by fractions, or by balls, which decide since no rational but 0 has a rational tangent."""
+    """Whether friction < tan(angle): by fractions, or by balls, which decide since no rational but
+    0 has a rational tangent.
+    """
     if angle is None or angle == 0:
         return friction < (slope if angle is None else 0)
     bits = 64

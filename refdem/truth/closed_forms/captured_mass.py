@@ -1,6 +1,8 @@
-"""Certified capture: r = r0 + v0 t up to closest approach at t_c = -r0.v0/v0^2, then a circle with omega = (r0 x v0)/d^2.
+"""Certified capture: r = r0 + v0 t up to closest approach at t_c = -r0.v0/v0^2, then a circle with
+omega = (r0 x v0)/d^2.
 
-d^2 = |r0 x v0|^2/v0^2 is the square of the distance there; t_c, d^2 and the direction of r(t_c) are rational.
+d^2 = |r0 x v0|^2/v0^2 is the square of the distance there; t_c, d^2 and the direction of r(t_c) are
+rational.
 """
 
 from collections.abc import Iterator, Mapping
@@ -20,10 +22,18 @@ Start = tuple[Fraction, Fraction, Fraction, Fraction]
 
 
 class CapturedMass(ClosedForm):
-    """x, y, vx, vy from an exact start (x, y, vx, vy) that comes nearer to the hook at the origin."""
+    """x, y, vx, vy from an exact start (x, y, vx, vy) that comes nearer to the hook at the
+    origin.
+    """
 
-    method = "straight line up to closest approach, circle after it: exact rationals, sine and cosine in Arb balls"
-    witness = "multiprecision integration of a point held by the force -m v^2 r/r^2 (refdem/truth/witnesses/linked.py)"
+    method = (
+        "straight line up to closest approach, circle after it: exact rationals, sine and cosine in"
+        " Arb balls"
+    )
+    witness = (
+        "multiprecision integration of a point held by the force -m v^2 r/r^2"
+        " (refdem/truth/witnesses/linked.py)"
+    )
     state = ("x", "y", "vx", "vy")
 
     def __init__(self, mass: Fraction, start: Start, scale: Mapping[str, Size]) -> None:
@@ -57,20 +67,28 @@ class CapturedMass(ClosedForm):
         """The circle, so long after closest approach."""
         sine, cosine = (self.omega() * since).sin_cos()
         pairs = (self.place, self.start[2:])
-        turned = [(arb_of(a) * cosine - arb_of(b) * sine, arb_of(a) * sine + arb_of(b) * cosine) for a, b in pairs]
+        turned = [
+            (arb_of(a) * cosine - arb_of(b) * sine, arb_of(a) * sine + arb_of(b) * cosine)
+            for a, b in pairs
+        ]
         return dict(zip(self.state, (*turned[0], *turned[1]), strict=True))
 
     @per_precision
     def growth(self) -> Grows:
         vectors = Norm((2, 2), (1, 1, 1, 1))
         # Errors of both components by their scale are a vector that is longer than either.
-        return Times(Growth(self.stretches(), vectors, self.readings, step=narrow(self.omega())), arb(2).sqrt())
+        return Times(
+            Growth(self.stretches(), vectors, self.readings, step=narrow(self.omega())),
+            arb(2).sqrt(),
+        )
 
     def stretches(self) -> Iterator[Stretch]:
-        """The straight line, and the circle, whose frame turns; errors in scales, of place and velocity, outward and along the motion.
+        """The straight line, and the circle, whose frame turns; errors in scales, of place and
+        velocity, outward and along the motion.
 
-        On the circle an error rho outwards stays, sigma along it has the rate of u - omega rho, u being that of the speed; the velocity
-        outwards that goes with them is -omega sigma, and what is left of it the hook takes at once.
+        On the circle an error rho outwards stays, sigma along it has the rate of u - omega rho, u
+        being that of the speed; the velocity outwards that goes with them is -omega sigma, and what
+        is left of it the hook takes at once.
         """
         ratio = arb_of(self.scale["x"] / self.scale["vx"])
         turn = abs(self.omega()) * ratio
@@ -78,7 +96,14 @@ class CapturedMass(ClosedForm):
 
         def straight(t: arb) -> arb_mat:
             moved = t / ratio
-            return arb_mat([[one, none, moved, none], [none, one, none, moved], [none, none, one, none], [none, none, none, one]])
+            return arb_mat(
+                [
+                    [one, none, moved, none],
+                    [none, one, none, moved],
+                    [none, none, one, none],
+                    [none, none, none, one],
+                ]
+            )
 
         def circle(t: arb) -> arb_mat:
             moved = t / ratio
@@ -87,7 +112,14 @@ class CapturedMass(ClosedForm):
             outwards[2] += 1
             return arb_mat([[one, none, none, none], along, outwards, [none, none, none, one]])
 
-        held = arb_mat([[one, none, none, none], [none, one, none, none], [none, -turn, none, none], [none, none, none, one]])
+        held = arb_mat(
+            [
+                [one, none, none, none],
+                [none, one, none, none],
+                [none, -turn, none, none],
+                [none, none, none, one],
+            ]
+        )
         yield smooth(arb(0), arb_of(self.caught), straight, jump=held)
         yield smooth(arb_of(self.caught), None, circle, felt=held)
 

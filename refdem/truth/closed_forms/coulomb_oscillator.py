@@ -1,11 +1,13 @@
 """The mass on a spring that rubs on its ground: m x'' + f Sgn(x') + k x = 0.
 
-While it slides, x(t) = c + A cos(...) about c = -+f/k; a turning point X maps to 2c - X, half a period pi/w later; it stops for
-ever at the first turning point with k|X| <= f (closed: Sgn(0) = [-1, 1]). Started at rest, all turning points are rational.
+While it slides, x(t) = c + A cos(...) about c = -+f/k; a turning point X maps to 2c - X, half a
+period pi/w later; it stops for ever at the first turning point with k|X| <= f (closed: Sgn(0) =
+[-1, 1]). Started at rest, all turning points are rational.
 
-S(t) needs no differences. For two motions, d/dt (k dx^2 + m dv^2)/2 = -dv (f Sgn(v1) - f Sgn(v2)) <= 0, since Sgn is monotone:
-the flow never stretches in the energy norm, through turning points and stops alike. With scales L and V the scaled Jacobian is
-D^-1 N D, |N| <= 1, D = diag(w L, V), so that its largest row sum is at most sqrt(1 + max(w L/V, V/(w L))^2).
+S(t) needs no differences. For two motions, d/dt (k dx^2 + m dv^2)/2 = -dv (f Sgn(v1) - f Sgn(v2))
+<= 0, since Sgn is monotone: the flow never stretches in the energy norm, through turning points and
+stops alike. With scales L and V the scaled Jacobian is D^-1 N D, |N| <= 1, D = diag(w L, V), so
+that its largest row sum is at most sqrt(1 + max(w L/V, V/(w L))^2).
 """
 
 from collections.abc import Mapping
@@ -25,17 +27,34 @@ from refdem.truth.growth import Grows, Told
 
 
 class CoulombOscillator(ClosedForm):
-    """x [m] and v [m/s] at t >= 0; scalars stop_time, stop_position and half_cycles (turning points after the start)."""
+    """x [m] and v [m/s] at t >= 0; scalars stop_time, stop_position and half_cycles (turning points
+    after the start).
+    """
 
     method = "half cycles about -+f/k; turning points in rationals from rest, else in balls"
-    witness = "Taylor series of each half cycle in rational arithmetic; energy lost = friction x path"
+    witness = (
+        "Taylor series of each half cycle in rational arithmetic; energy lost = friction x path"
+    )
     state = ("x", "v")
 
     def __init__(
-        self, scale: Mapping[str, float], *, mass: Fraction, stiffness: Fraction, friction_force: Fraction, x0: Fraction, v0: Fraction
+        self,
+        scale: Mapping[str, float],
+        *,
+        mass: Fraction,
+        stiffness: Fraction,
+        friction_force: Fraction,
+        x0: Fraction,
+        v0: Fraction,
     ) -> None:
         super().__init__(scale)
-        self.mass, self.stiffness, self.shift, self.x0, self.v0 = mass, stiffness, friction_force / stiffness, x0, v0
+        self.mass, self.stiffness, self.shift, self.x0, self.v0 = (
+            mass,
+            stiffness,
+            friction_force / stiffness,
+            x0,
+            v0,
+        )
 
     def displaced(self, axis: int, amount: Fraction) -> "CoulombOscillator":
         """The motion from a neighbouring start."""
@@ -49,7 +68,9 @@ class CoulombOscillator(ClosedForm):
         return Told(self.grown)
 
     def grown(self, t: arb) -> arb:
-        """sqrt(1 + max(w L/V, V/(w L))^2) at all times: the flow is nonexpansive in the energy norm (see the module)."""
+        """sqrt(1 + max(w L/V, V/(w L))^2) at all times: the flow is nonexpansive in the energy norm
+        (see the module).
+        """
         ratio = self.rate() * arb_of(self.scale["x"] / self.scale["v"])
         larger = ratio.max(1 / ratio)
         return (1 + larger * larger).sqrt()
@@ -57,22 +78,34 @@ class CoulombOscillator(ClosedForm):
     def evaluate(self, t: arb) -> dict[str, arb]:
         """Position and velocity at t; the velocity is exactly 0 once it has stopped."""
         if t < 0:
-            raise NotCertifiedError("t < 0: a body that friction brought to rest may have come from anywhere")
+            raise NotCertifiedError(
+                "t < 0: a body that friction brought to rest may have come from anywhere"
+            )
         if self.shift and t >= self.turning_time(self.halves()):
             return {"x": _ball(self.turning_point(self.halves())), "v": arb(0)}
         opening = bool(t < self.turning_time(0))
         number = 0 if opening else self._halves_until(t)
         heading = _sign(self.v0) if opening else -_sign(self.turning_point(number))
-        rate, turning_point, centre = self.rate(), _ball(self.turning_point(number)), -heading * arb_of(self.shift)
+        rate, turning_point, centre = (
+            self.rate(),
+            _ball(self.turning_point(number)),
+            -heading * arb_of(self.shift),
+        )
         sine, cosine = (rate * (t - self.turning_time(number))).sin_cos()
-        return {"x": centre + (turning_point - centre) * cosine, "v": -(turning_point - centre) * rate * sine}
+        return {
+            "x": centre + (turning_point - centre) * cosine,
+            "v": -(turning_point - centre) * rate * sine,
+        }
 
     def constants(self) -> dict[str, arb]:
         """When and where it stops, and after how many half cycles; nothing without friction."""
         if not self.shift:
             return {}
         halves = self.halves()
-        stop = {"stop_time": self.turning_time(halves), "stop_position": _ball(self.turning_point(halves))}
+        stop = {
+            "stop_time": self.turning_time(halves),
+            "stop_position": _ball(self.turning_point(halves)),
+        }
         return {**stop, "half_cycles": arb(halves + (self.v0 != 0))}
 
     def rate(self) -> arb:
@@ -81,7 +114,9 @@ class CoulombOscillator(ClosedForm):
 
     @per_precision
     def opening(self) -> tuple[arb, Fraction | arb]:
-        """Time and place of the first turning point, which is the start itself if it starts at rest."""
+        """Time and place of the first turning point, which is the start itself if it starts at
+        rest.
+        """
         if self.v0 == 0:
             return arb(0), self.x0
         heading = 1 if self.v0 > 0 else -1
@@ -99,11 +134,15 @@ class CoulombOscillator(ClosedForm):
         first: Fraction | arb = self.opening()[1]
         loss = 2 * number * self.shift * _sign(first) if number else Fraction(0)
         side = -1 if number % 2 else 1
-        return side * (first - loss) if isinstance(first, Fraction) else side * (first - arb_of(loss))
+        return (
+            side * (first - loss) if isinstance(first, Fraction) else side * (first - arb_of(loss))
+        )
 
     @per_precision
     def halves(self) -> int:
-        """How many half cycles follow the first turning point: least n >= 0 with |X0| - 2 n f/k <= f/k."""
+        """How many half cycles follow the first turning point: least n >= 0 with |X0| - 2 n f/k <=
+        f/k.
+        """
         first: Fraction | arb = self.opening()[1]
         if isinstance(first, Fraction):
             return max(0, ceil((abs(first) / self.shift - 1) / 2))

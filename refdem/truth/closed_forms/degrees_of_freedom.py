@@ -1,4 +1,6 @@
-"""Degrees of freedom by ranks in rational arithmetic: of rods at first order, of points for finite motions."""
+"""Degrees of freedom by ranks in rational arithmetic: of rods at first order, of points for finite
+motions.
+"""
 
 from collections.abc import Mapping, Sequence
 from fractions import Fraction
@@ -33,7 +35,9 @@ def first_order(points: Sequence[Point], rods: Sequence[tuple[int, int]]) -> int
 
 
 def finite(points: Sequence[Point]) -> int:
-    """Dimension of the orbit under translations and turns: those that move nothing turn about all points at once."""
+    """Dimension of the orbit under translations and turns: those that move nothing turn about all
+    points at once.
+    """
     size = len(points[0])
     spread = rank([[x - y for x, y in zip(point, points[0], strict=True)] for point in points])
     turns = {(2, 0): 0, (2, 1): 1, (2, 2): 1, (3, 0): 0, (3, 1): 2, (3, 2): 3, (3, 3): 3}
@@ -53,7 +57,13 @@ def counts(p: Parameters) -> dict[str, int]:
     found |= {"rods-6-on-4-in-2d": whole(every[2][:4]), "rods-10-on-5-in-3d": whole(every[3])}
     found["rod-twice"] = first_order(space[:2], [(0, 1), (1, 0)])
     flat = [(*point[:2], Fraction(0)) for point in space]
-    lines = {size: [[factor * x for x in every[size][1]] for factor in (Fraction(0), Fraction(1), Fraction(5, 2))] for size in (2, 3)}
+    lines = {
+        size: [
+            [factor * x for x in every[size][1]]
+            for factor in (Fraction(0), Fraction(1), Fraction(5, 2))
+        ]
+        for size in (2, 3)
+    }
     degenerate: dict[str, Sequence[Point]] = {
         "coplanar-4": flat[:4],
         "coplanar-5": flat,
@@ -67,4 +77,8 @@ def counts(p: Parameters) -> dict[str, int]:
 
 def truth(p: Parameters, scale: Mapping[str, float]) -> Truth:
     """The truth at the parameter points."""
-    return Timeless(scale, lambda: {name: arb(n) for name, n in counts(p).items()}, witness="the chapter's counts")
+    return Timeless(
+        scale,
+        lambda: {name: arb(n) for name, n in counts(p).items()},
+        witness="the chapter's counts",
+    )

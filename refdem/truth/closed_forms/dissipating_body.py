@@ -1,7 +1,9 @@
-"""Certified dissipating body: validated integration of J omega' = (J omega) x omega + c (J omega) x ((J omega) x omega).
+"""Certified dissipating body: validated integration of J omega' = (J omega) x omega + c (J omega) x
+((J omega) x omega).
 
-The axis about which it ends: at |L| = const the energy falls; once it is below that of a turn about the middle axis, L^2/(2 J2), only
-the axis of largest inertia is left. A start exactly about an axis stays there.
+The axis about which it ends: at |L| = const the energy falls; once it is below that of a turn about
+the middle axis, L^2/(2 J2), only the axis of largest inertia is left. A start exactly about an axis
+stays there.
 """
 
 from collections.abc import Mapping, Sequence
@@ -25,16 +27,32 @@ NAMES = ("omega_body.x", "omega_body.y", "omega_body.z")
 class DissipatingBody(ValidatedFlow):
     """omega_body [rad/s]."""
 
-    witness = "another multiprecision integration, of L in place of omega; |L| is kept, and the energy falls by c |L x omega|^2"
+    witness = (
+        "another multiprecision integration, of L in place of omega; |L| is kept, and the energy"
+        " falls by c |L x omega|^2"
+    )
 
-    def __init__(self, omega: Sequence[Fraction], inertia: Sequence[Fraction], damping: Fraction, scale: Mapping[str, float]) -> None:
+    def __init__(
+        self,
+        omega: Sequence[Fraction],
+        inertia: Sequence[Fraction],
+        damping: Fraction,
+        scale: Mapping[str, float],
+    ) -> None:
         super().__init__(
-            field(inertia, damping), list(omega), lambda y: dict(zip(NAMES, y, strict=True)), scale, state=NAMES, moved=range(3)
+            field(inertia, damping),
+            list(omega),
+            lambda y: dict(zip(NAMES, y, strict=True)),
+            scale,
+            state=NAMES,
+            moved=range(3),
         )
         self.omega, self.inertia, self.damping = omega, inertia, damping
 
     def constants(self) -> dict[str, arb]:
-        """`final_axis`, the principal axis (1, 2 or 3) about which the body ends, where that is proved."""
+        """`final_axis`, the principal axis (1, 2 or 3) about which the body ends, where that is
+        proved.
+        """
         about = [i for i in range(3) if self.omega[i]]
         if len(about) == 1:
             return {"final_axis": arb(about[0] + 1)}
@@ -49,7 +67,9 @@ class DissipatingBody(ValidatedFlow):
             energy, square = (sum((w * w * arb_of(j**n) for w, j in pairs), arb(0)) for n in (1, 2))
             if energy * arb_of(middle) < square:
                 return {"final_axis": arb(order[2] + 1)}
-            t = 2 * t or Fraction(1, 4) / sum(j * abs(w) for w, j in zip(self.omega, self.inertia, strict=True)) * min(self.inertia)
+            t = 2 * t or Fraction(1, 4) / sum(
+                j * abs(w) for w, j in zip(self.omega, self.inertia, strict=True)
+            ) * min(self.inertia)
         return {}
 
 
@@ -70,4 +90,6 @@ def field(inertia: Sequence[Fraction], damping: Fraction) -> Field:
 
 def truth(p: Parameters, scale: Mapping[str, float]) -> Truth:
     """The truth at parameters inertia, omega_body, damping."""
-    return DissipatingBody(vector(p, "omega_body"), vector(p, "inertia"), number(p, "damping"), scale)
+    return DissipatingBody(
+        vector(p, "omega_body"), vector(p, "inertia"), number(p, "damping"), scale
+    )

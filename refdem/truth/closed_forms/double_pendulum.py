@@ -20,7 +20,10 @@ NAMES = ("theta1", "theta2", "thetadot1", "thetadot2")
 class DoublePendulum(ValidatedFlow):
     """theta1, theta2 (continuous), thetadot1, thetadot2."""
 
-    witness = "multiprecision integration of Cartesian equations with the rods' forces (refdem/truth/witnesses/linked.py); energy"
+    witness = (
+        "multiprecision integration of Cartesian equations with the rods' forces"
+        " (refdem/truth/witnesses/linked.py); energy"
+    )
 
 
 def field(p: Parameters) -> Field:
@@ -43,4 +46,11 @@ def field(p: Parameters) -> Field:
 def truth(p: Parameters, scale: Mapping[str, float]) -> Truth:
     """The truth at these parameters (masses, lengths, gravity, theta0, thetadot0)."""
     start = [*vector(p, "theta0"), *vector(p, "thetadot0")]
-    return DoublePendulum(field(p), start, lambda y: dict(zip(NAMES, y, strict=True)), scale, state=NAMES, moved=range(4))
+    return DoublePendulum(
+        field(p),
+        start,
+        lambda y: dict(zip(NAMES, y, strict=True)),
+        scale,
+        state=NAMES,
+        moved=range(4),
+    )

@@ -1,4 +1,6 @@
-"""x'' + 2 delta x' + alpha x + beta x^3 = f0 cos(w t) by validated integration; cos and sin of the drive are coordinates."""
+"""x'' + 2 delta x' + alpha x + beta x^3 = f0 cos(w t) by validated integration; cos and sin of the
+drive are coordinates.
+"""
 
 from collections.abc import Mapping, Sequence
 from fractions import Fraction
@@ -16,7 +18,10 @@ from refdem.truth.validated_flow import ValidatedFlow
 class DrivenDuffing(ValidatedFlow):
     """x [m] and v [m/s] at t >= 0."""
 
-    witness = "Taylor series in rational arithmetic from the power series of x; heyoka in multiprecision at literal values"
+    witness = (
+        "Taylor series in rational arithmetic from the power series of x; heyoka in multiprecision"
+        " at literal values"
+    )
     repulsion: Repulsion | None = None
 
     def infinite_within(self, y: Sequence[arb]) -> arb | None:
@@ -34,11 +39,19 @@ def truth(p: Parameters, scale: Mapping[str, float]) -> Truth:
 
     def field(y: Sequence[Any]) -> list[Any]:
         x, v, c, s = y
-        push = values["f0"] * c - 2 * values["delta"] * v - (values["alpha"] + values["beta"] * (x * x)) * x
+        push = (
+            values["f0"] * c
+            - 2 * values["delta"] * v
+            - (values["alpha"] + values["beta"] * (x * x)) * x
+        )
         return [v, push, -values["drive"] * s, values["drive"] * c]
 
     start = [values["x0"], values["v0"], Fraction(1), Fraction(0)]
-    found = DrivenDuffing(field, start, lambda y: {"x": y[0], "v": y[1]}, scale, state=("x", "v"), moved=(0, 1))
+    found = DrivenDuffing(
+        field, start, lambda y: {"x": y[0], "v": y[1]}, scale, state=("x", "v"), moved=(0, 1)
+    )
     if values["beta"] < 0:
-        found.repulsion = Repulsion(3, -values["beta"], values["alpha"], values["delta"], abs(values["f0"]))
+        found.repulsion = Repulsion(
+            3, -values["beta"], values["alpha"], values["delta"], abs(values["f0"])
+        )
     return found

@@ -1,9 +1,11 @@
-"""m x'' + 2 m delta x' + k x = m g + m f0 cos(w t): damped in any of three ways, driven or not, from any start.
+"""m x'' + 2 m delta x' + k x = m g + m f0 cos(w t): damped in any of three ways, driven or not,
+from any start.
 
-About c = m g/k: X = X0 (C + delta S) + V0 S, V = V0 (C - delta S) - w0^2 X0 S with, D^2 = |w0^2 - delta^2|, C = exp(-delta t) cos D t,
-S = exp(-delta t) (sin D t)/D below critical damping, exp(-delta t) and exp(-delta t) t at it, cosh and sinh above. A drive adds its
-steady motion Re(A exp(i w t)), A = f0/(w0^2 - w^2 + 2 i delta w) (1.104), and takes its start from X0, V0; without damping at w = w0
-it adds f0 t sin(w0 t)/(2 w0) instead.
+About c = m g/k: X = X0 (C + delta S) + V0 S, V = V0 (C - delta S) - w0^2 X0 S with, D^2 = |w0^2 -
+delta^2|, C = exp(-delta t) cos D t, S = exp(-delta t) (sin D t)/D below critical damping,
+exp(-delta t) and exp(-delta t) t at it, cosh and sinh above. A drive adds its steady motion Re(A
+exp(i w t)), A = f0/(w0^2 - w^2 + 2 i delta w) (1.104), and takes its start from X0, V0; without
+damping at w = w0 it adds f0 t sin(w0 t)/(2 w0) instead.
 """
 
 from collections.abc import Mapping
@@ -31,7 +33,16 @@ class DrivenOscillator(SmoothFlow):
 
     def __init__(self, p: Parameters, scale: Mapping[str, float], *, is_driven: bool) -> None:
         super().__init__(scale)
-        values = numbers(p, "mass", "stiffness", "gravity", "x0", "v0", "delta", *(("f0", "drive") if is_driven else ()))
+        values = numbers(
+            p,
+            "mass",
+            "stiffness",
+            "gravity",
+            "x0",
+            "v0",
+            "delta",
+            *(("f0", "drive") if is_driven else ()),
+        )
         self.square, self.delta = values["stiffness"] / values["mass"], values["delta"]
         self.centre, self.x0, self.v0 = values["gravity"] / self.square, values["x0"], values["v0"]
         self.f0, self.drive = values.get("f0", Fraction(0)), values.get("drive", Fraction(0))
@@ -77,34 +88,54 @@ class DrivenOscillator(SmoothFlow):
             return f0 * t * sine / (2 * w), f0 * (sine + w * t * cosine) / (2 * w)
         away, drag = arb_of(self.square - self.drive**2), arb_of(2 * self.delta * self.drive)
         size = away * away + drag * drag
-        return f0 * (away * cosine + drag * sine) / size, f0 * w * (drag * cosine - away * sine) / size
+        return (
+            f0 * (away * cosine + drag * sine) / size,
+            f0 * w * (drag * cosine - away * sine) / size,
+        )
 
     def evaluate(self, t: arb) -> dict[str, arb]:
-        centre, (x_first, v_first), (x_steady, v_steady) = arb_of(self.centre), self.steady(arb(0)), self.steady(t)
+        centre, (x_first, v_first), (x_steady, v_steady) = (
+            arb_of(self.centre),
+            self.steady(arb(0)),
+            self.steady(t),
+        )
         x, v = self.free(arb_of(self.x0) - centre - x_first, arb_of(self.v0) - v_first, t)
         return {"x": centre + x + x_steady, "v": v + v_steady}
 
     @per_precision
     def growth(self) -> Grows:
-        """The motion is linear: an error grows as the free motion does, whenever it is made; in a whole period it does not grow."""
+        """The motion is linear: an error grows as the free motion does, whenever it is made; in a
+        whole period it does not grow.
+        """
         ratio = arb_of(self.scale["x"] / self.scale["v"])
         if self.delta**2 >= 4 * self.square:
-            # Over-damped, with the rates s1 < s2 = delta -+ kappa: of x there is left, for x at the start,
-            # (s2 exp(-s1 t) - s1 exp(-s2 t))/(s2 - s1) <= 1, for v at most 1/(s2 - s1); of v at most s1 s2/(s2 - s1) for x, and 1 for v.
+            # Over-damped, with the rates s1 < s2 = delta -+ kappa: of x there is left, for x at the
+            # start, (s2 exp(-s1 t) - s1 exp(-s2 t))/(s2 - s1) <= 1, for v at most 1/(s2 - s1); of v
+            # at most s1 s2/(s2 - s1) for x, and 1 for v.
             apart = 2 * arb_of(-self.gap).sqrt()
             by_other = ((1 / (apart * ratio)).max(arb_of(self.square) * ratio / apart)).upper()
             return Told(lambda _: 1 + by_other)
         one, none = arb(1), arb(0)
 
         def propagator(elapsed: arb) -> arb_mat:
-            (by_x, rate_by_x), (by_v, rate_by_v) = self.free(one, none, elapsed), self.free(none, one, elapsed)
+            (by_x, rate_by_x), (by_v, rate_by_v) = (
+                self.free(one, none, elapsed),
+                self.free(none, one, elapsed),
+            )
             return arb_mat([[by_x, by_v / ratio], [rate_by_x * ratio, rate_by_v]])
 
         period = 2 * arb.pi() / arb_of(self.gap).sqrt() if self.gap > 0 else None
-        return SteadyGrowth(propagator, Norm([1, 1]), narrow(arb_of(self.square).sqrt() + arb_of(self.delta)), period)
+        return SteadyGrowth(
+            propagator,
+            Norm([1, 1]),
+            narrow(arb_of(self.square).sqrt() + arb_of(self.delta)),
+            period,
+        )
 
     def constants(self) -> dict[str, arb]:
-        """The period of the free oscillation, if it oscillates; driven, the amplitude |A| (1.105) of the steady motion, if there is one."""
+        """The period of the free oscillation, if it oscillates; driven, the amplitude |A| (1.105)
+        of the steady motion, if there is one.
+        """
         if not self.is_driven:
             return {"period": 2 * arb.pi() / arb_of(self.gap).sqrt()} if self.gap > 0 else {}
         if self.resounds:
@@ -114,5 +145,8 @@ class DrivenOscillator(SmoothFlow):
 
 
 def truth(p: Parameters, scale: Mapping[str, float]) -> Truth:
-    """The truth at parameters mass, stiffness, gravity, delta, f0, drive, x0, v0; `scale` of x and v."""
+    """The truth at parameters mass, stiffness, gravity, delta, f0, drive, x0, v0;
+
+    `scale` of x and v.
+    """
     return DrivenOscillator(p, scale, is_driven=True)

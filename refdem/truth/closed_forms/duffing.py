@@ -1,9 +1,11 @@
-"""Duffing's oscillator x'' + alpha x + beta x^3 = 0 from rest at A, by Jacobi's functions for every sign that keeps it bounded.
+"""Duffing's oscillator x'' + alpha x + beta x^3 = 0 from rest at A, by Jacobi's functions for every
+sign that keeps it bounded.
 
-With c = alpha + beta A^2 (-c A is the acceleration at the start) and h = alpha + beta A^2/2 (DLMF 22.13.4-6; v^2 = (A^2 - x^2)
-(alpha + beta (A^2 + x^2)/2)):  beta > 0, h > 0: A cn(sqrt(c) t), m = beta A^2/(2 c);  h = 0: A sech(sqrt(-alpha) t);  h < 0 < c:
-A dn(sqrt(beta/2) A t), m = 2 c/(beta A^2);  c < 0, the nearer turning point of a well: A nd(sqrt(beta/2) B t), B^2 = -2 alpha/beta -
-A^2, m = -2 c/(beta B^2);  beta < 0 < c: A cd(sqrt(h) t), m = -beta A^2/(2 h);  c = 0: it stays.
+With c = alpha + beta A^2 (-c A is the acceleration at the start) and h = alpha + beta A^2/2 (DLMF
+22.13.4-6; v^2 = (A^2 - x^2) (alpha + beta (A^2 + x^2)/2)):  beta > 0, h > 0: A cn(sqrt(c) t), m =
+beta A^2/(2 c);  h = 0: A sech(sqrt(-alpha) t);  h < 0 < c: A dn(sqrt(beta/2) A t), m = 2 c/(beta
+A^2);  c < 0, the nearer turning point of a well: A nd(sqrt(beta/2) B t), B^2 = -2 alpha/beta - A^2,
+m = -2 c/(beta B^2);  beta < 0 < c: A cd(sqrt(h) t), m = -beta A^2/(2 h);  c = 0: it stays.
 """
 
 from collections.abc import Callable, Mapping, Sequence
@@ -28,14 +30,18 @@ from refdem.truth.validated_flow import ValidatedFlow
 Shape = Callable[[arb], tuple[arb, arb]]
 """x/A and its derivative at the phase u."""
 Change = tuple[arb, arb]
-"""How a shape changes by m, and its derivative by u, both but for kappa times their own derivatives (Jacobi.kappa)."""
+"""How a shape changes by m, and its derivative by u, both but for kappa times their own derivatives
+(Jacobi.kappa).
+"""
 Elliptic = Callable[[Jacobi, arb], tuple[tuple[arb, arb], Change]]
 """A shape with its derivative, and its change."""
 
 
 @dataclass(frozen=True)
 class Family:
-    """Motions from rest beside one: x = A shape(rate t | m), with derivatives of m and of ln rate by A."""
+    """Motions from rest beside one: x = A shape(rate t | m), with derivatives of m and of ln rate
+    by A.
+    """
 
     jacobi: Jacobi
     shape: Elliptic
@@ -45,7 +51,9 @@ class Family:
 
 @dataclass(frozen=True)
 class Motion:
-    """x = A shape(rate t); a period [s], if there is one; those beside it, where they are elliptic."""
+    """x = A shape(rate t); a period [s], if there is one; those beside it, where they are
+    elliptic.
+    """
 
     shape: Shape
     rate: arb
@@ -56,7 +64,10 @@ class Motion:
 class Duffing(FromRest, OfAnEquation):
     """x [m] and v [m/s] at t; scalar period [s] where there is one."""
 
-    method = "Jacobi elliptic functions by theta functions; sech on the separatrix; cosine, or cosh, for beta = 0"
+    method = (
+        "Jacobi elliptic functions by theta functions; sech on the separatrix; cosine, or cosh, for"
+        " beta = 0"
+    )
     witness = "validated integration of the equation of motion; energy; the period by quadrature"
 
     def __init__(self, p: Parameters, scale: Mapping[str, float]) -> None:
@@ -69,7 +80,9 @@ class Duffing(FromRest, OfAnEquation):
 
     @per_precision
     def motion(self) -> Motion:
-        """The kind of motion, decided in exact rationals; raises NotCertifiedError where it goes to infinity."""
+        """The kind of motion, decided in exact rationals; raises NotCertifiedError where it goes to
+        infinity.
+        """
         square = self.beta * self.amplitude**2
         c, h = self.alpha + square, self.alpha + square / 2
         # Half the derivative of beta A^2 by A.
@@ -83,21 +96,45 @@ class Duffing(FromRest, OfAnEquation):
             m_slope = self.alpha * pull / c**2
             return _elliptic(_cn, arb_of(c).sqrt(), square / (2 * c), h / c, 4, m_slope, pull / c)
         if self.beta > 0 and h == 0:
-            return Motion(lambda u: (1 / u.cosh(), -u.tanh() / u.cosh()), arb_of(-self.alpha).sqrt(), None)
+            return Motion(
+                lambda u: (1 / u.cosh(), -u.tanh() / u.cosh()), arb_of(-self.alpha).sqrt(), None
+            )
         if self.beta > 0 and c > 0:
             m_slope = -4 * self.alpha / (square * self.amplitude)
-            return _elliptic(_dn, arb_of(square / 2).sqrt(), 2 * c / square, -2 * h / square, 2, m_slope, 1 / self.amplitude)
+            return _elliptic(
+                _dn,
+                arb_of(square / 2).sqrt(),
+                2 * c / square,
+                -2 * h / square,
+                2,
+                m_slope,
+                1 / self.amplitude,
+            )
         if self.beta > 0:
             farther = -2 * self.alpha - square
             m_slope = 4 * self.alpha * pull / farther**2
-            return _elliptic(_nd, arb_of(farther / 2).sqrt(), -2 * c / farther, square / farther, 2, m_slope, -pull / farther)
+            return _elliptic(
+                _nd,
+                arb_of(farther / 2).sqrt(),
+                -2 * c / farther,
+                square / farther,
+                2,
+                m_slope,
+                -pull / farther,
+            )
         if self.beta < 0 and c > 0:
             m_slope = -self.alpha * pull / h**2
-            return _elliptic(_cd, arb_of(h).sqrt(), -square / (2 * h), c / h, 4, m_slope, pull / (2 * h))
+            return _elliptic(
+                _cd, arb_of(h).sqrt(), -square / (2 * h), c / h, 4, m_slope, pull / (2 * h)
+            )
         if self.beta == 0:
             # x'' = -alpha x with alpha < 0 grows for ever and is never infinite.
             return Motion(lambda u: (u.cosh(), u.sinh()), arb_of(-self.alpha).sqrt(), None)
-        raise NotCertifiedError("singular: the motion goes to infinity: the start is above the escape energy", code="singular", time=0.0)
+        raise NotCertifiedError(
+            "singular: the motion goes to infinity: the start is above the escape energy",
+            code="singular",
+            time=0.0,
+        )
 
     def evaluate(self, t: arb) -> dict[str, arb]:
         motion = self.motion()
@@ -106,7 +143,9 @@ class Duffing(FromRest, OfAnEquation):
         return {"x": reach * x, "v": reach * motion.rate * slope}
 
     def rates(self, t: Fraction) -> tuple[arb, arb]:
-        """As of any start from rest; of an equilibrium those of its linear equation, d'' = -(alpha + 3 beta A^2) d = 2 alpha d."""
+        """As of any start from rest; of an equilibrium those of its linear equation, d'' = -(alpha
+        + 3 beta A^2) d = 2 alpha d.
+        """
         if self.alpha + self.beta * self.amplitude**2 != 0:
             return super().rates(t)
         w = arb_of(2 * abs(self.alpha)).sqrt()
@@ -119,7 +158,14 @@ class Duffing(FromRest, OfAnEquation):
             return [v, -(x * x * self.beta + self.alpha) * x]
 
         start = [self.amplitude, Fraction(0)]
-        return ValidatedFlow(field, start, lambda y: dict(zip(self.state, y, strict=True)), self.scale, state=self.state, moved=(0, 1))
+        return ValidatedFlow(
+            field,
+            start,
+            lambda y: dict(zip(self.state, y, strict=True)),
+            self.scale,
+            state=self.state,
+            moved=(0, 1),
+        )
 
     def line(self) -> Line | None:
         motion = self.motion()
@@ -131,7 +177,9 @@ class Duffing(FromRest, OfAnEquation):
             found = self.evaluate(t)
             return found["x"], found["v"]
 
-        return Line(state, self.acceleration, lambda t: self.neighbour(motion, family, t), motion.period)
+        return Line(
+            state, self.acceleration, lambda t: self.neighbour(motion, family, t), motion.period
+        )
 
     def neighbour(self, motion: Motion, family: Family, t: arb) -> Neighbour:
         """How x = A S(rate t | m) and v = A rate S' change by A; H' = c A."""
@@ -144,7 +192,9 @@ class Duffing(FromRest, OfAnEquation):
         kappa_rate = (1 / m - dn * dn / (m * m1)) / 2
         by_m = change_rate + kappa_rate * slope
         place = shape + reach * family.m_slope * change
-        speed = motion.rate * (slope * (1 + reach * family.log_rate_slope) + reach * family.m_slope * by_m)
+        speed = motion.rate * (
+            slope * (1 + reach * family.log_rate_slope) + reach * family.m_slope * by_m
+        )
         along = family.log_rate_slope * t + family.m_slope * family.jacobi.kappa(u) / motion.rate
         return Neighbour(place, speed, along, -self.acceleration(reach))
 
@@ -159,8 +209,18 @@ class Duffing(FromRest, OfAnEquation):
         return {} if period is None else {"period": period}
 
 
-def _elliptic(shape: Elliptic, rate: arb, m: Fraction, m1: Fraction, quarters: int, m_slope: Fraction, log_rate_slope: Fraction) -> Motion:
-    """x = A shape(rate t | m), m1 = 1 - m, whose period is so many K; m and ln rate change by A as told."""
+def _elliptic(
+    shape: Elliptic,
+    rate: arb,
+    m: Fraction,
+    m1: Fraction,
+    quarters: int,
+    m_slope: Fraction,
+    log_rate_slope: Fraction,
+) -> Motion:
+    """x = A shape(rate t | m), m1 = 1 - m, whose period is so many K; m and ln rate change by A as
+    told.
+    """
     jacobi = Jacobi(arb_of(m), arb_of(m1))
     family = Family(jacobi, shape, arb_of(m_slope), arb_of(log_rate_slope))
     return Motion(lambda u: shape(jacobi, u)[0], rate, quarters * jacobi.k / rate, family)

@@ -1,4 +1,6 @@
-"""Certified free rigid body: omega by Jacobi's elliptic functions, attitude by theta functions (refdem/truth/free_body.py)."""
+"""Certified free rigid body: omega by Jacobi's elliptic functions, attitude by theta functions
+(refdem/truth/free_body.py).
+"""
 
 from collections.abc import Mapping, Sequence
 from fractions import Fraction
@@ -17,7 +19,10 @@ from refdem.truth.growth import CLOSED_BITS, Grows
 from refdem.truth.smooth_flow import SmoothFlow
 
 AXES = "xyz"
-WITNESS = "Taylor series of Euler's and the quaternion equation (refdem/truth/witness.py): no elliptic or theta function"
+WITNESS = (
+    "Taylor series of Euler's and the quaternion equation (refdem/truth/witness.py): no elliptic or"
+    " theta function"
+)
 BODY_OMEGA = tuple(f"omega_body.{a}" for a in AXES)
 OMEGA = tuple(f"omega.{a}" for a in AXES)
 ATTITUDE = tuple(f"attitude.{a}" for a in "wxyz")
@@ -25,16 +30,23 @@ MATRIX = tuple(f"R.{a}{b}" for a in AXES for b in AXES)
 
 
 class FreeRigidBody(SmoothFlow):
-    """omega_body, omega, attitude (w >= 0) and R of a free body; the start is exact, the attitude need not be of unit size.
+    """omega_body, omega, attitude (w >= 0) and R of a free body; the start is exact, the attitude
+    need not be of unit size.
 
-    S: the start is turned in space, which turns all that follows by as much, and omega_body is displaced; both by vectors of
-    at most their scale.
+    S: the start is turned in space, which turns all that follows by as much, and omega_body is
+    displaced; both by vectors of at most their scale.
     """
 
     witness = WITNESS
     state = BODY_OMEGA
 
-    def __init__(self, inertia: Exact3, omega: Exact3, attitude: tuple[Fraction, ...], scale: Mapping[str, Size]) -> None:
+    def __init__(
+        self,
+        inertia: Exact3,
+        omega: Exact3,
+        attitude: tuple[Fraction, ...],
+        scale: Mapping[str, Size],
+    ) -> None:
         super().__init__(scale)
         self.inertia, self.omega, self.attitude = inertia, omega, attitude
         self.kind = kind(inertia, omega)
@@ -63,7 +75,9 @@ class FreeRigidBody(SmoothFlow):
         q, omega = rotation.upright(self.turned(t)), self.spin(t)
         r = rotation.matrix(q)
         names = (*BODY_OMEGA, *OMEGA, *ATTITUDE, *MATRIX)
-        return dict(zip(names, [*omega, *rotation.applied(r, omega), *q, *r[0], *r[1], *r[2]], strict=True))
+        return dict(
+            zip(names, [*omega, *rotation.applied(r, omega), *q, *r[0], *r[1], *r[2]], strict=True)
+        )
 
     def displaced(self, axis: int, amount: Fraction) -> "FreeRigidBody":
         x, y, z = (w + (amount if i == axis else 0) for i, w in enumerate(self.omega))
@@ -73,12 +87,18 @@ class FreeRigidBody(SmoothFlow):
         return self.body().constants()
 
     def jacobian(self, t: Fraction) -> arb_mat:
-        """Rows: turn in space, omega_body, omega; columns: turn in space (exact: all that follows turns) and omega_body."""
+        """Rows: turn in space, omega_body, omega; columns: turn in space (exact: all that follows
+        turns) and omega_body.
+        """
         by_omega = super().jacobian(t).table()
         x, y, z = rotation.rotated(self.turned(arb_of(t)), self.spin(arb_of(t)))
         ratio, none = arb_of(self.scale["attitude.w"] / self.scale["omega.x"]), arb(0)
         turning = [[none, z, -y], [-z, none, x], [y, -x, none]]
-        by_turn = [[arb(i == k) for k in range(3)] for i in range(3)] + [[none] * 3] * 3 + [[ratio * v for v in row] for row in turning]
+        by_turn = (
+            [[arb(i == k) for k in range(3)] for i in range(3)]
+            + [[none] * 3] * 3
+            + [[ratio * v for v in row] for row in turning]
+        )
         return arb_mat([a + b for a, b in zip(by_turn, by_omega, strict=True)])
 
     @per_precision
@@ -97,10 +117,15 @@ class FreeRigidBody(SmoothFlow):
         q_plus, q_minus = plus.turned(t), minus.turned(t)
         w_plus, w_minus = plus.spin(t), minus.spin(t)
         turn = rotation.times(q_plus, rotation.conjugate(q_minus))
-        in_space = zip(rotation.rotated(q_plus, w_plus), rotation.rotated(q_minus, w_minus), strict=True)
+        in_space = zip(
+            rotation.rotated(q_plus, w_plus), rotation.rotated(q_minus, w_minus), strict=True
+        )
         spins = [a - b for a, b in [*zip(w_plus, w_minus, strict=True), *in_space]]
         scaled = [2 * x / arb_of(self.scale["attitude.w"]) for x in turn[1:]]
-        return scaled + [x / arb_of(self.scale[name]) for x, name in zip(spins, (*BODY_OMEGA, *OMEGA), strict=True)]
+        return scaled + [
+            x / arb_of(self.scale[name])
+            for x, name in zip(spins, (*BODY_OMEGA, *OMEGA), strict=True)
+        ]
 
 
 def truth(p: Parameters, scale: Mapping[str, float]) -> Truth:

@@ -1,4 +1,6 @@
-"""The time of Haff's law (Haff 1983, J. Fluid Mech. 134): energy lost in a collision times how often two hard spheres meet."""
+"""The time of Haff's law (Haff 1983, J. Fluid Mech. 134): energy lost in a collision times how
+often two hard spheres meet.
+"""
 
 from collections.abc import Mapping
 from fractions import Fraction
@@ -16,7 +18,9 @@ DIMENSIONS = 3
 
 
 class HaffTime(GuardedTruth):
-    """tau of T = T0/(1 + t/tau)^2, a scalar; not among the scalars of an elastic gas, where it is infinite, or of a rough one."""
+    """tau of T = T0/(1 + t/tau)^2, a scalar; not among the scalars of an elastic gas, where it is
+    infinite, or of a rough one.
+    """
 
     method = "closed form"
     witness = "mean energy loss and rate of collisions as integrals over two Maxwellian velocities"
@@ -26,7 +30,10 @@ class HaffTime(GuardedTruth):
 
     def at(self, t: Fraction) -> Mapping[str, Ball]:
         """Raises NotCertifiedError: what the law says is a mean over many starts."""
-        raise NotCertifiedError("the motion is chaotic; Haff's law is a mean over starts, which the check `cooling` judges by its scatter")
+        raise NotCertifiedError(
+            "the motion is chaotic; Haff's law is a mean over starts, which the check `cooling`"
+            " judges by its scatter"
+        )
 
     def sensitivity(self, t: Fraction) -> float:
         """1: nothing is certified at any time."""
@@ -37,7 +44,9 @@ class HaffTime(GuardedTruth):
         return HaffTime(self.given, digits=digits)
 
     def scalars(self) -> Mapping[str, Ball]:
-        """collision_frequency [1/s] of one sphere at the start; haff_time [s] where restitution is below 1 and spheres are smooth."""
+        """collision_frequency [1/s] of one sphere at the start; haff_time [s] where restitution is
+        below 1 and spheres are smooth.
+        """
         balls = refined(self._scalars, Fraction(1, 10**self.digits))
         if balls is None:
             raise NotCertifiedError("haff_time: no precision sufficed")
@@ -48,11 +57,18 @@ class HaffTime(GuardedTruth):
         found = {"collision_frequency": collision_frequency(g["diameter"], g["density"], g["t0"])}
         if g["restitution"] == 1 or g.get("friction"):
             return found
-        return {**found, "haff_time": haff_time(**{name: value for name, value in g.items() if name != "friction"})}
+        return {
+            **found,
+            "haff_time": haff_time(
+                **{name: value for name, value in g.items() if name != "friction"}
+            ),
+        }
 
 
 def collision_frequency(diameter: Fraction, density: Fraction, t0: Fraction) -> arb:
-    """w_c = 4 sqrt(pi) n sigma^2 sqrt(T/m) chi [1/s] of one sphere; chi = (1 - phi/2)/(1 - phi)^3, phi = pi n sigma^3/6."""
+    """w_c = 4 sqrt(pi) n sigma^2 sqrt(T/m) chi [1/s] of one sphere; chi = (1 - phi/2)/(1 - phi)^3,
+    phi = pi n sigma^3/6.
+    """
     packing = arb.pi() * arb_of(density * diameter**3 / 6)
     chi = (1 - packing / 2) / (1 - packing) ** 3
     return 4 * arb.pi().sqrt() * arb_of(density * diameter**2) * arb_of(t0 / MASS).sqrt() * chi
@@ -60,7 +76,9 @@ def collision_frequency(diameter: Fraction, density: Fraction, t0: Fraction) -> 
 
 def haff_time(*, diameter: Fraction, density: Fraction, restitution: Fraction, t0: Fraction) -> arb:
     """tau = 2 D/((1 - e^2) w_c) [s]."""
-    return arb_of(2 * DIMENSIONS / (1 - restitution**2)) / collision_frequency(diameter, density, t0)
+    return arb_of(2 * DIMENSIONS / (1 - restitution**2)) / collision_frequency(
+        diameter, density, t0
+    )
 
 
 def truth(p: Parameters) -> Truth:

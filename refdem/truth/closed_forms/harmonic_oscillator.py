@@ -1,6 +1,8 @@
-"""The mass on a linear spring that gravity stretches: m x'' = -k x + m g, x from the natural length.
+"""The mass on a linear spring that gravity stretches: m x'' = -k x + m g, x from the natural
+length.
 
-x(t) = c + (x0 - c) cos w t + (v0/w) sin w t with c = m g/k and w^2 = k/m; period 2 pi/w, whatever gravity is.
+x(t) = c + (x0 - c) cos w t + (v0/w) sin w t with c = m g/k and w^2 = k/m; period 2 pi/w, whatever
+gravity is.
 """
 
 from collections.abc import Mapping
@@ -19,14 +21,23 @@ from refdem.truth.smooth_flow import SmoothFlow
 
 
 class HarmonicOscillator(SmoothFlow):
-    """x [m] and v [m/s] at t; gravity [m/s^2] acts along +x, so that x = m g/k is the equilibrium."""
+    """x [m] and v [m/s] at t; gravity [m/s^2] acts along +x, so that x = m g/k is the
+    equilibrium.
+    """
 
     method = "closed form"
     witness = "Taylor series of the equation in rational arithmetic"
     state = ("x", "v")
 
     def __init__(
-        self, scale: Mapping[str, float], *, mass: Fraction, stiffness: Fraction, gravity: Fraction, x0: Fraction, v0: Fraction
+        self,
+        scale: Mapping[str, float],
+        *,
+        mass: Fraction,
+        stiffness: Fraction,
+        gravity: Fraction,
+        x0: Fraction,
+        v0: Fraction,
     ) -> None:
         super().__init__(scale)
         self.mass, self.stiffness, self.gravity, self.x0, self.v0 = mass, stiffness, gravity, x0, v0
@@ -44,7 +55,10 @@ class HarmonicOscillator(SmoothFlow):
         centre = self.mass * self.gravity / self.stiffness
         away, v0 = arb_of(self.x0 - centre), arb_of(self.v0)
         sine, cosine = (rate * t).sin_cos()
-        return {"x": arb_of(centre) + away * cosine + v0 / rate * sine, "v": v0 * cosine - away * rate * sine}
+        return {
+            "x": arb_of(centre) + away * cosine + v0 / rate * sine,
+            "v": v0 * cosine - away * rate * sine,
+        }
 
     @per_precision
     def growth(self) -> Grows:

@@ -1,8 +1,10 @@
-"""Certified heavy top: validated integration of Euler's angles with L_z and w3 kept; nutation and its period by an elliptic integral.
+"""Certified heavy top: validated integration of Euler's angles with L_z and w3 kept; nutation and
+its period by an elliptic integral.
 
-With u = cos theta, b = L_z/J1, a = J3 w3/J1, beta = 2 m g l/J1, alpha = theta'^2 + phi'^2 sin^2 theta + beta u at the start:
-u'^2 = f(u) = (alpha - beta u)(1 - u^2) - (b - a u)^2 with roots u1 <= u2 <= 1 <= u3, between the first two of which it moves in the time
-4 K(m)/sqrt(beta (u3 - u1)), m = (u2 - u1)/(u3 - u1), there and back (Whittaker, Analytical Dynamics, section 71).
+With u = cos theta, b = L_z/J1, a = J3 w3/J1, beta = 2 m g l/J1, alpha = theta'^2 + phi'^2 sin^2
+theta + beta u at the start: u'^2 = f(u) = (alpha - beta u)(1 - u^2) - (b - a u)^2 with roots u1 <=
+u2 <= 1 <= u3, between the first two of which it moves in the time 4 K(m)/sqrt(beta (u3 - u1)), m =
+(u2 - u1)/(u3 - u1), there and back (Whittaker, Analytical Dynamics, section 71).
 """
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
@@ -36,18 +38,36 @@ CARTESIAN = ("n.x", "n.y", "n.z", "L.x", "L.y", "L.z", "psi+phi")
 
 
 class HeavyTop(ValidatedFlow):
-    """theta, phi, psi (continuous) and thetadot; L_z and w3 are states that stay, so that S knows of their errors."""
+    """theta, phi, psi (continuous) and thetadot;
+
+    L_z and w3 are states that stay, so that S knows of their errors.
+    """
 
     closest = LEAST_TILT
 
     witness = (
-        "multiprecision integration of q' = q omega/2 and Euler's equations with the torque of the weight; Jacobi's functions for the tilt"
+        "multiprecision integration of q' = q omega/2 and Euler's equations with the torque of the"
+        " weight; Jacobi's functions for the tilt"
     )
 
     def __init__(self, p: Mapping[str, Fraction], scale: Mapping[str, Size]) -> None:
         self.p = p
-        start: list[Fraction | Callable[[], arb]] = [p["theta0"], Fraction(0), Fraction(0), p["thetadot0"], self.vertical, p["spin"]]
-        super().__init__(field(p), start, lambda y: dict(zip(STATE, y, strict=True)), scale, state=STATE, moved=range(6))
+        start: list[Fraction | Callable[[], arb]] = [
+            p["theta0"],
+            Fraction(0),
+            Fraction(0),
+            p["thetadot0"],
+            self.vertical,
+            p["spin"],
+        ]
+        super().__init__(
+            field(p),
+            start,
+            lambda y: dict(zip(STATE, y, strict=True)),
+            scale,
+            state=STATE,
+            moved=range(6),
+        )
 
     def vertical(self) -> arb:
         """L_z at the start."""
@@ -68,21 +88,35 @@ class HeavyTop(ValidatedFlow):
         """Raises NotCertifiedError where it is not proved that the axis stays off the verticals."""
         if "touches" not in self.kept:
             with self.parted_roots() as (low, high, _):
-                self.kept["touches"] = not (high < arb_of(self.closest).cos() and low > -arb_of(self.closest).cos())
+                self.kept["touches"] = not (
+                    high < arb_of(self.closest).cos() and low > -arb_of(self.closest).cos()
+                )
         if self.kept["touches"]:
             start = self.at_start(Fraction(1))
             near = f"{float(self.closest):g} rad"
-            told = f"vertical: the axis may come within {near} of a vertical, where its angles say nothing; move the start"
-            raise NotCertifiedError(told, code="vertical", time=0.0, state={name: start[name] for name in SEEN if name in start})
+            told = (
+                f"vertical: the axis may come within {near} of a vertical, where its angles say"
+                " nothing; move the start"
+            )
+            raise NotCertifiedError(
+                told,
+                code="vertical",
+                time=0.0,
+                state={name: start[name] for name in SEEN if name in start},
+            )
 
     def poles(self) -> list[int]:
         """Which of the verticals the axis comes near to: 1 up, -1 down."""
         with self.parted_roots() as (low, high, _):
-            return [side for side, near in ((1, not high < UPRIGHT), (-1, not low > -UPRIGHT)) if near]
+            return [
+                side for side, near in ((1, not high < UPRIGHT), (-1, not low > -UPRIGHT)) if near
+            ]
 
     @contextmanager
     def parted_roots(self) -> Iterator[list[arb]]:
-        """The roots at the first precision at which they are told apart, which is then the working precision; NotCertifiedError if none."""
+        """The roots at the first precision at which they are told apart, which is then the working
+        precision; NotCertifiedError if none.
+        """
         for bits in (FIRST_BITS << doubling for doubling in range(DOUBLINGS)):
             with precision(bits):
                 try:
@@ -91,13 +125,20 @@ class HeavyTop(ValidatedFlow):
                     continue
                 yield found
                 return
-        raise NotCertifiedError("separatrix: the ends of the nutation are not told apart; move the start", code="separatrix", time=0.0)
+        raise NotCertifiedError(
+            "separatrix: the ends of the nutation are not told apart; move the start",
+            code="separatrix",
+            time=0.0,
+        )
 
     def roots(self) -> list[arb]:
         """u1 <= u2 <= u3; where the tilt starts at one of its ends, that one is known."""
         p = self.p
         sine, u = arb_of(p["theta0"]).sin_cos()
-        beta, a = arb_of(2 * p["mass"] * p["gravity"] * p["length"] / p["j1"]), arb_of(p["j3"] * p["spin"] / p["j1"])
+        beta, a = (
+            arb_of(2 * p["mass"] * p["gravity"] * p["length"] / p["j1"]),
+            arb_of(p["j3"] * p["spin"] / p["j1"]),
+        )
         b = self.vertical() / arb_of(p["j1"])
         alpha = arb_of(p["thetadot0"] ** 2) + arb_of(p["phidot0"] ** 2) * sine * sine + beta * u
         cubic = [alpha - b * b, 2 * a * b - beta, -(alpha + a * a), beta]
@@ -107,7 +148,8 @@ class HeavyTop(ValidatedFlow):
             spread = (linear * linear - 4 * beta * rest).sqrt()
             other, beyond = 2 * rest / (spread - linear), (spread - linear) / (2 * beta)
             return [u.min(other), u.max(other), beyond]
-        # A tolerance is absolute and u3 may be large: a third of the bits is for its size. ValueError: more precision is tried.
+        # A tolerance is absolute and u3 may be large: a third of the bits is for its size.
+        # ValueError: more precision is tried.
         tolerance = arb(2) ** (-2 * ctx.prec // 3)
         roots: Any = acb_poly([acb(c) for c in cubic]).roots(tol=tolerance)
         found = [root.real for root in roots if root.imag.contains(0)]
@@ -118,50 +160,93 @@ class HeavyTop(ValidatedFlow):
     def constants(self) -> dict[str, arb]:
         low, high, beyond = self.roots()
         beta = arb_of(2 * self.p["mass"] * self.p["gravity"] * self.p["length"] / self.p["j1"])
-        period = 4 * acb((high - low) / (beyond - low)).elliptic_k().real / (beta * (beyond - low)).sqrt()
+        period = (
+            4
+            * acb((high - low) / (beyond - low)).elliptic_k().real
+            / (beta * (beyond - low)).sqrt()
+        )
         return {"nutation_min": high.acos(), "nutation_max": low.acos(), "period": period}
 
 
 class NearVertical(HeavyTop):
-    """The same where Euler's angles run away: axis n, L and psi + side phi are integrated; phi lies in (-pi, pi].
+    """The same where Euler's angles run away: axis n, L and psi + side phi are integrated; phi lies
+    in (-pi, pi].
 
-    n' = L x n/J1, L' = m g l n x (-z), (psi + side phi)' = L.n/J3 + side (L_z - L.n n_z)/(J1 (1 + side n_z)).
+    n' = L x n/J1, L' = m g l n x (-z), (psi + side phi)' = L.n/J3 + side (L_z - L.n n_z)/(J1 (1 +
+    side n_z)).
     """
 
     closest = LEAST_TOLD
 
     def __init__(self, p: Mapping[str, Fraction], scale: Mapping[str, Size], side: int) -> None:
         self.p, self.side = p, side
-        sizes = {**scale, **dict.fromkeys(CARTESIAN[:3], 1.0), **dict.fromkeys(CARTESIAN[3:6], scale["lz"]), CARTESIAN[6]: 1.0}
+        sizes = {
+            **scale,
+            **dict.fromkeys(CARTESIAN[:3], 1.0),
+            **dict.fromkeys(CARTESIAN[3:6], scale["lz"]),
+            CARTESIAN[6]: 1.0,
+        }
         start: list[Fraction | Callable[[], arb]] = [partial(self.begun, k) for k in range(6)]
         listed = lambda y: dict(zip(CARTESIAN, y, strict=True))  # noqa: E731
-        ValidatedFlow.__init__(self, cartesian(p, side), [*start, Fraction(0)], listed, sizes, state=CARTESIAN, moved=range(7))
+        ValidatedFlow.__init__(
+            self,
+            cartesian(p, side),
+            [*start, Fraction(0)],
+            listed,
+            sizes,
+            state=CARTESIAN,
+            moved=range(7),
+        )
 
     def begun(self, k: int) -> arb:
         """Coordinate k of n and L at the start."""
         p = self.p
         sine, cosine = arb_of(p["theta0"]).sin_cos()
         across, own = arb_of(p["j1"] * p["phidot0"]) * sine, arb_of(p["j3"] * p["spin"])
-        along = [arb_of(p["j1"] * p["thetadot0"]), across * cosine - own * sine, across * sine + own * cosine]
+        along = [
+            arb_of(p["j1"] * p["thetadot0"]),
+            across * cosine - own * sine,
+            across * sine + own * cosine,
+        ]
         return [arb(0), -sine, cosine, *along][k]
 
     def evaluate(self, t: arb) -> dict[str, arb]:
         x, y, z, lx, ly, lz, turned = self.integration().at(t)
         sine, phi = (x * x + y * y).sqrt(), arb.atan2(x, -y)
         rate = (ly * x - lx * y) / (arb_of(self.p["j1"]) * sine)
-        angles = {"theta": arb.atan2(sine, z), "phi": phi, "psi": turned - self.side * phi, "thetadot": rate}
+        angles = {
+            "theta": arb.atan2(sine, z),
+            "phi": phi,
+            "psi": turned - self.side * phi,
+            "thetadot": rate,
+        }
         return angles | dict(zip(CARTESIAN, (x, y, z, lx, ly, lz, turned), strict=True))
 
     def scaled_slopes(self, t: arb) -> arb_mat:
-        """Rows of n, L and psi + side phi, then those of the angles and of the rate of the tilt by the chain rule."""
+        """Rows of n, L and psi + side phi, then those of the angles and of the rate of the tilt by
+        the chain rule.
+        """
         x, y, z, lx, ly, _, _ = self.integration().at(t)
-        square, j1, tau, none = x * x + y * y, arb_of(self.p["j1"]), arb_of(1 / self.scale["thetadot"]), arb(0)
+        square, j1, tau, none = (
+            x * x + y * y,
+            arb_of(self.p["j1"]),
+            arb_of(1 / self.scale["thetadot"]),
+            arb(0),
+        )
         sine = square.sqrt()
         rate, lever = (ly * x - lx * y) / (j1 * sine), j1 * sine
         tilt = [z * x / sine, z * y / sine, -sine, none, none, none, none]
         phi = [-y / square, x / square, none, none, none, none, none]
         psi = [-self.side * value for value in phi[:6]]
-        speed = [ly / lever - rate * x / square, -lx / lever - rate * y / square, none, -y / lever, x / lever, none, none]
+        speed = [
+            ly / lever - rate * x / square,
+            -lx / lever - rate * y / square,
+            none,
+            -y / lever,
+            x / lever,
+            none,
+            none,
+        ]
         rows = super().scaled_slopes(t).table()
         return arb_mat([*rows, tilt, phi, [*psi, arb(1)], [tau * value for value in speed]])
 
@@ -174,7 +259,13 @@ def cartesian(p: Mapping[str, Fraction], side: int) -> Field:
         x, y, z, lx, ly, lz, _ = s
         own = lx * x + ly * y + lz * z
         moved = [(ly * z - lz * y) / j1, (lz * x - lx * z) / j1, (lx * y - ly * x) / j1]
-        return *moved, y * -weight, x * weight, x * 0, own / j3 + (lz - own * z) * side / ((z * side + 1) * j1)
+        return (
+            *moved,
+            y * -weight,
+            x * weight,
+            x * 0,
+            own / j3 + (lz - own * z) * side / ((z * side + 1) * j1),
+        )
 
     return rates
 
@@ -188,15 +279,28 @@ def field(p: Mapping[str, Fraction]) -> Field:
         sine, cosine = theta.sin(), theta.cos()
         own = spin * (p["j3"] / p["j1"])
         precession = (vertical / p["j1"] - own * cosine) / (sine * sine)
-        return rate, precession, spin - precession * cosine, ((precession * cosine - own) * precession + weight) * sine, 0, 0
+        return (
+            rate,
+            precession,
+            spin - precession * cosine,
+            ((precession * cosine - own) * precession + weight) * sine,
+            0,
+            0,
+        )
 
     return rates
 
 
 def truth(p: Parameters, scale: Mapping[str, float], rate: float) -> Truth:
-    """The truth at these parameters (those of the case, all); `rate` [rad/s] is the scale of w3, and with J1 of L_z."""
+    """The truth at these parameters (those of the case, all);
+
+    `rate` [rad/s] is the scale of w3, and with J1 of L_z.
+    """
     j1, j3 = vector(p, "inertia")
-    exact = numbers(p, "mass", "length", "gravity", "theta0", "phidot0", "thetadot0", "spin") | {"j1": j1, "j3": j3}
+    exact = numbers(p, "mass", "length", "gravity", "theta0", "phidot0", "thetadot0", "spin") | {
+        "j1": j1,
+        "j3": j3,
+    }
     sizes = {**scale, "lz": float(j1) * rate, "w3": rate}
     top = HeavyTop(exact, sizes)
     poles = top.poles()

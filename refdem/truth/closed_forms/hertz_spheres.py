@@ -1,4 +1,6 @@
-"""Two spheres that meet head-on under Hertz's law F = k d^(3/2): overlap and its rate from touch, with free flight afterwards."""
+"""Two spheres that meet head-on under Hertz's law F = k d^(3/2): overlap and its rate from touch,
+with free flight afterwards.
+"""
 
 from collections.abc import Mapping
 from copy import copy
@@ -26,10 +28,15 @@ class HertzSpheres(SmoothFlow):
     """overlap [m] (negative while apart) and v, its rate [m/s], from touch at t = 0."""
 
     state = ("overlap", "v")
-    method = "closed form: incomplete beta function by 2F1, solved by Newton's rule with a bound from the mean value theorem"
+    method = (
+        "closed form: incomplete beta function by 2F1, solved by Newton's rule with a bound from"
+        " the mean value theorem"
+    )
     witness = "Taylor integration in w = sqrt(overlap), energy, numerical integration of the law"
 
-    def __init__(self, scale: Mapping[str, Size], mass: Number, stiffness: Number, speed: Fraction) -> None:
+    def __init__(
+        self, scale: Mapping[str, Size], mass: Number, stiffness: Number, speed: Fraction
+    ) -> None:
         super().__init__(scale)
         self.mass, self.stiffness, self.begin = mass, stiffness, (Fraction(0), speed)
 
@@ -50,7 +57,10 @@ class HertzSpheres(SmoothFlow):
         contact, touch = self.contact()
         since = t - touch
         if since < 0:
-            return {"overlap": arb_of(self.begin[0]) + arb_of(self.begin[1]) * t, "v": arb_of(self.begin[1])}
+            return {
+                "overlap": arb_of(self.begin[0]) + arb_of(self.begin[1]) * t,
+                "v": arb_of(self.begin[1]),
+            }
         after = since - 2 * contact.half
         if after >= 0:
             return {"overlap": -contact.speed * after, "v": -contact.speed}
@@ -59,9 +69,14 @@ class HertzSpheres(SmoothFlow):
 
     @per_precision
     def growth(self) -> Grows:
-        """By scaling: contacts of other speeds are the same ones in other units; the force is steepest where it is deepest."""
+        """By scaling: contacts of other speeds are the same ones in other units; the force is
+        steepest where it is deepest.
+        """
         contact, touch = self.contact()
-        ratio, power = arb_of(self.scale["overlap"] / self.scale["v"]), arb_of(Fraction(2) / (HERTZ + 1))
+        ratio, power = (
+            arb_of(self.scale["overlap"] / self.scale["v"]),
+            arb_of(Fraction(2) / (HERTZ + 1)),
+        )
         stiffness = arb_of(self.stiffness / self.mass)
         quick = steepness(stiffness * arb_of(HERTZ) * contact.depth.sqrt(), ratio)
 

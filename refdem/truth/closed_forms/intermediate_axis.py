@@ -1,4 +1,6 @@
-"""Certified motion off the intermediate axis: the free rigid body's closed form, started `offset` off its axis."""
+"""Certified motion off the intermediate axis: the free rigid body's closed form, started `offset`
+off its axis.
+"""
 
 from collections.abc import Mapping
 from typing import Any
@@ -13,7 +15,9 @@ from refdem.truth.reals import root
 
 
 class IntermediateAxis(FreeRigidBody):
-    """A free body; between two flips (sign changes of omega along the intermediate axis) lies half a period."""
+    """A free body; between two flips (sign changes of omega along the intermediate axis) lies half
+    a period.
+    """
 
     def constants(self) -> dict[str, arb]:
         found = super().constants()
@@ -23,7 +27,9 @@ class IntermediateAxis(FreeRigidBody):
 
 
 def start(p: Parameters) -> Exact3:
-    """omega_body [rad/s] at the start: `omega_body` plus `offset` of its size, which may be irrational, along the axis `direction`."""
+    """omega_body [rad/s] at the start: `omega_body` plus `offset` of its size, which may be
+    irrational, along the axis `direction`.
+    """
     _, omega, _ = exact_columns(p)
     offset: Any = p["offset"]
     side = int(str(p["direction"])) - 1

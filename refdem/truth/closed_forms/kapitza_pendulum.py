@@ -1,7 +1,9 @@
-"""Certified Kapitza pendulum: theta'' = (g - a W^2 cos W t)/l sin theta by validated integration, cos W t and sin W t carried along.
+"""Certified Kapitza pendulum: theta'' = (g - a W^2 cos W t)/l sin theta by validated integration,
+cos W t and sin W t carried along.
 
-About the top x'' = (g - a W^2 cos W t)/l x (Mathieu's equation). Its solutions (1, 0) and (0, 1) after one period 2 pi/W have the
-determinant 1 and a trace D = x1 + x2', so the multipliers are (D +- sqrt(D^2 - 4))/2: real if |D| > 2, else of modulus 1 (Floquet 1883).
+About the top x'' = (g - a W^2 cos W t)/l x (Mathieu's equation). Its solutions (1, 0) and (0, 1)
+after one period 2 pi/W have the determinant 1 and a trace D = x1 + x2', so the multipliers are (D
++- sqrt(D^2 - 4))/2: real if |D| > 2, else of modulus 1 (Floquet 1883).
 """
 
 from collections.abc import Mapping, Sequence
@@ -21,31 +23,54 @@ from refdem.truth.validated_flow import ValidatedFlow
 from refdem.truth.validated_ivp.integration import Integration
 
 WILDEST = 128
-"""Largest exponent of growth in a period, 2 pi sqrt((g/W^2 + a)/l), at which multipliers are integrated."""
+"""Largest exponent of growth in a period, 2 pi sqrt((g/W^2 + a)/l), at which multipliers are
+integrated.
+"""
 
 
 class Kapitza(ValidatedFlow):
-    """theta (continuous, from the top) and thetadot; floquet_1 is the multiplier of larger modulus, 1 twice where the top is stable."""
+    """theta (continuous, from the top) and thetadot; floquet_1 is the multiplier of larger modulus,
+    1 twice where the top is stable.
+    """
 
-    witness = "multiprecision integration (refdem/truth/witnesses/linked.py); Hill's determinant for the multipliers"
+    witness = (
+        "multiprecision integration (refdem/truth/witnesses/linked.py); Hill's determinant for the"
+        " multipliers"
+    )
 
     def __init__(self, p: Mapping[str, Fraction], scale: Mapping[str, Size]) -> None:
         self.p = p
         start = [p["theta0"], p["thetadot0"], Fraction(1), Fraction(0)]
         seen = ("theta", "thetadot")
-        super().__init__(shaken(p), start, lambda y: dict(zip(seen, y, strict=False)), scale, state=seen, moved=(0, 1))
+        super().__init__(
+            shaken(p),
+            start,
+            lambda y: dict(zip(seen, y, strict=False)),
+            scale,
+            state=seen,
+            moved=(0, 1),
+        )
 
     def trace(self) -> arb:
         """D at the current precision."""
         start = [arb(value) for value in (1, 0, 0, 1, 1, 0)]
-        x1, _, _, v2, *_ = Integration(about_the_top(self.p), lambda: start, ctx.prec).at(2 * arb.pi())
+        x1, _, _, v2, *_ = Integration(about_the_top(self.p), lambda: start, ctx.prec).at(
+            2 * arb.pi()
+        )
         return x1 + v2
 
     def constants(self) -> dict[str, arb]:
         p = self.p
-        exponent = 2 * arb.pi() * (arb_of((p["gravity"] / p["drive"] ** 2 + p["drive_amplitude"]) / p["length"])).sqrt()
+        exponent = (
+            2
+            * arb.pi()
+            * (arb_of((p["gravity"] / p["drive"] ** 2 + p["drive_amplitude"]) / p["length"])).sqrt()
+        )
         if exponent > WILDEST:
-            told = f"precision: in a period of so slow a drive the multipliers may grow by exp({float(exponent):.3g}); take a faster drive"
+            told = (
+                "precision: in a period of so slow a drive the multipliers may grow by"
+                f" exp({float(exponent):.3g}); take a faster drive"
+            )
             raise NotCertifiedError(told, code="precision")
         trace = self.trace()
         rest = trace * trace - 4
@@ -63,14 +88,24 @@ def shaken(p: Mapping[str, Fraction]) -> Field:
 
     def rates(y: Sequence[Any]) -> Sequence[Any]:
         theta, rate, cosine, sine = y
-        return rate, (p["gravity"] - cosine * push) * theta.sin() / p["length"], sine * -drive, cosine * drive
+        return (
+            rate,
+            (p["gravity"] - cosine * push) * theta.sin() / p["length"],
+            sine * -drive,
+            cosine * drive,
+        )
 
     return rates
 
 
 def about_the_top(p: Mapping[str, Fraction]) -> Field:
-    """The rates of two solutions (x, x') of the linear equation, and of cosine and sine, with the phase W t as time."""
-    weight, push = p["gravity"] / (p["length"] * p["drive"] ** 2), p["drive_amplitude"] / p["length"]
+    """The rates of two solutions (x, x') of the linear equation, and of cosine and sine, with the
+    phase W t as time.
+    """
+    weight, push = (
+        p["gravity"] / (p["length"] * p["drive"] ** 2),
+        p["drive_amplitude"] / p["length"],
+    )
 
     def rates(y: Sequence[Any]) -> Sequence[Any]:
         x1, v1, x2, v2, cosine, sine = y
@@ -81,5 +116,9 @@ def about_the_top(p: Mapping[str, Fraction]) -> Field:
 
 
 def truth(p: Parameters, scale: Mapping[str, float]) -> Truth:
-    """The truth at these parameters (length, gravity, drive_amplitude, drive, theta0, thetadot0)."""
-    return Kapitza(numbers(p, "length", "gravity", "drive_amplitude", "drive", "theta0", "thetadot0"), scale)
+    """The truth at these parameters (length, gravity, drive_amplitude, drive, theta0,
+    thetadot0).
+    """
+    return Kapitza(
+        numbers(p, "length", "gravity", "drive_amplitude", "drive", "theta0", "thetadot0"), scale
+    )

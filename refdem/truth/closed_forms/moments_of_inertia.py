@@ -1,6 +1,8 @@
-"""Mass properties of solids by integrals done by hand (Table 1.1, (1.14), (1.28), (1.30), (1.31)): exact rationals, times pi if round.
+"""Mass properties of solids by integrals done by hand (Table 1.1, (1.14), (1.28), (1.30), (1.31)):
+exact rationals, times pi if round.
 
-A solid is its volume (the area of a plate), the mean of r over it, and the mean of (r - centre)(r - centre)^T.
+A solid is its volume (the area of a plate), the mean of r over it, and the mean of (r - centre)(r -
+centre)^T.
 """
 
 from collections.abc import Callable, Mapping
@@ -23,7 +25,9 @@ Matrix = tuple[Vector, Vector, Vector]
 
 @dataclass(frozen=True)
 class Means:
-    """`volume` counts in units of pi if `is_round`; the tensor is about `about`, the centre if there is none."""
+    """`volume` counts in units of pi if `is_round`; the tensor is about `about`, the centre if
+    there is none.
+    """
 
     volume: Fraction
     centre: Vector
@@ -45,7 +49,15 @@ def matrix(entry: Callable[[int, int], Fraction]) -> Matrix:
     return rows[0], rows[1], rows[2]
 
 
-def diagonal(xx: Fraction, yy: Fraction, zz: Fraction = ZERO, *, xy: Fraction = ZERO, xz: Fraction = ZERO, yz: Fraction = ZERO) -> Matrix:
+def diagonal(
+    xx: Fraction,
+    yy: Fraction,
+    zz: Fraction = ZERO,
+    *,
+    xy: Fraction = ZERO,
+    xz: Fraction = ZERO,
+    yz: Fraction = ZERO,
+) -> Matrix:
     """The symmetric matrix with these entries."""
     return (xx, xy, xz), (xy, yy, yz), (xz, yz, zz)
 
@@ -56,7 +68,9 @@ def cuboid(a: Fraction, b: Fraction, c: Fraction) -> Means:
 
 
 def hollowed(whole: Means, factor: Fraction, *, across: bool = False) -> Means:
-    """Without its copy scaled by `factor` about the centre, in x and y alone if `across`: volumes and moments subtract (1.31)."""
+    """Without its copy scaled by `factor` about the centre, in x and y alone if `across`: volumes
+    and moments subtract (1.31).
+    """
     part = factor**2 if across else factor**3
     scale = (factor**2, factor**2, F(1) if across else factor**2)
     left = [whole.second[i][i] * (1 - part * scale[i]) / (1 - part) for i in range(3)]
@@ -64,16 +78,22 @@ def hollowed(whole: Means, factor: Fraction, *, across: bool = False) -> Means:
 
 
 def plate_triangle(a: Fraction, b: Fraction, c: Fraction) -> Means:
-    """Corners 0, (b, 0), (a, c): with p, q two corners from the third, the second moments are (2 p p + 2 q q - p q - q p)/36."""
+    """Corners 0, (b, 0), (a, c): with p, q two corners from the third, the second moments are (2 p
+    p + 2 q q - p q - q p)/36.
+    """
     p, q = (b, F(0), F(0)), (a, c, F(0))
-    second = matrix(lambda i, j: (2 * p[i] * p[j] + 2 * q[i] * q[j] - p[i] * q[j] - q[i] * p[j]) / 36)
+    second = matrix(
+        lambda i, j: (2 * p[i] * p[j] + 2 * q[i] * q[j] - p[i] * q[j] - q[i] * p[j]) / 36
+    )
     return Means(b * c / 2, ((a + b) / 3, c / 3, F(0)), second)
 
 
 def angle(a: Fraction, b: Fraction, c: Fraction) -> Means:
     """A cuboid [0, a] [0, b] [0, c] without the quarter x > a/2, y > b/2."""
     return Means(
-        a * b * c * 3 / 4, (a * 5 / 12, b * 5 / 12, c / 2), diagonal(a * a * 11 / 144, b * b * 11 / 144, c * c / 12, xy=-a * b / 36)
+        a * b * c * 3 / 4,
+        (a * 5 / 12, b * 5 / 12, c / 2),
+        diagonal(a * a * 11 / 144, b * b * 11 / 144, c * c / 12, xy=-a * b / 36),
     )
 
 
@@ -84,24 +104,43 @@ def cylinder(a: Fraction, b: Fraction, c: Fraction) -> Means:
 
 SOLIDS: dict[str, Callable[[Fraction, Fraction, Fraction, Fraction], Means]] = {
     "cuboid": lambda a, b, c, f: cuboid(a, b, c),
-    "ellipsoid": lambda a, b, c, f: Means(a * b * c * 4 / 3, (F(0),) * 3, diagonal(a * a / 5, b * b / 5, c * c / 5), True),
-    "elliptical-cylinder": lambda a, b, c, f: cylinder(a, b, c),
-    "rectangular-pyramid": lambda a, b, c, f: Means(a * b * c / 3, (F(0), F(0), c / 4), diagonal(a * a / 20, b * b / 20, c * c * 3 / 80)),
-    "right-angle-wedge": lambda a, b, c, f: Means(
-        a * b * c / 2, (a / 3, F(0), c / 3), diagonal(a * a / 18, b * b / 12, c * c / 18, xz=-a * c / 36)
+    "ellipsoid": lambda a, b, c, f: Means(
+        a * b * c * 4 / 3, (F(0),) * 3, diagonal(a * a / 5, b * b / 5, c * c / 5), True
     ),
-    "isosceles-wedge": lambda a, b, c, f: Means(a * b * c / 2, (F(0), F(0), c / 3), diagonal(b * b / 24, a * a / 12, c * c / 18)),
+    "elliptical-cylinder": lambda a, b, c, f: cylinder(a, b, c),
+    "rectangular-pyramid": lambda a, b, c, f: Means(
+        a * b * c / 3, (F(0), F(0), c / 4), diagonal(a * a / 20, b * b / 20, c * c * 3 / 80)
+    ),
+    "right-angle-wedge": lambda a, b, c, f: Means(
+        a * b * c / 2,
+        (a / 3, F(0), c / 3),
+        diagonal(a * a / 18, b * b / 12, c * c / 18, xz=-a * c / 36),
+    ),
+    "isosceles-wedge": lambda a, b, c, f: Means(
+        a * b * c / 2, (F(0), F(0), c / 3), diagonal(b * b / 24, a * a / 12, c * c / 18)
+    ),
     "tetrahedron": lambda a, b, c, f: Means(
         a * b * c / 6,
         (a / 4, b / 4, c / 4),
-        diagonal(a * a * 3 / 80, b * b * 3 / 80, c * c * 3 / 80, xy=-a * b / 80, xz=-a * c / 80, yz=-b * c / 80),
+        diagonal(
+            a * a * 3 / 80,
+            b * b * 3 / 80,
+            c * c * 3 / 80,
+            xy=-a * b / 80,
+            xz=-a * c / 80,
+            yz=-b * c / 80,
+        ),
     ),
     "angle": lambda a, b, c, f: angle(a, b, c),
     "hollow-cuboid": lambda a, b, c, f: hollowed(cuboid(a, b, c), f),
     "hollow-cylinder": lambda a, b, c, f: hollowed(cylinder(a, a, c), f, across=True),
-    "cuboid-at-corner": lambda a, b, c, f: Means(a * b * c, (F(0),) * 3, cuboid(a, b, c).second, about=(a / 2, b / 2, c / 2)),
+    "cuboid-at-corner": lambda a, b, c, f: Means(
+        a * b * c, (F(0),) * 3, cuboid(a, b, c).second, about=(a / 2, b / 2, c / 2)
+    ),
     "triangle": lambda a, b, c, f: plate_triangle(a, b, c),
-    "angle-plate": lambda a, b, c, f: Means(a * b * 3 / 4, (a * 5 / 12, b * 5 / 12, F(0)), _flat(angle(a, b, c).second)),
+    "angle-plate": lambda a, b, c, f: Means(
+        a * b * 3 / 4, (a * 5 / 12, b * 5 / 12, F(0)), _flat(angle(a, b, c).second)
+    ),
     "points": lambda a, b, c, f: points(a, b, c),
 }
 """By name, for sizes a, b, c [m] and the part f of the size that a hollow has."""
@@ -112,26 +151,51 @@ def _flat(second: Matrix) -> Matrix:
 
 
 def points(a: Fraction, b: Fraction, c: Fraction) -> Means:
-    """1, 2, 3 and 4 kg at 0, (a, 0, 0), (a, b, 0) and (a, b, c), as sums over pairs: (1/M^2) sum m_i m_j (r_i - r_j)(r_i - r_j)^T."""
-    masses, places = [F(1), F(2), F(3), F(4)], [(F(0),) * 3, (a, F(0), F(0)), (a, b, F(0)), (a, b, c)]
-    pairs = [(masses[i] * masses[j], [x - y for x, y in zip(places[i], places[j], strict=True)]) for i in range(4) for j in range(i)]
+    """1, 2, 3 and 4 kg at 0, (a, 0, 0), (a, b, 0) and (a, b, c), as sums over pairs: (1/M^2) sum
+    m_i m_j (r_i - r_j)(r_i - r_j)^T.
+    """
+    masses, places = (
+        [F(1), F(2), F(3), F(4)],
+        [
+            (F(0),) * 3,
+            (a, F(0), F(0)),
+            (a, b, F(0)),
+            (a, b, c),
+        ],
+    )
+    pairs = [
+        (masses[i] * masses[j], [x - y for x, y in zip(places[i], places[j], strict=True)])
+        for i in range(4)
+        for j in range(i)
+    ]
     second = matrix(lambda i, j: sum((m * d[i] * d[j] for m, d in pairs), F(0)) / 100)
     return Means(F(10), (a * 9 / 10, b * 7 / 10, c * 4 / 10), second)
 
 
 def turned(means: Means, q: tuple[Fraction, ...]) -> Means:
-    """The solid after the turn q r q*/|q|^2, as columns of the turned axes; rational for every rational q."""
+    """The solid after the turn q r q*/|q|^2, as columns of the turned axes; rational for every
+    rational q.
+    """
     w, v = q[0], q[1:]
     size = w * w + sum(x * x for x in v)
     columns = []
     for k in range(3):
         e = [F(int(i == k)) for i in range(3)]
         along = v[k]
-        cross = [v[(i + 1) % 3] * e[(i + 2) % 3] - v[(i + 2) % 3] * e[(i + 1) % 3] for i in range(3)]
-        columns.append([(2 * along * v[i] + (2 * w * w - size) * e[i] + 2 * w * cross[i]) / size for i in range(3)])
+        cross = [
+            v[(i + 1) % 3] * e[(i + 2) % 3] - v[(i + 2) % 3] * e[(i + 1) % 3] for i in range(3)
+        ]
+        columns.append(
+            [
+                (2 * along * v[i] + (2 * w * w - size) * e[i] + 2 * w * cross[i]) / size
+                for i in range(3)
+            ]
+        )
     own = means.second
     pairs = [(k, m) for k in range(3) for m in range(3)]
-    second = matrix(lambda i, j: sum((columns[k][i] * own[k][m] * columns[m][j] for k, m in pairs), F(0)))
+    second = matrix(
+        lambda i, j: sum((columns[k][i] * own[k][m] * columns[m][j] for k, m in pairs), F(0))
+    )
     centre = tuple(sum((columns[k][i] * means.centre[k] for k in range(3)), F(0)) for i in range(3))
     return Means(means.volume, (centre[0], centre[1], centre[2]), second, means.is_round)
 
@@ -152,7 +216,10 @@ def values(p: Parameters) -> dict[str, arb]:
         tensor = means.tensor()
         found[f"{name}.mass"] = mass
         found |= {f"{name}.centre.{x}": arb_of(means.centre["xyz".index(x)]) for x in "xyz"}
-        found |= {f"{name}.inertia.{i}{j}": mass * arb_of(tensor["xyz".index(i)]["xyz".index(j)]) for i, j in PAIRS}
+        found |= {
+            f"{name}.inertia.{i}{j}": mass * arb_of(tensor["xyz".index(i)]["xyz".index(j)])
+            for i, j in PAIRS
+        }
     return found
 
 
@@ -161,4 +228,8 @@ PAIRS = tuple((pair[0], pair[1]) for pair in ("xx", "yy", "zz", "xy", "xz", "yz"
 
 def truth(p: Parameters, scale: Mapping[str, float]) -> Truth:
     """The truth at parameters a, b, c, density, hollow, attitude."""
-    return Timeless(scale, lambda: values(p), witness="sums over signed tetrahedra in rational arithmetic; quadrature where round")
+    return Timeless(
+        scale,
+        lambda: values(p),
+        witness="sums over signed tetrahedra in rational arithmetic; quadrature where round",
+    )

@@ -1,7 +1,8 @@
-"""Certified motion of a box that flies (as the free rigid body does), or tumbles down a slope (refdem/truth/tumbling_contact.py).
+"""Certified motion of a box that flies (as the free rigid body does), or tumbles down a slope
+(refdem/truth/tumbling_contact.py).
 
-Slope: axes, law and sides are those of the case; the start is exact, in flight. Certified up to where two corners would touch at once
-or a corner that presses would come to a stop.
+Slope: axes, law and sides are those of the case; the start is exact, in flight. Certified up to
+where two corners would touch at once or a corner that presses would come to a stop.
 """
 
 from collections.abc import Mapping, Sequence
@@ -16,7 +17,14 @@ from refdem.core.parameters import Parameters
 from refdem.core.truth import Ball, Truth
 from refdem.truth.balls import GuardedTruth, arb_of
 from refdem.truth.closed_form import Size
-from refdem.truth.closed_forms.free_rigid_body import ATTITUDE, BODY_OMEGA, MATRIX, OMEGA, FreeRigidBody, exact_columns
+from refdem.truth.closed_forms.free_rigid_body import (
+    ATTITUDE,
+    BODY_OMEGA,
+    MATRIX,
+    OMEGA,
+    FreeRigidBody,
+    exact_columns,
+)
 from refdem.truth.events.system import Entry, Traced
 from refdem.truth.events.truth import HybridFlow
 from refdem.truth.exact import numbers, vector
@@ -35,7 +43,9 @@ class Flight(GuardedTruth):
         self.method, self.witness = body.method, body.witness
 
     def at(self, t: Fraction) -> dict[str, Ball]:
-        places = {axis: Ball(v * t, Fraction(0)) for axis, v in zip(PLACE, self.velocity, strict=True)}
+        places = {
+            axis: Ball(v * t, Fraction(0)) for axis, v in zip(PLACE, self.velocity, strict=True)
+        }
         return self.body.at(t) | places
 
     def drift(self, t: Fraction) -> float:
@@ -53,9 +63,15 @@ class Flight(GuardedTruth):
 
 
 class Tumbling(HybridFlow):
-    """The quantities of the case on the slope; S displaces attitude, spin, place and velocity, each component by its scale."""
+    """The quantities of the case on the slope;
 
-    witness = "Taylor integration of Euler's equations in body axes, contacts by a scan and bisection (refdem/truth/witnesses/tumbling.py)"
+    S displaces attitude, spin, place and velocity, each component by its scale.
+    """
+
+    witness = (
+        "Taylor integration of Euler's equations in body axes, contacts by a scan and bisection"
+        " (refdem/truth/witnesses/tumbling.py)"
+    )
 
     def __init__(self, system: Slope, start: Sequence[Any], scale: Mapping[str, Size]) -> None:
         self.system = system
@@ -63,7 +79,16 @@ class Tumbling(HybridFlow):
         rate, length = Fraction(sizes["omega.x"]), Fraction(sizes["x"])
         sizes |= {"spin": max(system.inertia) * rate, "speed": length * rate}
         state = (*ATTITUDE, *["spin"] * 3, *PLACE, *["speed"] * 3)
-        super().__init__({}, start, lambda y: Entry(""), self.seen, sizes, state=state, moved=range(13), digits=DIGITS)
+        super().__init__(
+            {},
+            start,
+            lambda y: Entry(""),
+            self.seen,
+            sizes,
+            state=state,
+            moved=range(13),
+            digits=DIGITS,
+        )
         self.modes = TracedModes(Modes(system), len(start))
 
     def seen(self, y: Sequence[Any]) -> dict[str, Any]:
@@ -99,13 +124,25 @@ def truth(p: Parameters, scale: Mapping[str, float]) -> Truth:
     inertia, omega, attitude = exact_columns(p)
     velocity = vector(p, "velocity")
     if p["member"] == "free":
-        return Flight(FreeRigidBody(inertia, omega, attitude, {k: v for k, v in scale.items() if k not in PLACE}), velocity, scale["x"])
+        return Flight(
+            FreeRigidBody(
+                inertia, omega, attitude, {k: v for k, v in scale.items() if k not in PLACE}
+            ),
+            velocity,
+            scale["x"],
+        )
     given = numbers(p, "mass", "gravity", "slope", "height", "stiffness", "damping", "friction")
     height = given.pop("height")
     squares = tuple(6 * (sum(inertia) - 2 * j) / given["mass"] for j in inertia)
     system = Slope(inertia=inertia, squares=squares, **given)
     spin = [j * w for j, w in zip(inertia, omega, strict=True)]
-    return Tumbling(system, Start(system.slope, attitude, spin, (Fraction(0), Fraction(0), height), velocity).coordinates(), scale)
+    return Tumbling(
+        system,
+        Start(
+            system.slope, attitude, spin, (Fraction(0), Fraction(0), height), velocity
+        ).coordinates(),
+        scale,
+    )
 
 
 @dataclass(frozen=True)
@@ -128,5 +165,7 @@ class Start:
         back = [half.cos(), arb(0), -half.sin(), arb(0)]
         size = arb_of(sum((x * x for x in self.attitude), Fraction(0))).sqrt()
         q = times(back, [arb_of(x) / size for x in self.attitude])
-        spin, place, velocity = ([arb_of(x) for x in given] for given in (self.spin, self.place, self.velocity))
+        spin, place, velocity = (
+            [arb_of(x) for x in given] for given in (self.spin, self.place, self.velocity)
+        )
         return [*q, *rotated(q, spin), *rotated(back, place), *rotated(back, velocity)][number]

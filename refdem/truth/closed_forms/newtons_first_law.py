@@ -1,6 +1,8 @@
-"""Motion without force: straight lines at constant speed, steady spin about a principal axis, bodies that stay.
+"""Motion without force: straight lines at constant speed, steady spin about a principal axis,
+bodies that stay.
 
-r = r0 + v t, omega constant, q(t) = (cos |omega| t/2, sin(|omega| t/2) omega/|omega|) q0 (Newton 1687, law I; qdot = 1/2 omega q).
+r = r0 + v t, omega constant, q(t) = (cos |omega| t/2, sin(|omega| t/2) omega/|omega|) q0 (Newton
+1687, law I; qdot = 1/2 omega q).
 """
 
 from collections.abc import Iterable, Mapping, Sequence
@@ -23,11 +25,13 @@ Numbers = Sequence[Fraction | int]
 
 
 class Uniform(ClosedForm):
-    """One body that nothing acts on; quantities x, y, z, vx, vy, vz, omega.x/y/z (space axes), attitude.w/x/y/z.
+    """One body that nothing acts on; quantities x, y, z, vx, vy, vz, omega.x/y/z (space axes),
+    attitude.w/x/y/z.
 
-    `attitude` is the unit quaternion at t = 0 (exactly of norm 1: rationals such as 1,0,0,0 or 3/5,4/5,0,0); its sign is kept
-    continuous in time. `omega` [rad/s] must lie along a principal axis of the body as it stands, one of largest or smallest
-    inertia: there neighbouring spins stay near, and S(t), which holds omega constant, is its growth.
+    `attitude` is the unit quaternion at t = 0 (exactly of norm 1: rationals such as 1,0,0,0 or
+    3/5,4/5,0,0); its sign is kept continuous in time. `omega` [rad/s] must lie along a principal
+    axis of the body as it stands, one of largest or smallest inertia: there neighbouring spins stay
+    near, and S(t), which holds omega constant, is its growth.
     """
 
     method = "straight line and steady turn"
@@ -35,11 +39,20 @@ class Uniform(ClosedForm):
     state = (*POSITION, *VELOCITY, *SPIN)
 
     def __init__(
-        self, scale: Mapping[str, float], *, position: Numbers, velocity: Numbers, omega: Numbers, attitude: Numbers = (1, 0, 0, 0)
+        self,
+        scale: Mapping[str, float],
+        *,
+        position: Numbers,
+        velocity: Numbers,
+        omega: Numbers,
+        attitude: Numbers = (1, 0, 0, 0),
     ) -> None:
         super().__init__({name: scale.get(name) or 1.0 for name in (*self.state, *ATTITUDE)})
         if sum(Fraction(part) ** 2 for part in attitude) != 1:
-            raise UsageError(f"attitude is {tuple(map(str, attitude))}; expected exact numbers whose squares add up to 1")
+            raise UsageError(
+                f"attitude is {tuple(map(str, attitude))}; expected exact numbers whose squares add"
+                " up to 1"
+            )
         self.start = [Fraction(x) for x in (*position, *velocity, *omega)]
         self.attitude = [Fraction(x) for x in attitude]
 
@@ -63,10 +76,14 @@ class Uniform(ClosedForm):
     def grown(self, t: arb) -> arb:
         """Growth by the time elapsed, which the earliest error has most of.
 
-        A place moves by t times the error of the velocity. An attitude stays off by its own error and changes by that of omega: with the
-        unit vector n of omega, |dq/d omega_j|^2 = (t/2)^2 n_j^2 + (sin(|omega| t/2)/|omega|)^2 (1 - n_j^2), the sine at its largest.
+        A place moves by t times the error of the velocity. An attitude stays off by its own error
+        and changes by that of omega: with the unit vector n of omega, |dq/d omega_j|^2 = (t/2)^2
+        n_j^2 + (sin(|omega| t/2)/|omega|)^2 (1 - n_j^2), the sine at its largest.
         """
-        drifts = [t * arb_of(self.scale[v] / self.scale[x]) for x, v in zip(POSITION, VELOCITY, strict=True)]
+        drifts = [
+            t * arb_of(self.scale[v] / self.scale[x])
+            for x, v in zip(POSITION, VELOCITY, strict=True)
+        ]
         squared = sum((x * x for x in self.start[6:]), Fraction(0))
         across = t / 2
         if squared:
@@ -77,7 +94,10 @@ class Uniform(ClosedForm):
             share = part * part / squared if squared else Fraction(0)
             moved = (t * t / 4 * arb_of(share) + across * across * arb_of(1 - share)).sqrt()
             turned += moved * arb_of(self.scale[name])
-        largest = max((turned / arb_of(self.scale[name]) for name in ATTITUDE), key=lambda size: float(size.upper()))
+        largest = max(
+            (turned / arb_of(self.scale[name]) for name in ATTITUDE),
+            key=lambda size: float(size.upper()),
+        )
         return 1 + max([*drifts, largest], key=lambda size: float(size.upper()))
 
     def _turned(self, t: arb) -> list[arb]:
@@ -112,11 +132,24 @@ class Still(GuardedTruth):
         return 1.0
 
 
-def free(scale: Mapping[str, float], *, position: Numbers, velocity: Numbers, omega: Numbers, attitude: Numbers = (1, 0, 0, 0)) -> Truth:
-    """The member `free`: see Uniform; arguments are exact numbers (p["..."] of a vector parameter as it is)."""
+def free(
+    scale: Mapping[str, float],
+    *,
+    position: Numbers,
+    velocity: Numbers,
+    omega: Numbers,
+    attitude: Numbers = (1, 0, 0, 0),
+) -> Truth:
+    """The member `free`: see Uniform; arguments are exact numbers (p["..."] of a vector parameter
+    as it is).
+    """
     return Uniform(scale, position=position, velocity=velocity, omega=omega, attitude=attitude)
 
 
 def resting(bodies: int) -> Truth:
-    """The members that rest: r1.x .. rN.z, the displacement from the start [m], and v1.x .. vN.z [m/s] of each body, all 0."""
-    return Still(f"{kind}{i}.{axis}" for i in range(1, bodies + 1) for kind in "rv" for axis in "xyz")
+    """The members that rest: r1.x .. rN.z, the displacement from the start [m], and v1.x .. vN.z
+    [m/s] of each body, all 0.
+    """
+    return Still(
+        f"{kind}{i}.{axis}" for i in range(1, bodies + 1) for kind in "rv" for axis in "xyz"
+    )

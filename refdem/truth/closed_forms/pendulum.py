@@ -1,7 +1,9 @@
-"""Certified pendulum: theta'' = -w0^2 sin theta, w0^2 = g/l, by Jacobi's elliptic functions; tanh and sech on the separatrix.
+"""Certified pendulum: theta'' = -w0^2 sin theta, w0^2 = g/l, by Jacobi's elliptic functions; tanh
+and sech on the separatrix.
 
-k^2 = sin^2(theta0/2) + thetadot0^2/(4 w0^2). Swinging, k < 1: sin(theta/2) = k sn(u, k^2), u = w0 t + u0; rotating, k > 1:
-theta/2 = +-am(u, 1/k^2), u = k w0 t + u0 (DLMF 22.19). The start may lie near the top: theta0 + half_turns pi.
+k^2 = sin^2(theta0/2) + thetadot0^2/(4 w0^2). Swinging, k < 1: sin(theta/2) = k sn(u, k^2), u = w0 t
++ u0; rotating, k > 1: theta/2 = +-am(u, 1/k^2), u = k w0 t + u0 (DLMF 22.19). The start may lie
+near the top: theta0 + half_turns pi.
 """
 
 from abc import ABC, abstractmethod
@@ -21,7 +23,10 @@ from refdem.truth.jacobi import Jacobi
 from refdem.truth.smooth_flow import OfAnEquation
 from refdem.truth.validated_flow import ValidatedFlow
 
-WITNESS = "Taylor series of (cos theta, sin theta, thetadot) with a proven remainder (refdem/truth/witness.py): no elliptic function"
+WITNESS = (
+    "Taylor series of (cos theta, sin theta, thetadot) with a proven remainder"
+    " (refdem/truth/witness.py): no elliptic function"
+)
 
 
 class Motion(ABC):
@@ -29,7 +34,9 @@ class Motion(ABC):
 
     @abstractmethod
     def state(self, t: arb) -> tuple[arb, arb]:
-        """theta/2 [rad] (but for the whole turns of the start) and thetadot [rad/s] at t, both without a branch."""
+        """theta/2 [rad] (but for the whole turns of the start) and thetadot [rad/s] at t, both
+        without a branch.
+        """
 
     def period(self) -> arb | None:
         """Time of a swing to and fro, or of a revolution [s]; None if there is none."""
@@ -83,7 +90,10 @@ class Revolution(Motion):
 
     def state(self, t: arb) -> tuple[arb, arb]:
         u = self.k * self.w0 * t + self.shift
-        return self.sense * self.jacobi.amplitude(u), 2 * self.sense * self.k * self.w0 * self.jacobi.sn_cn_dn(u)[2]
+        return (
+            self.sense * self.jacobi.amplitude(u),
+            2 * self.sense * self.k * self.w0 * self.jacobi.sn_cn_dn(u)[2],
+        )
 
     def neighbour(self, t: arb) -> Neighbour:
         """By k^2 = 1/2 + H/(2 w0^2), the parameter being 1/k^2."""
@@ -104,7 +114,9 @@ class Revolution(Motion):
 
 
 class Separatrix(Motion):
-    """k = 1 through the bottom at t = 0: theta/2 = atan sinh(w0 t), thetadot = 2 w0 sech(w0 t), with the sign of the start."""
+    """k = 1 through the bottom at t = 0: theta/2 = atan sinh(w0 t), thetadot = 2 w0 sech(w0 t),
+    with the sign of the start.
+    """
 
     def __init__(self, w0: arb, *, sense: int) -> None:
         self.w0, self.sense = w0, sense
@@ -115,20 +127,29 @@ class Separatrix(Motion):
 
 
 class Pendulum(OfAnEquation):
-    """theta (continuous from theta0), thetadot, x, y and rod_force; the start is theta0 + half_turns pi, thetadot0."""
+    """theta (continuous from theta0), thetadot, x, y and rod_force; the start is theta0 +
+    half_turns pi, thetadot0.
+    """
 
-    method = "closed form in Arb balls; Jacobi elliptic functions, by theta functions (tanh and sech on the separatrix)"
+    method = (
+        "closed form in Arb balls; Jacobi elliptic functions, by theta functions (tanh and sech on"
+        " the separatrix)"
+    )
     witness = WITNESS
     state = ("theta", "thetadot")
 
-    def __init__(self, p: Mapping[str, Fraction], scale: Mapping[str, float], *, half_turns: int = 0) -> None:
+    def __init__(
+        self, p: Mapping[str, Fraction], scale: Mapping[str, float], *, half_turns: int = 0
+    ) -> None:
         super().__init__(scale)
         self.mass, self.length, self.gravity = p["mass"], p["length"], p["gravity"]
         self.theta0, self.thetadot0, self.half_turns = p["theta0"], p["thetadot0"], half_turns
 
     @per_precision
     def start(self) -> tuple[int, arb, arb]:
-        """Whole turns in the start, and sine and cosine (not negative) of half the angle that is left."""
+        """Whole turns in the start, and sine and cosine (not negative) of half the angle that is
+        left.
+        """
         turns = nearest_integer(arb_of(self.theta0) / (2 * arb.pi()))
         sine, cosine = (arb_of(self.theta0) / 2 - arb.pi() * turns).sin_cos()
         if self.half_turns % 2 == 0:
@@ -141,7 +162,9 @@ class Pendulum(OfAnEquation):
 
     @per_precision
     def motion(self) -> Motion:
-        """The kind of motion, decided exactly where the start is rational and by balls elsewhere."""
+        """The kind of motion, decided exactly where the start is rational and by balls
+        elsewhere.
+        """
         w0 = arb_of(self.gravity / self.length).sqrt()
         kinetic = self.thetadot0**2 * self.length / (4 * self.gravity)
         sense = 1 if self.thetadot0 > 0 else -1
@@ -159,12 +182,22 @@ class Pendulum(OfAnEquation):
 
     def evaluate(self, t: arb) -> dict[str, arb]:
         half, rate = self.motion().state(t)
-        turns = self.half_turns // 2 if isinstance(self.motion(), Equilibrium | Separatrix) else self.start()[0]
+        turns = (
+            self.half_turns // 2
+            if isinstance(self.motion(), Equilibrium | Separatrix)
+            else self.start()[0]
+        )
         theta = 2 * (half + arb.pi() * turns)
         sine, cosine = theta.sin_cos()
         length = arb_of(self.length)
         force = arb_of(self.mass) * (length * rate * rate + arb_of(self.gravity) * cosine)
-        return {"theta": theta, "thetadot": rate, "x": length * sine, "y": -length * cosine, "rod_force": force}
+        return {
+            "theta": theta,
+            "thetadot": rate,
+            "x": length * sine,
+            "y": -length * cosine,
+            "rod_force": force,
+        }
 
     def displaced(self, axis: int, amount: Fraction) -> "Pendulum":
         moved = copy(self)
@@ -183,14 +216,22 @@ class Pendulum(OfAnEquation):
         def first() -> arb:
             return arb_of(self.theta0) + self.half_turns * arb.pi()
 
-        return ValidatedFlow(field, [first, self.thetadot0], self.seen, self.scale, state=self.state, moved=(0, 1))
+        return ValidatedFlow(
+            field, [first, self.thetadot0], self.seen, self.scale, state=self.state, moved=(0, 1)
+        )
 
     def seen(self, y: Sequence[Any]) -> dict[str, Any]:
         """The quantities of a state, by the operations of a traced field."""
         theta, rate = y
         sine, cosine = theta.sin(), theta.cos()
         force = (rate * rate * self.length + cosine * self.gravity) * self.mass
-        return {"theta": theta, "thetadot": rate, "x": sine * self.length, "y": cosine * -self.length, "rod_force": force}
+        return {
+            "theta": theta,
+            "thetadot": rate,
+            "x": sine * self.length,
+            "y": cosine * -self.length,
+            "rod_force": force,
+        }
 
     def period(self) -> arb | None:
         return self.motion().period()
@@ -205,7 +246,9 @@ class Pendulum(OfAnEquation):
             half, rate = motion.state(t)
             return 2 * half, rate
 
-        return Line(state, lambda theta: -stiffness * theta.sin(), motion.neighbour, motion.period())
+        return Line(
+            state, lambda theta: -stiffness * theta.sin(), motion.neighbour, motion.period()
+        )
 
     def steepest(self) -> arb:
         return arb_of(self.gravity / self.length)

@@ -1,6 +1,8 @@
-"""Certified departure from the equilibria of a pendulum: the elliptic functions of refdem/truth/closed_forms/pendulum.py.
+"""Certified departure from the equilibria of a pendulum: the elliptic functions of
+refdem/truth/closed_forms/pendulum.py.
 
-The start is theta0 = delta at the bottom and pi - delta at the top, at rest; the top is known exactly, as half a turn.
+The start is theta0 = delta at the bottom and pi - delta at the top, at rest; the top is known
+exactly, as half a turn.
 """
 
 from collections.abc import Mapping, Sequence
@@ -21,7 +23,9 @@ SEEN = ("x", "y", "vx", "vy")
 class PendulumEquilibria(Pendulum):
     """x, y, vx and vy; theta and thetadot are the coordinates in which the start is displaced."""
 
-    witness = f"{WITNESS}; Cartesian equations with the rod's force (refdem/truth/witnesses/linked.py)"
+    witness = (
+        f"{WITNESS}; Cartesian equations with the rod's force (refdem/truth/witnesses/linked.py)"
+    )
 
     def evaluate(self, t: arb) -> dict[str, arb]:
         angle = super().evaluate(t)
@@ -36,7 +40,14 @@ class PendulumEquilibria(Pendulum):
     def seen(self, y: Sequence[Any]) -> dict[str, Any]:
         theta, rate = y
         sine, cosine = theta.sin() * self.length, theta.cos() * self.length
-        return {"theta": theta, "thetadot": rate, "x": sine, "y": -cosine, "vx": cosine * rate, "vy": sine * rate}
+        return {
+            "theta": theta,
+            "thetadot": rate,
+            "x": sine,
+            "y": -cosine,
+            "vx": cosine * rate,
+            "vy": sine * rate,
+        }
 
     def at(self, t: Fraction) -> dict[str, Ball]:
         found = super().at(t)
@@ -50,6 +61,12 @@ def truth(p: Parameters, scale: Mapping[str, float]) -> Truth:
     """The truth at these parameters (length, gravity, position, delta)."""
     length, gravity, delta = number(p, "length"), number(p, "gravity"), number(p, "delta")
     top = p["position"] == "top"
-    start = {"mass": Fraction(1), "length": length, "gravity": gravity, "theta0": -delta if top else delta, "thetadot0": Fraction(0)}
+    start = {
+        "mass": Fraction(1),
+        "length": length,
+        "gravity": gravity,
+        "theta0": -delta if top else delta,
+        "thetadot0": Fraction(0),
+    }
     sizes = {**scale, "theta": 1.0, "thetadot": scale["vx"] / scale["x"]}
     return PendulumEquilibria(start, sizes, half_turns=int(top))

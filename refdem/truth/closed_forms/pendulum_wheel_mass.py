@@ -1,7 +1,8 @@
 """Certified pendulum, wheel and mass: validated integration of r, theta, r', theta'.
 
-From Lagrange's equations with A = M + m + J/R^2 and u = r' - R theta': A u' = m r theta'^2 - M g + m g cos theta and
-d/dt (m r^2 theta' - A R u) = M g R - m g (R cos theta + r sin theta), solved for r'' and theta''.
+From Lagrange's equations with A = M + m + J/R^2 and u = r' - R theta': A u' = m r theta'^2 - M g +
+m g cos theta and d/dt (m r^2 theta' - A R u) = M g R - m g (R cos theta + r sin theta), solved for
+r'' and theta''.
 """
 
 from collections.abc import Mapping, Sequence
@@ -20,7 +21,10 @@ NAMES = ("r", "theta", "rdot", "thetadot")
 class PendulumWheelMass(ValidatedFlow):
     """r, theta, rdot and thetadot."""
 
-    witness = "multiprecision integration (refdem/truth/witnesses/linked.py); energy and, where it holds, the second integral"
+    witness = (
+        "multiprecision integration (refdem/truth/witnesses/linked.py); energy and, where it holds,"
+        " the second integral"
+    )
 
 
 def field(p: Mapping[str, Fraction]) -> Field:
@@ -39,6 +43,24 @@ def field(p: Mapping[str, Fraction]) -> Field:
 
 def truth(p: Parameters, scale: Mapping[str, float]) -> Truth:
     """The truth at these parameters."""
-    exact = numbers(p, "mass", "counter_mass", "wheel_radius", "wheel_inertia", "gravity", "r0", "theta0", "rdot0", "thetadot0")
+    exact = numbers(
+        p,
+        "mass",
+        "counter_mass",
+        "wheel_radius",
+        "wheel_inertia",
+        "gravity",
+        "r0",
+        "theta0",
+        "rdot0",
+        "thetadot0",
+    )
     start = [exact[name] for name in ("r0", "theta0", "rdot0", "thetadot0")]
-    return PendulumWheelMass(field(exact), start, lambda y: dict(zip(NAMES, y, strict=True)), scale, state=NAMES, moved=range(4))
+    return PendulumWheelMass(
+        field(exact),
+        start,
+        lambda y: dict(zip(NAMES, y, strict=True)),
+        scale,
+        state=NAMES,
+        moved=range(4),
+    )

@@ -1,10 +1,12 @@
 """A polygon carried through phase space: its corners one by one, and its area.
 
-Liouville: d/dt dA = (div F) dA: kept by oscillator and pendulum, times exp(-2 delta t) in a fluid. Under dry friction take v < 0,
-where the flow turns (X, Y) = (x - f/k, v/w) clockwise about 0, dA = w R dR da. A point crosses v = 0 when a reaches -pi, at
-x = f/k - R, and again each half period later; what crosses there between x and x + dx during dt has the area (k|x| + f)/m dx dt before and
-(k|x| - f)/m dx dt after. So after n crossings dA is w max(0, R - 2 n f/k) dR da, zero for what has stopped, and by Green's theorem
-A = w/2 of the integral of max(0, R - 2 n f/k)^2 da round the polygon, n = floor((w t - a)/pi).
+Liouville: d/dt dA = (div F) dA: kept by oscillator and pendulum, times exp(-2 delta t) in a fluid.
+Under dry friction take v < 0, where the flow turns (X, Y) = (x - f/k, v/w) clockwise about 0, dA =
+w R dR da. A point crosses v = 0 when a reaches -pi, at x = f/k - R, and again each half period
+later; what crosses there between x and x + dx during dt has the area (k|x| + f)/m dx dt before and
+(k|x| - f)/m dx dt after. So after n crossings dA is w max(0, R - 2 n f/k) dR da, zero for what has
+stopped, and by Green's theorem A = w/2 of the integral of max(0, R - 2 n f/k)^2 da round the
+polygon, n = floor((w t - a)/pi).
 """
 
 from collections.abc import Mapping, Sequence
@@ -19,7 +21,12 @@ from refdem.core.parameters import Parameters
 from refdem.core.truth import Ball, Truth
 from refdem.errors import NotCertifiedError
 from refdem.truth.balls import GuardedTruth, UndecidedError, arb_of, refined
-from refdem.truth.closed_forms import coulomb_oscillator, harmonic_oscillator, pendulum, viscous_oscillator
+from refdem.truth.closed_forms import (
+    coulomb_oscillator,
+    harmonic_oscillator,
+    pendulum,
+    viscous_oscillator,
+)
 from refdem.truth.exact import number
 
 Corner = tuple[Fraction, Fraction]
@@ -36,21 +43,37 @@ LARGEST = 1e100
 class PhaseFlow(GuardedTruth):
     """x_k, v_k of the corners, and `area` [their product's unit], at t >= 0; scalar `area_0`."""
 
-    witness = "area by quadrature of the local factor over the polygon; corners as the cases of the flows"
+    witness = (
+        "area by quadrature of the local factor over the polygon; corners as the cases of the flows"
+    )
 
-    def __init__(self, p: Mapping[str, Any], corners: Sequence[Corner], scale: Mapping[str, float], *, digits: int = 40) -> None:
+    def __init__(
+        self,
+        p: Mapping[str, Any],
+        corners: Sequence[Corner],
+        scale: Mapping[str, float],
+        *,
+        digits: int = 40,
+    ) -> None:
         form, self.place, self.rate = FORMS[p["flow"]]
         self.flow, self.corners, self.digits = p["flow"], list(corners), digits
         self.delta = number(p, "delta")
         self.square = number(p, "stiffness") / number(p, "mass")
         self.shift = number(p, "friction_force") / number(p, "stiffness")
-        self.method = f"corners: {form.__module__.rpartition('.')[2].replace('_', ' ')}; area: Liouville's theorem in closed form"
-        kept = {name: p[name] for name in ("mass", "stiffness", "delta", "friction_force", "length")}
+        self.method = (
+            f"corners: {form.__module__.rpartition('.')[2].replace('_', ' ')}; area: Liouville's"
+            " theorem in closed form"
+        )
+        kept = {
+            name: p[name] for name in ("mass", "stiffness", "delta", "friction_force", "length")
+        }
         kept["gravity"] = p["gravity"] if self.flow == "pendulum" else Fraction(0)
         self.motions: list[Truth] = []
         for k, (x, v) in enumerate(corners):
             own = {self.place: scale[f"x_{k}"], self.rate: scale[f"v_{k}"]}
-            if self.flow == "pendulum":  # what else it knows of; as large as it can be, so that it never counts
+            if (
+                self.flow == "pendulum"
+            ):  # what else it knows of; as large as it can be, so that it never counts
                 own |= {"x": float(p["length"]), "y": float(p["length"]), "rod_force": LARGEST}
             start = {f"{self.place}0": x, f"{self.rate}0": v}
             self.motions.append(form({**kept, **start}, own))
@@ -67,9 +90,16 @@ class PhaseFlow(GuardedTruth):
         for k, motion in enumerate(self.motions):
             balls = motion.at(t)
             found |= {f"x_{k}": balls[self.place], f"v_{k}": balls[self.rate]}
-        area = refined(lambda: {"area": self.area(arb_of(t))}, abs(self.first_area()) / Fraction(10) ** self.digits, most=4096)
+        area = refined(
+            lambda: {"area": self.area(arb_of(t))},
+            abs(self.first_area()) / Fraction(10) ** self.digits,
+            most=4096,
+        )
         if area is None:
-            told = f"at t = {float(t):.17g} s: corner: a corner or a side lies where a part of the head turns or stops"
+            told = (
+                f"at t = {float(t):.17g} s: corner: a corner or a side lies where a part of the"
+                " head turns or stops"
+            )
             raise NotCertifiedError(told, code="corner", time=float(t))
         return found | area
 
@@ -90,7 +120,10 @@ class PhaseFlow(GuardedTruth):
         return list(zip(self.corners, [*self.corners[1:], self.corners[0]], strict=True))
 
     def area(self, t: arb) -> arb:
-        """At the current precision; UndecidedError where balls cannot tell how often a part has turned."""
+        """At the current precision;
+
+        UndecidedError where balls cannot tell how often a part has turned.
+        """
         first = arb_of(self.first_area())
         if self.flow == "viscous":
             return first * (-2 * arb_of(self.delta) * t).exp()
@@ -102,20 +135,33 @@ class PhaseFlow(GuardedTruth):
         if half_turns is None:
             raise UndecidedError("how many half periods have passed")
         ray = (phase - half_turns * arb.pi() - arb.pi()).sin_cos()
-        total = sum((_swept(side, ray, int(half_turns), 2 * self.shift, self.square) for side in turned), arb(0))
+        total = sum(
+            (_swept(side, ray, int(half_turns), 2 * self.shift, self.square) for side in turned),
+            arb(0),
+        )
         return total * arb_of(self.square).sqrt()
 
     def _turned(self) -> list[tuple[Corner, Corner]]:
-        """Sides in (X, v) for v < 0; a head above v = 0 is turned by half a turn, under which the flow is the same."""
+        """Sides in (X, v) for v < 0; a head above v = 0 is turned by half a turn, under which the
+        flow is the same.
+        """
         if all(v < 0 for _, v in self.corners):
             return [((a[0] - self.shift, a[1]), (b[0] - self.shift, b[1])) for a, b in self.sides()]
         if all(v > 0 for _, v in self.corners):
-            return [((-a[0] - self.shift, -a[1]), (-b[0] - self.shift, -b[1])) for a, b in self.sides()]
-        raise NotCertifiedError("corner: the head starts on both sides of v = 0", code="corner", time=0.0)
+            return [
+                ((-a[0] - self.shift, -a[1]), (-b[0] - self.shift, -b[1])) for a, b in self.sides()
+            ]
+        raise NotCertifiedError(
+            "corner: the head starts on both sides of v = 0", code="corner", time=0.0
+        )
 
 
-def _swept(side: tuple[Corner, Corner], ray: tuple[arb, arb], turns: int, loss: Fraction, square: Fraction) -> arb:
-    """Half the integral of max(0, R - n loss)^2 da along a side, n = turns + 1 beyond the ray (sine, cosine), else `turns`."""
+def _swept(
+    side: tuple[Corner, Corner], ray: tuple[arb, arb], turns: int, loss: Fraction, square: Fraction
+) -> arb:
+    """Half the integral of max(0, R - n loss)^2 da along a side, n = turns + 1 beyond the ray
+    (sine, cosine), else `turns`.
+    """
     (x, v), (x_end, v_end) = side
     if x * v_end == x_end * v:
         return arb(0)  # along a ray from the centre
@@ -133,7 +179,10 @@ def _swept(side: tuple[Corner, Corner], ray: tuple[arb, arb], turns: int, loss: 
     ends = [arb(0), *_sorted([cut for cut in cuts if _inside(cut)]), arb(1)]
     total = arb(0)
     for begin, end in pairwise(ends):
-        a, middle, b = (tuple(q + s * e for q, e in zip(p, d, strict=True)) for s in (begin, (begin + end) / 2, end))
+        a, middle, b = (
+            tuple(q + s * e for q, e in zip(p, d, strict=True))
+            for s in (begin, (begin + end) / 2, end)
+        )
         n = turns if _positive(cosine * middle[1] - sine * middle[0]) else turns + 1
         reach = arb_of(n * loss)
         if not n or _positive(_dot(middle, middle) - reach * reach):
@@ -142,7 +191,9 @@ def _swept(side: tuple[Corner, Corner], ray: tuple[arb, arb], turns: int, loss: 
 
 
 def _piece(a: Any, b: Any, reach: arb) -> arb:
-    """Half the integral of (R - reach)^2 da along the straight line from a to b: R^2 da is twice an area, R da is c d asinh(s/|c|)."""
+    """Half the integral of (R - reach)^2 da along the straight line from a to b: R^2 da is twice an
+    area, R da is c d asinh(s/|c|).
+    """
     twice = a[0] * b[1] - a[1] * b[0]
     along = (b[0] - a[0], b[1] - a[1])
     length = _dot(along, along).sqrt()
@@ -163,7 +214,11 @@ def _dot(a: Any, b: Any) -> arb:
 def _roots(square: arb, linear: arb, constant: arb) -> list[arb]:
     """Real roots of square s^2 + linear s + constant, square > 0."""
     inside = linear * linear - 4 * square * constant
-    return [(sign * inside.sqrt() - linear) / (2 * square) for sign in (-1, 1)] if _positive(inside) else []
+    return (
+        [(sign * inside.sqrt() - linear) / (2 * square) for sign in (-1, 1)]
+        if _positive(inside)
+        else []
+    )
 
 
 def _inside(cut: arb) -> bool:
@@ -182,5 +237,8 @@ def _positive(value: arb) -> bool:
 
 
 def truth(p: Parameters, corners: Sequence[Corner], scale: Mapping[str, float]) -> Truth:
-    """The truth at parameters flow, mass, stiffness, delta, friction_force, length, gravity; `scale` of x_k and v_k."""
+    """The truth at parameters flow, mass, stiffness, delta, friction_force, length, gravity;
+
+    `scale` of x_k and v_k.
+    """
     return PhaseFlow(p, corners, scale)

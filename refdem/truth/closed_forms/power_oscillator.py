@@ -1,8 +1,9 @@
 """m x'' + k |x|^n sgn x = 0 from rest: incomplete beta functions and their inverse, as balls.
 
-With p = n + 1, y = x/A, w = -v/u, u = sqrt(2 k/(m p)) A^(p/2): y^p + w^2 = 1. In units of A/u the time from the centre is
-q(y) = y 2F1(1/2, 1/p; 1 + 1/p; |y|^p), that from the turning point s(w) = (2/p) w 2F1(1/2, 1 - 1/p; 3/2; w^2) (DLMF 8.17.7), and a
-quarter of the period B(1/p, 1/2)/p. Inverses: since q' >= 1 and s' >= 2/p, what a trial value misses bounds its distance.
+With p = n + 1, y = x/A, w = -v/u, u = sqrt(2 k/(m p)) A^(p/2): y^p + w^2 = 1. In units of A/u the
+time from the centre is q(y) = y 2F1(1/2, 1/p; 1 + 1/p; |y|^p), that from the turning point s(w) =
+(2/p) w 2F1(1/2, 1 - 1/p; 3/2; w^2) (DLMF 8.17.7), and a quarter of the period B(1/p, 1/2)/p.
+Inverses: since q' >= 1 and s' >= 2/p, what a trial value misses bounds its distance.
 """
 
 from collections.abc import Callable, Mapping
@@ -23,13 +24,23 @@ from refdem.truth.line_growth import homogeneous, steepness
 class PowerOscillator(FromRest):
     """x [m] and v [m/s] at t; scalar period [s]."""
 
-    method = "inverse incomplete beta functions, by 2F1 at arguments of at most 1/2 and a bound of the slope"
-    witness = "quadrature of the time along the path; cosine (n = 1) and Jacobi's cn (n = 3); the period by gamma functions"
+    method = (
+        "inverse incomplete beta functions, by 2F1 at arguments of at most 1/2 and a bound of the"
+        " slope"
+    )
+    witness = (
+        "quadrature of the time along the path; cosine (n = 1) and Jacobi's cn (n = 3); the period"
+        " by gamma functions"
+    )
 
     def __init__(self, p: Parameters, scale: Mapping[str, float]) -> None:
         super().__init__(scale)
         values = numbers(p, "mass", "stiffness", "exponent", "amplitude")
-        self.ratio, self.exponent, self.amplitude = values["stiffness"] / values["mass"], values["exponent"], values["amplitude"]
+        self.ratio, self.exponent, self.amplitude = (
+            values["stiffness"] / values["mass"],
+            values["exponent"],
+            values["amplitude"],
+        )
 
     @property
     def p(self) -> arb:
@@ -61,10 +72,17 @@ class PowerOscillator(FromRest):
         return 2 / self.p * w * (w * w).hypgeom_2f1(arb(0.5), 1 - 1 / self.p, arb(1.5))
 
     def place(self, s: arb) -> tuple[arb, arb]:
-        """y and w at the time s [A/u] from the turning point y = 1, |s| at most a quarter of the period."""
+        """y and w at the time s [A/u] from the turning point y = 1, |s| at most a quarter of the
+        period.
+        """
         late = self.quarter() - abs(s)
         if late.mid() > self.middle().mid():
-            w = inverse(self.from_turning, s, 2 / self.p, lambda w: 2 / self.p * (1 - w * w) ** (1 / self.p - 1))
+            w = inverse(
+                self.from_turning,
+                s,
+                2 / self.p,
+                lambda w: 2 / self.p * (1 - w * w) ** (1 / self.p - 1),
+            )
             return (1 - w * w) ** (1 / self.p), w
         y = inverse(self.from_centre, late, arb(1), lambda y: (1 - magnitude(y, self.p)).rsqrt())
         size = (1 - magnitude(y, self.p)).sqrt()
@@ -84,8 +102,13 @@ class PowerOscillator(FromRest):
 
     @per_precision
     def growth(self) -> Grows:
-        """By scaling: motions of other amplitudes are the same ones in other units; the force is steepest at the turning point."""
-        ratio, power = arb_of(self.scale["x"] / self.scale["v"]), arb_of(Fraction(2) / (self.exponent + 1))
+        """By scaling: motions of other amplitudes are the same ones in other units; the force is
+        steepest at the turning point.
+        """
+        ratio, power = (
+            arb_of(self.scale["x"] / self.scale["v"]),
+            arb_of(Fraction(2) / (self.exponent + 1)),
+        )
         reach = arb_of(abs(self.amplitude))
         steepest = arb_of(self.ratio * self.exponent) * reach ** (arb_of(self.exponent) - 1)
         quick = steepness(steepest, ratio)
@@ -96,7 +119,9 @@ class PowerOscillator(FromRest):
             return homogeneous(x, v, self.acceleration(x), t, power, ratio)
 
         whole = smooth(arb(0), None, errors, quickness=lambda t: quick)
-        return PeriodicGrowth(Growth([whole], Norm([1, 1]), step=narrow(arb(quick))), self.constants()["period"])
+        return PeriodicGrowth(
+            Growth([whole], Norm([1, 1]), step=narrow(arb(quick))), self.constants()["period"]
+        )
 
     def constants(self) -> dict[str, arb]:
         """The period [s]: 4 sqrt(m/(2 k p)) A^((1 - n)/2) B(1/p, 1/2), which is 4 quarters."""
@@ -111,8 +136,12 @@ def magnitude(x: arb, power: arb) -> arb:
     return arb(0).union(upper**power) if upper > 0 else arb(0)
 
 
-def inverse(function: Callable[[arb], arb], value: arb, least: arb, slope: Callable[[arb], arb]) -> arb:
-    """The argument at which a function with slope >= `least` has that value: a trial, and what it misses over `least`."""
+def inverse(
+    function: Callable[[arb], arb], value: arb, least: arb, slope: Callable[[arb], arb]
+) -> arb:
+    """The argument at which a function with slope >= `least` has that value: a trial, and what it
+    misses over `least`.
+    """
     trial = arb(float(value.mid())) / 2 if abs(value.mid()) > 0.25 else arb(value.mid())
     for _ in range(8 + ctx.prec.bit_length()):
         step = ((function(trial) - value) / slope(trial)).mid()

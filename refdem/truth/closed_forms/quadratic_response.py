@@ -1,4 +1,6 @@
-"""x'' + 2 delta x' + w0^2 x + eps x^2 = f1 cos(w1 t) + f2 cos(w2 t) by validated integration; each drive that acts has two coordinates."""
+"""x'' + 2 delta x' + w0^2 x + eps x^2 = f1 cos(w1 t) + f2 cos(w2 t) by validated integration; each
+drive that acts has two coordinates.
+"""
 
 from collections.abc import Mapping, Sequence
 from fractions import Fraction
@@ -16,7 +18,10 @@ from refdem.truth.validated_flow import ValidatedFlow
 class QuadraticResponse(ValidatedFlow):
     """x [m] and v [m/s] at t >= 0."""
 
-    witness = "Taylor series in rational arithmetic from the power series of x; heyoka in multiprecision at literal values"
+    witness = (
+        "Taylor series in rational arithmetic from the power series of x; heyoka in multiprecision"
+        " at literal values"
+    )
     repulsion: Repulsion | None = None
     repelling_side = 0
 
@@ -31,7 +36,9 @@ class QuadraticResponse(ValidatedFlow):
 def truth(p: Parameters, scale: Mapping[str, float]) -> Truth:
     """The truth at parameters w0, eps, delta, f0 (two), drive (two), x0, v0; `scale` of x and v."""
     values = numbers(p, "w0", "eps", "delta", "x0", "v0")
-    drives = [(force, w) for force, w in zip(vector(p, "f0"), vector(p, "drive"), strict=True) if force]
+    drives = [
+        (force, w) for force, w in zip(vector(p, "f0"), vector(p, "drive"), strict=True) if force
+    ]
 
     def field(y: Sequence[Any]) -> list[Any]:
         x, v, *phases = y
@@ -44,9 +51,13 @@ def truth(p: Parameters, scale: Mapping[str, float]) -> Truth:
         return [v, rate, *turning]
 
     start = [values["x0"], values["v0"], *([Fraction(1), Fraction(0)] * len(drives))]
-    found = QuadraticResponse(field, start, lambda y: {"x": y[0], "v": y[1]}, scale, state=("x", "v"), moved=(0, 1))
+    found = QuadraticResponse(
+        field, start, lambda y: {"x": y[0], "v": y[1]}, scale, state=("x", "v"), moved=(0, 1)
+    )
     if values["eps"]:
         force = sum((abs(force) for force, _ in drives), Fraction(0))
-        found.repulsion = Repulsion(2, abs(values["eps"]), values["w0"] ** 2, values["delta"], force)
+        found.repulsion = Repulsion(
+            2, abs(values["eps"]), values["w0"] ** 2, values["delta"], force
+        )
         found.repelling_side = -1 if values["eps"] > 0 else 1
     return found

@@ -1,6 +1,8 @@
-"""Quaternion algebra by complex matrices 2 x 2 in ball arithmetic: q stands for w 1 - i (x s1 + y s2 + z s3).
+"""Quaternion algebra by complex matrices 2 x 2 in ball arithmetic: q stands for w 1 - i (x s1 + y
+s2 + z s3).
 
-Sums, products and conjugates are those of matrices; q is read back from the first column (w - i z, y - i x).
+Sums, products and conjugates are those of matrices; q is read back from the first column (w - i z,
+y - i x).
 """
 
 from collections.abc import Mapping, Sequence
@@ -42,7 +44,9 @@ def turned(u: acb_mat, v: acb_mat) -> list[arb]:
 
 
 def euler(u: acb_mat) -> list[arb]:
-    """phi, theta, psi: psi + phi and psi - phi are twice the phases of (w + i z) and of (x + i y), theta twice that of their sizes."""
+    """phi, theta, psi: psi + phi and psi - phi are twice the phases of (w + i z) and of (x + i y),
+    theta twice that of their sizes.
+    """
     w, x, y, z = numbers_of(u)
     total, apart = acb(w, z), acb(x, y)
     theta = 2 * acb(abs(total), abs(apart)).arg()
@@ -62,19 +66,39 @@ def wrapped(angle: arb) -> arb:
 
 def values(p: Parameters) -> dict[str, list[arb]]:
     """Every row of the case."""
-    a, b, c, v, omega, rise = (of_numbers(vector(p, name)) for name in ("p", "q", "r", "vector", "omega", "rise"))
+    a, b, c, v, omega, rise = (
+        of_numbers(vector(p, name)) for name in ("p", "q", "r", "vector", "omega", "rise")
+    )
     size = absolute(b)
     u, half = b / acb(size), acb(1) / 2
     rate = omega * u * half
     sign = acb(-1) if numbers_of(u)[0] < 0 else acb(1)
     found = {
-        "p-q": a * b, "q-p": b * a, "commutator": a * b - b * a, "q-r": b * c, "left": a * b * c, "right": a * b * c,
-        "conjugate-of-product": conjugated(b) * conjugated(a), "sum": a + b, "conjugate-of-sum": conjugated(a) + conjugated(b),
-        "inverse": conjugated(b) / acb(size * size), "one": of_numbers((Fraction(1),) + (Fraction(0),) * 3), "u": u,
-        "real-product": a * b, "complex-product": a * b, "-u": -u, "back": u * sign, "turned-twice": u * u, "rate": rate,
-        "second-rate": (rise * u + omega * omega * u * half) * half, "rate-conjugate": conjugated(rate), "u-conjugate": conjugated(u),
-        "u-rate": u * conjugated(rate), "rate-u": rate * conjugated(u), "anticommute": omega - omega,
-    }  # fmt: skip
+        "p-q": a * b,
+        "q-p": b * a,
+        "commutator": a * b - b * a,
+        "q-r": b * c,
+        "left": a * b * c,
+        "right": a * b * c,
+        "conjugate-of-product": conjugated(b) * conjugated(a),
+        "sum": a + b,
+        "conjugate-of-sum": conjugated(a) + conjugated(b),
+        "inverse": conjugated(b) / acb(size * size),
+        "one": of_numbers((Fraction(1),) + (Fraction(0),) * 3),
+        "u": u,
+        "real-product": a * b,
+        "complex-product": a * b,
+        "-u": -u,
+        "back": u * sign,
+        "turned-twice": u * u,
+        "rate": rate,
+        "second-rate": (rise * u + omega * omega * u * half) * half,
+        "rate-conjugate": conjugated(rate),
+        "u-conjugate": conjugated(u),
+        "u-rate": u * conjugated(rate),
+        "rate-u": rate * conjugated(u),
+        "anticommute": omega - omega,
+    }
     w, *imaginary = numbers_of(b)
     numbers = {name: numbers_of(m) for name, m in found.items()}
     basis = [of_numbers([Fraction(int(i == k)) for i in range(3)]) for k in range(3)]
@@ -101,9 +125,15 @@ def of_balls(v: Sequence[arb]) -> acb_mat:
 
 def listed(found: Mapping[str, Sequence[arb]]) -> dict[str, arb]:
     """Rows as quantities: `name`, or `name.0`, `name.1` ... where there are several numbers."""
-    return {(name if len(numbers) == 1 else f"{name}.{i}"): number for name, numbers in found.items() for i, number in enumerate(numbers)}
+    return {
+        (name if len(numbers) == 1 else f"{name}.{i}"): number
+        for name, numbers in found.items()
+        for i, number in enumerate(numbers)
+    }
 
 
 def truth(p: Parameters, scale: Mapping[str, float]) -> Truth:
     """The truth at parameters p, q, r, vector, omega, rise."""
-    return Timeless(scale, lambda: listed(values(p)), witness="Hamilton's products in rational arithmetic")
+    return Timeless(
+        scale, lambda: listed(values(p)), witness="Hamilton's products in rational arithmetic"
+    )

@@ -1,8 +1,10 @@
-"""Certified rigid cluster: points r_i = c + R(t) (r_i(0) - c), R the free rigid body's turn in the cluster's principal axes.
+"""Certified rigid cluster: points r_i = c + R(t) (r_i(0) - c), R the free rigid body's turn in the
+cluster's principal axes.
 
-The tensor of inertia of exact points is rational; its principal moments are roots of its characteristic polynomial, isolated with
-their multiplicities, its axes cross products of rows of J - lambda. Where moments are equal, J1 = J1 != J3 about the unit vector e,
-R = exp(t L/J1) exp(t (omega.e)(1 - J3/J1) e) needs no axes across e (Landau and Lifshitz, Mechanics, section 33).
+The tensor of inertia of exact points is rational; its principal moments are roots of its
+characteristic polynomial, isolated with their multiplicities, its axes cross products of rows of J
+- lambda. Where moments are equal, J1 = J1 != J3 about the unit vector e, R = exp(t L/J1) exp(t
+  (omega.e)(1 - J3/J1) e) needs no axes across e (Landau and Lifshitz, Mechanics, section 33).
 """
 
 from collections.abc import Mapping, Sequence
@@ -25,30 +27,47 @@ from refdem.truth.free_body import Elliptic, FreeBody, Separatrix, Steady, dot_e
 from refdem.truth.growth import Grows, Times
 from refdem.truth.smooth_flow import SmoothFlow
 
-WITNESS = "multiprecision integration of q' = q omega/2 with L kept, in axes that are not principal (refdem/truth/witnesses/linked.py)"
+WITNESS = (
+    "multiprecision integration of q' = q omega/2 with L kept, in axes that are not principal"
+    " (refdem/truth/witnesses/linked.py)"
+)
 Vector = tuple[Fraction, ...]
 AXES = (0, 1, 2)
 NONE: Vector = (Fraction(0),) * 3
 
 
 class AboutAxis(FreeBody):
-    """Two equal moments `across` (rational) and `along` the unit vector e, in any axes; three equal ones are the same."""
+    """Two equal moments `across` (rational) and `along` the unit vector e, in any axes; three equal
+    ones are the same.
+    """
 
     method = "two equal moments: one turn about L after one about the body's own axis"
 
     def __init__(self, across: arb, along: arb, e: Sequence[arb], omega: Sequence[arb]) -> None:
         self.axis, self.start = list(e), tuple(omega)
         about = rotation.dot(self.start, self.axis)
-        momentum = [across * w + (along - across) * about * x for w, x in zip(self.start, self.axis, strict=True)]
+        momentum = [
+            across * w + (along - across) * about * x
+            for w, x in zip(self.start, self.axis, strict=True)
+        ]
         self.length = rotation.dot(momentum, momentum).sqrt()
-        self.along, self.across, self.rate = [m / self.length for m in momentum], across, about * (1 - along / across)
+        self.along, self.across, self.rate = (
+            [m / self.length for m in momentum],
+            across,
+            about * (1 - along / across),
+        )
         self.moment, self.twice_energy = along, rotation.dot(momentum, self.start)
 
     def omega(self, t: arb) -> list[arb]:
-        return rotation.applied(rotation.matrix(rotation.turn(self.axis, -self.rate * t)), self.start)
+        return rotation.applied(
+            rotation.matrix(rotation.turn(self.axis, -self.rate * t)), self.start
+        )
 
     def turn(self, t: arb) -> list[arb]:
-        return rotation.times(rotation.turn(self.along, self.length / self.across * t), rotation.turn(self.axis, self.rate * t))
+        return rotation.times(
+            rotation.turn(self.along, self.length / self.across * t),
+            rotation.turn(self.axis, self.rate * t),
+        )
 
     def constants(self) -> dict[str, arb]:
         return {"period": 2 * arb.pi() / abs(self.rate)}
@@ -59,35 +78,59 @@ class AboutAxis(FreeBody):
 
 
 class RigidCluster(FreeRigidBody):
-    """r1.x .. r4.z of points whose centre rests; the start is exact, `shift` is added to omega in principal axes.
+    """r1.x .. r4.z of points whose centre rests; the start is exact, `shift` is added to omega in
+    principal axes.
 
-    S: that of the body (its turn moves a point by at most L), times J3/J1, by which the same change of a velocity may change omega
-    the more, plus once more for the centre of mass, whose way grows no faster than a turn.
+    S: that of the body (its turn moves a point by at most L), times J3/J1, by which the same change
+    of a velocity may change omega the more, plus once more for the centre of mass, whose way grows
+    no faster than a turn.
     """
 
     witness = WITNESS
 
-    def __init__(self, masses: Vector, places: Sequence[Vector], omega: Vector, scale: Mapping[str, Size], shift: Vector = NONE) -> None:
+    def __init__(
+        self,
+        masses: Vector,
+        places: Sequence[Vector],
+        omega: Vector,
+        scale: Mapping[str, Size],
+        shift: Vector = NONE,
+    ) -> None:
         SmoothFlow.__init__(self, scale)
         self.masses, self.places, self.omega, self.shift = masses, places, omega, shift  # type: ignore[assignment]
         whole = sum(masses, Fraction(0))
         self.centre = [dot_exact(masses, [r[i] for r in places]) / whole for i in AXES]
         self.arms = [[r[i] - self.centre[i] for i in AXES] for r in places]
-        square = sum((m * dot_exact(r, r) for m, r in zip(masses, self.arms, strict=True)), Fraction(0))
+        square = sum(
+            (m * dot_exact(r, r) for m, r in zip(masses, self.arms, strict=True)), Fraction(0)
+        )
         self.tensor = [
-            [(square if i == j else 0) - sum(m * r[i] * r[j] for m, r in zip(masses, self.arms, strict=True)) for j in AXES] for i in AXES
+            [
+                (square if i == j else 0)
+                - sum(m * r[i] * r[j] for m, r in zip(masses, self.arms, strict=True))
+                for j in AXES
+            ]
+            for i in AXES
         ]
-        self.method = f"closed form in Arb balls; {self.form().method}, in principal axes that are isolated roots"
+        self.method = (
+            f"closed form in Arb balls; {self.form().method}, in principal axes that are isolated"
+            " roots"
+        )
 
     def form(self) -> type[FreeBody]:
-        """Which closed form it is: at the lowest precision at which balls tell; raises NotCertifiedError if none does."""
+        """Which closed form it is: at the lowest precision at which balls tell; raises
+        NotCertifiedError if none does.
+        """
         for bits in (FIRST_BITS << n for n in range(7)):
             with precision(bits):
                 try:
                     return type(self.body())
                 except UndecidedError:
                     continue
-        told = "separatrix: balls cannot decide about which principal axis the cluster turns; move its spin off the boundary"
+        told = (
+            "separatrix: balls cannot decide about which principal axis the cluster turns; move its"
+            " spin off the boundary"
+        )
         raise NotCertifiedError(told, code="separatrix", time=0.0)
 
     @per_precision
@@ -99,10 +142,14 @@ class RigidCluster(FreeRigidBody):
         coefficients = [-dot_exact(a, cross(b, c)), minors, -trace, Fraction(1)]
         common = lcm(*(x.denominator for x in coefficients))
         roots: Any = fmpz_poly([int(x * common) for x in coefficients]).complex_roots()
-        return sorted(((root.real, count) for root, count in roots), key=lambda pair: float(pair[0].mid()))
+        return sorted(
+            ((root.real, count) for root, count in roots), key=lambda pair: float(pair[0].mid())
+        )
 
     def axis(self, moment: arb) -> list[arb]:
-        """The unit vector of a moment that occurs once: the largest cross product of two rows of J - lambda."""
+        """The unit vector of a moment that occurs once: the largest cross product of two rows of J
+        - lambda.
+        """
         rows = [[arb_of(self.tensor[i][j]) - (moment if i == j else 0) for j in AXES] for i in AXES]
         found = [rotation.cross(rows[i], rows[j]) for i, j in ((0, 1), (0, 2), (1, 2))]
         best = max(found, key=lambda v: float(rotation.dot(v, v).mid()))
@@ -111,7 +158,9 @@ class RigidCluster(FreeRigidBody):
 
     @per_precision
     def axes(self) -> list[list[arb]]:
-        """Rows: right-handed unit vectors of the axes in which the body is told; those of space where moments are equal."""
+        """Rows: right-handed unit vectors of the axes in which the body is told; those of space
+        where moments are equal.
+        """
         if len(self.moments()) < 3:
             return [[arb(int(i == j)) for j in AXES] for i in AXES]
         first, second = (self.axis(moment) for moment, _ in self.moments()[:2])
@@ -135,21 +184,35 @@ class RigidCluster(FreeRigidBody):
             once = next((moment for moment, count in self.moments() if count == 1), moments[0])
             twice = next(moment for moment, count in self.moments() if count > 1)
             e = self.axis(once) if len(moments) == 2 else [arb(0), arb(0), arb(1)]
-            return AboutAxis(twice, once, e, [w + arb_of(s) for w, s in zip(omega, self.shift, strict=True)])
+            return AboutAxis(
+                twice, once, e, [w + arb_of(s) for w, s in zip(omega, self.shift, strict=True)]
+            )
         turned = rotation.applied(self.axes(), omega)
         if steady:
-            k = min(AXES, key=lambda i: abs(float(moments[i].mid()) - float(energy2 / dot_exact(self.omega, self.omega))))
+            k = min(
+                AXES,
+                key=lambda i: abs(
+                    float(moments[i].mid()) - float(energy2 / dot_exact(self.omega, self.omega))
+                ),
+            )
             turned = [w if i == k else arb(0) for i, w in enumerate(turned)]
         shifted: Any = tuple(w + arb_of(s) for w, s in zip(turned, self.shift, strict=True))
         three: Any = tuple(moments)
         if steady and not any(s for i, s in enumerate(self.shift) if i != k):
             return Steady(three, shifted)
-        on_it = at_rest and self.characteristic(momentum2 / energy2) == 0 and moments[1].contains(arb_of(momentum2 / energy2).mid())
+        on_it = (
+            at_rest
+            and self.characteristic(momentum2 / energy2) == 0
+            and moments[1].contains(arb_of(momentum2 / energy2).mid())
+        )
         return (Separatrix if on_it else Elliptic)(three, shifted)
 
     def characteristic(self, value: Fraction) -> Fraction:
         """det(J - value), exact: 0 for L^2/(2E) on the separatrix."""
-        a, b, c = ([x - (value if i == j else 0) for j, x in enumerate(row)] for i, row in enumerate(self.tensor))
+        a, b, c = (
+            [x - (value if i == j else 0) for j, x in enumerate(row)]
+            for i, row in enumerate(self.tensor)
+        )
         found: Fraction = dot_exact(a, cross(b, c))
         return found
 
@@ -165,7 +228,10 @@ class RigidCluster(FreeRigidBody):
         found: dict[str, arb] = {}
         for number, arm in enumerate(self.arms):
             away = rotation.applied(turn, [arb_of(x) for x in arm])
-            found |= {f"r{number + 1}.{axis}": arb_of(c) + x for axis, c, x in zip("xyz", self.centre, away, strict=True)}
+            found |= {
+                f"r{number + 1}.{axis}": arb_of(c) + x
+                for axis, c, x in zip("xyz", self.centre, away, strict=True)
+            }
         return found
 
     def displaced(self, axis: int, amount: Fraction) -> "RigidCluster":
@@ -199,7 +265,10 @@ def cross(a: Sequence[Any], b: Sequence[Any]) -> list[Any]:
 
 
 def truth(p: Parameters, scale: Mapping[str, float], rate: float) -> Truth:
-    """The truth at these parameters (masses, positions, omega); `rate` [rad/s] is the scale of omega."""
+    """The truth at these parameters (masses, positions, omega);
+
+    `rate` [rad/s] is the scale of omega.
+    """
     flat = vector(p, "positions")
     places = [flat[k : k + 3] for k in range(0, 12, 3)]
     sizes = {**scale, **dict.fromkeys((*BODY_OMEGA, *OMEGA), rate), **dict.fromkeys(ATTITUDE, 1.0)}

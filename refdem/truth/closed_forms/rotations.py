@@ -1,4 +1,6 @@
-"""Rotations of vectors and planes: whole numbers for quarter turns, sines and cosines written out for the others."""
+"""Rotations of vectors and planes: whole numbers for quarter turns, sines and cosines written out
+for the others.
+"""
 
 from collections.abc import Mapping
 
@@ -12,22 +14,40 @@ from refdem.truth.exact import number, vector
 from refdem.truth.timeless import Timeless
 
 TURNS = {
-    "x+90": (1, 0, 0, 0, 0, -1, 0, 1, 0), "x-90": (1, 0, 0, 0, 0, 1, 0, -1, 0), "x+180": (1, 0, 0, 0, -1, 0, 0, 0, -1),
-    "y+90": (0, 0, 1, 0, 1, 0, -1, 0, 0), "y-90": (0, 0, -1, 0, 1, 0, 1, 0, 0), "y+180": (-1, 0, 0, 0, 1, 0, 0, 0, -1),
-    "z+90": (0, -1, 0, 1, 0, 0, 0, 0, 1), "z-90": (0, 1, 0, -1, 0, 0, 0, 0, 1), "z+180": (-1, 0, 0, 0, -1, 0, 0, 0, 1),
-    "z-then-x": (0, -1, 0, 0, 0, -1, 1, 0, 0), "x-then-z": (0, 0, 1, 1, 0, 0, 0, 1, 0),
-    "globe": (0, 0, -1, 1, 0, 0, 0, -1, 0), "two-halves": (-1, 0, 0, 0, -1, 0, 0, 0, 1),
-    "x-y": (0, 0, 1, 1, 0, 0, 0, 1, 0), "x-y-back": (0, -1, 0, 1, 0, 0, 0, 0, 1),
-    "globe-x": (0, 1, 0), "globe-determinant": (1,), "plane-determinant": (1,), "mirror-determinant": (-1,),
-}  # fmt: skip
-"""Matrices row by row. x-y-back, Rx(90) Ry(90) Rx(-90), and two-halves, Rx(180) Ry(180), are turns about z."""
+    "x+90": (1, 0, 0, 0, 0, -1, 0, 1, 0),
+    "x-90": (1, 0, 0, 0, 0, 1, 0, -1, 0),
+    "x+180": (1, 0, 0, 0, -1, 0, 0, 0, -1),
+    "y+90": (0, 0, 1, 0, 1, 0, -1, 0, 0),
+    "y-90": (0, 0, -1, 0, 1, 0, 1, 0, 0),
+    "y+180": (-1, 0, 0, 0, 1, 0, 0, 0, -1),
+    "z+90": (0, -1, 0, 1, 0, 0, 0, 0, 1),
+    "z-90": (0, 1, 0, -1, 0, 0, 0, 0, 1),
+    "z+180": (-1, 0, 0, 0, -1, 0, 0, 0, 1),
+    "z-then-x": (0, -1, 0, 0, 0, -1, 1, 0, 0),
+    "x-then-z": (0, 0, 1, 1, 0, 0, 0, 1, 0),
+    "globe": (0, 0, -1, 1, 0, 0, 0, -1, 0),
+    "two-halves": (-1, 0, 0, 0, -1, 0, 0, 0, 1),
+    "x-y": (0, 0, 1, 1, 0, 0, 0, 1, 0),
+    "x-y-back": (0, -1, 0, 1, 0, 0, 0, 0, 1),
+    "globe-x": (0, 1, 0),
+    "globe-determinant": (1,),
+    "plane-determinant": (1,),
+    "mirror-determinant": (-1,),
+}
+"""Matrices row by row. x-y-back, Rx(90) Ry(90) Rx(-90), and two-halves, Rx(180) Ry(180), are turns
+about z.
+"""
 
 
 def rates(phi: arb, theta: arb, omega: tuple[arb, arb, arb]) -> list[arb]:
     """phi', theta', psi' (1.39) to (1.41) in space axes."""
     x, y, z = omega
     across = x * phi.sin() - y * phi.cos()
-    return [z - across * theta.cos() / theta.sin(), x * phi.cos() + y * phi.sin(), across / theta.sin()]
+    return [
+        z - across * theta.cos() / theta.sin(),
+        x * phi.cos() + y * phi.sin(),
+        across / theta.sin(),
+    ]
 
 
 def quaternion(phi: arb, theta: arb, psi: arb) -> list[arb]:
@@ -41,10 +61,16 @@ def euler_matrix(phi: arb, theta: arb, psi: arb) -> list[arb]:
     """The transpose of (1.21), row by row."""
     (sf, cf), (st, ct), (sp, cp) = phi.sin_cos(), theta.sin_cos(), psi.sin_cos()
     return [
-        cf * cp - sf * ct * sp, -cf * sp - sf * ct * cp, sf * st,
-        sf * cp + cf * ct * sp, -sf * sp + cf * ct * cp, -cf * st,
-        st * sp, st * cp, ct,
-    ]  # fmt: skip
+        cf * cp - sf * ct * sp,
+        -cf * sp - sf * ct * cp,
+        sf * st,
+        sf * cp + cf * ct * sp,
+        -sf * sp + cf * ct * cp,
+        -cf * st,
+        st * sp,
+        st * cp,
+        ct,
+    ]
 
 
 def values(p: Parameters) -> dict[str, list[arb]]:
@@ -53,9 +79,17 @@ def values(p: Parameters) -> dict[str, list[arb]]:
     v = acb(*(arb_of(x) for x in vector(p, "vector")))
     phi, theta, psi = (arb_of(x) for x in vector(p, "euler"))
     x, y, z = (arb_of(w) for w in vector(p, "omega"))
-    turned, mirrored = acb(angle.cos(), angle.sin()) * v, acb((2 * angle).cos(), (2 * angle).sin()) * v.conjugate()
+    turned, mirrored = (
+        acb(angle.cos(), angle.sin()) * v,
+        acb((2 * angle).cos(), (2 * angle).sin()) * v.conjugate(),
+    )
     q0, q1, q2, q3 = tilted = quaternion(phi, near, psi)
-    rising = [-x * q1 - y * q2 - z * q3, x * q0 + y * q3 - z * q2, y * q0 + z * q1 - x * q3, z * q0 + x * q2 - y * q1]
+    rising = [
+        -x * q1 - y * q2 - z * q3,
+        x * q0 + y * q3 - z * q2,
+        y * q0 + z * q1 - x * q3,
+        z * q0 + x * q2 - y * q1,
+    ]
     whole = {name: [arb(n) for n in entries] for name, entries in TURNS.items()}
     return whole | {
         "plane-turn": [turned.real, turned.imag],
@@ -78,4 +112,6 @@ def values(p: Parameters) -> dict[str, list[arb]]:
 
 def truth(p: Parameters, scale: Mapping[str, float]) -> Truth:
     """The truth at parameters angle, vector, euler, omega, near, frequency."""
-    return Timeless(scale, lambda: listed(values(p)), witness="products of matrices of sines and cosines")
+    return Timeless(
+        scale, lambda: listed(values(p)), witness="products of matrices of sines and cosines"
+    )

@@ -1,4 +1,6 @@
-"""Two spheres with friction and spins that turn their motion out of its plane, under the law of two_spheres.py, in Cartesian vectors."""
+"""Two spheres with friction and spins that turn their motion out of its plane, under the law of
+two_spheres.py, in Cartesian vectors.
+"""
 
 from collections.abc import Mapping, Sequence
 from fractions import Fraction
@@ -10,9 +12,9 @@ from refdem.truth.closed_forms.two_spheres import NAMES, TwoSpheres
 from refdem.truth.spatial_phases import SpatialPhases
 from refdem.truth.sphere_pair import SpherePair
 
-DISPLACED = tuple(f"{kind}{body}.{axis}" for body in (1, 2) for kind in "rv" for axis in "xyz") + tuple(
-    f"omega{body}.{axis}" for body in (1, 2) for axis in "xyz"
-)
+DISPLACED = tuple(
+    f"{kind}{body}.{axis}" for body in (1, 2) for kind in "rv" for axis in "xyz"
+) + tuple(f"omega{body}.{axis}" for body in (1, 2) for axis in "xyz")
 """NAMES with the spins last."""
 
 
@@ -31,12 +33,22 @@ class SpinningSpheres(TwoSpheres):
     def units(self) -> list[Fraction]:
         """Of r, v, o1, o2 [m, m/s, 1/s]."""
         phases, radii = self.phases, self.spheres.radii
-        return [unit for unit in (phases.length, phases.speed, *(phases.speed / radius for radius in radii)) for _ in range(3)]
+        return [
+            unit
+            for unit in (phases.length, phases.speed, *(phases.speed / radius for radius in radii))
+            for _ in range(3)
+        ]
 
     def quantities(self, relative: Sequence[arb]) -> dict[str, arb]:
         """The 18 quantities from r and v of body 1 against body 2, and both spins."""
-        shares = [arb_of((1 - 2 * body) * self.spheres.masses[1 - body] / self.spheres.total_mass) for body in (0, 1)]
-        bodies = [[share * value for value in relative[:6]] + list(relative[6 + 3 * i : 9 + 3 * i]) for i, share in enumerate(shares)]
+        shares = [
+            arb_of((1 - 2 * body) * self.spheres.masses[1 - body] / self.spheres.total_mass)
+            for body in (0, 1)
+        ]
+        bodies = [
+            [share * value for value in relative[:6]] + list(relative[6 + 3 * i : 9 + 3 * i])
+            for i, share in enumerate(shares)
+        ]
         return dict(zip(NAMES, bodies[0] + bodies[1], strict=True))
 
     def drifting(self) -> Sequence[int]:

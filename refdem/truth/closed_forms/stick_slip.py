@@ -1,8 +1,10 @@
-"""A mass on a spring that rubs on a moving belt: x'' in gamma cos(eta t) - x - a mu(belt) - a mu(u) Sgn(u), u = x' - belt (1.125).
+"""A mass on a spring that rubs on a moving belt: x'' in gamma cos(eta t) - x - a mu(belt) - a mu(u)
+Sgn(u), u = x' - belt (1.125).
 
-Modes: it slips forward (u > 0), backward (u < 0), or sticks (u = 0), which it may while |P| <= a mu0 with the pull
-P = gamma cos(eta t) - x - a mu(belt). A slip begins with a double zero of u: there u' = P - a mu0 = 0 and u'' = P' > 0. On a belt
-that stands still x is constant while it sticks, so that the time of release is an arc cosine, or there is none.
+Modes: it slips forward (u > 0), backward (u < 0), or sticks (u = 0), which it may while |P| <= a
+mu0 with the pull P = gamma cos(eta t) - x - a mu(belt). A slip begins with a double zero of u:
+there u' = P - a mu0 = 0 and u'' = P' > 0. On a belt that stands still x is constant while it
+sticks, so that the time of release is an arc cosine, or there is none.
 """
 
 from collections.abc import Mapping
@@ -28,7 +30,10 @@ FORWARD, BACKWARD, STICK = "forward", "backward", "stick"
 
 @dataclass(frozen=True)
 class StickSlip:
-    """Exact parameters in SI units (mass and stiffness are 1); `law` is quadratic or linear, the last term of mu. State: x, u, t."""
+    """Exact parameters in SI units (mass and stiffness are 1);
+
+    `law` is quadratic or linear, the last term of mu. State: x, u, t.
+    """
 
     a: Fraction
     mu0: Fraction
@@ -45,7 +50,9 @@ class StickSlip:
     def friction(self, speed: Any) -> Any:
         """a mu(w) of a speed w >= 0."""
         last = speed * speed if self.law == "quadratic" else speed
-        return self.a * ((self.mu0 - self.mu1) / (1 + self.lambda0 * speed) + self.mu1 + self.lambda1 * last)
+        return self.a * (
+            (self.mu0 - self.mu1) / (1 + self.lambda0 * speed) + self.mu1 + self.lambda1 * last
+        )
 
     @property
     def limit(self) -> Fraction:
@@ -59,15 +66,31 @@ class StickSlip:
     def modes(self) -> dict[str, Mode]:
         """The three modes."""
         limit = self.limit
-        forward, backward = Guard("stop", lambda y: y[1], self.landing), Guard("stop", lambda y: -y[1], self.landing)
+        forward, backward = (
+            Guard("stop", lambda y: y[1], self.landing),
+            Guard("stop", lambda y: -y[1], self.landing),
+        )
         release = (
-            Guard(FORWARD, lambda y: limit - self.pull(y), lambda y: Entry(FORWARD, on_belt, {"stop": 2})),
-            Guard(BACKWARD, lambda y: limit + self.pull(y), lambda y: Entry(BACKWARD, on_belt, {"stop": 2})),
+            Guard(
+                FORWARD,
+                lambda y: limit - self.pull(y),
+                lambda y: Entry(FORWARD, on_belt, {"stop": 2}),
+            ),
+            Guard(
+                BACKWARD,
+                lambda y: limit + self.pull(y),
+                lambda y: Entry(BACKWARD, on_belt, {"stop": 2}),
+            ),
         )
         return {
             FORWARD: Mode(self.slipping(1), (forward,)),
             BACKWARD: Mode(self.slipping(-1), (backward,)),
-            STICK: Mode(lambda y: [self.belt, 0, 1], release, None if self.belt else self.leaves, self.window()),
+            STICK: Mode(
+                lambda y: [self.belt, 0, 1],
+                release,
+                None if self.belt else self.leaves,
+                self.window(),
+            ),
         }
 
     def slipping(self, side: int) -> Field:
@@ -86,10 +109,14 @@ class StickSlip:
             return Entry(STICK, on_belt)
         if abs(pull) > limit:
             return Entry(FORWARD if pull > 0 else BACKWARD, on_belt, {"stop": 1})
-        raise SwitchError("corner", "it meets the belt with a pull at the limit of friction", float(y[2].mid()))
+        raise SwitchError(
+            "corner", "it meets the belt with a pull at the limit of friction", float(y[2].mid())
+        )
 
     def first(self, y: State) -> Entry:
-        """The mode at the start, by exact numbers: at rest on the belt and exactly at the limit the change of the pull decides."""
+        """The mode at the start, by exact numbers: at rest on the belt and exactly at the limit the
+        change of the pull decides.
+        """
         slip, pull = self.v0 - self.belt, self.gamma - self.x0 - self.friction(abs(self.belt))
         if slip or abs(pull) > self.limit:
             side = slip or pull
@@ -98,11 +125,17 @@ class StickSlip:
             return Entry(STICK)
         side, leaving = (FORWARD, -self.belt) if pull > 0 else (BACKWARD, self.belt)
         if leaving == 0:
-            raise NotCertifiedError("it starts on a belt at rest with a pull exactly at the limit of friction", code="corner", time=0.0)
+            raise NotCertifiedError(
+                "it starts on a belt at rest with a pull exactly at the limit of friction",
+                code="corner",
+                time=0.0,
+            )
         return Entry(side, None, {"stop": 2}) if leaving > 0 else Entry(STICK, None, {side: 1})
 
     def leaves(self, y: State) -> tuple[str, arb] | None:
-        """On a belt at rest: gamma cos(eta t) = x + a mu0 +- a mu0 the first time after the clock of y, or never."""
+        """On a belt at rest: gamma cos(eta t) = x + a mu0 +- a mu0 the first time after the clock
+        of y, or never.
+        """
         found = {}
         for side, offset in ((FORWARD, 2 * self.limit), (BACKWARD, Fraction(0))):
             since = self.next_time(y[0] + arb_of(offset), y[2])
@@ -110,7 +143,11 @@ class StickSlip:
                 found[side] = since
         if len(found) < 2:
             return next(iter(found.items()), None)
-        first = FORWARD if sign(found[BACKWARD] - found[FORWARD], "the order of two releases") > 0 else BACKWARD
+        first = (
+            FORWARD
+            if sign(found[BACKWARD] - found[FORWARD], "the order of two releases") > 0
+            else BACKWARD
+        )
         return first, found[first]
 
     def next_time(self, level: arb, clock: arb) -> arb | None:
@@ -118,15 +155,21 @@ class StickSlip:
         if not self.gamma or not self.eta or abs(level) > abs(arb_of(self.gamma)):
             return None
         if not abs(level) < abs(arb_of(self.gamma)):
-            raise SwitchError("grazing", "the largest pull is at the limit of friction", float(clock.mid()))
+            raise SwitchError(
+                "grazing", "the largest pull is at the limit of friction", float(clock.mid())
+            )
         angle, turn = (level / arb_of(self.gamma)).acos(), 2 * arb.pi()
         phases = []
         for branch in (angle, -angle):
             turns = ((arb_of(self.eta) * clock - branch) / turn).ceil().unique_fmpz()
             if turns is None:
-                raise SwitchError("corner", "the release is not told from the landing", float(clock.mid()))
+                raise SwitchError(
+                    "corner", "the release is not told from the landing", float(clock.mid())
+                )
             phases.append((branch + turn * int(turns)) / arb_of(self.eta) - clock)
-        return phases[0] if sign(phases[1] - phases[0], "the order of two branches") > 0 else phases[1]
+        return (
+            phases[0] if sign(phases[1] - phases[0], "the order of two branches") > 0 else phases[1]
+        )
 
 
 def on_belt(y: Any) -> list[Any]:
@@ -135,9 +178,14 @@ def on_belt(y: Any) -> list[Any]:
 
 
 class StickSlipFlow(HybridFlow):
-    """x [m], v [m/s] at t >= 0; scalars stick_n, slip_n, cross_n: when for the n-th time it sticks, is released, passes u = 0 [s]."""
+    """x [m], v [m/s] at t >= 0; scalars stick_n, slip_n, cross_n: when for the n-th time it sticks,
+    is released, passes u = 0 [s].
+    """
 
-    witness = "mpmath.odefun at 40 digits, events by regula falsi (literals in the tests); refdem/truth/witnesses/stick_slip.py"
+    witness = (
+        "mpmath.odefun at 40 digits, events by regula falsi (literals in the tests);"
+        " refdem/truth/witnesses/stick_slip.py"
+    )
     until = Fraction(0)
 
     def scalars(self) -> dict[str, Ball]:
@@ -146,7 +194,10 @@ class StickSlipFlow(HybridFlow):
             found = self.events_until(self.until)
         except NotCertifiedError as error:
             found = self.events_until(Fraction(error.time)) if error.time else []
-        kinds = ["slip" if name != "stop" else "stick" if mode == STICK else "cross" for name, mode, _ in found]
+        kinds = [
+            "slip" if name != "stop" else "stick" if mode == STICK else "cross"
+            for name, mode, _ in found
+        ]
         return {f"{kind}_{kinds[: n + 1].count(kind)}": found[n][2] for n, kind in enumerate(kinds)}
 
 
@@ -155,7 +206,13 @@ def truth(p: Parameters, scale: Mapping[str, float], until: Fraction) -> Truth:
     system = StickSlip(law=str(p["friction_law"]), **numbers(p, *NAMES))
     start = [system.x0, system.v0 - system.belt, Fraction(0)]
     flow = StickSlipFlow(
-        system.modes(), start, system.first, lambda y: {"x": y[0], "v": y[1] + system.belt}, scale, state=("x", "v"), moved=(0, 1)
+        system.modes(),
+        start,
+        system.first,
+        lambda y: {"x": y[0], "v": y[1] + system.belt},
+        scale,
+        state=("x", "v"),
+        moved=(0, 1),
     )
     flow.until = until
     return flow

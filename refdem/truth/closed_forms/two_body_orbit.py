@@ -1,9 +1,11 @@
-"""Plane orbits about a fixed centre: Kepler's field gm/r^2 and the central spring, from periapsis on +x moving in +y.
+"""Plane orbits about a fixed centre: Kepler's field gm/r^2 and the central spring, from periapsis
+on +x moving in +y.
 
-Kepler, from any start (r0, v0) on an ellipse, with 1/a = 2/r0 - v0^2/gm, n = sqrt(gm/a^3), s = r0.v0/sqrt(gm a), E the gain in
-eccentric anomaly: n t = E - (1 - r0/a) sin E + s (1 - cos E), and r = f r0 + g v0, v = f' r0 + g' v0 with f = 1 - (a/r0)(1 - cos E),
-g = t - (E - sin E)/n (Battin, An Introduction to the Mathematics and Methods of Astrodynamics, 1999, section 4.3).
-Spring, unit mass: x = a cos w t, y = a sqrt(1 - e^2) sin w t with w^2 = stiffness.
+Kepler, from any start (r0, v0) on an ellipse, with 1/a = 2/r0 - v0^2/gm, n = sqrt(gm/a^3), s =
+r0.v0/sqrt(gm a), E the gain in eccentric anomaly: n t = E - (1 - r0/a) sin E + s (1 - cos E), and r
+= f r0 + g v0, v = f' r0 + g' v0 with f = 1 - (a/r0)(1 - cos E), g = t - (E - sin E)/n (Battin, An
+Introduction to the Mathematics and Methods of Astrodynamics, 1999, section 4.3). Spring, unit mass:
+x = a cos w t, y = a sqrt(1 - e^2) sin w t with w^2 = stiffness.
 """
 
 from collections.abc import Mapping, Sequence
@@ -18,27 +20,52 @@ from refdem.core.truth import Truth
 from refdem.truth.balls import UndecidedError, arb_of
 from refdem.truth.closed_form import per_precision
 from refdem.truth.exact import number
-from refdem.truth.growth import Grows, Growth, Norm, PeriodicGrowth, SteadyGrowth, most, narrow, smooth
+from refdem.truth.growth import (
+    Grows,
+    Growth,
+    Norm,
+    PeriodicGrowth,
+    SteadyGrowth,
+    most,
+    narrow,
+    smooth,
+)
 from refdem.truth.smooth_flow import SmoothFlow
 
 NAMES = ("x", "y", "vx", "vy")
 LOSSES = 9
-"""Bits that S of a comet loses for each bit of 1/(1 - e), about: at e = 0.99 64 bits suffice, at 0.999 they do not."""
+"""Bits that S of a comet loses for each bit of 1/(1 - e), about: at e = 0.99 64 bits suffice, at
+0.999 they do not.
+"""
 State = Sequence[arb]
 
 
 class Orbit(SmoothFlow):
-    """x, y [m] and vx, vy [m/s] at t; scalar period [s]; `stiffness` [1/s^2, unit mass] is None for Kepler's field."""
+    """x, y [m] and vx, vy [m/s] at t; scalar period [s];
+
+    `stiffness` [1/s^2, unit mass] is None for Kepler's field.
+    """
 
     method = "Kepler's equation by interval Newton; ellipse about the centre for the spring"
     witness = "Taylor series of the equation of motion; energy, angular momentum and Laplace vector"
     state = NAMES
 
     def __init__(
-        self, scale: Mapping[str, float], *, gm: Fraction, semi_major: Fraction, eccentricity: Fraction, stiffness: Fraction | None
+        self,
+        scale: Mapping[str, float],
+        *,
+        gm: Fraction,
+        semi_major: Fraction,
+        eccentricity: Fraction,
+        stiffness: Fraction | None,
     ) -> None:
         super().__init__(scale)
-        self.gm, self.semi_major, self.eccentricity, self.stiffness = gm, semi_major, eccentricity, stiffness
+        self.gm, self.semi_major, self.eccentricity, self.stiffness = (
+            gm,
+            semi_major,
+            eccentricity,
+            stiffness,
+        )
         self.offset = [Fraction(0)] * 4
 
     def displaced(self, axis: int, amount: Fraction) -> "Orbit":
@@ -55,12 +82,19 @@ class Orbit(SmoothFlow):
             apsis, speed = a * (1 - e), arb_of(self.gm / a * (1 + e) / (1 - e)).sqrt()
         else:
             apsis, speed = a, arb_of(self.stiffness * a * a * (1 - e * e)).sqrt()
-        return [part + arb_of(off) for part, off in zip((arb_of(apsis), arb(0), arb(0), speed), self.offset, strict=True)]
+        return [
+            part + arb_of(off)
+            for part, off in zip((arb_of(apsis), arb(0), arb(0), speed), self.offset, strict=True)
+        ]
 
     def evaluate(self, t: arb) -> dict[str, arb]:
         """The state at t."""
         start = self.start()
-        now = kepler(arb_of(self.gm), start, t) if self.stiffness is None else spring(arb_of(self.stiffness), start, t)
+        now = (
+            kepler(arb_of(self.gm), start, t)
+            if self.stiffness is None
+            else spring(arb_of(self.stiffness), start, t)
+        )
         return dict(zip(NAMES, now, strict=True))
 
     @per_precision
@@ -69,14 +103,26 @@ class Orbit(SmoothFlow):
         step = narrow(2 * arb.pi() / period)
         length, speed = self.scale["x"], self.scale["vx"]
         if self.stiffness is not None:
-            return SteadyGrowth(partial(sprung, arb_of(self.stiffness), arb_of(length / speed)), Norm([1] * 4), step, period)
+            return SteadyGrowth(
+                partial(sprung, arb_of(self.stiffness), arb_of(length / speed)),
+                Norm([1] * 4),
+                step,
+                period,
+            )
         ellipse = arb_of(self.gm), arb_of(self.semi_major), arb_of(self.eccentricity)
         quickness = partial(tidal, *ellipse, arb_of(length / speed))
-        whole = smooth(arb(0), None, partial(ellipses, *ellipse, arb_of(length), arb_of(speed)), quickness=quickness)
+        whole = smooth(
+            arb(0),
+            None,
+            partial(ellipses, *ellipse, arb_of(length), arb_of(speed)),
+            quickness=quickness,
+        )
         return PeriodicGrowth(Growth([whole], Norm([1] * 4), step=step), period)
 
     def growth_bits(self) -> Sequence[int]:
-        """A comet's errors grow as a power of 1/(1 - e) and shrink again: precisions that would lose them are left out."""
+        """A comet's errors grow as a power of 1/(1 - e) and shrink again: precisions that would
+        lose them are left out.
+        """
         if self.stiffness is not None:
             return super().growth_bits()
         digits = (1 / (1 - self.eccentricity)).__ceil__().bit_length()
@@ -112,7 +158,9 @@ def kepler(gm: arb, start: State, t: arb) -> list[arb]:
 
 
 def sprung(stiffness: arb, ratio: arb, elapsed: arb) -> arb_mat:
-    """What errors of (x, y, vx, vy) on the central spring become, in scales whose ratio is `ratio` [s]."""
+    """What errors of (x, y, vx, vy) on the central spring become, in scales whose ratio is `ratio`
+    [s].
+    """
     turn = stiffness.sqrt() * ratio
     sine, cosine = (stiffness.sqrt() * elapsed).sin_cos()
     none = arb(0)
@@ -127,10 +175,12 @@ def sprung(stiffness: arb, ratio: arb, elapsed: arb) -> arb_mat:
 
 
 def ellipses(gm: arb, a: arb, e: arb, length: arb, speed: arb, t: arb) -> arb_mat:
-    """Four independent errors of (x, y, vx, vy), in scales, on Kepler's ellipse at a time t >= 0 since periapsis: columns.
+    """Four independent errors of (x, y, vx, vy), in scales, on Kepler's ellipse at a time t >= 0
+    since periapsis: columns.
 
-    They come from a shift in time, from the scale of the ellipse, from its eccentricity, and from a turn less the shift that is nearly
-    the same, over e: regular for all 0 <= e < 1. With c, s = cos E, sin E, d = 1 - e c, b = sqrt(1 - e^2), n = sqrt(gm/a^3).
+    They come from a shift in time, from the scale of the ellipse, from its eccentricity, and from a
+    turn less the shift that is nearly the same, over e: regular for all 0 <= e < 1. With c, s = cos
+    E, sin E, d = 1 - e c, b = sqrt(1 - e^2), n = sqrt(gm/a^3).
     """
     n = (gm / a).sqrt() / a
     b = (1 - e * e).sqrt()
@@ -140,7 +190,10 @@ def ellipses(gm: arb, a: arb, e: arb, length: arb, speed: arb, t: arb) -> arb_ma
     x, y = a * (c - e), a * b * s
     vx, vy = -a * n * s / d, a * n * b * c / d
     shift = [vx, vy, -n * n * a * (c - e) / cube, -n * n * a * b * s / cube]
-    scale = [value - 3 * t * rate / 2 for value, rate in zip([x, y, -vx / 2, -vy / 2], shift, strict=True)]
+    scale = [
+        value - 3 * t * rate / 2
+        for value, rate in zip([x, y, -vx / 2, -vy / 2], shift, strict=True)
+    ]
     # By e at fixed a and time: E moves by sin E / d.
     later = s / d
     wider = [
@@ -162,9 +215,11 @@ def ellipses(gm: arb, a: arb, e: arb, length: arb, speed: arb, t: arb) -> arb_ma
 
 
 def tidal(gm: arb, a: arb, e: arb, ratio: arb, t: arb) -> float:
-    """Bound of the norm of the field's Jacobian in scales on a ball of times since periapsis, the scales' ratio being `ratio` [s].
+    """Bound of the norm of the field's Jacobian in scales on a ball of times since periapsis, the
+    scales' ratio being `ratio` [s].
 
-    The rows of a place have 1/ratio; those of a velocity the gradient of -gm r/|r|^3, in its row i gm (3 r_i r_j - delta_ij r^2)/r^5.
+    The rows of a place have 1/ratio; those of a velocity the gradient of -gm r/|r|^3, in its row i
+    gm (3 r_i r_j - delta_ij r^2)/r^5.
     """
     n = (gm / a).sqrt() / a
     first, last = (anomaly_gain(n * arb(end), e, arb(0)) for end in (t.lower(), t.upper()))
@@ -177,16 +232,20 @@ def tidal(gm: arb, a: arb, e: arb, ratio: arb, t: arb) -> float:
 
 
 def anomaly_gain(mean: arb, c: arb, s: arb) -> arb:
-    """E with E - c sin E + s (1 - cos E) = mean, where c^2 + s^2 < 1; UndecidedError if the proof fails.
+    """E with E - c sin E + s (1 - cos E) = mean, where c^2 + s^2 < 1; UndecidedError if the proof
+    fails.
 
-    Newton's method in floating point finds it. Then the interval Newton operator maps a ball into its inside, which proves that
-    the ball holds a root; it is the only one, since the left side rises everywhere (its rate r/a is positive).
+    Newton's method in floating point finds it. Then the interval Newton operator maps a ball into
+    its inside, which proves that the ball holds a root; it is the only one, since the left side
+    rises everywhere (its rate r/a is positive).
     """
     if not c * c + s * s < 1:  # not by its root: on a circle the ball of the sum reaches below 0
         raise UndecidedError("the orbit is not proved to be an ellipse")
     found = _newton(mean.mid(), c.mid(), s.mid())
     residual = found - c * found.sin() + s * (1 - found.cos()) - mean
-    near = found + arb(0, 4 * abs(residual / _slope(found, c, s)).upper() + arb(2) ** (8 - ctx.prec))
+    near = found + arb(
+        0, 4 * abs(residual / _slope(found, c, s)).upper() + arb(2) ** (8 - ctx.prec)
+    )
     inside = found - residual / _slope(near, c, s)
     if not near.contains_interior(inside):
         raise UndecidedError("Kepler's equation is not solved at this precision")
@@ -198,7 +257,9 @@ def _slope(anomaly: arb, c: arb, s: arb) -> arb:
 
 
 def _newton(mean: arb, c: arb, s: arb) -> arb:
-    """An approximate root, not proved: bisection to a thousandth (|E - mean| <= 2), then Newton's method."""
+    """An approximate root, not proved: bisection to a thousandth (|E - mean| <= 2), then Newton's
+    method.
+    """
     low, high = mean - 2, mean + 2
     for _ in range(12):
         middle = ((low + high) / 2).mid()
@@ -212,7 +273,10 @@ def _newton(mean: arb, c: arb, s: arb) -> arb:
 
 
 def truth(p: Parameters, scale: Mapping[str, float]) -> Truth:
-    """The truth at parameters gm, semi_major, eccentricity, stiffness (None for Kepler); `scale` of x, y, vx, vy."""
+    """The truth at parameters gm, semi_major, eccentricity, stiffness (None for Kepler);
+
+    `scale` of x, y, vx, vy.
+    """
     stiffness = None if p["stiffness"] is None else number(p, "stiffness")
     gm = Fraction(1) if stiffness is not None else number(p, "gm")
     a, e = number(p, "semi_major"), number(p, "eccentricity")

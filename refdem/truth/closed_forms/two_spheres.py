@@ -1,19 +1,24 @@
 """Two solid spheres that collide under a linear contact law, in the frame of their centre of mass.
 
-Start: centres on x, body 1 at negative x, touching (zero overlap) at t = 0: r1 = -(m2/M)(R1 + R2) e_x, r2 = (m1/M)(R1 + R2) e_x,
-M = m1 + m2. Relative velocity v1 - v2 = closing_speed (cos angle, sin angle, 0) [angle in rad], so that angle 0 is head-on and
-closing_speed is its size, not its normal part; v1 = (m2/M)(v1 - v2), v2 = -(m1/M)(v1 - v2). `spins` are omega1 then omega2, in
-space axes. Moments of inertia 2/5 m R^2.
+Start: centres on x, body 1 at negative x, touching (zero overlap) at t = 0: r1 = -(m2/M)(R1 + R2)
+e_x, r2 = (m1/M)(R1 + R2) e_x, M = m1 + m2. Relative velocity v1 - v2 = closing_speed (cos angle,
+sin angle, 0) [angle in rad], so that angle 0 is head-on and closing_speed is its size, not its
+normal part; v1 = (m2/M)(v1 - v2), v2 = -(m1/M)(v1 - v2). `spins` are omega1 then omega2, in space
+axes. Moments of inertia 2/5 m R^2.
 
-Law, with overlap d = R1 + R2 - |r1 - r2|: normal force k d + c d'. cutoff zero_overlap: it acts, pulling too, until d = 0;
-zero_force: max(0, k d + c d'), so that from t = 2 al/w on the spheres fly freely, overlapping still for a while; `duration` is then
-the time at which the force ends. Friction of body i acts at the lever l_i = R_i (branch R), R_i - d (R-d) or R_i - d/2 (R-d/2) along
-the normal, for torque and for slip alike, and only while the normal force presses: the limit is friction x max(0, k d + c d').
+Law, with overlap d = R1 + R2 - |r1 - r2|: normal force k d + c d'. cutoff zero_overlap: it acts,
+pulling too, until d = 0; zero_force: max(0, k d + c d'), so that from t = 2 al/w on the spheres fly
+freely, overlapping still for a while; `duration` is then the time at which the force ends. Friction
+of body i acts at the lever l_i = R_i (branch R), R_i - d (R-d) or R_i - d/2 (R-d/2) along the
+normal, for torque and for slip alike, and only while the normal force presses: the limit is
+friction x max(0, k d + c d').
 
-Proved: head-on (nothing slips, ever) in closed form; all else, with stick, slip and release, by validated integration from event to
-event; in Cartesian vectors where spins and friction turn the motion out of its plane (spatial_phases.py). Not certified: a slip, or a
-friction, that is too near a limit to tell on which side it is; out of the plane a slip that ends, and a clipped spring whose force fades.
-Scalars: duration and restitution (of the normal velocity; neither if an overlap never ends), max_overlap, max_force.
+Proved: head-on (nothing slips, ever) in closed form; all else, with stick, slip and release, by
+validated integration from event to event; in Cartesian vectors where spins and friction turn the
+motion out of its plane (spatial_phases.py). Not certified: a slip, or a friction, that is too near
+a limit to tell on which side it is; out of the plane a slip that ends, and a clipped spring whose
+force fades. Scalars: duration and restitution (of the normal velocity; neither if an overlap never
+ends), max_overlap, max_force.
 """
 
 from collections.abc import Mapping, Sequence
@@ -37,7 +42,9 @@ from refdem.truth.growth import Grows, Retimed
 from refdem.truth.head_on_contact import HeadOnContact
 from refdem.truth.sphere_pair import SpherePair, sphere_pair
 
-NAMES = tuple(f"{kind}{body}.{axis}" for body in (1, 2) for kind in ("r", "v", "omega") for axis in "xyz")
+NAMES = tuple(
+    f"{kind}{body}.{axis}" for body in (1, 2) for kind in ("r", "v", "omega") for axis in "xyz"
+)
 """The 18 quantities: r1.x r1.y r1.z v1.x .. omega1.z r2.x .. omega2.z."""
 IN_PLANE = tuple(f"{kind}{body}.{axis}" for body in (1, 2) for kind in "rv" for axis in "xy")
 MOVED = (*IN_PLANE, "omega1.z", "omega2.z")
@@ -47,8 +54,9 @@ MOVED = (*IN_PLANE, "omega1.z", "omega2.z")
 class TwoSpheres(HybridFlow):
     """Positions [m], velocities [m/s] and angular velocities [rad/s] of both, NAMES, at t >= 0.
 
-    S(t) is that of the motion in its plane; out of it a head-on collision grows as across the normal. Where nothing slips S leaves
-    friction out: a slip that a small displacement starts is soon stuck again.
+    S(t) is that of the motion in its plane; out of it a head-on collision grows as across the
+    normal. Where nothing slips S leaves friction out: a slip that a small displacement starts is
+    soon stuck again.
     """
 
     def __init__(self, scale: Mapping[str, float], pair: SpherePair, *, digits: int = 40) -> None:
@@ -56,7 +64,9 @@ class TwoSpheres(HybridFlow):
         self.spheres = pair
         self.phases = ContactPhases(pair, rubs=not pair.is_head_on)
         self.method = "closed form" if pair.is_head_on else HybridFlow.method
-        self.witness = "Taylor series in Cartesian coordinates with the switches found anew, energy, momenta"
+        self.witness = (
+            "Taylor series in Cartesian coordinates with the switches found anew, energy, momenta"
+        )
 
     def motion(self, bits: int) -> ContactMotion:
         """The motion at a precision, as far as it has been followed."""
@@ -77,10 +87,14 @@ class TwoSpheres(HybridFlow):
         what = f"at t = {float(t):.17g} s"
         if self.spheres.is_head_on or t == 0:
             return self._certified(lambda: self.evaluate(arb_of(t)), what)
-        return self.climbed(lambda motion: self.quantities(self.in_si(motion.place(self.clock(t)))), what)
+        return self.climbed(
+            lambda motion: self.quantities(self.in_si(motion.place(self.clock(t)))), what
+        )
 
     def forecast(self, t: Fraction, digits: int) -> float:
-        """That of the contact, half a period of its spring, which the scalars ask for whatever t is; what comes after it costs nothing."""
+        """That of the contact, half a period of its spring, which the scalars ask for whatever t
+        is; what comes after it costs nothing.
+        """
         if self.spheres.is_head_on:
             return 0.0
         half_period = Fraction(pi / sqrt(float(self.phases.k)))
@@ -89,7 +103,12 @@ class TwoSpheres(HybridFlow):
     def evaluate(self, t: arb) -> dict[str, arb]:
         """The 18 quantities at touch, or of a head-on contact."""
         spins = [arb_of(self.spheres.spins[axis]) for axis in (2, 5)]
-        return self.quantities([*(self.spheres.start() if t == 0 else HeadOnContact(self.spheres).relative(t)[:4]), *spins])
+        return self.quantities(
+            [
+                *(self.spheres.start() if t == 0 else HeadOnContact(self.spheres).relative(t)[:4]),
+                *spins,
+            ]
+        )
 
     def units(self) -> list[Fraction]:
         """Of x, y, vx, vy, o1, o2 [m, m/s, 1/s]."""
@@ -107,7 +126,16 @@ class TwoSpheres(HybridFlow):
         for body in (0, 1):
             share = arb_of((1 - 2 * body) * self.spheres.masses[1 - body] / self.spheres.total_mass)
             spin = [arb_of(part) for part in self.spheres.spins[3 * body : 3 * body + 2]]
-            values += [share * x, share * y, arb(0), share * vx, share * vy, arb(0), *spin, turning[body]]
+            values += [
+                share * x,
+                share * y,
+                arb(0),
+                share * vx,
+                share * vy,
+                arb(0),
+                *spin,
+                turning[body],
+            ]
         return dict(zip(NAMES, values, strict=True))
 
     def uncertified(self, error: SwitchError, what: str) -> NotCertifiedError:
@@ -144,36 +172,61 @@ class TwoSpheres(HybridFlow):
         return Retimed(super().growth(), self.phases.time)
 
     def beside(self, inner: arb_mat) -> arb_mat:
-        """The coordinates of a mode but its clock, and then those of the centre of mass at the start."""
+        """The coordinates of a mode but its clock, and then those of the centre of mass at the
+        start.
+        """
         count, drift = inner.nrows() - 1, len(self.drifting())
         table = inner.table()
         rows = [table[i][:count] + [arb(0)] * drift for i in range(count)]
-        return arb_mat(rows + [[arb(int(i == j)) for j in range(count + drift)] for i in range(count, count + drift)])
+        return arb_mat(
+            rows
+            + [
+                [arb(int(i == j)) for j in range(count + drift)]
+                for i in range(count, count + drift)
+            ]
+        )
 
     def chart(self, motion: Motion, phase: Phase, state: Sequence[arb]) -> arb_mat:
-        """Errors of both bodies, as `bodies` has them, by those of the mode's coordinates and of the centre of mass at the start."""
+        """Errors of both bodies, as `bodies` has them, by those of the mode's coordinates and of
+        the centre of mass at the start.
+        """
         assert isinstance(motion, ContactMotion)
         slopes = motion.traced.slopes(motion.name(phase), state).table()
         count, drift = len(slopes) - 1, len(self.drifting())
         units = [arb_of(unit) for unit in self.units()]
         units += [arb(1)] * (count - len(units))
-        relative = [[entry * unit for entry in row[:count]] + [arb(0)] * drift for row, unit in zip(slopes[:count], units, strict=True)]
+        relative = [
+            [entry * unit for entry in row[:count]] + [arb(0)] * drift
+            for row, unit in zip(slopes[:count], units, strict=True)
+        ]
         seconds = state[-1] * arb_of(self.phases.time)
         moved = arb_mat(relative + [[arb(0)] * count + row for row in self.drift(seconds)])
         rows = (self.bodies() * moved).table()
-        return arb_mat([[entry / size for entry in row] for row, size in zip(rows, self.own_scales(), strict=True)])
+        return arb_mat(
+            [
+                [entry / size for entry in row]
+                for row, size in zip(rows, self.own_scales(), strict=True)
+            ]
+        )
 
     def drifting(self) -> Sequence[int]:
-        """The relative coordinates that have a counterpart of the centre of mass: places, then velocities."""
+        """The relative coordinates that have a counterpart of the centre of mass: places, then
+        velocities.
+        """
         return range(4)
 
     def drift(self, seconds: arb) -> list[list[arb]]:
         """Errors of the centre of mass, after a time, by those at the start: it moves uniformly."""
         count = len(self.drifting())
-        return [[arb(1) if i == j else seconds if j == i + count // 2 else arb(0) for j in range(count)] for i in range(count)]
+        return [
+            [arb(1) if i == j else seconds if j == i + count // 2 else arb(0) for j in range(count)]
+            for i in range(count)
+        ]
 
     def bodies(self) -> arb_mat:
-        """The coordinates MOVED and what only the mode knows, by x, y, vx, vy, the spins, the rest, and the centre of mass."""
+        """The coordinates MOVED and what only the mode knows, by x, y, vx, vy, the spins, the rest,
+        and the centre of mass.
+        """
         drifting, size = self.drifting(), self.phases.size - 1
         shares = [arb_of(mass / sum(self.spheres.masses)) for mass in self.spheres.masses]
         count = size + len(drifting)
@@ -208,7 +261,10 @@ class TwoSpheres(HybridFlow):
 
 
 def truth(p: Parameters, scale: Mapping[str, float]) -> Truth:
-    """The truth of case two-spheres, in its plane or in space; `scale` of the 18 quantities NAMES."""
+    """The truth of case two-spheres, in its plane or in space;
+
+    `scale` of the 18 quantities NAMES.
+    """
     from refdem.truth.closed_forms.spinning_spheres import SpinningSpheres
 
     pair = sphere_pair(p)

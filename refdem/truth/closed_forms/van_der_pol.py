@@ -1,4 +1,6 @@
-"""x'' - mu (1 - x^2) x' + x = p sin(w t) (1.124) by validated integration; a drive that acts has two coordinates."""
+"""x'' - mu (1 - x^2) x' + x = p sin(w t) (1.124) by validated integration; a drive that acts has
+two coordinates.
+"""
 
 from collections.abc import Mapping, Sequence
 from fractions import Fraction
@@ -13,7 +15,10 @@ from refdem.truth.validated_flow import ValidatedFlow
 class VanDerPol(ValidatedFlow):
     """x [m] and v [m/s] at t >= 0."""
 
-    witness = "Taylor series in rational arithmetic from the power series of x; heyoka in multiprecision at literal values"
+    witness = (
+        "Taylor series in rational arithmetic from the power series of x; heyoka in multiprecision"
+        " at literal values"
+    )
 
 
 def truth(p: Parameters, scale: Mapping[str, float]) -> Truth:
@@ -29,4 +34,6 @@ def truth(p: Parameters, scale: Mapping[str, float]) -> Truth:
         return [v, rate + values["p"] * sine, values["drive"] * cosine, -values["drive"] * sine]
 
     start = [values["x0"], values["v0"], *([Fraction(0), Fraction(1)] if values["p"] else [])]
-    return VanDerPol(field, start, lambda y: {"x": y[0], "v": y[1]}, scale, state=("x", "v"), moved=(0, 1))
+    return VanDerPol(
+        field, start, lambda y: {"x": y[0], "v": y[1]}, scale, state=("x", "v"), moved=(0, 1)
+    )

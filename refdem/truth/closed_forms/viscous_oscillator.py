@@ -1,4 +1,6 @@
-"""The damped oscillator m x'' + 2 m delta x' + k x = m g: the driven one (driven_oscillator.py) that nothing drives."""
+"""The damped oscillator m x'' + 2 m delta x' + k x = m g: the driven one (driven_oscillator.py)
+that nothing drives.
+"""
 
 from collections.abc import Mapping
 

@@ -1,6 +1,8 @@
-"""A wedge that meets a wall with m d'' = -k2 d^2, turns at greatest overlap, and leaves with m d'' = -k1 d: overlap d and its rate.
+"""A wedge that meets a wall with m d'' = -k2 d^2, turns at greatest overlap, and leaves with m d''
+= -k1 d: overlap d and its rate.
 
-In: d_m = (3 m v^2/(2 k2))^(1/3), time by the incomplete beta function. Out: d = d_m cos(w t), w^2 = k1/m, until d = 0.
+In: d_m = (3 m v^2/(2 k2))^(1/3), time by the incomplete beta function. Out: d = d_m cos(w t), w^2 =
+k1/m, until d = 0.
 """
 
 from collections.abc import Iterator, Mapping
@@ -27,7 +29,10 @@ class WedgeCollision(SmoothFlow):
     """overlap [m] (negative while apart) and v, its rate [m/s], from touch at t = 0."""
 
     state = ("overlap", "v")
-    method = "closed form: incomplete beta function by 2F1, solved by Newton's rule with a bound from the mean value theorem; cosine"
+    method = (
+        "closed form: incomplete beta function by 2F1, solved by Newton's rule with a bound from"
+        " the mean value theorem; cosine"
+    )
     witness = "Taylor integration of both laws, energy, numerical integration"
 
     def __init__(self, scale: Mapping[str, Size], exact: Mapping[str, Fraction]) -> None:
@@ -56,7 +61,10 @@ class WedgeCollision(SmoothFlow):
         contact, touch = self.approach()
         since, rate = t - touch, self.rate()
         if since < 0:
-            return {"overlap": arb_of(self.begin[0]) + arb_of(self.begin[1]) * t, "v": arb_of(self.begin[1])}
+            return {
+                "overlap": arb_of(self.begin[0]) + arb_of(self.begin[1]) * t,
+                "v": arb_of(self.begin[1]),
+            }
         turned = since - contact.half
         if turned < 0:
             overlap, speed = contact.state(since)
@@ -66,7 +74,10 @@ class WedgeCollision(SmoothFlow):
             return {"overlap": -contact.depth * rate * after, "v": -contact.depth * rate}
         if not (turned >= 0 and after < 0):
             raise UndecidedError(f"whether it has turned, or parted, at {t}")
-        return {"overlap": contact.depth * (rate * turned).cos(), "v": -contact.depth * rate * (rate * turned).sin()}
+        return {
+            "overlap": contact.depth * (rate * turned).cos(),
+            "v": -contact.depth * rate * (rate * turned).sin(),
+        }
 
     @per_precision
     def growth(self) -> Grows:
@@ -75,8 +86,8 @@ class WedgeCollision(SmoothFlow):
     def stretches(self) -> Iterator[Stretch]:
         """In by scaling, out and away by linear laws.
 
-        At the turn, v = 0, the acceleration jumps from -k2 d_m^2/m to -k1 d_m/m: an error of v, which shifts the time of the turn, is
-        multiplied by their ratio, one of the place stays.
+        At the turn, v = 0, the acceleration jumps from -k2 d_m^2/m to -k1 d_m/m: an error of v,
+        which shifts the time of the turn, is multiplied by their ratio, one of the place stays.
         """
         (contact, touch), rate = self.approach(), self.rate()
         ratio, power = arb_of(self.scale["overlap"] / self.scale["v"]), arb_of(Fraction(2, 3))
@@ -85,7 +96,11 @@ class WedgeCollision(SmoothFlow):
 
         def inward(t: arb) -> arb_mat:
             since = t - touch
-            overlap, speed = contact.state(since) if since > 0 or since == 0 else (contact.speed * since, contact.speed)
+            overlap, speed = (
+                contact.state(since)
+                if since > 0 or since == 0
+                else (contact.speed * since, contact.speed)
+            )
             push = -stiffness * overlap * overlap if since > 0 else arb(0)
             return homogeneous(overlap, speed, push, since, power, ratio)
 

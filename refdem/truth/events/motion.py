@@ -1,7 +1,7 @@
 """A motion from mode to mode, at one precision, as far as it is asked for; phases are kept.
 
-A set of motions enters each mode at clock times that need not be equal: the clock is a coordinate, and the state at a given time t is
-that of each member at its own t - clock.
+A set of motions enters each mode at clock times that need not be equal: the clock is a coordinate,
+and the state at a given time t is that of each member at its own t - clock.
 """
 
 from bisect import bisect_right
@@ -19,12 +19,16 @@ from refdem.truth.validated_ivp.integration import GUARD, Steps
 from refdem.truth.validated_ivp.moved import Spread, at_start, identity
 
 THIN = 2.0**-100
-"""A set this thin that cannot be followed is so close to the boundary that more digits would seldom help."""
+"""A set this thin that cannot be followed is so close to the boundary that more digits would seldom
+help.
+"""
 
 
 @dataclass(frozen=True)
 class Event:
-    """What ended a phase: the guard's name, the mode entered, a ball of the time [s], balls of the state after it (and its reset)."""
+    """What ended a phase: the guard's name, the mode entered, a ball of the time [s], balls of the
+    state after it (and its reset).
+    """
 
     name: str
     mode: str | None
@@ -33,21 +37,34 @@ class Event:
 
 
 class Motion(Guarded):
-    """The motion of the set about `start` (balls at the working precision) that begins with `entry`."""
+    """The motion of the set about `start` (balls at the working precision) that begins with
+    `entry`.
+    """
 
-    def __init__(self, modes: Mapping[str, Traced], start: Sequence[arb], entry: Entry, bits: int, steps: Steps | None = None) -> None:
+    def __init__(
+        self,
+        modes: Mapping[str, Traced],
+        start: Sequence[arb],
+        entry: Entry,
+        bits: int,
+        steps: Steps | None = None,
+    ) -> None:
         self.modes, self.bits, self.steps = modes, bits, steps or Steps()
         self.events: list[Event] = []
         self.phases: list[Phase] = []
         self.ended = False
-        self.enter(entry, [value.mid() for value in start], at_start([value.rad() for value in start]))
+        self.enter(
+            entry, [value.mid() for value in start], at_start([value.rad() for value in start])
+        )
 
     def enter(self, entry: Entry, centre: Sequence[arb], spread: Spread) -> None:
         """Begins the phase of an entry (whose reset is done)."""
         if entry.mode is None:
             self.ended = True
         else:
-            self.phases.append(Phase(self.modes[entry.mode], entry, centre, spread, self.bits, self.steps))
+            self.phases.append(
+                Phase(self.modes[entry.mode], entry, centre, spread, self.bits, self.steps)
+            )
 
     def at(self, t: arb) -> list[arb]:
         """Balls of the state at the time t [s]."""
@@ -74,9 +91,15 @@ class Motion(Guarded):
             if begun and (phase.ends is None or t < self.left(index)):
                 return phase
         if self.ended and self.events and t > self.events[-1].time:
-            raise SwitchError("end", f"the motion ends with {self.events[-1].name}", float(t.mid())).at(self.events[-1].state)
-        before = [phase.entered for phase in self.phases if phase.entered[-1] < t] or [self.phases[0].entered]
-        raise SwitchError("precision", f"t = {t.str(8)} s lies within the uncertainty of an event", float(t.mid())).at(before[-1])
+            raise SwitchError(
+                "end", f"the motion ends with {self.events[-1].name}", float(t.mid())
+            ).at(self.events[-1].state)
+        before = [phase.entered for phase in self.phases if phase.entered[-1] < t] or [
+            self.phases[0].entered
+        ]
+        raise SwitchError(
+            "precision", f"t = {t.str(8)} s lies within the uncertainty of an event", float(t.mid())
+        ).at(before[-1])
 
     def reached(self) -> Fraction:
         """Up to about which time [s] the motion has been followed."""
@@ -97,7 +120,9 @@ class Motion(Guarded):
         return not arb_of(phase.searched) > t - phase.entered[-1]
 
     def left(self, index: int) -> arb:
-        """When a phase that ends is left; also one whose event could not be passed, so that what is before it stays certified."""
+        """When a phase that ends is left; also one whose event could not be passed, so that what is
+        before it stays certified.
+        """
         if index < len(self.events):
             return self.events[index].time
         phase = self.phases[index]
@@ -105,7 +130,9 @@ class Motion(Guarded):
         return phase.entered[-1] + phase.ends[1]
 
     def follow(self) -> None:
-        """Follows the last phase by a window, or through the event that ends it; adds the time and the state to what goes wrong."""
+        """Follows the last phase by a window, or through the event that ends it; adds the time and
+        the state to what goes wrong.
+        """
         phase = self.phases[-1]
         try:
             if phase.ends is None:
@@ -147,6 +174,10 @@ def first_entry(first: Callable[[State], Entry], start: State) -> Entry:
 
 
 def at_fixed_time(phase: Phase, state: Sequence[arb]) -> arb_mat:
-    """1 - f e_clock: what turns changes at a time since each motion's own entry into changes at a given time."""
+    """1 - f e_clock: what turns changes at a time since each motion's own entry into changes at a
+    given time.
+    """
     rates, size = phase.field.run(state), phase.mode.size
-    return identity(size) - arb_mat(size, size, [rate if j == size - 1 else arb(0) for rate in rates for j in range(size)])
+    return identity(size) - arb_mat(
+        size, size, [rate if j == size - 1 else arb(0) for rate in rates for j in range(size)]
+    )

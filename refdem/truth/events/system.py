@@ -1,7 +1,9 @@
-"""What the author of a switching system writes: modes, guards that end them, entries into the next; and its traced form.
+"""What the author of a switching system writes: modes, guards that end them, entries into the next;
+and its traced form.
 
-The state's last coordinate is the clock: its rate is 1 in every mode, and no reset changes it. All functions of a state use the
-operations of a traced field (refdem/truth/traced_field.py): + - * /, methods sin, cos, exp, sqrt, and exact rational constants.
+The state's last coordinate is the clock: its rate is 1 in every mode, and no reset changes it. All
+functions of a state use the operations of a traced field (refdem/truth/traced_field.py): + - * /,
+methods sin, cos, exp, sqrt, and exact rational constants.
 """
 
 from collections.abc import Callable, Mapping, Sequence
@@ -18,11 +20,13 @@ State = Sequence[arb]
 
 @dataclass(frozen=True)
 class Entry:
-    """Into which mode (None: the motion ends here), with what state, and which of its guards vanish there.
+    """Into which mode (None: the motion ends here), with what state, and which of its guards vanish
+    there.
 
-    `reset` gives the new state (by default the old one); what is exactly zero on the section should be an exact 0 in it. `touching` has,
-    for each guard of the new mode that vanishes at the entry, the order of that zero: it and its derivatives below that order are
-    exactly 0 there for every motion, and the derivative of that order is proved > 0 on the first stretch.
+    `reset` gives the new state (by default the old one); what is exactly zero on the section should
+    be an exact 0 in it. `touching` has, for each guard of the new mode that vanishes at the entry,
+    the order of that zero: it and its derivatives below that order are exactly 0 there for every
+    motion, and the derivative of that order is proved > 0 on the first stretch.
     """
 
     mode: str | None
@@ -34,8 +38,9 @@ class Entry:
 class Guard:
     """A switching function: `value(y)` > 0 inside the mode, and its first zero ends it.
 
-    `then(y)` gets balls that hold every state at the zero and returns the entry; it decides by `sign`, which raises UndecidedError
-    where balls cannot (a corner). An event is known by `name`; guards that start a stick are called "stick", and so on.
+    `then(y)` gets balls that hold every state at the zero and returns the entry; it decides by
+    `sign`, which raises UndecidedError where balls cannot (a corner). An event is known by `name`;
+    guards that start a stick are called "stick", and so on.
     """
 
     name: str
@@ -47,9 +52,11 @@ class Guard:
 class Mode:
     """A field with the guards that end it.
 
-    `leaves(y)`, where there is a closed form, gets balls of the state at the entry and returns the name of the guard that ends the mode
-    and a ball of the time since the entry at which it does, or None if it never ends; it raises UndecidedError where balls cannot tell.
-    `window` [s] is about the time between sign changes of the guards: longer pieces are searched window by window.
+    `leaves(y)`, where there is a closed form, gets balls of the state at the entry and returns the
+    name of the guard that ends the mode and a ball of the time since the entry at which it does, or
+    None if it never ends; it raises UndecidedError where balls cannot tell.
+    `window` [s] is about the time between sign changes of the guards: longer pieces are searched
+    window by window.
     """
 
     field: Field
@@ -59,16 +66,26 @@ class Mode:
 
 
 class Traced:
-    """A mode as programs: the field and its Jacobian; each guard with its derivatives in time, and its gradient."""
+    """A mode as programs: the field and its Jacobian; each guard with its derivatives in time, and
+    its gradient.
+    """
 
     def __init__(self, mode: Mode, size: int) -> None:
         self.mode, self.size = mode, size
         outputs, rows = traced(mode.field, size)
         if len(outputs) != size or outputs[-1].exact() != 1:
-            raise ValueError(f"field of {len(outputs)} rates, the last {outputs[-1].operation}; expected {size}, the last the clock's 1")
-        self.field, self.slopes = Program(outputs), Program([entry for row in rows for entry in row])
+            raise ValueError(
+                f"field of {len(outputs)} rates, the last {outputs[-1].operation}; expected {size},"
+                " the last the clock's 1"
+            )
+        self.field, self.slopes = (
+            Program(outputs),
+            Program([entry for row in rows for entry in row]),
+        )
         self.rates = {guard.name: self._rates(guard) for guard in mode.guards}
-        self.gradients = {guard.name: derivative_rows(self._single(guard), size) for guard in mode.guards}
+        self.gradients = {
+            guard.name: derivative_rows(self._single(guard), size) for guard in mode.guards
+        }
 
     def guard(self, name: str) -> Guard:
         """The guard of that name."""
@@ -79,7 +96,9 @@ class Traced:
         return lambda y: [guard.value(y)]
 
     def _rates(self, guard: Guard, highest: int = 4) -> list[Program]:
-        """Programs of the guard's value and its first derivatives in time along the field (Lie derivatives)."""
+        """Programs of the guard's value and its first derivatives in time along the field (Lie
+        derivatives).
+        """
         nodes, _ = traced(lambda y: [guard.value(y), *self.mode.field(y)], self.size)
         found = [nodes[0]]
         for _ in range(highest):

@@ -1,4 +1,6 @@
-"""A Truth by validated integration through events: quantities and event times as balls, S(t) with the jump matrices."""
+"""A Truth by validated integration through events: quantities and event times as balls, S(t) with
+the jump matrices.
+"""
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from fractions import Fraction
@@ -33,12 +35,17 @@ LOSS = 24
 class HybridFlow(ClosedForm):
     """The motion of a system that switches, for t >= 0.
 
-    `start` has, for each coordinate, an exact number or a function that gives its ball; the last is the clock. `first(y)` gives the
-    entry into the first mode from balls of the start, whose reset must be None. `quantities(y)` has quantities by name, those of
-    `state` among them; `moved` has the coordinates of the start that S displaces, each in the scale of its quantity of `state`.
+    `start` has, for each coordinate, an exact number or a function that gives its ball; the last is
+    the clock. `first(y)` gives the entry into the first mode from balls of the start, whose reset
+    must be None. `quantities(y)` has quantities by name, those of
+    `state` among them; `moved` has the coordinates of the start that S displaces, each in the scale
+    of its quantity of `state`.
     """
 
-    method = "validated integration from event to event: signs by bisection, times by interval Newton, sets through the jump matrix"
+    method = (
+        "validated integration from event to event: signs by bisection, times by interval Newton,"
+        " sets through the jump matrix"
+    )
     witness = "none"
 
     def __init__(
@@ -55,10 +62,18 @@ class HybridFlow(ClosedForm):
     ) -> None:
         super().__init__(scale, digits=digits)
         self.modes = {name: Traced(mode, len(start)) for name, mode in modes.items()}
-        self.begin, self.first, self.state, self.moved = list(start), first, tuple(state), tuple(moved)
+        self.begin, self.first, self.state, self.moved = (
+            list(start),
+            first,
+            tuple(state),
+            tuple(moved),
+        )
         self.names: list[str] = []
         outputs, slopes = traced(lambda y: self.listed(quantities(y)), len(self.begin))
-        self.values, self.slopes = Program(outputs), Program([entry for row in slopes for entry in row])
+        self.values, self.slopes = (
+            Program(outputs),
+            Program([entry for row in slopes for entry in row]),
+        )
 
     def listed(self, found: Mapping[str, Any]) -> list[Any]:
         """The quantities one after another, as `names` lists them."""
@@ -66,9 +81,12 @@ class HybridFlow(ClosedForm):
         return list(found.values())
 
     def displaced(self, axis: int, amount: Fraction) -> Self:
-        """Raises NotCertifiedError: S comes from the variational equation, with the jump matrices, not from neighbouring starts."""
+        """Raises NotCertifiedError: S comes from the variational equation, with the jump matrices,
+        not from neighbouring starts.
+        """
         raise NotCertifiedError(
-            "a motion through events is not displaced: its S comes from the variational equation; ask for `sensitivity`"
+            "a motion through events is not displaced: its S comes from the variational equation;"
+            " ask for `sensitivity`"
         )
 
     def motion(self, bits: int) -> Motion:
@@ -76,7 +94,9 @@ class HybridFlow(ClosedForm):
         if ("motion", bits) not in self.kept:
             with precision(bits):
                 balls = [value() if callable(value) else arb_of(value) for value in self.begin]
-                self.kept["motion", bits] = Motion(self.modes, balls, first_entry(self.first, balls), bits)
+                self.kept["motion", bits] = Motion(
+                    self.modes, balls, first_entry(self.first, balls), bits
+                )
         found: Motion = self.kept["motion", bits]
         return found
 
@@ -85,7 +105,9 @@ class HybridFlow(ClosedForm):
         return dict(zip(self.names, self.values.run(y), strict=True))
 
     def at(self, t: Fraction) -> dict[str, Ball]:
-        return self.climbed(lambda motion: self.named(motion.at(arb_of(t))), f"at t = {float(t):.17g} s")
+        return self.climbed(
+            lambda motion: self.named(motion.at(arb_of(t))), f"at t = {float(t):.17g} s"
+        )
 
     def evaluate(self, t: arb) -> dict[str, arb]:
         return self.named(self.motion(LADDER[0]).at(t))
@@ -95,26 +117,44 @@ class HybridFlow(ClosedForm):
 
         def found(motion: Motion) -> dict[str, arb]:
             motion.at(arb_of(t))
-            return {f"{event.name} {event.mode} {n}": event.time for n, event in enumerate(motion.events) if event.time < arb_of(t)}
+            return {
+                f"{event.name} {event.mode} {n}": event.time
+                for n, event in enumerate(motion.events)
+                if event.time < arb_of(t)
+            }
 
         balls = self.climbed(found, f"events until {float(t):.17g} s")
         told = [(label.split(), ball) for label, ball in balls.items()]
-        return [(name, mode if mode in self.modes else None, ball) for (name, mode, _), ball in told]
+        return [
+            (name, mode if mode in self.modes else None, ball) for (name, mode, _), ball in told
+        ]
 
     def climbed(self, evaluate: Callable[[Any], dict[str, arb]], what: str) -> dict[str, Ball]:
-        """Balls at the lowest precision at which all radii are small enough; NotCertifiedError with code, time and last state."""
+        """Balls at the lowest precision at which all radii are small enough;
+
+        NotCertifiedError with code, time and last state.
+        """
         target = self.target()
 
         def within(motion: Any) -> dict[str, Ball]:
             balls = {name: ball_of(value) for name, value in evaluate(motion).items()}
             if any(ball.radius > target for ball in balls.values()):
-                raise SwitchError("precision", f"radius stays at {float(max(b.radius for b in balls.values())):.3g}", 0.0)
+                raise SwitchError(
+                    "precision",
+                    f"radius stays at {float(max(b.radius for b in balls.values())):.3g}",
+                    0.0,
+                )
             return balls
 
         return self.followed(within, what, self.needed())
 
-    def followed(self, evaluate: Callable[[Any], Found], what: str, ladder: Sequence[int] = LADDER) -> Found:
-        """What is found from the motion at the lowest precision of the ladder; NotCertifiedError with code, time and last state."""
+    def followed(
+        self, evaluate: Callable[[Any], Found], what: str, ladder: Sequence[int] = LADDER
+    ) -> Found:
+        """What is found from the motion at the lowest precision of the ladder;
+
+        NotCertifiedError with code, time and last state.
+        """
         error = SwitchError("precision", "no precision suffices", 0.0)
         for bits in ladder:
             with precision(bits):
@@ -133,11 +173,16 @@ class HybridFlow(ClosedForm):
         least = ceil(1 / self.target()).bit_length() + LOSS
         found = [bits for bits in LADDER if bits >= least]
         if not found:
-            raise NotCertifiedError(f"{self.digits} digits ask for more than {LADDER[-1]} bits; ask for fewer", code="precision")
+            raise NotCertifiedError(
+                f"{self.digits} digits ask for more than {LADDER[-1]} bits; ask for fewer",
+                code="precision",
+            )
         return found
 
     def forecast(self, t: Fraction, digits: int) -> float:
-        """CPU seconds that `at(t)` to so many digits is about to cost; what is followed for it is kept."""
+        """CPU seconds that `at(t)` to so many digits is about to cost; what is followed for it is
+        kept.
+        """
         asked = self.refined(digits)
         course = Course(asked.needed()[0])
         try:
@@ -147,7 +192,9 @@ class HybridFlow(ClosedForm):
         return course.seconds_for(work)
 
     def foreseen(self, t: Fraction, course: Course) -> float:
-        """The windows that are left to be searched until the radius at t is what is asked for, in windows of the course's precision."""
+        """The windows that are left to be searched until the radius at t is what is asked for, in
+        windows of the course's precision.
+        """
         # log2 of a number that may be below all doubles.
         target = log2(self.target().numerator) - log2(self.target().denominator)
         time = float(t)
@@ -180,24 +227,40 @@ class HybridFlow(ClosedForm):
 
     def uncertified(self, error: SwitchError, what: str) -> NotCertifiedError:
         """The honest end."""
-        state = {name: ball_of(value) for name, value in self.named(error.state).items()} if error.state else {}
+        state = (
+            {name: ball_of(value) for name, value in self.named(error.state).items()}
+            if error.state
+            else {}
+        )
         time = float(error.state[-1].mid()) if error.state else None
         told = f"; certified up to t = {time:.17g} s" if time is not None else ""
-        return NotCertifiedError(f"{what}: {error.code}: {error}{told}", code=error.code, time=time, state=state)
+        return NotCertifiedError(
+            f"{what}: {error.code}: {error}{told}", code=error.code, time=time, state=state
+        )
 
     @per_precision
     def growth(self) -> Grows:
         """From event to event, by the variational equation and the jump matrices."""
         motion = self.motion(ctx.prec)
         readings = partial(self.readings, motion)
-        return Growth(self.stretches(motion), Norm(self.parts()), readings, self.struck(), step=Fraction(1, 2**10))
+        return Growth(
+            self.stretches(motion),
+            Norm(self.parts()),
+            readings,
+            self.struck(),
+            step=Fraction(1, 2**10),
+        )
 
     def _sensitivity(self, t: Fraction) -> float:
         """At the precisions of the motion, whose pieces are there already."""
-        return self.followed(lambda motion: self.growth().at(t), f"S at t = {float(t):.17g} s", self.needed())
+        return self.followed(
+            lambda motion: self.growth().at(t), f"S at t = {float(t):.17g} s", self.needed()
+        )
 
     def stretches(self, motion: Motion) -> Iterator[Stretch]:
-        """The pieces of a motion, made as they are asked for; the last of a phase ends with an event."""
+        """The pieces of a motion, made as they are asked for; the last of a phase ends with an
+        event.
+        """
         for number in count():
             while number >= len(motion.phases):
                 if motion.ended:
@@ -223,12 +286,18 @@ class HybridFlow(ClosedForm):
                 while len(motion.events) <= number:
                     motion.follow()
                 after = motion.phases[number + 1] if number + 1 < len(motion.phases) else None
-                yield Stretch(begin, phase.crossing()[2], errors, partial(self.handed_on, motion, phase, after))
+                yield Stretch(
+                    begin,
+                    phase.crossing()[2],
+                    errors,
+                    partial(self.handed_on, motion, phase, after),
+                )
                 return
             yield smooth(begin, arb_of(piece.length), errors, joins=True)
 
     def errors(self, motion: Motion, phase: Phase, piece: Piece, since: arb) -> arb_mat:
-        """What errors at the begin of a piece, in the coordinates of its mode, are afterwards in those of `chart`.
+        """What errors at the begin of a piece, in the coordinates of its mode, are afterwards in
+        those of `chart`.
 
         Errors leave the clock alone, whose rate no state changes.
         """
@@ -237,7 +306,9 @@ class HybridFlow(ClosedForm):
             return self.chart(motion, phase, piece.at(since)) * self.beside(inner)
 
     def handed_on(self, motion: Motion, phase: Phase, after: Phase | None) -> arb_mat:
-        """What errors at the begin of a phase's last piece are after the event that ends it, at one time for all motions of the set."""
+        """What errors at the begin of a phase's last piece are after the event that ends it, at one
+        time for all motions of the set.
+        """
         guard, piece, since, states = phase.crossing()
         size = phase.mode.size
         with precision(motion.bits + GUARD):
@@ -247,17 +318,28 @@ class HybridFlow(ClosedForm):
                 return self.chart(motion, phase, states) * self.beside(section)
             reset = guard.then(states).reset or (lambda y: list(y))
             jump = arb_mat(size, size, derivative_rows(reset, size).run(states)) * section
-            return self.chart(motion, after, after.entered) * self.beside(at_fixed_time(after, after.entered) * jump)
+            return self.chart(motion, after, after.entered) * self.beside(
+                at_fixed_time(after, after.entered) * jump
+            )
 
     def beside(self, inner: arb_mat) -> arb_mat:
-        """A derivative of the coordinates of a mode, of those that `chart` takes: here of those that S displaces."""
+        """A derivative of the coordinates of a mode, of those that `chart` takes: here of those
+        that S displaces.
+        """
         table = inner.table()
         return arb_mat([[table[i][j] for j in self.moved] for i in self.moved])
 
     def chart(self, motion: Motion, phase: Phase, state: Sequence[arb]) -> arb_mat:
-        """The derivative of the coordinates in which errors are counted, in scales, by those that `beside` leaves, in a state."""
+        """The derivative of the coordinates in which errors are counted, in scales, by those that
+        `beside` leaves, in a state.
+        """
         count = len(self.state)
-        return arb_mat([[1 / size if i == j else arb(0) for j in range(count)] for i, size in enumerate(self.own_scales())])
+        return arb_mat(
+            [
+                [1 / size if i == j else arb(0) for j in range(count)]
+                for i, size in enumerate(self.own_scales())
+            ]
+        )
 
     def own_scales(self) -> list[arb]:
         """Scales of the coordinates that S displaces."""
@@ -278,4 +360,9 @@ class HybridFlow(ClosedForm):
         rows = [slopes[i : i + len(y)] for i in range(0, len(slopes), len(y))]
         moved = list(zip(self.moved, self.own_scales(), strict=True))
         sizes = [arb_of(self.scale[name]) for name in self.names]
-        return arb_mat([[row[j] * own / size for j, own in moved] for row, size in zip(rows, sizes, strict=True)])
+        return arb_mat(
+            [
+                [row[j] * own / size for j, own in moved]
+                for row, size in zip(rows, sizes, strict=True)
+            ]
+        )

@@ -1,1 +1,3 @@
-"""Iterates of maps, proved: logistic map and equation, billiards by unfolding and by proven itineraries, Feigenbaum's numbers."""
+"""Iterates of maps, proved: logistic map and equation, billiards by unfolding and by proven
+itineraries, Feigenbaum's numbers.
+"""

@@ -1,9 +1,12 @@
-"""Period doubling of the logistic map: first windows, superstable parameters by interval Newton, Feigenbaum's ratio, accumulation.
+"""Period doubling of the logistic map: first windows, superstable parameters by interval Newton,
+Feigenbaum's ratio, accumulation.
 
-A cycle of p iterates through x = 1/2 is superstable: g(eta) = f^p(1/2) - 1/2 = 0. Theorem (interval Newton): if m - g(m)/g'(E) lies in
-the interval E, then g has exactly one zero in E, and it lies there. Ratios of certified gaps tend to Feigenbaum's number (Lanford 1982).
-The doublings p = 2^k pile up from below. From above come p = 3 2^k: a map with such a cycle has cycles of every 2^k (Sharkovskii 1964)
-and positive entropy, which does not fall as eta rises (Milnor & Thurston 1988; Douady 1995), so that both sides enclose the point.
+A cycle of p iterates through x = 1/2 is superstable: g(eta) = f^p(1/2) - 1/2 = 0. Theorem (interval
+Newton): if m - g(m)/g'(E) lies in the interval E, then g has exactly one zero in E, and it lies
+there. Ratios of certified gaps tend to Feigenbaum's number (Lanford 1982). The doublings p = 2^k
+pile up from below. From above come p = 3 2^k: a map with such a cycle has cycles of every 2^k
+(Sharkovskii 1964) and positive entropy, which does not fall as eta rises (Milnor & Thurston 1988;
+Douady 1995), so that both sides enclose the point.
 """
 
 from fractions import Fraction
@@ -48,7 +51,9 @@ def tripled(k: int, bits: int = 256) -> arb:
 
 
 def only_zero(near: arb, count: int, low: arb, high: arb) -> arb:
-    """The zero of g beside `near`, between `low` and `high`: plain Newton to come close, interval Newton for the proof."""
+    """The zero of g beside `near`, between `low` and `high`: plain Newton to come close, interval
+    Newton for the proof.
+    """
     middle = near.mid()
     for _ in range(60):
         value, slope = orbit(middle, count)
@@ -60,14 +65,23 @@ def only_zero(near: arb, count: int, low: arb, high: arb) -> arb:
     for _ in range(8):
         box = middle + arb(0, 1) * width
         closer = middle - orbit(middle, count)[0] / orbit(box, count)[1]
-        if closer.is_finite() and box.contains_interior(closer) and low < closer < high and has_period(closer, count):
+        if (
+            closer.is_finite()
+            and box.contains_interior(closer)
+            and low < closer < high
+            and has_period(closer, count)
+        ):
             return closer
         width = width / 2**8
-    raise NotCertifiedError(f"no superstable cycle of {count} iterates is proved near {float(near.mid()):.15g}")
+    raise NotCertifiedError(
+        f"no superstable cycle of {count} iterates is proved near {float(near.mid()):.15g}"
+    )
 
 
 def has_period(eta: arb, count: int) -> bool:
-    """The cycle through 1/2, which closes after `count` iterates, does not close after a half or a third of them."""
+    """The cycle through 1/2, which closes after `count` iterates, does not close after a half or a
+    third of them.
+    """
     return not any(orbit(eta, count // part)[0].contains(0) for part in (2, 3) if count % part == 0)
 
 
@@ -79,12 +93,16 @@ def ratios(last: int, bits: int = 256) -> list[arb]:
 
 
 def accumulation(k: int, bits: int = 256) -> arb:
-    """Where the doublings pile up: between the superstable parameters of 2^(k + 2) and of 3 2^k iterates."""
+    """Where the doublings pile up: between the superstable parameters of 2^(k + 2) and of 3 2^k
+    iterates.
+    """
     with precision(bits):
         return superstable(k + 2, bits).union(tripled(k, bits))
 
 
 def first_windows(bits: int = 256) -> tuple[arb, arb]:
-    """Where the fixed point 1 - 1/eta becomes unstable (slope 2 - eta = -1), and where the 2-cycle does (4 + 2 eta - eta^2 = -1)."""
+    """Where the fixed point 1 - 1/eta becomes unstable (slope 2 - eta = -1), and where the 2-cycle
+    does (4 + 2 eta - eta^2 = -1).
+    """
     with precision(bits):
         return arb(3), 1 + arb(6).sqrt()

@@ -1,7 +1,9 @@
-"""Truth of an iteration: the orbit in balls, precision raised until they are small enough, S from the products of the map's slopes.
+"""Truth of an iteration: the orbit in balls, precision raised until they are small enough, S from
+the products of the map's slopes.
 
-Theorem: a step that is evaluated in balls contains the images of all points of the ball before it, if every branch is decided for the
-whole ball. So orbits need no device but precision: a chaotic map loses a few bits a step, and they are put in at the start.
+Theorem: a step that is evaluated in balls contains the images of all points of the ball before it,
+if every branch is decided for the whole ball. So orbits need no device but precision: a chaotic map
+loses a few bits a step, and they are put in at the start.
 """
 
 from abc import abstractmethod
@@ -20,11 +22,15 @@ from refdem.truth.closed_form import Size
 from refdem.truth.growth import BOUNDLESS, ROUNDING, Array, Norm, bounded, doubles
 
 MOST_BITS = 2**13
-"""Some 2500 bounces or 8000 doublings: a hundred times as far as doubles can be judged; the cost grows as the square."""
+"""Some 2500 bounces or 8000 doublings: a hundred times as far as doubles can be judged; the cost
+grows as the square.
+"""
 MOST_STEPS = 2**14
 """Of an orbit that does not lose bits: the same limit, in time instead of digits."""
 SHARP = -200
-"""A branch that is undecided for a ball of a radius below 2^SHARP is a boundary that is hit, and no lack of precision."""
+"""A branch that is undecided for a ball of a radius below 2^SHARP is a boundary that is hit, and no
+lack of precision.
+"""
 
 
 UNSURE = 1e-12
@@ -32,7 +38,10 @@ UNSURE = 1e-12
 
 
 class BoundaryError(UndecidedError):
-    """A branch that cannot be decided; `code` says what is hit, `gap` is the ball whose sign is not known."""
+    """A branch that cannot be decided;
+
+    `code` says what is hit, `gap` is the ball whose sign is not known.
+    """
 
     def __init__(self, code: str, gap: arb) -> None:
         is_hit = gap.is_finite() and gap.rad() < arb(2) ** SHARP
@@ -40,7 +49,10 @@ class BoundaryError(UndecidedError):
 
 
 class Iterated(GuardedTruth):
-    """Iterates n = 0, 1, ... of a map; `at(n)` to within 10^-digits of each scale. A state is whatever `step` takes and gives."""
+    """Iterates n = 0, 1, ... of a map;
+
+    `at(n)` to within 10^-digits of each scale. A state is whatever `step` takes and gives.
+    """
 
     word = "step"
 
@@ -83,7 +95,9 @@ class Iterated(GuardedTruth):
             if at >= MOST_STEPS:
                 raise self.ended("time", at, orbit[at], f"more than {MOST_STEPS} are not tried")
             after = self.step(orbit[at])
-            for name, value in self.values(after).items():  # a ball as large as its scale grows without bound, its exponents too
+            for name, value in self.values(
+                after
+            ).items():  # a ball as large as its scale grows without bound, its exponents too
                 if not value.rad() < arb_of(self.scale[name]):
                     raise BoundaryError("precision", value)
             orbit[at + 1] = after
@@ -91,7 +105,9 @@ class Iterated(GuardedTruth):
         return orbit[n]
 
     def at(self, t: Fraction) -> Mapping[str, Ball]:
-        """Every quantity of the iterate t, a whole number; raises NotCertifiedError where it cannot be proved."""
+        """Every quantity of the iterate t, a whole number; raises NotCertifiedError where it cannot
+        be proved.
+        """
         n = whole(t)
         target = min(Fraction(1), *self.scale.values()) / 10**self.digits
         balls = refined(lambda: self.values(self.state(n)), target, most=MOST_BITS)
@@ -108,9 +124,16 @@ class Iterated(GuardedTruth):
             except BoundaryError as error:
                 code = error.code
             orbit = self.kept.setdefault(MOST_BITS, {0: self.first()})
-            while last + 1 in orbit and all(value.rad() < arb(10) ** -self.digits for value in self.values(orbit[last + 1]).values()):
+            while last + 1 in orbit and all(
+                value.rad() < arb(10) ** -self.digits
+                for value in self.values(orbit[last + 1]).values()
+            ):
                 last += 1
-            limit = f"{MOST_BITS} bits are used up" if code == "precision" else f"{self.word} {last + 1} meets a {code}"
+            limit = (
+                f"{MOST_BITS} bits are used up"
+                if code == "precision"
+                else f"{self.word} {last + 1} meets a {code}"
+            )
             return self.ended(code, last, orbit[last], limit)
 
     def ended(self, code: str, last: int, state: Any, limit: str) -> NotCertifiedError:
@@ -121,7 +144,9 @@ class Iterated(GuardedTruth):
         return NotCertifiedError(message, code=code, time=float(last), state=balls)
 
     def sensitivity(self, t: Fraction) -> float:
-        """S: the largest sum of a row of the scaled derivative of iterate t by any earlier one, the start among them."""
+        """S: the largest sum of a row of the scaled derivative of iterate t by any earlier one, the
+        start among them.
+        """
         n = whole(t)
         bits = 256
         while len(self.grown) <= n:
@@ -130,7 +155,9 @@ class Iterated(GuardedTruth):
                     self._grow(len(self.grown))
                 except UndecidedError as error:
                     if bits >= MOST_BITS:
-                        raise NotCertifiedError(f"no sensitivity: {error}", code="precision") from None
+                        raise NotCertifiedError(
+                            f"no sensitivity: {error}", code="precision"
+                        ) from None
                     bits *= 2
         return self.grown[n]
 
@@ -149,7 +176,8 @@ class Iterated(GuardedTruth):
             self.front = none, np.zeros(0)
         after, weights = self.front
         size = Norm([1] * count)
-        # The derivative of iterate n by every earlier one: that by iterate n - 1 was 1 before this step.
+        # The derivative of iterate n by every earlier one: that by iterate n - 1 was 1 before this
+        # step.
         carried = slope @ np.concatenate([after, np.eye(count)[None]])
         wrong = off * count + ROUNDING * float(size(slope))
         weights = np.concatenate([weights, [wrong * self.grown[-1]]])
@@ -161,7 +189,9 @@ class Iterated(GuardedTruth):
         self.front = carried, weights
 
     def jacobian(self, t: Fraction) -> arb_mat:
-        """The derivative of iterate t by the start at the current precision, each number in its scale."""
+        """The derivative of iterate t by the start at the current precision, each number in its
+        scale.
+        """
         n = whole(t)
         size = self.slope(self.state(0), self.state(1)).nrows()
         total = arb_mat(size, size, [int(i == j) for i in range(size) for j in range(size)])

@@ -1,7 +1,9 @@
-"""The logistic map x -> eta x (1 - x), proved iterate by iterate, and the logistic equation x' = eta x (1 - x) in closed form (1.127).
+"""The logistic map x -> eta x (1 - x), proved iterate by iterate, and the logistic equation x' =
+eta x (1 - x) in closed form (1.127).
 
-In y = x - 1/2 the map is y -> eta (1/4 - y^2) - 1/2: a ball's radius grows by |f'| and no more. At eta = 4, x = sin^2 theta makes it
-theta -> 2 theta: x_n = sin^2(2^n theta_0), the witness, whose derivative is 2^n sqrt(x_n (1 - x_n)/(x_0 (1 - x_0))).
+In y = x - 1/2 the map is y -> eta (1/4 - y^2) - 1/2: a ball's radius grows by |f'| and no more. At
+eta = 4, x = sin^2 theta makes it theta -> 2 theta: x_n = sin^2(2^n theta_0), the witness, whose
+derivative is 2^n sqrt(x_n (1 - x_n)/(x_0 (1 - x_0))).
 """
 
 from collections.abc import Mapping
@@ -28,10 +30,15 @@ class LogisticMap(Iterated):
     """y_n = x_n - 1/2 in balls."""
 
     method = "the map in balls about 1/2, precision raised by the bits that its slope takes away"
-    witness = "at eta = 4 x_n = sin^2(2^n asin sqrt(x_0)); exact rational iterates; superstable cycles by interval Newton"
+    witness = (
+        "at eta = 4 x_n = sin^2(2^n asin sqrt(x_0)); exact rational iterates; superstable cycles by"
+        " interval Newton"
+    )
     word = "iterate"
 
-    def __init__(self, eta: Fraction, x0: Fraction, scale: Mapping[str, Size], *, digits: int = 40) -> None:
+    def __init__(
+        self, eta: Fraction, x0: Fraction, scale: Mapping[str, Size], *, digits: int = 40
+    ) -> None:
         super().__init__(scale, digits=digits)
         self.eta, self.x0 = eta, x0
 
@@ -52,10 +59,14 @@ class LogisticFlow(Iterated):
     """x(n) = 1/(1 + (1/x0 - 1) exp(-eta n)): no step is needed."""
 
     method = "closed form: 1/(1 + (1/x0 - 1) exp(-eta t))"
-    witness = "Taylor series of x' = eta x (1 - x) with a proven remainder (refdem/truth/witness.py)"
+    witness = (
+        "Taylor series of x' = eta x (1 - x) with a proven remainder (refdem/truth/witness.py)"
+    )
     word = "iterate"
 
-    def __init__(self, eta: Fraction, x0: Fraction, scale: Mapping[str, Size], *, digits: int = 40) -> None:
+    def __init__(
+        self, eta: Fraction, x0: Fraction, scale: Mapping[str, Size], *, digits: int = 40
+    ) -> None:
         super().__init__(scale, digits=digits)
         self.eta, self.x0 = eta, x0
 
@@ -78,12 +89,16 @@ class LogisticFlow(Iterated):
         return arb_mat(1, 1, [fall / (width * width)])
 
     def sensitivity(self, t: Fraction) -> float:
-        """S over all times s <= t: an error grows by x (1 - x) at t over that at s, which is smallest at an end, as x is monotone."""
+        """S over all times s <= t: an error grows by x (1 - x) at t over that at s, which is
+        smallest at an end, as x is monotone.
+        """
         with precision(FLOW_BITS):
             first, last = (state * (1 - state) for state in (self.state(0), self.state(whole(t))))
             if not first > 0:
                 # At rest at 0, or at 1.
-                return bounded(float((arb_of(self.eta) * whole(t) * (1 - 2 * self.state(0))).exp().upper()))
+                return bounded(
+                    float((arb_of(self.eta) * whole(t) * (1 - 2 * self.state(0))).exp().upper())
+                )
             return bounded(float((last / first).upper()))
 
     def values(self, state: arb) -> dict[str, arb]:

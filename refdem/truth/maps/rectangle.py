@@ -1,7 +1,9 @@
-"""The rectangular billiard by unfolding: mirrored tables tile the plane, the path is a straight line, bounces are its crossings.
+"""The rectangular billiard by unfolding: mirrored tables tile the plane, the path is a straight
+line, bounces are its crossings.
 
-With start and direction exact, times of crossings are rational: which wall comes n-th, and whether a corner is met, is decided in
-whole numbers. The direction is a unit vector, so that a root is taken once.
+With start and direction exact, times of crossings are rational: which wall comes n-th, and whether
+a corner is met, is decided in whole numbers. The direction is a unit vector, so that a root is
+taken once.
 """
 
 from collections.abc import Mapping
@@ -24,14 +26,18 @@ Exact2 = tuple[Fraction, Fraction]
 
 @dataclass(frozen=True)
 class Crossings:
-    """Times first, first + every, first + 2 every, ... at which one coordinate meets its walls; every = None if it never does."""
+    """Times first, first + every, first + 2 every, ... at which one coordinate meets its walls;
+    every = None if it never does.
+    """
 
     first: Fraction
     every: Fraction | None
 
     def count(self, t: Fraction) -> int:
         """How many are at or before t."""
-        return 0 if self.every is None or t < self.first else int((t - self.first) // self.every) + 1
+        return (
+            0 if self.every is None or t < self.first else int((t - self.first) // self.every) + 1
+        )
 
     def time(self, number: int) -> Fraction:
         """The time of one of them, counted from 1."""
@@ -48,7 +54,9 @@ def crossings(start: Fraction, rate: Fraction, size: Fraction) -> Crossings:
 
 
 def corner(a: Crossings, b: Crossings) -> Fraction | None:
-    """The first time at which both cross: a.first + i a.every = b.first + j b.every has whole i, j >= 0; None if never."""
+    """The first time at which both cross: a.first + i a.every = b.first + j b.every has whole i, j
+    >= 0; None if never.
+    """
     if a.every is None or b.every is None:
         return None
     ratio, gap = b.every / a.every, (b.first - a.first) / a.every
@@ -65,13 +73,23 @@ def corner(a: Crossings, b: Crossings) -> Fraction | None:
 
 
 class Rectangle(GuardedTruth):
-    """Bounce n of a point from `start` along `direction` (any length) in a table of that size, centred on the origin."""
+    """Bounce n of a point from `start` along `direction` (any length) in a table of that size,
+    centred on the origin.
+    """
 
     method = "unfolding: crossings of a straight line with mirrored walls, in exact rationals"
     witness = "the same path bounce by bounce, in exact rationals"
     state = ("position.x", "position.y", "direction.x", "direction.y")
 
-    def __init__(self, size: Exact2, start: Exact2, direction: Exact2, scale: Mapping[str, Size], *, digits: int = 40) -> None:
+    def __init__(
+        self,
+        size: Exact2,
+        start: Exact2,
+        direction: Exact2,
+        scale: Mapping[str, Size],
+        *,
+        digits: int = 40,
+    ) -> None:
         self.size, self.start, self.direction, self.digits = size, start, direction, digits
         self.scale = {name: Fraction(value) for name, value in scale.items()}
         self.walls = tuple(crossings(*one) for one in zip(start, direction, size, strict=True))
@@ -82,13 +100,19 @@ class Rectangle(GuardedTruth):
         return Rectangle(self.size, self.start, self.direction, self.scale, digits=digits)
 
     def bounce(self, n: int) -> tuple[Fraction, int]:
-        """Time of bounce n (in units of 1/|direction|) and its wall's axis; NotCertifiedError at a corner and after it."""
+        """Time of bounce n (in units of 1/|direction|) and its wall's axis;
+
+        NotCertifiedError at a corner and after it.
+        """
         time, axis = self._merged(n)
         if self.corner is not None and time >= self.corner:
             last = sum(wall.count(self.corner) for wall in self.walls) - 2
             state = {name: ball_of(value) for name, value in self.values(last).items()}
             told = ", ".join(f"{name} = {float(ball.mid):.17g}" for name, ball in state.items())
-            message = f"corner: certified up to bounce {last}, where {told}; bounce {last + 1} meets a corner"
+            message = (
+                f"corner: certified up to bounce {last}, where {told}; bounce {last + 1} meets a"
+                " corner"
+            )
             raise NotCertifiedError(message, code="corner", time=float(last), state=state)
         return time, axis
 
@@ -98,9 +122,15 @@ class Rectangle(GuardedTruth):
             if own.every is None:
                 continue
             low, high = 0, n
-            while low < high:  # the largest number of its own crossings that come with at most n of both
+            while (
+                low < high
+            ):  # the largest number of its own crossings that come with at most n of both
                 middle = (low + high + 1) // 2
-                low, high = (middle, high) if middle + other.count(own.time(middle)) <= n else (low, middle - 1)
+                low, high = (
+                    (middle, high)
+                    if middle + other.count(own.time(middle)) <= n
+                    else (low, middle - 1)
+                )
             if low and low + other.count(own.time(low)) == n:
                 return own.time(low), axis
         assert self.corner is not None  # two crossings at one time, of which this is the first
@@ -111,7 +141,9 @@ class Rectangle(GuardedTruth):
         time = self.bounce(n)[0] if n else Fraction(0)
         length = arb_of(self.direction[0] ** 2 + self.direction[1] ** 2).sqrt()
         found = {}
-        for name, x, rate, size, wall in zip("xy", self.start, self.direction, self.size, self.walls, strict=True):
+        for name, x, rate, size, wall in zip(
+            "xy", self.start, self.direction, self.size, self.walls, strict=True
+        ):
             count = wall.count(time) if n else 0
             sign = 1 if rate > 0 else -1
             place = x + rate * time - sign * count * size
@@ -128,7 +160,9 @@ class Rectangle(GuardedTruth):
         return balls
 
     def jacobian(self, t: Fraction) -> arb_mat:
-        """The derivative of bounce t by the start, in scales: a flight of that length, cut off by the last wall."""
+        """The derivative of bounce t by the start, in scales: a flight of that length, cut off by
+        the last wall.
+        """
         n = whole(t)
         if n == 0:
             return arb_mat(4, 4, [int(i == j) for i in range(4) for j in range(4)])
@@ -146,6 +180,8 @@ class Rectangle(GuardedTruth):
         return arb_mat(rows)
 
     def sensitivity(self, t: Fraction) -> float:
-        """S: the largest sum of a row; the flight from an earlier bounce is shorter, so that an error made there grows less."""
+        """S: the largest sum of a row; the flight from an earlier bounce is shorter, so that an
+        error made there grows less.
+        """
         rows = self.jacobian(t).table()
         return bounded(most(sum((abs(x) for x in row), arb(0)) for row in rows))

@@ -1,7 +1,9 @@
-"""The stadium billiard (Bunimovich 1979): the collision map in balls, each bounce with its piece of the wall proved.
+"""The stadium billiard (Bunimovich 1979): the collision map in balls, each bounce with its piece of
+the wall proved.
 
-Two straight walls y = +-r, |x| <= a, and half circles of radius r about (+-a, 0). The table is convex, so a path along u leaves through
-the straight wall on its side if it meets that line with |x| <= a, else through the half circle on the side on which it meets it.
+Two straight walls y = +-r, |x| <= a, and half circles of radius r about (+-a, 0). The table is
+convex, so a path along u leaves through the straight wall on its side if it meets that line with
+|x| <= a, else through the half circle on the side on which it meets it.
 """
 
 from collections.abc import Mapping, Sequence
@@ -20,7 +22,9 @@ Exact2 = tuple[Fraction, Fraction]
 
 @dataclass(frozen=True)
 class Bounce:
-    """Place and direction after a bounce, and the piece of the wall: ("wall", +-1), ("arc", +-1), or None at the start."""
+    """Place and direction after a bounce, and the piece of the wall: ("wall", +-1), ("arc", +-1),
+    or None at the start.
+    """
 
     place: Sequence[arb]
     direction: Sequence[arb]
@@ -37,26 +41,45 @@ def sign(value: arb, code: str) -> int:
 
 
 class Stadium(Iterated):
-    """Bounce n of a point from `start` along `direction` (any length) in a stadium of that size, centred on the origin."""
+    """Bounce n of a point from `start` along `direction` (any length) in a stadium of that size,
+    centred on the origin.
+    """
 
     method = "the collision map in balls, the piece of the wall proved at every bounce"
-    witness = "chords of the circles and mirror images of them in multiprecision, without balls; reversal of the path"
+    witness = (
+        "chords of the circles and mirror images of them in multiprecision, without balls; reversal"
+        " of the path"
+    )
     word = "bounce"
 
-    def __init__(self, size: Exact2, start: Exact2, direction: Exact2, scale: Mapping[str, Size], *, digits: int = 40) -> None:
+    def __init__(
+        self,
+        size: Exact2,
+        start: Exact2,
+        direction: Exact2,
+        scale: Mapping[str, Size],
+        *,
+        digits: int = 40,
+    ) -> None:
         super().__init__(scale, digits=digits)
         self.size, self.start, self.direction = size, start, direction
         self.radius, self.half = size[1] / 2, (size[0] - size[1]) / 2
 
     def first(self) -> Bounce:
         length = arb_of(self.direction[0] ** 2 + self.direction[1] ** 2).sqrt()
-        return Bounce([arb_of(x) for x in self.start], [arb_of(u) / length for u in self.direction], None)
+        return Bounce(
+            [arb_of(x) for x in self.start], [arb_of(u) / length for u in self.direction], None
+        )
 
     def piece(self, state: Bounce) -> tuple[str, int]:
         """The piece of the wall that is met next."""
         (x, y), (u, v) = state.place, state.direction
         r, a = arb_of(self.radius), arb_of(self.half)
-        if not (v > 0 or v < 0):  # along x, as far as balls tell: it meets the half circle ahead if it is inside the walls there
+        if not (
+            v > 0 or v < 0
+            # along x, as far as balls tell: it meets the half circle ahead if it is inside the
+            # walls there
+        ):
             side = sign(u, "corner")
             sign(r - abs(y + v * (side * a - x) / u), "corner")
             return ARC, side
@@ -80,7 +103,9 @@ class Stadium(Iterated):
         return Bounce(place, [u - 2 * along * normal[0], v - 2 * along * normal[1]], piece)
 
     def _chord(self, state: Bounce, piece: tuple[str, int]) -> arb:
-        """The way to the half circle: the larger root of t^2 + 2 b t + c = 0; from a point on it c = 0."""
+        """The way to the half circle: the larger root of t^2 + 2 b t + c = 0; from a point on it c
+        = 0.
+        """
         (x, y), (u, v) = state.place, state.direction
         q = x - piece[1] * arb_of(self.half)
         b = q * u + y * v
@@ -92,14 +117,20 @@ class Stadium(Iterated):
         return -b + discriminant.sqrt()
 
     def slope(self, state: Bounce, after: Bounce) -> arb_mat:
-        """d(place, direction) of one bounce, from the straight flight to the wall and the reflection at it.
+        """d(place, direction) of one bounce, from the straight flight to the wall and the
+        reflection at it.
 
-        dr = (1 - u n^T/(n.u)) (dp + t du); dn = K dr; du' = du - 2 (dn.u + n.du) n - 2 (n.u) dn; K = 1/r on a half circle, else 0.
+        dr = (1 - u n^T/(n.u)) (dp + t du); dn = K dr; du' = du - 2 (dn.u + n.du) n - 2 (n.u) dn; K
+        = 1/r on a half circle, else 0.
         """
         assert after.piece is not None
         kind, side = after.piece
         u, scale, r = state.direction, arb_of(self.scale["position.x"]), arb_of(self.radius)
-        n = [arb(0), arb(side)] if kind == WALL else [(after.place[0] - side * arb_of(self.half)) / r, after.place[1] / r]
+        n = (
+            [arb(0), arb(side)]
+            if kind == WALL
+            else [(after.place[0] - side * arb_of(self.half)) / r, after.place[1] / r]
+        )
         along = n[0] * u[0] + n[1] * u[1]
         t = (after.place[0] - state.place[0]) * u[0] + (after.place[1] - state.place[1]) * u[1]
         columns = []

@@ -1,6 +1,8 @@
-"""Where solutions exist on a complex disc about a Taylor polynomial T of one of them, and how far from it they are (Cauchy, Gronwall).
+"""Where solutions exist on a complex disc about a Taylor polynomial T of one of them, and how far
+from it they are (Cauchy, Gronwall).
 
-|x| is the largest |x_i|/w_i for weights w > 0 in which the field moves all coordinates about alike; |J| is the matrix norm to it.
+|x| is the largest |x_i|/w_i for weights w > 0 in which the field moves all coordinates about alike;
+|J| is the matrix norm to it.
 """
 
 from collections.abc import Callable, Sequence
@@ -16,7 +18,9 @@ from refdem.truth.traced_field import Program
 from refdem.truth.weights import REACH, quickest, typical, weighted
 
 BITS, JACOBIAN_BITS = 64, 40
-"""Of boxes, which bound and need not be sharp; of the flow Jacobian of a step, far below its own share in the error."""
+"""Of boxes, which bound and need not be sharp; of the flow Jacobian of a step, far below its own
+share in the error.
+"""
 FACTORS = 2.0, 1 / 2, 1.25, 1 / 1.25, 1.08, 1 / 1.08
 """By which the outer radius is changed as long as that lengthens the step."""
 RINGS = 8
@@ -32,9 +36,11 @@ def geometric(ratio: arb, order: int) -> arb:
 
 @dataclass(frozen=True)
 class Disc:
-    """|f(T(z))| <= speed for |z| <= outer, T of degree `order`; the solutions from all starts are analytic for |z| <= radius.
+    """|f(T(z))| <= speed for |z| <= outer, T of degree `order`; the solutions from all starts are
+    analytic for |z| <= radius.
 
-    `rings` has radii and, for each, a bound L of |J| on the solutions from the radius before it; `step` is what the order allows.
+    `rings` has radii and, for each, a bound L of |J| on the solutions from the radius before it;
+    `step` is what the order allows.
     """
 
     order: int
@@ -54,7 +60,9 @@ class Disc:
         return [outward(weight * size) for weight in self.weights]
 
     def gronwall(self, since: arb) -> arb:
-        """Bound of |V(z)|, V the flow Jacobian, and of the growth of a distance, for |z| = since: exp(integral of L); nan beyond R."""
+        """Bound of |V(z)|, V the flow Jacobian, and of the growth of a distance, for |z| = since:
+        exp(integral of L); nan beyond R.
+        """
         exponent, inner = arb(0 if since <= self.radius else "nan"), arb(0)
         for radius, stiffness in self.rings:
             if inner < since:
@@ -65,20 +73,26 @@ class Disc:
     def apart(self, since: arb, start: arb) -> arb:
         """Bound of |y(z) - T(z)|, |z| = since <= R, for every solution with |y(0) - T(0)| <= start.
 
-        Theorem (defect): T' and f(T) have the same coefficients below N, T' has no others, and those of f(T) are at most M S^-n where
-        |f(T)| <= M on |z| <= S (Cauchy). So |T' - f(T)| <= M q^N/(1 - q), q = |z|/S, whose integral from 0 to |z| = s is at most
-        s M q^N/((1 - q)(N + 1)). Theorem (Gronwall): e = y - T has |e|' <= L |e| + |T' - f(T)| along a ray.
+        Theorem (defect): T' and f(T) have the same coefficients below N, T' has no others, and
+        those of f(T) are at most M S^-n where
+        |f(T)| <= M on |z| <= S (Cauchy). So |T' - f(T)| <= M q^N/(1 - q), q = |z|/S, whose integral
+        from 0 to |z| = s is at most s M q^N/((1 - q)(N + 1)). Theorem (Gronwall): e = y - T has
+        |e|' <= L |e| + |T' - f(T)| along a ray.
         """
         defect = since * self.speed * geometric(since / self.outer, self.order) / (self.order + 1)
         return outward(self.gronwall(since) * (start + defect))
 
     def jacobian_remainder(self, since: arb, order: int) -> arb:
-        """Bound of |V(z) - sum_(n <= order) V_n z^n|, |z| = since < R: |V_n| <= exp(integral of L) R^-n (Gronwall, Cauchy)."""
+        """Bound of |V(z) - sum_(n <= order) V_n z^n|, |z| = since < R: |V_n| <= exp(integral of L)
+        R^-n (Gronwall, Cauchy).
+        """
         return outward(self.gronwall(self.radius) * geometric(since / self.radius, order + 1))
 
     def jacobian_order(self, bits: int) -> int:
         """The order at which that remainder over the step is at most about 2^-bits."""
-        halvings = (self.gronwall(self.radius).log() / arb(2).log() + bits) / (self.radius / arb_of(self.step)).log()
+        halvings = (self.gronwall(self.radius).log() / arb(2).log() + bits) / (
+            self.radius / arb_of(self.step)
+        ).log()
         return int(float(halvings * arb(2).log())) + 1
 
 
@@ -91,8 +105,13 @@ class Tube:
 
     def box(self, radius: arb, room: Sequence[arb] = ()) -> list[acb]:
         """All within `room` of T(z), |z| <= radius: squares in the complex plane."""
-        halves = [outward(size(radius) + (room[i] if room else 0)) for i, size in enumerate(self.sizes)]
-        return [value + acb(arb(0, half), arb(0, half)) for value, half in zip(self.centre, halves, strict=True)]
+        halves = [
+            outward(size(radius) + (room[i] if room else 0)) for i, size in enumerate(self.sizes)
+        ]
+        return [
+            value + acb(arb(0, half), arb(0, half))
+            for value, half in zip(self.centre, halves, strict=True)
+        ]
 
 
 def norm(values: Sequence[arb | acb], weights: Sequence[arb]) -> arb:
@@ -101,9 +120,14 @@ def norm(values: Sequence[arb | acb], weights: Sequence[arb]) -> arb:
 
 
 def matrix_norm(entries: Sequence[arb | acb], weights: Sequence[arb]) -> arb:
-    """Bound of |J| for a matrix whose rows come one after another: the norm of the bounds of |J| w."""
+    """Bound of |J| for a matrix whose rows come one after another: the norm of the bounds of
+    |J| w.
+    """
     count, sizes = len(weights), [outward(entry) for entry in entries]
-    return norm([sum(map(mul, sizes[i : i + count], weights), arb(0)) for i in range(0, len(sizes), count)], weights)
+    return norm(
+        [sum(map(mul, sizes[i : i + count], weights), arb(0)) for i in range(0, len(sizes), count)],
+        weights,
+    )
 
 
 def disc(
@@ -117,16 +141,20 @@ def disc(
     ratio: float,
     first: float,
 ) -> Disc | None:
-    """The disc for the longest step at this order, searched from an outer radius `first` [s] on; None if none is proved.
+    """The disc for the longest step at this order, searched from an outer radius `first` [s] on;
+    None if none is proved.
 
-    `radii` bound the set of starts, and weights are at least `least`. The step is `ratio` of the outer radius, and shorter by what the
-    speed there would cost in bits.
+    `radii` bound the set of starts, and weights are at least `least`. The step is `ratio` of the
+    outer radius, and shorter by what the speed there would cost in bits.
     """
     with precision(BITS):
         tube = Tube(polynomials)
         here = tube.box(arb(0))
         rates, start = field.run(here), jacobian.run(here)
-        nearby = typical(lambda radius: jacobian.run(tube.box(arb(radius))), min(first, REACH / quickest(start)) / 3)
+        nearby = typical(
+            lambda radius: jacobian.run(tube.box(arb(radius))),
+            min(first, REACH / quickest(start)) / 3,
+        )
         weights = weighted(rates, nearby or start, 1 / first, least)
         slow, stiff = norm(rates, weights), matrix_norm(start, weights)
         slowest = (stiff + 1 / arb(first)) / 2**40
@@ -137,7 +165,11 @@ def disc(
         def step(radius: float) -> float:
             quick = speed(radius)
             reaches = quick.is_finite() and stiff * radius < REACH
-            return ratio * radius * float((slow + slowest) / (quick + slowest)) ** (1.0 / order) if reaches else 0.0
+            return (
+                ratio * radius * float((slow + slowest) / (quick + slowest)) ** (1.0 / order)
+                if reaches
+                else 0.0
+            )
 
         outer = highest(step, first)
         mantissa, exponent = frexp(step(outer))
@@ -158,22 +190,28 @@ def highest(value: Callable[[float], float], first: float) -> float:
 
 
 def grown(found: Disc, jacobian: Program, tube: Tube, start: arb, stiff: arb) -> Disc | None:
-    """The disc with the rings that make the series of the flow Jacobian shortest; None if the step is not inside any that is proved.
+    """The disc with the rings that make the series of the flow Jacobian shortest; None if the step
+    is not inside any that is proved.
 
-    Theorem (existence): let |J| <= L where within `margin` of T(z), |z| <= s, and apart(s) <= margin. Then the solutions from all
-    starts exist and stay there for |z| <= s: along a ray none can be the first to leave.
+    Theorem (existence): let |J| <= L where within `margin` of T(z), |z| <= s, and apart(s) <=
+    margin. Then the solutions from all starts exist and stay there for |z| <= s: along a ray none
+    can be the first to leave.
     """
     best, step, wide = None, float(found.step), float(found.outer) * 0.95
     for k in range(-1, RINGS + 1):
         radius = arb(step / 2 if k < 0 else step * (wide / step) ** (k / RINGS))
         guess = replace(found, rings=[*found.rings, (radius, stiff)])
-        margin = 4 * guess.apart(radius, start) + ROOM * norm([size(radius) for size in tube.sizes], found.weights)
+        margin = 4 * guess.apart(radius, start) + ROOM * norm(
+            [size(radius) for size in tube.sizes], found.weights
+        )
         stiff = matrix_norm(jacobian.run(tube.box(radius, found.sides(margin))), found.weights)
         found = replace(found, rings=[*found.rings, (radius, stiff)])
         if not found.apart(radius, start) <= margin:
             break
         if k > 0:
-            if best is not None and found.jacobian_order(JACOBIAN_BITS) > best.jacobian_order(JACOBIAN_BITS):
+            if best is not None and found.jacobian_order(JACOBIAN_BITS) > best.jacobian_order(
+                JACOBIAN_BITS
+            ):
                 break
             best = found
     return best

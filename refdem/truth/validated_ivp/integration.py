@@ -1,8 +1,10 @@
-"""The solution of y' = f(y) piece by piece, at one precision, as far as it is asked for; pieces are kept.
+"""The solution of y' = f(y) piece by piece, at one precision, as far as it is asked for; pieces are
+kept.
 
-Theorem (step): the solution at the begin of a piece lies in c + {A r} (moved.py), inside a box whose disc is proved (enclosure.py). With
-the Taylor coefficients c_n of the exact centre c, for 0 <= s <= h every solution from the set lies within
-remainder(s) + exp(L s) max |A r| of sum c_n s^n (Cauchy, Gronwall); at the end of the piece the set is moved by the flow Jacobian.
+Theorem (step): the solution at the begin of a piece lies in c + {A r} (moved.py), inside a box
+whose disc is proved (enclosure.py). With the Taylor coefficients c_n of the exact centre c, for 0
+<= s <= h every solution from the set lies within remainder(s) + exp(L s) max |A r| of sum c_n s^n
+(Cauchy, Gronwall); at the end of the piece the set is moved by the flow Jacobian.
 """
 
 from bisect import bisect_right
@@ -20,20 +22,29 @@ from refdem.truth.validated_ivp.moved import Spread, at_start, flow_jacobian, fl
 from refdem.truth.validated_ivp.recurrences import taylor
 
 UNEQUAL = 80
-"""Most bits that the flow Jacobian is given for weights that are unlike: its remainder is larger by their ratio in some entries."""
+"""Most bits that the flow Jacobian is given for weights that are unlike: its remainder is larger by
+their ratio in some entries.
+"""
 GUARD = 24
-"""Bits by which coefficients are sharper than the bits asked for, for the rounding of their sums."""
+"""Bits by which coefficients are sharper than the bits asked for, for the rounding of their sums.
+"""
 HALVINGS = 24
-"""A disc 2^-24 as wide as the widest so far is the last: the set, or the motion, is near a singularity."""
+"""A disc 2^-24 as wide as the widest so far is the last: the set, or the motion, is near a
+singularity.
+"""
 SMALL = arb(2) ** -20
-"""Part of a coordinate below which its weight does not fall, and of a weight above which the set's radius should not rise."""
+"""Part of a coordinate below which its weight does not fall, and of a weight above which the set's
+radius should not rise.
+"""
 MOST_PIECES = 2**17
 """Of one integration: what asks for more ends as `time`, with all that came before certified."""
 
 
 @dataclass(frozen=True)
 class Steps:
-    """How steps are made: part of the outer radius, orders of solution and Jacobian (None: those that the bits ask for)."""
+    """How steps are made: part of the outer radius, orders of solution and Jacobian (None: those
+    that the bits ask for).
+    """
 
     ratio: Fraction = Fraction(1, 4)
     order: int | None = None
@@ -41,13 +52,17 @@ class Steps:
     jacobian_bits: int = JACOBIAN_BITS
 
     def orders(self, bits: int) -> tuple[int, int | None]:
-        """Orders of the solution and of its Jacobian (None: as its remainder on each disc asks for)."""
+        """Orders of the solution and of its Jacobian (None: as its remainder on each disc asks
+        for).
+        """
         return self.order or ceil(bits / -log2(self.ratio)), self.jacobian_order
 
 
 @dataclass(frozen=True)
 class Piece:
-    """The solution on [begin, begin + length]: T from the exact centre, the set about it (of norm `start`), the series of V."""
+    """The solution on [begin, begin + length]: T from the exact centre, the set about it (of norm
+    `start`), the series of V.
+    """
 
     begin: Fraction
     length: Fraction
@@ -62,7 +77,9 @@ class Piece:
         return self.begin + self.length
 
     def centre(self, since: arb) -> list[arb]:
-        """The solution from the exact centre, at (every point of the ball of) a time since the begin."""
+        """The solution from the exact centre, at (every point of the ball of) a time since the
+        begin.
+        """
         return self._from(since, arb(0))
 
     def at(self, since: arb) -> list[arb]:
@@ -71,18 +88,31 @@ class Piece:
 
     def _from(self, since: arb, start: arb) -> list[arb]:
         radii = self.disc.sides(self.disc.apart(outward(since), start))
-        return [one(since) + arb(0, radius) for one, radius in zip(self.polynomials, radii, strict=True)]
+        return [
+            one(since) + arb(0, radius) for one, radius in zip(self.polynomials, radii, strict=True)
+        ]
 
 
 class Integration(Guarded):
-    """The solution from `start` (called at the working precision) to about `bits` bits, before errors grow."""
+    """The solution from `start` (called at the working precision) to about `bits` bits, before
+    errors grow.
+    """
 
-    def __init__(self, field: Field, start: Callable[[], Sequence[arb]], bits: int, steps: Steps | None = None) -> None:
+    def __init__(
+        self,
+        field: Field,
+        start: Callable[[], Sequence[arb]],
+        bits: int,
+        steps: Steps | None = None,
+    ) -> None:
         self.bits, self.steps = bits, steps or Steps()
         with precision(bits + GUARD):
             whole = list(start())
         outputs, slopes = traced(field, len(whole))
-        self.field, self.slopes = Program(outputs), Program([entry for row in slopes for entry in row])
+        self.field, self.slopes = (
+            Program(outputs),
+            Program([entry for row in slopes for entry in row]),
+        )
         self.order, self.jacobian_order = self.steps.orders(bits)
         self.centre = [value.mid() for value in whole]
         self.spread = at_start([value.rad() for value in whole])
@@ -92,7 +122,10 @@ class Integration(Guarded):
         self.first, self.widest = arb(1), arb(0)
 
     def at(self, t: arb) -> list[arb]:
-        """The state at the time t >= 0 [s] (every point of the ball); NotCertifiedError or UndecidedError where it is not proved."""
+        """The state at the time t >= 0 [s] (every point of the ball);
+
+        NotCertifiedError or UndecidedError where it is not proved.
+        """
         piece = self.piece(t)
         with precision(self.bits + GUARD):
             return piece.at(t - arb_of(piece.begin))
@@ -111,10 +144,16 @@ class Integration(Guarded):
     def reached(self) -> list[arb]:
         """Balls of the state at `end`."""
         with precision(self.bits + GUARD):
-            return [value + arb(0, radius) for value, radius in zip(self.centre, self.spread.radii(), strict=True)]
+            return [
+                value + arb(0, radius)
+                for value, radius in zip(self.centre, self.spread.radii(), strict=True)
+            ]
 
     def piece(self, t: arb) -> Piece:
-        """The piece that holds the midpoint of the time; pieces up to it are made. A ball must lie in the disc of its piece."""
+        """The piece that holds the midpoint of the time; pieces up to it are made.
+
+        A ball must lie in the disc of its piece.
+        """
         middle = ball_of(t).mid
         if middle < 0:
             raise ValueError(f"t = {t}; an integration runs forward from 0")
@@ -126,35 +165,50 @@ class Integration(Guarded):
         return found
 
     def advance(self) -> None:
-        """Makes the next piece and moves the set to its end; UndecidedError where none is proved, whose `time` is the end so far."""
+        """Makes the next piece and moves the set to its end;
+
+        UndecidedError where none is proved, whose `time` is the end so far.
+        """
         begin = self.end
         if len(self.pieces) >= MOST_PIECES:
-            told = f"{MOST_PIECES} pieces are used up at t = {float(begin):.17g} s; ask for an earlier time"
+            told = (
+                f"{MOST_PIECES} pieces are used up at t = {float(begin):.17g} s; ask for an earlier"
+                " time"
+            )
             raise UndecidedError(told, code="time", final=True, time=float(begin))
         with precision(self.bits + GUARD):
             polynomials = taylor(self.field, self.centre, self.order)
         found = self.proved_disc(polynomials, begin)
         start = norm(self.spread.radii(), found.weights)
         with precision(self.steps.jacobian_bits + GUARD):
-            order = self.jacobian_order or found.jacobian_order(self.steps.jacobian_bits + unequal(found.weights))
+            order = self.jacobian_order or found.jacobian_order(
+                self.steps.jacobian_bits + unequal(found.weights)
+            )
             flow = flow_series(self.slopes, polynomials, found, start, order)
         piece = Piece(begin, found.step, polynomials, found, self.spread, start, flow)
         with precision(self.bits + GUARD):
             length = arb_of(piece.length)
             end = piece.centre(length)
-        self.spread = moved(self.spread, self.moved_by(piece, length), [value.rad() for value in end])
+        self.spread = moved(
+            self.spread, self.moved_by(piece, length), [value.rad() for value in end]
+        )
         self.centre = [value.mid() for value in end]
         self.pieces.append(piece)
         self.begins.append(begin)
 
     def least_weights(self, radii: Sequence[arb]) -> list[arb]:
-        """For each coordinate: a small part of it, much more than the set (but no more than it), and 2^-2bits of the largest it was."""
+        """For each coordinate: a small part of it, much more than the set (but no more than it),
+        and 2^-2bits of the largest it was.
+        """
         sizes = [outward(value) for value in self.centre]
         seen = self.largest or sizes
         self.largest = [max(before, now) for before, now in zip(seen, sizes, strict=True)]
         nothing = arb(2) ** (-2 * self.bits)
         parts = zip(sizes, radii, self.largest, strict=True)
-        return [max(size * SMALL, min(radius / SMALL, size), most * nothing) for size, radius, most in parts]
+        return [
+            max(size * SMALL, min(radius / SMALL, size), most * nothing)
+            for size, radius, most in parts
+        ]
 
     def moved_by(self, piece: Piece, since: arb) -> arb_mat:
         """The flow Jacobian from the begin of a piece."""
@@ -164,22 +218,35 @@ class Integration(Guarded):
     def proved_disc(self, polynomials: Sequence[arb_poly], begin: Fraction) -> Disc:
         """The disc for the longest step that is found, or for a shorter one.
 
-        Where none is, nothing says that the motion is singular: the set may have swollen. More bits make it smaller.
+        Where none is, nothing says that the motion is singular: the set may have swollen. More bits
+        make it smaller.
         """
         radii = self.spread.radii()
         least = self.least_weights(radii)
         ratio = float(self.steps.ratio)
         for halving in range(HALVINGS):
             found = disc(
-                self.field, self.slopes, polynomials, self.order, radii, least=least, ratio=ratio / 2**halving, first=float(self.first)
+                self.field,
+                self.slopes,
+                polynomials,
+                self.order,
+                radii,
+                least=least,
+                ratio=ratio / 2**halving,
+                first=float(self.first),
             )
             if found is not None and found.radius > self.widest / 2**HALVINGS:
                 self.first, self.widest = found.outer, max(self.widest, found.radius)
                 return found
         if largest(radii) > arb(2) ** (-HALVINGS):
-            told = f"the set of solutions is too large to be enclosed after t = {float(begin):.17g} s"
+            told = (
+                f"the set of solutions is too large to be enclosed after t = {float(begin):.17g} s"
+            )
             raise UndecidedError(told, code="precision", time=float(begin))
-        told = f"the motion is enclosed up to t = {float(begin):.17g} s; at {self.bits} bits no disc beyond is proved"
+        told = (
+            f"the motion is enclosed up to t = {float(begin):.17g} s; at {self.bits} bits no disc"
+            " beyond is proved"
+        )
         raise UndecidedError(told, code="precision", time=float(begin))
 
 

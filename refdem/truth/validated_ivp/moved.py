@@ -1,8 +1,10 @@
-"""The set in which the solution lies, moved by the flow: Lohner's frame against wrapping, and the flow Jacobian from the start.
+"""The set in which the solution lies, moved by the flow: Lohner's frame against wrapping, and the
+flow Jacobian from the start.
 
-Theorem (mean value): if y = c + e with c, y in a convex set, then Phi(y) = Phi(c) + V e for some V in an enclosure of the flow Jacobian
-over the set. So e = A r with |r_j| <= length_j, and Phi(c) = c' + u, give e' = Q (Q^-1 V A r + Q^-1 u): any regular Q is allowed, and
-the Q of a QR decomposition of V A with its longest edge first wraps least (Lohner 1987).
+Theorem (mean value): if y = c + e with c, y in a convex set, then Phi(y) = Phi(c) + V e for some V
+in an enclosure of the flow Jacobian over the set. So e = A r with |r_j| <= length_j, and Phi(c) =
+c' + u, give e' = Q (Q^-1 V A r + Q^-1 u): any regular Q is allowed, and the Q of a QR decomposition
+of V A with its longest edge first wraps least (Lohner 1987).
 """
 
 from collections.abc import Sequence
@@ -22,7 +24,9 @@ BITS = 128
 
 @dataclass(frozen=True)
 class Spread:
-    """Errors {A r: |r_j| <= lengths_j}, and the flow Jacobian since the start, which lies in `growth` + A `slack`."""
+    """Errors {A r: |r_j| <= lengths_j}, and the flow Jacobian since the start, which lies in
+    `growth` + A `slack`.
+    """
 
     frame: arb_mat
     lengths: list[arb]
@@ -47,24 +51,35 @@ def identity(size: int) -> arb_mat:
 def at_start(radii: Sequence[arb]) -> Spread:
     """The box of those radii before anything moved."""
     size = len(radii)
-    return Spread(identity(size), [outward(radius) for radius in radii], identity(size), arb_mat(size, size))
+    return Spread(
+        identity(size), [outward(radius) for radius in radii], identity(size), arb_mat(size, size)
+    )
 
 
 def products(matrix: arb_mat, lengths: Sequence[arb]) -> list[arb]:
     """Bounds of |M r| for |r_j| <= lengths_j."""
-    return [outward(sum((abs(x) * length for x, length in zip(row, lengths, strict=True)), arb(0))) for row in matrix.table()]
+    return [
+        outward(sum((abs(x) * length for x, length in zip(row, lengths, strict=True)), arb(0)))
+        for row in matrix.table()
+    ]
 
 
-def flow_series(jacobian: Program, polynomials: Sequence[arb_poly], found: Disc, start: arb, order: int) -> list[arb_mat]:
-    """V_0 .. V_order for every start of norm `start` from T(0): (n+1) V_(n+1) = sum J_i V_(n-i), J_i the coefficients of J(y(t)).
+def flow_series(
+    jacobian: Program, polynomials: Sequence[arb_poly], found: Disc, start: arb, order: int
+) -> list[arb_mat]:
+    """V_0 .. V_order for every start of norm `start` from T(0): (n+1) V_(n+1) = sum J_i V_(n-i),
+    J_i the coefficients of J(y(t)).
 
-    Theorem: on the disc two solutions differ by at most exp(integral of L) start (Gronwall), and each from T by `apart`; coefficients
-    differ by that R^-n (Cauchy). Those of T are those of the solution from T(0) up to N, and 0 beyond.
+    Theorem: on the disc two solutions differ by at most exp(integral of L) start (Gronwall), and
+    each from T by `apart`; coefficients differ by that R^-n (Cauchy). Those of T are those of the
+    solution from T(0) up to N, and 0 beyond.
     """
     size, radius = len(polynomials), found.radius
     near, far = found.gronwall(radius) * start, found.apart(radius, start)
     rooms = [found.sides((near if n <= found.order else far) / radius**n) for n in range(order)]
-    solution = [[one[n] + arb(0, rooms[n][i]) for n in range(order)] for i, one in enumerate(polynomials)]
+    solution = [
+        [one[n] + arb(0, rooms[n][i]) for n in range(order)] for i, one in enumerate(polynomials)
+    ]
     slopes, terms = jacobian_series(jacobian, solution), [identity(size)]
     for n in range(order):
         terms.append(sum(map(mul, slopes[: n + 1], terms[::-1]), arb_mat(size, size)) / (n + 1))
@@ -77,7 +92,10 @@ def jacobian_series(jacobian: Program, solution: Sequence[Sequence[arb]]) -> lis
     order = len(solution[0])
     with series_length(order):
         series = [arb_series(one, prec=order) for one in solution]
-        entries = [terms_of(entry, order) for entry in jacobian.run(series, lambda ball: arb_series([ball], prec=order))]
+        entries = [
+            terms_of(entry, order)
+            for entry in jacobian.run(series, lambda ball: arb_series([ball], prec=order))
+        ]
     return [arb_mat(size, size, [entry[k] for entry in entries]) for k in range(order)]
 
 
@@ -87,7 +105,9 @@ def flow_jacobian(terms: Sequence[arb_mat], found: Disc, since: arb) -> arb_mat:
     for term in terms[-2::-1]:
         total = total * since + term
     rest = found.jacobian_remainder(outward(since), len(terms) - 1)
-    return total + arb_mat([[arb(0, outward(rest * a / b)) for b in found.weights] for a in found.weights])
+    return total + arb_mat(
+        [[arb(0, outward(rest * a / b)) for b in found.weights] for a in found.weights]
+    )
 
 
 def moved(spread: Spread, jacobian: arb_mat, local: Sequence[arb]) -> Spread:
@@ -97,7 +117,10 @@ def moved(spread: Spread, jacobian: arb_mat, local: Sequence[arb]) -> Spread:
         frame = orthogonal(edges, spread.lengths)
         back = frame.inv()
         turned = back * edges
-        lengths = [outward(a + b) for a, b in zip(products(turned, spread.lengths), products(back, local), strict=True)]
+        lengths = [
+            outward(a + b)
+            for a, b in zip(products(turned, spread.lengths), products(back, local), strict=True)
+        ]
         whole = jacobian * spread.growth
         growth = whole.mid()
         return Spread(frame, lengths, growth, turned * spread.slack + back * (whole - growth))
@@ -108,7 +131,9 @@ def orthogonal(edges: arb_mat, lengths: Sequence[arb]) -> arb_mat:
     longest = largest(lengths)
     share = np.array([float(length / longest) if longest > 0 else 1.0 for length in lengths])
     widest = largest([x for row in edges.table() for x in row])
-    scale = 1 / widest if widest > 0 else arb(1)  # an unstable motion's edges may be larger than any double
+    scale = (
+        1 / widest if widest > 0 else arb(1)
+    )  # an unstable motion's edges may be larger than any double
     columns = np.array([[float((x * scale).mid()) for x in row] for row in edges.table()])
     order = np.argsort(-np.linalg.norm(columns, axis=0) * share, kind="stable")
     axes, _ = np.linalg.qr(columns[:, order])

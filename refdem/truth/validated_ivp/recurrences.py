@@ -1,7 +1,9 @@
-"""Taylor coefficients of the solution by the recurrences of its operations (Moore 1966; Jorba & Zou 2005, proposition 1).
+"""Taylor coefficients of the solution by the recurrences of its operations (Moore 1966; Jorba & Zou
+2005, proposition 1).
 
-Theorem: if y is the series of the solution from y_0, then (n+1) y_(n+1) = [f(y)]_n, and [f(y)]_n needs y_0 .. y_n only. In balls the
-coefficients contain those of the solutions from every point of the start.
+Theorem: if y is the series of the solution from y_0, then (n+1) y_(n+1) = [f(y)]_n, and [f(y)]_n
+needs y_0 .. y_n only. In balls the coefficients contain those of the solutions from every point of
+the start.
 """
 
 from collections.abc import Callable, Iterator, Sequence
@@ -18,10 +20,12 @@ BLOCK = 16
 
 
 class Product:
-    """[x y]_0, [x y]_1, ... one after another, of two series that grow meanwhile: [x y]_k needs x_0 .. x_k and y_0 .. y_k.
+    """[x y]_0, [x y]_1, ... one after another, of two series that grow meanwhile: [x y]_k needs x_0
+    .. x_k and y_0 .. y_k.
 
-    Relaxed multiplication (van der Hoeven 2002, section 4): with m the largest power of two in k, [k-m, k) x [0, 2m) and its mirror
-    image are added to `known` when k is reached; what is left of [x y]_k are the pairs with one index in the block of k.
+    Relaxed multiplication (van der Hoeven 2002, section 4): with m the largest power of two in k,
+    [k-m, k) x [0, 2m) and its mirror image are added to `known` when k is reached; what is left of
+    [x y]_k are the pairs with one index in the block of k.
     """
 
     def __init__(self, x: Series, y: Series) -> None:
@@ -38,7 +42,9 @@ class Product:
             if begin == k:
                 self.add_blocks(k, k & -k)
             half = sum(map(mul, x[begin : k + 1], y[k - begin :: -1]), arb(0))
-            found = self.known[k] + (2 * half if x is y else sum(map(mul, y[begin : k + 1], x[k - begin :: -1]), half))
+            found = self.known[k] + (
+                2 * half if x is y else sum(map(mul, y[begin : k + 1], x[k - begin :: -1]), half)
+            )
         self.k += 1
         return found
 
@@ -54,14 +60,24 @@ class Product:
 
 
 def taylor(program: Program, start: Sequence[arb], order: int) -> list[arb_poly]:
-    """Polynomials of degree `order`: the Taylor coefficients of the solutions of y' = program(y) from `start`."""
+    """Polynomials of degree `order`: the Taylor coefficients of the solutions of y' = program(y)
+    from `start`.
+    """
     solution = [[value] for value in start]
     table: list[Series] = [solution[o[1]] if o[0] == "in" else [] for o in program.operations]
-    waves = {operation: series for operation, series in zip(program.operations, table, strict=True) if operation[0] in PARTNERS}
+    waves = {
+        operation: series
+        for operation, series in zip(program.operations, table, strict=True)
+        if operation[0] in PARTNERS
+    }
     rules = []
-    for (kind, *parts), ball, series in zip(program.operations, program.constants(), table, strict=True):
+    for (kind, *parts), ball, series in zip(
+        program.operations, program.constants(), table, strict=True
+    ):
         if kind in PARTNERS:
-            rules.append((series, RULES[kind](waves[PARTNERS[kind], parts[0]], ball, table[parts[0]])))
+            rules.append(
+                (series, RULES[kind](waves[PARTNERS[kind], parts[0]], ball, table[parts[0]]))
+            )
         elif kind != "in":
             earlier = [] if kind == "constant" else parts[-1:] if kind == "scale" else parts
             rules.append((series, RULES[kind](series, ball, *(table[i] for i in earlier))))
@@ -75,7 +91,9 @@ def taylor(program: Program, start: Sequence[arb], order: int) -> list[arb_poly]
 
 PARTNERS = {"sin": "cos", "cos": "sin"}
 Rule = Iterator[arb]
-"""The coefficients of an operation, each asked for when it is the next one of its series and its arguments have theirs."""
+"""The coefficients of an operation, each asked for when it is the next one of its series and its
+arguments have theirs.
+"""
 
 
 def constant(_: Series, ball: arb) -> Rule:

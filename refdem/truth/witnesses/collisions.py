@@ -1,4 +1,6 @@
-"""Witnesses of colliding spheres: Newton's law in Cartesian vectors, phase by phase; switches by sign changes on a grid and the secant."""
+"""Witnesses of colliding spheres: Newton's law in Cartesian vectors, phase by phase; switches by
+sign changes on a grid and the secant.
+"""
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from fractions import Fraction
@@ -14,15 +16,20 @@ from refdem.truth.witnesses.spinning_pair import spinning
 from refdem.truth.witnesses.taylor import Solution
 from refdem.truth.witnesses.testimony import Claimed, Said, Witness
 
-METHOD = "Taylor integration in Cartesian coordinates, phase by phase, at 58 digits, unproven (refdem/truth/witnesses/collisions.py)"
+METHOD = (
+    "Taylor integration in Cartesian coordinates, phase by phase, at 58 digits, unproven"
+    " (refdem/truth/witnesses/collisions.py)"
+)
 GRID = 256
-"""Looks for a switch in the claimed duration; the first ones after a switch are 2^-12 of that apart, then twice as far, and so on."""
+"""Looks for a switch in the claimed duration; the first ones after a switch are 2^-12 of that
+apart, then twice as far, and so on.
+"""
 Value = Callable[[Sequence[Any]], Any]
 
 
 class Spheres:
-    """State x, y, vx, vy of r1 - r2, spins about z, stretch of the tangential spring. Friction f on body 1 along t = e turned by +90
-    degrees, e = r/|r|; its torque on each is -l f."""
+    """State x, y, vx, vy of r1 - r2, spins about z, stretch of the tangential spring. Friction f on
+    body 1 along t = e turned by +90 degrees, e = r/|r|; its torque on each is -l f."""
 
     def __init__(self, p: Mapping[str, Any]) -> None:
         masses = [arb_of(mass) for mass in p["masses"]]
@@ -41,7 +48,14 @@ class Spheres:
         distance = (x * x + y * y).sqrt()
         ex, ey = x / distance, y / distance
         along = vx * ex + vy * ey
-        return ex, ey, distance, along, vy * ex - vx * ey, self.k * (self.reach - distance) - self.c * along
+        return (
+            ex,
+            ey,
+            distance,
+            along,
+            vy * ex - vx * ey,
+            self.k * (self.reach - distance) - self.c * along,
+        )
 
     def force(self, s: Sequence[Any]) -> Any:
         return self.geometry(s)[5]
@@ -58,9 +72,14 @@ class Spheres:
         return across - first * s[4] - second * s[5]
 
     def holding(self, s: Sequence[Any]) -> Any:
-        """The f with slip' = 0: 0 = f/m - v_e v_t/|r| - beta v_e (w1 + w2) + f (l1^2/J1 + l2^2/J2)."""
+        """The f with slip' = 0: 0 = f/m - v_e v_t/|r| - beta v_e (w1 + w2) + f (l1^2/J1 +
+        l2^2/J2).
+        """
         _, _, distance, along, across, _ = self.geometry(s)
-        ease = 1 / self.mass + sum(lever * lever / moment for lever, moment in zip(self.levers(distance), self.moments, strict=True))
+        ease = 1 / self.mass + sum(
+            lever * lever / moment
+            for lever, moment in zip(self.levers(distance), self.moments, strict=True)
+        )
         return (along * across / distance + self.beta * along * (s[4] + s[5])) / ease
 
     def growth(self, s: Sequence[Any]) -> Any:
@@ -74,15 +93,29 @@ class Spheres:
         def rates(t: Any, s: Sequence[Any]) -> list[Any]:
             ex, ey, distance, _, _, force = self.geometry(s)
             f = friction(s)
-            spun = [-lever * f / moment for lever, moment in zip(self.levers(distance), self.moments, strict=True)]
-            return [s[2], s[3], (force * ex - f * ey) / self.mass, (force * ey + f * ex) / self.mass, *spun, self.slip(s)]
+            spun = [
+                -lever * f / moment
+                for lever, moment in zip(self.levers(distance), self.moments, strict=True)
+            ]
+            return [
+                s[2],
+                s[3],
+                (force * ex - f * ey) / self.mass,
+                (force * ey + f * ex) / self.mass,
+                *spun,
+                self.slip(s),
+            ]
 
         return rates
 
     def law(self, phase: str) -> Value:
         """Friction in a phase: free, slip+, slip-, stick, hold."""
         side = -1 if phase == "slip-" else 1
-        laws: dict[str, Value] = {"stick": lambda s: -self.kt * s[6], "hold": self.holding, "free": lambda s: 0 * s[0]}
+        laws: dict[str, Value] = {
+            "stick": lambda s: -self.kt * s[6],
+            "hold": self.holding,
+            "free": lambda s: 0 * s[0],
+        }
         return laws.get(phase, lambda s: -side * self.mu * self.force(s))
 
     def spared(self, phase: str, side: int, s: Sequence[Any]) -> Any:
@@ -92,11 +125,17 @@ class Spheres:
     def ends(self, phase: str) -> dict[str, Value]:
         """What is positive within a phase, by what follows."""
         if phase in ("stick", "hold"):
-            return {f"slip{sign}": partial(self.spared, phase, side) for sign, side in SIDES.items()}
+            return {
+                f"slip{sign}": partial(self.spared, phase, side) for sign, side in SIDES.items()
+            }
         if phase == "free":
             return {"apart": self.overlap if self.pulls else self.force}
         side = SIDES[phase[-1]]
-        back: Value = (lambda s: side * self.kt * self.slip(s) - self.mu * self.growth(s)) if self.kt > 0 else lambda s: side * self.slip(s)
+        back: Value = (
+            (lambda s: side * self.kt * self.slip(s) - self.mu * self.growth(s))
+            if self.kt > 0
+            else lambda s: side * self.slip(s)
+        )
         return {"caught": back, ("free" if self.pulls else "apart"): self.force}
 
     def begin(self, s: Sequence[arb]) -> str:
@@ -106,7 +145,13 @@ class Spheres:
             return "free"
         if not (slip > 0 or slip < 0) or (self.kt > 0 and force > 0):
             holds = self.kt > 0 or abs(self.holding(s)) < self.mu * force
-            return ("stick" if self.kt > 0 else "hold") if holds else "slip-" if self.holding(s) > 0 else "slip+"
+            return (
+                ("stick" if self.kt > 0 else "hold")
+                if holds
+                else "slip-"
+                if self.holding(s) > 0
+                else "slip+"
+            )
         slides = not self.kt > 0 or self.kt * abs(slip) > self.mu * self.growth(s)
         return ("slip+" if slip > 0 else "slip-") if slides else "stick"
 
@@ -137,14 +182,19 @@ def phases(pair: Spheres, start: Sequence[arb], longest: float) -> Iterator[tupl
         t = end
 
 
-def first_switch(solution: Solution, values: Mapping[str, Value], begin: float, longest: float) -> tuple[str, arb] | None:
+def first_switch(
+    solution: Solution, values: Mapping[str, Value], begin: float, longest: float
+) -> tuple[str, arb] | None:
     """Which function is the first to fall through zero, and when."""
     low, step = begin + longest / GRID / 4096, longest / GRID / 4096
     while low < 1.1 * longest:
         high = low + step
         state = solution.at(arb(high))
         fallen = [name for name, value in values.items() if value(state) < 0]
-        crossings = [(solution.crossing(values[name], (low + high) / 2, (high - low) / 2), name) for name in fallen]
+        crossings = [
+            (solution.crossing(values[name], (low + high) / 2, (high - low) / 2), name)
+            for name in fallen
+        ]
         if crossings:
             time, name = min(crossings, key=lambda pair: float(pair[0]))
             return name, time
@@ -153,7 +203,9 @@ def first_switch(solution: Solution, values: Mapping[str, Value], begin: float, 
 
 
 def two_spheres(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: Claimed) -> Said:
-    """What turns out of the plane is said by spinning_pair.py; nothing is said of a contact in the plane that never ends."""
+    """What turns out of the plane is said by spinning_pair.py; nothing is said of a contact in the
+    plane that never ends.
+    """
     spins, masses = vector(p, "spins"), vector(p, "masses")
     slips = number(p, "angle") or any(spins[axis] for axis in (1, 2, 4, 5))
     if number(p, "friction") > 0 and slips and any(spins[axis] for axis in (0, 1, 3, 4)):
@@ -163,18 +215,36 @@ def two_spheres(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: Clai
         return
     pair, speed = Spheres(p), arb_of(number(p, "closing_speed"))
     sine, cosine = arb_of(number(p, "angle")).sin_cos()
-    start = [-pair.reach, arb(0), speed * cosine, speed * sine, arb_of(spins[2]), arb_of(spins[5]), arb(0)]
+    start = [
+        -pair.reach,
+        arb(0),
+        speed * cosine,
+        speed * sine,
+        arb_of(spins[2]),
+        arb_of(spins[5]),
+        arb(0),
+    ]
     course = list(phases(pair, start, float(claimed["duration"])))
     if not course:
         return
     end, last = course[-1][1], course[-1][0].at(course[-1][1])
     yield None, {"duration": end}
     for t in times:
-        now = next((solution.at(t) for solution, until in course if arb_of(t) < until), None) or flown(last, arb_of(t) - end)
-        found = {f"omega{body + 1}.{'xyz'[i]}": arb_of(spins[3 * body + i]) for body in (0, 1) for i in (0, 1)}
+        now = next(
+            (solution.at(t) for solution, until in course if arb_of(t) < until), None
+        ) or flown(last, arb_of(t) - end)
+        found = {
+            f"omega{body + 1}.{'xyz'[i]}": arb_of(spins[3 * body + i])
+            for body in (0, 1)
+            for i in (0, 1)
+        }
         for body, sign in ((1, 1), (2, -1)):
             share = arb_of(sign * masses[2 - body] / sum(masses))
-            found |= {f"{kind}{body}.{axis}": share * now[2 * (kind == "v") + "xy".index(axis)] for kind in "rv" for axis in "xy"}
+            found |= {
+                f"{kind}{body}.{axis}": share * now[2 * (kind == "v") + "xy".index(axis)]
+                for kind in "rv"
+                for axis in "xy"
+            }
         yield t, found | {"omega1.z": now[4], "omega2.z": now[5]}
 
 
@@ -184,7 +254,9 @@ def flown(s: Sequence[arb], t: arb) -> list[arb]:
 
 
 def pressed(mass: arb, stiffness: arb, exponent: Fraction, speed: arb) -> tuple[Solution, arb]:
-    """m d'' = -k d^n from touch in w = sqrt(d), by a time s with dt = 2 w ds: w' = v, v' = -(2k/m) w^(2n+1), t' = 2w; and s of the turn."""
+    """m d'' = -k d^n from touch in w = sqrt(d), by a time s with dt = 2 w ds: w' = v, v' = -(2k/m)
+    w^(2n+1), t' = 2w; and s of the turn.
+    """
     power = int(2 * exponent + 1)
 
     def field(s: Any, y: Sequence[Any]) -> list[Any]:
@@ -202,7 +274,9 @@ def pressed(mass: arb, stiffness: arb, exponent: Fraction, speed: arb) -> tuple[
 
 
 def at_time(found: Solution, turn: arb, t: arb) -> tuple[arb, arb]:
-    """Overlap and rate at the time t since touch, up to a little beyond the turn, from the curve in s."""
+    """Overlap and rate at the time t since touch, up to a little beyond the turn, from the curve in
+    s.
+    """
     low, high = 0.0, float(turn) * 1.01
     for _ in range(40):
         middle = (low + high) / 2
@@ -214,7 +288,9 @@ def at_time(found: Solution, turn: arb, t: arb) -> tuple[arb, arb]:
 
 def hertz(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: Claimed) -> Said:
     """The way out is the way in, run back."""
-    mass, stiffness, speed = (arb_of(number(p, name)) for name in ("effective_mass", "stiffness", "closing_speed"))
+    mass, stiffness, speed = (
+        arb_of(number(p, name)) for name in ("effective_mass", "stiffness", "closing_speed")
+    )
     found, turn = pressed(mass, stiffness, Fraction(3, 2), speed)
     w, _, half = found.at(turn)
     yield None, {"duration": 2 * half, "max_overlap": w * w, "max_force": stiffness * w * w * w}
@@ -230,14 +306,23 @@ def hertz(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: Claimed) -
 
 def wedge(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: Claimed) -> Said:
     """In with k2 d^2, out with k1 d."""
-    mass, k1, k2, speed = (arb_of(number(p, name)) for name in ("mass", "k1", "k2", "closing_speed"))
+    mass, k1, k2, speed = (
+        arb_of(number(p, name)) for name in ("mass", "k1", "k2", "closing_speed")
+    )
     found, turn = pressed(mass, k2, Fraction(2), speed)
     w, _, half = found.at(turn)
     out = Solution(lambda t, y: [y[1], -k1 / mass * y[0]], [w * w, arb(0)])
     lasts = 1.5708 * float((mass / k1).sqrt())
     end = out.crossing(lambda y: y[0], lasts, lasts / 16)
     last = out.at(end)[1]
-    yield None, {"duration": half + end, "max_overlap": w * w, "energy_change": mass / 2 * (last * last - speed * speed)}
+    yield (
+        None,
+        {
+            "duration": half + end,
+            "max_overlap": w * w,
+            "energy_change": mass / 2 * (last * last - speed * speed),
+        },
+    )
     for t in times:
         since = arb_of(t) - half
         if since < 0:
@@ -251,14 +336,24 @@ def tent(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: Claimed) ->
     """The force by its definition, from edge to edge."""
     mass, k1, x1, x2, x0, v0 = (number(p, name) for name in ("mass", "k1", "x1", "x2", "x0", "v0"))
     edges, waiting = (x1, Fraction(0), x2), list(times)
-    begin, state, region = arb(0), [arb_of(x0), arb_of(v0)], sum(x0 > edge or (x0 == edge and v0 > 0) for edge in (x1, Fraction(0), x2))
+    begin, state, region = (
+        arb(0),
+        [arb_of(x0), arb_of(v0)],
+        sum(x0 > edge or (x0 == edge and v0 > 0) for edge in (x1, Fraction(0), x2)),
+    )
     slopes = (Fraction(0), k1, k1 * x1 / x2, Fraction(0))
     yield None, {"work": arb_of(-k1 * x1 / 2) * arb_of(x2 - x1)}
     step = float((mass / max(k1, -slopes[2])) ** Fraction(1)) ** 0.5 / 16
     while waiting:
         slope, root = slopes[region] / mass, edges[0] if region == 1 else edges[2]
         phase = Solution(partial(flank, arb_of(slope), arb_of(root)), state, begin=begin)
-        end, side = next_edge(phase, [edges[i] for i in (region - 1, region) if 0 <= i < 3], begin, step, float(waiting[-1]))
+        end, side = next_edge(
+            phase,
+            [edges[i] for i in (region - 1, region) if 0 <= i < 3],
+            begin,
+            step,
+            float(waiting[-1]),
+        )
         while waiting and (end is None or arb_of(waiting[0]) < end):
             t = waiting.pop(0)
             yield t, dict(zip(("x", "v"), phase.at(t), strict=True))
@@ -277,7 +372,9 @@ def beyond(edge: arb, y: Sequence[arb]) -> arb:
     return y[0] - edge
 
 
-def next_edge(phase: Solution, edges: Sequence[Fraction], begin: arb, step: float, until: float) -> tuple[arb | None, Fraction]:
+def next_edge(
+    phase: Solution, edges: Sequence[Fraction], begin: arb, step: float, until: float
+) -> tuple[arb | None, Fraction]:
     """When an edge is passed first, and which; None if none is before `until`."""
     low = float(begin) + step / 1024
     while low < until:
@@ -285,7 +382,10 @@ def next_edge(phase: Solution, edges: Sequence[Fraction], begin: arb, step: floa
         for edge in edges:
             before, after = (phase.at(arb(t))[0] - arb_of(edge) for t in (low, high))
             if (before < 0) != (after < 0):
-                return phase.crossing(partial(beyond, arb_of(edge)), (low + high) / 2, step / 2), edge
+                return (
+                    phase.crossing(partial(beyond, arb_of(edge)), (low + high) / 2, step / 2),
+                    edge,
+                )
         low = high
     return None, Fraction(0)
 

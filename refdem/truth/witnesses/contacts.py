@@ -1,4 +1,6 @@
-"""Witnesses of motions in phases: each phase by Taylor integration, its end where a function of the state vanishes, by the secant."""
+"""Witnesses of motions in phases: each phase by Taylor integration, its end where a function of the
+state vanishes, by the secant.
+"""
 
 import math
 from collections.abc import Mapping, Sequence
@@ -14,19 +16,25 @@ from refdem.truth.exact import number, numbers
 from refdem.truth.witnesses.taylor import Solution
 from refdem.truth.witnesses.testimony import Claimed, Said, Witness
 
-METHOD = "Taylor integration phase by phase at 58 digits, unproven (refdem/truth/witnesses/contacts.py)"
+METHOD = (
+    "Taylor integration phase by phase at 58 digits, unproven (refdem/truth/witnesses/contacts.py)"
+)
 SCAN = 1 / 64
 """Seconds between the looks for the end of a phase."""
 
 
 def coulomb(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: Claimed) -> Said:
-    """m x'' = -k x - f sgn(v), from turning point to turning point, until k|x| <= f holds the mass."""
+    """m x'' = -k x - f sgn(v), from turning point to turning point, until k|x| <= f holds the
+    mass.
+    """
     exact = numbers(p, "mass", "stiffness", "friction_force", "x0", "v0")
     m, k, f = (arb_of(exact[name]) for name in ("mass", "stiffness", "friction_force"))
     half = math.pi * math.sqrt(exact["mass"] / exact["stiffness"])
     begin, x, waiting = arb(0), arb_of(exact["x0"]), list(times)
     if exact["v0"]:
-        phase = Solution(partial(rubbing, -f if exact["v0"] > 0 else f, k, m), [x, arb_of(exact["v0"])])
+        phase = Solution(
+            partial(rubbing, -f if exact["v0"] > 0 else f, k, m), [x, arb_of(exact["v0"])]
+        )
         steps = (half * n / 16 for n in range(1, 64))
         near = next(t for t in steps if (phase.at(arb(t))[1] > 0) != (exact["v0"] > 0))
         begin = phase.crossing(lambda y: y[1], near - half / 32, half / 32)
@@ -54,7 +62,9 @@ def rubbing(push: arb, k: arb, m: arb, t: Any, y: Sequence[Any]) -> list[Any]:
 
 
 def slope(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: Claimed) -> Said:
-    """Down a slope whose tangent exceeds mu: s'' = g (sin - mu cos) by Taylor integration; else it stays."""
+    """Down a slope whose tangent exceeds mu: s'' = g (sin - mu cos) by Taylor integration; else it
+    stays.
+    """
     gravity, friction = arb_of(number(p, "gravity")), arb_of(number(p, "friction"))
     if p["angle"] is not None:
         sine, cosine = arb_of(number(p, "angle")).sin_cos()
@@ -74,8 +84,12 @@ def falling(pull: arb, t: Any, y: Sequence[Any]) -> list[Any]:
 
 
 def hertz(p: Mapping[str, Any], times: Sequence[Fraction], claimed: Claimed) -> Said:
-    """d'' = -(k/m) d^(3/2) with d = w^2 and dt = w ds: dw/ds = v/2, dv/ds = -(k/m) w^4 are smooth at touch; free flight afterwards."""
-    mass, stiffness, speed = (arb_of(p[name]) for name in ("effective_mass", "stiffness", "closing_speed"))
+    """d'' = -(k/m) d^(3/2) with d = w^2 and dt = w ds: dw/ds = v/2, dv/ds = -(k/m) w^4 are smooth
+    at touch; free flight afterwards.
+    """
+    mass, stiffness, speed = (
+        arb_of(p[name]) for name in ("effective_mass", "stiffness", "closing_speed")
+    )
     ratio = stiffness / mass
     found = Solution(partial(pressed, ratio), [arb(0), speed, arb(0)])
     scale = float(speed) ** -0.2 * (1.25 / float(ratio)) ** 0.2 * 2 / float(speed) ** 0.4
@@ -83,7 +97,14 @@ def hertz(p: Mapping[str, Any], times: Sequence[Fraction], claimed: Claimed) -> 
     end = found.bisected(lambda y: y[0], scale * (last - 1) / 8, scale * last / 8)
     deepest = found.at(found.bisected(lambda y: y[1], scale / 64, float(end)))[0]
     hardest = stiffness * deepest * deepest * deepest
-    yield None, {"duration": found.at(end)[2], "max_overlap": deepest * deepest, "max_force": hardest}
+    yield (
+        None,
+        {
+            "duration": found.at(end)[2],
+            "max_overlap": deepest * deepest,
+            "max_force": hardest,
+        },
+    )
     for t in times:
         if arb_of(t) < found.at(end)[2]:
             w, v, _ = found.at(found.bisected(partial(beyond, 2, arb_of(t)), 0.0, float(end)))
@@ -106,13 +127,22 @@ def beyond(index: int, mark: arb, y: Sequence[arb]) -> arb:
 
 
 def asymmetric(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: Claimed) -> Said:
-    """The force k1 (x - x1), then k1 |x1| (x2 - x)/x2, nothing outside: phase by phase, ends by a scan and bisection."""
+    """The force k1 (x - x1), then k1 |x1| (x2 - x)/x2, nothing outside: phase by phase, ends by a
+    scan and bisection.
+    """
     e = numbers(p, "mass", "k1", "x1", "x2", "x0", "v0")
     x1, x2, k1, m = (arb_of(e[name]) for name in ("x1", "x2", "k1", "mass"))
     walls = [arb(-(10**9)), x1, arb(0), x2, arb(10**9)]
-    slopes = [(arb(0), arb(0)), (k1 / m, -k1 * x1 / m), (k1 * x1 / x2 / m, -k1 * x1 / m), (arb(0), arb(0))]
+    slopes = [
+        (arb(0), arb(0)),
+        (k1 / m, -k1 * x1 / m),
+        (k1 * x1 / x2 / m, -k1 * x1 / m),
+        (arb(0), arb(0)),
+    ]
     begin, state, waiting = arb(0), [arb_of(e["x0"]), arb_of(e["v0"])], list(times)
-    region = sum(e["x0"] > wall or (e["x0"] == wall and e["v0"] > 0) for wall in (e["x1"], 0, e["x2"]))
+    region = sum(
+        e["x0"] > wall or (e["x0"] == wall and e["v0"] > 0) for wall in (e["x1"], 0, e["x2"])
+    )
     yield None, {"work": k1 * abs(x1) * (x2 - x1) / 2}
     while waiting:
         phase = Solution(partial(flank, *slopes[region]), state, begin=begin)
@@ -122,11 +152,17 @@ def asymmetric(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: Claim
             t = waiting.pop(0)
             yield t, dict(zip(("x", "v"), phase.at(t), strict=True))
         if left is not None:
-            begin, state, region = left[0], [walls[region + (left[1] > 0)], phase.at(left[0])[1]], region + left[1]
+            begin, state, region = (
+                left[0],
+                [walls[region + (left[1] > 0)], phase.at(left[0])[1]],
+                region + left[1],
+            )
 
 
 def wedge(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: Claimed) -> Said:
-    """In with -k2 d^2 to the deepest point, out with -k1 d to touch, then free: Newton's law for each."""
+    """In with -k2 d^2 to the deepest point, out with -k1 d to touch, then free: Newton's law for
+    each.
+    """
     e = {name: arb_of(number(p, name)) for name in ("mass", "k1", "k2", "closing_speed")}
     m, speed = e["mass"], e["closing_speed"]
     inward = Solution(lambda t, y: [y[1], y[0] * y[0] * (-e["k2"] / m)], [arb(0), speed])
@@ -150,7 +186,9 @@ def flank(slope: arb, constant: arb, t: Any, y: Sequence[Any]) -> list[Any]:
     return [y[1], slope * y[0] + constant]
 
 
-def _left(phase: Solution, low: arb, high: arb, begin: float, last: float) -> tuple[arb, int] | None:
+def _left(
+    phase: Solution, low: arb, high: arb, begin: float, last: float
+) -> tuple[arb, int] | None:
     """When and to which side the motion leaves a region, if before the last time."""
     t = begin
     while t <= last:

@@ -1,4 +1,6 @@
-"""Witness of a polygon in phase space: each corner as its flow's own witness moves it, areas by their rate and by triangles."""
+"""Witness of a polygon in phase space: each corner as its flow's own witness moves it, areas by
+their rate and by triangles.
+"""
 
 from collections.abc import Mapping, Sequence
 from fractions import Fraction
@@ -14,7 +16,10 @@ from refdem.truth.witnesses import contacts, oscillators, points
 from refdem.truth.witnesses.taylor import Solution
 from refdem.truth.witnesses.testimony import Claimed, Said, Witness
 
-METHOD = "Taylor integration of each corner; area by dA/dt = A div F, unproven (refdem/truth/witnesses/flows.py)"
+METHOD = (
+    "Taylor integration of each corner; area by dA/dt = A div F, unproven"
+    " (refdem/truth/witnesses/flows.py)"
+)
 
 
 def carried(p: Mapping[str, Any], times: Sequence[Fraction], claimed: Claimed) -> Said:
@@ -27,7 +32,10 @@ def carried(p: Mapping[str, Any], times: Sequence[Fraction], claimed: Claimed) -
     for k, corner in enumerate(corners):
         for t, values in moved(p, corner, times):
             if t is not None:
-                place, rate = (values[name] for name in (("theta", "thetadot") if p["flow"] == "pendulum" else ("x", "v")))
+                place, rate = (
+                    values[name]
+                    for name in (("theta", "thetadot") if p["flow"] == "pendulum" else ("x", "v"))
+                )
                 yield t, {f"x_{k}": place, f"v_{k}": rate}
     if p["flow"] != "coulomb":
         lost = 2 * arb_of(number(p, "delta")) if p["flow"] == "viscous" else arb(0)
@@ -36,7 +44,9 @@ def carried(p: Mapping[str, Any], times: Sequence[Fraction], claimed: Claimed) -
             yield t, {"area": shrinking.at(t)[0]}
 
 
-def moved(p: Mapping[str, Exact], corner: tuple[Fraction, Fraction], times: Sequence[Fraction]) -> Said:
+def moved(
+    p: Mapping[str, Exact], corner: tuple[Fraction, Fraction], times: Sequence[Fraction]
+) -> Said:
     """One corner."""
     if p["flow"] == "pendulum":
         return points.pendulum({**p, "theta0": corner[0], "thetadot0": corner[1]}, times, {})

@@ -1,4 +1,6 @@
-"""What the members of the impact benchmarks leave to be derived, derived for their witness: no code of refdem/truth/contact_law.py."""
+"""What the members of the impact benchmarks leave to be derived, derived for their witness: no code
+of refdem/truth/contact_law.py.
+"""
 
 from collections.abc import Mapping
 from typing import Any
@@ -9,8 +11,18 @@ from refdem.truth.balls import arb_of, precision
 from refdem.truth.witnesses.testimony import BITS
 
 MORE_BITS = 4 * BITS
-"""Near exp(-2) the equation of a restitution has nearly a double root, which costs half of the bits."""
-MISSING = {"spin": 0, "friction": 0, "angle": 0, "psi": 0, "restitution": 1, "branch": "R", "cutoff": "zero_overlap"}
+"""Near exp(-2) the equation of a restitution has nearly a double root, which costs half of the
+bits.
+"""
+MISSING = {
+    "spin": 0,
+    "friction": 0,
+    "angle": 0,
+    "psi": 0,
+    "restitution": 1,
+    "branch": "R",
+    "cutoff": "zero_overlap",
+}
 """Parameters that some members do not have."""
 
 
@@ -62,7 +74,8 @@ def effective_mass(p: Mapping[str, Any]) -> arb:
 def damping(p: Mapping[str, Any], mass: arb) -> arb:
     """c [kg/s] by bisection in q = w/b, the ratio of swing to decay: c = 2 sqrt(m k/(1 + q^2)).
 
-    Over a contact the velocity falls by ln(1/e) = b t_c, which is pi/q until the overlap ends and 2 atan(q)/q until the force does.
+    Over a contact the velocity falls by ln(1/e) = b t_c, which is pi/q until the overlap ends and 2
+    atan(q)/q until the force does.
     """
     if p["restitution"] == 1:
         return arb(0)
@@ -104,4 +117,7 @@ def stiffnesses(p: Mapping[str, Any]) -> dict[str, arb]:
     if p["member"] == "co-1":
         # Two equal spheres: F = 4/3 (plane/2) sqrt(R/2) d^(3/2).
         return {"hertz": plane * (2 * size).sqrt() / 3}
-    return {"hertz": 4 * plane * size.sqrt() / 3, "mindlin": 8 * shear / (2 - poisson) * size.sqrt()}
+    return {
+        "hertz": 4 * plane * size.sqrt() / 3,
+        "mindlin": 8 * shear / (2 - poisson) * size.sqrt(),
+    }

@@ -1,4 +1,6 @@
-"""Witnesses of the impact benchmarks: Newton's law for the numbers of each member, phase by phase."""
+"""Witnesses of the impact benchmarks: Newton's law for the numbers of each member, phase by
+phase.
+"""
 
 from collections.abc import Callable, Mapping, Sequence
 from fractions import Fraction
@@ -15,12 +17,17 @@ from refdem.truth.witnesses.impact_numbers import impact_numbers
 from refdem.truth.witnesses.taylor import Solution
 from refdem.truth.witnesses.testimony import Claimed, Said, Witness
 
-METHOD = "Taylor integration of Newton's law phase by phase at 58 digits, unproven (refdem/truth/witnesses/impacts.py)"
+METHOD = (
+    "Taylor integration of Newton's law phase by phase at 58 digits, unproven"
+    " (refdem/truth/witnesses/impacts.py)"
+)
 AXES = [f"{kind}.{axis}" for kind in ("r", "v", "omega") for axis in "xyz"]
 
 
 class Struck(Spheres):
-    """One sphere and the wall x = 0, from the left: in the frame of Spheres e = (-1, 0), and no normal that turns."""
+    """One sphere and the wall x = 0, from the left: in the frame of Spheres e = (-1, 0), and no
+    normal that turns.
+    """
 
     def __init__(self, p: Mapping[str, Any]) -> None:
         self.mass, self.reach = arb_of(p["mass"]), arb_of(p["radius"])
@@ -42,7 +49,9 @@ class Struck(Spheres):
 
     def holding(self, s: Sequence[Any]) -> Any:
         """0 = f/m + l^2 f/J + beta v_x w."""
-        return -self.beta * s[2] * s[4] / (1 / self.mass + self.lever(s) * self.lever(s) / self.moment)
+        return (
+            -self.beta * s[2] * s[4] / (1 / self.mass + self.lever(s) * self.lever(s) / self.moment)
+        )
 
     def growth(self, s: Sequence[Any]) -> Any:
         return self.k * s[2] - self.c * self.force(s) / self.mass
@@ -50,7 +59,15 @@ class Struck(Spheres):
     def field(self, friction: Value) -> Any:
         def rates(t: Any, s: Sequence[Any]) -> list[Any]:
             f = friction(s)
-            return [s[2], s[3], -self.force(s) / self.mass, -f / self.mass, -self.lever(s) * f / self.moment, s[5] * 0, self.slip(s)]
+            return [
+                s[2],
+                s[3],
+                -self.force(s) / self.mass,
+                -f / self.mass,
+                -self.lever(s) * f / self.moment,
+                s[5] * 0,
+                self.slip(s),
+            ]
 
         return rates
 
@@ -58,28 +75,63 @@ class Struck(Spheres):
 def on_wall(p: Mapping[str, Any], times: Sequence[Fraction], claimed: Claimed) -> Said:
     """The linear law."""
     ball, nothing = Struck(p), arb(0)
-    start = [-ball.reach, nothing, *(arb_of(p[name]) for name in ("normal", "across", "spin")), nothing, nothing]
+    start = [
+        -ball.reach,
+        nothing,
+        *(arb_of(p[name]) for name in ("normal", "across", "spin")),
+        nothing,
+        nothing,
+    ]
     course = list(phases(ball, start, float(claimed["duration"])))
     end = course[-1][1]
     last = course[-1][0].at(end)
-    yield None, {"duration": end, "rebound_across": last[3], "rebound_spin": last[4], "restitution": -last[2] / start[2]}
+    yield (
+        None,
+        {
+            "duration": end,
+            "rebound_across": last[3],
+            "rebound_spin": last[4],
+            "restitution": -last[2] / start[2],
+        },
+    )
     for t in times:
-        now = next((solution.at(t) for solution, until in course if arb_of(t) < until), None) or flown(last, arb_of(t) - end)
-        yield t, dict(zip(AXES, (now[0], now[1], nothing, now[2], now[3], nothing, nothing, nothing, now[4]), strict=True))
+        now = next(
+            (solution.at(t) for solution, until in course if arb_of(t) < until), None
+        ) or flown(last, arb_of(t) - end)
+        yield (
+            t,
+            dict(
+                zip(
+                    AXES,
+                    (now[0], now[1], nothing, now[2], now[3], nothing, nothing, nothing, now[4]),
+                    strict=True,
+                )
+            ),
+        )
 
 
 def hertz_wall(p: Mapping[str, Any], times: Sequence[Fraction], claimed: Claimed) -> Said:
-    """d = w^2, dt = w ds: w, v, t, and y, v_y, R omega under friction mu F against their slip until there is none."""
-    ratio, mu, radius, normal, across = (arb_of(p[name]) for name in ("hertz", "friction", "radius", "normal", "across"))
+    """d = w^2, dt = w ds: w, v, t, and y, v_y, R omega under friction mu F against their slip until
+    there is none.
+    """
+    ratio, mu, radius, normal, across = (
+        arb_of(p[name]) for name in ("hertz", "friction", "radius", "normal", "across")
+    )
     ratio, turning = ratio / arb_of(p["mass"]), radius * arb_of(p["spin"])
     side = 1 if across + turning > 0 else -1 if across + turning < 0 else 0
-    course = [Solution(partial(sliding, ratio, side * mu), [arb(0), normal, arb(0), arb(0), across, turning])]
+    course = [
+        Solution(
+            partial(sliding, ratio, side * mu), [arb(0), normal, arb(0), arb(0), across, turning]
+        )
+    ]
     scale = float((normal * normal / ratio).root(5)) / float(normal)
     looks = [scale * n / 32 for n in range(1, 2000)]
     until, ends = next(s for s in looks if course[0].at(arb(s))[0] < 0), [arb(0)]
     if side and side * sum(course[0].at(arb(until))[4:6]) < 0:
         ends.append(course[0].bisected(lambda y: -side * (y[4] + y[5]), 0.0, until))
-        course.append(Solution(partial(sliding, ratio, arb(0)), course[0].at(ends[1]), begin=ends[1]))
+        course.append(
+            Solution(partial(sliding, ratio, arb(0)), course[0].at(ends[1]), begin=ends[1])
+        )
         until = next(s for s in looks if s > float(ends[1]) and course[1].at(arb(s))[0] < 0)
     end = course[-1].bisected(lambda y: -y[0], until / 2, until)
     last = course[-1].at(end)
@@ -88,11 +140,32 @@ def hertz_wall(p: Mapping[str, Any], times: Sequence[Fraction], claimed: Claimed
         if time < last[2]:
             which = len(ends) - 1 if time > course[0].at(ends[-1])[2] else 0
             high = float(end) if which == len(ends) - 1 else float(ends[1])
-            state = course[which].at(course[which].bisected(partial(beyond, 2, time), float(ends[which]), high))
+            state = course[which].at(
+                course[which].bisected(partial(beyond, 2, time), float(ends[which]), high)
+            )
         rest = time - state[2]
         w, v, _, y, vy, turn = state
         depth, nothing = w * w + v * rest, arb(0)
-        yield t, dict(zip(AXES, (depth - radius, y + vy * rest, nothing, v, vy, nothing, nothing, nothing, turn / radius), strict=True))
+        yield (
+            t,
+            dict(
+                zip(
+                    AXES,
+                    (
+                        depth - radius,
+                        y + vy * rest,
+                        nothing,
+                        v,
+                        vy,
+                        nothing,
+                        nothing,
+                        nothing,
+                        turn / radius,
+                    ),
+                    strict=True,
+                )
+            ),
+        )
 
 
 def sliding(ratio: arb, mu: arb, s: Any, y: Sequence[Any]) -> list[Any]:
@@ -111,7 +184,11 @@ def bouncing(p: Mapping[str, Any], times: Sequence[Fraction], claimed: Claimed) 
     while waiting or bounces <= tops:
         field = partial(falling, gravity) if falls else partial(pressing, k, c, gravity, radius)
         phase = Solution(field, [y, v], begin=begin)
-        span = float(((v + (v * v + 2 * gravity * (y - radius)).sqrt()) / gravity) if falls else arb.pi() / k.sqrt())
+        span = float(
+            ((v + (v * v + 2 * gravity * (y - radius)).sqrt()) / gravity)
+            if falls
+            else arb.pi() / k.sqrt()
+        )
         looks = (float(begin) + span * n / 16 for n in range(2, 99))
         after = next(t for t in looks if (phase.at(arb(t))[0] < radius) == falls)
         if falls and bounces and bounces <= tops:
@@ -139,13 +216,19 @@ def pressing(k: arb, c: arb, gravity: arb, radius: arb, t: Any, s: Sequence[Any]
 def alike(p: Mapping[str, Any], times: Sequence[Fraction], claimed: Claimed) -> Said:
     """Two spheres head-on under Hertz's law."""
     halved = arb_of(p["mass"]) / 2
-    yield from contacts.hertz({"effective_mass": halved, "stiffness": p["hertz"], "closing_speed": p["speed"]}, times, claimed)
+    yield from contacts.hertz(
+        {"effective_mass": halved, "stiffness": p["hertz"], "closing_speed": p["speed"]},
+        times,
+        claimed,
+    )
 
 
 def spun(p: Mapping[str, Any], times: Sequence[Fraction], claimed: Claimed) -> Said:
     """Two spheres that spin about z and close head-on under the linear law."""
     spins = (Fraction(0), Fraction(0), p["spins"][0], Fraction(0), Fraction(0), p["spins"][1])
-    yield from two_spheres({**p, "closing_speed": p["speed"], "angle": Fraction(0), "spins": spins}, times, claimed)
+    yield from two_spheres(
+        {**p, "closing_speed": p["speed"], "angle": Fraction(0), "spins": spins}, times, claimed
+    )
 
 
 MEMBERS: dict[str, Callable[[Mapping[str, Any], Sequence[Fraction], Claimed], Said]] = {
@@ -159,7 +242,9 @@ MEMBERS: dict[str, Callable[[Mapping[str, Any], Sequence[Fraction], Claimed], Sa
     "dem-05-mindlin": members.mindlin_wall,
     "three-spheres": members.squeezed,
     "contact-path": partial(members.passing, members.frame(1, (1, 0, 0), (0, 1, 0), (0, 0, 1))),
-    "contact-path-turned": partial(members.passing, members.frame(3, (2, -1, 2), (2, 2, -1), (-1, 2, 2))),
+    "contact-path-turned": partial(
+        members.passing, members.frame(3, (2, -1, 2), (2, 2, -1), (-1, 2, 2))
+    ),
 }
 """Every member of the case."""
 

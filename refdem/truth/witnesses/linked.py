@@ -1,4 +1,6 @@
-"""Witnesses of linked masses: rigid clusters, pendulums of two rods or on a moving pivot, captured and standing masses."""
+"""Witnesses of linked masses: rigid clusters, pendulums of two rods or on a moving pivot, captured
+and standing masses.
+"""
 
 from collections.abc import Mapping, Sequence
 from fractions import Fraction
@@ -24,7 +26,12 @@ def captured(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: Claimed
     circle = Solution(held, [arb(0), -radius, speed, arb(0)], begin=arb_of(caught))
     for t in times:
         straight = [speed * arb_of(t) - 2 * radius, -radius, speed, arb(0)]
-        yield t, dict(zip(("x", "y", "vx", "vy"), straight if t <= caught else circle.at(t), strict=True))
+        yield (
+            t,
+            dict(
+                zip(("x", "y", "vx", "vy"), straight if t <= caught else circle.at(t), strict=True)
+            ),
+        )
     yield None, {"omega": speed / radius, "inertia": arb_of(e["mass"]) * radius * radius}
 
 
@@ -36,12 +43,16 @@ def held(t: Any, s: Sequence[Any]) -> list[Any]:
 
 
 def standing(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: Claimed) -> Said:
-    """A pendulum let go `delta` from the top or the bottom, in Cartesian coordinates with the rod's force."""
+    """A pendulum let go `delta` from the top or the bottom, in Cartesian coordinates with the rod's
+    force.
+    """
     e = numbers(p, "length", "gravity", "delta")
     length, gravity = arb_of(e["length"]), arb_of(e["gravity"])
     sine, cosine = arb_of(e["delta"]).sin_cos()
     up = 1 if p["position"] == "top" else -1
-    found = Solution(partial(swinging, length, gravity), [length * sine, up * length * cosine, arb(0), arb(0)])
+    found = Solution(
+        partial(swinging, length, gravity), [length * sine, up * length * cosine, arb(0), arb(0)]
+    )
     for t in times:
         yield t, dict(zip(("x", "y", "vx", "vy"), found.at(t), strict=True))
 
@@ -55,22 +66,35 @@ def swinging(length: arb, gravity: arb, t: Any, s: Sequence[Any]) -> list[Any]:
 
 def kapitza(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: Claimed) -> Said:
     """l theta'' = (g + y'') sin theta for a pivot at y = a cos(w t), theta from the top."""
-    e = {name: arb_of(number(p, name)) for name in ("length", "gravity", "drive_amplitude", "drive", "theta0", "thetadot0")}
+    e = {
+        name: arb_of(number(p, name))
+        for name in ("length", "gravity", "drive_amplitude", "drive", "theta0", "thetadot0")
+    }
     found = Solution(partial(lifted, e), [e["theta0"], e["thetadot0"]])
     for t in times:
         yield t, dict(zip(("theta", "thetadot"), found.at(t), strict=True))
-    whole = Solution(partial(near_the_top, e), [arb(1), arb(0), arb(0), arb(1)]).at(2 * arb.pi() / e["drive"])
+    whole = Solution(partial(near_the_top, e), [arb(1), arb(0), arb(0), arb(1)]).at(
+        2 * arb.pi() / e["drive"]
+    )
     trace = whole[0] + whole[3]
     root = (trace * trace - 4).sqrt() if trace * trace > 4 else arb(0)
     far, near = (abs(trace) + root) / 2, (abs(trace) - root) / 2
-    yield None, dict.fromkeys(("floquet_1", "floquet_2"), arb(1)) if root == 0 else {
-        "floquet_1": far * trace.sgn(), "floquet_2": near * trace.sgn(),
-    }  # fmt: skip
+    yield (
+        None,
+        dict.fromkeys(("floquet_1", "floquet_2"), arb(1))
+        if root == 0
+        else {
+            "floquet_1": far * trace.sgn(),
+            "floquet_2": near * trace.sgn(),
+        },
+    )
 
 
 def near_the_top(e: Mapping[str, arb], t: Any, s: Sequence[Any]) -> list[Any]:
     """Two solutions of l x'' = (g + y'') x."""
-    stiffness = (e["gravity"] - (t * e["drive"]).cos() * (e["drive_amplitude"] * e["drive"] * e["drive"])) / e["length"]
+    stiffness = (
+        e["gravity"] - (t * e["drive"]).cos() * (e["drive_amplitude"] * e["drive"] * e["drive"])
+    ) / e["length"]
     return [s[1], stiffness * s[0], s[3], stiffness * s[2]]
 
 
@@ -81,9 +105,17 @@ def lifted(e: Mapping[str, arb], t: Any, s: Sequence[Any]) -> list[Any]:
 
 
 def double(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: Claimed) -> Said:
-    """Both bobs in Cartesian coordinates relative to what they hang from; the rods' forces from |r1'|^2 + r1.r1'' = 0 and the like."""
-    (m1, m2), lengths = (arb_of(m) for m in vector(p, "masses")), [arb_of(x) for x in vector(p, "lengths")]
-    angles, rates = [arb_of(x) for x in vector(p, "theta0")], [arb_of(x) for x in vector(p, "thetadot0")]
+    """Both bobs in Cartesian coordinates relative to what they hang from; the rods' forces from
+    |r1'|^2 + r1.r1'' = 0 and the like.
+    """
+    (m1, m2), lengths = (
+        (arb_of(m) for m in vector(p, "masses")),
+        [arb_of(x) for x in vector(p, "lengths")],
+    )
+    angles, rates = (
+        [arb_of(x) for x in vector(p, "theta0")],
+        [arb_of(x) for x in vector(p, "thetadot0")],
+    )
     start = []
     for length, angle, rate in zip(lengths, angles, rates, strict=True):
         sine, cosine = angle.sin_cos()
@@ -91,12 +123,17 @@ def double(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: Claimed) 
     found = Solution(partial(hung, m1, m2, arb_of(number(p, "gravity"))), [*start, *angles])
     for t in times:
         s = found.at(t)
-        turning = [(s[k] * s[k + 3] - s[k + 1] * s[k + 2]) / (s[k] * s[k] + s[k + 1] * s[k + 1]) for k in (0, 4)]
+        turning = [
+            (s[k] * s[k + 3] - s[k + 1] * s[k + 2]) / (s[k] * s[k] + s[k + 1] * s[k + 1])
+            for k in (0, 4)
+        ]
         yield t, {"theta1": s[8], "theta2": s[9], "thetadot1": turning[0], "thetadot2": turning[1]}
 
 
 def hung(m1: arb, m2: arb, gravity: arb, t: Any, s: Sequence[Any]) -> list[Any]:
-    """d1 = r1, d2 = r2 - r1: m1 r1'' = -L1 d1 + L2 d2 + m1 g, m2 r2'' = -L2 d2 + m2 g, with d.d'' = -|d'|^2 for both."""
+    """d1 = r1, d2 = r2 - r1: m1 r1'' = -L1 d1 + L2 d2 + m1 g, m2 r2'' = -L2 d2 + m2 g, with d.d'' =
+    -|d'|^2 for both.
+    """
     x, y, u, v, a, b, c, d = s[:8]
     squares, across = (x * x + y * y, a * a + b * b), x * a + y * b
     # d1.d1'' = -|d1'|^2 and d2.d2'' = -|d2'|^2 in the unknown L1, L2
@@ -111,17 +148,46 @@ def hung(m1: arb, m2: arb, gravity: arb, t: Any, s: Sequence[Any]) -> list[Any]:
 
 
 def over_wheel(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: Claimed) -> Said:
-    """Lagrange's equations for u = r' - R theta' and m r^2 theta', A = M + m + J/R^2: A u' and d/dt (m r^2 theta' - A R u)."""
-    names = ("mass", "counter_mass", "wheel_radius", "wheel_inertia", "gravity", "r0", "theta0", "rdot0", "thetadot0")
+    """Lagrange's equations for u = r' - R theta' and m r^2 theta', A = M + m + J/R^2: A u' and d/dt
+    (m r^2 theta' - A R u).
+    """
+    names = (
+        "mass",
+        "counter_mass",
+        "wheel_radius",
+        "wheel_inertia",
+        "gravity",
+        "r0",
+        "theta0",
+        "rdot0",
+        "thetadot0",
+    )
     e = {name: arb_of(number(p, name)) for name in names}
     radius = number(p, "wheel_radius")
-    whole = e["mass"] + e["counter_mass"] + (e["wheel_inertia"] / (e["wheel_radius"] * e["wheel_radius"]) if radius else 0)
-    start = [e["r0"], e["theta0"], e["rdot0"] - e["wheel_radius"] * e["thetadot0"], e["mass"] * e["r0"] * e["r0"] * e["thetadot0"]]
+    whole = (
+        e["mass"]
+        + e["counter_mass"]
+        + (e["wheel_inertia"] / (e["wheel_radius"] * e["wheel_radius"]) if radius else 0)
+    )
+    start = [
+        e["r0"],
+        e["theta0"],
+        e["rdot0"] - e["wheel_radius"] * e["thetadot0"],
+        e["mass"] * e["r0"] * e["r0"] * e["thetadot0"],
+    ]
     found = Solution(partial(wound, e, whole), start)
     for t in times:
         r, theta, u, spin = found.at(t)
         turning = spin / (e["mass"] * r * r)
-        yield t, {"r": r, "theta": theta, "rdot": u + e["wheel_radius"] * turning, "thetadot": turning}
+        yield (
+            t,
+            {
+                "r": r,
+                "theta": theta,
+                "rdot": u + e["wheel_radius"] * turning,
+                "thetadot": turning,
+            },
+        )
 
 
 def wound(e: Mapping[str, arb], whole: arb, t: Any, s: Sequence[Any]) -> list[Any]:
@@ -130,34 +196,57 @@ def wound(e: Mapping[str, arb], whole: arb, t: Any, s: Sequence[Any]) -> list[An
     m, counter, radius, gravity = e["mass"], e["counter_mass"], e["wheel_radius"], e["gravity"]
     turning = spin / (r * r * m)
     slower = (r * turning * turning * m - counter * gravity + theta.cos() * (m * gravity)) / whole
-    torque = slower * (whole * radius) + counter * gravity * radius - (theta.cos() * radius + r * theta.sin()) * (m * gravity)
+    torque = (
+        slower * (whole * radius)
+        + counter * gravity * radius
+        - (theta.cos() * radius + r * theta.sin()) * (m * gravity)
+    )
     return [u + turning * radius, turning, slower, torque]
 
 
 def cluster(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: Claimed) -> Said:
-    """A rigid body in any axes: L stays in space, omega_body = J^-1 R^T L, qdot = q omega_body/2; no principal axis is looked for."""
+    """A rigid body in any axes: L stays in space, omega_body = J^-1 R^T L, qdot = q omega_body/2;
+    no principal axis is looked for.
+    """
     masses, flat = vector(p, "masses"), vector(p, "positions")
     total = sum(masses)
     points = [flat[3 * i : 3 * i + 3] for i in range(4)]
-    centre = [sum((m * r[k] for m, r in zip(masses, points, strict=True)), Fraction(0)) / total for k in range(3)]
+    centre = [
+        sum((m * r[k] for m, r in zip(masses, points, strict=True)), Fraction(0)) / total
+        for k in range(3)
+    ]
     arms = [[r[k] - centre[k] for k in range(3)] for r in points]
     tensor = [[_moment(masses, arms, i, j) for j in range(3)] for i in range(3)]
     omega = vector(p, "omega")
-    momentum = [arb_of(sum((tensor[i][j] * omega[j] for j in range(3)), Fraction(0))) for i in range(3)]
-    inverse = arb_mat(fmpq_mat([[fmpq(x.numerator, x.denominator) for x in row] for row in tensor]).inv())
+    momentum = [
+        arb_of(sum((tensor[i][j] * omega[j] for j in range(3)), Fraction(0))) for i in range(3)
+    ]
+    inverse = arb_mat(
+        fmpq_mat([[fmpq(x.numerator, x.denominator) for x in row] for row in tensor]).inv()
+    )
     found = Solution(partial(spun, momentum, inverse.table()), [arb(1), arb(0), arb(0), arb(0)])
     for t in times:
         turned = rotation(found.at(t))
         places = {}
         for i, arm in enumerate(arms, 1):
             for k, axis in enumerate("xyz"):
-                places[f"r{i}.{axis}"] = arb_of(centre[k]) + sum((turned[k][j] * arb_of(arm[j]) for j in range(3)), arb(0))
+                places[f"r{i}.{axis}"] = arb_of(centre[k]) + sum(
+                    (turned[k][j] * arb_of(arm[j]) for j in range(3)), arb(0)
+                )
         yield t, places
 
 
-def _moment(masses: Sequence[Fraction], arms: Sequence[Sequence[Fraction]], i: int, j: int) -> Fraction:
+def _moment(
+    masses: Sequence[Fraction], arms: Sequence[Sequence[Fraction]], i: int, j: int
+) -> Fraction:
     """J_ij = sum m (r^2 delta_ij - r_i r_j)."""
-    return sum((m * ((sum(x * x for x in r) if i == j else 0) - r[i] * r[j]) for m, r in zip(masses, arms, strict=True)), Fraction(0))
+    return sum(
+        (
+            m * ((sum(x * x for x in r) if i == j else 0) - r[i] * r[j])
+            for m, r in zip(masses, arms, strict=True)
+        ),
+        Fraction(0),
+    )
 
 
 def rotation(q: Sequence[Any]) -> list[list[Any]]:
@@ -170,13 +259,20 @@ def rotation(q: Sequence[Any]) -> list[list[Any]]:
     ]
 
 
-def spun(momentum: Sequence[arb], inverse: Sequence[Sequence[arb]], t: Any, q: Sequence[Any]) -> list[Any]:
+def spun(
+    momentum: Sequence[arb], inverse: Sequence[Sequence[arb]], t: Any, q: Sequence[Any]
+) -> list[Any]:
     """Rates of q."""
     turned = rotation(q)
     body = [sum((turned[k][i] * momentum[k] for k in range(3)), arb(0)) for i in range(3)]
     a, b, c = (sum((inverse[i][j] * body[j] for j in range(3)), arb(0)) / 2 for i in range(3))
     w, x, y, z = q
-    return [-x * a - y * b - z * c, w * a + y * c - z * b, w * b + z * a - x * c, w * c + x * b - y * a]
+    return [
+        -x * a - y * b - z * c,
+        w * a + y * c - z * b,
+        w * b + z * a - x * c,
+        w * c + x * b - y * a,
+    ]
 
 
 WITNESSES = {

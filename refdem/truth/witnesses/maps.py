@@ -1,4 +1,6 @@
-"""Witnesses of maps: iterated as they are written, at many digits and without any proof; the logistic equation by Taylor integration."""
+"""Witnesses of maps: iterated as they are written, at many digits and without any proof; the
+logistic equation by Taylor integration.
+"""
 
 from collections.abc import Mapping, Sequence
 from fractions import Fraction
@@ -17,7 +19,9 @@ SCALE = 4096
 
 
 def logistic(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: Claimed) -> Said:
-    """x -> eta x (1 - x) in whole numbers of 2^-4096; the equation of the same right-hand side by Taylor integration."""
+    """x -> eta x (1 - x) in whole numbers of 2^-4096; the equation of the same right-hand side by
+    Taylor integration.
+    """
     eta, x0 = number(p, "eta"), number(p, "x0")
     if p["form"] == "ode":
         solution = Solution(lambda t, y: [y[0] * (1 - y[0]) * arb_of(eta)], [arb_of(x0)])
@@ -34,10 +38,15 @@ def logistic(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: Claimed
 
 
 def billiard(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: Claimed) -> Said:
-    """Place and direction after each bounce, by the nearest wall in front: straight walls by their line, half circles by their chord."""
+    """Place and direction after each bounce, by the nearest wall in front: straight walls by their
+    line, half circles by their chord.
+    """
     with precision(1024):
         (a, b), stadium = (arb_of(x) for x in vector(p, "size")), p["geometry"] == "stadium"
-        place, along = [arb_of(x) for x in vector(p, "start")], [arb_of(x) for x in vector(p, "direction")]
+        place, along = (
+            [arb_of(x) for x in vector(p, "start")],
+            [arb_of(x) for x in vector(p, "direction")],
+        )
         size = (along[0] * along[0] + along[1] * along[1]).sqrt()
         along = [x / size for x in along]
         straight = (a - b) / 2 if stadium else a / 2
@@ -46,10 +55,21 @@ def billiard(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: Claimed
             for _ in range(int(t) - n):
                 place, along = bounced(place, along, straight, b / 2, stadium)
             n = int(t)
-            yield t, dict(zip(("position.x", "position.y", "direction.x", "direction.y"), [*place, *along], strict=True))
+            yield (
+                t,
+                dict(
+                    zip(
+                        ("position.x", "position.y", "direction.x", "direction.y"),
+                        [*place, *along],
+                        strict=True,
+                    )
+                ),
+            )
 
 
-def bounced(place: list[arb], along: list[arb], straight: arb, half: arb, stadium: bool) -> tuple[list[arb], list[arb]]:
+def bounced(
+    place: list[arb], along: list[arb], straight: arb, half: arb, stadium: bool
+) -> tuple[list[arb], list[arb]]:
     """The next place on the wall and the direction after it, midpoints alone."""
     (x, y), (u, v) = place, along
     hits: list[tuple[arb, arb, arb]] = []
@@ -66,9 +86,14 @@ def bounced(place: list[arb], along: list[arb], straight: arb, half: arb, stadiu
             if under > 0 and side * (dx + (under.sqrt() - middle) * u) > 0:
                 way = under.sqrt() - middle
                 hits.append((way, (dx + way * u) / half, (dy + way * v) / half))
-    way, nx, ny = min((hit for hit in hits if hit[0] > arb(2) ** -200), key=lambda hit: float(hit[0]))
+    way, nx, ny = min(
+        (hit for hit in hits if hit[0] > arb(2) ** -200), key=lambda hit: float(hit[0])
+    )
     turn = 2 * (u * nx + v * ny)
-    return [(x + way * u).mid(), (y + way * v).mid()], [(u - turn * nx).mid(), (v - turn * ny).mid()]
+    return [(x + way * u).mid(), (y + way * v).mid()], [
+        (u - turn * nx).mid(),
+        (v - turn * ny).mid(),
+    ]
 
 
 WITNESSES = {"logistic": Witness(METHOD, logistic), "billiards": Witness(METHOD, billiard)}

@@ -1,4 +1,6 @@
-"""Witnesses of the impact benchmarks that no other collision is like: a stack, a slide, a squeeze, Mindlin's spring, a prescribed path."""
+"""Witnesses of the impact benchmarks that no other collision is like: a stack, a slide, a squeeze,
+Mindlin's spring, a prescribed path.
+"""
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from fractions import Fraction
@@ -15,10 +17,16 @@ from refdem.truth.witnesses.testimony import Claimed, Said
 LEVERS = {"R": Fraction(0), "R-d/2": Fraction(1, 2), "R-d": Fraction(1)}
 
 
-def nine(number: str, x: Any = 0, y: Any = 0, vx: Any = 0, vy: Any = 0, spin: Any = 0) -> dict[str, arb]:
+def nine(
+    number: str, x: Any = 0, y: Any = 0, vx: Any = 0, vy: Any = 0, spin: Any = 0
+) -> dict[str, arb]:
     """The quantities of a body that stays in the plane."""
     values = {"r": (x, y, 0), "v": (vx, vy, 0), "omega": (0, 0, spin)}
-    return {f"{kind}{number}.{axis}": arb(value) for kind, three in values.items() for axis, value in zip("xyz", three, strict=True)}
+    return {
+        f"{kind}{number}.{axis}": arb(value)
+        for kind, three in values.items()
+        for axis, value in zip("xyz", three, strict=True)
+    }
 
 
 def stacked(p: Mapping[str, Any], times: Sequence[Fraction], claimed: Claimed) -> Said:
@@ -31,7 +39,9 @@ def stacked(p: Mapping[str, Any], times: Sequence[Fraction], claimed: Claimed) -
         return radius - s[0], s[0] + 2 * radius - s[2], s[2] + radius - ceiling
 
     def rates(t: Any, s: Sequence[Any]) -> list[Any]:
-        floor, middle, top = (k * d + c * u for d, u in zip(overlaps(s), (-s[1], s[1] - s[3], s[3]), strict=True))
+        floor, middle, top = (
+            k * d + c * u for d, u in zip(overlaps(s), (-s[1], s[1] - s[3], s[3]), strict=True)
+        )
         return [s[1], (floor - middle) / low - g, s[3], (middle - top) / high - g]
 
     found = Solution(rates, [ceiling / 4, zero, 3 * ceiling / 4, zero])
@@ -58,27 +68,44 @@ def sliding_to_roll(p: Mapping[str, Any], times: Sequence[Fraction], claimed: Cl
     end = slides.crossing(lambda s: s[2] + radius * s[4], near, near / 128)
     rolls = Solution(partial(rates, zero), slides.at(end), begin=end)
     last = rolls.at(end)[2]
-    yield None, {"roll_time": end, "roll_speed": last, "speed_ratio": last / speed, "time_ratio": mu * g * end / speed}
+    yield (
+        None,
+        {
+            "roll_time": end,
+            "roll_speed": last,
+            "speed_ratio": last / speed,
+            "time_ratio": mu * g * end / speed,
+        },
+    )
     for t in times:
         x, y, u, v, spin = (slides if arb_of(t) < end else rolls).at(t)
         yield t, nine("", x, y, u, v, spin)
 
 
 class Trio(Spheres):
-    """A sphere between two others, each with its own equation, no symmetry used: x, y, vx, vy, spin of each, then both springs.
+    """A sphere between two others, each with its own equation, no symmetry used: x, y, vx, vy, spin
+    of each, then both springs.
 
-    Both contacts are in one phase, which the first one's switches end: if the second were not its image, its values would be denied.
+    Both contacts are in one phase, which the first one's switches end: if the second were not its
+    image, its values would be denied.
     """
 
     def __init__(self, p: Mapping[str, Any]) -> None:
-        super().__init__({**p, "masses": (p["large"], p["mass"]), "radii": (p["partner_radius"], p["radius"])})
+        super().__init__(
+            {**p, "masses": (p["large"], p["mass"]), "radii": (p["partner_radius"], p["radius"])}
+        )
         self.masses = [arb_of(p[name]) for name in ("large", "mass", "large")]
         self.inertias = [self.moments[0], self.moments[1], self.moments[0]]
 
     def pair(self, i: int, s: Sequence[Any]) -> list[Any]:
         """The outer body i (0, 2) against the middle one, as a pair is said in Spheres."""
         outer, middle = s[5 * i : 5 * i + 5], s[5:10]
-        return [*(a - b for a, b in zip(outer[:4], middle[:4], strict=True)), outer[4], middle[4], s[15 + i // 2]]
+        return [
+            *(a - b for a, b in zip(outer[:4], middle[:4], strict=True)),
+            outer[4],
+            middle[4],
+            s[15 + i // 2],
+        ]
 
     def geometry(self, s: Sequence[Any]) -> tuple[Any, Any, Any, Any, Any, Any]:
         return super().geometry(self.pair(0, s) if len(s) == 17 else s)
@@ -91,7 +118,9 @@ class Trio(Spheres):
         pair = self.pair(0, s)
         ex, ey, distance, along, across, _ = self.geometry(pair)
         rates = self.field(self.law("slip+" if float(self.slip(pair)) > 0 else "slip-"))(None, s)
-        nearing = (rates[2] - rates[7]) * ex + (rates[3] - rates[8]) * ey + across * across / distance
+        nearing = (
+            (rates[2] - rates[7]) * ex + (rates[3] - rates[8]) * ey + across * across / distance
+        )
         return -self.k * along - self.c * nearing
 
     def law(self, phase: str) -> Value:
@@ -110,7 +139,15 @@ class Trio(Spheres):
                     push[body] = [push[body][0] + sense * along, push[body][1] + sense * across]
                     twist[body] = twist[body] - lever * f
                 slips.append(self.slip(pair))
-            moved = [[s[5 * n + 2], s[5 * n + 3], *(x / self.masses[n] for x in push[n]), twist[n] / self.inertias[n]] for n in range(3)]
+            moved = [
+                [
+                    s[5 * n + 2],
+                    s[5 * n + 3],
+                    *(x / self.masses[n] for x in push[n]),
+                    twist[n] / self.inertias[n],
+                ]
+                for n in range(3)
+            ]
             return [*moved[0], *moved[1], *moved[2], *slips]
 
         return rates
@@ -118,7 +155,9 @@ class Trio(Spheres):
     def after(self, phase: str, then: str, s: Sequence[arb]) -> tuple[str, list[arb]]:
         if then != "caught":
             return then, list(s)
-        limits = [SIDES[phase[-1]] * self.mu * self.force(self.pair(i, s)) / self.kt for i in (0, 2)]
+        limits = [
+            SIDES[phase[-1]] * self.mu * self.force(self.pair(i, s)) / self.kt for i in (0, 2)
+        ]
         return "stick", [*s[:15], *limits]
 
 
@@ -136,12 +175,22 @@ def squeezed(p: Mapping[str, Any], times: Sequence[Fraction], claimed: Claimed) 
     for t in times:
         now = next((solution.at(t) for solution, until in course if arb_of(t) < until), None)
         if now is None:
-            now = [value for n in range(3) for value in flown(last[5 * n : 5 * n + 5], arb_of(t) - end)]
-        yield t, {name: value for n in range(3) for name, value in nine(str(n + 1), *now[5 * n : 5 * n + 5]).items()}
+            now = [
+                value for n in range(3) for value in flown(last[5 * n : 5 * n + 5], arb_of(t) - end)
+            ]
+        yield (
+            t,
+            {
+                name: value
+                for n in range(3)
+                for name, value in nine(str(n + 1), *now[5 * n : 5 * n + 5]).items()
+            },
+        )
 
 
 class Mindlin:
-    """m d'' = -k d^(3/2), friction k_t sqrt(d) stretch or mu k d^(3/2), with d = w^2, dt = w ds; state w, v, t, v_y, R w_z, y, stretch.
+    """m d'' = -k d^(3/2), friction k_t sqrt(d) stretch or mu k d^(3/2), with d = w^2, dt = w ds;
+    state w, v, t, v_y, R w_z, y, stretch.
 
     Friction acts against a slip that is positive at touch: the image of one that is not.
     """
@@ -149,9 +198,21 @@ class Mindlin:
     def __init__(self, p: Mapping[str, Any]) -> None:
         self.k, self.kt = (arb_of(p[name]) / arb_of(p["mass"]) for name in ("hertz", "mindlin"))
         self.mu, self.radius = (arb_of(p[name]) for name in ("friction", "radius"))
-        normal, across, turning = arb_of(p["normal"]), arb_of(p["across"]), arb_of(p["radius"] * p["spin"])
+        normal, across, turning = (
+            arb_of(p["normal"]),
+            arb_of(p["across"]),
+            arb_of(p["radius"] * p["spin"]),
+        )
         self.side = -1 if across + turning < 0 else 1
-        self.start = [arb(0), normal, arb(0), self.side * across, self.side * turning, arb(0), arb(0)]
+        self.start = [
+            arb(0),
+            normal,
+            arb(0),
+            self.side * across,
+            self.side * turning,
+            arb(0),
+            arb(0),
+        ]
         self.step = float(normal) ** -0.6 * (1.25 / float(self.k)) ** 0.2 / 16
 
     def rates(self, side: int, s: Any, y: Sequence[Any]) -> list[Any]:
@@ -175,8 +236,15 @@ class Mindlin:
         while True:
             solution = Solution(partial(self.rates, side), state, begin=s)
             ends: dict[int | str, Value] = {"apart": lambda y: y[0]}
-            sticks: dict[int | str, Value] = {1: partial(self.spare, 1), -1: partial(self.spare, -1)}
-            then, end = self.first(solution, ends | ({"caught": partial(self.surplus, side)} if side else sticks), float(s))
+            sticks: dict[int | str, Value] = {
+                1: partial(self.spare, 1),
+                -1: partial(self.spare, -1),
+            }
+            then, end = self.first(
+                solution,
+                ends | ({"caught": partial(self.surplus, side)} if side else sticks),
+                float(s),
+            )
             yield solution, end
             if then == "apart":
                 return
@@ -185,13 +253,18 @@ class Mindlin:
                 state[6] = side * self.mu * self.k / self.kt * state[0] * state[0]
             side, s = (0 if then == "caught" else int(then)), end
 
-    def first(self, solution: Solution, ends: Mapping[int | str, Value], low: float) -> tuple[int | str, arb]:
+    def first(
+        self, solution: Solution, ends: Mapping[int | str, Value], low: float
+    ) -> tuple[int | str, arb]:
         """Which function is the first to fall through zero, and where."""
         while True:
             high = low + self.step
             fallen = [name for name, value in ends.items() if value(solution.at(arb(high))) < 0]
             if fallen:
-                found = [(solution.bisected(ends[name], low + self.step / 1024, high), name) for name in fallen]
+                found = [
+                    (solution.bisected(ends[name], low + self.step / 1024, high), name)
+                    for name in fallen
+                ]
                 end, name = min(found, key=lambda pair: float(pair[0]))
                 return name, end
             low = high
@@ -202,15 +275,34 @@ def mindlin_wall(p: Mapping[str, Any], times: Sequence[Fraction], claimed: Claim
     law = Mindlin(p)
     course = list(law.phases())
     last = course[-1][0].at(course[-1][1])
-    yield None, {"duration": last[2], "rebound_across": law.side * last[3], "rebound_spin": law.side * last[4] / law.radius}
+    yield (
+        None,
+        {
+            "duration": last[2],
+            "rebound_across": law.side * last[3],
+            "rebound_spin": law.side * last[4] / law.radius,
+        },
+    )
     for t in times:
         time, state = arb_of(t), last
         if time < last[2]:
             solution, end = next(phase for phase in course if time < phase[0].at(phase[1])[2])
-            state = solution.at(solution.bisected(partial(late, time), float(solution.begins[0]), float(end)))
+            state = solution.at(
+                solution.bisected(partial(late, time), float(solution.begins[0]), float(end))
+            )
         w, v, then, vy, turning, y, _ = state
         rest = time - then
-        yield t, nine("", w * w + v * rest - law.radius, law.side * (y + vy * rest), v, law.side * vy, law.side * turning / law.radius)
+        yield (
+            t,
+            nine(
+                "",
+                w * w + v * rest - law.radius,
+                law.side * (y + vy * rest),
+                v,
+                law.side * vy,
+                law.side * turning / law.radius,
+            ),
+        )
 
 
 def late(time: arb, y: Sequence[arb]) -> arb:
@@ -219,15 +311,36 @@ def late(time: arb, y: Sequence[arb]) -> arb:
 
 
 class Passing(Spheres):
-    """Along x, body 1 at the origin and body 2 at (x, b) with a constant spin: momentum given to body 1, its torque's, and the spring."""
+    """Along x, body 1 at the origin and body 2 at (x, b) with a constant spin: momentum given to
+    body 1, its torque's, and the spring.
+    """
 
     def __init__(self, p: Mapping[str, Any]) -> None:
-        names = ("radius", "partner_radius", "stiffness", "tangential_stiffness", "friction", "off", "speed", "partner_spin", "begin")
-        one, two, self.k, self.kt, self.mu, self.b, self.speed, self.spin, self.begins = (arb_of(p[name]) for name in names)
-        self.radii, self.reach, self.beta, self.pulls = [one, two], one + two, arb_of(LEVERS[str(p["branch"])]), False
+        names = (
+            "radius",
+            "partner_radius",
+            "stiffness",
+            "tangential_stiffness",
+            "friction",
+            "off",
+            "speed",
+            "partner_spin",
+            "begin",
+        )
+        one, two, self.k, self.kt, self.mu, self.b, self.speed, self.spin, self.begins = (
+            arb_of(p[name]) for name in names
+        )
+        self.radii, self.reach, self.beta, self.pulls = (
+            [one, two],
+            one + two,
+            arb_of(LEVERS[str(p["branch"])]),
+            False,
+        )
 
     def geometry(self, s: Sequence[Any]) -> tuple[Any, Any, Any, Any, Any, Any]:
-        """The normal is from 1 to 2, the tangent is it turned by +90 degrees; the rest as of Spheres."""
+        """The normal is from 1 to 2, the tangent is it turned by +90 degrees; the rest as of
+        Spheres.
+        """
         distance = (s[0] * s[0] + self.b * self.b).sqrt()
         ex, ey = s[0] / distance, self.b / distance
         return ex, ey, distance, self.speed * ex, -self.speed * ey, self.k * (self.reach - distance)
@@ -242,7 +355,11 @@ class Passing(Spheres):
     def law(self, phase: str) -> Value:
         """On body 2 along the tangent."""
         side = -1 if phase == "slip-" else 1
-        return (lambda s: -self.kt * s[4]) if phase == "stick" else lambda s: -side * self.mu * self.force(s)
+        return (
+            (lambda s: -self.kt * s[4])
+            if phase == "stick"
+            else lambda s: -side * self.mu * self.force(s)
+        )
 
     def field(self, friction: Value) -> Callable[[Any, Sequence[Any]], list[Any]]:
         def rates(t: Any, s: Sequence[Any]) -> list[Any]:
@@ -254,7 +371,11 @@ class Passing(Spheres):
         return rates
 
     def after(self, phase: str, then: str, s: Sequence[arb]) -> tuple[str, list[arb]]:
-        return ("stick", [*s[:4], SIDES[phase[-1]] * self.mu * self.force(s) / self.kt]) if then == "caught" else (then, list(s))
+        return (
+            ("stick", [*s[:4], SIDES[phase[-1]] * self.mu * self.force(s) / self.kt])
+            if then == "caught"
+            else (then, list(s))
+        )
 
 
 def frame(part: int, *rows: Sequence[int]) -> list[list[Fraction]]:
@@ -262,7 +383,12 @@ def frame(part: int, *rows: Sequence[int]) -> list[list[Fraction]]:
     return [[Fraction(x, part) for x in row] for row in rows]
 
 
-def passing(axes: Sequence[Sequence[Fraction]], p: Mapping[str, Any], times: Sequence[Fraction], claimed: Claimed) -> Said:
+def passing(
+    axes: Sequence[Sequence[Fraction]],
+    p: Mapping[str, Any],
+    times: Sequence[Fraction],
+    claimed: Claimed,
+) -> Said:
     """What the contact gives body 1; `axes` has those of the plane and its normal as columns."""
     law, zero = Passing(p), arb(0)
     half = (law.reach * law.reach - law.b * law.b).sqrt()
@@ -273,11 +399,22 @@ def passing(axes: Sequence[Sequence[Fraction]], p: Mapping[str, Any], times: Seq
         last = solution.at(end)
     for t in times:
         time = arb_of(t) - touch
-        now = [zero] * 5 if time < 0 else next((solution.at(time) for solution, until in course if time < until), last)
+        now = (
+            [zero] * 5
+            if time < 0
+            else next((solution.at(time) for solution, until in course if time < until), last)
+        )
         way = arb_of(p["speed"] * t - p["begin"])
         seen = {"impulse": (now[1], now[2], zero), "turning": (zero, zero, now[3])}
         seen |= {"r": (way, law.b, zero), "v": (law.speed, zero, zero)}
-        yield t, {f"{name}.{axis}": total(row, vector) for name, vector in seen.items() for axis, row in zip("xyz", axes, strict=True)}
+        yield (
+            t,
+            {
+                f"{name}.{axis}": total(row, vector)
+                for name, vector in seen.items()
+                for axis, row in zip("xyz", axes, strict=True)
+            },
+        )
 
 
 def total(row: Sequence[Fraction], vector: Sequence[arb]) -> arb:

@@ -1,4 +1,6 @@
-"""Witnesses of the oscillators: x'' from Newton's law by Taylor integration; a period is the time at which the motion is back."""
+"""Witnesses of the oscillators: x'' from Newton's law by Taylor integration; a period is the time
+at which the motion is back.
+"""
 
 from collections.abc import Callable, Mapping, Sequence
 from fractions import Fraction
@@ -19,8 +21,12 @@ Force = Callable[[Any, Any, Any], Any]
 METHOD = "Taylor integration of x'' at 58 digits, unproven (refdem/truth/witnesses/oscillators.py)"
 
 
-def motion(acceleration: Force, x0: Fraction, v0: Fraction, times: Sequence[Fraction], claimed: Claimed) -> Said:
-    """x and v at the times, and the period if one is claimed: twice the time from one turning point, or crossing, to the next."""
+def motion(
+    acceleration: Force, x0: Fraction, v0: Fraction, times: Sequence[Fraction], claimed: Claimed
+) -> Said:
+    """x and v at the times, and the period if one is claimed: twice the time from one turning
+    point, or crossing, to the next.
+    """
     found = Solution(lambda t, y: [y[1], acceleration(t, y[0], y[1])], [arb_of(x0), arb_of(v0)])
     for t in times:
         x, v = found.at(t)
@@ -31,14 +37,26 @@ def motion(acceleration: Force, x0: Fraction, v0: Fraction, times: Sequence[Frac
         yield None, {"period": found.crossing(lambda y: y[which] - arb_of(level), near, near / 64)}
 
 
-def of(acceleration: Callable[[dict[str, arb]], Force], *names: str, start: tuple[str, str] = ("x0", "v0")) -> Witness:
-    """A witness of a case whose start is in `start` and whose acceleration needs the parameters `names`."""
+def of(
+    acceleration: Callable[[dict[str, arb]], Force],
+    *names: str,
+    start: tuple[str, str] = ("x0", "v0"),
+) -> Witness:
+    """A witness of a case whose start is in `start` and whose acceleration needs the parameters
+    `names`.
+    """
 
     def values(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: Claimed) -> Said:
         begin = [number(p, name) if name else Fraction(0) for name in start]
         if "delta" in names and begin[1]:  # only turning points come back after a damped period
             claimed = {}
-        return motion(acceleration({name: arb_of(number(p, name)) for name in names}), begin[0], begin[1], times, claimed)
+        return motion(
+            acceleration({name: arb_of(number(p, name)) for name in names}),
+            begin[0],
+            begin[1],
+            times,
+            claimed,
+        )
 
     return Witness(METHOD, values)
 
@@ -55,7 +73,12 @@ def viscous(p: dict[str, arb]) -> Force:
 
 def driven(p: dict[str, arb]) -> Force:
     """The same driven with f0 cos(drive t) per mass."""
-    return lambda t, x, v: (t * p["drive"]).cos() * p["f0"] - p["stiffness"] / p["mass"] * x - 2 * p["delta"] * v + p["gravity"]
+    return lambda t, x, v: (
+        (t * p["drive"]).cos() * p["f0"]
+        - p["stiffness"] / p["mass"] * x
+        - 2 * p["delta"] * v
+        + p["gravity"]
+    )
 
 
 def duffing(p: dict[str, arb]) -> Force:
@@ -65,7 +88,12 @@ def duffing(p: dict[str, arb]) -> Force:
 
 def driven_duffing(p: dict[str, arb]) -> Force:
     """The same damped and driven."""
-    return lambda t, x, v: (t * p["drive"]).cos() * p["f0"] - p["alpha"] * x - p["beta"] * x * x * x - 2 * p["delta"] * v
+    return lambda t, x, v: (
+        (t * p["drive"]).cos() * p["f0"]
+        - p["alpha"] * x
+        - p["beta"] * x * x * x
+        - 2 * p["delta"] * v
+    )
 
 
 def van_der_pol(p: dict[str, arb]) -> Force:
@@ -74,7 +102,9 @@ def van_der_pol(p: dict[str, arb]) -> Force:
 
 
 def power(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: Claimed) -> Said:
-    """m x'' = -k |x|^n sgn x for whole n, from turning point to centre and on: the power is smooth on either side."""
+    """m x'' = -k |x|^n sgn x for whole n, from turning point to centre and on: the power is smooth
+    on either side.
+    """
     exact = numbers(p, "mass", "stiffness", "exponent", "amplitude")
     if exact["exponent"].denominator != 1 and exact["amplitude"]:
         yield from rooted(exact, times)
@@ -82,7 +112,11 @@ def power(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: Claimed) -
         return
     n, ratio = int(exact["exponent"]), arb_of(exact["stiffness"] / exact["mass"])
     quarter, waiting = float(claimed["period"]) / 4, list(times)
-    state, begin, sign = [arb_of(exact["amplitude"]), arb(0)], arb(0), 1 if exact["amplitude"] > 0 else -1
+    state, begin, sign = (
+        [arb_of(exact["amplitude"]), arb(0)],
+        arb(0),
+        1 if exact["amplitude"] > 0 else -1,
+    )
     turned = 1
     while waiting or turned <= 3:
         phase = Solution(partial(pulled, n, ratio * sign ** (n + 1)), state, begin=begin)
@@ -97,7 +131,9 @@ def power(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: Claimed) -
 
 
 def rooted(exact: Mapping[str, Fraction], times: Sequence[Fraction]) -> Said:
-    """A power a/b: in s = x^(1/b) and a clock with dt = b s^(b-1) dz it is smooth; a quarter of a period, mirrored for the rest."""
+    """A power a/b: in s = x^(1/b) and a clock with dt = b s^(b-1) dz it is smooth; a quarter of a
+    period, mirrored for the rest.
+    """
     a, b = exact["exponent"].as_integer_ratio()
     ratio, size = arb_of(exact["stiffness"] / exact["mass"]), arb_of(abs(exact["amplitude"]))
 
@@ -106,7 +142,11 @@ def rooted(exact: Mapping[str, Fraction], times: Sequence[Fraction]) -> Said:
         return [y[1], -ratio * y[0] ** a * slow, slow]
 
     found = Solution(field, [size.root(b), arb(0), arb(0)])
-    step = float(1 / (ratio * size ** arb_of(Fraction(a + 2 * b - 2, b))).sqrt() * size.root(b)) / b / 8
+    step = (
+        float(1 / (ratio * size ** arb_of(Fraction(a + 2 * b - 2, b))).sqrt() * size.root(b))
+        / b
+        / 8
+    )
     high = step
     while found.at(arb(high))[0] > 0:
         high += step
@@ -141,7 +181,9 @@ def steadily_driven(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: 
     """The motion, and the steady amplitude |f0/(w0^2 - w^2 + 2 i delta w)|."""
     yield from MOVING.values(p, times, claimed)
     e = {name: arb_of(number(p, name)) for name in ("mass", "stiffness", "delta", "f0", "drive")}
-    response = acb(e["stiffness"] / e["mass"] - e["drive"] * e["drive"], 2 * e["delta"] * e["drive"])
+    response = acb(
+        e["stiffness"] / e["mass"] - e["drive"] * e["drive"], 2 * e["delta"] * e["drive"]
+    )
     if number(p, "drive") and not response.contains(0):
         yield None, {"steady_amplitude": abs(acb(e["f0"]) / response)}
 
@@ -149,7 +191,9 @@ def steadily_driven(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: 
 def quadratic(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: Claimed) -> Said:
     """x'' = -2 delta x' - w0^2 x - eps x^2 + sum of f0 cos(drive t)."""
     w0, eps, delta = (arb_of(number(p, name)) for name in ("w0", "eps", "delta"))
-    drives = [(arb_of(f), arb_of(w)) for f, w in zip(vector(p, "f0"), vector(p, "drive"), strict=True)]
+    drives = [
+        (arb_of(f), arb_of(w)) for f, w in zip(vector(p, "f0"), vector(p, "drive"), strict=True)
+    ]
 
     def acceleration(t: Any, x: Any, v: Any) -> Any:
         forced = sum(((t * w).cos() * f for f, w in drives), arb(0))

@@ -1,4 +1,6 @@
-"""Witness of two spheres that spin about any axes: Newton's and Euler's laws for each body, with cross products, phase by phase."""
+"""Witness of two spheres that spin about any axes: Newton's and Euler's laws for each body, with
+cross products, phase by phase.
+"""
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from fractions import Fraction
@@ -14,7 +16,9 @@ from refdem.truth.witnesses.taylor import Solution
 from refdem.truth.witnesses.testimony import Claimed, Said
 
 GRID = 256
-"""Looks for a switch in a contact; the first ones after a switch are 2^-12 of that apart, then twice as far, and so on."""
+"""Looks for a switch in a contact; the first ones after a switch are 2^-12 of that apart, then
+twice as far, and so on.
+"""
 Vector = Sequence[Any]
 
 
@@ -54,7 +58,10 @@ class Moment:
     def arms(self) -> list[list[Any]]:
         """From the centres to where friction acts."""
         shorter = self.its.beta * self.overlap
-        return [[x * (radius - shorter) * sense for x in self.normal] for radius, sense in zip(self.its.radii, (1, -1), strict=True)]
+        return [
+            [x * (radius - shorter) * sense for x in self.normal]
+            for radius, sense in zip(self.its.radii, (1, -1), strict=True)
+        ]
 
     @cached_property
     def slip(self) -> list[Any]:
@@ -73,13 +80,18 @@ class Moment:
     def growth(self) -> Any:
         """dF/dt = k d' + c d'': d' = v.n, d'' = a.n + v.n', n' = -(v across)/distance."""
         pressed = -self.force * (1 / self.its.masses[0] + 1 / self.its.masses[1])
-        return self.its.k * self.along + self.its.c * (pressed - dot(self.apart, self.across) / self.distance)
+        return self.its.k * self.along + self.its.c * (
+            pressed - dot(self.apart, self.across) / self.distance
+        )
 
     @cached_property
     def lag(self) -> Any:
         """How much faster the slip stretches the spring than the limit grows, as rates of force."""
         stretch = self.s[18:21]
-        return self.its.kt * dot(self.slip, stretch) / dot(stretch, stretch).sqrt() - self.its.mu * self.growth
+        return (
+            self.its.kt * dot(self.slip, stretch) / dot(stretch, stretch).sqrt()
+            - self.its.mu * self.growth
+        )
 
     def friction(self, phase: str) -> list[Any]:
         """On body 1, where the spring stands or the surfaces slip."""
@@ -91,7 +103,9 @@ class Moment:
         return [-x * limit for x in self.slip]
 
     def stretching(self, phase: str) -> list[Any]:
-        """It turns with the normal and takes the slip; clipped, it keeps mu F/k_t in place of its own growth."""
+        """It turns with the normal and takes the slip; clipped, it keeps mu F/k_t in place of its
+        own growth.
+        """
         stretch = self.s[18:21]
         if phase not in ("stick", "clip"):
             return [x * 0 for x in stretch]
@@ -99,14 +113,20 @@ class Moment:
         carried = plus(self.slip, crossed(crossed(self.normal, turn), stretch))
         if phase == "stick":
             return carried
-        return plus(carried, stretch, self.growth / self.force - dot(self.slip, stretch) / dot(stretch, stretch))
+        return plus(
+            carried,
+            stretch,
+            self.growth / self.force - dot(self.slip, stretch) / dot(stretch, stretch),
+        )
 
 
 class Bodies:
     """State: r, v, omega of body 1, the same of body 2, stretch of the tangential spring."""
 
     def __init__(self, p: Mapping[str, Exact]) -> None:
-        self.masses, self.radii = ([arb_of(x) for x in vector(p, name)] for name in ("masses", "radii"))
+        self.masses, self.radii = (
+            [arb_of(x) for x in vector(p, name)] for name in ("masses", "radii")
+        )
         self.moments = [m * r * r * 2 / 5 for m, r in zip(self.masses, self.radii, strict=True)]
         self.beta = {"R": arb(0), "R-d/2": arb(1) / 2, "R-d": arb(1)}[str(p["branch"])]
         names = ("stiffness", "damping", "tangential_stiffness", "friction")
@@ -116,10 +136,21 @@ class Bodies:
     def start(self, p: Mapping[str, Exact]) -> list[arb]:
         """Touching on x, centre of mass at rest."""
         spins, (m1, m2), reach = vector(p, "spins"), self.masses, sum(self.radii, arb(0))
-        speed, (sine, cosine) = arb_of(number(p, "closing_speed")), arb_of(number(p, "angle")).sin_cos()
+        speed, (sine, cosine) = (
+            arb_of(number(p, "closing_speed")),
+            arb_of(number(p, "angle")).sin_cos(),
+        )
         state: list[arb] = []
         for share, turning in ((m2 / (m1 + m2), spins[:3]), (-m1 / (m1 + m2), spins[3:])):
-            state += [-share * reach, arb(0), arb(0), share * speed * cosine, share * speed * sine, arb(0), *map(arb_of, turning)]
+            state += [
+                -share * reach,
+                arb(0),
+                arb(0),
+                share * speed * cosine,
+                share * speed * sine,
+                arb(0),
+                *map(arb_of, turning),
+            ]
         return [*state, arb(0), arb(0), arb(0)]
 
     def overlap(self, s: Vector) -> Any:
@@ -149,7 +180,9 @@ class Bodies:
         if phase == "free":
             return {"apart": self.overlap if self.pulls else self.force}
         if phase == "stick":
-            return {"clip": lambda s: self.mu * self.force(s) - self.kt * dot(s[18:21], s[18:21]).sqrt()}
+            return {
+                "clip": lambda s: self.mu * self.force(s) - self.kt * dot(s[18:21], s[18:21]).sqrt()
+            }
         over: dict[str, Callable[[Vector], Any]] = {("free" if self.pulls else "apart"): self.force}
         if phase == "clip":
             over["stick"] = lambda s: Moment(self, s).lag
@@ -165,10 +198,21 @@ def spinning(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: Claimed
     course = list(phases(pair, pair.start(p), longest))
     if "duration" in claimed:
         yield None, {"duration": course[-1][1]}
-    names = [f"{kind}{body}.{axis}" for body in (1, 2) for kind in ("r", "v", "omega") for axis in "xyz"]
+    names = [
+        f"{kind}{body}.{axis}" for body in (1, 2) for kind in ("r", "v", "omega") for axis in "xyz"
+    ]
     for t in times:
         now = next((solution.at(t) for solution, until in course if arb_of(t) <= until), None)
-        yield t, dict(zip(names, now or flown(course[-1][0].at(course[-1][1]), arb_of(t) - course[-1][1]), strict=False))
+        yield (
+            t,
+            dict(
+                zip(
+                    names,
+                    now or flown(course[-1][0].at(course[-1][1]), arb_of(t) - course[-1][1]),
+                    strict=False,
+                )
+            ),
+        )
 
 
 def phases(pair: Bodies, s: list[arb], longest: float) -> Iterator[tuple[Solution, arb]]:
@@ -185,14 +229,19 @@ def phases(pair: Bodies, s: list[arb], longest: float) -> Iterator[tuple[Solutio
         s = solution.at(t)
 
 
-def switch(solution: Solution, values: Mapping[str, Callable[[Vector], Any]], begin: float, longest: float) -> tuple[str, arb] | None:
+def switch(
+    solution: Solution, values: Mapping[str, Callable[[Vector], Any]], begin: float, longest: float
+) -> tuple[str, arb] | None:
     """Which function is the first to fall through zero, and when."""
     low, step = begin + longest / GRID / 4096, longest / GRID / 4096
     while low < 1.1 * longest:
         high = low + step
         fallen = [name for name, value in values.items() if value(solution.at(arb(high))) < 0]
         if fallen:
-            crossings = [(solution.crossing(values[name], (low + high) / 2, (high - low) / 2), name) for name in fallen]
+            crossings = [
+                (solution.crossing(values[name], (low + high) / 2, (high - low) / 2), name)
+                for name in fallen
+            ]
             time, name = min(crossings, key=lambda pair: float(pair[0]))
             return name, time
         low, step = high, min(2 * step, longest / GRID)

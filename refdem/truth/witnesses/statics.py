@@ -1,4 +1,6 @@
-"""Witnesses of what has no time: counts by ranks modulo a prime, solids by cubature, rotations by products of turns."""
+"""Witnesses of what has no time: counts by ranks modulo a prime, solids by cubature, rotations by
+products of turns.
+"""
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from fractions import Fraction
@@ -18,25 +20,41 @@ BOOLE = [(Fraction(weight, 90), Fraction(k, 4)) for k, weight in enumerate((7, 3
 """Weights and places of a rule on [0, 1] that is exact to the fifth degree."""
 Point = Sequence[Any]
 Rule = Iterator[tuple[Any, Point]]
-"""Weights (volumes) and points whose sums are the integrals of polynomials of second degree over a solid."""
+"""Weights (volumes) and points whose sums are the integrals of polynomials of second degree over a
+solid.
+"""
 
 
 def rank(rows: Sequence[Sequence[Fraction]]) -> int:
     """Modulo a prime far larger than any number here."""
     table = [[x.numerator * pow(x.denominator, -1, PRIME) % PRIME for x in row] for row in rows]
-    return int(nmod_mat(len(table), len(table[0]), [x for row in table for x in row], PRIME).rank()) if table else 0
+    return (
+        int(nmod_mat(len(table), len(table[0]), [x for row in table for x in row], PRIME).rank())
+        if table
+        else 0
+    )
 
 
 def freedom(points: Sequence[Sequence[Fraction]]) -> tuple[int, int]:
-    """Velocities that keep all distances to first order; and those of the body as a whole: rank of translations and turns."""
+    """Velocities that keep all distances to first order; and those of the body as a whole: rank of
+    translations and turns.
+    """
     size, count = len(points[0]), len(points)
     rods, whole = [], []
     for a, b in combinations(range(count), 2):
-        rods.append([(points[a][i] - points[b][i]) * ((n == a) - (n == b)) for n in range(count) for i in range(size)])
+        rods.append(
+            [
+                (points[a][i] - points[b][i]) * ((n == a) - (n == b))
+                for n in range(count)
+                for i in range(size)
+            ]
+        )
     for axis in range(size):
         whole.append([Fraction(int(i == axis)) for _ in range(count) for i in range(size)])
     for i, j in combinations(range(size), 2):
-        whole.append([point[j] * (k == i) - point[i] * (k == j) for point in points for k in range(size)])
+        whole.append(
+            [point[j] * (k == i) - point[i] * (k == j) for point in points for k in range(size)]
+        )
     return size * count - rank(rods), rank(whole)
 
 
@@ -45,18 +63,29 @@ def counted(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: Claimed)
     flat = vector(p, "points")
     space = [flat[3 * i : 3 * i + 3] for i in range(5)]
     plane = [point[:2] for point in space]
-    placed = {f"{d}d-{n}": points[:n] for d, points in ((2, plane), (3, space)) for n in range(1, 6)}
+    placed = {
+        f"{d}d-{n}": points[:n] for d, points in ((2, plane), (3, space)) for n in range(1, 6)
+    }
     placed |= {"rods-6-on-4-in-2d": plane[:4], "rods-10-on-5-in-3d": space, "rod-twice": space[:2]}
     found = {name: freedom(points)[0] for name, points in placed.items()}
     on_table = [[x, y, Fraction(0)] for x, y, _ in space]
-    in_line = [[x * along for x in space[1]] for along in (Fraction(0), Fraction(1), Fraction(5, 2))]
-    special = {"coplanar-4": on_table[:4], "coplanar-5": on_table, "collinear-3": in_line, "2d-collinear-3": [x[:2] for x in in_line]}
+    in_line = [
+        [x * along for x in space[1]] for along in (Fraction(0), Fraction(1), Fraction(5, 2))
+    ]
+    special = {
+        "coplanar-4": on_table[:4],
+        "coplanar-5": on_table,
+        "collinear-3": in_line,
+        "2d-collinear-3": [x[:2] for x in in_line],
+    }
     for name, points in special.items():
         found[f"{name}-first-order"], found[f"{name}-rigid"] = freedom(points)
     yield None, {name: arb(n) for name, n in found.items()}
 
 
-def brick(low: Point, high: Point, corner: Callable[[Any, Any, Any], tuple[Point, Any]] | None = None) -> Rule:
+def brick(
+    low: Point, high: Point, corner: Callable[[Any, Any, Any], tuple[Point, Any]] | None = None
+) -> Rule:
     """A cuboid; or its image under a map with the factor by which volumes grow."""
     sides = [h - x for x, h in zip(low, high, strict=True)]
     for rule in product(BOOLE, repeat=3):
@@ -69,7 +98,14 @@ def brick(low: Point, high: Point, corner: Callable[[Any, Any, Any], tuple[Point
 def cylinder(a: Any, b: Any, c: Any) -> Rule:
     """Half-axes a, b: the mean over four points of a circle is exact to the third degree."""
     for (w, rho), (u, up), (x, y) in product(BOOLE, BOOLE, ((1, 0), (0, 1), (-1, 0), (0, -1))):
-        yield arb.pi() / 2 * arb_of(w * rho * u * a * b * c), (a * rho * x, b * rho * y, c * (up - Fraction(1, 2)))
+        yield (
+            arb.pi() / 2 * arb_of(w * rho * u * a * b * c),
+            (
+                a * rho * x,
+                b * rho * y,
+                c * (up - Fraction(1, 2)),
+            ),
+        )
 
 
 def ellipsoid(a: Any, b: Any, c: Any) -> Rule:
@@ -103,7 +139,9 @@ def solids(p: Mapping[str, Exact]) -> dict[str, Rule]:
         return brick([-x / 2, -y / 2, -z / 2], [x / 2, y / 2, z / 2])
 
     def tetrahedron(x: Any, y: Any, z: Any) -> tuple[Point, Any]:
-        return (a * x * (1 - y) * (1 - z), b * y * (1 - z), c * z), a * b * c * (1 - y) * (1 - z) * (1 - z)
+        return (a * x * (1 - y) * (1 - z), b * y * (1 - z), c * z), a * b * c * (1 - y) * (
+            1 - z
+        ) * (1 - z)
 
     def pyramid(x: Any, y: Any, z: Any) -> tuple[Point, Any]:
         return (a * x * (1 - z), b * y * (1 - z), c * z), a * b * c * (1 - z) ** 2
@@ -113,14 +151,16 @@ def solids(p: Mapping[str, Exact]) -> dict[str, Rule]:
         "cuboid": box(a, b, c),
         "ellipsoid": ellipsoid(a, b, c),
         "elliptical-cylinder": cylinder(a, b, c),
-        "rectangular-pyramid": brick(
-            [-half, -half, nothing], [half, half, one], pyramid
-        ),
+        "rectangular-pyramid": brick([-half, -half, nothing], [half, half, one], pyramid),
         "right-angle-wedge": brick(
-            [nothing, -half, nothing], [one, half, one], lambda x, y, z: ((a * x * (1 - z), b * y, c * z), a * b * c * (1 - z))
+            [nothing, -half, nothing],
+            [one, half, one],
+            lambda x, y, z: ((a * x * (1 - z), b * y, c * z), a * b * c * (1 - z)),
         ),
         "isosceles-wedge": brick(
-            [-half, -half, nothing], [half, half, one], lambda x, y, z: ((b * x * (1 - z), a * y, c * z), a * b * c * (1 - z))
+            [-half, -half, nothing],
+            [half, half, one],
+            lambda x, y, z: ((b * x * (1 - z), a * y, c * z), a * b * c * (1 - z)),
         ),
         "tetrahedron": brick(cube, ones, tetrahedron),
         "turned-tetrahedron": turned(brick(cube, ones, tetrahedron), vector(p, "attitude")),
@@ -128,10 +168,12 @@ def solids(p: Mapping[str, Exact]) -> dict[str, Rule]:
         "hollow-cuboid": without(box(a, b, c), box(a * f, b * f, c * f)),
         "hollow-cylinder": without(cylinder(a, a, c), cylinder(a * f, a * f, c)),
         "cuboid-at-corner": box(a, b, c),
-        "triangle": brick(cube, ones, lambda x, y, z: ((b * x * (1 - y) + a * y, c * y, nothing), b * c * (1 - y))),
+        "triangle": brick(
+            cube, ones, lambda x, y, z: ((b * x * (1 - y) + a * y, c * y, nothing), b * c * (1 - y))
+        ),
         "angle-plate": ((weight, (x, y, nothing)) for weight, (x, y, _) in angled(a, b, one)),
         "points": ((Fraction(m), (a * (m > 1), b * (m > 2), c * (m > 3))) for m in (1, 2, 3, 4)),
-    }  # fmt: skip
+    }
 
 
 def turned(rule: Rule, q: Sequence[Fraction]) -> Rule:
@@ -152,9 +194,17 @@ def weighed(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: Claimed)
         centre = [sum((w * r[i] for w, r in points), arb(0)) / mass for i in range(3)]
         about = [arb_of(x) for x in corner] if name == "cuboid-at-corner" else centre
         arms = [(w, [x - y for x, y in zip(r, about, strict=True)]) for w, r in points]
-        found |= {f"{name}.mass": mass} | {f"{name}.centre.{axis}": x for axis, x in zip("xyz", centre, strict=True)}
+        found |= {f"{name}.mass": mass} | {
+            f"{name}.centre.{axis}": x for axis, x in zip("xyz", centre, strict=True)
+        }
         for i, j in ((0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2)):
-            own = sum((w * ((r[0] * r[0] + r[1] * r[1] + r[2] * r[2]) * int(i == j) - r[i] * r[j]) for w, r in arms), arb(0))
+            own = sum(
+                (
+                    w * ((r[0] * r[0] + r[1] * r[1] + r[2] * r[2]) * int(i == j) - r[i] * r[j])
+                    for w, r in arms
+                ),
+                arb(0),
+            )
             found[f"{name}.inertia.{'xyz'[i]}{'xyz'[j]}"] = own
     yield None, found
 
@@ -163,7 +213,12 @@ def hamilton(a: Point, b: Point) -> list[Any]:
     """Hamilton's product."""
     w, x, y, z = a
     s, t, u, v = b
-    return [w * s - x * t - y * u - z * v, w * t + x * s + y * v - z * u, w * u - x * v + y * s + z * t, w * v + x * u - y * t + z * s]
+    return [
+        w * s - x * t - y * u - z * v,
+        w * t + x * s + y * v - z * u,
+        w * u - x * v + y * s + z * t,
+        w * v + x * u - y * t + z * s,
+    ]
 
 
 def matrix_of(q: Point) -> list[list[Any]]:
@@ -181,7 +236,11 @@ def euler_of(r: Sequence[Sequence[arb]]) -> list[arb]:
 
 def listed(found: Mapping[str, Sequence[Any]]) -> dict[str, arb]:
     """`name`, or `name.0`, `name.1` ... where there are several numbers."""
-    return {(name if len(row) == 1 else f"{name}.{i}"): arb_of(x) for name, row in found.items() for i, x in enumerate(row)}
+    return {
+        (name if len(row) == 1 else f"{name}.{i}"): arb_of(x)
+        for name, row in found.items()
+        for i, x in enumerate(row)
+    }
 
 
 def conjugate(q: Point) -> list[Any]:
@@ -190,8 +249,12 @@ def conjugate(q: Point) -> list[Any]:
 
 
 def quaternions(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: Claimed) -> Said:
-    """Hamilton's products, exact as long as nothing is made unit; the matrix from w and the skew matrix of the vector."""
-    a, b, c, v, omega, rise = (vector(p, name) for name in ("p", "q", "r", "vector", "omega", "rise"))
+    """Hamilton's products, exact as long as nothing is made unit; the matrix from w and the skew
+    matrix of the vector.
+    """
+    a, b, c, v, omega, rise = (
+        vector(p, name) for name in ("p", "q", "r", "vector", "omega", "rise")
+    )
     size = arb_of(sum((x * x for x in b), Fraction(0))).sqrt()
     u = [arb_of(x) / size for x in b]
     turning = [arb(0), *map(arb_of, omega)]
@@ -200,22 +263,61 @@ def quaternions(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: Clai
     matrix, double = matrix_of(u), matrix_of(twice)
     pq, qp = hamilton(a, b), hamilton(b, a)
     both = [x + y for x, y in zip(a, b, strict=True)]
-    moved, again = ([sum((m * arb_of(x) for m, x in zip(row, v, strict=True)), arb(0)) for row in rows] for rows in (matrix, double))
-    second = [x / 2 for x in map(sum, zip(hamilton([arb(0), *map(arb_of, rise)], u), hamilton(turning, rate), strict=True))]
+    moved, again = (
+        [sum((m * arb_of(x) for m, x in zip(row, v, strict=True)), arb(0)) for row in rows]
+        for rows in (matrix, double)
+    )
+    second = [
+        x / 2
+        for x in map(
+            sum,
+            zip(hamilton([arb(0), *map(arb_of, rise)], u), hamilton(turning, rate), strict=True),
+        )
+    ]
     inverse = [x / sum(y * y for y in b) for x in conjugate(b)]
     body = [sum((matrix[k][i] * arb_of(omega[k]) for k in range(3)), arb(0)) for i in range(3)]
     ahead, behind = hamilton(u, conjugate(rate)), hamilton(rate, conjugate(u))
-    yield None, listed({
-        "p-q": pq, "q-p": qp, "commutator": [x - y for x, y in zip(pq, qp, strict=True)], "q-r": hamilton(b, c), "left": hamilton(pq, c),
-        "right": hamilton(a, hamilton(b, c)), "conjugate-of-product": conjugate(pq), "sum": both, "conjugate-of-sum": conjugate(both),
-        "inverse": inverse, "one": hamilton(b, inverse), "absolute": [size], "u": u, "real-product": pq, "complex-product": pq,
-        "complex-eigenvalue": [b[0], (size * size - arb_of(b[0] * b[0])).sqrt()], "rotated": moved, "-u": [-x for x in u],
-        "rotated-by-minus-u": moved, "matrix": [x for row in matrix for x in row], "euler": euler_of(matrix),
-        "back": [x if u[0] > 0 else -x for x in u], "turned-twice": twice, "rotated-twice": again, "rate": rate, "second-rate": second,
-        "orthogonal": [sum((x * y for x, y in zip(u, rate, strict=True)), arb(0))], "rate-conjugate": conjugate(rate),
-        "u-conjugate": conjugate(u), "u-rate": ahead, "rate-u": behind, "anticommute": [x + y for x, y in zip(ahead, behind, strict=True)],
-        "omega-back": [2 * x for x in hamilton(rate, conjugate(u))][1:], "omega-body": body,
-    })  # fmt: skip
+    yield (
+        None,
+        listed(
+            {
+                "p-q": pq,
+                "q-p": qp,
+                "commutator": [x - y for x, y in zip(pq, qp, strict=True)],
+                "q-r": hamilton(b, c),
+                "left": hamilton(pq, c),
+                "right": hamilton(a, hamilton(b, c)),
+                "conjugate-of-product": conjugate(pq),
+                "sum": both,
+                "conjugate-of-sum": conjugate(both),
+                "inverse": inverse,
+                "one": hamilton(b, inverse),
+                "absolute": [size],
+                "u": u,
+                "real-product": pq,
+                "complex-product": pq,
+                "complex-eigenvalue": [b[0], (size * size - arb_of(b[0] * b[0])).sqrt()],
+                "rotated": moved,
+                "-u": [-x for x in u],
+                "rotated-by-minus-u": moved,
+                "matrix": [x for row in matrix for x in row],
+                "euler": euler_of(matrix),
+                "back": [x if u[0] > 0 else -x for x in u],
+                "turned-twice": twice,
+                "rotated-twice": again,
+                "rate": rate,
+                "second-rate": second,
+                "orthogonal": [sum((x * y for x, y in zip(u, rate, strict=True)), arb(0))],
+                "rate-conjugate": conjugate(rate),
+                "u-conjugate": conjugate(u),
+                "u-rate": ahead,
+                "rate-u": behind,
+                "anticommute": [x + y for x, y in zip(ahead, behind, strict=True)],
+                "omega-back": [2 * x for x in hamilton(rate, conjugate(u))][1:],
+                "omega-body": body,
+            }
+        ),
+    )
 
 
 def about(axis: str, angle: arb) -> arb_mat:
@@ -228,43 +330,74 @@ def about(axis: str, angle: arb) -> arb_mat:
 
 
 def rotations(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: Claimed) -> Said:
-    """Products of turns about coordinate axes; rates from the axes about which Euler's angles turn."""
+    """Products of turns about coordinate axes; rates from the axes about which Euler's angles
+    turn.
+    """
     angle, near, frequency = (arb_of(number(p, name)) for name in ("angle", "near", "frequency"))
-    v, euler, omega = ([arb_of(x) for x in vector(p, name)] for name in ("vector", "euler", "omega"))
-    turn = {f"{axis}{degrees:+d}": about(axis, arb.pi() * degrees / 180) for axis in "xyz" for degrees in (90, -90, 180)}
+    v, euler, omega = (
+        [arb_of(x) for x in vector(p, name)] for name in ("vector", "euler", "omega")
+    )
+    turn = {
+        f"{axis}{degrees:+d}": about(axis, arb.pi() * degrees / 180)
+        for axis in "xyz"
+        for degrees in (90, -90, 180)
+    }
     for name, first, second in (
-        ("z-then-x", "x+90", "z+90"), ("x-then-z", "z+90", "x+90"), ("globe", "x-90", "y-90"), ("two-halves", "x+180", "y+180"),
-        ("x-y", "x+90", "y+90"), ("x-y-back", "x-y", "x-90"),
-    ):  # fmt: skip
+        ("z-then-x", "x+90", "z+90"),
+        ("x-then-z", "z+90", "x+90"),
+        ("globe", "x-90", "y-90"),
+        ("two-halves", "x+180", "y+180"),
+        ("x-y", "x+90", "y+90"),
+        ("x-y-back", "x-y", "x-90"),
+    ):
         turn[name] = turn[first] * turn[second]
-    found: dict[str, Sequence[Any]] = {name: [x for row in m.table() for x in row] for name, m in turn.items()}
+    found: dict[str, Sequence[Any]] = {
+        name: [x for row in m.table() for x in row] for name, m in turn.items()
+    }
     globe, plane = turn["globe"], about("z", angle)
-    flat, along = [plane[i, 0] * v[0] + plane[i, 1] * v[1] for i in (0, 1)], plane[0, 0] * v[0] + plane[1, 0] * v[1]
+    flat, along = (
+        [plane[i, 0] * v[0] + plane[i, 1] * v[1] for i in (0, 1)],
+        plane[0, 0] * v[0] + plane[1, 0] * v[1],
+    )
     whole = about("z", euler[0]) * about("x", euler[1]) * about("z", euler[2])
     spin, slow = (2 * arb.pi() * frequency) ** 2 / 2, frequency * frequency / 2
     tilted = attitude(euler[0], near, euler[2])
     found |= {
-        "globe-x": [globe[i, 0] for i in range(3)], "globe-determinant": [globe.det()],
+        "globe-x": [globe[i, 0] for i in range(3)],
+        "globe-determinant": [globe.det()],
         "globe-angle": [((globe[0, 0] + globe[1, 1] + globe[2, 2] - 1) / 2).acos()],
-        "plane-turn": flat, "complex-turn": flat, "plane-determinant": [plane.det()], "mirror-determinant": [-plane.det()],
+        "plane-turn": flat,
+        "complex-turn": flat,
+        "plane-determinant": [plane.det()],
+        "mirror-determinant": [-plane.det()],
         "plane-eigenvalue": [plane[0, 0], (plane[0, 1] * plane[0, 1]).sqrt()],
-        "mirror": [2 * along * plane[i, 0] - v[i] for i in (0, 1)], "euler-matrix": [x for row in whole.table() for x in row],
-        "euler-back": euler_of(whole.table()), "euler-quaternion": attitude(*euler), "euler-rates": turning(euler[0], euler[1], omega),
-        "near-rates": turning(euler[0], near, omega), "near-quaternion": tilted,
+        "mirror": [2 * along * plane[i, 0] - v[i] for i in (0, 1)],
+        "euler-matrix": [x for row in whole.table() for x in row],
+        "euler-back": euler_of(whole.table()),
+        "euler-quaternion": attitude(*euler),
+        "euler-rates": turning(euler[0], euler[1], omega),
+        "near-rates": turning(euler[0], near, omega),
+        "near-quaternion": tilted,
         "near-quaternion-rate": [x / 2 for x in hamilton([arb(0), *omega], tilted)],
-        "energy": [spin], "frequency-energy": [slow], "energy-ratio": [spin / slow],
-    }  # fmt: skip
+        "energy": [spin],
+        "frequency-energy": [slow],
+        "energy-ratio": [spin / slow],
+    }
     yield None, listed(found)
 
 
 def attitude(phi: arb, theta: arb, psi: arb) -> list[arb]:
     """The quaternion of three turns."""
     (a, b), (c, d), (e, f) = ((half / 2).sin_cos() for half in (phi, theta, psi))
-    return hamilton(hamilton([b, arb(0), arb(0), a], [d, c, arb(0), arb(0)]), [f, arb(0), arb(0), e])
+    return hamilton(
+        hamilton([b, arb(0), arb(0), a], [d, c, arb(0), arb(0)]), [f, arb(0), arb(0), e]
+    )
 
 
 def turning(phi: arb, theta: arb, omega: Sequence[arb]) -> list[arb]:
-    """phi', theta', psi': omega = phi' e_z + theta' (line of nodes) + psi' (axis of the body), solved as linear equations."""
+    """phi', theta', psi': omega = phi' e_z + theta' (line of nodes) + psi' (axis of the body),
+    solved as linear equations.
+    """
     sine, cosine = phi.sin_cos()
     down, up = theta.sin_cos()
     axes = arb_mat([[0, cosine, sine * down], [0, sine, -cosine * down], [1, 0, up]])
@@ -272,8 +405,14 @@ def turning(phi: arb, theta: arb, omega: Sequence[arb]) -> list[arb]:
 
 
 WITNESSES = {
-    "degrees-of-freedom": Witness(f"ranks modulo 2^61 - 1 of rods, and of translations and turns {PLACE}", counted),
-    "moments-of-inertia": Witness(f"cubature of every solid as the image of a cube or of discs {PLACE}", weighed),
-    "quaternions": Witness(f"Hamilton's products; matrices by 1 + 2 w [v] + 2 [v]^2 {PLACE}", quaternions),
+    "degrees-of-freedom": Witness(
+        f"ranks modulo 2^61 - 1 of rods, and of translations and turns {PLACE}", counted
+    ),
+    "moments-of-inertia": Witness(
+        f"cubature of every solid as the image of a cube or of discs {PLACE}", weighed
+    ),
+    "quaternions": Witness(
+        f"Hamilton's products; matrices by 1 + 2 w [v] + 2 [v]^2 {PLACE}", quaternions
+    ),
     "rotations": Witness(f"products of turns about coordinate axes {PLACE}", rotations),
 }

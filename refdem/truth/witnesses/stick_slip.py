@@ -1,4 +1,6 @@
-"""Witness of the stick-slip oscillator: slips by Taylor integration from Stribeck's law as it is written, sticking by the belt's motion."""
+"""Witness of the stick-slip oscillator: slips by Taylor integration from Stribeck's law as it is
+written, sticking by the belt's motion.
+"""
 
 from collections.abc import Mapping, Sequence
 from fractions import Fraction
@@ -14,7 +16,8 @@ from refdem.truth.witnesses.taylor import BITS, Solution
 from refdem.truth.witnesses.testimony import Claimed, Said, Witness
 
 METHOD = (
-    "Taylor integration of slips, the belt's motion while it sticks, events by a scan and the secant (refdem/truth/witnesses/stick_slip.py)"
+    "Taylor integration of slips, the belt's motion while it sticks, events by a scan and the"
+    " secant (refdem/truth/witnesses/stick_slip.py)"
 )
 SCAN = 1 / 64
 """Seconds between the looks for an event."""
@@ -23,7 +26,9 @@ NAMES = ("a", "mu0", "mu1", "lambda0", "lambda1", "belt", "gamma", "eta")
 
 def moving(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: Claimed) -> Said:
     """Phase after phase to the last time."""
-    law = Law({name: arb_of(number(p, name)) for name in NAMES}, linear=p["friction_law"] == "linear")
+    law = Law(
+        {name: arb_of(number(p, name)) for name in NAMES}, linear=p["friction_law"] == "linear"
+    )
     begin, x, v, waiting = arb(0), arb_of(number(p, "x0")), arb_of(number(p, "v0")), list(times)
     counts = {"stick": 0, "slip": 0}
     held = False
@@ -53,7 +58,11 @@ class Law:
     def coefficient(self, u: Any) -> Any:
         """mu at a speed u >= 0."""
         e = self.e
-        return (e["mu0"] - e["mu1"]) / (u * e["lambda0"] + 1) + e["mu1"] + (u if self.linear else u * u) * e["lambda1"]
+        return (
+            (e["mu0"] - e["mu1"]) / (u * e["lambda0"] + 1)
+            + e["mu1"]
+            + (u if self.linear else u * u) * e["lambda1"]
+        )
 
     def pull(self, t: Any, x: Any) -> Any:
         """P = gamma cos(eta t) - x - a mu(belt)."""
@@ -73,10 +82,17 @@ class Law:
         """x' and v'."""
         if side == 0:
             return [self.e["belt"], arb(0)]
-        return [y[1], self.pull(t, y[0]) - side * self.e["a"] * self.coefficient(side * (y[1] - self.e["belt"]))]
+        return [
+            y[1],
+            self.pull(t, y[0])
+            - side * self.e["a"] * self.coefficient(side * (y[1] - self.e["belt"])),
+        ]
 
     def end(self, phase: Solution, side: int, begin: arb, last: Fraction) -> arb | None:
-        """When the slip ends (u = 0), or the sticking (|P| = a mu0); None if not before the last time."""
+        """When the slip ends (u = 0), or the sticking (|P| = a mu0);
+
+        None if not before the last time.
+        """
         t = float(begin)
         while t <= float(last):
             t += SCAN

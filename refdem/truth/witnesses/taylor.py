@@ -1,6 +1,8 @@
-"""Taylor integration at many digits without any proof: y' = f(t, y), midpoints alone, the step from the last coefficients.
+"""Taylor integration at many digits without any proof: y' = f(t, y), midpoints alone, the step from
+the last coefficients.
 
-Order and step after Jorba and Zou, Experimental Mathematics 14 (2005) 99: order half the bits times log 2, step rho/e^2.
+Order and step after Jorba and Zou, Experimental Mathematics 14 (2005) 99: order half the bits times
+log 2, step rho/e^2.
 """
 
 import math
@@ -17,13 +19,16 @@ Field = Callable[[Any, Sequence[Any]], list[Any]]
 """The rates at (t, y), by + - * / and the methods of arb_series."""
 BITS = 192
 LAST = 6
-"""Coefficients that make the step: of a motion with symmetries only every fourth may differ from 0."""
+"""Coefficients that make the step: of a motion with symmetries only every fourth may differ from 0.
+"""
 
 
 class Solution:
     """The motion from `start` at t = `begin`, as far as it is asked for."""
 
-    def __init__(self, field: Field, start: Sequence[arb], *, begin: arb | None = None, bits: int = BITS) -> None:
+    def __init__(
+        self, field: Field, start: Sequence[arb], *, begin: arb | None = None, bits: int = BITS
+    ) -> None:
         self.field, self.bits = field, bits
         self.order = math.ceil(bits * math.log(2) / 2)
         self.begins: list[arb] = []
@@ -42,7 +47,9 @@ class Solution:
             return [polynomial(since) for polynomial in self.pieces[index]]
 
     def crossing(self, value: Callable[[Sequence[arb]], arb], near: float, apart: float) -> arb:
-        """The zero of a function of the state between near - apart and near + apart, by the secant."""
+        """The zero of a function of the state between near - apart and near + apart, by the
+        secant.
+        """
         with precision(self.bits):
             a, b = arb(near - apart), arb(near + apart)
             of_a, of_b = value(self.at(a)), value(self.at(b))
@@ -54,7 +61,9 @@ class Solution:
             return b
 
     def bisected(self, value: Callable[[Sequence[arb]], arb], low: float, high: float) -> arb:
-        """The zero of a function that is negative at `low` and positive at `high`, or at both of the other sign, by bisection."""
+        """The zero of a function that is negative at `low` and positive at `high`, or at both of
+        the other sign, by bisection.
+        """
         a, b = arb(low), arb(high)
         rises = value(self.at(b)) > 0
         with precision(self.bits + 16):
@@ -68,8 +77,13 @@ class Solution:
         begin, start = self.next
         series = self._series(begin, start)
         size = max(float(abs(value).mid()) for value in start) or 1.0
-        sizes = [(n, max(abs(one[n]) for one in series)) for n in range(self.order - LAST, self.order + 1)]
-        radii = [math.exp(-(_logarithm(last) - math.log(size)) / n) for n, last in sizes if last > 0]
+        sizes = [
+            (n, max(abs(one[n]) for one in series))
+            for n in range(self.order - LAST, self.order + 1)
+        ]
+        radii = [
+            math.exp(-(_logarithm(last) - math.log(size)) / n) for n, last in sizes if last > 0
+        ]
         step = arb(min([*radii, 8.0]) / math.e**2)
         self.begins.append(begin)
         self.pieces.append(series)
@@ -84,7 +98,9 @@ class Solution:
                 clock = arb_series([begin, arb(1)], prec=length)
                 rates = map(_as_series, self.field(clock, series))
                 series = [value + rate.integral() for value, rate in zip(start, rates, strict=True)]
-        return [arb_poly([value.mid() for value in terms_of(one, self.order + 1)]) for one in series]
+        return [
+            arb_poly([value.mid() for value in terms_of(one, self.order + 1)]) for one in series
+        ]
 
 
 def _as_series(value: Any) -> arb_series:

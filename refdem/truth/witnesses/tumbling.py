@@ -1,4 +1,6 @@
-"""Witness of the box on a slope: Euler's equations in body axes with R as nine numbers, contacts by a scan and bisection."""
+"""Witness of the box on a slope: Euler's equations in body axes with R as nine numbers, contacts by
+a scan and bisection.
+"""
 
 from collections.abc import Mapping, Sequence
 from fractions import Fraction
@@ -14,17 +16,26 @@ from refdem.truth.witnesses import rotations
 from refdem.truth.witnesses.taylor import Solution
 from refdem.truth.witnesses.testimony import Claimed, Said, Witness
 
-METHOD = "Taylor integration of Euler's equations in body axes, contacts by a scan and bisection (refdem/truth/witnesses/tumbling.py)"
+METHOD = (
+    "Taylor integration of Euler's equations in body axes, contacts by a scan and bisection"
+    " (refdem/truth/witnesses/tumbling.py)"
+)
 SCAN = 1 / 8192
 """Seconds between the looks for an event."""
 OFF, PRESSES, IDLES = range(3)
 
 
 def moving(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: Claimed) -> Said:
-    """The free body as free rigid bodies move, with its centre; the box on the slope from contact to contact."""
+    """The free body as free rigid bodies move, with its centre; the box on the slope from contact
+    to contact.
+    """
     if p["member"] == "free":
         for t, values in rotations.free(p, times, claimed):
-            place = {} if t is None else {a: arb_of(v * t) for a, v in zip("xyz", vector(p, "velocity"), strict=True)}
+            place = (
+                {}
+                if t is None
+                else {a: arb_of(v * t) for a, v in zip("xyz", vector(p, "velocity"), strict=True)}
+            )
             yield t, {**values, **place}
         return
     box, begin, waiting = Box(p), arb(0), list(times)
@@ -51,14 +62,21 @@ class Box:
         self.normal = [self.e["slope"].sin(), arb(0), self.e["slope"].cos()]
         whole = sum(self.inertia, arb(0))
         half = [(6 * (whole - 2 * j) / self.e["mass"]).sqrt() / 2 for j in self.inertia]
-        self.corners = [[half[i] * (1 if number >> i & 1 else -1) for i in range(3)] for number in range(8)]
+        self.corners = [
+            [half[i] * (1 if number >> i & 1 else -1) for i in range(3)] for number in range(8)
+        ]
 
     def start(self) -> list[arb]:
         """The start."""
         turned = rotations.seen([arb(0)] * 3 + self.unit())
         place = [arb(0), arb(0), self.e["height"]]
         rows = [turned[f"R.{i}{j}"] for i in "xyz" for j in "xyz"]
-        return [*rows, *(arb_of(w) for w in vector(self.p, "omega_body")), *place, *(arb_of(v) for v in vector(self.p, "velocity"))]
+        return [
+            *rows,
+            *(arb_of(w) for w in vector(self.p, "omega_body")),
+            *place,
+            *(arb_of(v) for v in vector(self.p, "velocity")),
+        ]
 
     def unit(self) -> list[arb]:
         """The attitude made unit."""
@@ -73,26 +91,44 @@ class Box:
         arm, speed = ([dot(y[3 * i : 3 * i + 3], v) for i in range(3)] for v in (c, swept))
         speed = [v + w for v, w in zip(y[15:18], speed, strict=True)]
         depth = -dot([r + s for r, s in zip(y[12:15], arm, strict=True)], self.normal)
-        return arm, depth, depth * self.e["stiffness"] - dot(speed, self.normal) * self.e["damping"], speed
+        return (
+            arm,
+            depth,
+            depth * self.e["stiffness"] - dot(speed, self.normal) * self.e["damping"],
+            speed,
+        )
 
     def rates(self, modes: tuple[int, ...], t: Any, y: Sequence[Any]) -> list[Any]:
         """R' = R [omega], J omega' = (J omega) x omega + R^T torque, r' = v, m v' = F."""
-        force, torque = [y[0] * 0, y[0] * 0, y[0] * 0 - self.e["mass"] * self.e["gravity"]], [y[0] * 0] * 3
+        force, torque = (
+            [y[0] * 0, y[0] * 0, y[0] * 0 - self.e["mass"] * self.e["gravity"]],
+            [y[0] * 0] * 3,
+        )
         for pressing in (n for n, mode in enumerate(modes) if mode == PRESSES):
             arm, _, push, u = self.corner(y, pressing)
             along = dot(u, self.normal)
             slip = [a - n * along for a, n in zip(u, self.normal, strict=True)]
-            rub = push * self.e["friction"] / dot(slip, slip).sqrt() if float(self.e["friction"]) else push * 0
+            rub = (
+                push * self.e["friction"] / dot(slip, slip).sqrt()
+                if float(self.e["friction"])
+                else push * 0
+            )
             own = [push * n - rub * s for n, s in zip(self.normal, slip, strict=True)]
             force = [a + b for a, b in zip(force, own, strict=True)]
             torque = [a + b for a, b in zip(torque, crossed(arm, own), strict=True)]
         (a, b, c), (j1, j2, j3) = y[9:12], self.inertia
         felt = [dot([y[i], y[3 + i], y[6 + i]], torque) for i in range(3)]
-        spin = [(b * c * (j2 - j3) + felt[0]) / j1, (c * a * (j3 - j1) + felt[1]) / j2, (a * b * (j1 - j2) + felt[2]) / j3]
+        spin = [
+            (b * c * (j2 - j3) + felt[0]) / j1,
+            (c * a * (j3 - j1) + felt[1]) / j2,
+            (a * b * (j1 - j2) + felt[2]) / j3,
+        ]
         turn = [x for i in range(3) for x in crossed(y[3 * i : 3 * i + 3], (a, b, c))]
         return [*turn, *spin, *y[15:18], *(f / self.e["mass"] for f in force)]
 
-    def event(self, phase: Solution, modes: list[int], begin: float, last: float) -> tuple[arb, int, int] | None:
+    def event(
+        self, phase: Solution, modes: list[int], begin: float, last: float
+    ) -> tuple[arb, int, int] | None:
         """When, at which corner, and its next mode; None if not before the last time."""
         t = begin
         while t <= last:
@@ -102,21 +138,35 @@ class Box:
                 return min((one for one in found if one), key=lambda one: float(one[0]))
         return None
 
-    def ended(self, phase: Solution, number: int, mode: int, begin: float, t: float) -> tuple[arb, int, int] | None:
-        """The event of one corner in the stretch before t: it touches, would pull, leaves, or presses again."""
+    def ended(
+        self, phase: Solution, number: int, mode: int, begin: float, t: float
+    ) -> tuple[arb, int, int] | None:
+        """The event of one corner in the stretch before t: it touches, would pull, leaves, or
+        presses again.
+        """
         _, depth, push, _ = self.corner(phase.at(arb(t)), number)
         low = max(begin, t - SCAN) + 1e-9
         if mode == OFF and depth > 0:
             return phase.bisected(lambda y: self.corner(y, number)[1], low, t), number, PRESSES
         if mode == PRESSES and push < 0:
-            return phase.bisected(lambda y: -self.corner(y, number)[2], low, t), number, IDLES if self.e["damping"] > 0 else OFF
+            return (
+                phase.bisected(lambda y: -self.corner(y, number)[2], low, t),
+                number,
+                IDLES if self.e["damping"] > 0 else OFF,
+            )
         if mode == IDLES and depth < 0:
             return phase.bisected(lambda y: -self.corner(y, number)[1], low, t), number, OFF
-        return (phase.bisected(lambda y: self.corner(y, number)[2], low, t), number, PRESSES) if mode == IDLES and push > 0 else None
+        return (
+            (phase.bisected(lambda y: self.corner(y, number)[2], low, t), number, PRESSES)
+            if mode == IDLES and push > 0
+            else None
+        )
 
     def seen(self, y: Sequence[arb]) -> dict[str, arb]:
         """omega_body, omega, R and the place."""
-        found = {f"R.{i}{j}": y[3 * m + n] for m, i in enumerate("xyz") for n, j in enumerate("xyz")}
+        found = {
+            f"R.{i}{j}": y[3 * m + n] for m, i in enumerate("xyz") for n, j in enumerate("xyz")
+        }
         found |= {f"omega_body.{a}": w for a, w in zip("xyz", y[9:12], strict=True)}
         found |= {f"omega.{a}": dot(y[3 * i : 3 * i + 3], y[9:12]) for i, a in enumerate("xyz")}
         return found | dict(zip("xyz", y[12:15], strict=True))

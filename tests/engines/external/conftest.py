@@ -26,11 +26,13 @@ if method == "silent":
     sys.exit(0)
 if method == "aborts":
     os.kill(os.getpid(), signal.SIGABRT)
+MARK = "grandchild of " + os.path.abspath(__file__)
+SLEEPS = [sys.executable, "-c", "import time; time.sleep(600)", MARK]
 if method == "hangs":
-    subprocess.Popen([sys.executable, "-c", "import time; time.sleep(600)", "grandchild of " + os.path.abspath(__file__)])
+    subprocess.Popen(SLEEPS)
     time.sleep(600)
 if method == "leaves":
-    subprocess.Popen([sys.executable, "-c", "import time; time.sleep(600)", "grandchild of " + os.path.abspath(__file__)])
+    subprocess.Popen(SLEEPS)
 if method == "floods":
     signal.signal(signal.SIGXFSZ, signal.SIG_DFL)
     with open("big", "w") as file:
@@ -75,7 +77,6 @@ if method == "silent-pipe":
     os.remove("stderr.txt")
     os.mkfifo("stderr.txt")
     sys.exit("a pipe in the place of stderr.txt")
-SLEEPS = [sys.executable, "-c", "import time; time.sleep(600)", "grandchild of " + os.path.abspath(__file__)]
 if method == "session":
     for _ in range(3):
         subprocess.Popen(SLEEPS, start_new_session=True, cwd="/", env={})
@@ -87,7 +88,8 @@ if method == "forks":
                 os.execv(sys.executable, SLEEPS)
             os._exit(0)
 if method == "breeds":
-    SLEEPS[2] = "import os, time; [os.setsid() for _ in range(6) if os.fork() == 0]; time.sleep(600)"
+    FORKS = "[os.setsid() for _ in range(6) if os.fork() == 0]"
+    SLEEPS[2] = "import os, time; " + FORKS + "; time.sleep(600)"
     subprocess.Popen(SLEEPS)
 if method == "deep":
     for _ in range(3000):
@@ -104,22 +106,40 @@ if method == "devours":
     while True:
         kept.append(bytearray(2**24))
 with open(events, "w") as file:
-    file.write("time,kind,body\\n0.5,turn,0\\n" + ("soon,turn,0\\n" if method == "bad-event" else ""))
+    file.write("time,kind,body\\n0.5,turn,0\\n")
+    if method == "bad-event":
+        file.write("soon,turn,0\\n")
 """
 
-MISBEHAVIOURS = """refuses fails silent aborts hangs leaves floods short long nan words late other-body no-header
-symbolic-link hard-link pipe silent-pipe session forks breeds deep locked kills-its-parent devours binary bad-event"""
+MISBEHAVIOURS = """
+refuses fails silent aborts hangs leaves floods short long nan words late other-body no-header
+symbolic-link hard-link pipe silent-pipe session forks breeds deep locked kills-its-parent
+devours binary bad-event
+"""
 METHODS = ("good", *MISBEHAVIOURS.split())
 
 
-def described(folder: Path, *, command: str = "", more: str = "", methods: "list[str] | tuple[str, ...]" = METHODS) -> Path:
+def described(
+    folder: Path,
+    *,
+    command: str = "",
+    more: str = "",
+    methods: "list[str] | tuple[str, ...]" = METHODS,
+) -> Path:
     """A refdem.toml in `folder` for the program there."""
-    words = command or f'["{sys.executable}", "program.py", "{{request}}", "{{trajectory}}", "{{events}}"]'
+    words = (
+        command
+        or f'["{sys.executable}", "program.py", "{{request}}", "{{trajectory}}", "{{events}}"]'
+    )
     tables = [
-        f'[[engine.methods]]\nname = "{name}"\norder = 2\nsymplectic = true\nreversible = true\nconserves = ["momentum"]\n'
+        f'[[engine.methods]]\nname = "{name}"\norder = 2\nsymplectic = true\nreversible ='
+        ' true\nconserves = ["momentum"]\n'
         for name in methods
     ]
-    text = f'[engine]\nname = "small"\ncommand = {words}\nsupports = ["spring", "dimension:1"]\ntimeout = 600\n{more}\n'
+    text = (
+        f'[engine]\nname = "small"\ncommand = {words}\nsupports = ["spring",'
+        f' "dimension:1"]\ntimeout = 600\n{more}\n'
+    )
     path = folder / "refdem.toml"
     path.write_text(text + "\n".join(tables))
     return path

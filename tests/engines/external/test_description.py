@@ -31,7 +31,11 @@ def description(folder: Path, text: str) -> object:
 
 def test_the_shortest_description_has_defaults(tmp_path: Path) -> None:
     found = read_plain(tmp_path)
-    assert (found.engine.timeout, found.engine.budget, found.engine.precision) == (60.0, 600.0, "double")
+    assert (found.engine.timeout, found.engine.budget, found.engine.precision) == (
+        60.0,
+        600.0,
+        "double",
+    )
     assert found.gate.baseline == "refdem-baseline.jsonl"
 
 
@@ -46,7 +50,12 @@ def test_the_examples_are_well_formed(path: Path) -> None:
 
 def test_claims_become_those_of_the_method(tmp_path: Path) -> None:
     claims = 'order_with = { contact = 1 }\nconserves = ["energy"]\nreversible = true\n'
-    text = PLAIN.replace("command =", 'precision = "single"\nvelocity_time = "minus-half-step"\ncommand =') + claims
+    text = (
+        PLAIN.replace(
+            "command =", 'precision = "single"\nvelocity_time = "minus-half-step"\ncommand ='
+        )
+        + claims
+    )
     engine = description(tmp_path, text).engine  # type: ignore[attr-defined]
     method = engine.methods[0].method(engine)
     assert method.order_for(frozenset({"contact"})) == 1
@@ -55,13 +64,19 @@ def test_claims_become_those_of_the_method(tmp_path: Path) -> None:
     assert not method.complete_state
 
 
-def test_a_method_for_mass_properties_has_no_step_and_knows_what_supports_names(tmp_path: Path) -> None:
-    text = PLAIN.replace("command =", 'supports = ["spring", "solid:cuboid", "solid:about"]\ncommand =').replace(
-        "order = 2", 'answers = "solid"'
-    )
+def test_a_method_for_mass_properties_has_no_step_and_knows_what_supports_names(
+    tmp_path: Path,
+) -> None:
+    text = PLAIN.replace(
+        "command =", 'supports = ["spring", "solid:cuboid", "solid:about"]\ncommand ='
+    ).replace("order = 2", 'answers = "solid"')
     engine = description(tmp_path, text).engine  # type: ignore[attr-defined]
     method = engine.methods[0].method(engine)
-    assert (method.answers, method.control, method.knows) == ("solid", "exact", {"solid:cuboid", "solid:about"})
+    assert (method.answers, method.control, method.knows) == (
+        "solid",
+        "exact",
+        {"solid:cuboid", "solid:about"},
+    )
 
 
 @pytest.mark.parametrize(
@@ -116,26 +131,52 @@ def test_every_feature_that_a_case_needs_can_be_named() -> None:
     family = discovery.case("impact-benchmarks")
     (member,) = (parameter for parameter in family.parameters if parameter.name == "member")
     problems += [family.at(member=name).problem for name in member.choices]
-    needed = {feature for problem in problems if isinstance(problem, Motion | Solid) for feature in problem.features}
+    needed = {
+        feature
+        for problem in problems
+        if isinstance(problem, Motion | Solid)
+        for feature in problem.features
+    }
     assert {feature for feature in needed if not feature.startswith("dimension:")} <= FEATURES
 
 
 VALUES = st.recursive(
-    st.one_of(st.booleans(), st.integers(-3, 3), st.floats(), st.text(max_size=5)), lambda inner: st.lists(inner, max_size=3), max_leaves=4
+    st.one_of(st.booleans(), st.integers(-3, 3), st.floats(), st.text(max_size=5)),
+    lambda inner: st.lists(inner, max_size=3),
+    max_leaves=4,
 )
-FIELDS = ("name", "command", "inputs", "supports", "precision", "velocity_time", "timeout", "budget", "version_command")
+FIELDS = (
+    "name",
+    "command",
+    "inputs",
+    "supports",
+    "precision",
+    "velocity_time",
+    "timeout",
+    "budget",
+    "version_command",
+)
 
 
 @given(st.text(max_size=200) | st.dictionaries(st.sampled_from(FIELDS), VALUES, max_size=4))
 @settings(max_examples=300)
-def test_no_text_and_no_values_are_worse_than_an_error(tmp_path_factory: pytest.TempPathFactory, made: "str | dict[str, object]") -> None:
+def test_no_text_and_no_values_are_worse_than_an_error(
+    tmp_path_factory: pytest.TempPathFactory, made: "str | dict[str, object]"
+) -> None:
     import json
 
     text = made
     if isinstance(made, dict):
         own = {line.split(" = ")[0] for line in PLAIN.splitlines()} & set(made)
-        kept = [line for line in PLAIN.splitlines() if line.split(" = ")[0] not in own or line.startswith('name = "verlet"')]
-        text = "\n".join(kept).replace("[engine]\n", "[engine]\n" + "".join(f"{k} = {json.dumps(v)}\n" for k, v in made.items()))
+        kept = [
+            line
+            for line in PLAIN.splitlines()
+            if line.split(" = ")[0] not in own or line.startswith('name = "verlet"')
+        ]
+        text = "\n".join(kept).replace(
+            "[engine]\n",
+            "[engine]\n" + "".join(f"{k} = {json.dumps(v)}\n" for k, v in made.items()),
+        )
     path = tmp_path_factory.getbasetemp() / "refdem.toml"
     path.write_text(str(text), errors="replace")
     with suppress(RefdemError):

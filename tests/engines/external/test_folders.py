@@ -14,7 +14,9 @@ def begun(place: Path, end: str) -> "subprocess.Popen[str]":
     """A process with a folder of a run in `place`, which then does something."""
     command = [sys.executable, "-c", CODE.format(end=end)]
     environment = {"TMPDIR": str(place), "PYTHONPATH": ":".join(sys.path)}
-    return subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True, env=environment)
+    return subprocess.Popen(
+        command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True, env=environment
+    )
 
 
 def test_what_a_killed_process_left_is_taken_away_at_the_next_start(tmp_path: Path) -> None:

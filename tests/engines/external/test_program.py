@@ -72,7 +72,10 @@ def test_what_a_program_writes_is_its_trajectory(small: Path) -> None:
         ("words", "line 7 has 1 columns; expected 15"),
         ("other-body", r"row 5 is body 1 at t = 1; expected body 0"),
         ("no-header", "line 1 is '0.0,0,1.0"),
-        ("symbolic-link", r"trajectory.csv cannot be read: .*; expected a plain file that this run wrote"),
+        (
+            "symbolic-link",
+            r"trajectory.csv cannot be read: .*; expected a plain file that this run wrote",
+        ),
         ("hard-link", "trajectory.csv is a link, a pipe"),
         ("pipe", "trajectory.csv is a link, a pipe"),
         ("silent-pipe", "ended with exit status 1: a pipe in the place of stderr.txt"),
@@ -81,7 +84,9 @@ def test_what_a_program_writes_is_its_trajectory(small: Path) -> None:
         ("bad-event", "events.csv line 3 is 'soon,turn,0'"),
     ],
 )
-def test_a_broken_run_says_what_happened_and_where_its_output_is(small: Path, method: str, says: str) -> None:
+def test_a_broken_run_says_what_happened_and_where_its_output_is(
+    small: Path, method: str, says: str
+) -> None:
     with pytest.raises(EngineError, match=says) as raised:
         ran(small, method)
     place = Path(str(raised.value).rpartition("kept in ")[2].rstrip(")"))
@@ -102,9 +107,15 @@ def test_a_program_that_hangs_is_ended_with_its_children(small: Path) -> None:
     assert gone(f"grandchild of {small / 'program.py'}")
 
 
-@pytest.mark.parametrize(("method", "count"), [("leaves", "1"), ("session", "3"), ("forks", "3"), ("breeds", r"\d+")])
-def test_what_a_program_leaves_running_is_ended_and_said(small: Path, method: str, count: str) -> None:
-    with pytest.raises(EngineError, match=f"left {count} of its processes running, which were ended"):
+@pytest.mark.parametrize(
+    ("method", "count"), [("leaves", "1"), ("session", "3"), ("forks", "3"), ("breeds", r"\d+")]
+)
+def test_what_a_program_leaves_running_is_ended_and_said(
+    small: Path, method: str, count: str
+) -> None:
+    with pytest.raises(
+        EngineError, match=f"left {count} of its processes running, which were ended"
+    ):
         ran(small, method)
     assert not processes(f"grandchild of {small / 'program.py'}")
 
@@ -121,7 +132,9 @@ def made_in(place: Path) -> Iterator[Path]:
 
 
 @pytest.mark.parametrize("method", ["deep", "locked"])
-def test_folders_that_are_hard_to_take_away_are_taken_away(small: Path, method: str, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_folders_that_are_hard_to_take_away_are_taken_away(
+    small: Path, method: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
     own = small.parent / "temporary"
     own.mkdir()
     monkeypatch.setattr("refdem.engines.external.program.run_folder", partial(made_in, own))
@@ -136,16 +149,21 @@ def test_a_program_that_takes_all_memory_is_ended_before_the_machine_is(small: P
         ran(small, "devours")
 
 
-def test_a_program_dies_with_the_process_that_runs_it_and_leaves_no_folder(small: Path, tmp_path: Path) -> None:
+def test_a_program_dies_with_the_process_that_runs_it_and_leaves_no_folder(
+    small: Path, tmp_path: Path
+) -> None:
     own = tmp_path / "temporary"
     own.mkdir()
     code = (
-        "import sys; from refdem.core import discovery; from refdem.core.problem import Request; "
-        "problem = discovery.case('harmonic-oscillator').at(samples='8').problem; "
-        "discovery.engine(sys.argv[1]).run(Request(problem=problem, method='hangs', step=problem.interval / 16))"
+        "import sys; from refdem.core import discovery; from refdem.core.problem import Request;"
+        " problem = discovery.case('harmonic-oscillator').at(samples='8').problem;"
+        " discovery.engine(sys.argv[1]).run(Request(problem=problem, method='hangs',"
+        " step=problem.interval / 16))"
     )
     environment = os.environ | {"TMPDIR": str(own)}
-    running = subprocess.Popen([sys.executable, "-c", code, str(small / "refdem.toml")], env=environment)
+    running = subprocess.Popen(
+        [sys.executable, "-c", code, str(small / "refdem.toml")], env=environment
+    )
     deadline = time.monotonic() + 60
     while not processes(f"grandchild of {small / 'program.py'}"):
         assert time.monotonic() < deadline
@@ -172,7 +190,9 @@ def test_children_left_behind_by_a_run_that_fails_are_ended(small: Path) -> None
     assert gone(f"grandchild of {small / 'program.py'}")
 
 
-def test_a_program_that_floods_the_disk_is_stopped_and_little_of_it_is_kept(small: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_program_that_floods_the_disk_is_stopped_and_little_of_it_is_kept(
+    small: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     monkeypatch.setattr("refdem.engines.external.program.SPARE", 2**22)
     with pytest.raises(EngineError, match="SIGXFSZ: a file grew too large") as raised:
         ran(small, "floods")
@@ -190,7 +210,10 @@ def test_only_the_newest_failed_runs_are_kept(small: Path, tmp_path: Path) -> No
 def test_a_missing_and_an_unrunnable_program_are_said_to_be_missing(small: Path) -> None:
     toml = small / "refdem.toml"
     for word in ("./nowhere", "./program.py"):
-        toml.write_text(f'[engine]\nname = "small"\ncommand = ["{word}"]\n[[engine.methods]]\nname = "a"\norder = 1\n')
+        toml.write_text(
+            f'[engine]\nname = "small"\ncommand = ["{word}"]\n[[engine.methods]]\nname = "a"\norder'
+            " = 1\n"
+        )
         engine = discovery.engine(str(toml))
         assert "is not there or cannot be run" in (engine.missing() or "")
         problem = discovery.case("harmonic-oscillator").at(samples="8").problem
@@ -229,10 +252,15 @@ def test_a_scene_that_supports_does_not_name_is_refused(small: Path) -> None:
     engine = discovery.engine(str(small / "refdem.toml"))
     hanging = discovery.case("harmonic-oscillator").at(gravity="1").problem
     assert "uniform_gravity" in (engine.refusal(hanging, engine.methods[0]) or "")
-    assert engine.refusal(discovery.case("harmonic-oscillator").at().problem, engine.methods[0]) is None
+    assert (
+        engine.refusal(discovery.case("harmonic-oscillator").at().problem, engine.methods[0])
+        is None
+    )
 
 
-def test_a_program_moved_elsewhere_is_found_from_there(small: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_program_moved_elsewhere_is_found_from_there(
+    small: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     shutil.move(small, tmp_path / "with blanks $HOME; x")
     monkeypatch.chdir(tmp_path / "with blanks $HOME; x")
     assert len(ran(Path(), "good").t) == 9

@@ -1,4 +1,6 @@
-"""The adapter itself: what it refuses and why, its native loop, its clock, its silence, and faults planted in it."""
+"""The adapter itself: what it refuses and why, its native loop, its clock, its silence, and faults
+planted in it.
+"""
 
 import subprocess
 import sys
@@ -27,7 +29,9 @@ TUMBLING = Scene.of([Body(mass=2.0, inertia=(1.0, 2.0, 2.5), omega=(0.9, 1.1, 1.
 
 
 def ball(x, **more):
-    return Body(mass=1.0, inertia=(0.1, 0.1, 0.1), position=(x, 0.0, 0.0), shape=Sphere(radius=0.5), **more)
+    return Body(
+        mass=1.0, inertia=(0.1, 0.1, 0.1), position=(x, 0.0, 0.0), shape=Sphere(radius=0.5), **more
+    )
 
 
 SOFT = {"law": "linear", "stiffness": 100.0}
@@ -35,21 +39,69 @@ DOWN = UniformGravity(g=(0.0, 0.0, -9.8))
 REFUSED = {
     "central gravity": ([POINT], [CentralField(gm=1.0)], "central field"),
     "quadratic spring": ([POINT], [Spring(a=0, stiffness=1.0, exponent=2.0)], "exponent 2"),
-    "no inertia about one axis": ([Body(mass=1.0, inertia=(0.0, 1.0, 1.0), omega=(0.0, 1.0, 0.0))], [], "without inertia"),
-    "friction on a slant": ([POINT], [Slider(a=0, friction=1.0, normal_force=1.0, axis=(0.6, 0.8, 0.0))], "along x, y or z"),
-    "friction on a spinning body": (list(TUMBLING.bodies.single()), [Slider(a=0, friction=1.0, normal_force=1.0)], "free joint"),
-    "friction between bodies": ([POINT, POINT], [Slider(a=0, b=1, friction=1.0, normal_force=1.0)], "world only"),
-    "rod in space": ([Body(mass=1.0, position=(1.0, 0.0, 0.0), velocity=(0.0, 0.0, 1.0))], [Rod(a=0, length=1.0)], "in a plane"),
-    "rod between bodies": ([POINT, Body(mass=1.0)], [Rod(a=0, b=1, length=1.0)], "soft constraints"),
+    "no inertia about one axis": (
+        [Body(mass=1.0, inertia=(0.0, 1.0, 1.0), omega=(0.0, 1.0, 0.0))],
+        [],
+        "without inertia",
+    ),
+    "friction on a slant": (
+        [POINT],
+        [Slider(a=0, friction=1.0, normal_force=1.0, axis=(0.6, 0.8, 0.0))],
+        "along x, y or z",
+    ),
+    "friction on a spinning body": (
+        list(TUMBLING.bodies.single()),
+        [Slider(a=0, friction=1.0, normal_force=1.0)],
+        "free joint",
+    ),
+    "friction between bodies": (
+        [POINT, POINT],
+        [Slider(a=0, b=1, friction=1.0, normal_force=1.0)],
+        "world only",
+    ),
+    "rod in space": (
+        [Body(mass=1.0, position=(1.0, 0.0, 0.0), velocity=(0.0, 0.0, 1.0))],
+        [Rod(a=0, length=1.0)],
+        "in a plane",
+    ),
+    "rod between bodies": (
+        [POINT, Body(mass=1.0)],
+        [Rod(a=0, b=1, length=1.0)],
+        "soft constraints",
+    ),
     "rod that does not fit": ([POINT], [Rod(a=0, length=2.0)], "off the rod"),
-    "rod that is being stretched": ([Body(mass=1.0, position=(1.0, 0, 0), velocity=(1.0, 0, 0))], [Rod(a=0, length=1.0)], "off the rod"),
-    "spring on a pendulum": ([POINT], [Rod(a=0, length=1.0), Spring(a=0, stiffness=1.0)], "hangs on a rod"),
-    "tangential spring": ([ball(-0.5), ball(0.5)], [Contact(**SOFT, friction=0.5, tangential_stiffness=50.0)], "tangential"),
+    "rod that is being stretched": (
+        [Body(mass=1.0, position=(1.0, 0, 0), velocity=(1.0, 0, 0))],
+        [Rod(a=0, length=1.0)],
+        "off the rod",
+    ),
+    "spring on a pendulum": (
+        [POINT],
+        [Rod(a=0, length=1.0), Spring(a=0, stiffness=1.0)],
+        "hangs on a rod",
+    ),
+    "tangential spring": (
+        [ball(-0.5), ball(0.5)],
+        [Contact(**SOFT, friction=0.5, tangential_stiffness=50.0)],
+        "tangential",
+    ),
     "contact that pulls": ([ball(-0.5), ball(0.5)], [Contact(**SOFT, damping=1.0)], "that pulls"),
     "soft pairs": ([ball(-1.0), ball(0.0), ball(1.0)], [Contact(**SOFT)], "one pair only"),
-    "soft pair in gravity": ([ball(-0.5), ball(0.5)], [Contact(**SOFT), DOWN], "absence of other forces"),
-    "restitution": ([ball(0.0)], [Plane(point=(0.0, 0.0, -1.0)), Contact(law="rigid", restitution=0.5), DOWN], "restitution"),
-    "soft box": ([Body(mass=1.0, inertia=(1.0, 1.0, 1.0), shape=box(1.0, 1.0, 1.0))], [Plane(), Contact(**SOFT)], "polyhedra"),
+    "soft pair in gravity": (
+        [ball(-0.5), ball(0.5)],
+        [Contact(**SOFT), DOWN],
+        "absence of other forces",
+    ),
+    "restitution": (
+        [ball(0.0)],
+        [Plane(point=(0.0, 0.0, -1.0)), Contact(law="rigid", restitution=0.5), DOWN],
+        "restitution",
+    ),
+    "soft box": (
+        [Body(mass=1.0, inertia=(1.0, 1.0, 1.0), shape=box(1.0, 1.0, 1.0))],
+        [Plane(), Contact(**SOFT)],
+        "polyhedra",
+    ),
 }
 
 
@@ -66,7 +118,12 @@ def test_backward_motion_is_refused(engine):
 
 
 def test_an_undamped_contact_does_not_pull_and_needs_no_cutoff(engine):
-    assert engine.refusal(Motion(Scene.of([ball(-0.5), ball(0.5)], [Contact(**SOFT)]), TIMES), engine.methods[0]) is None
+    assert (
+        engine.refusal(
+            Motion(Scene.of([ball(-0.5), ball(0.5)], [Contact(**SOFT)]), TIMES), engine.methods[0]
+        )
+        is None
+    )
 
 
 @pytest.mark.parametrize("method", ["rk4", "euler", "implicitfast"])
@@ -85,7 +142,11 @@ def test_the_native_loop_is_mj_step_to_the_last_bit(engine, method):
 
 
 def test_no_default_of_mujoco_acts_on_a_body_left_alone(played):
-    run, _ = played(Scene.of([Body(mass=1.0, inertia=(1.0, 1.0, 1.0), omega=(0.0, 0.0, 1.0))]), duration=64.0, step=2.0**-4)
+    run, _ = played(
+        Scene.of([Body(mass=1.0, inertia=(1.0, 1.0, 1.0), omega=(0.0, 0.0, 1.0))]),
+        duration=64.0,
+        step=2.0**-4,
+    )
     assert np.abs(run.position).max() == 0
     np.testing.assert_allclose(run.omega[-1, 0], [0.0, 0.0, 1.0], atol=1e-13)
 
@@ -101,15 +162,29 @@ def test_mass_and_inertia_reach_the_engine_unchanged(engine):
 
 def test_a_run_goes_on_from_its_end_as_if_it_had_not_stopped(engine):
     """Warm starts are off: position and velocity are the whole state, also with friction."""
-    scene = Scene.of([POINT], [Spring(a=0, stiffness=1.0), Slider(a=0, friction=0.15, normal_force=1.0)])
+    scene = Scene.of(
+        [POINT], [Spring(a=0, stiffness=1.0), Slider(a=0, friction=0.15, normal_force=1.0)]
+    )
     for method in ("rk4", "euler"):
-        whole, _ = engine.run(Request(problem=Motion(scene, np.arange(17) / 2), method=method, step=1 / 64))
-        half, _ = engine.run(Request(problem=Motion(scene, np.arange(9) / 2), method=method, step=1 / 64))
-        rest, _ = engine.run(Request(problem=Motion(scene.with_state(**half.end()), 4 + np.arange(9) / 2), method=method, step=1 / 64))
+        whole, _ = engine.run(
+            Request(problem=Motion(scene, np.arange(17) / 2), method=method, step=1 / 64)
+        )
+        half, _ = engine.run(
+            Request(problem=Motion(scene, np.arange(9) / 2), method=method, step=1 / 64)
+        )
+        rest, _ = engine.run(
+            Request(
+                problem=Motion(scene.with_state(**half.end()), 4 + np.arange(9) / 2),
+                method=method,
+                step=1 / 64,
+            )
+        )
         assert np.array_equal(rest.position[-1], whole.position[-1])
 
 
-def test_a_diverging_run_is_an_engine_error_without_a_word_on_the_terminal(engine, tmp_path, monkeypatch, capfd):
+def test_a_diverging_run_is_an_engine_error_without_a_word_on_the_terminal(
+    engine, tmp_path, monkeypatch, capfd
+):
     monkeypatch.chdir(tmp_path)
     stiff = Scene.of([POINT], [Spring(a=0, stiffness=20.0)])
     with pytest.raises(EngineError, match="unstable"):
@@ -119,8 +194,16 @@ def test_a_diverging_run_is_an_engine_error_without_a_word_on_the_terminal(engin
 
 
 def test_the_adapter_is_imported_without_mujoco():
-    code = "import sys; from refdem.core import discovery; discovery.engine('mujoco'); print('mujoco' in sys.modules)"
-    assert subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout == "False\n"
+    code = (
+        "import sys; from refdem.core import discovery; discovery.engine('mujoco'); print('mujoco'"
+        " in sys.modules)"
+    )
+    assert (
+        subprocess.run(
+            [sys.executable, "-c", code], capture_output=True, text=True, check=True
+        ).stdout
+        == "False\n"
+    )
 
 
 def test_smoke_finds_nothing_wrong_with_the_adapter(engine):
@@ -131,13 +214,17 @@ def test_smoke_finds_nothing_wrong_with_the_adapter(engine):
 
 
 def _wrong_axis(free, mujoco, world):
-    said = world.add_body(mass=free.body.mass, inertia=np.roll(free.body.inertia, 1), explicitinertial=True)
+    said = world.add_body(
+        mass=free.body.mass, inertia=np.roll(free.body.inertia, 1), explicitinertial=True
+    )
     said.add_freejoint()
     return said
 
 
 def _space_omega(free):
-    return np.array([*free.body.position, *free.body.attitude]), np.array([*free.body.velocity, *free.body.omega])
+    return np.array([*free.body.position, *free.body.attitude]), np.array(
+        [*free.body.velocity, *free.body.omega]
+    )
 
 
 def _frequency(free):
@@ -147,8 +234,18 @@ def _frequency(free):
 
 kept_start = Free.start
 FAULTS = {
-    "inertia about the wrong axes": ("say", _wrong_axis, "wobble about x: omega_body", "order of the inertia axes"),
-    "omega taken as the body's": ("start", _space_omega, "tipped body: omega", "omega in space axes"),
+    "inertia about the wrong axes": (
+        "say",
+        _wrong_axis,
+        "wobble about x: omega_body",
+        "order of the inertia axes",
+    ),
+    "omega taken as the body's": (
+        "start",
+        _space_omega,
+        "tipped body: omega",
+        "omega in space axes",
+    ),
     "turns a second for radians": ("start", _frequency, "quarter turn: attitude", "radians"),
 }
 

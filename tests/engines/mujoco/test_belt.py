@@ -1,4 +1,6 @@
-"""A belt in MuJoCo: `surfacevel` under a pressed sphere, compared with certified truth; a law that fades is refused."""
+"""A belt in MuJoCo: `surfacevel` under a pressed sphere, compared with certified truth; a law that
+fades is refused.
+"""
 
 from fractions import Fraction
 
@@ -15,14 +17,18 @@ from refdem.scene.elements.slider import Slider
 COULOMB = {"lambda0": "0", "lambda1": "0", "mu1": "2/5", "gamma": "0"}
 
 
-@pytest.mark.parametrize("given", [{"x0": "2"}, {"x0": "2", "belt": "-0.5"}, {"x0": "5", "belt": "0.25"}], ids=str)
+@pytest.mark.parametrize(
+    "given", [{"x0": "2"}, {"x0": "2", "belt": "-0.5"}, {"x0": "5", "belt": "0.25"}], ids=str
+)
 @pytest.mark.parametrize("method", ["rk4", "euler"])
 def test_a_mass_on_a_belt_is_carried_and_let_go(played, given, method):
     instance = discovery.case("stick-slip").at(**COULOMB, **given, duration="8", samples="8")
     seen, _ = played(instance.scene, duration=8.0, samples=8, step=2.0**-10, method=method)
     truth = instance.truth()
     for row, t in enumerate(seen.t):
-        assert seen.position[row, 0, 0] == pytest.approx(float(truth.at(Fraction(float(t)))["x"].mid), abs=5e-3)
+        assert seen.position[row, 0, 0] == pytest.approx(
+            float(truth.at(Fraction(float(t)))["x"].mid), abs=5e-3
+        )
 
 
 @pytest.mark.parametrize("axis", [(1.0, 0.0, 0.0), (-1.0, 0.0, 0.0)])
@@ -33,13 +39,27 @@ def test_it_is_carried_at_the_speed_of_the_belt(played, axis):
     along = seen.velocity[:, 0] @ np.array(axis)
     assert along[2] == pytest.approx(0.5, abs=2e-3)
     np.testing.assert_allclose(along[8:], 1.0, atol=1e-7)
-    np.testing.assert_allclose((seen.position[-1, 0] - seen.position[0, 0]) @ np.array(axis), 1.75, atol=1e-3)
+    np.testing.assert_allclose(
+        (seen.position[-1, 0] - seen.position[0, 0]) @ np.array(axis), 1.75, atol=1e-3
+    )
 
 
-@pytest.mark.parametrize(("bodies", "elements", "words"), [
-    ([Body(mass=1.0)], [Slider(a=0, normal_force=1.0, law="stribeck", mu0=0.4)], "depends on the speed"),
-    ([Body(mass=1.0, velocity=(0.0, 1.0, 0.0))], [Slider(a=0, normal_force=1.0, friction=0.4, belt_velocity=1.0)], "along x only"),
-], ids=str)  # fmt: skip
+@pytest.mark.parametrize(
+    ("bodies", "elements", "words"),
+    [
+        (
+            [Body(mass=1.0)],
+            [Slider(a=0, normal_force=1.0, law="stribeck", mu0=0.4)],
+            "depends on the speed",
+        ),
+        (
+            [Body(mass=1.0, velocity=(0.0, 1.0, 0.0))],
+            [Slider(a=0, normal_force=1.0, friction=0.4, belt_velocity=1.0)],
+            "along x only",
+        ),
+    ],
+    ids=str,
+)
 def test_the_missing_feature_is_named(engine, bodies, elements, words):
     problem = Motion(Scene.of(bodies, elements), np.linspace(0.0, 1.0, 5))
     assert words in (engine.refusal(problem, engine.methods[0]) or "")
@@ -60,15 +80,25 @@ def test_a_block_slides_or_stays_and_does_not_hop(played, friction, bound):
 
 
 def test_the_hard_contact_throws_up_what_slides(played, monkeypatch):
-    """Why sliding contacts are soft: it leaves the ground at about mu v, and four times shorter steps do not mend it."""
+    """Why sliding contacts are soft: it leaves the ground at about mu v, and four times shorter
+    steps do not mend it.
+    """
     monkeypatch.setattr("refdem.engines.mujoco.contacts.rubs", lambda scene, law: False)
     scene = discovery.case("block-on-slope").at(friction="1/2", duration="1").scene
-    heights = [played(scene, duration=1.0, step=2.0**-k, samples=64, method="euler")[0].position[:, 0, 1].max() - 0.125 for k in (8, 10)]
+    heights = [
+        played(scene, duration=1.0, step=2.0**-k, samples=64, method="euler")[0]
+        .position[:, 0, 1]
+        .max()
+        - 0.125
+        for k in (8, 10)
+    ]
     assert min(heights) > 0.01
 
 
 def test_shapes_in_touch_feel_each_other_from_the_first_step(played, monkeypatch):
-    """What is put down stays; without the margin it falls for a step, and slides g sin(slope) h^2 until friction has caught it."""
+    """What is put down stays; without the margin it falls for a step, and slides g sin(slope) h^2
+    until friction has caught it.
+    """
     monkeypatch.setattr("refdem.engines.mujoco.contacts.rubs", lambda scene, law: False)
     scene = discovery.case("block-on-slope").at(friction="9/10", duration="1").scene
     moved = np.abs(played(scene, duration=1.0, step=2.0**-8, method="euler")[0].position[-1, 0, 0])
@@ -86,8 +116,12 @@ def test_a_scene_at_rest_on_the_level_keeps_the_hardest_contact():
 
 
 @pytest.mark.parametrize(("friction", "least", "most"), [("3/4", 2.5, 5.0), ("0.76", 50.0, 500.0)])
-def test_creep_where_friction_just_holds_is_what_noslip_leaves(played, monkeypatch, friction, least, most):
-    """Three times the iterations: a third of the creep where friction is needed whole (1/n), far less where some is to spare."""
+def test_creep_where_friction_just_holds_is_what_noslip_leaves(
+    played, monkeypatch, friction, least, most
+):
+    """Three times the iterations: a third of the creep where friction is needed whole (1/n), far
+    less where some is to spare.
+    """
     instance, creep = discovery.case("block-on-slope").at(friction=friction, duration="1"), []
     for iterations in (30, 90):
         monkeypatch.setattr(options, "NOSLIP", iterations)

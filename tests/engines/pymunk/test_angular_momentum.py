@@ -1,4 +1,6 @@
-"""What contact does to angular momentum in Chipmunk: it is not kept to round-off, with friction or without, and is not claimed."""
+"""What contact does to angular momentum in Chipmunk: it is not kept to round-off, with friction or
+without, and is not claimed.
+"""
 
 import numpy as np
 import pytest
@@ -15,10 +17,20 @@ METHOD = ENGINE.methods[0]
 def meeting(friction):
     """Two discs that spin and meet off centre."""
     first = Body(
-        mass=1.0, inertia=(0.1,) * 3, position=(-1.0, 0.3, 0.0), velocity=(1.0, 0.1, 0.0), omega=(0, 0, 2.0), shape=Sphere(radius=0.5)
+        mass=1.0,
+        inertia=(0.1,) * 3,
+        position=(-1.0, 0.3, 0.0),
+        velocity=(1.0, 0.1, 0.0),
+        omega=(0, 0, 2.0),
+        shape=Sphere(radius=0.5),
     )
     other = Body(
-        mass=2.0, inertia=(0.3,) * 3, position=(1.0, 0.0, 0.0), velocity=(-0.7, 0.0, 0.0), omega=(0, 0, 0.5), shape=Sphere(radius=0.6)
+        mass=2.0,
+        inertia=(0.3,) * 3,
+        position=(1.0, 0.0, 0.0),
+        velocity=(-0.7, 0.0, 0.0),
+        omega=(0, 0, 0.5),
+        shape=Sphere(radius=0.6),
     )
     return Scene.of([first, other], [Contact(law="rigid", restitution=0.5, friction=friction)])
 
@@ -29,7 +41,9 @@ def change(scene, found):
 
 
 @pytest.mark.parametrize("friction", [0.0, 0.3, 1.0])
-def test_a_contact_changes_angular_momentum_in_proportion_to_the_overlap_and_keeps_momentum(run, friction):
+def test_a_contact_changes_angular_momentum_in_proportion_to_the_overlap_and_keeps_momentum(
+    run, friction
+):
     scene = meeting(friction)
     coarse, fine = (run(scene, 2.0, 32, step) for step in (2.0**-6, 2.0**-12))
     momentum = linear(scene, coarse)
@@ -45,7 +59,10 @@ def test_angular_momentum_is_claimed_without_contact_and_not_with_it():
 
 
 def test_a_spring_between_two_bodies_keeps_it_as_claimed(run):
-    bodies = [Body(mass=1.0, position=(-1.0, 0.2, 0.0), velocity=(0.1, 0.4, 0.0)), Body(mass=2.0, position=(1.0, 0.0, 0.0))]
+    bodies = [
+        Body(mass=1.0, position=(-1.0, 0.2, 0.0), velocity=(0.1, 0.4, 0.0)),
+        Body(mass=2.0, position=(1.0, 0.0, 0.0)),
+    ]
     scene = Scene.of(bodies, [Spring(a=0, b=1, stiffness=3.0, length=1.0)])
     assert METHOD.keeps("angular-momentum", scene.features)
     assert change(scene, run(scene, 2.0, 32, 2.0**-8)) < 1e-13

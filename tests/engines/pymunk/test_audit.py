@@ -43,14 +43,27 @@ def test_the_adapter_sets_what_the_audit_says():
     rod, spring, friction = space.constraints
     assert (space.damping, space.collision_slop) == (1.0, 0.0)
     assert math.isinf(space.sleep_time_threshold)
-    assert (rod.error_bias, spring.damping, friction.error_bias, friction.max_force) == (0.0, 0.0, 1.0, 1.5)
+    assert (rod.error_bias, spring.damping, friction.error_bias, friction.max_force) == (
+        0.0,
+        0.0,
+        1.0,
+        1.5,
+    )
     assert math.isinf(rod.max_bias)
     assert bodies[0].moment == math.inf
 
 
 @pytest.mark.parametrize(("balls", "planes"), [(1, 1), (2, 0), (2, 1)])
 def test_the_product_of_two_shapes_is_the_contact_s_value(balls, planes):
-    bodies = [Body(mass=1.0, inertia=(0.4, 0.4, 0.4), position=(3.0 * n, 1.0, 0.0), shape=Sphere(radius=1.0)) for n in range(balls)]
+    bodies = [
+        Body(
+            mass=1.0,
+            inertia=(0.4, 0.4, 0.4),
+            position=(3.0 * n, 1.0, 0.0),
+            shape=Sphere(radius=1.0),
+        )
+        for n in range(balls)
+    ]
     law = Contact(law="rigid", friction=0.75, restitution=0.3)
     space, moving = space_of(Scene.of(bodies, [law, *[Plane(normal=(0.0, 1.0, 0.0))] * planes]))
     for one, other in combinations(space.shapes, 2):
@@ -68,7 +81,11 @@ def test_a_block_alone_feels_exactly_the_friction_of_the_law(value):
 
 
 def test_a_block_that_friction_just_holds_stays_where_it_is():
-    instance = discovery.case("block-on-slope").at(duration="16", samples="16")  # of 3 in 4, with friction 3/4
-    run, _ = ENGINE.run(Request(problem=instance.problem, method="semi-implicit-euler", step=2.0**-10))
+    instance = discovery.case("block-on-slope").at(
+        duration="16", samples="16"
+    )  # of 3 in 4, with friction 3/4
+    run, _ = ENGINE.run(
+        Request(problem=instance.problem, method="semi-implicit-euler", step=2.0**-10)
+    )
     assert np.abs(run.position[1:, 0, 0]).max() < 1e-20
     assert not run.velocity[1:, 0, 0].any()

@@ -25,25 +25,42 @@ FLAT = Body(mass=1.0, position=(0.0, 0.5, 0.0), shape=box(1.0, 1.0, 1.0))
     ("scene", "words"),
     [
         (Scene.of([TOP]), "three dimensions"),
-        (Scene.of([BLOCK], [Plane(), UniformGravity(g=(0.0, 0.0, -9.8)), Contact(law="rigid")]), "three dimensions"),
+        (
+            Scene.of([BLOCK], [Plane(), UniformGravity(g=(0.0, 0.0, -9.8)), Contact(law="rigid")]),
+            "three dimensions",
+        ),
         (Scene.of([POINT], [CentralField(gm=1.0)]), "central_field"),
         (Scene.of([BALL], [Contact(law="linear", stiffness=10.0)]), "no contact stiffness"),
         (Scene.of([POINT], [Spring(a=0, stiffness=1.0, exponent=3.0)]), "not linear"),
-        (Scene.of([SLOPED], [Slider(a=0, friction=0.1, normal_force=1.0)]), "dry friction along one axis"),
-        (Scene.of([FLAT], [Contact(law="rigid"), Plane(normal=(0.0, 1.0, 0.0))]), "moment of inertia"),
+        (
+            Scene.of([SLOPED], [Slider(a=0, friction=0.1, normal_force=1.0)]),
+            "dry friction along one axis",
+        ),
+        (
+            Scene.of([FLAT], [Contact(law="rigid"), Plane(normal=(0.0, 1.0, 0.0))]),
+            "moment of inertia",
+        ),
     ],
 )
 def test_the_missing_feature_is_named(scene: Scene, words: str) -> None:
-    assert words in (ENGINE.refusal(Motion(scene, np.linspace(0.0, 1.0, 5)), ENGINE.methods[0]) or "")
+    assert words in (
+        ENGINE.refusal(Motion(scene, np.linspace(0.0, 1.0, 5)), ENGINE.methods[0]) or ""
+    )
 
 
 def test_time_does_not_run_backwards() -> None:
-    assert "negative" in (ENGINE.refusal(Motion(Scene.of([POINT]), -np.linspace(0.0, 1.0, 5)), ENGINE.methods[0]) or "")
+    assert "negative" in (
+        ENGINE.refusal(Motion(Scene.of([POINT]), -np.linspace(0.0, 1.0, 5)), ENGINE.methods[0])
+        or ""
+    )
 
 
 def test_importing_the_adapter_does_not_import_pymunk() -> None:
     import subprocess
     import sys
 
-    code = "import sys; from refdem.engines.pymunk import ENGINE; ENGINE.version(); sys.exit('pymunk' in sys.modules)"
+    code = (
+        "import sys; from refdem.engines.pymunk import ENGINE; ENGINE.version(); sys.exit('pymunk'"
+        " in sys.modules)"
+    )
     assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0

@@ -15,9 +15,13 @@ Run = Callable[..., Trajectory]
 
 @pytest.fixture
 def run() -> Run:
-    """`run(scene, duration, samples, method)` gives the trajectory, duration < 0 a run backwards; a refusal fails the test."""
+    """`run(scene, duration, samples, method)` gives the trajectory, duration < 0 a run backwards; a
+    refusal fails the test.
+    """
 
-    def trajectory(scene: Scene, duration: float, samples: int, method: str, **control: float) -> Trajectory:
+    def trajectory(
+        scene: Scene, duration: float, samples: int, method: str, **control: float
+    ) -> Trajectory:
         problem = Motion(scene, np.arange(samples + 1) * (duration / samples))
         assert ENGINE.refusal(problem, ENGINE.method(method)) is None
         request = Request(problem=problem, method=method, **control)

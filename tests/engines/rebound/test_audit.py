@@ -24,16 +24,36 @@ def made(scene: Scene, method: str, **control: float) -> rebound.Simulation:
 
 def test_rebound_comes_with_what_the_audit_says():
     sim = rebound.Simulation()
-    assert (sim.gravity, sim.G, sim.softening, sim.testparticle_type, sim.dt) == ("basic", 1.0, 0.0, 0, 0.001)
-    assert (sim.collision, sim.boundary, sim.exact_finish_time, sim.force_is_velocity_dependent) == ("none", "none", 1, 0)
-    assert (str(sim.integrator), sim.integrator.epsilon, sim.integrator.min_dt) == ("ias15", 1e-9, 0.0)
+    assert (sim.gravity, sim.G, sim.softening, sim.testparticle_type, sim.dt) == (
+        "basic",
+        1.0,
+        0.0,
+        0,
+        0.001,
+    )
+    assert (
+        sim.collision,
+        sim.boundary,
+        sim.exact_finish_time,
+        sim.force_is_velocity_dependent,
+    ) == ("none", "none", 1, 0)
+    assert (str(sim.integrator), sim.integrator.epsilon, sim.integrator.min_dt) == (
+        "ias15",
+        1e-9,
+        0.0,
+    )
     assert "PRS23" in repr(sim.integrator)
     sim.integrator = "whfast"
     assert (sim.integrator.safe_mode, sim.integrator.corrector) == (1, 0)
     sim.integrator = "leapfrog"
     assert sim.integrator.order == 2
     sim.integrator = "bs"
-    assert (sim.integrator.eps_rel, sim.integrator.eps_abs, sim.integrator.min_dt, sim.integrator.max_dt) == (1e-8, 1e-8, 0.0, 0.0)
+    assert (
+        sim.integrator.eps_rel,
+        sim.integrator.eps_abs,
+        sim.integrator.min_dt,
+        sim.integrator.max_dt,
+    ) == (1e-8, 1e-8, 0.0, 0.0)
 
 
 def test_a_central_field_is_a_first_particle_and_bodies_are_test_particles():
@@ -49,9 +69,15 @@ def test_bodies_do_not_attract_each_other_without_one():
 
 @pytest.mark.parametrize(
     ("element", "mode", "velocities"),
-    [(Spring(a=0, stiffness=1.0), "GLOBAL", 0), (Rod(a=0, length=1.0), "GLOBAL", 1), (CentralField(gm=1.0), "PRS23", 0)],
+    [
+        (Spring(a=0, stiffness=1.0), "GLOBAL", 0),
+        (Rod(a=0, length=1.0), "GLOBAL", 1),
+        (CentralField(gm=1.0), "PRS23", 0),
+    ],
 )
-def test_ias15_takes_its_steps_from_all_particles_where_there_are_springs_or_rods(element, mode, velocities):
+def test_ias15_takes_its_steps_from_all_particles_where_there_are_springs_or_rods(
+    element, mode, velocities
+):
     sim = made(Scene.of([POINT], [element]), "ias15")
     assert f"adaptive_mode={mode}" in repr(sim.integrator)
     assert sim.force_is_velocity_dependent == velocities

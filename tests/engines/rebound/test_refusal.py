@@ -34,14 +34,28 @@ ROTOR = Body(mass=1.0, inertia=(0.0, 1.0, 1.0), omega=(0.0, 0.0, 1.0))
         ("leapfrog", Scene.of([POINT], [Rod(a=0, length=1.0)]), "depends on velocities"),
         ("whfast", Scene.of([POINT], [Spring(a=0, stiffness=1.0)]), "one attracting centre"),
         ("whfast", Scene.of([POINT]), "one attracting centre"),
-        ("whfast", Scene.of([POINT], [CentralField(gm=1.0), Spring(a=0, stiffness=1.0)]), "one attracting centre"),
+        (
+            "whfast",
+            Scene.of([POINT], [CentralField(gm=1.0), Spring(a=0, stiffness=1.0)]),
+            "one attracting centre",
+        ),
         ("ias15", Scene.of([POINT], [Rod(a=0, length=2.0)]), "does not fit"),
-        ("ias15", Scene.of([POINT, TOP], [Rod(a=0, length=1.0), Rod(a=0, b=1, length=1.0)]), "share a body"),
-        ("bs", Scene.of([BALL], [Spring(a=0, stiffness=1.0, anchor_a=(0.1, 0.0, 0.0))]), "off the centre"),
+        (
+            "ias15",
+            Scene.of([POINT, TOP], [Rod(a=0, length=1.0), Rod(a=0, b=1, length=1.0)]),
+            "share a body",
+        ),
+        (
+            "bs",
+            Scene.of([BALL], [Spring(a=0, stiffness=1.0, anchor_a=(0.1, 0.0, 0.0))]),
+            "off the centre",
+        ),
     ],
 )
 def test_the_missing_feature_is_named(method: str, scene: Scene, words: str) -> None:
-    assert words in (ENGINE.refusal(Motion(scene, np.linspace(0.0, 1.0, 5)), ENGINE.method(method)) or "")
+    assert words in (
+        ENGINE.refusal(Motion(scene, np.linspace(0.0, 1.0, 5)), ENGINE.method(method)) or ""
+    )
 
 
 def test_a_tolerance_that_no_step_can_meet_is_a_usage_error() -> None:
@@ -51,5 +65,8 @@ def test_a_tolerance_that_no_step_can_meet_is_a_usage_error() -> None:
 
 
 def test_importing_the_adapter_does_not_import_rebound() -> None:
-    code = "import sys; from refdem.engines.rebound import ENGINE; ENGINE.version(); sys.exit('rebound' in sys.modules)"
+    code = (
+        "import sys; from refdem.engines.rebound import ENGINE; ENGINE.version();"
+        " sys.exit('rebound' in sys.modules)"
+    )
     assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0

@@ -15,7 +15,9 @@ def test_a_hook_at_the_origin_keeps_angular_momentum_and_energy_but_not_momentum
     assert torque_reason(scene) is None
     assert scene.is_conservative()
     assert not scene.is_isolated()
-    assert "catch" in str(torque_reason(Scene.of([MASS], [Catch(a=0, radius=1.0, anchor_b=(1.0, 0.0, 0.0))])))
+    assert "catch" in str(
+        torque_reason(Scene.of([MASS], [Catch(a=0, radius=1.0, anchor_b=(1.0, 0.0, 0.0))]))
+    )
     assert Scene.of([MASS, MASS], [Catch(a=0, b=1, radius=1.0)]).is_isolated()
 
 

@@ -7,7 +7,9 @@ from refdem.errors import SceneError
 from refdem.scene import Body, Scene
 from refdem.scene.elements.moving_anchor import MovingAnchor
 
-ANCHOR = MovingAnchor(a=0, anchor_b=(1.0, 2.0, 3.0), amplitude=0.5, frequency=4.0, phase=0.3, axis=(0.6, 0.0, 0.8))
+ANCHOR = MovingAnchor(
+    a=0, anchor_b=(1.0, 2.0, 3.0), amplitude=0.5, frequency=4.0, phase=0.3, axis=(0.6, 0.0, 0.8)
+)
 T = np.array([0.0, 0.7, 5.0])
 
 
@@ -42,4 +44,7 @@ def test_it_drives_from_outside_and_is_a_constraint():
 )
 def test_what_is_no_law_of_time_is_refused(change, word):
     with pytest.raises(SceneError, match=word):
-        Scene.of([Body(mass=1.0)] * 2, [MovingAnchor(**({"a": 0, "amplitude": 1.0, "frequency": 1.0} | change))])
+        Scene.of(
+            [Body(mass=1.0)] * 2,
+            [MovingAnchor(**({"a": 0, "amplitude": 1.0, "frequency": 1.0} | change))],
+        )

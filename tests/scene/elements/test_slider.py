@@ -11,8 +11,12 @@ from refdem.scene.elements.slider import Slider
 def test_the_coefficient_follows_the_law():
     numbers = {"mu0": 0.4, "mu1": 0.1, "lambda0": 1.5, "lambda1": 0.25}
     assert Slider(a=0, normal_force=2.0, friction=0.3).coefficient(7.0) == 0.3
-    assert Slider(a=0, normal_force=2.0, law="stribeck", **numbers).coefficient(2.0) == pytest.approx(0.3 / 4 + 0.1 + 1.0)
-    assert Slider(a=0, normal_force=2.0, law="stribeck_linear", **numbers).coefficient(2.0) == pytest.approx(0.3 / 4 + 0.1 + 0.5)
+    assert Slider(a=0, normal_force=2.0, law="stribeck", **numbers).coefficient(
+        2.0
+    ) == pytest.approx(0.3 / 4 + 0.1 + 1.0)
+    assert Slider(a=0, normal_force=2.0, law="stribeck_linear", **numbers).coefficient(
+        2.0
+    ) == pytest.approx(0.3 / 4 + 0.1 + 0.5)
     at_rest = Slider(a=0, normal_force=2.0, law="stribeck", **numbers).coefficient(np.zeros(2))
     np.testing.assert_allclose(at_rest, 0.4)
 
@@ -27,7 +31,9 @@ def test_features_name_the_law_and_the_belt():
 
 def test_the_unit_of_the_last_term_follows_the_law():
     assert Slider(a=0, normal_force=1.0, law="stribeck").dimension("lambda1") == Dimension(0, -2, 2)
-    assert Slider(a=0, normal_force=1.0, law="stribeck_linear").dimension("lambda1") == Dimension(0, -1, 1)
+    assert Slider(a=0, normal_force=1.0, law="stribeck_linear").dimension("lambda1") == Dimension(
+        0, -1, 1
+    )
     assert Slider(a=0, normal_force=1.0).dimension("belt_velocity") == Dimension(0, 1, -1)
 
 
@@ -37,5 +43,8 @@ def test_negative_numbers_are_faults_and_a_belt_may_run_either_way():
 
 
 def test_it_survives_json():
-    scene = Scene.of([Body(mass=1.0)], [Slider(a=0, normal_force=1.0, law="stribeck_linear", mu0=0.4, belt_velocity=1.0)])
+    scene = Scene.of(
+        [Body(mass=1.0)],
+        [Slider(a=0, normal_force=1.0, law="stribeck_linear", mu0=0.4, belt_velocity=1.0)],
+    )
     assert Scene.from_json(scene.to_json()).elements == scene.elements

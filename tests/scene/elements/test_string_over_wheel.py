@@ -15,7 +15,9 @@ def test_the_wheel_turns_with_the_string_and_its_energy_counts():
     scene = case("pendulum-wheel-mass").at(wheel_radius="1/2", wheel_inertia="3").scene
     velocity = np.array([[[1.0, 0.0, 0.0], [0.0, 4.0, 0.0]]])
     run = Trajectory.of_points(np.zeros(1), scene.bodies.position[None], velocity)
-    assert balance.kinetic(scene, run) == pytest.approx([0.5 * 1 + 0.5 * 1.5 * 16 + 0.5 * 3 * (4 / 0.5) ** 2])
+    assert balance.kinetic(scene, run) == pytest.approx(
+        [0.5 * 1 + 0.5 * 1.5 * 16 + 0.5 * 3 * (4 / 0.5) ** 2]
+    )
 
 
 def test_symmetries_carry_centre_radius_and_inertia():

@@ -1,4 +1,6 @@
-"""Certified values are read with the standard library alone, and whatever is wrong with a file is seen."""
+"""Certified values are read with the standard library alone, and whatever is wrong with a file is
+seen.
+"""
 
 import json
 import shutil
@@ -32,37 +34,52 @@ def listed(folder: Path) -> None:
 
 
 def changed(folder: Path, old: str, new: str, *, hashed: bool = False) -> None:
-    """Replaces a text of the file, once; `hashed` makes the checksums anew, as one would who wants it to look right."""
+    """Replaces a text of the file, once;
+
+    `hashed` makes the checksums anew, as one would who wants it to look right.
+    """
     path = folder / "pendulum.jsonl"
     text = path.read_text()
     assert old in text
     text = text.replace(old, new, 1)
     if hashed:
-        text = writing.file_text("pendulum", [writing.sealed(block) for block in writing.blocks_in(text)])
+        text = writing.file_text(
+            "pendulum", [writing.sealed(block) for block in writing.blocks_in(text)]
+        )
     path.write_text(text)
     if hashed:
         listed(folder)
 
 
 def test_importing_and_loading_brings_in_nothing_but_the_standard_library() -> None:
-    code = f"import sys, refdem.truth as t; t.load(); print([n for n in {HEAVY} if n in sys.modules])"
-    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True, cwd="/")
+    code = (
+        f"import sys, refdem.truth as t; t.load(); print([n for n in {HEAVY} if n in sys.modules])"
+    )
+    done = subprocess.run(
+        [sys.executable, "-c", code], capture_output=True, text=True, check=True, cwd="/"
+    )
     assert done.stdout.strip() == "[]"
 
 
 def test_the_reader_works_as_one_file_on_its_own(folder: Path, tmp_path: Path) -> None:
     alone = tmp_path / "alone.py"
     shutil.copy(reader.__file__, alone)
-    done = subprocess.run([sys.executable, "-I", str(alone), str(folder)], capture_output=True, text=True, check=True)
+    done = subprocess.run(
+        [sys.executable, "-I", str(alone), str(folder)], capture_output=True, text=True, check=True
+    )
     assert done.stdout.endswith("all hold\n")
     changed(folder, '"9.8125"', '"9.8126"')
-    broken = subprocess.run([sys.executable, "-I", str(alone), str(folder)], capture_output=True, text=True, check=False)
+    broken = subprocess.run(
+        [sys.executable, "-I", str(alone), str(folder)], capture_output=True, text=True, check=False
+    )
     assert broken.returncode == 1
     assert "pendulum.jsonl, line 2" in broken.stdout
 
 
 def test_a_value_is_what_the_mean_of_gauss_says() -> None:
-    """2 pi/w0 over the arithmetic-geometric mean of 1 and cos 1/2, w0^2 = 9.8125: 40 digits by mpmath."""
+    """2 pi/w0 over the arithmetic-geometric mean of 1 and cos 1/2, w0^2 = 9.8125: 40 digits by
+    mpmath.
+    """
     (found,) = [one for one in load("pendulum") if one.label == "pendulum"]
     low, high = found.value("period").interval
     period = Fraction("2.1388650815945205866255179436555053906328")
@@ -100,7 +117,9 @@ def test_no_byte_changes_unseen(folder: Path, old: str, new: str) -> None:
         ("9.37e-36", "-9.37e-36", "radius"),
     ],
 )
-def test_what_a_value_claims_is_checked_and_not_only_its_hash(folder: Path, old: str, new: str, told: str) -> None:
+def test_what_a_value_claims_is_checked_and_not_only_its_hash(
+    folder: Path, old: str, new: str, told: str
+) -> None:
     changed(folder, old, new, hashed=True)
     with pytest.raises(ValueError, match=told):
         load("pendulum", folder=folder)
@@ -119,7 +138,9 @@ def test_a_lost_line_is_seen(folder: Path) -> None:
 
 def test_a_file_that_is_gone_or_new_is_seen(folder: Path) -> None:
     shutil.copy(STORE / "duffing.jsonl", folder)
-    with pytest.raises(ValueError, match=r"duffing\.jsonl: there, though sha256sums\.txt does not have it"):
+    with pytest.raises(
+        ValueError, match=r"duffing\.jsonl: there, though sha256sums\.txt does not have it"
+    ):
         load(folder=folder)
     listed(folder)
     assert {one.case for one in load(folder=folder)} == {"pendulum", "duffing"}
@@ -138,10 +159,23 @@ def test_a_file_under_another_name_is_seen(folder: Path) -> None:
         load(folder=folder)
 
 
-JUNK = ["", "junk", "[]", "{}", "null", '["1","x","1"]', '[1,"x","1.0","0",null]', '["1","x","1e99999999","0",null]', "[" * 9999]
+JUNK = [
+    "",
+    "junk",
+    "[]",
+    "{}",
+    "null",
+    '["1","x","1"]',
+    '[1,"x","1.0","0",null]',
+    '["1","x","1e99999999","0",null]',
+    "[" * 9999,
+]
 
 
-@pytest.mark.parametrize("junk", [*JUNK, '["1","x","1.0","0","0x1.0p+99999"]', '["1/0","x","1.0","0",null]', '{"values":3}'])
+@pytest.mark.parametrize(
+    "junk",
+    [*JUNK, '["1","x","1.0","0","0x1.0p+99999"]', '["1/0","x","1.0","0",null]', '{"values":3}'],
+)
 def test_a_junk_line_is_one_sentence_with_file_and_line(folder: Path, junk: str) -> None:
     path = folder / "pendulum.jsonl"
     lines = path.read_text().splitlines(keepends=True)
@@ -154,13 +188,20 @@ def test_a_junk_line_is_one_sentence_with_file_and_line(folder: Path, junk: str)
 def test_the_reader_on_its_own_says_what_is_wrong_and_no_traceback(folder: Path) -> None:
     for content in (b"", b"\xff\xfe", b"junk", b"junk\n", b"{}\n"):
         (folder / "pendulum.jsonl").write_bytes(content)
-        done = subprocess.run([sys.executable, "-I", reader.__file__, str(folder)], capture_output=True, text=True, check=False)
+        done = subprocess.run(
+            [sys.executable, "-I", reader.__file__, str(folder)],
+            capture_output=True,
+            text=True,
+            check=False,
+        )
         assert (done.returncode, done.stderr) == (1, "")
         assert done.stdout.startswith("PROBLEM: pendulum.jsonl, line 1")
 
 
 def spoiled(content: bytes, random: Random) -> bytes:
-    """The content with a byte flipped, dropped or put in, or a line dropped, doubled or moved, at a random place."""
+    """The content with a byte flipped, dropped or put in, or a line dropped, doubled or moved, at a
+    random place.
+    """
     at = random.randrange(len(content))
     lines = content.splitlines(keepends=True)
     one, other = random.randrange(len(lines)), random.randrange(len(lines))
@@ -180,7 +221,9 @@ def spoiled(content: bytes, random: Random) -> bytes:
 
 
 @pytest.mark.parametrize("name", ["pendulum.jsonl", reader.LIST])
-def test_whatever_is_done_to_a_file_is_a_value_error_or_changes_nothing(folder: Path, name: str) -> None:
+def test_whatever_is_done_to_a_file_is_a_value_error_or_changes_nothing(
+    folder: Path, name: str
+) -> None:
     """Seeded: 300 spoiled files."""
     random = Random(f"spoiled {name}")
     path = folder / name
@@ -205,7 +248,11 @@ def test_what_is_wrong_inside_is_seen_also_where_every_hash_was_made_anew(folder
     for _ in range(150):
         with suppress(ValueError, KeyError, IndexError, TypeError):
             text = spoiled(whole, random).decode()
-            path.write_text(writing.file_text("pendulum", [writing.sealed(block) for block in writing.blocks_in(text)]))
+            path.write_text(
+                writing.file_text(
+                    "pendulum", [writing.sealed(block) for block in writing.blocks_in(text)]
+                )
+            )
             listed(folder)
         try:
             found = load(folder=folder)

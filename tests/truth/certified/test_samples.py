@@ -1,4 +1,6 @@
-"""Kept samples say the same as a new proof, are rounded outward, and are taken only where nothing has changed."""
+"""Kept samples say the same as a new proof, are rounded outward, and are taken only where nothing
+has changed.
+"""
 
 import shutil
 from pathlib import Path
@@ -30,7 +32,9 @@ def folder(tmp_path: Path, truth: SampledTruth) -> Path:
     instance = discovery.case(CASE).at()
     home = tmp_path / "samples"
     home.mkdir()
-    (home / f"{CASE}.jsonl").write_bytes(samples.line_of(instance.label, samples_key(instance), digest_of(CASE), truth))
+    (home / f"{CASE}.jsonl").write_bytes(
+        samples.line_of(instance.label, samples_key(instance), digest_of(CASE), truth)
+    )
     return tmp_path
 
 
@@ -38,19 +42,42 @@ def test_what_is_kept_is_the_truth_rounded_outward(folder: Path, truth: SampledT
     found = kept_truth(discovery.case(CASE).at(), folder)
     assert found is not None
     assert found.values == truth.values
-    assert (found.until, found.t, found.method, found.printed) == (truth.until, truth.t, truth.method, truth.printed)
+    assert (found.until, found.t, found.method, found.printed) == (
+        truth.until,
+        truth.t,
+        truth.method,
+        truth.printed,
+    )
     for name, radii in truth.radii.items():
         # sharp: exact arithmetic: radii as they are written and read
-        assert all(old <= new <= 1.01 * old for new, old in zip(found.radii[name], radii, strict=True))
-    assert all(old <= new <= 1.01 * old for new, old in zip(found.sensitivity, truth.sensitivity, strict=True))
+        assert all(
+            old <= new <= 1.01 * old for new, old in zip(found.radii[name], radii, strict=True)
+        )
+    assert all(
+        old <= new <= 1.01 * old
+        for new, old in zip(found.sensitivity, truth.sensitivity, strict=True)
+    )
 
 
 def test_rounding_never_goes_down() -> None:
-    for value in (0.0, 1.0, 9.994e-17, 9.996e-17, 5.5511151231257827e-17, 1.0001, 1.0049999, 1.005, 2.0**-1000, 123456.0):
+    for value in (
+        0.0,
+        1.0,
+        9.994e-17,
+        9.996e-17,
+        5.5511151231257827e-17,
+        1.0001,
+        1.0049999,
+        1.005,
+        2.0**-1000,
+        123456.0,
+    ):
         assert value <= samples.rounded_up(value) <= value * 1.01
 
 
-def test_other_parameters_times_or_code_are_proved_anew(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_other_parameters_times_or_code_are_proved_anew(
+    folder: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     case = discovery.case(CASE)
     assert kept_truth(case.at(mass="2"), folder) is None
     assert kept_truth(case.at(samples="63"), folder) is None
@@ -68,8 +95,12 @@ def test_a_damaged_file_is_said_and_not_read(folder: Path) -> None:
         kept_truth(discovery.case(CASE).at(), folder)
 
 
-def test_whatever_is_done_to_a_file_of_samples_is_a_store_error_or_changes_nothing(folder: Path) -> None:
-    """Seeded: a bit flipped, a byte dropped or put in, the rest cut off; also in what is not the truth itself."""
+def test_whatever_is_done_to_a_file_of_samples_is_a_store_error_or_changes_nothing(
+    folder: Path,
+) -> None:
+    """Seeded: a bit flipped, a byte dropped or put in, the rest cut off; also in what is not the
+    truth itself.
+    """
     random = Random("spoiled samples")
     path = folder / "samples" / f"{CASE}.jsonl"
     whole = path.read_bytes()
@@ -79,7 +110,9 @@ def test_whatever_is_done_to_a_file_of_samples_is_a_store_error_or_changes_nothi
         at = random.choice([random.randrange(300), random.randrange(len(whole))])
         flipped = whole[:at] + bytes([whole[at] ^ 1 << random.randrange(8)]) + whole[at + 1 :]
         dropped = whole[:at] + whole[at + 1 :]
-        path.write_bytes(random.choice([flipped, dropped, whole[:at] + b"7" + whole[at:], whole[:at]]))
+        path.write_bytes(
+            random.choice([flipped, dropped, whole[:at] + b"7" + whole[at:], whole[:at]])
+        )
         try:
             assert samples.kept(path.parent, CASE) in (as_it_was, [])
         except StoreError as error:

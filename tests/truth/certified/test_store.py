@@ -1,4 +1,6 @@
-"""The store that comes with refdem: whole, wide enough, small, and proved with the code as it is."""
+"""The store that comes with refdem: whole, wide enough, small, and proved with the code as it
+is.
+"""
 
 import json
 from fractions import Fraction
@@ -29,7 +31,9 @@ def test_it_has_what_was_promised() -> None:
 
 def test_every_case_has_sets_and_a_witness() -> None:
     found = certified_cases(FOLDER)
-    assert [one.case for one in found if not one.sets] == [], "add sets to validation/truth/sets.toml and run `make certify`"
+    assert [one.case for one in found if not one.sets] == [], (
+        "add sets to validation/truth/sets.toml and run `make certify`"
+    )
     assert [one.case for one in found if one.has_no_witness] == []
 
 

@@ -15,7 +15,12 @@ def test_the_table_has_every_value_of_the_store_and_reads_back_exactly() -> None
     assert len(rows) == len(values) > 100
     assert tuple(rows[0]) == HEADER
     for row, (case, value) in zip(rows, values, strict=True):
-        assert (row["case"], row["quantity"], row["mid"], row["radius"]) == (case, value.quantity, value.mid, value.radius)
+        assert (row["case"], row["quantity"], row["mid"], row["radius"]) == (
+            case,
+            value.quantity,
+            value.mid,
+            value.radius,
+        )
         assert (Fraction(row["t"]) if row["t"] else None) == value.t
         assert (float.fromhex(row["binary64"]) if row["binary64"] else None) == value.binary64
 

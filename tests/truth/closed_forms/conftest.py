@@ -11,12 +11,16 @@ from refdem.truth.witnesses.testimony import AGREED, BITS, witnesses
 
 @pytest.fixture
 def apart():
-    """`apart(name, times, truth=None, **given)`: every quantity in which the truth and its witness differ, with the first such time."""
+    """`apart(name, times, truth=None, **given)`: every quantity in which the truth and its witness
+    differ, with the first such time.
+    """
 
     def found(name, times, truth=None, **given):
         truth, differing = truth or truth_of(name, **given), {}
         with precision(BITS):
-            for t, values in witnesses()[name].values(case(name).at(**given).p, [Fraction(t) for t in times], {}):
+            for t, values in witnesses()[name].values(
+                case(name).at(**given).p, [Fraction(t) for t in times], {}
+            ):
                 balls = truth.scalars() if t is None else truth.at(t)
                 for quantity, value in values.items():
                     ball, close = balls[quantity], arb_of(Fraction(1, 10**AGREED))

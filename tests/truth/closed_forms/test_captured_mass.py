@@ -19,7 +19,10 @@ def test_line_and_circle_meet_the_witness(apart, given):
 
 def test_rate_and_moment_of_inertia_are_those_of_a_circle():
     found = truth_of("captured-mass", **GIVEN).scalars()
-    assert {name: ball.mid for name, ball in found.items()} == {"omega": Fraction(5, 4), "inertia": Fraction(12)}
+    assert {name: ball.mid for name, ball in found.items()} == {
+        "omega": Fraction(5, 4),
+        "inertia": Fraction(12),
+    }
 
 
 def test_a_radian_after_the_catch_it_has_turned_by_a_radian():
@@ -55,5 +58,7 @@ def test_the_witness_sees(apart, fault):
 def test_an_error_of_the_start_grows_as_the_turns_that_follow():
     truth = truth_of("captured-mass")
     assert isinstance(truth, CapturedMass)
-    assert 2.0 <= truth.sensitivity(Fraction(1)) <= 1.2 * 2**0.5 * 2.0  # x and vx, each by its scale
+    assert (
+        2.0 <= truth.sensitivity(Fraction(1)) <= 1.2 * 2**0.5 * 2.0
+    )  # x and vx, each by its scale
     assert 10 < truth.sensitivity(Fraction(12)) < 100

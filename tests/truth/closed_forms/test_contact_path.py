@@ -1,4 +1,6 @@
-"""A prescribed contact path: against midpoint sums of a force that is found step by step, pieces, and a frame that is turned."""
+"""A prescribed contact path: against midpoint sums of a force that is found step by step, pieces,
+and a frame that is turned.
+"""
 
 from fractions import Fraction
 from functools import cache
@@ -19,8 +21,17 @@ def found(name="contact-path", **given):
 
 def force(v, x, stretch):
     """On body 1 at (x, off) of body 2: parts along x and y, torque; the slip."""
-    r1, r2, lever = float(v.radius), float(v.partner_radius), {"R": 0.0, "R-d/2": 0.5, "R-d": 1.0}[v.branch]
-    k, kt, mu, b = float(v.stiffness), float(v.tangential_stiffness), float(v.friction), float(v.off)
+    r1, r2, lever = (
+        float(v.radius),
+        float(v.partner_radius),
+        {"R": 0.0, "R-d/2": 0.5, "R-d": 1.0}[v.branch],
+    )
+    k, kt, mu, b = (
+        float(v.stiffness),
+        float(v.tangential_stiffness),
+        float(v.friction),
+        float(v.off),
+    )
     distance = np.hypot(x, b)
     overlap = r1 + r2 - distance
     limit = mu * k * overlap / kt
@@ -30,14 +41,26 @@ def force(v, x, stretch):
     return -k * overlap * n - kt * held * t, -(r1 - lever * overlap) * kt * held, slip
 
 
-@pytest.mark.parametrize("given", [{}, {"branch": "R-d", "partner_radius": "1/2"}, {"partner_spin": "-0.985"}, {"partner_spin": "3"}])
+@pytest.mark.parametrize(
+    "given",
+    [
+        {},
+        {"branch": "R-d", "partner_radius": "1/2"},
+        {"partner_spin": "-0.985"},
+        {"partner_spin": "3"},
+    ],
+)
 def test_what_the_law_gives_is_the_sum_of_its_forces(given):
     instance, truth = found(**given)
     v = member("contact-path").values(instance.p)
     steps, half = 8000, v.half
     h, stretch, total = 2 * half / steps, 0.0, np.zeros(3)
     for n in range(steps):
-        push, turn, slip = force(v, -half + (n + 0.5) * h, stretch + force(v, -half + (n + 0.25) * h, stretch)[2] * h / 2 / float(v.speed))
+        push, turn, slip = force(
+            v,
+            -half + (n + 0.5) * h,
+            stretch + force(v, -half + (n + 0.25) * h, stretch)[2] * h / 2 / float(v.speed),
+        )
         total += np.array([*push, turn]) * h / float(v.speed)
         stretch = np.clip(stretch + slip * h / float(v.speed), *_limits(v, -half + (n + 1) * h))
     last = truth.at(Fraction(float(instance.times[-1])))
@@ -46,7 +69,9 @@ def test_what_the_law_gives_is_the_sum_of_its_forces(given):
 
 
 def _limits(v, x):
-    size = float(v.friction * v.stiffness / v.tangential_stiffness) * (float(v.radius + v.partner_radius) - np.hypot(x, float(v.off)))
+    size = float(v.friction * v.stiffness / v.tangential_stiffness) * (
+        float(v.radius + v.partner_radius) - np.hypot(x, float(v.off))
+    )
     return -abs(size), abs(size)
 
 
@@ -57,11 +82,15 @@ def test_pieces_of_sticking_and_sliding(spin, sides):
 
 
 def test_the_force_turns_with_the_pair_and_what_gives_way_is_in_the_radius():
-    plain, turned = (found(name)[1].at(Fraction(1, 2)) for name in ("contact-path", "contact-path-turned"))
+    plain, turned = (
+        found(name)[1].at(Fraction(1, 2)) for name in ("contact-path", "contact-path-turned")
+    )
     frame = np.array(member("contact-path-turned").frame, dtype=object)
     assert (frame.T @ frame == np.eye(3, dtype=int)).all()
     for kind in ("impulse", "turning", "r", "v"):
         expected = frame @ [plain[f"{kind}.{axis}"].mid for axis in "xyz"]
-        apart = [abs(a - turned[f"{kind}.{axis}"].mid) for a, axis in zip(expected, "xyz", strict=True)]
+        apart = [
+            abs(a - turned[f"{kind}.{axis}"].mid) for a, axis in zip(expected, "xyz", strict=True)
+        ]
         assert max(apart) <= 10 * max(turned[f"{kind}.{axis}"].radius for axis in "xyz")
     assert plain["impulse.x"].radius > 0

@@ -1,4 +1,6 @@
-"""Coulomb oscillator: against turning points by hand, the equation of motion, the energy balance and displaced starts."""
+"""Coulomb oscillator: against turning points by hand, the equation of motion, the energy balance
+and displaced starts.
+"""
 
 from fractions import Fraction
 from itertools import pairwise
@@ -24,7 +26,9 @@ def state(truth, t):
     return balls["x"].mid, balls["v"].mid
 
 
-@pytest.mark.parametrize(("half_cycles", "place"), [(0, "1"), (1, "-0.7"), (2, "0.4"), (3, "-0.1"), (4, "-0.1")])
+@pytest.mark.parametrize(
+    ("half_cycles", "place"), [(0, "1"), (1, "-0.7"), (2, "0.4"), (3, "-0.1"), (4, "-0.1")]
+)
 def test_default_turning_points_are_those_of_the_chapter(half_cycles, place):
     x, v = state(oscillator(), half_cycles * PI)
     assert abs(x - Fraction(place)) < TINY
@@ -56,7 +60,10 @@ def test_the_boundary_of_sticking_is_closed():
     assert oscillator(x0="-0.75").scalars()["half_cycles"].mid == 2
 
 
-@pytest.mark.parametrize("given", [{}, {"x0": "-1", "v0": "0.3"}, {"x0": "0.2", "v0": "2", "mass": "3", "stiffness": "5"}])
+@pytest.mark.parametrize(
+    "given",
+    [{}, {"x0": "-1", "v0": "0.3"}, {"x0": "0.2", "v0": "2", "mass": "3", "stiffness": "5"}],
+)
 def test_sliding_obeys_the_equation_of_motion(given):
     truth = oscillator(**given).refined(60)
     p = {name: Fraction(text) for name, text in {**DEFAULTS, **given}.items()}
@@ -87,7 +94,9 @@ def test_a_moving_start_is_where_it_was_put():
 
 
 def test_default_energy_lost_is_that_of_the_chapter():
-    assert Fraction("0.15") * (Fraction("1.7") + Fraction("1.1") + Fraction("0.5")) == Fraction("0.495")
+    assert Fraction("0.15") * (Fraction("1.7") + Fraction("1.1") + Fraction("0.5")) == Fraction(
+        "0.495"
+    )
     x, _ = state(oscillator(), Fraction(20))
     assert abs((1 - x**2) / 2 - Fraction("0.495")) < TINY
 

@@ -1,4 +1,6 @@
-"""Damped and driven oscillators: against the Taylor series of their equation in rationals, in every regime, and exact amplitudes."""
+"""Damped and driven oscillators: against the Taylor series of their equation in rationals, in every
+regime, and exact amplitudes.
+"""
 
 from fractions import Fraction
 
@@ -7,9 +9,21 @@ import pytest
 from refdem.truth.closed_forms import driven_oscillator, viscous_oscillator
 
 F = Fraction
-FREE = {"mass": F(3, 2), "stiffness": F(27, 8), "gravity": F(5, 7), "x0": F(1, 3), "v0": F(-2)}  # w0 = 3/2
+FREE = {
+    "mass": F(3, 2),
+    "stiffness": F(27, 8),
+    "gravity": F(5, 7),
+    "x0": F(1, 3),
+    "v0": F(-2),
+}  # w0 = 3/2
 SCALE = {"x": 1.0, "v": 1.0}
-DRIVES = [(F(0), F(1)), (F(7, 5), F(0)), (F(7, 5), F(4, 3)), (F(7, 5), F(3, 2)), (F(-1), F(151, 100))]
+DRIVES = [
+    (F(0), F(1)),
+    (F(7, 5), F(0)),
+    (F(7, 5), F(4, 3)),
+    (F(7, 5), F(3, 2)),
+    (F(-1), F(151, 100)),
+]
 
 
 def truth(delta, f0=None, drive=None, **more):
@@ -20,14 +34,21 @@ def truth(delta, f0=None, drive=None, **more):
 
 
 def series(delta, f0, drive, t):
-    """x and v by the Taylor series of x'' = g - w0^2 x - 2 delta x' + f0 cos(w t), in exact rationals."""
+    """x and v by the Taylor series of x'' = g - w0^2 x - 2 delta x' + f0 cos(w t), in exact
+    rationals.
+    """
     a, wave = [FREE["x0"], FREE["v0"]], f0
     for n in range(150):
         push = FREE["gravity"] * (n == 0) + (wave if n % 2 == 0 else 0)
-        a.append((push - FREE["stiffness"] / FREE["mass"] * a[n] - 2 * delta * (n + 1) * a[n + 1]) / ((n + 1) * (n + 2)))
+        a.append(
+            (push - FREE["stiffness"] / FREE["mass"] * a[n] - 2 * delta * (n + 1) * a[n + 1])
+            / ((n + 1) * (n + 2))
+        )
         if n % 2 == 0:
             wave = -wave * drive**2 / ((n + 1) * (n + 2))
-    return sum(c * t**n for n, c in enumerate(a)), sum(n * c * t ** (n - 1) for n, c in enumerate(a) if n)
+    return sum(c * t**n for n, c in enumerate(a)), sum(
+        n * c * t ** (n - 1) for n, c in enumerate(a) if n
+    )
 
 
 @pytest.mark.parametrize("delta", [F(0), F(1, 10), F(149, 100), F(3, 2), F(151, 100), F(3)])
@@ -62,10 +83,14 @@ def test_steady_amplitude_of_a_right_triangle_is_rational():
 
 
 def test_amplitude_is_largest_where_w_squared_is_w0_squared_less_twice_delta_squared():
-    # delta^2 = 9/8 - 1/2 = 5/8 would be irrational: take delta = 1, w^2 = 9/4 - 2 = 1/4; peak f0/(2 delta sqrt(w0^2 - delta^2)).
+    # delta^2 = 9/8 - 1/2 = 5/8 would be irrational: take delta = 1, w^2 = 9/4 - 2 = 1/4; peak f0/(2
+    # delta sqrt(w0^2 - delta^2)).
     peak = truth(F(1), F(1), F(1, 2)).scalars()["steady_amplitude"].mid
     assert abs(peak**2 - F(1, 4 * 1) / (F(9, 4) - 1)) < F(1, 10**38)
-    assert all(truth(F(1), F(1), F(1, 2) + off).scalars()["steady_amplitude"].mid < peak for off in (F(1, 1000), F(-1, 1000)))
+    assert all(
+        truth(F(1), F(1), F(1, 2) + off).scalars()["steady_amplitude"].mid < peak
+        for off in (F(1, 1000), F(-1, 1000))
+    )
 
 
 def test_undamped_at_resonance_the_amplitude_grows_as_f0_t_over_2_w0():
@@ -81,7 +106,9 @@ def test_what_remains_after_the_transient_has_the_steady_amplitude():
     amplitude, centre = damped.scalars()["steady_amplitude"].mid, FREE["gravity"] / F(9, 4)
     late = [damped.at(F(90) + F(n, 16)) for n in range(3)]
     for state in late:  # a circle in the plane of x and v/w
-        assert abs((state["x"].mid - centre) ** 2 + (state["v"].mid / F(5, 4)) ** 2 - amplitude**2) < F(1, 10**30)
+        assert abs(
+            (state["x"].mid - centre) ** 2 + (state["v"].mid / F(5, 4)) ** 2 - amplitude**2
+        ) < F(1, 10**30)
 
 
 def test_sensitivity_is_that_of_the_free_motion_and_never_falls():
@@ -89,4 +116,6 @@ def test_sensitivity_is_that_of_the_free_motion_and_never_falls():
     times = [F(n, 2) for n in range(9)]
     assert driven.sensitivities(times) == pytest.approx(free.sensitivities(times), rel=1e-12)
     assert driven.sensitivities(times) == sorted(driven.sensitivities(times))
-    assert max(driven.sensitivities(times)) == pytest.approx(1.8, abs=0.3)  # at most w0 and 1/w0 beside the cosine
+    assert max(driven.sensitivities(times)) == pytest.approx(
+        1.8, abs=0.3
+    )  # at most w0 and 1/w0 beside the cosine

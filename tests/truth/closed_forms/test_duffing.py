@@ -1,4 +1,6 @@
-"""Duffing's oscillator: every regime against validated integration, energy, Liouville's theorem, and literal periods."""
+"""Duffing's oscillator: every regime against validated integration, energy, Liouville's theorem,
+and literal periods.
+"""
 
 from fractions import Fraction
 
@@ -37,9 +39,13 @@ def test_every_regime_solves_the_equation_of_motion(name):
     def field(y):
         return [y[1], -alpha * y[0] - beta * (y[0] * y[0] * y[0])]
 
-    flow = ValidatedFlow(field, [a, F(0)], lambda y: {"x": y[0], "v": y[1]}, SCALE, state=("x", "v"), moved=(0, 1))
+    flow = ValidatedFlow(
+        field, [a, F(0)], lambda y: {"x": y[0], "v": y[1]}, SCALE, state=("x", "v"), moved=(0, 1)
+    )
     found, other = motion(name).at(F(7, 4)), flow.at(F(7, 4))
-    assert all(abs(found[q].mid - other[q].mid) <= found[q].radius + other[q].radius for q in ("x", "v"))
+    assert all(
+        abs(found[q].mid - other[q].mid) <= found[q].radius + other[q].radius for q in ("x", "v")
+    )
     assert max(ball.radius for ball in [*found.values(), *other.values()]) <= F(1, 10**40)
 
 
@@ -60,7 +66,9 @@ def test_the_flow_keeps_area_whatever_made_its_columns(name, t):
         assert abs(a * d - b * c - 1) < 1e-28
 
 
-@pytest.mark.parametrize("name", [name for name in REGIMES if name not in ("sech", "the bottom of a well")])
+@pytest.mark.parametrize(
+    "name", [name for name in REGIMES if name not in ("sech", "the bottom of a well")]
+)
 def test_after_its_period_it_is_back_at_rest(name):
     period = motion(name).scalars()["period"].mid
     state = motion(name).at(period)
@@ -68,12 +76,22 @@ def test_after_its_period_it_is_back_at_rest(name):
     assert abs(state["v"].mid) < F(1, 10**37)
     half = motion(name).at(period / 2)["x"].mid
     well = name.startswith(("dn", "nd"))
-    assert (half > 0) == (F(REGIMES[name][2]) > 0) if well else half == pytest.approx(-F(REGIMES[name][2]))
+    assert (
+        (half > 0) == (F(REGIMES[name][2]) > 0)
+        if well
+        else half == pytest.approx(-F(REGIMES[name][2]))
+    )
 
 
 def test_period_is_that_of_quadrature():
-    # 4 integral_0^(pi/2) d phi/sqrt(1 + (1 + sin^2 phi)/2): tanh-sinh quadrature, mpmath 1.3, 45 digits
-    assert motion("cn").scalars()["period"].decimals(40)[0].startswith("4.768022029102460806304518470057719054495")
+    # 4 integral_0^(pi/2) d phi/sqrt(1 + (1 + sin^2 phi)/2): tanh-sinh quadrature, mpmath 1.3, 45
+    # digits
+    assert (
+        motion("cn")
+        .scalars()["period"]
+        .decimals(40)[0]
+        .startswith("4.768022029102460806304518470057719054495")
+    )
 
 
 def test_separatrix_and_bottom_have_no_period():

@@ -1,4 +1,6 @@
-"""Free rigid body: against the Taylor witness, the equations of motion, conservation, and planted errors."""
+"""Free rigid body: against the Taylor witness, the equations of motion, conservation, and planted
+errors.
+"""
 
 from contextlib import suppress
 from fractions import Fraction
@@ -16,7 +18,10 @@ from refdem.truth.closed_forms.free_rigid_body import FreeRigidBody
 from refdem.truth.free_body import Axisymmetric, Elliptic, Separatrix, Steady
 from refdem.truth.witness import body_flow
 
-SCALE = dict.fromkeys(("omega_body.x", "omega_body.y", "omega_body.z", "omega.x", "omega.y", "omega.z", "attitude.w"), 1.0)
+SCALE = dict.fromkeys(
+    ("omega_body.x", "omega_body.y", "omega_body.z", "omega.x", "omega.y", "omega.z", "attitude.w"),
+    1.0,
+)
 TILTED = tuple(map(Fraction, (1, 2, -3, Fraction(1, 2))))
 TIME = Fraction(7, 2)
 
@@ -53,7 +58,11 @@ def misses(truth):
     omega, q = witness(truth.inertia, truth.omega)
     t = arb_of(TIME)
     away = rotation.times(rotation.conjugate(truth.turned(t)), q)[1:]
-    found = [f"omega {i}" for i, (a, b) in enumerate(zip(truth.spin(t), omega, strict=True)) if not a.overlaps(b)]
+    found = [
+        f"omega {i}"
+        for i, (a, b) in enumerate(zip(truth.spin(t), omega, strict=True))
+        if not a.overlaps(b)
+    ]
     return found + [f"attitude {i}" for i, x in enumerate(away) if not x.contains(0)]
 
 
@@ -69,12 +78,18 @@ def test_closed_form_meets_the_taylor_witness(kind, inertia, omega):
     truth = body(exact(inertia), exact(omega))
     with precision(400):
         assert type(truth.body()) is kind
-        assert max(float(x.rad()) for part in witness(truth.inertia, truth.omega) for x in part) < 1e-30
+        assert (
+            max(float(x.rad()) for part in witness(truth.inertia, truth.omega) for x in part)
+            < 1e-30
+        )
         assert misses(truth) == []
 
 
 @pytest.mark.parametrize("order", list(permutations(range(3))))
-@pytest.mark.parametrize(("inertia", "omega"), [("1 2 3", "0.5 -1 0.8"), ("1 2 3", "0.8 1 -0.1"), ("1 3 6", "0.75 -0.125 0.25")])
+@pytest.mark.parametrize(
+    ("inertia", "omega"),
+    [("1 2 3", "0.5 -1 0.8"), ("1 2 3", "0.8 1 -0.1"), ("1 3 6", "0.75 -0.125 0.25")],
+)
 def test_every_order_of_the_moments_meets_the_witness(inertia, omega, order):
     truth = body(*(tuple(exact(x)[i] for i in order) for x in (inertia, omega)))
     with precision(400):
@@ -83,7 +98,9 @@ def test_every_order_of_the_moments_meets_the_witness(inertia, omega, order):
 
 PLANTED = {
     "sense of the theta phase": lambda b: setattr(b, "sense", -b.sense),
-    "sign of the drift's zeta term": lambda b: setattr(b, "drift", 2 * b.length / arb_of(b.inertia[b.other]) - b.drift),
+    "sign of the drift's zeta term": lambda b: setattr(
+        b, "drift", 2 * b.length / arb_of(b.inertia[b.other]) - b.drift
+    ),
     "sign of M_2": lambda b: setattr(b, "sign_b", -b.sign_b),
     "branch of the start": lambda b: setattr(b, "shift", 2 * b.jacobi.k - b.shift),
     "phase at the start left out": lambda b: setattr(b, "phase0", arb(1)),
@@ -107,16 +124,23 @@ def test_equations_of_motion_hold_at_any_time(kind, inertia, omega, t):
     truth, j = body(exact(inertia), exact(omega)), exact(inertia)
     with precision(1600):
         h, time = arb(2) ** -400, arb_of(t)
-        (w_minus, q_minus), (w, q), (w_plus, q_plus) = ((truth.spin(x), truth.turned(x)) for x in (time - h, time, time + h))
+        (w_minus, q_minus), (w, q), (w_plus, q_plus) = (
+            (truth.spin(x), truth.turned(x)) for x in (time - h, time, time + h)
+        )
         if rotation.dot(q_minus, q_plus) < 0:
             q_plus = [-x for x in q_plus]
         if rotation.dot(q, q_plus) < 0:
             q = [-x for x in q]
         spinning = [(a - b) / (2 * h) for a, b in zip(w_plus, w_minus, strict=True)]
         turning = [(a - b) / (2 * h) for a, b in zip(q_plus, q_minus, strict=True)]
-        torque = [arb_of(j[(i + 1) % 3] - j[(i + 2) % 3]) * w[(i + 1) % 3] * w[(i + 2) % 3] for i in range(3)]
+        torque = [
+            arb_of(j[(i + 1) % 3] - j[(i + 2) % 3]) * w[(i + 1) % 3] * w[(i + 2) % 3]
+            for i in range(3)
+        ]
         assert all(abs(arb_of(j[i]) * spinning[i] - torque[i]) < arb("1e-100") for i in range(3))
-        residual = [a - b / 2 for a, b in zip(turning, rotation.times(q, [arb(0), *w]), strict=True)]
+        residual = [
+            a - b / 2 for a, b in zip(turning, rotation.times(q, [arb(0), *w]), strict=True)
+        ]
         assert all(abs(x) < arb("1e-100") for x in residual)
 
 
@@ -154,21 +178,32 @@ def test_balls_of_few_bits_contain_the_values_of_many(kind, inertia, omega, bits
     with precision(1000):
         sure = truth.evaluate(arb_of(t))
     with precision(bits), suppress(UndecidedError):
-        assert [name for name, ball in truth.evaluate(arb_of(t)).items() if not ball.contains(sure[name])] == []
+        assert [
+            name
+            for name, ball in truth.evaluate(arb_of(t)).items()
+            if not ball.contains(sure[name])
+        ] == []
 
 
 def test_period_brings_omega_back_and_no_shorter_time_does():
     truth = body(exact("1 2 3"), exact("0.9 1.1 1.3"))
     with precision(300):
         period = truth.constants()["period"]
-        assert all(a.overlaps(arb_of(b)) for a, b in zip(truth.spin(period), truth.omega, strict=True))
+        assert all(
+            a.overlaps(arb_of(b)) for a, b in zip(truth.spin(period), truth.omega, strict=True)
+        )
         for part in (2, 3, 4):
-            assert not all(a.overlaps(arb_of(b)) for a, b in zip(truth.spin(period / part), truth.omega, strict=True))
+            assert not all(
+                a.overlaps(arb_of(b))
+                for a, b in zip(truth.spin(period / part), truth.omega, strict=True)
+            )
 
 
 def test_period_of_an_axisymmetric_body_is_that_of_its_cone():
     # omega_3 (J3 - J1)/J1 = 1.3/2: T = 2 pi/0.65
-    assert float(truth_of("free-rigid-body", inertia="2,2,3").scalars()["period"].mid) == pytest.approx(9.666438934122441, rel=1e-15)
+    assert float(
+        truth_of("free-rigid-body", inertia="2,2,3").scalars()["period"].mid
+    ) == pytest.approx(9.666438934122441, rel=1e-15)
 
 
 def test_steady_spin_has_no_period_and_turns_at_its_rate():
@@ -187,7 +222,9 @@ def test_attitude_need_not_be_of_unit_size_and_w_is_never_negative():
     for k in range(12):
         first, second = one.at(Fraction(k)), two.at(Fraction(k))
         assert first["attitude.w"].mid >= 0
-        assert all(abs(first[n].mid - second[n].mid) <= first[n].radius + second[n].radius for n in first)
+        assert all(
+            abs(first[n].mid - second[n].mid) <= first[n].radius + second[n].radius for n in first
+        )
 
 
 def test_quantities_are_those_of_the_case():
@@ -201,9 +238,16 @@ def test_sensitivity_is_the_response_of_the_witness_to_a_small_change():
     with precision(300):
         for axis in range(3):
             moved = [tuple(w + s * h * (i == axis) for i, w in enumerate(start)) for s in (1, -1)]
-            (w_plus, q_plus), (w_minus, q_minus) = (body_flow(inertia, w, TILTED, TIME, order=40) for w in moved)
-            turns[:, axis] = [float(x / arb_of(h)) for x in rotation.times(q_plus, rotation.conjugate(q_minus))[1:]]
-            spins[:, axis] = [float((a - b) / (2 * arb_of(h))) for a, b in zip(w_plus, w_minus, strict=True)]
+            (w_plus, q_plus), (w_minus, q_minus) = (
+                body_flow(inertia, w, TILTED, TIME, order=40) for w in moved
+            )
+            turns[:, axis] = [
+                float(x / arb_of(h))
+                for x in rotation.times(q_plus, rotation.conjugate(q_minus))[1:]
+            ]
+            spins[:, axis] = [
+                float((a - b) / (2 * arb_of(h))) for a, b in zip(w_plus, w_minus, strict=True)
+            ]
     spread = np.linalg.svd(turns, compute_uv=False)
     growth = max(1 + spread[0], float(np.linalg.norm(spins, axis=1).max()))
     assert growth <= body(inertia, start).sensitivity(TIME) <= 2 * growth

@@ -15,16 +15,22 @@ def scalars(**given: str) -> dict[str, float]:
 
 
 def moment(power: int, t0: float) -> float:
-    """Integral over v_n > 0 of v_n^power with the Gaussian density of the normal relative velocity, variance 2 T/m, by quadrature."""
+    """Integral over v_n > 0 of v_n^power with the Gaussian density of the normal relative velocity,
+    variance 2 T/m, by quadrature.
+    """
     v, w = np.polynomial.laguerre.laggauss(80)
     spread = np.sqrt(2 * t0)
     u = np.sqrt(2 * v)  # exp(-u^2/2) du u = exp(-v) dv
     return float(np.sum(w * (spread * u) ** power / u)) / np.sqrt(2 * np.pi)
 
 
-@pytest.mark.parametrize(("e", "d", "n", "t0"), [(0.9, 1.0, 0.05, 1.0), (0.5, 0.5, 0.3, 2.0), (0.8, 2.0, 0.01, 0.25)])
+@pytest.mark.parametrize(
+    ("e", "d", "n", "t0"), [(0.9, 1.0, 0.05, 1.0), (0.5, 0.5, 0.3, 2.0), (0.8, 2.0, 0.01, 0.25)]
+)
 def test_haff_time_is_the_mean_loss_times_the_rate_of_collisions(e, d, n, t0):
-    """Flux through the sphere of radius sigma: every direction sees n chi 4 pi sigma^2 <v_n>, and loses (1 - e^2) m v_n^2/4."""
+    """Flux through the sphere of radius sigma: every direction sees n chi 4 pi sigma^2 <v_n>, and
+    loses (1 - e^2) m v_n^2/4.
+    """
     phi = np.pi * n * d**3 / 6
     chi = (1 - phi / 2) / (1 - phi) ** 3
     area = 4 * np.pi * d * d * n * chi

@@ -6,7 +6,13 @@ import pytest
 
 from refdem.truth.closed_forms.harmonic_oscillator import truth
 
-PARAMETERS = {"mass": Fraction(3, 2), "stiffness": Fraction(7, 5), "gravity": Fraction(0), "x0": Fraction(1), "v0": Fraction(-2, 3)}
+PARAMETERS = {
+    "mass": Fraction(3, 2),
+    "stiffness": Fraction(7, 5),
+    "gravity": Fraction(0),
+    "x0": Fraction(1),
+    "v0": Fraction(-2, 3),
+}
 SCALE = {"x": 1.0, "v": 1.0}
 
 
@@ -39,7 +45,9 @@ def test_gravity_shifts_the_motion_by_m_g_over_k_and_nothing_else():
 
 
 def test_period_of_unit_mass_and_stiffness_four_is_pi():
-    period = truth({**PARAMETERS, "mass": Fraction(1), "stiffness": Fraction(4)}, SCALE).scalars()["period"]
+    period = truth({**PARAMETERS, "mass": Fraction(1), "stiffness": Fraction(4)}, SCALE).scalars()[
+        "period"
+    ]
     assert period.decimals(41)[0].startswith("3.141592653589793238462643383279502884197")
 
 

@@ -1,4 +1,6 @@
-"""Hertzian spheres: against literals, numerical integration, energy, the law of the fifth root, displaced starts, planted slips."""
+"""Hertzian spheres: against literals, numerical integration, energy, the law of the fifth root,
+displaced starts, planted slips.
+"""
 
 from fractions import Fraction
 
@@ -14,10 +16,18 @@ from refdem.truth.witnesses.collisions import hertz
 
 DURATION = "0.153880247344514071370671723018128071"
 STATES = {
-    Fraction(1, 32): ("0.0300379221000926130984158592879032877", "0.865907466333648623082033856511040939"),
-    Fraction(3, 64): ("0.0420121680410764161159558741029204118", "0.648969251552221336738735376770760224"),
+    Fraction(1, 32): (
+        "0.0300379221000926130984158592879032877",
+        "0.865907466333648623082033856511040939",
+    ),
+    Fraction(3, 64): (
+        "0.0420121680410764161159558741029204118",
+        "0.648969251552221336738735376770760224",
+    ),
 }
-"""mpmath at 45 digits: (4/5) B(2/5, 1/2) d_max/v, and t = integral of 2 w dw/sqrt(v^2 - 4k/(5m) w^5) solved for w = sqrt(overlap)."""
+"""mpmath at 45 digits: (4/5) B(2/5, 1/2) d_max/v, and t = integral of 2 w dw/sqrt(v^2 - 4k/(5m)
+w^5) solved for w = sqrt(overlap).
+"""
 
 
 def at(**given):
@@ -33,7 +43,10 @@ def test_states_and_duration_are_those_of_quadrature_with_mpmath():
         assert abs(balls["v"].mid - Fraction(rate)) < Fraction(1, 10**35)
 
 
-@pytest.mark.parametrize("given", [{}, {"closing_speed": "32", "stiffness": "3"}, {"effective_mass": "1e-3", "stiffness": "1e9"}])
+@pytest.mark.parametrize(
+    "given",
+    [{}, {"closing_speed": "32", "stiffness": "3"}, {"effective_mass": "1e-3", "stiffness": "1e9"}],
+)
 def test_truth_is_the_taylor_series_in_the_root_of_the_overlap(given):
     worst, _ = compared(given)
     assert worst < 1e-40
@@ -42,10 +55,17 @@ def test_truth_is_the_taylor_series_in_the_root_of_the_overlap(given):
 def compared(given):
     instance = at(**given)
     truth = instance.truth()
-    scalars, times = truth.scalars(), [Fraction(float(t)) for t in instance.times[[1, 15, 24, 31, 40, 63]]]
+    scalars, times = (
+        truth.scalars(),
+        [Fraction(float(t)) for t in instance.times[[1, 15, 24, 31, 40, 63]]],
+    )
     with precision(256):
         said = list(hertz(instance.p, times, {}))
-        worst = max(abs(v - arb_of((scalars if t is None else truth.at(t))[n].mid)) for t, values in said for n, v in values.items())
+        worst = max(
+            abs(v - arb_of((scalars if t is None else truth.at(t))[n].mid))
+            for t, values in said
+            for n, v in values.items()
+        )
     return float(worst), len(said)
 
 
@@ -72,8 +92,14 @@ def test_nothing_is_known_before_touch():
 def test_sensitivity_is_that_of_displaced_starts_by_numerical_integration():
     instance, t, tiny = at(), Fraction(1, 16), 1e-6
     s = instance.scales
-    ends = [run(1e-12 + a * tiny * s.length, 1 + b * tiny * s.speed, float(t)) for a, b in ((1, 0), (-1, 0), (0, 1), (0, -1))]
-    rows = [sum(abs(ends[i][k] - ends[i + 1][k]) for i in (0, 2)) / (2 * tiny) / (s.length, s.speed)[k] for k in (0, 1)]
+    ends = [
+        run(1e-12 + a * tiny * s.length, 1 + b * tiny * s.speed, float(t))
+        for a, b in ((1, 0), (-1, 0), (0, 1), (0, -1))
+    ]
+    rows = [
+        sum(abs(ends[i][k] - ends[i + 1][k]) for i in (0, 2)) / (2 * tiny) / (s.length, s.speed)[k]
+        for k in (0, 1)
+    ]
     assert max(rows) <= instance.truth().sensitivity(t) * (1 + 1e-4)
     assert instance.truth().sensitivity(t) <= 2 * max(rows)
 
@@ -95,8 +121,16 @@ def run(d, v, t, steps=20000):
 
 PLANTED = {
     "another power": (hertz_spheres, "HERTZ", Fraction(8, 5)),
-    "the way out as the way in": (power_contact.PowerContact, "near_turn", lambda self, left: self.near_touch(self.half - abs(left), 1)),
-    "half of the energy": (power_contact, "arb_of", lambda x: arb_of(x * Fraction(5, 4) if x == Fraction(5, 8000) else x)),
+    "the way out as the way in": (
+        power_contact.PowerContact,
+        "near_turn",
+        lambda self, left: self.near_touch(self.half - abs(left), 1),
+    ),
+    "half of the energy": (
+        power_contact,
+        "arb_of",
+        lambda x: arb_of(x * Fraction(5, 4) if x == Fraction(5, 8000) else x),
+    ),
 }
 
 

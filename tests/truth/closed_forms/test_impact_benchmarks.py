@@ -1,4 +1,6 @@
-"""Impact benchmarks: sliding formulas, limits of sticking, phases by their closed forms, stored peak forces, what each law keeps."""
+"""Impact benchmarks: sliding formulas, limits of sticking, phases by their closed forms, stored
+peak forces, what each law keeps.
+"""
 
 from fractions import Fraction
 from functools import cache
@@ -35,7 +37,9 @@ def test_peak_forces_of_two_spheres_are_those_that_others_store(material, force)
     assert float(scalars("co-1", material=material)["max_force"]) == pytest.approx(force, rel=1e-3)
 
 
-@pytest.mark.parametrize(("material", "force"), [("magnesium-alloy", 7233), ("aluminium-alloy", 11370)])
+@pytest.mark.parametrize(
+    ("material", "force"), [("magnesium-alloy", 7233), ("aluminium-alloy", 11370)]
+)
 def test_peak_forces_on_a_wall_are_those_that_others_store(material, force):
     assert float(scalars("co-2", material=material)["max_force"]) == pytest.approx(force, rel=1e-3)
 
@@ -44,7 +48,13 @@ def test_peak_forces_on_a_wall_are_those_that_others_store(material, force):
 def test_the_dashpot_makes_the_restitution_to_thirty_digits(restitution):
     for member, cutoff in (("co-3", "zero_overlap"), ("co-4", "zero_force")):
         if member == "co-3" or Fraction(restitution) > Fraction(1, 7):
-            assert abs(scalars(member, restitution=restitution, cutoff=cutoff)["restitution"] - Fraction(restitution)) < TINY
+            assert (
+                abs(
+                    scalars(member, restitution=restitution, cutoff=cutoff)["restitution"]
+                    - Fraction(restitution)
+                )
+                < TINY
+            )
 
 
 def test_no_dashpot_that_stops_to_push_gives_less_than_exp_minus_two():
@@ -64,7 +74,12 @@ def test_dust_that_slides_loses_seven_of_psi_and_gains_five_of_spin(psi):
 
 @pytest.mark.parametrize("spin", ["40", "-40"])
 def test_a_spin_that_slides_has_the_tangential_restitution_of_its_impulse(spin):
-    last, e, mu, v = end("co-6", spin=spin, tangential_stiffness="0"), Fraction(1, 2), Fraction(2, 5), Fraction(1, 5)
+    last, e, mu, v = (
+        end("co-6", spin=spin, tangential_stiffness="0"),
+        Fraction(1, 2),
+        Fraction(2, 5),
+        Fraction(1, 5),
+    )
     at_surface = Fraction(spin) / 10
     tangential = -(last["v.y"] + last["omega.z"] / 10) / at_surface
     assert abs(tangential - (-1 + Fraction(7, 2) * mu * (1 + e) * v / abs(at_surface))) < TINY
@@ -73,8 +88,13 @@ def test_a_spin_that_slides_has_the_tangential_restitution_of_its_impulse(spin):
 def test_it_slides_all_the_time_just_above_the_limit_angle_and_not_just_below():
     limit = MU * (7 - KN / KT)
     above, below = (np.arctan(limit * (1 + off)) for off in (1e-6, -1e-3))
-    assert abs(abs(scalars("dem-05", angle=repr(float(above)))["impulse_ratio"]) - Fraction("0.092")) < TINY
-    assert abs(scalars("dem-05", angle=repr(float(below)))["impulse_ratio"]) < Fraction("0.092") * (1 - Fraction(1, 10**9))
+    assert (
+        abs(abs(scalars("dem-05", angle=repr(float(above)))["impulse_ratio"]) - Fraction("0.092"))
+        < TINY
+    )
+    assert abs(scalars("dem-05", angle=repr(float(below)))["impulse_ratio"]) < Fraction("0.092") * (
+        1 - Fraction(1, 10**9)
+    )
 
 
 @pytest.mark.parametrize("branch", ["R", "R-d/2", "R-d"])
@@ -87,22 +107,35 @@ def test_angular_momentum_about_the_wall_is_kept_by_the_lever_r_alone(branch):
 
 
 def phases(angle):
-    """v_y and R omega after the contact without damping, lever R: closed form from phase to phase, switches by bisection."""
+    """v_y and R omega after the contact without damping, lever R: closed form from phase to phase,
+    switches by bisection.
+    """
     m = 4000 * 4 / 3 * pi * 0.0025**3
     vn, vt = 3.9 * cos(angle), 3.9 * sin(angle)
     w, ws = sqrt(KN / m), sqrt(3.5 * KT / m)
-    limit, climb = (lambda t: MU * vn * m * w * sin(w * t)), (lambda t: MU * vn * m * w * w * cos(w * t))
+    limit, climb = (
+        (lambda t: MU * vn * m * w * sin(w * t)),
+        (lambda t: MU * vn * m * w * w * cos(w * t)),
+    )
     t, slip, spring, sticks = 0.0, vt, 0.0, KT * vt <= MU * m * vn * w * w
     while t < pi / w:
         if sticks:
-            swing, speed = (lambda s, a=spring, b=slip: a * cos(ws * s) + b / ws * sin(ws * s)), None
+            swing, speed = (
+                (lambda s, a=spring, b=slip: a * cos(ws * s) + b / ws * sin(ws * s)),
+                None,
+            )
             speed = lambda s, a=spring, b=slip: b * cos(ws * s) - a * ws * sin(ws * s)  # noqa: E731
             s = crossing(lambda s, t=t, swing=swing: limit(t + s) - abs(KT * swing(s)), pi / w - t)
             slip, spring = speed(s), swing(s)
         else:
             side = 1 if (spring or slip) > 0 else -1
             lost = lambda s, t=t, side=side: 3.5 * side * MU * vn * (cos(w * t) - cos(w * (t + s)))  # noqa: E731
-            s = crossing(lambda s, t=t, slip=slip, lost=lost, side=side: KT * side * (slip - lost(s)) - climb(t + s), pi / w - t)
+            s = crossing(
+                lambda s, t=t, slip=slip, lost=lost, side=side: (
+                    KT * side * (slip - lost(s)) - climb(t + s)
+                ),
+                pi / w - t,
+            )
             slip, spring = slip - lost(s), side * limit(t + s) / KT
         t, sticks = t + s, not sticks
     impulse = 2 / 7 * (vt - slip)
@@ -140,7 +173,12 @@ def test_hertz_with_friction_obeys_its_law(angle):
         force = law.stiffness * max(float(now["r.x"].mid) + 0.0025, 0.0) ** 1.5
         slip = float(now["v.y"].mid) + 0.0025 * float(now["omega.z"].mid)
         rubs = -law.friction * force * np.sign(slip) * (abs(slip) > 1e-12)
-        expected = {"r.x": float(now["v.x"].mid), "r.y": float(now["v.y"].mid), "v.x": -force / mass, "v.y": rubs / mass}
+        expected = {
+            "r.x": float(now["v.x"].mid),
+            "r.y": float(now["v.y"].mid),
+            "v.x": -force / mass,
+            "v.y": rubs / mass,
+        }
         expected["omega.z"] = rubs / (0.4 * mass * 0.0025)
         for name, value in expected.items():
             assert rate[name] == pytest.approx(value, rel=1e-6, abs=1e-6), (name, index)
@@ -165,7 +203,10 @@ def test_gears_feel_nothing_tangential_exactly():
 def test_unequal_spheres_keep_total_angular_momentum_where_the_levers_fit(branch, kept):
     (instance, _), last = found("co-8", branch=branch), end("co-8", branch=branch)
     mass, inertia = instance.scene.bodies.mass, instance.scene.bodies.inertia[:, 2]
-    rows = [[float(last[f"{kind}{i}.{axis}"]) for i in (1, 2)] for kind, axis in (("r", "x"), ("r", "y"), ("v", "x"), ("v", "y"))]
+    rows = [
+        [float(last[f"{kind}{i}.{axis}"]) for i in (1, 2)]
+        for kind, axis in (("r", "x"), ("r", "y"), ("v", "x"), ("v", "y"))
+    ]
     x, y, vx, vy = map(np.array, rows)
     spin = np.array([float(last[f"omega{i}.z"]) for i in (1, 2)])
     change = mass @ (x * vy - y * vx) + inertia @ spin - inertia @ [12.0, 0.0]
@@ -183,7 +224,9 @@ def test_apexes_come_to_those_of_a_hard_sphere_with_the_root_of_the_stiffness():
 
 
 def test_without_damping_every_apex_is_the_height():
-    assert all(abs(value - Fraction(1, 2)) < TINY for value in scalars("dem-02", restitution="1").values())
+    assert all(
+        abs(value - Fraction(1, 2)) < TINY for value in scalars("dem-02", restitution="1").values()
+    )
 
 
 def test_one_soft_bounce_is_a_damped_sine_about_its_sag():
@@ -215,11 +258,16 @@ def test_squeezed_spheres_are_a_matrix_exponential(restitution):
     t = float(instance.times[-1])
     now = rest + (vector @ (np.exp(value * t) * np.linalg.solve(vector, start))).real
     balls = truth.at(Fraction(t))
-    assert [float(balls[name].mid) for name in ("r1.y", "r2.y")] == pytest.approx(now[:2], abs=1e-13)
+    assert [float(balls[name].mid) for name in ("r1.y", "r2.y")] == pytest.approx(
+        now[:2], abs=1e-13
+    )
     assert [float(balls[name].mid) for name in ("v1.y", "v2.y")] == pytest.approx(now[2:], abs=1e-9)
 
 
-@pytest.mark.parametrize("given", [{}, {"friction": "3/7", "radius": "2", "speed": "31"}, {"density": "1", "stiffness": "5"}])
+@pytest.mark.parametrize(
+    "given",
+    [{}, {"friction": "3/7", "radius": "2", "speed": "31"}, {"density": "1", "stiffness": "5"}],
+)
 def test_five_sevenths_at_two_sevenths_whatever_the_sphere(given):
     known = scalars("dem-04", **given)
     assert abs(known["speed_ratio"] - Fraction(5, 7)) < TINY

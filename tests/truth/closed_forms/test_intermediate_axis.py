@@ -50,7 +50,9 @@ def test_offset_is_part_of_the_size_of_omega():
 
 def test_an_irrational_size_of_omega_is_known_to_every_digit_that_is_asked_for():
     """It was taken to 1000 bits: at 400 digits every value was outside its ball."""
-    truth = truth_of("intermediate-axis", omega_body="1,1,1", offset="1e-3", direction="1").refined(400)
+    truth = truth_of("intermediate-axis", omega_body="1,1,1", offset="1e-3", direction="1").refined(
+        400
+    )
     found = truth.at(Fraction(0))["omega_body.x"]
     # (x - 1)^2 = 3/10^6, x > 1
     low = found.mid - found.radius - 1

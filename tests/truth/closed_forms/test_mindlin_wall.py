@@ -1,4 +1,6 @@
-"""Hertz's contact with a tangential spring: against Taylor integration of the law itself, limits, and mirror images."""
+"""Hertz's contact with a tangential spring: against Taylor integration of the law itself, limits,
+and mirror images.
+"""
 
 from fractions import Fraction
 from functools import cache
@@ -45,11 +47,18 @@ def test_every_phase_is_that_of_the_law_by_taylor_series(angle, kinds):
                 moment = Fraction(float(solution.at(arb(near))[2]))
                 passed = solution.crossing(lambda y, m=moment: y[2] - arb_of(m), near, apart)
                 w, v, _, vy, spin, y, _ = solution.at(passed)
-                expected = {"r.x": w * w - radius, "v.x": v, "r.y": side * y, "v.y": side * vy, "omega.z": side * spin / radius}
+                expected = {
+                    "r.x": w * w - radius,
+                    "v.x": v,
+                    "r.y": side * y,
+                    "v.y": side * vy,
+                    "omega.z": side * spin / radius,
+                }
                 found = truth.at(moment)
-                assert {name: float(abs(value - arb_of(found[name].mid))) < 1e-30 for name, value in expected.items()} == dict.fromkeys(
-                    expected, True
-                )
+                assert {
+                    name: float(abs(value - arb_of(found[name].mid))) < 1e-30
+                    for name, value in expected.items()
+                } == dict.fromkeys(expected, True)
             seen += 1
         assert seen == kinds - sum(_goes_on(truth))
 
@@ -64,7 +73,10 @@ def test_it_slides_from_touch_where_the_tangent_passes_friction_times_the_ratio_
     limit = atan(float(v.friction * v.hertz / v.mindlin))
     assert v.hertz / v.mindlin == Fraction(2, 3) * (2 - v.poisson) / (2 * (1 - v.poisson))
     with precision(256):
-        kinds = [isinstance(case(repr(limit * f)).truth().phases()[0].motion, Sliding) for f in (0.999, 1.001)]
+        kinds = [
+            isinstance(case(repr(limit * f)).truth().phases()[0].motion, Sliding)
+            for f in (0.999, 1.001)
+        ]
     assert kinds == [False, True]
 
 
@@ -77,7 +89,9 @@ def test_gross_sliding_takes_five_halves_of_twice_friction_as_spin():
 
 def test_the_equation_of_the_stretch_holds_on_every_leg():
     with precision(256):
-        spring = MindlinSpring(PowerContact(Fraction(1, 8), Fraction(1000), Fraction(3, 2), arb(1)), Fraction(5, 4))
+        spring = MindlinSpring(
+            PowerContact(Fraction(1, 8), Fraction(1000), Fraction(3, 2), arb(1)), Fraction(5, 4)
+        )
         step = arb(2) ** -60
         for leg in range(3):
             low, high = spring.ends(leg)
@@ -86,5 +100,8 @@ def test_the_equation_of_the_stretch_holds_on_every_leg():
                 value, slope = spring.basis(leg, x)[n], spring.basis(leg, x)[2 + n]
                 before, after = (spring.basis(leg, x + sign * step)[n] for sign in (-1, 1))
                 assert abs((after - before) / (2 * step) - slope) < 1e-30
-                assert abs((after - 2 * value + before) / step**2 - spring.bent(leg, x, value, slope)) < 1e-30
+                assert (
+                    abs((after - 2 * value + before) / step**2 - spring.bent(leg, x, value, slope))
+                    < 1e-30
+                )
         assert float(spring.pace(INWARD, arb(0))) * float(spring.contact.unit) == 1

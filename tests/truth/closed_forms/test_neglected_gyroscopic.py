@@ -1,4 +1,6 @@
-"""The box of neglected-gyroscopic: forces against the witness's, values against it, planted errors, flight."""
+"""The box of neglected-gyroscopic: forces against the witness's, values against it, planted errors,
+flight.
+"""
 
 from fractions import Fraction
 
@@ -14,11 +16,19 @@ from refdem.truth.tumbling_contact import SIGNS, Seen
 from refdem.truth.witnesses.tumbling import PRESSES, Box, moving
 
 CASE = discovery.case("neglected-gyroscopic")
-GIVEN = {"member": "slope", "attitude": "3,-1,2,1", "velocity": "1,1/3,-2", "height": "1/25", "slope": "1/4"}
+GIVEN = {
+    "member": "slope",
+    "attitude": "3,-1,2,1",
+    "velocity": "1,1/3,-2",
+    "height": "1/25",
+    "slope": "1/4",
+}
 
 
 def rates(truth):
-    """Force and torque (about the centre) in space on the box at its start while one corner presses."""
+    """Force and torque (about the centre) in space on the box at its start while one corner
+    presses.
+    """
     start = [value() if callable(value) else arb_of(value) for value in truth.begin]
     corner = SIGNS.index((-1, 1, -1))
     found = Program(traced(truth.system.field(frozenset({corner})), 14)[0]).run(start)
@@ -31,19 +41,34 @@ def expected(p):
     """The same from the equations of the witness: L' = d(R J omega)/dt."""
     box = Box(p)
     y = box.start()
-    modes = tuple(PRESSES if signs == (-1, 1, -1) else 0 for signs in ((2 * (n & 1) - 1, (n & 2) - 1, (n >> 1 & 2) - 1) for n in range(8)))
-    rate, spin = box.rates(modes, arb(0), y), [j * w for j, w in zip(box.inertia, y[9:12], strict=True)]
+    modes = tuple(
+        PRESSES if signs == (-1, 1, -1) else 0
+        for signs in ((2 * (n & 1) - 1, (n & 2) - 1, (n >> 1 & 2) - 1) for n in range(8))
+    )
+    rate, spin = (
+        box.rates(modes, arb(0), y),
+        [j * w for j, w in zip(box.inertia, y[9:12], strict=True)],
+    )
     grown = [j * w for j, w in zip(box.inertia, rate[9:12], strict=True)]
-    return rate[15:18], [rotation.dot(rate[3 * i : 3 * i + 3], spin) + rotation.dot(y[3 * i : 3 * i + 3], grown) for i in range(3)]
+    return rate[15:18], [
+        rotation.dot(rate[3 * i : 3 * i + 3], spin) + rotation.dot(y[3 * i : 3 * i + 3], grown)
+        for i in range(3)
+    ]
 
 
 def apart(instance, truth=None):
     with precision(192):
         pairs = zip(rates(truth or instance.truth()), expected(instance.p), strict=True)
-        return max(float(abs(a - b).mid()) for left, right in pairs for a, b in zip(left, right, strict=True))
+        return max(
+            float(abs(a - b).mid())
+            for left, right in pairs
+            for a, b in zip(left, right, strict=True)
+        )
 
 
-@pytest.mark.parametrize("given", [{}, {"friction": "0"}, {"damping": "0"}, {"inertia": "2e-5,3e-5,4e-5", "mass": "1/7"}])
+@pytest.mark.parametrize(
+    "given", [{}, {"friction": "0"}, {"damping": "0"}, {"inertia": "2e-5,3e-5,4e-5", "mass": "1/7"}]
+)
 def test_force_and_torque_at_a_corner_are_those_of_the_witness(given):
     assert apart(CASE.at(**GIVEN | given)) < 1e-40
 
@@ -51,7 +76,13 @@ def test_force_and_torque_at_a_corner_are_those_of_the_witness(given):
 @pytest.mark.parametrize(
     ("name", "wrong"),
     [
-        ("pressure", lambda self, corner: -self.system.stiffness * self.gap(corner) + self.system.damping * self.velocity(corner)[2]),
+        (
+            "pressure",
+            lambda self, corner: (
+                -self.system.stiffness * self.gap(corner)
+                + self.system.damping * self.velocity(corner)[2]
+            ),
+        ),
         ("pressure", lambda self, corner: -self.system.stiffness * self.gap(corner)),
         ("gap", lambda self, corner: self.y[9]),
         ("velocity", lambda self, corner: list(self.y[10:13])),
@@ -71,14 +102,24 @@ def test_values_after_a_touch_are_those_of_the_witness():
         for t, values in moving(instance.p, list(times), {}):
             balls = truth.at(t)
             assert len(values) == 18
-            assert max(float(abs(value - arb_of(balls[name].mid)).mid()) for name, value in values.items()) < 1e-31
+            assert (
+                max(
+                    float(abs(value - arb_of(balls[name].mid)).mid())
+                    for name, value in values.items()
+                )
+                < 1e-31
+            )
     assert [name for name, _, _ in truth.events_until(times[-1])] == ["touch6"]
     assert 10 < truth.sensitivity(times[0]) < 100
 
 
 def test_in_flight_the_centre_moves_uniformly_and_the_body_as_a_free_one():
     truth = CASE.at(velocity="1/3,-2,1/7").truth()
-    free = discovery.truth_of("free-rigid-body", inertia="2e-5,4e-5,5.2e-5", omega_body=",".join(["31.41592653589793"] * 3))
+    free = discovery.truth_of(
+        "free-rigid-body",
+        inertia="2e-5,4e-5,5.2e-5",
+        omega_body=",".join(["31.41592653589793"] * 3),
+    )
     t = Fraction(3, 5)
     balls, body = truth.at(t), free.at(t)
     assert [balls[axis].mid for axis in "xyz"] == [Fraction(1, 5), Fraction(-6, 5), Fraction(3, 35)]

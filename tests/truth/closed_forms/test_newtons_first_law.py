@@ -1,4 +1,6 @@
-"""Force-free motion: against the Taylor series of the attitude's equation in rationals, and known rows of its response."""
+"""Force-free motion: against the Taylor series of the attitude's equation in rationals, and known
+rows of its response.
+"""
 
 from fractions import Fraction
 
@@ -33,7 +35,9 @@ def attitude_series(t):
 
 @pytest.mark.parametrize("t", [Fraction(0), Fraction(7, 3), Fraction(-5)])
 def test_attitude_is_the_taylor_series_of_its_equation(t):
-    balls = free({"x": 2.0}, position=(1, 2, 3), velocity=(0, 0, 0), omega=OMEGA, attitude=ATTITUDE).at(t)
+    balls = free(
+        {"x": 2.0}, position=(1, 2, 3), velocity=(0, 0, 0), omega=OMEGA, attitude=ATTITUDE
+    ).at(t)
     for axis, value in zip("wxyz", attitude_series(t), strict=True):
         ball = balls[f"attitude.{axis}"]
         assert ball.radius <= Fraction(1, 10**40)
@@ -51,7 +55,9 @@ def test_position_is_linear_and_velocity_and_spin_stay():
 
 
 def test_a_body_that_does_not_spin_keeps_its_attitude():
-    balls = free({}, position=(0, 0, 0), velocity=(0, 0, 0), omega=(0, 0, 0), attitude=ATTITUDE).at(Fraction(9))
+    balls = free({}, position=(0, 0, 0), velocity=(0, 0, 0), omega=(0, 0, 0), attitude=ATTITUDE).at(
+        Fraction(9)
+    )
     assert abs(balls["attitude.w"].mid - Fraction(3, 5)) < Fraction(1, 10**60)
 
 
@@ -72,6 +78,8 @@ def test_sensitivity_grows_with_the_way_gone_and_the_angle_turned():
 def test_resting_bodies_have_zero_displacement_and_velocity_for_ever():
     still = resting(2)
     balls = still.at(Fraction(10**6))
-    assert sorted(balls) == sorted(f"{kind}{i}.{axis}" for i in (1, 2) for kind in "rv" for axis in "xyz")
+    assert sorted(balls) == sorted(
+        f"{kind}{i}.{axis}" for i in (1, 2) for kind in "rv" for axis in "xyz"
+    )
     assert all((ball.mid, ball.radius) == (0, 0) for ball in balls.values())
     assert still.sensitivity(Fraction(10**6)) == 1.0

@@ -1,4 +1,6 @@
-"""Pendulum: against the Taylor witness, the equation of motion, published periods, and planted errors."""
+"""Pendulum: against the Taylor witness, the equation of motion, published periods, and planted
+errors.
+"""
 
 from contextlib import suppress
 from fractions import Fraction
@@ -37,7 +39,13 @@ STARTS = [
 def pendulum(theta0, thetadot0, half_turns=0):
     """Unit mass, length and gravity: w0 = 1."""
     one = Fraction(1)
-    p = {"mass": one, "length": one, "gravity": one, "theta0": Fraction(theta0), "thetadot0": Fraction(thetadot0)}
+    p = {
+        "mass": one,
+        "length": one,
+        "gravity": one,
+        "theta0": Fraction(theta0),
+        "thetadot0": Fraction(thetadot0),
+    }
     return Pendulum(p, dict.fromkeys(NAMES, 1.0), half_turns=half_turns)
 
 
@@ -61,7 +69,11 @@ def test_closed_form_meets_the_taylor_witness(kind, theta0, thetadot0, half_turn
 
 PLANTED = {
     "phase at the start of the wrong sign": ("0.5", "1", lambda m: setattr(m, "shift", -m.shift)),
-    "other branch at the start": ("0.5", "1", lambda m: setattr(m, "shift", 2 * m.jacobi.k - m.shift)),
+    "other branch at the start": (
+        "0.5",
+        "1",
+        lambda m: setattr(m, "shift", 2 * m.jacobi.k - m.shift),
+    ),
     "sense of the revolution": ("0.5", "-3", lambda m: setattr(m, "sense", -m.sense)),
     "modulus off by 1e-20": ("0.5", "-3", lambda m: setattr(m, "k", m.k * (1 + arb("1e-20")))),
     "side of the separatrix": ("0", "2", lambda m: setattr(m, "sense", -m.sense)),
@@ -101,7 +113,10 @@ def test_balls_of_forty_digits_contain_those_of_a_hundred(kind, theta0, thetadot
     for t in (Fraction(1, 3), Fraction(1000)):
         wide, narrow = truth.at(t), truth.refined(100).at(t)
         assert all(ball.radius <= Fraction(1, 10**40) for ball in wide.values())
-        assert all(abs(ball.mid - narrow[name].mid) <= ball.radius + narrow[name].radius for name, ball in wide.items())
+        assert all(
+            abs(ball.mid - narrow[name].mid) <= ball.radius + narrow[name].radius
+            for name, ball in wide.items()
+        )
 
 
 @pytest.mark.parametrize("bits", [53, 80, 200])
@@ -111,7 +126,11 @@ def test_balls_of_few_bits_contain_the_values_of_many(kind, theta0, thetadot0, h
     with precision(1000):
         sure = truth.evaluate(arb_of(t))
     with precision(bits), suppress(UndecidedError):
-        assert [name for name, ball in truth.evaluate(arb_of(t)).items() if not ball.contains(sure[name])] == []
+        assert [
+            name
+            for name, ball in truth.evaluate(arb_of(t)).items()
+            if not ball.contains(sure[name])
+        ] == []
 
 
 def test_angle_is_continuous_over_many_revolutions():
@@ -124,8 +143,12 @@ def test_angle_is_continuous_over_many_revolutions():
 
 @pytest.mark.parametrize(
     ("theta0", "factor"),
-    # T/(2 pi sqrt(l/g)) = 1/agm(1, cos(theta0/2)): 1.1803405990 at 90 degrees (K(1/2) 2/pi); series 1 + a^2/16 + 11 a^4/3072 at 1e-3
-    [("1.5707963267948966192313216916397514420985846996875529104875", 1.18034059901609622604), ("1e-3", 1.0000000625000035807)],
+    # T/(2 pi sqrt(l/g)) = 1/agm(1, cos(theta0/2)): 1.1803405990 at 90 degrees (K(1/2) 2/pi); series
+    # 1 + a^2/16 + 11 a^4/3072 at 1e-3
+    [
+        ("1.5707963267948966192313216916397514420985846996875529104875", 1.18034059901609622604),
+        ("1e-3", 1.0000000625000035807),
+    ],
 )
 def test_period_of_a_swing_is_the_published_one(theta0, factor):
     period = pendulum(theta0, "0").scalars()["period"]
@@ -140,7 +163,9 @@ def test_a_revolution_takes_its_period():
         assert end["thetadot"].overlaps(arb(-3))
 
 
-@pytest.mark.parametrize(("theta0", "thetadot0", "half_turns"), [("0", "2", 0), ("0", "0", 0), ("0", "0", 1)])
+@pytest.mark.parametrize(
+    ("theta0", "thetadot0", "half_turns"), [("0", "2", 0), ("0", "0", 0), ("0", "0", 1)]
+)
 def test_separatrix_and_rest_have_no_period(theta0, thetadot0, half_turns):
     assert pendulum(theta0, thetadot0, half_turns).scalars() == {}
 
@@ -152,10 +177,16 @@ def test_exactly_at_the_top_it_stays_and_next_to_it_it_leaves_as_cosh():
 
 
 def test_quantities_and_units_are_those_of_the_case():
-    instance = case("pendulum").at(length="2", mass="3", gravity="9.8125", theta0="0.5", thetadot0="1")
+    instance = case("pendulum").at(
+        length="2", mass="3", gravity="9.8125", theta0="0.5", thetadot0="1"
+    )
     start = instance.truth().at(Fraction(0))
     assert set(start) == set(instance.quantities)
-    expected = {"x": 2 * 0.479425538604203, "y": -2 * 0.8775825618903728, "rod_force": 3 * (2 + 9.8125 * 0.8775825618903728)}
+    expected = {
+        "x": 2 * 0.479425538604203,
+        "y": -2 * 0.8775825618903728,
+        "rod_force": 3 * (2 + 9.8125 * 0.8775825618903728),
+    }
     assert {name: float(start[name].mid) for name in expected} == pytest.approx(expected, rel=1e-15)
 
 
@@ -167,7 +198,15 @@ def test_sensitivity_is_the_response_of_the_witness_to_a_small_change(given):
     ratio = Fraction(p["gravity"])
     with precision(300):
         moves = ((h, 0), (0, h * rate))
-        ends = [[pendulum_flow(arb_of(p["theta0"] + s * a), p["thetadot0"] + s * b, ratio, t, order=40) for s in (1, -1)] for a, b in moves]
+        ends = [
+            [
+                pendulum_flow(
+                    arb_of(p["theta0"] + s * a), p["thetadot0"] + s * b, ratio, t, order=40
+                )
+                for s in (1, -1)
+            ]
+            for a, b in moves
+        ]
         columns = [[(a - b) / (2 * arb_of(h)) for a, b in zip(*pair, strict=True)] for pair in ends]
         tilt = [float((c[0] * c[0] + c[1] * c[1]).sqrt()) for c in columns]
         speed = [abs(float(c[2])) / float(rate) for c in columns]

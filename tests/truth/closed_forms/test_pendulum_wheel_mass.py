@@ -1,4 +1,6 @@
-"""Pendulum, wheel and mass: against Cartesian equations with the string's tension, energy, the second integral and its drift."""
+"""Pendulum, wheel and mass: against Cartesian equations with the string's tension, energy, the
+second integral and its drift.
+"""
 
 from fractions import Fraction
 
@@ -13,7 +15,15 @@ POINT = {"wheel_radius": "0", "wheel_inertia": "0", "counter_mass": "3"}
 SETS = [
     {},
     POINT,
-    {"wheel_radius": "1/3", "wheel_inertia": "1/5", "mass": "2", "counter_mass": "7/3", "theta0": "-1", "rdot0": "1/2", "thetadot0": "2"},
+    {
+        "wheel_radius": "1/3",
+        "wheel_inertia": "1/5",
+        "mass": "2",
+        "counter_mass": "7/3",
+        "theta0": "-1",
+        "rdot0": "1/2",
+        "thetadot0": "2",
+    },
 ]
 TIMES = (Fraction(1, 3), Fraction(1))
 
@@ -24,7 +34,9 @@ def test_angles_meet_the_cartesian_witness(apart, given):
 
 
 def rates(change):
-    """The field with one of its parts changed: change(r, theta, rdot, rate, p) gives what is added to r'' and theta''."""
+    """The field with one of its parts changed: change(r, theta, rdot, rate, p) gives what is added
+    to r'' and theta''.
+    """
 
     def field(p):
         sound = module_field(p)
@@ -41,10 +53,16 @@ def rates(change):
 
 module_field = module.field
 PLANTED = {
-    "no centrifugal term": lambda r, th, v, w, p: (-r * w * w * p["mass"] / (p["mass"] + p["counter_mass"] + p["wheel_inertia"] * 64), 0),
+    "no centrifugal term": lambda r, th, v, w, p: (
+        -r * w * w * p["mass"] / (p["mass"] + p["counter_mass"] + p["wheel_inertia"] * 64),
+        0,
+    ),
     "no Coriolis term": lambda r, th, v, w, p: (0, v * w * 2 / r),
     "half the Coriolis term": lambda r, th, v, w, p: (0, v * w / r),
-    "the wheel's radius does not turn": lambda r, th, v, w, p: (0, w * w * p["wheel_radius"] / r * -1),
+    "the wheel's radius does not turn": lambda r, th, v, w, p: (
+        0,
+        w * w * p["wheel_radius"] / r * -1,
+    ),
     "gravity of the pendulum twice": lambda r, th, v, w, p: (0, th.sin() * p["gravity"] / r * -1),
     "a hair more of the counter mass": lambda r, th, v, w, p: (Fraction(-1, 10**20), 0),
 }
@@ -57,20 +75,31 @@ def test_the_witness_sees(apart, fault, monkeypatch):
 
 
 def energy(p, ball):
-    """Kinetic energy of pendulum, mass and wheel, and potential energy; the mass hangs where the string leaves it."""
-    m, counter, radius, g = (arb_of(p[name]) for name in ("mass", "counter_mass", "wheel_radius", "gravity"))
+    """Kinetic energy of pendulum, mass and wheel, and potential energy; the mass hangs where the
+    string leaves it.
+    """
+    m, counter, radius, g = (
+        arb_of(p[name]) for name in ("mass", "counter_mass", "wheel_radius", "gravity")
+    )
     drag = arb_of(p["wheel_inertia"] / p["wheel_radius"] ** 2) if p["wheel_radius"] else 0
     r, theta, rdot, rate = (arb_of(ball[name].mid) for name in module.NAMES)
     u = rdot - radius * rate
     kinetic = (m * (u * u + r * r * rate * rate) + (counter + drag) * u * u) / 2
-    return kinetic + m * g * (radius * theta.sin() - r * theta.cos()) + counter * g * (r - radius * theta)
+    return (
+        kinetic
+        + m * g * (radius * theta.sin() - r * theta.cos())
+        + counter * g * (r - radius * theta)
+    )
 
 
 def integral(p, ball):
     """Tufillaro's second integral of the machine with M = 3 m and a wheel of no size."""
     r, theta, rdot, rate = (arb_of(ball[name].mid) for name in module.NAMES)
     sine, cosine = (theta / 2).sin_cos()
-    return r * r * rate * (rdot * cosine - r * rate / 2 * sine) + arb_of(p["gravity"]) * r * r * sine * cosine * cosine
+    return (
+        r * r * rate * (rdot * cosine - r * rate / 2 * sine)
+        + arb_of(p["gravity"]) * r * r * sine * cosine * cosine
+    )
 
 
 def change(of, t, **given):
@@ -93,6 +122,9 @@ def test_the_second_integral_stays_for_a_wheel_of_no_size_and_three_masses_only(
 
 
 def test_the_second_integral_drifts_in_proportion_to_the_radius():
-    coarse, fine = (change(integral, "1/2", **{**POINT, "wheel_radius": f"1/{size}"}) * size for size in (1000, 4000))
+    coarse, fine = (
+        change(integral, "1/2", **{**POINT, "wheel_radius": f"1/{size}"}) * size
+        for size in (1000, 4000)
+    )
     assert abs(fine) > 0.1
     assert coarse == pytest.approx(fine, rel=0.01)

@@ -1,4 +1,6 @@
-"""Area of a polygon in phase space: against quadrature of the local factor, against polygons of many points, and its limits."""
+"""Area of a polygon in phase space: against quadrature of the local factor, against polygons of
+many points, and its limits.
+"""
 
 from fractions import Fraction
 from math import atan2, exp, floor, pi, sqrt
@@ -9,9 +11,14 @@ from refdem.errors import NotCertifiedError
 from refdem.truth.closed_forms.phase_flow import truth
 
 GIVEN = {
-    "flow": "coulomb", "mass": Fraction(1), "stiffness": Fraction(2), "delta": Fraction(1, 10), "friction_force": Fraction(5, 64),
-    "length": Fraction(1), "gravity": Fraction(1),
-}  # fmt: skip
+    "flow": "coulomb",
+    "mass": Fraction(1),
+    "stiffness": Fraction(2),
+    "delta": Fraction(1, 10),
+    "friction_force": Fraction(5, 64),
+    "length": Fraction(1),
+    "gravity": Fraction(1),
+}
 KITE = [
     (Fraction(1, 2), Fraction(-1)),
     (Fraction(1), Fraction(-3, 4)),
@@ -32,7 +39,9 @@ def area(found, t):
 
 
 def by_quadrature(t, f=5 / 64, k=2.0, m=1.0, n=400):
-    """Midpoints of n x n cells of the kite's box: each cell times the product of (k|x| - f)/(k|x| + f) over its turning points so far."""
+    """Midpoints of n x n cells of the kite's box: each cell times the product of (k|x| - f)/(k|x| +
+    f) over its turning points so far.
+    """
     total, w = 0.0, sqrt(k / m)
     for i in range(n):
         for j in range(n):

@@ -1,4 +1,6 @@
-"""Power-law oscillators: against quadrature of the time along the path, cosine, Jacobi's cn, and Liouville's theorem."""
+"""Power-law oscillators: against quadrature of the time along the path, cosine, Jacobi's cn, and
+Liouville's theorem.
+"""
 
 from fractions import Fraction
 
@@ -13,15 +15,37 @@ F = Fraction
 SCALE = {"x": 1.0, "v": 1.0}
 
 QUADRATURE = [
-    ("1/2", "1.136200915563024645329419461823374043464", "-0.4447421001288198940921808579400381803691"),
-    ("7/2", "-1.205183269032764167815255482395968103914", "-0.285094566419281044932847755830895106779"),
-    ("21/2", "-0.874063497846339376223032323840656338739", "-0.7421289191380855392186557482231162373966"),
+    (
+        "1/2",
+        "1.136200915563024645329419461823374043464",
+        "-0.4447421001288198940921808579400381803691",
+    ),
+    (
+        "7/2",
+        "-1.205183269032764167815255482395968103914",
+        "-0.285094566419281044932847755830895106779",
+    ),
+    (
+        "21/2",
+        "-0.874063497846339376223032323840656338739",
+        "-0.7421289191380855392186557482231162373966",
+    ),
 ]
-"""t, x, v for m = 3, k = 2, n = 3/2, A = 5/4: roots of the time along the path by tanh-sinh quadrature (mpmath 1.3, 45 digits)."""
+"""t, x, v for m = 3, k = 2, n = 3/2, A = 5/4: roots of the time along the path by tanh-sinh
+quadrature (mpmath 1.3, 45 digits).
+"""
 
 
 def motion(exponent, amplitude="5/4", mass="3", stiffness="2"):
-    return truth({"mass": F(mass), "stiffness": F(stiffness), "exponent": F(exponent), "amplitude": F(amplitude)}, SCALE)
+    return truth(
+        {
+            "mass": F(mass),
+            "stiffness": F(stiffness),
+            "exponent": F(exponent),
+            "amplitude": F(amplitude),
+        },
+        SCALE,
+    )
 
 
 @pytest.mark.parametrize(("t", "x", "v"), QUADRATURE)
@@ -33,7 +57,12 @@ def test_motion_is_that_of_quadrature_along_the_path(t, x, v):
 
 
 def test_period_is_that_of_quadrature():
-    assert motion("3/2").scalars()["period"].decimals(40)[0].startswith("7.62314178160202132091691478227710044387")
+    assert (
+        motion("3/2")
+        .scalars()["period"]
+        .decimals(40)[0]
+        .startswith("7.62314178160202132091691478227710044387")
+    )
 
 
 @pytest.mark.parametrize("t", ["0", "1/3", "2", "19", "-7"])
@@ -42,7 +71,10 @@ def test_one_power_is_a_cosine(t):
     with precision(256):
         rate = arb_of(F(2, 3)).sqrt()
         assert abs(arb_of(found["x"].mid) - arb_of(F(5, 4)) * (rate * arb_of(F(t))).cos()) < 1e-40
-        assert abs(arb_of(found["v"].mid) + arb_of(F(5, 4)) * rate * (rate * arb_of(F(t))).sin()) < 1e-40
+        assert (
+            abs(arb_of(found["v"].mid) + arb_of(F(5, 4)) * rate * (rate * arb_of(F(t))).sin())
+            < 1e-40
+        )
 
 
 @pytest.mark.parametrize("t", ["1/3", "2", "19", "-7"])
@@ -62,7 +94,10 @@ def test_energy_is_kept(exponent, t):
     with precision(256):
         power = abs(arb_of(found["x"].mid)) ** arb_of(p)
         energy = F(3, 2) * found["v"].mid ** 2
-        assert abs(arb_of(energy) + arb(2) / arb_of(p) * (power - arb_of(F(5, 4)) ** arb_of(p))) < 1e-38
+        assert (
+            abs(arb_of(energy) + arb(2) / arb_of(p) * (power - arb_of(F(5, 4)) ** arb_of(p)))
+            < 1e-38
+        )
 
 
 @pytest.mark.parametrize("exponent", ["3/2", "2", "9"])
@@ -72,13 +107,18 @@ def test_velocity_is_the_rate_of_the_place_and_the_force_that_of_the_velocity(ex
     flow = motion(exponent)
     before, now, after = (flow.at(F(t) + s) for s in (-small, F(0), small))
     x = float(now["x"].mid)
-    assert float((after["x"].mid - before["x"].mid) / (2 * small)) == pytest.approx(float(now["v"].mid), rel=1e-10)
+    assert float((after["x"].mid - before["x"].mid) / (2 * small)) == pytest.approx(
+        float(now["v"].mid), rel=1e-10
+    )
     pull = -2 / 3 * abs(x) ** float(F(exponent)) * (1 if x > 0 else -1)
     assert float((after["v"].mid - before["v"].mid) / (2 * small)) == pytest.approx(pull, rel=1e-9)
 
 
 def test_period_of_the_square_is_that_of_the_linear_one_at_amplitude_1_195254():
-    periods = [motion(2, amplitude, 1, 1).scalars()["period"].mid for amplitude in ("1.1952535", "1.1952545")]
+    periods = [
+        motion(2, amplitude, 1, 1).scalars()["period"].mid
+        for amplitude in ("1.1952535", "1.1952545")
+    ]
     two_pi = F("6.283185307179586476925286766559")
     assert periods[0] > two_pi > periods[1]
 
@@ -117,13 +157,27 @@ def test_an_inverse_holds_the_arguments_of_all_values_of_a_fat_ball(radius):
     with precision(128):
         flow = motion("3/2")
         for value in (arb(0.4, radius), arb(0, radius)):
-            y = inverse(flow.from_centre, value, arb(1), lambda y: (1 - magnitude(y, flow.p)).rsqrt())
-            w = inverse(flow.from_turning, value, 2 / flow.p, lambda w: 2 / flow.p * (1 - w * w) ** (1 / flow.p - 1))
+            y = inverse(
+                flow.from_centre, value, arb(1), lambda y: (1 - magnitude(y, flow.p)).rsqrt()
+            )
+            w = inverse(
+                flow.from_turning,
+                value,
+                2 / flow.p,
+                lambda w: 2 / flow.p * (1 - w * w) ** (1 / flow.p - 1),
+            )
             for end in (-0.999, 0.999):
                 inside = (value.mid() + end * arb(radius)).mid()
-                exact = inverse(flow.from_centre, inside, arb(1), lambda y: (1 - magnitude(y, flow.p)).rsqrt())
+                exact = inverse(
+                    flow.from_centre, inside, arb(1), lambda y: (1 - magnitude(y, flow.p)).rsqrt()
+                )
                 assert y.contains(exact)
-                exact = inverse(flow.from_turning, inside, 2 / flow.p, lambda w: 2 / flow.p * (1 - w * w) ** (1 / flow.p - 1))
+                exact = inverse(
+                    flow.from_turning,
+                    inside,
+                    2 / flow.p,
+                    lambda w: 2 / flow.p * (1 - w * w) ** (1 / flow.p - 1),
+                )
                 assert w.contains(exact)
 
 
@@ -143,4 +197,7 @@ def test_places_at_a_fat_time_hold_the_places_at_all_its_times(s):
         flow = motion("3/2")
         whole = flow.place(arb(s, 1e-3))
         for by in (-0.999e-3, 0.999e-3):
-            assert all(fat.contains(sharp) for fat, sharp in zip(whole, flow.place(arb(s + by)), strict=True))
+            assert all(
+                fat.contains(sharp)
+                for fat, sharp in zip(whole, flow.place(arb(s + by)), strict=True)
+            )

@@ -1,4 +1,6 @@
-"""Rigid cluster: against a rigid body in axes that are not principal, for every kind of motion, with planted errors."""
+"""Rigid cluster: against a rigid body in axes that are not principal, for every kind of motion,
+with planted errors.
+"""
 
 from fractions import Fraction
 
@@ -12,13 +14,22 @@ from refdem.truth.free_body import Elliptic, Separatrix, Steady
 TETRAHEDRON = "1,1,1,1,-1,-1,-1,1,-1,-1,-1,1"
 KINDS = [
     (Elliptic, {}),
-    (Elliptic, {"masses": "1e-3,7,3,100", "positions": "3,1,4,1,5,9,2,6,5,3,5,8", "omega": "-3,1,4"}),
+    (
+        Elliptic,
+        {"masses": "1e-3,7,3,100", "positions": "3,1,4,1,5,9,2,6,5,3,5,8", "omega": "-3,1,4"},
+    ),
     (AboutAxis, {"masses": "1,1,1,1", "positions": TETRAHEDRON}),
     (AboutAxis, {"masses": "1,1,1,2", "positions": TETRAHEDRON}),
     (AboutAxis, {"masses": "2,1,1,1", "positions": TETRAHEDRON, "omega": "1,1,1"}),
-    (Steady, {"omega": "0,0,-1", "masses": "1,1,1,1", "positions": "1,0,0,-1,0,0,0,2,1/2,0,-2,1/2"}),
+    (
+        Steady,
+        {"omega": "0,0,-1", "masses": "1,1,1,1", "positions": "1,0,0,-1,0,0,0,2,1/2,0,-2,1/2"},
+    ),
     # J = diag(12, 6, 10): sum of J (J - 10) omega^2 is 0 where omega_x^2 = omega_y^2
-    (Separatrix, {"omega": "1,1,1/2", "masses": "1,1,1,1", "positions": "1,0,1,-1,0,1,0,2,-1,0,-2,-1"}),
+    (
+        Separatrix,
+        {"omega": "1,1,1/2", "masses": "1,1,1,1", "positions": "1,0,1,-1,0,1,0,2,-1,0,-2,-1"},
+    ),
 ]
 
 
@@ -31,9 +42,13 @@ def test_places_meet_the_witness(apart, kind, given):
 
 
 PLANTED = {
-    "a line of nodes that drifts by 1e-9 too fast": lambda t: setattr(t.body(), "drift", t.body().drift * (1 + 1e-9)),
+    "a line of nodes that drifts by 1e-9 too fast": lambda t: setattr(
+        t.body(), "drift", t.body().drift * (1 + 1e-9)
+    ),
     "axes that are left-handed": lambda t: t.axes().__setitem__(2, [-x for x in t.axes()[2]]),
-    "the centre of the points for that of the masses": lambda t: setattr(t, "centre", [c + Fraction(1, 10**20) for c in t.centre]),
+    "the centre of the points for that of the masses": lambda t: setattr(
+        t, "centre", [c + Fraction(1, 10**20) for c in t.centre]
+    ),
     "spin of the wrong sign": lambda t: setattr(t.body(), "shift", -t.body().shift),
 }
 
@@ -57,7 +72,10 @@ def test_rods_keep_their_lengths_and_the_centre_stays():
         for j in range(1, i):
             assert abs(length2(later, i, j) - length2(first, i, j)) < Fraction(1, 10**38)
     for a in "xyz":
-        moved = sum(m * (later[f"r{i}.{a}"].mid - first[f"r{i}.{a}"].mid) for i, m in zip(range(1, 5), (1, 2, 1, 3), strict=True))
+        moved = sum(
+            m * (later[f"r{i}.{a}"].mid - first[f"r{i}.{a}"].mid)
+            for i, m in zip(range(1, 5), (1, 2, 1, 3), strict=True)
+        )
         assert abs(moved) < Fraction(1, 10**38)
 
 

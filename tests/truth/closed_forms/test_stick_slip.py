@@ -1,4 +1,6 @@
-"""Stick-slip: literals of an independent integration, the belt held exactly, wrong formulas planted, precision that grows."""
+"""Stick-slip: literals of an independent integration, the belt held exactly, wrong formulas
+planted, precision that grows.
+"""
 
 from fractions import Fraction
 
@@ -9,7 +11,8 @@ from refdem.core import discovery
 from refdem.errors import NotCertifiedError
 from refdem.truth.closed_forms import stick_slip
 
-# mpmath.odefun (Taylor, 40 digits) phase by phase, events by Anderson's regula falsi; 34 digits printed
+# mpmath.odefun (Taylor, 40 digits) phase by phase, events by Anderson's regula falsi; 34 digits
+# printed
 LITERALS = {
     (("duration", "20"),): {
         3: ("0.4942459170649548495864160001141798", "-0.9395797617063486585420679413572676"),
@@ -20,7 +23,14 @@ LITERALS = {
         "slip_2": "15.3458261421672319052747461919198",
         "stick_3": "19.86946878917688597154097832435835",
     },
-    (("friction_law", "linear"), ("gamma", "2"), ("eta", "5/4"), ("x0", "1"), ("v0", "2"), ("duration", "16")): {
+    (
+        ("friction_law", "linear"),
+        ("gamma", "2"),
+        ("eta", "5/4"),
+        ("x0", "1"),
+        ("v0", "2"),
+        ("duration", "16"),
+    ): {
         3: ("-1.056111948152082554820675357540388", "-4.714483598097687931652532209473606"),
         10: ("0.9664721152918132125094205774454065", "1"),
         16: ("-2.625482597355539057650827162312357", "2.650822703904852002904839710048684"),
@@ -29,14 +39,25 @@ LITERALS = {
         "slip_3": "11.13274040318144382164149503920305",
         "cross_2": "14.59643109112225753240793466413748",
     },
-    (("a", "4"), ("mu0", "0.3"), ("mu1", "0.15"), ("lambda0", "2"), ("lambda1", "0.05"), ("belt", "-0.5"), ("gamma", "3"), ("eta", "1.6"),
-     ("x0", "-1"), ("v0", "0.25"), ("duration", "12")): {
+    (
+        ("a", "4"),
+        ("mu0", "0.3"),
+        ("mu1", "0.15"),
+        ("lambda0", "2"),
+        ("lambda1", "0.05"),
+        ("belt", "-0.5"),
+        ("gamma", "3"),
+        ("eta", "1.6"),
+        ("x0", "-1"),
+        ("v0", "0.25"),
+        ("duration", "12"),
+    ): {
         7: ("-2.403065226026426987747057442849965", "-1.543304318789409553535817208179646"),
         12: ("-2.075566117231000843020066276347243", "1.994162294225159294291541634697936"),
         "cross_1": "1.409897294633285898312590089394196",
         "cross_6": "11.17457998099115350268313048098453",
     },
-}  # fmt: skip
+}
 
 
 def truth_of(**given):
@@ -48,7 +69,11 @@ def agreement(given):
     """Every literal of a set lies in its ball, to its last printed digits; the earliest first."""
     truth = truth_of(**dict(given))
     for where, said in LITERALS[given].items():
-        found = [truth.scalars()[where]] if isinstance(where, str) else truth.at(Fraction(where)).values()
+        found = (
+            [truth.scalars()[where]]
+            if isinstance(where, str)
+            else truth.at(Fraction(where)).values()
+        )
         for ball, text in zip(found, [said] if isinstance(where, str) else said, strict=True):
             assert abs(ball.mid - Fraction(text)) <= Fraction(1, 10**32)
             assert ball.radius < Fraction(1, 10**40)
@@ -93,7 +118,9 @@ def always_sticks(self, y):
 
 
 WRONG = {
-    **{f"{name} off by 1e-3": ("friction", doubled(name)) for name in ("mu1", "lambda0", "lambda1")},
+    **{
+        f"{name} off by 1e-3": ("friction", doubled(name)) for name in ("mu1", "lambda0", "lambda1")
+    },
     "no steady pull": ("pull", no_constant),
     "sine for cosine": ("pull", sine),
     "sticks whatever the pull": ("landing", always_sticks),
@@ -113,13 +140,18 @@ def test_a_wrong_formula_is_seen(wrong, monkeypatch):
 def test_a_start_on_the_belt_sticks_if_the_pull_is_within_the_limit_and_slips_if_not():
     assert truth_of(v0="1", duration="1").at(Fraction(1, 2))["v"].mid == 1
     assert list(truth_of(v0="1", duration="2").scalars()) == ["slip_1"]
-    assert abs(truth_of(v0="1", x0="3", duration="1").at(Fraction(1, 2))["v"].mid - 1) > Fraction(1, 10)
+    assert abs(truth_of(v0="1", x0="3", duration="1").at(Fraction(1, 2))["v"].mid - 1) > Fraction(
+        1, 10
+    )
 
 
 def test_a_start_exactly_at_the_limit_goes_where_the_pull_goes():
-    # P = gamma - x0 - a mu(belt) = -a mu0 at x0 = gamma + a (mu0 - mu(belt)); the belt drags it further: it is released at once
+    # P = gamma - x0 - a mu(belt) = -a mu0 at x0 = gamma + a (mu0 - mu(belt)); the belt drags it
+    # further: it is released at once
     edge = Fraction(1, 2) + 4 - 10 * (Fraction(3, 10) / Fraction(242, 100) + Fraction(11, 100))
-    assert truth_of(v0="1", x0=str(edge), duration="1").at(Fraction(1, 2))["v"].mid < Fraction(99, 100)
+    assert truth_of(v0="1", x0=str(edge), duration="1").at(Fraction(1, 2))["v"].mid < Fraction(
+        99, 100
+    )
     other = Fraction(1, 2) - 4 - 10 * (Fraction(3, 10) / Fraction(242, 100) + Fraction(11, 100))
     assert truth_of(v0="1", x0=str(other), duration="1").at(Fraction(1, 2))["v"].mid == 1
     with pytest.raises(NotCertifiedError) as told:
@@ -131,7 +163,10 @@ def test_more_digits_are_balls_inside_the_first():
     for digits in (20, 60):
         sharper, plain = truth_of().refined(digits).at(Fraction(7)), truth_of().at(Fraction(7))
         assert all(ball.radius < Fraction(1, 10**digits) for ball in sharper.values())
-        assert all(abs(sharper[name].mid - ball.mid) <= ball.radius + sharper[name].radius for name, ball in plain.items())
+        assert all(
+            abs(sharper[name].mid - ball.mid) <= ball.radius + sharper[name].radius
+            for name, ball in plain.items()
+        )
 
 
 def test_sensitivity_is_the_growth_of_a_displaced_start():
@@ -140,7 +175,10 @@ def test_sensitivity_is_the_growth_of_a_displaced_start():
         moved = truth_of(x0=str(step)).at(t), truth_of(v0=str(step)).at(t)
         length, speed = float(truth.scale["x"]), float(truth.scale["v"])
         rows = [
-            sum(abs(float((one[name].mid - truth.at(t)[name].mid) / step)) * size for one, size in zip(moved, (length, speed), strict=True))
+            sum(
+                abs(float((one[name].mid - truth.at(t)[name].mid) / step)) * size
+                for one, size in zip(moved, (length, speed), strict=True)
+            )
             / float(truth.scale[name])
             for name in ("x", "v")
         ]
@@ -150,5 +188,8 @@ def test_sensitivity_is_the_growth_of_a_displaced_start():
 def test_errors_made_while_it_sticks_forget_the_velocity():
     truth = truth_of()
     grown = truth.sensitivities([Fraction(n) for n in range(0, 21, 2)])
-    assert all(later >= truth.sensitivity(Fraction(n)) * (1 - 1e-9) for n, later in zip(range(0, 21, 2), grown, strict=True))
+    assert all(
+        later >= truth.sensitivity(Fraction(n)) * (1 - 1e-9)
+        for n, later in zip(range(0, 21, 2), grown, strict=True)
+    )
     assert np.all(np.isfinite(grown))

@@ -1,4 +1,6 @@
-"""A sphere squeezed by two: against three bodies, each by its own equation (the witness), and what must be kept."""
+"""A sphere squeezed by two: against three bodies, each by its own equation (the witness), and what
+must be kept.
+"""
 
 from fractions import Fraction
 from functools import cache
@@ -19,11 +21,19 @@ def found(**given):
     return instance, instance.truth()
 
 
-@pytest.mark.parametrize("given", [{"spin": "1", "partner_radius": "1/50", "friction": "50"}, {"cutoff": "zero_overlap", "branch": "R"}])
+@pytest.mark.parametrize(
+    "given",
+    [
+        {"spin": "1", "partner_radius": "1/50", "friction": "50"},
+        {"cutoff": "zero_overlap", "branch": "R"},
+    ],
+)
 def test_it_is_the_motion_of_three_bodies(given):
     """Sticking all the time, and through every switch."""
     instance, truth = found(**given)
-    times = [Fraction(float(instance.times[-1])) * part for part in (Fraction(1, 8), Fraction(3, 8))]
+    times = [
+        Fraction(float(instance.times[-1])) * part for part in (Fraction(1, 8), Fraction(3, 8))
+    ]
     balls, _ = rows(truth.refined(36), times)
     said = witnessing.testimony("impact-benchmarks", instance.case.meant(instance.p), balls)
     assert (said["values"], said["denied"]) == (55, [])
@@ -35,9 +45,18 @@ def test_total_angular_momentum_is_kept_where_the_levers_add_up():
 
     def total(t):
         now = {name: ball.mid for name, ball in truth.at(t).items()}
-        orbital = sum(v.large * (now[f"r{n}.x"] * now[f"v{n}.y"] - now[f"r{n}.y"] * now[f"v{n}.x"]) for n in (1, 3))
-        moments = (v.large * v.partner_radius**2, v.mass * v.radius**2, v.large * v.partner_radius**2)
-        return orbital + Fraction(2, 5) * sum(j * now[f"omega{n}.z"] for n, j in zip((1, 2, 3), moments, strict=True))
+        orbital = sum(
+            v.large * (now[f"r{n}.x"] * now[f"v{n}.y"] - now[f"r{n}.y"] * now[f"v{n}.x"])
+            for n in (1, 3)
+        )
+        moments = (
+            v.large * v.partner_radius**2,
+            v.mass * v.radius**2,
+            v.large * v.partner_radius**2,
+        )
+        return orbital + Fraction(2, 5) * sum(
+            j * now[f"omega{n}.z"] for n, j in zip((1, 2, 3), moments, strict=True)
+        )
 
     first, last = (total(Fraction(float(instance.times[k]))) for k in (1, -1))
     assert abs(first - last) < TINY * 1000

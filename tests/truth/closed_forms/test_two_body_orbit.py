@@ -1,4 +1,6 @@
-"""Plane orbits: against Taylor series of the equations of motion, conserved vectors, and growth by Kepler's third law."""
+"""Plane orbits: against Taylor series of the equations of motion, conserved vectors, and growth by
+Kepler's third law.
+"""
 
 import math
 from fractions import Fraction
@@ -15,7 +17,11 @@ ECCENTRICITIES = ["0", "1/2", "9/10", "99/100"]
 
 
 def orbit(eccentricity="0", stiffness=None, gm="1", semi_major="1"):
-    p = {"gm": Fraction(gm), "semi_major": Fraction(semi_major), "eccentricity": Fraction(eccentricity)}
+    p = {
+        "gm": Fraction(gm),
+        "semi_major": Fraction(semi_major),
+        "eccentricity": Fraction(eccentricity),
+    }
     return truth({**p, "stiffness": None if stiffness is None else Fraction(stiffness)}, SCALE)
 
 
@@ -26,7 +32,9 @@ def state(orbit, t):
 
 
 def series_step(state, h, gm=1, order=48):
-    """One Taylor step of r'' = -gm r/|r|^3 in Cartesian coordinates, midpoints only: recurrences for u = r.r, w = u^(-3/2)."""
+    """One Taylor step of r'' = -gm r/|r|^3 in Cartesian coordinates, midpoints only: recurrences
+    for u = r.r, w = u^(-3/2).
+    """
     x, y, vx, vy = ([part.mid()] for part in state)
     u, w = [], []
     for n in range(order):
@@ -34,7 +42,9 @@ def series_step(state, h, gm=1, order=48):
         if n == 0:
             w.append((1 / (u[0] * u[0].sqrt())).mid())
         else:
-            total = sum(((arb(-3) / 2 * k - (n - k)) * u[k] * w[n - k] for k in range(1, n + 1)), arb(0))
+            total = sum(
+                ((arb(-3) / 2 * k - (n - k)) * u[k] * w[n - k] for k in range(1, n + 1)), arb(0)
+            )
             w.append((total / (n * u[0])).mid())
         for place, speed in ((x, vx), (y, vy)):
             pull = -gm * sum((w[k] * place[n - k] for k in range(n + 1)), arb(0))
@@ -78,7 +88,10 @@ def test_energy_angular_momentum_and_laplace_vector_are_those_of_the_elements(ec
         assert abs(vx * momentum + y / r) < 1e-37
 
 
-@pytest.mark.parametrize(("given", "period"), [({}, 2 * PI), ({"gm": "4", "semi_major": "4"}, 8 * PI), ({"stiffness": "4"}, PI)])
+@pytest.mark.parametrize(
+    ("given", "period"),
+    [({}, 2 * PI), ({"gm": "4", "semi_major": "4"}, 8 * PI), ({"stiffness": "4"}, PI)],
+)
 def test_period_brings_the_start_back(given, period):
     revolving = orbit("1/2", **given)
     assert abs(revolving.scalars()["period"].mid - period) < Fraction(1, 10**40)
@@ -89,7 +102,9 @@ def test_period_brings_the_start_back(given, period):
 
 def test_at_half_a_period_it_is_at_apoapsis():
     with precision(256):
-        for value, expected in zip(state(orbit("3/5"), PI), ("-1.6", "0", "0", "-0.5"), strict=True):
+        for value, expected in zip(
+            state(orbit("3/5"), PI), ("-1.6", "0", "0", "-0.5"), strict=True
+        ):
             assert abs(value - arb(expected)) < 1e-38
 
 
@@ -121,8 +136,9 @@ def test_the_ball_of_keplers_equation_holds_a_change_of_sign():
 
 
 def test_growth_over_one_circular_turn_is_that_of_the_third_law():
-    # Energy rises by dx + dvy, the axis by twice that, the period by 6 pi (dx + dvy): the neighbour is late by as much along y.
-    # One that is made elsewhere on the circle may answer in x and y together, and so by up to a root of two more.
+    # Energy rises by dx + dvy, the axis by twice that, the period by 6 pi (dx + dvy): the neighbour
+    # is late by as much along y. One that is made elsewhere on the circle may answer in x and y
+    # together, and so by up to a root of two more.
     growth = 12 * float(PI) + 1
     assert growth <= orbit("0").sensitivity(2 * PI) <= 2**0.5 * 1.2 * growth
 

@@ -1,4 +1,6 @@
-"""Two spheres: against series in Cartesian coordinates, the law itself, momenta, energy, and what may not be certified."""
+"""Two spheres: against series in Cartesian coordinates, the law itself, momenta, energy, and what
+may not be certified.
+"""
 
 from dataclasses import replace
 from fractions import Fraction
@@ -50,12 +52,19 @@ def state(pair, t):
 def relative(pair, t):
     """x, y, vx, vy, omega1, omega2 from the 18 quantities."""
     now = state(pair, t)
-    return [now[f"{kind}1.{axis}"] - now[f"{kind}2.{axis}"] for kind in "rv" for axis in "xy"] + [now["omega1.z"], now["omega2.z"]]
+    return [now[f"{kind}1.{axis}"] - now[f"{kind}2.{axis}"] for kind in "rv" for axis in "xy"] + [
+        now["omega1.z"],
+        now["omega2.z"],
+    ]
 
 
 def cartesian(pair, side, pulls):
-    """The rates of (x, y, vx, vy, omega1, omega2), from vectors: nothing polar, levers in the torques themselves."""
-    mass, stiffness, damping, friction = (arb_of(v) for v in (pair.effective_mass, pair.stiffness, pair.damping, pair.friction))
+    """The rates of (x, y, vx, vy, omega1, omega2), from vectors: nothing polar, levers in the
+    torques themselves.
+    """
+    mass, stiffness, damping, friction = (
+        arb_of(v) for v in (pair.effective_mass, pair.stiffness, pair.damping, pair.friction)
+    )
     radii, moments = [arb_of(r) for r in pair.radii], [arb_of(j) for j in pair.moments]
 
     def rates(y):
@@ -77,15 +86,25 @@ def stepped(rates, start, h, order=40):
     series = [arb_series([part.mid()], prec=1) for part in start]
     for length in range(2, order + 1):
         ctx.cap = length
-        series = [part.mid() + rate.integral() for part, rate in zip(start, rates(series), strict=True)]
-    return [sum((c.mid() * h**n for n, c in enumerate(one.coeffs())), arb(0)).mid() for one in series]
+        series = [
+            part.mid() + rate.integral() for part, rate in zip(start, rates(series), strict=True)
+        ]
+    return [
+        sum((c.mid() * h**n for n, c in enumerate(one.coeffs())), arb(0)).mid() for one in series
+    ]
 
 
 def witness(pair, t, side=0, steps=24, pulls=False, start=None):
     """The relative state at t while the contact lasts."""
     before = ctx.cap
     speed, angle = arb_of(pair.closing_speed), arb_of(pair.angle)
-    now = start or [arb_of(-pair.reach), arb(0), speed * angle.cos(), speed * angle.sin(), *(arb_of(pair.spins[i]) for i in (2, 5))]
+    now = start or [
+        arb_of(-pair.reach),
+        arb(0),
+        speed * angle.cos(),
+        speed * angle.sin(),
+        *(arb_of(pair.spins[i]) for i in (2, 5)),
+    ]
     rates = cartesian(pair, side, pulls)
     for _ in range(steps):
         now = stepped(rates, now, arb_of(t) / steps)
@@ -122,7 +141,10 @@ def motion(pair, bits=192):
 
 def test_a_pulling_contact_does_not_rub():
     pair = replace(SLIDING, damping=Fraction(6))
-    times = {event.name: Fraction(float(event.time)) * ContactPhases(pair).time for event in motion(pair).events}
+    times = {
+        event.name: Fraction(float(event.time)) * ContactPhases(pair).time
+        for event in motion(pair).events
+    }
     released, gone = times["pull"], times["release"]
     with precision(256):
         at_release = relative(pair, released - Fraction(1, 1000))
@@ -131,7 +153,9 @@ def test_a_pulling_contact_does_not_rub():
         assert relative(pair, (released + gone) / 2)[4].overlaps(relative(pair, gone + 1)[4])
 
 
-@pytest.mark.parametrize(("damping", "cut"), [(0, True), (4, True), (4, False), (30, False), (60, False)])
+@pytest.mark.parametrize(
+    ("damping", "cut"), [(0, True), (4, True), (4, False), (30, False), (60, False)]
+)
 def test_the_head_on_form_is_the_integration_from_phase_to_phase(damping, cut):
     pair = replace(PAIR, damping=Fraction(damping), ends_with_overlap=cut)
     phases, found = ContactPhases(pair), motion(pair)
@@ -140,14 +164,19 @@ def test_the_head_on_form_is_the_integration_from_phase_to_phase(damping, cut):
             place = found.place(arb_of(Fraction(t) / phases.time))
             assert abs(place[0] * arb_of(phases.length) - relative(pair, Fraction(t))[0]) < 1e-30
             assert abs(place[2] * arb_of(phases.speed) - relative(pair, Fraction(t))[2]) < 1e-30
-        forms, force = HeadOnContact(pair).constants(), arb_of(pair.effective_mass * phases.speed / phases.time)
+        forms, force = (
+            HeadOnContact(pair).constants(),
+            arb_of(pair.effective_mass * phases.speed / phases.time),
+        )
         assert abs(found.deepest() * arb_of(phases.length) - forms["max_overlap"]) < 1e-30
         assert abs(found.hardest() * force - forms["max_force"]) < 1e-30
         assert abs(found.events[-1].time * arb_of(phases.time) - forms["duration"]) < 1e-30
 
 
 def numeric_extremes(pair):
-    """Largest overlap and force of the head-on law over a fine grid, in doubles, by its own recurrence (velocity Verlet)."""
+    """Largest overlap and force of the head-on law over a fine grid, in doubles, by its own
+    recurrence (velocity Verlet).
+    """
     mass, k, c = float(pair.effective_mass), float(pair.stiffness), float(pair.damping)
     h, d, v, most, hardest, t = 1e-5, 0.0, float(pair.closing_speed), 0.0, 0.0, 0.0
     while (d >= 0.0 if pair.ends_with_overlap else k * d + c * v >= 0.0) and t < 3.0:
@@ -156,7 +185,12 @@ def numeric_extremes(pair):
         d += h * half
         v = (half - h / 2 * k * d / mass) / (1 + h / 2 * c / mass)
         t += h
-    return {"max_overlap": most, "max_force": hardest, "duration": t, "restitution": -v / float(pair.closing_speed)}
+    return {
+        "max_overlap": most,
+        "max_force": hardest,
+        "duration": t,
+        "restitution": -v / float(pair.closing_speed),
+    }
 
 
 @pytest.mark.parametrize(("damping", "cut"), [*product([0, 4, 12, 30, 60], [True, False])])
@@ -181,15 +215,22 @@ def test_critical_damping_joins_the_regimes_on_both_sides():
 
 
 def test_a_sample_exactly_at_the_end_of_the_force_is_certified():
-    # Critical: the force ends at 2/b = 2 m_eff 2/c = 3/8 with m_eff = 3/4, c = 8, k = c^2/(4 m_eff) = 64/3.
+    # Critical: the force ends at 2/b = 2 m_eff 2/c = 3/8 with m_eff = 3/4, c = 8, k = c^2/(4 m_eff)
+    # = 64/3.
     pair = replace(PAIR, stiffness=Fraction(64, 3), damping=Fraction(8), ends_with_overlap=False)
     with precision(256):
-        before, at, after = (relative(pair, Fraction(3, 8) + by) for by in (-Fraction(1, 10**20), ZERO, Fraction(1, 10**20)))
+        before, at, after = (
+            relative(pair, Fraction(3, 8) + by)
+            for by in (-Fraction(1, 10**20), ZERO, Fraction(1, 10**20))
+        )
         assert max(abs(2 * b - a - c) for a, b, c in zip(before, at, after, strict=True)) < 1e-17
 
 
 def test_an_overlap_that_never_ends_has_no_duration():
-    assert set(spheres(replace(PAIR, damping=Fraction(60))).scalars()) == {"max_overlap", "max_force"}
+    assert set(spheres(replace(PAIR, damping=Fraction(60))).scalars()) == {
+        "max_overlap",
+        "max_force",
+    }
 
 
 @pytest.mark.parametrize("pair", [OBLIQUE, SLIDING, replace(SLIDING, damping=Fraction(4))])
@@ -197,14 +238,19 @@ def test_momentum_stays_zero_and_angular_momentum_where_the_levers_add_up(pair):
     def momentum(t):
         now, (m1, m2), (j1, j2) = state(pair, t), pair.masses, pair.moments
         bodies = ((m1, j1, 1), (m2, j2, 2))
-        orbit = sum(arb_of(m) * (now[f"r{i}.x"] * now[f"v{i}.y"] - now[f"r{i}.y"] * now[f"v{i}.x"]) for m, _, i in bodies)
+        orbit = sum(
+            arb_of(m) * (now[f"r{i}.x"] * now[f"v{i}.y"] - now[f"r{i}.y"] * now[f"v{i}.x"])
+            for m, _, i in bodies
+        )
         line = [sum(arb_of(m) * now[f"v{i}.{axis}"] for m, _, i in bodies) for axis in "xy"]
         return [*line, orbit + sum(arb_of(j) * now[f"omega{i}.z"] for _, j, i in bodies)]
 
     with precision(256):
         start = momentum(0)
         for t in ("0.1", "0.25", "2"):
-            assert max(abs(a - b) for a, b in zip(momentum(Fraction(t)), start, strict=True)) < 1e-37
+            assert (
+                max(abs(a - b) for a, b in zip(momentum(Fraction(t)), start, strict=True)) < 1e-37
+            )
 
 
 def test_full_lever_arms_change_the_angular_momentum_by_the_integral_of_overlap_times_friction():
@@ -231,10 +277,16 @@ def test_frictionless_undamped_collision_returns_its_energy():
 def test_oblique_scalars_are_those_of_the_motion():
     scalars = spheres(OBLIQUE).scalars()
     with precision(256):
-        end = [relative(OBLIQUE, scalars["duration"].mid + by) for by in (-Fraction(1, 10**20), Fraction(1, 10**20))]
+        end = [
+            relative(OBLIQUE, scalars["duration"].mid + by)
+            for by in (-Fraction(1, 10**20), Fraction(1, 10**20))
+        ]
         gaps = [(x * x + y * y).sqrt() - arb_of(OBLIQUE.reach) for x, y, *_ in end]
         assert gaps[0] < 0 < gaps[1]
-        deepest = max(float(arb_of(OBLIQUE.reach) - (x * x + y * y).sqrt()) for x, y, *_ in (relative(OBLIQUE, t) for t in GRID))
+        deepest = max(
+            float(arb_of(OBLIQUE.reach) - (x * x + y * y).sqrt())
+            for x, y, *_ in (relative(OBLIQUE, t) for t in GRID)
+        )
     assert deepest <= float(scalars["max_overlap"].mid)
     assert deepest == pytest.approx(float(scalars["max_overlap"].mid), rel=1e-3)
     assert scalars["max_force"].mid == pytest.approx(100 * scalars["max_overlap"].mid)
@@ -254,9 +306,18 @@ def test_a_spring_exactly_at_its_limit_is_a_corner():
 
 def test_start_is_as_the_conventions_say():
     parameters = {
-        "masses": PAIR.masses, "radii": PAIR.radii, "stiffness": ONE, "damping": ZERO, "tangential_stiffness": ZERO, "friction": ZERO,
-        "closing_speed": Fraction(2), "angle": ONE, "spins": tuple(map(Fraction, range(6))), "branch": "R-d", "cutoff": "zero_force",
-    }  # fmt: skip
+        "masses": PAIR.masses,
+        "radii": PAIR.radii,
+        "stiffness": ONE,
+        "damping": ZERO,
+        "tangential_stiffness": ZERO,
+        "friction": ZERO,
+        "closing_speed": Fraction(2),
+        "angle": ONE,
+        "spins": tuple(map(Fraction, range(6))),
+        "branch": "R-d",
+        "cutoff": "zero_force",
+    }
     start = {name: float(ball.mid) for name, ball in truth(parameters, SCALE).at(ZERO).items()}
     assert tuple(start) == NAMES
     assert start["r1.x"] == pytest.approx(-0.9375)

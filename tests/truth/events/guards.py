@@ -1,4 +1,6 @@
-"""Sets through events against motions known exactly, fat ones above all: there the jump matrix carries everything."""
+"""Sets through events against motions known exactly, fat ones above all: there the jump matrix
+carries everything.
+"""
 
 from fractions import Fraction
 from itertools import pairwise, product
@@ -19,9 +21,13 @@ FAT = arb("0.01")
 
 
 def fat_bounces_hold_their_corners():
-    """A box of starts of a bouncing point: all its corners, before, between and after its bounces."""
+    """A box of starts of a bouncing point: all its corners, before, between and after its
+    bounces.
+    """
     run = motion(bouncing(), ["1/2", 0, 0], "fall", radii=(FAT, FAT, 0))
-    for t, (x, v) in product(("1/2", "3/2", "15/8"), product(("0.4901", "0.5", "0.5099"), ("-0.0099", "0.0099"))):
+    for t, (x, v) in product(
+        ("1/2", "3/2", "15/8"), product(("0.4901", "0.5", "0.5099"), ("-0.0099", "0.0099"))
+    ):
         place, velocity, _ = bounced(arb(x), arb(v), arb_of(Fraction(t)))
         found = run.at(arb_of(Fraction(t)))
         assert found[0].contains(place)
@@ -40,17 +46,23 @@ def fat_events_hold_all_times():
 
 
 def sets_after_an_event_hold_their_edges():
-    """A fat place at the start: what is handed on holds sqrt(2 x)/2 and the time sqrt(2 x) at its edges, and hardly more."""
+    """A fat place at the start: what is handed on holds sqrt(2 x)/2 and the time sqrt(2 x) at its
+    edges, and hardly more.
+    """
     run = motion(bouncing(), ["1/2", 0, 0], "fall", radii=(FAT / 10, 0, 0))
     run.at(arb("1.5"))
     for x in ("0.499000001", "0.5", "0.500999999"):
         speed = (2 * arb(x)).sqrt()
-        assert all(run.phases[1].entered[i].contains(value) for i, value in ((1, speed / 2), (2, speed)))
+        assert all(
+            run.phases[1].entered[i].contains(value) for i, value in ((1, speed / 2), (2, speed))
+        )
     assert run.phases[1].entered[2].rad() < arb("0.00102")
 
 
 def times_of_the_centre_are_balls():
-    """sin t = 1/2 at pi/6, known to 60 bits only: the ball of the centre's own crossing holds it."""
+    """sin t = 1/2 at pi/6, known to 60 bits only: the ball of the centre's own crossing holds
+    it.
+    """
     run = motion(swinging(Fraction(1, 2)), [0, 1, 0], "swing", bits=60)
     run.at(arb(1))
     guard, piece, since, _ = run.phases[0].crossing()
@@ -61,7 +73,9 @@ def times_of_the_centre_are_balls():
 
 
 def thin_bounces_stay_thin():
-    """The same from an exact start: the balls hold the formula and are no wider than they need to be."""
+    """The same from an exact start: the balls hold the formula and are no wider than they need to
+    be.
+    """
     run = motion(bouncing(), ["1/2", 0, 0], "fall", bits=200)
     for t in ("1/2", "3/2", "9/4", "21/8"):
         place, velocity, hits = bounced(arb("0.5"), arb(0), arb_of(Fraction(t)))
@@ -73,7 +87,9 @@ def thin_bounces_stay_thin():
 
 
 def clocks_that_differ_hold_their_motions():
-    """A start whose clock is a ball: at a given time each motion is as far as its own clock says."""
+    """A start whose clock is a ball: at a given time each motion is as far as its own clock
+    says.
+    """
     run = motion(bouncing(), ["1/2", 0, 0], "fall", radii=(0, 0, FAT))
     for late, t in product(("-0.0099", "0.0099"), ("1/2", "3/2")):
         place, velocity, _ = bounced(arb("0.5"), arb(0), arb_of(Fraction(t)) - arb(late))
@@ -83,7 +99,9 @@ def clocks_that_differ_hold_their_motions():
 
 
 def jacobians_are_those_of_the_formula():
-    """d(x, v)/d(x0, v0) after a bounce: x = w/2 (t - t1) - (t - t1)^2/2 with t1 = v0 + w, w = sqrt(v0^2 + 2 x0)."""
+    """d(x, v)/d(x0, v0) after a bounce: x = w/2 (t - t1) - (t - t1)^2/2 with t1 = v0 + w, w =
+    sqrt(v0^2 + 2 x0).
+    """
     run = motion(bouncing(), ["1/2", 0, 0], "fall", bits=150)
     found = run.jacobian(arb("1.5"))
     # at x0 = 1/2, v0 = 0: w = 1, dw = dx0, dt1 = dv0 + dx0, s = 1/2
@@ -93,9 +111,17 @@ def jacobians_are_those_of_the_formula():
 
 
 def friction_stops_where_it_must():
-    """Half cycles of the rubbing oscillator against the closed form, stop included; then at rest for ever."""
-    closed = CoulombOscillator({"x": 1, "v": 1}, mass=Fraction(1), stiffness=Fraction(1), friction_force=Fraction(3, 20),
-                               x0=Fraction(1), v0=Fraction(0))  # fmt: skip
+    """Half cycles of the rubbing oscillator against the closed form, stop included; then at rest
+    for ever.
+    """
+    closed = CoulombOscillator(
+        {"x": 1, "v": 1},
+        mass=Fraction(1),
+        stiffness=Fraction(1),
+        friction_force=Fraction(3, 20),
+        x0=Fraction(1),
+        v0=Fraction(0),
+    )
     run = flow(rubbing(), [1, 0, 0], "left", touching={"turn": 1})
     for t in (Fraction(1), Fraction(4), Fraction(9), Fraction(10), Fraction(1000)):
         for name, ball in closed.at(t).items():
@@ -106,7 +132,9 @@ def friction_stops_where_it_must():
 
 
 def sensitivity_knows_the_jump():
-    """S of the rubbing oscillator: at rest a changed start changes the place by (-1)^n, the velocity not at all."""
+    """S of the rubbing oscillator: at rest a changed start changes the place by (-1)^n, the
+    velocity not at all.
+    """
     run = flow(rubbing(), [1, 0, 0], "left", touching={"turn": 1})
     assert 1 <= run.sensitivity(Fraction(10)) < 1.6
     bounce = flow(bouncing(), [Fraction(1, 2), 0, 0], "fall")
@@ -132,13 +160,17 @@ def a_fat_race_is_not_decided():
 
 
 def a_landing_at_the_limit_is_a_corner():
-    """From x = 0.45 friction of 0.15 leaves exactly the limit at the next turning point; a fat start about it straddles the limit."""
+    """From x = 0.45 friction of 0.15 leaves exactly the limit at the next turning point; a fat
+    start about it straddles the limit.
+    """
     with pytest.raises(NotCertifiedError, match="corner") as told:
         flow(rubbing(), [Fraction(9, 20), 0, 0], "left", touching={"turn": 1}).at(Fraction(4))
     assert told.value.code == "corner"
     assert 2 < told.value.time <= np.pi
     with pytest.raises(SwitchError, match="not decided"):
-        motion(rubbing(), ["9/20", 0, 0], "left", radii=("0.001", 0, 0), touching={"turn": 1}).at(arb(4))
+        motion(rubbing(), ["9/20", 0, 0], "left", radii=("0.001", 0, 0), touching={"turn": 1}).at(
+            arb(4)
+        )
 
 
 def short_dips_are_not_missed():
@@ -149,8 +181,12 @@ def short_dips_are_not_missed():
 
 
 def touching_is_not_crossing():
-    """sin t against 1: grazing, with time and state; against 1.01 nothing; against 0.99 an event at asin 0.99."""
-    assert flow(swinging(Fraction(101, 100)), [0, 1, 0], "swing").at(Fraction(2))["x"].mid == pytest.approx(np.sin(2), abs=1e-15)
+    """sin t against 1: grazing, with time and state; against 1.01 nothing; against 0.99 an event at
+    asin 0.99.
+    """
+    assert flow(swinging(Fraction(101, 100)), [0, 1, 0], "swing").at(Fraction(2))[
+        "x"
+    ].mid == pytest.approx(np.sin(2), abs=1e-15)
     held = flow(swinging(Fraction(99, 100)), [0, 1, 0], "swing")
     assert abs(float(held.at(Fraction(2))["x"].mid) - 0.99) < 1e-15
     assert held.events_until(Fraction(2))[0][2].mid == pytest.approx(np.arcsin(0.99), abs=1e-14)
@@ -175,11 +211,18 @@ def slips_begin_with_their_double_zero():
     for t, u in (("1/2", 0), ("3/2", "1/8"), ("2", "1/2"), ("5/2", "9/8")):
         assert run.at(arb_of(Fraction(t)))[0].overlaps(arb_of(Fraction(u)))
     fat = motion(ramped(), [0, 0], "hold", radii=(0, FAT))
-    assert all(fat.at(arb("2"))[0].contains((1 + arb(late)) ** 2 / 2 - arb(late) * (1 + arb(late)) + arb(late) ** 2 / 2) for late in ("0",))
+    assert all(
+        fat.at(arb("2"))[0].contains(
+            (1 + arb(late)) ** 2 / 2 - arb(late) * (1 + arb(late)) + arb(late) ** 2 / 2
+        )
+        for late in ("0",)
+    )
 
 
 def wrong_claims_of_touching_are_found():
-    """An entry that says a guard vanishes where it does not; a guard that vanishes where no entry says so."""
+    """An entry that says a guard vanishes where it does not; a guard that vanishes where no entry
+    says so.
+    """
     with pytest.raises(ValueError, match="says it is 0"):
         motion(bouncing(), ["1/2", 1, 0], "fall", touching={"hit": 1}).at(arb(1))
     with pytest.raises(SwitchError) as told:
@@ -188,28 +231,63 @@ def wrong_claims_of_touching_are_found():
 
 
 def closed_forms_of_release_agree_with_bisection():
-    """Sticking on a belt at rest: releases by arc cosine against interval Newton, for both branches and both sides, or never."""
-    law = {"a": 10, "mu0": "2/5", "mu1": "1/10", "lambda0": "71/50", "lambda1": "1/100", "belt": 0, "eta": "6/5", "v0": 0}
+    """Sticking on a belt at rest: releases by arc cosine against interval Newton, for both branches
+    and both sides, or never.
+    """
+    law = {
+        "a": 10,
+        "mu0": "2/5",
+        "mu1": "1/10",
+        "lambda0": "71/50",
+        "lambda1": "1/100",
+        "belt": 0,
+        "eta": "6/5",
+        "v0": 0,
+    }
     for gamma, x0 in ((9, 2), (-9, "1/2"), (5, "-1")):
-        own = stick_slip.StickSlip(**{name: Fraction(value) for name, value in law.items()}, gamma=Fraction(gamma), x0=Fraction(x0),
-                                   law="quadratic")  # fmt: skip
+        own = stick_slip.StickSlip(
+            **{name: Fraction(value) for name, value in law.items()},
+            gamma=Fraction(gamma),
+            x0=Fraction(x0),
+            law="quadratic",
+        )
         modes = own.modes()
-        bisected = modes | {"stick": Mode(modes["stick"].field, modes["stick"].guards, None, Fraction(1, 2))}
+        bisected = modes | {
+            "stick": Mode(modes["stick"].field, modes["stick"].guards, None, Fraction(1, 2))
+        }
         for late in (1, 3):
             start = [own.x0, Fraction(0), Fraction(late)]
             pull = gamma * np.cos(1.2 * late) - float(own.x0) - 4
             if abs(pull) < 3.9:
-                told, found = (motion(which, start, "stick", bits=150) for which in (modes, bisected))
+                told, found = (
+                    motion(which, start, "stick", bits=150) for which in (modes, bisected)
+                )
                 for one in (told, found):
                     one.phase(arb(late + 3))
                 assert len(told.events) == len(found.events)
-                assert all(a.name == b.name and a.time.overlaps(b.time) for a, b in zip(told.events, found.events, strict=True))
+                assert all(
+                    a.name == b.name and a.time.overlaps(b.time)
+                    for a, b in zip(told.events, found.events, strict=True)
+                )
 
 
 def sticking_for_ever_is_proved():
     """A drive too weak to release it: at rest after any time, without a search."""
-    own = {"a": 10, "mu0": "2/5", "mu1": "1/10", "lambda0": 1, "lambda1": 0, "belt": 0, "gamma": 1, "eta": 1, "x0": -4, "v0": 0}
-    flowing = stick_slip.StickSlip(**{name: Fraction(value) for name, value in own.items()}, law="quadratic")
+    own = {
+        "a": 10,
+        "mu0": "2/5",
+        "mu1": "1/10",
+        "lambda0": 1,
+        "lambda1": 0,
+        "belt": 0,
+        "gamma": 1,
+        "eta": 1,
+        "x0": -4,
+        "v0": 0,
+    }
+    flowing = stick_slip.StickSlip(
+        **{name: Fraction(value) for name, value in own.items()}, law="quadratic"
+    )
     run = motion(flowing.modes(), [-4, 0, 0], "stick")
     assert run.at(arb(10) ** 6)[0].overlaps(arb(-4))
     assert run.phases[0].never
@@ -217,11 +295,27 @@ def sticking_for_ever_is_proved():
 
 def chains_of_events_keep_their_errors():
     """Radii after ten events hold the difference of the same motion at twice the precision."""
-    own = {"a": 10, "mu0": "2/5", "mu1": "1/10", "lambda0": "71/50", "lambda1": "1/100", "belt": 1, "gamma": "7/10", "eta": "5/4"}
-    flowing = stick_slip.StickSlip(**{name: Fraction(value) for name, value in own.items()}, x0=Fraction(0), v0=Fraction(0), law="linear")
+    own = {
+        "a": 10,
+        "mu0": "2/5",
+        "mu1": "1/10",
+        "lambda0": "71/50",
+        "lambda1": "1/100",
+        "belt": 1,
+        "gamma": "7/10",
+        "eta": "5/4",
+    }
+    flowing = stick_slip.StickSlip(
+        **{name: Fraction(value) for name, value in own.items()},
+        x0=Fraction(0),
+        v0=Fraction(0),
+        law="linear",
+    )
     low, high = (motion(flowing.modes(), [0, -1, 0], "backward", bits=bits) for bits in (80, 140))
     for t in (4, 7, 9, 14):
-        assert all(a.contains(b.mid()) for a, b in zip(low.at(arb(t)), high.at(arb(t)), strict=True))
+        assert all(
+            a.contains(b.mid()) for a, b in zip(low.at(arb(t)), high.at(arb(t)), strict=True)
+        )
     assert all(a.time < b.time for a, b in pairwise(low.events))
 
 

@@ -1,4 +1,6 @@
-"""Switching systems of the tests whose motions are known exactly; the clock is the last coordinate."""
+"""Switching systems of the tests whose motions are known exactly; the clock is the last
+coordinate.
+"""
 
 from fractions import Fraction
 
@@ -13,7 +15,9 @@ from refdem.truth.events.truth import HybridFlow
 
 def bouncing():
     """x'' = -1 above a floor that gives back half the speed."""
-    hit = Guard("hit", lambda y: y[0], lambda y: Entry("fall", lambda y: [0, -y[1] / 2, y[2]], {"hit": 1}))
+    hit = Guard(
+        "hit", lambda y: y[0], lambda y: Entry("fall", lambda y: [0, -y[1] / 2, y[2]], {"hit": 1})
+    )
     return {"fall": Mode(lambda y: [y[1], -1, 1], (hit,))}
 
 
@@ -56,19 +60,33 @@ def swinging(level, *, then="left"):
 
 def racing(first, second, *, both=("a", "b")):
     """x' = 1 with guards at two levels; the mode entered says which came first."""
-    guards = {"a": Guard("a", lambda y: first - y[0], lambda y: Entry("a")), "b": Guard("b", lambda y: second - y[0], lambda y: Entry("b"))}
-    return {"run": Mode(lambda y: [1, 1], tuple(guards[name] for name in both)), "a": Mode(lambda y: [0, 1]), "b": Mode(lambda y: [-1, 1])}
+    guards = {
+        "a": Guard("a", lambda y: first - y[0], lambda y: Entry("a")),
+        "b": Guard("b", lambda y: second - y[0], lambda y: Entry("b")),
+    }
+    return {
+        "run": Mode(lambda y: [1, 1], tuple(guards[name] for name in both)),
+        "a": Mode(lambda y: [0, 1]),
+        "b": Mode(lambda y: [-1, 1]),
+    }
 
 
 def dipping(depth):
     """A guard (t - 1)^2 - depth^2 that is below zero only for a moment: from 1 - depth on."""
     dip = Guard("dip", lambda y: (y[1] - 1) * (y[1] - 1) - depth * depth, lambda y: Entry("after"))
-    return {"before": Mode(lambda y: [0, 1], (dip,), window=Fraction(4)), "after": Mode(lambda y: [1, 1])}
+    return {
+        "before": Mode(lambda y: [0, 1], (dip,), window=Fraction(4)),
+        "after": Mode(lambda y: [1, 1]),
+    }
 
 
 def ramped():
-    """Held while a pull t is below 1; then u' = t - 1, so that u = (t - 1)^2/2 begins with a double zero; held again at u = 2."""
-    release = Guard("release", lambda y: 1 - y[1], lambda y: Entry("slip", lambda y: [0, y[1]], {"stop": 2}))
+    """Held while a pull t is below 1; then u' = t - 1, so that u = (t - 1)^2/2 begins with a double
+    zero; held again at u = 2.
+    """
+    release = Guard(
+        "release", lambda y: 1 - y[1], lambda y: Entry("slip", lambda y: [0, y[1]], {"stop": 2})
+    )
     slips = Mode(
         lambda y: [y[1] - 1, 1],
         (
@@ -81,8 +99,16 @@ def ramped():
 
 def motion(modes, start, mode, *, radii=(), bits=100, touching=None):
     """The motion of a box of starts."""
-    balls = [arb_of(Fraction(x)) + arb(0, r) for x, r in zip(start, radii or [0] * len(start), strict=True)]
-    return Motion({name: Traced(one, len(start)) for name, one in modes.items()}, balls, Entry(mode, None, touching or {}), bits)
+    balls = [
+        arb_of(Fraction(x)) + arb(0, r)
+        for x, r in zip(start, radii or [0] * len(start), strict=True)
+    ]
+    return Motion(
+        {name: Traced(one, len(start)) for name, one in modes.items()},
+        balls,
+        Entry(mode, None, touching or {}),
+        bits,
+    )
 
 
 def flow(modes, start, mode, *, touching=None, digits=40):

@@ -1,4 +1,6 @@
-"""A zero exactly where a piece of the integration ends is found, and a precision below the finest split does not split for ever."""
+"""A zero exactly where a piece of the integration ends is found, and a precision below the finest
+split does not split for ever.
+"""
 
 from fractions import Fraction
 
@@ -13,9 +15,14 @@ from refdem.truth.events.system import Entry, Guard, Mode, Traced
 def running(level: Fraction, bits: int) -> Motion:
     """x' = v' = 0 but x = t and a fast wave beside it, until x is at the level."""
     stop = Guard("stop", lambda y: level - y[0], lambda y: Entry("rest"))
-    modes = {"run": Mode(lambda y: [1, 16 * y[2], -16 * y[1], 1], (stop,), window=Fraction(8)), "rest": Mode(lambda y: [0, 0, 0, 1])}
+    modes = {
+        "run": Mode(lambda y: [1, 16 * y[2], -16 * y[1], 1], (stop,), window=Fraction(8)),
+        "rest": Mode(lambda y: [0, 0, 0, 1]),
+    }
     start = [arb(0), arb(1), arb(0), arb(0)]
-    return Motion({name: Traced(mode, 4) for name, mode in modes.items()}, start, Entry("run"), bits)
+    return Motion(
+        {name: Traced(mode, 4) for name, mode in modes.items()}, start, Entry("run"), bits
+    )
 
 
 def test_a_zero_at_the_end_of_a_piece_is_an_event() -> None:
@@ -29,9 +36,14 @@ def test_a_zero_at_the_end_of_a_piece_is_an_event() -> None:
 
 
 def test_few_bits_do_not_split_for_ever() -> None:
-    """A set that is through the level in part is undecided, also where the finest split is below the bits."""
+    """A set that is through the level in part is undecided, also where the finest split is below
+    the bits.
+    """
     stop = Guard("stop", lambda y: 1 - y[0], lambda y: Entry("rest"))
-    modes = {"run": Traced(Mode(lambda y: [1, 1], (stop,)), 2), "rest": Traced(Mode(lambda y: [0, 1]), 2)}
+    modes = {
+        "run": Traced(Mode(lambda y: [1, 1], (stop,)), 2),
+        "rest": Traced(Mode(lambda y: [0, 1]), 2),
+    }
     motion = Motion(modes, [arb(0, 0.5), arb(0)], Entry("run"), 48)
     with pytest.raises(SwitchError):
         motion.at(arb(1))

@@ -1,4 +1,6 @@
-"""Motions through events hold what they must (guards.py); then bugs planted there, every one of which some guard must see."""
+"""Motions through events hold what they must (guards.py); then bugs planted there, every one of
+which some guard must see.
+"""
 
 import pytest
 import systems
@@ -42,12 +44,18 @@ def accepted(watched, low, high):
 def first_listed(guards, low, high):
     """The first guard in the list that crosses."""
     found = [(watched.name, CROSSING(watched, low, high)) for watched in guards[:1]]
-    return next((one for one in found if one[1] is not None), None) or EARLIEST(guards[1:], low, high)
+    return next((one for one in found if one[1] is not None), None) or EARLIEST(
+        guards[1:], low, high
+    )
 
 
 def by_midpoints(guards, low, high):
     """Overlapping crossings in the order of their midpoints."""
-    found = [(watched.name, when) for watched in guards if (when := accepted(watched, low, high)) is not None]
+    found = [
+        (watched.name, when)
+        for watched in guards
+        if (when := accepted(watched, low, high)) is not None
+    ]
     return min(found, key=lambda one: float(one[1].mid()), default=None)
 
 
@@ -73,7 +81,9 @@ def thin_watched(self, piece, name, touching=0, *, whole=True):
 def middle_watched(self, piece, name, touching=0, *, whole=True):
     """Each interval of times by its middle."""
     found = WATCHED(self, piece, name, touching, whole=whole)
-    return crossing.Watched(name, [lambda since, rate=rate: rate(since.mid()) for rate in found.rates], touching)
+    return crossing.Watched(
+        name, [lambda since, rate=rate: rate(since.mid()) for rate in found.rates], touching
+    )
 
 
 def without_touching(self, piece, name, touching=0, *, whole=True):
@@ -106,43 +116,110 @@ def last_turn(self, level, clock):
     return found if found is None else found - 2 * arb.pi() / arb_of(self.eta)
 
 
-SECTION, STATES, WATCHED, FOUND, NEXT = Phase.section, Phase.crossing, Phase.watched, Phase.found, stick_slip.StickSlip.next_time
+SECTION, STATES, WATCHED, FOUND, NEXT = (
+    Phase.section,
+    Phase.crossing,
+    Phase.watched,
+    Phase.found,
+    stick_slip.StickSlip.next_time,
+)
 FIRST = CROSSING = crossing.first_crossing
-EARLIEST, MOVED, ROWS, ONLY = crossing.earliest, phase.moved, system.derivative_rows, crossing.only_zero
+EARLIEST, MOVED, ROWS, ONLY = (
+    crossing.earliest,
+    phase.moved,
+    system.derivative_rows,
+    crossing.only_zero,
+)
 LEAVES = stick_slip.StickSlip.leaves
 
 # a bug: where, what stands there instead
 BUGS = {
-    "jump matrix forgotten": (Phase, "section", lambda self, guard, states, rate: identity(len(states))),
-    "jump matrix with the wrong sign": (Phase, "section", lambda self, g, y, rate: SECTION(self, g, y, -rate)),
-    "jump matrix at a point of the set": (Phase, "section", lambda self, g, y, rate: SECTION(self, g, [x.mid() for x in y], rate.mid())),
+    "jump matrix forgotten": (
+        Phase,
+        "section",
+        lambda self, guard, states, rate: identity(len(states)),
+    ),
+    "jump matrix with the wrong sign": (
+        Phase,
+        "section",
+        lambda self, g, y, rate: SECTION(self, g, y, -rate),
+    ),
+    "jump matrix at a point of the set": (
+        Phase,
+        "section",
+        lambda self, g, y, rate: SECTION(self, g, [x.mid() for x in y], rate.mid()),
+    ),
     "event at a point of time": (Phase, "crossing", point_crossing),
-    "reset not in the jacobian": (phase, "derivative_rows", lambda f, n: ROWS(lambda y: list(y), n)),
+    "reset not in the jacobian": (
+        phase,
+        "derivative_rows",
+        lambda f, n: ROWS(lambda y: list(y), n),
+    ),
     "set not moved through the event (stale step)": (phase, "moved", stale),
-    "local error of the event forgotten": (phase, "moved", lambda s, v, local: MOVED(s, v, [arb(0)] * len(local))),
-    "set moved by the midpoint of the jump": (phase, "moved", lambda s, v, local: MOVED(s, v.mid(), local)),
-    "centre crosses where the set does": (Phase, "centre_time", lambda self, piece, guard, since: since.mid()),
+    "local error of the event forgotten": (
+        phase,
+        "moved",
+        lambda s, v, local: MOVED(s, v, [arb(0)] * len(local)),
+    ),
+    "set moved by the midpoint of the jump": (
+        phase,
+        "moved",
+        lambda s, v, local: MOVED(s, v.mid(), local),
+    ),
+    "centre crosses where the set does": (
+        Phase,
+        "centre_time",
+        lambda self, piece, guard, since: since.mid(),
+    ),
     "grazing accepted": (crossing, "first_crossing", accepted),
     "signs at the ends only": (crossing, "first_crossing", positive_middle),
     "the guard listed first ends the mode": (phase, "earliest", first_listed),
     "two at once in the order of midpoints": (phase, "earliest", by_midpoints),
-    "a second guard is not looked for": (phase, "earliest", lambda guards, low, high: EARLIEST(guards[:1], low, high)),
+    "a second guard is not looked for": (
+        phase,
+        "earliest",
+        lambda guards, low, high: EARLIEST(guards[:1], low, high),
+    ),
     "newton with the rate at a point": (phase, "only_zero", newton_at_a_point),
     "newton for the set with the rate at a point": (crossing, "only_zero", newton_at_a_point),
-    "newton stops after one turn at its middle": (crossing, "only_zero", lambda w, low, high: ONLY(w, low, high).mid()),
+    "newton stops after one turn at its middle": (
+        crossing,
+        "only_zero",
+        lambda w, low, high: ONLY(w, low, high).mid(),
+    ),
     "guard of the centre for the set": (Phase, "watched", thin_watched),
     "guard at the middle of an interval": (Phase, "watched", middle_watched),
     "zero at the entry forgotten": (Phase, "watched", without_touching),
     "zero at the entry not looked at": (crossing, "touches", lambda watched, begin: True),
     "every other window is skipped": (Phase, "found", every_other_window),
-    "sign of the midpoint": (systems, "sign", lambda value, what: int(value.mid() > 0) - int(value.mid() < 0)),
+    "sign of the midpoint": (
+        systems,
+        "sign",
+        lambda value, what: int(value.mid() > 0) - int(value.mid() < 0),
+    ),
     "release on the principal branch only": (stick_slip.StickSlip, "next_time", principal),
     "release before the landing": (stick_slip.StickSlip, "next_time", last_turn),
     "never released": (stick_slip.StickSlip, "leaves", lambda self, y: None),
-    "released on one side only": (stick_slip.StickSlip, "leaves", lambda self, y: _one_sided(self, y)),
-    "clocks of a set taken as equal": (Phase, "hull_at_entry", lambda self: [*HULL(self)[:-1], HULL(self)[-1].mid()]),
-    "state at the entry without its radius": (Phase, "hull_at_entry", lambda self: [value.mid() for value in HULL(self)]),
-    "changes at a time since the event": (motions, "at_fixed_time", lambda phase, state: identity(len(state))),
+    "released on one side only": (
+        stick_slip.StickSlip,
+        "leaves",
+        lambda self, y: _one_sided(self, y),
+    ),
+    "clocks of a set taken as equal": (
+        Phase,
+        "hull_at_entry",
+        lambda self: [*HULL(self)[:-1], HULL(self)[-1].mid()],
+    ),
+    "state at the entry without its radius": (
+        Phase,
+        "hull_at_entry",
+        lambda self: [value.mid() for value in HULL(self)],
+    ),
+    "changes at a time since the event": (
+        motions,
+        "at_fixed_time",
+        lambda phase, state: identity(len(state)),
+    ),
 }
 HULL = Phase.hull_at_entry
 
@@ -157,5 +234,7 @@ def test_a_planted_bug_is_caught(bug, monkeypatch):
     """By a wrong bound, or because a motion that is certified is so no more."""
     place, name, wrong = BUGS[bug]
     monkeypatch.setattr(place, name, wrong)
-    with pytest.raises((AssertionError, UndecidedError, NotCertifiedError, ValueError, pytest.fail.Exception)):
+    with pytest.raises(
+        (AssertionError, UndecidedError, NotCertifiedError, ValueError, pytest.fail.Exception)
+    ):
         every_guard()

@@ -1,9 +1,11 @@
-"""Values at parameters that no certified set has, by mpmath (1.4) at 60 digits, from the definitions of the cases alone.
+"""Values at parameters that no certified set has, by mpmath (1.4) at 60 digits, from the
+definitions of the cases alone.
 
     python tests/truth/held_out/by_mpmath.py > tests/truth/held_out/values.txt
 
-Motions by mpmath's Taylor integrator, elliptic and beta functions by quadrature or its own, statics by integrals and matrices. Nothing
-of refdem is imported: each equation is written here once more. A line: case, parameters, time, quantity, 48 digits.
+Motions by mpmath's Taylor integrator, elliptic and beta functions by quadrature or its own, statics
+by integrals and matrices. Nothing of refdem is imported: each equation is written here once more. A
+line: case, parameters, time, quantity, 48 digits.
 """
 
 import json
@@ -22,16 +24,42 @@ def points():
     n = sqrt(gm / a**3)
     big = findroot(lambda x: x - e * sin(x) - n * t, n * t)
     speed = n / (1 - e * cos(big))
-    case("two-body-orbit", {"gm": "2", "semi_major": "3/2", "eccentricity": "1/3"}, "11/4", x=a * (cos(big) - e),
-         y=a * sqrt(1 - e * e) * sin(big), vx=-a * speed * sin(big), vy=a * sqrt(1 - e * e) * speed * cos(big))  # fmt: skip
+    case(
+        "two-body-orbit",
+        {"gm": "2", "semi_major": "3/2", "eccentricity": "1/3"},
+        "11/4",
+        x=a * (cos(big) - e),
+        y=a * sqrt(1 - e * e) * sin(big),
+        vx=-a * speed * sin(big),
+        vy=a * sqrt(1 - e * e) * speed * cos(big),
+    )
     angle = (f("5") - 2 * f("3/2") / 2) * 2 / f("3/2")
-    case("captured-mass", {"speed": "2", "radius": "3/2"}, "5", x=f("3/2") * sin(angle), y=-f("3/2") * cos(angle), vx=2 * cos(angle),
-         vy=2 * sin(angle))  # fmt: skip
+    case(
+        "captured-mass",
+        {"speed": "2", "radius": "3/2"},
+        "5",
+        x=f("3/2") * sin(angle),
+        y=-f("3/2") * cos(angle),
+        vx=2 * cos(angle),
+        vy=2 * sin(angle),
+    )
     pull = f("9.8125") * (f("3/5") - f("4/5") / 3)
-    case("block-on-slope", {"friction": "1/3", "mass": "2"}, "3/2", s=pull * f("9/8"), v=pull * f("3/2"))
+    case(
+        "block-on-slope",
+        {"friction": "1/3", "mass": "2"},
+        "3/2",
+        s=pull * f("9/8"),
+        v=pull * f("3/2"),
+    )
     # x1 = -1 is reached at 1/8, then x'' = 3 (x + 1)
     w = sqrt(mpf(3))
-    case("asymmetric-field", {"k1": "3", "v0": "2"}, "1/4", x=-1 + 2 / w * mp.sinh(w / 8), v=2 * cosh(w / 8))
+    case(
+        "asymmetric-field",
+        {"k1": "3", "v0": "2"},
+        "1/4",
+        x=-1 + 2 / w * mp.sinh(w / 8),
+        v=2 * cosh(w / 8),
+    )
     x = f("2/7")
     for _ in range(9):
         x = f("7/2") * x * (1 - x)
@@ -39,7 +67,9 @@ def points():
 
 
 def billiards():
-    """Nine bounces in the stadium: straight walls y = +-1 for |x| <= 1, half circles about (+-1, 0) of radius 1 (size 4, 2)."""
+    """Nine bounces in the stadium: straight walls y = +-1 for |x| <= 1, half circles about (+-1, 0)
+    of radius 1 (size 4, 2).
+    """
     x, y = f("1/3"), f("1/7")
     dx, dy = f("5/13"), f("12/13")
     for _ in range(5):
@@ -56,34 +86,80 @@ def billiards():
         s, nx, ny = min((way for way in ways if way[0] > mpf(10) ** -30), key=lambda way: way[0])
         x, y, along = x + s * dx, y + s * dy, dx * nx + dy * ny
         dx, dy = dx - 2 * along * nx, dy - 2 * along * ny
-    case("billiards", {"start": "1/3,1/7", "direction": "5,12"}, "5", position_o_x=x, position_o_y=y, direction_o_x=dx, direction_o_y=dy)
+    case(
+        "billiards",
+        {"start": "1/3,1/7", "direction": "5,12"},
+        "5",
+        position_o_x=x,
+        position_o_y=y,
+        direction_o_x=dx,
+        direction_o_y=dy,
+    )
 
 
 def collisions():
     """With contact laws."""
     m, k, v = f("3/4"), mpf(700), f("3/2")
     deep = (f("5/4") * m * v * v / k) ** f("2/5")
-    case("hertz-spheres", {"effective_mass": "3/4", "stiffness": "700", "closing_speed": "3/2"}, None, max_overlap=deep,
-         duration=f("4/5") * beta(f("2/5"), f("1/2")) * deep / v, max_force=k * deep ** f("3/2"))  # fmt: skip
-    case("hertz-spheres", {"effective_mass": "3/4", "stiffness": "700", "closing_speed": "3/2"}, "1/64",
-         overlap=findroot(lambda d: deep / v * quad(lambda u: 2 * u / sqrt(1 - u**5), [0, sqrt(d / deep)]) - f("1/64"), f("0.02"))
-         )  # fmt: skip
+    case(
+        "hertz-spheres",
+        {"effective_mass": "3/4", "stiffness": "700", "closing_speed": "3/2"},
+        None,
+        max_overlap=deep,
+        duration=f("4/5") * beta(f("2/5"), f("1/2")) * deep / v,
+        max_force=k * deep ** f("3/2"),
+    )
+    case(
+        "hertz-spheres",
+        {"effective_mass": "3/4", "stiffness": "700", "closing_speed": "3/2"},
+        "1/64",
+        overlap=findroot(
+            lambda d: (
+                deep / v * quad(lambda u: 2 * u / sqrt(1 - u**5), [0, sqrt(d / deep)]) - f("1/64")
+            ),
+            f("0.02"),
+        ),
+    )
     m, k1, k2, v = mpf(2), mpf(3), mpf(7), f("5/4")
     deep = (f("3/2") * m * v * v / k2) ** f("1/3")
-    case("wedge-collision", {"mass": "2", "k1": "3", "k2": "7", "closing_speed": "5/4"}, None, max_overlap=deep,
-         duration=beta(f("1/3"), f("1/2")) / 3 * deep / v + pi / 2 * sqrt(m / k1),
-         energy_change=k1 * deep**2 / 2 - m * v * v / 2)  # fmt: skip
+    case(
+        "wedge-collision",
+        {"mass": "2", "k1": "3", "k2": "7", "closing_speed": "5/4"},
+        None,
+        max_overlap=deep,
+        duration=beta(f("1/3"), f("1/2")) / 3 * deep / v + pi / 2 * sqrt(m / k1),
+        energy_change=k1 * deep**2 / 2 - m * v * v / 2,
+    )
     meff, k, c = f("3/4"), mpf(200), mpf(2)
     b, w = c / (2 * meff), sqrt(k / meff - (c / (2 * meff)) ** 2)
     t = f("1/8")
     d, rate = exp(-b * t) * sin(w * t) / w, exp(-b * t) * (cos(w * t) - b / w * sin(w * t))
-    case("two-spheres", {"masses": "1,3", "stiffness": "200", "damping": "2"}, "1/8", r1_o_x=-f("3/4") * (1 - d), v1_o_x=f("3/4") * rate,
-         r2_o_x=(1 - d) / 4, v2_o_x=-rate / 4)  # fmt: skip
-    case("two-spheres", {"masses": "1,3", "stiffness": "200", "damping": "2"}, None, duration=pi / w, restitution=exp(-b * pi / w))
+    case(
+        "two-spheres",
+        {"masses": "1,3", "stiffness": "200", "damping": "2"},
+        "1/8",
+        r1_o_x=-f("3/4") * (1 - d),
+        v1_o_x=f("3/4") * rate,
+        r2_o_x=(1 - d) / 4,
+        v2_o_x=-rate / 4,
+    )
+    case(
+        "two-spheres",
+        {"masses": "1,3", "stiffness": "200", "damping": "2"},
+        None,
+        duration=pi / w,
+        restitution=exp(-b * pi / w),
+    )
     g, friction, u = f("9.80665"), f("1/4"), f("3/4")
     stop = f("2/7") * u / (friction * g)
-    case("impact-benchmarks", {"member": "dem-04", "friction": "1/4", "speed": "3/4"}, "1/5", v_o_x=f("5/7") * u,
-         r_o_x=u * stop - friction * g * stop**2 / 2 + f("5/7") * u * (f("1/5") - stop), omega_o_z=-f("5/7") * u / f("0.05"))  # fmt: skip
+    case(
+        "impact-benchmarks",
+        {"member": "dem-04", "friction": "1/4", "speed": "3/4"},
+        "1/5",
+        v_o_x=f("5/7") * u,
+        r_o_x=u * stop - friction * g * stop**2 / 2 + f("5/7") * u * (f("1/5") - stop),
+        omega_o_z=-f("5/7") * u / f("0.05"),
+    )
 
 
 def statics():
@@ -91,13 +167,27 @@ def statics():
     e, n, s, t0 = f("3/4"), f("1/25"), f("3/2"), f("5/4")
     phi = pi * n * s**3 / 6
     rate = 4 * sqrt(pi) * n * s * s * sqrt(t0) * (1 - phi / 2) / (1 - phi) ** 3
-    case("granular-gas", {"restitution": "3/4", "density": "1/25", "diameter": "3/2", "t0": "5/4"}, None, collision_frequency=rate,
-         haff_time=6 / ((1 - e * e) * rate))  # fmt: skip
-    case("degrees-of-freedom", {"points": POINTS}, None,
-         **{f"{d}d__{k}": mpf(d * k - mp_rank(k, d)) for d in (2, 3) for k in range(1, 6)})  # fmt: skip
+    case(
+        "granular-gas",
+        {"restitution": "3/4", "density": "1/25", "diameter": "3/2", "t0": "5/4"},
+        None,
+        collision_frequency=rate,
+        haff_time=6 / ((1 - e * e) * rate),
+    )
+    case(
+        "degrees-of-freedom",
+        {"points": POINTS},
+        None,
+        **{f"{d}d__{k}": mpf(d * k - mp_rank(k, d)) for d in (2, 3) for k in range(1, 6)},
+    )
     p, q = (mpf(2), mpf(-1), f("1/3"), mpf(1)), (mpf(1), mpf(3), f("-1/2"), f("1/4"))
     product = of(p) * of(q)
-    case("quaternions", {"p": "2,-1,1/3,1", "q": "1,3,-1/2,1/4"}, None, **{f"p__q_o_{i}": product[i, 0] for i in range(4)})
+    case(
+        "quaternions",
+        {"p": "2,-1,1/3,1", "q": "1,3,-1/2,1/4"},
+        None,
+        **{f"p__q_o_{i}": product[i, 0] for i in range(4)},
+    )
 
 
 def solids():
@@ -107,13 +197,24 @@ def solids():
     mean = lambda x: slice_(x) * (b * b * (1 - (x / a) ** 2)) / 4  # noqa: E731
     squares = quad(lambda x: x * x * slice_(x), [-a, a]), quad(mean, [-a, a])
     corner = quad(lambda x: x * (1 - x / a) ** 2, [0, a]) * b * c / 2
-    case("moments-of-inertia", {"a": "3/2", "b": "2/3", "c": "2", "attitude": "1,0,0,0"}, None,
-         ellipsoid_o_mass=quad(slice_, [-a, a]) / 2, ellipsoid_o_inertia_o_zz=(squares[0] + squares[1]) / 2,
-         tetrahedron_o_mass=a * b * c / 12, tetrahedron_o_centre_o_x=corner / (a * b * c / 6))  # fmt: skip
+    case(
+        "moments-of-inertia",
+        {"a": "3/2", "b": "2/3", "c": "2", "attitude": "1,0,0,0"},
+        None,
+        ellipsoid_o_mass=quad(slice_, [-a, a]) / 2,
+        ellipsoid_o_inertia_o_zz=(squares[0] + squares[1]) / 2,
+        tetrahedron_o_mass=a * b * c / 12,
+        tetrahedron_o_centre_o_x=corner / (a * b * c / 6),
+    )
     phi, theta, psi = f("1/3"), f("5/4"), f("-2/3")
     whole = turned(2, phi) * turned(0, theta) * turned(2, psi)
-    case("rotations", {"euler": "1/3,5/4,-2/3", "angle": "2/5"}, None, **{f"euler__matrix_o_{i}": whole[i // 3, i % 3] for i in range(9)},
-         plane__turn_o_0=f("3/5") * cos(f("2/5")) + f("4/5") * sin(f("2/5")))  # fmt: skip
+    case(
+        "rotations",
+        {"euler": "1/3,5/4,-2/3", "angle": "2/5"},
+        None,
+        **{f"euler__matrix_o_{i}": whole[i // 3, i % 3] for i in range(9)},
+        plane__turn_o_0=f("3/5") * cos(f("2/5")) + f("4/5") * sin(f("2/5")),
+    )
 
 
 def turned(axis, angle):
@@ -139,12 +240,32 @@ def mp_rank(count, dimensions):
         for j in range(i):
             row = [mpf(0)] * (dimensions * count)
             for k in range(dimensions):
-                row[dimensions * i + k], row[dimensions * j + k] = places[i][k] - places[j][k], places[j][k] - places[i][k]
+                row[dimensions * i + k], row[dimensions * j + k] = (
+                    places[i][k] - places[j][k],
+                    places[j][k] - places[i][k],
+                )
             rows.append(row)
-    return sum(int(value > mpf(10) ** -40) for value in mp.svd_r(matrix(rows), compute_uv=False)) if rows else 0
+    return (
+        sum(int(value > mpf(10) ** -40) for value in mp.svd_r(matrix(rows), compute_uv=False))
+        if rows
+        else 0
+    )
 
 
 if __name__ == "__main__":
-    for family in (oscillators, undamped, pendulums, bodies, torqued, cluster, points, billiards, collisions, impacts, statics, solids):
+    for family in (
+        oscillators,
+        undamped,
+        pendulums,
+        bodies,
+        torqued,
+        cluster,
+        points,
+        billiards,
+        collisions,
+        impacts,
+        statics,
+        solids,
+    ):
         family()
     print(*sorted(map(json.dumps, FOUND)), sep="\n")

@@ -1,8 +1,11 @@
-"""Oblique impacts of a sphere on a wall under the linear law, for by_mpmath.py: phase after phase, switches by bisection and secant.
+"""Oblique impacts of a sphere on a wall under the linear law, for by_mpmath.py: phase after phase,
+switches by bisection and secant.
 
-Overlap d and its rate u swing freely. Friction T acts on the sphere along y at the lever l = R - beta d, m v' = T, J w' = l T: a spring,
-T = -kt s with s' = v + l w, until that would be more than friction times the normal force F; then T has that size, and s its length, until
-kt s' is less than what the limit gains. Nothing holds while F pulls. Lever R: every phase in closed form; else mpmath's Taylor integrator.
+Overlap d and its rate u swing freely. Friction T acts on the sphere along y at the lever l = R -
+beta d, m v' = T, J w' = l T: a spring, T = -kt s with s' = v + l w, until that would be more than
+friction times the normal force F; then T has that size, and s its length, until kt s' is less than
+what the limit gains. Nothing holds while F pulls. Lever R: every phase in closed form; else
+mpmath's Taylor integrator.
 """
 
 from mpmath import acos, cos, exp, findroot, log, mp, mpf, pi, sign, sin, sqrt
@@ -17,8 +20,16 @@ SETS = (
     ("dem-05", "R", {"angle": "1.4801", "stiffness": "3.3e6", "tangential_stiffness": "2.9e6"}),
     ("co-4", "R", {"angle": "0.3173", "restitution": "0.83", "stiffness": "1.1e7"}),
     ("co-4", "R-d", {"angle": "0.0879", "restitution": "0.9", "tangential_stiffness": "8.7e6"}),
-    ("co-4", "R", {"angle": "0.5273", "restitution": "0.7", "cutoff": "zero_overlap", "stiffness": "8.8e6"}),
-    ("co-4", "R-d", {"angle": "0.2317", "restitution": "0.75", "cutoff": "zero_overlap", "stiffness": "1.5e7"}),
+    (
+        "co-4",
+        "R",
+        {"angle": "0.5273", "restitution": "0.7", "cutoff": "zero_overlap", "stiffness": "8.8e6"},
+    ),
+    (
+        "co-4",
+        "R-d",
+        {"angle": "0.2317", "restitution": "0.75", "cutoff": "zero_overlap", "stiffness": "1.5e7"},
+    ),
 )
 OWN = {
     "radius": "0.0025",
@@ -34,15 +45,27 @@ STEPS = 640
 
 
 class Impact:
-    """In units of m, k and the normal velocity: times of sqrt(m/k), lengths of v sqrt(m/k); spins as the velocity R w."""
+    """In units of m, k and the normal velocity: times of sqrt(m/k), lengths of v sqrt(m/k); spins
+    as the velocity R w.
+    """
 
     def __init__(self, member, branch, given):
         told = {**OWN, "restitution": RESTITUTION[member], **given}
         self.beta = {"R": mpf(0), "R-d": mpf(1), "R-d/2": mpf(1) / 2}[branch]
-        self.radius, self.stiffness, self.friction = f(told["radius"]), f(told["stiffness"]), f(told["friction"])
+        self.radius, self.stiffness, self.friction = (
+            f(told["radius"]),
+            f(told["stiffness"]),
+            f(told["friction"]),
+        )
         mass = 4 * pi / 3 * self.radius**3 * 4000
-        self.time, self.kt = sqrt(mass / self.stiffness), f(told["tangential_stiffness"]) / self.stiffness
-        self.speed, across = f(told["speed"]) * cos(f(told["angle"])), f(told["speed"]) * sin(f(told["angle"]))
+        self.time, self.kt = (
+            sqrt(mass / self.stiffness),
+            f(told["tangential_stiffness"]) / self.stiffness,
+        )
+        self.speed, across = (
+            f(told["speed"]) * cos(f(told["angle"])),
+            f(told["speed"]) * sin(f(told["angle"])),
+        )
         self.length, self.pulls = self.speed * self.time, told["cutoff"] == "zero_overlap"
         self.across, loss = across / self.speed, -log(f(told["restitution"]))
         self.b = loss / sqrt(pi**2 + loss**2) if self.pulls else mpf(0)
@@ -69,7 +92,9 @@ class Impact:
         return y[1] + (1 - self.beta * self.overlap(t) * self.length / self.radius) * y[2]
 
     def motion(self, side, begun, y):
-        """(y, v, R w, s) at t from those at `begun`; side 0: stick, else slip to that side, as long as the phase lasts."""
+        """(y, v, R w, s) at t from those at `begun`; side 0: stick, else slip to that side, as long
+        as the phase lasts.
+        """
         return self.closed(side, begun, y) if not self.beta else self.integrated(side, begun, y)
 
     def closed(self, side, begun, y):
@@ -79,13 +104,27 @@ class Impact:
             past = t - begun
             if side:
                 given = side * self.friction * (self.rate(t) - self.rate(begun))
-                gone = side * self.friction * (self.overlap(t) - self.overlap(begun) - self.rate(begun) * past)
-                return place + v * past + gone, v + given, spin + given * 5 / 2, side * self.friction * self.force(t) / self.kt
+                gone = (
+                    side
+                    * self.friction
+                    * (self.overlap(t) - self.overlap(begun) - self.rate(begun) * past)
+                )
+                return (
+                    place + v * past + gone,
+                    v + given,
+                    spin + given * 5 / 2,
+                    side * self.friction * self.force(t) / self.kt,
+                )
             n, slip = sqrt(self.kt * 7 / 2), v + spin
             turned, swung = sin(n * past), 1 - cos(n * past)
             given = -self.kt * (stretch * turned / n + slip * swung / n**2)
             gone = -self.kt * (stretch * swung / n**2 + slip * (n * past - turned) / n**3)
-            return place + v * past + gone, v + given, spin + given * 5 / 2, stretch * (1 - swung) + slip * turned / n
+            return (
+                place + v * past + gone,
+                v + given,
+                spin + given * 5 / 2,
+                stretch * (1 - swung) + slip * turned / n,
+            )
 
         return at
 
@@ -102,7 +141,12 @@ class Impact:
 
         def at(t):
             place, v, spin, stretch = solution(t)[2:]
-            return place, v, spin, side * self.friction * self.force(t) / self.kt if side else stretch
+            return (
+                place,
+                v,
+                spin,
+                side * self.friction * self.force(t) / self.kt if side else stretch,
+            )
 
         return at
 
@@ -113,7 +157,9 @@ class Impact:
     def left(self, side, at):
         """What falls through zero where a phase ends, as a function of t."""
         if side:
-            return lambda t: side * self.kt * self.slip(t, at(t)) - self.friction * self.steepening(t)
+            return lambda t: (
+                side * self.kt * self.slip(t, at(t)) - self.friction * self.steepening(t)
+            )
         return lambda t: self.friction * self.force(t) - abs(self.kt * at(t)[3])
 
     def followed(self):
@@ -129,7 +175,10 @@ class Impact:
             if fallen is None:
                 return [*found, (self.lets_go, None, self.free(*at(self.lets_go)))]
             switch = findroot(
-                guard, ((fallen - 1) * step if fallen > ticks else begun, fallen * step), solver="anderson", tol=mpf(10) ** -110
+                guard,
+                ((fallen - 1) * step if fallen > ticks else begun, fallen * step),
+                solver="anderson",
+                tol=mpf(10) ** -110,
             )
             y = at(switch)
             side, begun = 0 if side else int(sign(y[3])), switch
@@ -142,17 +191,29 @@ class Impact:
         inside = min(t, ends)
         u = self.rate(inside)
         deep = self.overlap(inside) + u * (t - inside)
-        told = {"r_o_x": deep * self.length - self.radius, "r_o_y": y[0] * self.length, "v_o_x": u * self.speed}
+        told = {
+            "r_o_x": deep * self.length - self.radius,
+            "r_o_y": y[0] * self.length,
+            "v_o_x": u * self.speed,
+        }
         return told | {"v_o_y": y[1] * self.speed, "omega_o_z": y[2] * self.speed / self.radius}
 
 
 def impacts():
-    """MFiX DEM05 and Chung and Ooi's test 4 at angles and stiffnesses of no set: in the contact, and long after it."""
+    """MFiX DEM05 and Chung and Ooi's test 4 at angles and stiffnesses of no set: in the contact,
+    and long after it.
+    """
     for member, branch, given in SETS:
         impact = Impact(member, branch, given)
         told = {"member": member, "branch": branch, **given}
         for t in ("0.000007", "0.00006"):
             case("impact-benchmarks", told, t, **impact.state(f(t)))
         after = impact.state(f("0.00006"))
-        case("impact-benchmarks", told, None, rebound_across=after["v_o_y"], rebound_spin=after["omega_o_z"],
-             duration=(impact.ends if impact.pulls else impact.lets_go) * impact.time)  # fmt: skip
+        case(
+            "impact-benchmarks",
+            told,
+            None,
+            rebound_across=after["v_o_y"],
+            rebound_spin=after["omega_o_z"],
+            duration=(impact.ends if impact.pulls else impact.lets_go) * impact.time,
+        )

@@ -1,4 +1,6 @@
-"""Motions for by_mpmath.py: oscillators, pendulums, rigid bodies, each by its equation of motion."""
+"""Motions for by_mpmath.py: oscillators, pendulums, rigid bodies, each by its equation of
+motion.
+"""
 
 from mpmath import acos, atan2, beta, cos, ellipfun, ellipk, exp, matrix, mp, mpf, pi, sin, sqrt
 from mpmath_tools import case, f, ode, second, swung, waves
@@ -7,20 +9,61 @@ from mpmath_tools import case, f, ode, second, swung, waves
 def oscillators():
     """On a line."""
     w, t = sqrt(f("3") / 2), f("7/3")
-    case("harmonic-oscillator", {"mass": "2", "stiffness": "3", "x0": "-1/3", "v0": "5/7"}, "7/3",
-         x=-cos(w * t) / 3 + f("5/7") / w * sin(w * t), v=w * sin(w * t) / 3 + f("5/7") * cos(w * t))  # fmt: skip
+    case(
+        "harmonic-oscillator",
+        {"mass": "2", "stiffness": "3", "x0": "-1/3", "v0": "5/7"},
+        "7/3",
+        x=-cos(w * t) / 3 + f("5/7") / w * sin(w * t),
+        v=w * sin(w * t) / 3 + f("5/7") * cos(w * t),
+    )
     d, r = f("1/5"), sqrt(f("7/2") - f("1/25"))
     b = (f("1/3") + d * f("2/7")) / r
-    case("viscous-oscillator", {"stiffness": "7/2", "delta": "1/5", "x0": "2/7", "v0": "1/3"}, "13/8",
-         x=exp(-d * f("13/8")) * (f("2/7") * cos(r * f("13/8")) + b * sin(r * f("13/8"))))  # fmt: skip
-    case("driven-oscillator", {"stiffness": "2", "delta": "3/10", "f0": "5/4", "drive": "7/9"}, "3/2",
-         **second(lambda x, v, c: f("5/4") * c - f("3/5") * v - 2 * x, 1, 0, f("3/2"), f("7/9")))  # fmt: skip
-    case("driven-duffing", {"delta": "1/7", "f0": "6/5", "drive": "9/7"}, "5/4",
-         **second(lambda x, v, c: f("6/5") * c - f("2/7") * v - x - f("2/5") * x**3, 1, 0, f("5/4"), f("9/7")))  # fmt: skip
-    case("quadratic-response", {"eps": "1/6", "delta": "1/9", "f0": "1/4,1/7"}, "5/4",
-         **second(lambda x, v, c, d: c / 4 + d / 7 - f("2/9") * v - x - x * x / 6, 1, 0, f("5/4"), f("3/10"), f("1/2")))  # fmt: skip
+    case(
+        "viscous-oscillator",
+        {"stiffness": "7/2", "delta": "1/5", "x0": "2/7", "v0": "1/3"},
+        "13/8",
+        x=exp(-d * f("13/8")) * (f("2/7") * cos(r * f("13/8")) + b * sin(r * f("13/8"))),
+    )
+    case(
+        "driven-oscillator",
+        {"stiffness": "2", "delta": "3/10", "f0": "5/4", "drive": "7/9"},
+        "3/2",
+        **second(lambda x, v, c: f("5/4") * c - f("3/5") * v - 2 * x, 1, 0, f("3/2"), f("7/9")),
+    )
+    case(
+        "driven-duffing",
+        {"delta": "1/7", "f0": "6/5", "drive": "9/7"},
+        "5/4",
+        **second(
+            lambda x, v, c: f("6/5") * c - f("2/7") * v - x - f("2/5") * x**3,
+            1,
+            0,
+            f("5/4"),
+            f("9/7"),
+        ),
+    )
+    case(
+        "quadratic-response",
+        {"eps": "1/6", "delta": "1/9", "f0": "1/4,1/7"},
+        "5/4",
+        **second(
+            lambda x, v, c, d: c / 4 + d / 7 - f("2/9") * v - x - x * x / 6,
+            1,
+            0,
+            f("5/4"),
+            f("3/10"),
+            f("1/2"),
+        ),
+    )
     start, turn = waves(f("23/20"))
-    rates = lambda s, y: [y[1], f("3/7") * (1 - y[0] * y[0]) * y[1] - y[0] + y[3] / 9, *turn(y[2:])]  # noqa: E731
+
+    def rates(s, y):
+        return [
+            y[1],
+            f("3/7") * (1 - y[0] * y[0]) * y[1] - y[0] + y[3] / 9,
+            *turn(y[2:]),
+        ]
+
     found = ode(rates, (f("5/4"), 0, *start), f("5/4"))
     case("van-der-pol", {"mu": "3/7", "p": "1/9", "x0": "5/4"}, "5/4", x=found[0], v=found[1])
 
@@ -28,18 +71,46 @@ def oscillators():
 def undamped():
     """Of one degree of freedom, with elliptic and beta functions, and dry friction."""
     n, m, k, a = f("5/2"), mpf(2), mpf(3), f("4/3")
-    case("power-oscillator", {"exponent": "5/2", "mass": "2", "stiffness": "3", "amplitude": "4/3"}, None,
-         period=4 * sqrt(m / (2 * k * (n + 1))) * a ** ((1 - n) / 2) * beta(1 / (n + 1), mpf(1) / 2))  # fmt: skip
+    case(
+        "power-oscillator",
+        {"exponent": "5/2", "mass": "2", "stiffness": "3", "amplitude": "4/3"},
+        None,
+        period=4 * sqrt(m / (2 * k * (n + 1))) * a ** ((1 - n) / 2) * beta(1 / (n + 1), mpf(1) / 2),
+    )
     alpha, b3, a = mpf(2), f("3/5"), f("5/4")
     w, q = sqrt(alpha + b3 * a * a), b3 * a * a / (2 * (alpha + b3 * a * a))
-    case("duffing", {"alpha": "2", "beta": "3/5", "amplitude": "5/4"}, "9/4", x=a * ellipfun("cn", w * f("9/4"), m=q),
-         v=-a * w * ellipfun("sn", w * f("9/4"), m=q) * ellipfun("dn", w * f("9/4"), m=q))  # fmt: skip
-    case("duffing", {"alpha": "2", "beta": "3/5", "amplitude": "5/4"}, None, period=4 * ellipk(q) / w)
+    case(
+        "duffing",
+        {"alpha": "2", "beta": "3/5", "amplitude": "5/4"},
+        "9/4",
+        x=a * ellipfun("cn", w * f("9/4"), m=q),
+        v=-a * w * ellipfun("sn", w * f("9/4"), m=q) * ellipfun("dn", w * f("9/4"), m=q),
+    )
+    case(
+        "duffing", {"alpha": "2", "beta": "3/5", "amplitude": "5/4"}, None, period=4 * ellipk(q) / w
+    )
     h = f("0.22")  # half cycles about -+h from 1, to -0.56 and 0.12
-    case("coulomb-oscillator", {"friction_force": "0.22"}, "5", x=-h - (f("0.56") - h) * cos(5 - pi), v=(f("0.56") - h) * sin(5 - pi))
-    case("coulomb-oscillator", {"friction_force": "0.22"}, None, stop_time=2 * pi, stop_position=f("0.12"))
+    case(
+        "coulomb-oscillator",
+        {"friction_force": "0.22"},
+        "5",
+        x=-h - (f("0.56") - h) * cos(5 - pi),
+        v=(f("0.56") - h) * sin(5 - pi),
+    )
+    case(
+        "coulomb-oscillator",
+        {"friction_force": "0.22"},
+        None,
+        stop_time=2 * pi,
+        stop_position=f("0.12"),
+    )
     slip = lambda x, v, c: f("7/10") * c - x - 10 * mu(mpf(1)) + 10 * mu(1 - v)  # noqa: E731
-    case("stick-slip", {"gamma": "7/10", "eta": "5/4", "x0": "2", "v0": "-1"}, "1/4", **second(slip, 2, -1, f("1/4"), f("5/4")))
+    case(
+        "stick-slip",
+        {"gamma": "7/10", "eta": "5/4", "x0": "2", "v0": "-1"},
+        "1/4",
+        **second(slip, 2, -1, f("1/4"), f("5/4")),
+    )
 
 
 def mu(u):
@@ -51,39 +122,141 @@ def pendulums():
     """On rods and strings."""
     g, length, t = f("49/5"), f("5/4"), f("3/4")
     theta, rate = swung(-g / length, f("7/4"), f("1/3"), t)
-    case("pendulum", {"gravity": "49/5", "length": "5/4", "theta0": "7/4", "thetadot0": "1/3"}, "3/4", theta=theta, thetadot=rate,
-         x=length * sin(theta), y=-length * cos(theta), rod_force=length * rate**2 + g * cos(theta))  # fmt: skip
-    case("pendulum", {"theta0": "7/4"}, None, period=4 * ellipk(sin(f("7/8")) ** 2) / sqrt(f("9.8125")))
+    case(
+        "pendulum",
+        {"gravity": "49/5", "length": "5/4", "theta0": "7/4", "thetadot0": "1/3"},
+        "3/4",
+        theta=theta,
+        thetadot=rate,
+        x=length * sin(theta),
+        y=-length * cos(theta),
+        rod_force=length * rate**2 + g * cos(theta),
+    )
+    case(
+        "pendulum",
+        {"theta0": "7/4"},
+        None,
+        period=4 * ellipk(sin(f("7/8")) ** 2) / sqrt(f("9.8125")),
+    )
     theta, rate = swung(mpf(5), f("1/50"), mpf(0), f("4/5"))
-    case("pendulum-equilibria", {"gravity": "5", "delta": "1/50"}, "4/5", x=sin(theta), y=cos(theta), vx=rate * cos(theta))
-    found = ode(double, (f("3/4"), f("-1/2"), f("1/3"), 1, cos(f("3/4")), sin(f("3/4")), cos(f("1/2")), -sin(f("1/2"))), f("1/4"))
-    case("double-pendulum", {"masses": "1,3", "lengths": "1,1/2", "gravity": "5", "theta0": "3/4,-1/2", "thetadot0": "1/3,1"}, "1/4",
-         **dict(zip(("theta1", "theta2", "thetadot1", "thetadot2"), found[:4], strict=True)))  # fmt: skip
+    case(
+        "pendulum-equilibria",
+        {"gravity": "5", "delta": "1/50"},
+        "4/5",
+        x=sin(theta),
+        y=cos(theta),
+        vx=rate * cos(theta),
+    )
+    found = ode(
+        double,
+        (
+            f("3/4"),
+            f("-1/2"),
+            f("1/3"),
+            1,
+            cos(f("3/4")),
+            sin(f("3/4")),
+            cos(f("1/2")),
+            -sin(f("1/2")),
+        ),
+        f("1/4"),
+    )
+    case(
+        "double-pendulum",
+        {
+            "masses": "1,3",
+            "lengths": "1,1/2",
+            "gravity": "5",
+            "theta0": "3/4,-1/2",
+            "thetadot0": "1/3,1",
+        },
+        "1/4",
+        **dict(zip(("theta1", "theta2", "thetadot1", "thetadot2"), found[:4], strict=True)),
+    )
     start, turn = waves(mpf(8))
-    rates = lambda s, y: [y[1], (2 - f("64/5") * y[4]) / f("3/2") * y[3], -y[3] * y[1], y[2] * y[1], *turn(y[4:])]  # noqa: E731
+
+    def rates(s, y):
+        return [
+            y[1],
+            (2 - f("64/5") * y[4]) / f("3/2") * y[3],
+            -y[3] * y[1],
+            y[2] * y[1],
+            *turn(y[4:]),
+        ]
+
     found = ode(rates, (f("1/3"), f("1/5"), cos(f("1/3")), sin(f("1/3")), *start), f("1/4"))
-    case("kapitza-pendulum", {"length": "3/2", "gravity": "2", "drive_amplitude": "1/5", "drive": "8", "theta0": "1/3", "thetadot0": "1/5"},
-         "1/4", theta=found[0], thetadot=found[1])  # fmt: skip
+    case(
+        "kapitza-pendulum",
+        {
+            "length": "3/2",
+            "gravity": "2",
+            "drive_amplitude": "1/5",
+            "drive": "8",
+            "theta0": "1/3",
+            "thetadot0": "1/5",
+        },
+        "1/4",
+        theta=found[0],
+        thetadot=found[1],
+    )
     r, th, u, w = ode(wheel, (f("4/3"), 1, 0, 0, cos(mpf(1)), sin(mpf(1))), f("1/4"))[:4]
-    case("pendulum-wheel-mass", {"counter_mass": "2", "wheel_radius": "1/5", "wheel_inertia": "1/100", "gravity": "6", "r0": "4/3",
-         "theta0": "1"}, "1/4", r=r, theta=th, rdot=u + w / 5, thetadot=w)  # fmt: skip
-    case("phase-flow", {"flow": "pendulum", "centre": "1,1/2", "gravity": "3/2"}, None, area_0=outline() / 4096)
+    case(
+        "pendulum-wheel-mass",
+        {
+            "counter_mass": "2",
+            "wheel_radius": "1/5",
+            "wheel_inertia": "1/100",
+            "gravity": "6",
+            "r0": "4/3",
+            "theta0": "1",
+        },
+        "1/4",
+        r=r,
+        theta=th,
+        rdot=u + w / 5,
+        thetadot=w,
+    )
+    case(
+        "phase-flow",
+        {"flow": "pendulum", "centre": "1,1/2", "gravity": "3/2"},
+        None,
+        area_0=outline() / 4096,
+    )
     theta, rate = swung(-f("3/2"), f("19/16"), f("13/32"), f("1/2"))  # corner (12, -6)/64
-    case("phase-flow", {"flow": "pendulum", "centre": "1,1/2", "gravity": "3/2"}, "1/2", x_0=theta, v_0=rate)
+    case(
+        "phase-flow",
+        {"flow": "pendulum", "centre": "1,1/2", "gravity": "3/2"},
+        "1/2",
+        x_0=theta,
+        v_0=rate,
+    )
 
 
 def double(s, y):
-    """Lagrange's equations for m1 = 1, m2 = 3, l1 = 1, l2 = 1/2, g = 5; cosines and sines of both angles are unknowns."""
+    """Lagrange's equations for m1 = 1, m2 = 3, l1 = 1, l2 = 1/2, g = 5; cosines and sines of both
+    angles are unknowns.
+    """
     _, _, p, q, c1, s1, c2, s2 = y
     c, d = c1 * c2 + s1 * s2, s1 * c2 - c1 * s2
     a11, a12, a22 = mpf(4), f("3/2") * c, f("3/4")
     b1, b2 = -f("3/2") * d * q * q - 20 * s1, f("3/2") * d * p * p - f("15/2") * s2
     whole = a11 * a22 - a12 * a12
-    return [p, q, (b1 * a22 - b2 * a12) / whole, (a11 * b2 - a12 * b1) / whole, -s1 * p, c1 * p, -s2 * q, c2 * q]
+    return [
+        p,
+        q,
+        (b1 * a22 - b2 * a12) / whole,
+        (a11 * b2 - a12 * b1) / whole,
+        -s1 * p,
+        c1 * p,
+        -s2 * q,
+        c2 * q,
+    ]
 
 
 def wheel(s, y):
-    """r, theta, u = r' - R theta', theta' and the cosine and sine for R = 1/5, J = 1/100, m = 1, M = 2, g = 6."""
+    """r, theta, u = r' - R theta', theta' and the cosine and sine for R = 1/5, J = 1/100, m = 1, M
+    = 2, g = 6.
+    """
     r, _, u, w, c, sine = y
     du = (r * w * w - 12 + 6 * c) / (3 + f("1/4"))
     return [u + w / 5, w, du, (-2 * u * w - w * w / 5 - 6 * sine) / r, -sine * w, c * w]
@@ -93,7 +266,10 @@ def outline():
     """Area of the cat's head in squares of a sixteenth of its size, by its corners."""
     right = [(0, -13), (7, -11), (12, -6), (14, 0), (13, 6), (12, 16), (5, 10)]
     head = right + [(-x, y) for x, y in right[:0:-1]]
-    return mpf(sum(a * d - b * c for (a, b), (c, d) in zip(head, head[1:] + head[:1], strict=True))) / 2
+    return (
+        mpf(sum(a * d - b * c for (a, b), (c, d) in zip(head, head[1:] + head[:1], strict=True)))
+        / 2
+    )
 
 
 def turning(j, omega, q, t, torque=lambda q, w: (0, 0, 0)):
@@ -101,7 +277,10 @@ def turning(j, omega, q, t, torque=lambda q, w: (0, 0, 0)):
 
     def rates(s, y):
         w, m = y[:3], torque(y[3:], y[:3])
-        spun = [((j[(i + 1) % 3] - j[(i + 2) % 3]) * w[(i + 1) % 3] * w[(i + 2) % 3] + m[i]) / j[i] for i in range(3)]
+        spun = [
+            ((j[(i + 1) % 3] - j[(i + 2) % 3]) * w[(i + 1) % 3] * w[(i + 2) % 3] + m[i]) / j[i]
+            for i in range(3)
+        ]
         a, x, y_, z = y[3:]
         turn = [
             -x * w[0] - y_ * w[1] - z * w[2],
@@ -123,17 +302,48 @@ def up(q):
 def bodies():
     """Rigid ones."""
     for name, given, j, w, t in (
-        ("free-rigid-body", {"inertia": "2,3,4", "omega_body": "1/2,1,-3/4"}, (2, 3, 4), (f("1/2"), 1, f("-3/4")), "3/4"),
-        ("intermediate-axis", {"offset": "1/20", "inertia": "1,3/2,2"}, (1, f("3/2"), 2), (f("1/20"), 1, 0), "3/4"),
-        ("neglected-gyroscopic", {"inertia": "1,2,5/2", "omega_body": "3,-2,1"}, (1, 2, f("5/2")), (3, -2, 1), "3/8"),
+        (
+            "free-rigid-body",
+            {"inertia": "2,3,4", "omega_body": "1/2,1,-3/4"},
+            (2, 3, 4),
+            (f("1/2"), 1, f("-3/4")),
+            "3/4",
+        ),
+        (
+            "intermediate-axis",
+            {"offset": "1/20", "inertia": "1,3/2,2"},
+            (1, f("3/2"), 2),
+            (f("1/20"), 1, 0),
+            "3/4",
+        ),
+        (
+            "neglected-gyroscopic",
+            {"inertia": "1,2,5/2", "omega_body": "3,-2,1"},
+            (1, 2, f("5/2")),
+            (3, -2, 1),
+            "3/8",
+        ),
     ):
         found = turning([mpf(x) for x in j], w, (1, 0, 0, 0), f(t))
         sense = 1 if found[3] >= 0 else -1
-        case(name, given, t, **{f"omega_body_o_{axis}": x for axis, x in zip("xyz", found[:3], strict=True)},
-             **{f"attitude_o_{axis}": sense * x for axis, x in zip("wxyz", found[3:], strict=True)})  # fmt: skip
+        case(
+            name,
+            given,
+            t,
+            **{f"omega_body_o_{axis}": x for axis, x in zip("xyz", found[:3], strict=True)},
+            **{f"attitude_o_{axis}": sense * x for axis, x in zip("wxyz", found[3:], strict=True)},
+        )
     turn = f("3/2") * f("5/4") / 2
-    case("newtons-first-law", {"velocity": "3,1/7,-2", "spin": "3/2"}, "5/4", x=f("15/4"), y=f("5/28"), z=f("-5/2"),
-         attitude_o_w=cos(turn), attitude_o_z=sin(turn))  # fmt: skip
+    case(
+        "newtons-first-law",
+        {"velocity": "3,1/7,-2", "spin": "3/2"},
+        "5/4",
+        x=f("15/4"),
+        y=f("5/28"),
+        z=f("-5/2"),
+        attitude_o_w=cos(turn),
+        attitude_o_z=sin(turn),
+    )
 
 
 def torqued():
@@ -147,19 +357,38 @@ def torqued():
         return [a / b for a, b in zip(loss, j, strict=True)]
 
     found = ode(rubs, (1, f("1/2"), f("1/3")), f("3/4"))
-    case("dissipating-body", {"inertia": "1,2,5/2", "omega_body": "1,1/2,1/3", "damping": "1/5"}, "3/4",
-         **{f"omega_body_o_{axis}": x for axis, x in zip("xyz", found, strict=True)})  # fmt: skip
+    case(
+        "dissipating-body",
+        {"inertia": "1,2,5/2", "omega_body": "1,1/2,1/3", "damping": "1/5"},
+        "3/4",
+        **{f"omega_body_o_{axis}": x for axis, x in zip("xyz", found, strict=True)},
+    )
     th, j1, j3, weight = f("3/4"), f("2/3"), f("1/4"), f("9.8125") / 2
-    found = turning((j1, j1, j3), (0, sin(th) / 2, 8), (cos(th / 2), sin(th / 2), 0, 0), f("1/4"),
-                    lambda q, w: (weight * up(q)[1], -weight * up(q)[0], 0))  # fmt: skip
+    found = turning(
+        (j1, j1, j3),
+        (0, sin(th) / 2, 8),
+        (cos(th / 2), sin(th / 2), 0, 0),
+        f("1/4"),
+        lambda q, w: (weight * up(q)[1], -weight * up(q)[0], 0),
+    )
     a, x, y, z = found[3:]
-    case("heavy-top", {"inertia": "2/3,1/4", "theta0": "3/4", "phidot0": "1/2", "spin": "8"}, "1/4", theta=acos(up(found[3:])[2]),
-         phi=atan2(2 * (x * z + a * y), -2 * (y * z - a * x)), psi=atan2(up(found[3:])[0], up(found[3:])[1]))  # fmt: skip
+    case(
+        "heavy-top",
+        {"inertia": "2/3,1/4", "theta0": "3/4", "phidot0": "1/2", "spin": "8"},
+        "1/4",
+        theta=acos(up(found[3:])[2]),
+        phi=atan2(2 * (x * z + a * y), -2 * (y * z - a * x)),
+        psi=atan2(up(found[3:])[0], up(found[3:])[1]),
+    )
 
 
 def cluster():
     """Four points as a body whose axes are not principal: the rows of its attitude, and L kept."""
-    masses, places, omega = (2, 1, 2, 1), [(1, 0, 0), (0, 1, 0), (0, 0, 1), (-1, f("-1/2"), 0)], matrix([1, f("1/3"), f("-1/2")])
+    masses, places, omega = (
+        (2, 1, 2, 1),
+        [(1, 0, 0), (0, 1, 0), (0, 0, 1), (-1, f("-1/2"), 0)],
+        matrix([1, f("1/3"), f("-1/2")]),
+    )
     centre = [mpf(sum(m * r[i] for m, r in zip(masses, places, strict=True))) / 6 for i in range(3)]
     arms = [matrix([r[i] - centre[i] for i in range(3)]) for r in places]
     inertia = matrix(3, 3)
@@ -177,5 +406,13 @@ def cluster():
 
     y = ode(whirl, (1, 0, 0, 0, 1, 0, 0, 0, 1), f("1/2"))
     ends = [matrix([y[3 * i : 3 * i + 3] for i in range(3)]) * arm + matrix(centre) for arm in arms]
-    case("rigid-cluster", {"masses": "2,1,2,1", "omega": "1,1/3,-1/2"}, "1/2",
-         **{f"r{n + 1}_o_{axis}": end[i] for n, end in enumerate(ends) for i, axis in enumerate("xyz")})  # fmt: skip
+    case(
+        "rigid-cluster",
+        {"masses": "2,1,2,1", "omega": "1,1/3,-1/2"},
+        "1/2",
+        **{
+            f"r{n + 1}_o_{axis}": end[i]
+            for n, end in enumerate(ends)
+            for i, axis in enumerate("xyz")
+        },
+    )

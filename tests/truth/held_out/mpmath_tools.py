@@ -18,20 +18,34 @@ def ode(rates, start, t):
 
 
 def waves(*rates):
-    """cos and sin of w t as unknowns: their starts, and their rates by their values (mpmath's Taylor series like polynomials)."""
-    return [1, 0] * len(rates), lambda y: [x for n, w in enumerate(rates) for x in (-w * y[2 * n + 1], w * y[2 * n])]
+    """cos and sin of w t as unknowns: their starts, and their rates by their values (mpmath's
+    Taylor series like polynomials).
+    """
+    return [1, 0] * len(rates), lambda y: [
+        x for n, w in enumerate(rates) for x in (-w * y[2 * n + 1], w * y[2 * n])
+    ]
 
 
 def case(name, given, t, **found):
     """Says values of a case."""
     for quantity, value in found.items():
-        FOUND.append((name, given, t, quantity.replace("__", "-").replace("_o_", "."), nstr(mp.re(value), 48)))
+        FOUND.append(
+            (
+                name,
+                given,
+                t,
+                quantity.replace("__", "-").replace("_o_", "."),
+                nstr(mp.re(value), 48),
+            )
+        )
 
 
 def second(accelerate, x, v, t, *drives):
     """x and v of x'' = accelerate(x, v, cosines of the drives)."""
     start, turn = waves(*drives)
-    found = ode(lambda s, y: [y[1], accelerate(y[0], y[1], *y[2::2]), *turn(y[2:])], (x, v, *start), t)
+    found = ode(
+        lambda s, y: [y[1], accelerate(y[0], y[1], *y[2::2]), *turn(y[2:])], (x, v, *start), t
+    )
     return {"x": found[0], "v": found[1]}
 
 

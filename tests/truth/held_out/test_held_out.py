@@ -1,4 +1,6 @@
-"""Truth at parameters that no certified set has, to 40 digits, against values.txt, which by_mpmath.py has made: no code is shared."""
+"""Truth at parameters that no certified set has, to 40 digits, against values.txt, which
+by_mpmath.py has made: no code is shared.
+"""
 
 import json
 from collections import defaultdict
@@ -12,7 +14,9 @@ from refdem.core.selection import Selection
 from refdem.truth import load
 
 PRINTED = Fraction(1, 10**44)
-"""Of its size (at least 1): mpmath's 60 digits leave 48 to be printed; four of them are left to its rounding."""
+"""Of its size (at least 1): mpmath's 60 digits leave 48 to be printed; four of them are left to its
+rounding.
+"""
 
 
 def questions():
@@ -47,12 +51,17 @@ def test_held_out_parameters_meet_mpmath_in_forty_digits(name, given):
 
 
 def test_every_case_with_truth_is_asked():
-    cases = {name for name in discovery.names("cases") if not isinstance(discovery.case(name), Selection)}
+    cases = {
+        name for name in discovery.names("cases") if not isinstance(discovery.case(name), Selection)
+    }
     assert cases == {name for name, _ in QUESTIONS}
 
 
 def test_a_value_that_is_off_in_its_fortieth_digit_is_a_miss():
     (name, given), asked = next(iter(QUESTIONS.items()))
-    wrong = {t: {quantity: value + Fraction(1, 10**40) for quantity, value in values.items()} for t, values in asked.items()}
+    wrong = {
+        t: {quantity: value + Fraction(1, 10**40) for quantity, value in values.items()}
+        for t, values in asked.items()
+    }
     truth = discovery.case(name).at(**json.loads(given)).truth().refined(44)
     assert len(misses(truth, wrong)) == sum(map(len, asked.values()))

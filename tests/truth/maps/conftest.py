@@ -1,4 +1,7 @@
-"""Independent ways to iterates: exact rationals, doubled angles, and chords in decimal arithmetic. Fixtures give them by name."""
+"""Independent ways to iterates: exact rationals, doubled angles, and chords in decimal arithmetic.
+
+Fixtures give them by name.
+"""
 
 from decimal import Decimal, localcontext
 from fractions import Fraction
@@ -15,11 +18,14 @@ def rational_orbit(eta, x0, n):
 
 
 def rectangle_path(size, start, direction, n):
-    """Place and reflected direction after n bounces, exactly, bounce by bounce in the table itself (no unfolding)."""
+    """Place and reflected direction after n bounces, exactly, bounce by bounce in the table itself
+    (no unfolding).
+    """
     place, speed = [Fraction(x) for x in start], [Fraction(u) for u in direction]
     for _ in range(n):
         ways = [
-            ((Fraction(s) / 2 if u > 0 else -Fraction(s) / 2) - x) / u if u else None for x, u, s in zip(place, speed, size, strict=True)
+            ((Fraction(s) / 2 if u > 0 else -Fraction(s) / 2) - x) / u if u else None
+            for x, u, s in zip(place, speed, size, strict=True)
         ]
         axis = min((i for i in (0, 1) if ways[i] is not None), key=lambda i: ways[i])
         place = [x + ways[axis] * u for x, u in zip(place, speed, strict=True)]
@@ -28,7 +34,8 @@ def rectangle_path(size, start, direction, n):
 
 
 def stadium_path(size, start, direction, n, digits=200):
-    """Place and direction after n bounces: all four pieces are tried, the nearest hit that lies on its piece counts.
+    """Place and direction after n bounces: all four pieces are tried, the nearest hit that lies on
+    its piece counts.
 
     The reflection is that of complex numbers, u -> -nu^2 conj(u) for a unit normal nu.
     """
@@ -49,7 +56,11 @@ def stadium_path(size, start, direction, n, digits=200):
 
 
 def _walls(x, y, u, v, r, a):
-    return [(t, Decimal(0), Decimal(s)) for s in (1, -1) if v and abs(x + (t := (s * r - y) / v) * u) <= a]
+    return [
+        (t, Decimal(0), Decimal(s))
+        for s in (1, -1)
+        if v and abs(x + (t := (s * r - y) / v) * u) <= a
+    ]
 
 
 def _circles(x, y, u, v, r, a):

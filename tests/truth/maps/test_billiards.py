@@ -1,4 +1,6 @@
-"""Billiards: the same paths by other ways, S by displaced starts, and the ends at corners and tangents."""
+"""Billiards: the same paths by other ways, S by displaced starts, and the ends at corners and
+tangents.
+"""
 
 from fractions import Fraction
 
@@ -45,17 +47,31 @@ def test_the_stadium_agrees_with_chords_in_decimal_arithmetic(paths, table, n):
 
 def test_sixty_four_bounces_keep_forty_digits():
     seen = truth_of("billiards", n="64").at(Fraction(64))
-    assert all(abs(seen[name].mid - Fraction(text)) < Fraction(1, 10**38) for name, text in zip(NAMES, FAR, strict=True))
+    assert all(
+        abs(seen[name].mid - Fraction(text)) < Fraction(1, 10**38)
+        for name, text in zip(NAMES, FAR, strict=True)
+    )
 
 
-@pytest.mark.parametrize("table", [*TABLES[:2], (("7", "3"), ("1", "-1/3"), ("-2/7", "5/11")), (("2", "1"), ("0", "0"), ("1", "0"))])
+@pytest.mark.parametrize(
+    "table",
+    [
+        *TABLES[:2],
+        (("7", "3"), ("1", "-1/3"), ("-2/7", "5/11")),
+        (("2", "1"), ("0", "0"), ("1", "0")),
+    ],
+)
 @pytest.mark.parametrize("n", [0, 1, 2, 3, 50, 1001])
 def test_the_unfolded_rectangle_is_the_path_bounce_by_bounce(paths, table, n):
     place, speed = paths["rectangle"](*table, n)
     length = sum(u * u for u in speed)
     seen = of(Rectangle, table).at(Fraction(n))
     for i, axis in enumerate("xy"):
-        assert abs(seen[f"position.{axis}"].mid - place[i]) <= seen[f"position.{axis}"].radius <= Fraction(1, 10**39)
+        assert (
+            abs(seen[f"position.{axis}"].mid - place[i])
+            <= seen[f"position.{axis}"].radius
+            <= Fraction(1, 10**39)
+        )
         direction = seen[f"direction.{axis}"]
         assert abs(direction.mid**2 - speed[i] ** 2 / length) < Fraction(1, 10**38)
         assert direction.mid * speed[i] >= 0
@@ -64,7 +80,9 @@ def test_the_unfolded_rectangle_is_the_path_bounce_by_bounce(paths, table, n):
 def test_a_million_bounces_are_as_quick_as_one(paths):
     table = TABLES[0]
     seen = of(Rectangle, table).at(Fraction(10**6))
-    again, _ = paths["rectangle"](*table, 10**6 % 600 + 600)  # the path closes: 4 : 3 in a table of 4 by 2 has period 10 crossings
+    again, _ = paths["rectangle"](
+        *table, 10**6 % 600 + 600
+    )  # the path closes: 4 : 3 in a table of 4 by 2 has period 10 crossings
     assert [float(seen[f"position.{a}"].mid) for a in "xy"] == [float(x) for x in again]
 
 
@@ -74,24 +92,48 @@ def displaced(kind, table, axis, amount):
         start[axis] += amount * SCALE[NAMES[axis]]
         return kind(tuple(size), tuple(start), tuple(direction), SCALE)
     length = Fraction(float(np.hypot(*map(float, direction))))
-    unit = [u / length for u in direction]  # of length 1 to binary64: what the difference is blind to
+    unit = [
+        u / length for u in direction
+    ]  # of length 1 to binary64: what the difference is blind to
     unit[axis - 2] += amount
     return kind(tuple(size), tuple(start), tuple(unit), SCALE)
 
 
-@pytest.mark.parametrize(("kind", "n"), [(Stadium, 1), (Stadium, 4), (Stadium, 9), (Rectangle, 1), (Rectangle, 7)])
+@pytest.mark.parametrize(
+    ("kind", "n"), [(Stadium, 1), (Stadium, 4), (Stadium, 9), (Rectangle, 1), (Rectangle, 7)]
+)
 def test_the_jacobian_is_that_of_displaced_starts(kind, n):
     table, step = TABLES[0], Fraction(1, 2**60)
     with precision(256):
-        found = np.array([[float(x) for x in row] for row in of(kind, table).jacobian(Fraction(n)).table()])
+        found = np.array(
+            [[float(x) for x in row] for row in of(kind, table).jacobian(Fraction(n)).table()]
+        )
     for axis in range(2):
         plus, minus = (displaced(kind, table, axis, s * step).at(Fraction(n)) for s in (1, -1))
-        column = [float((plus[name].mid - minus[name].mid) / (2 * step)) / SCALE[name] for name in NAMES]
+        column = [
+            float((plus[name].mid - minus[name].mid) / (2 * step)) / SCALE[name] for name in NAMES
+        ]
         assert np.allclose(found[:, axis], column, rtol=1e-9, atol=1e-9 * np.abs(found).max())
-    across = np.array([-0.6, 0.8])  # a turn of the direction; along it the start is normalised again
-    plus, minus = (of(kind, (table[0], table[1], (Fraction(4, 5) - s * Fraction(3, 5) * step, Fraction(3, 5) + s * Fraction(4, 5) * step)))
-                   .at(Fraction(n)) for s in (1, -1))  # fmt: skip
-    column = [float((plus[name].mid - minus[name].mid) / (2 * step)) / SCALE[name] for name in NAMES]
+    across = np.array(
+        [-0.6, 0.8]
+    )  # a turn of the direction; along it the start is normalised again
+    plus, minus = (
+        of(
+            kind,
+            (
+                table[0],
+                table[1],
+                (
+                    Fraction(4, 5) - s * Fraction(3, 5) * step,
+                    Fraction(3, 5) + s * Fraction(4, 5) * step,
+                ),
+            ),
+        ).at(Fraction(n))
+        for s in (1, -1)
+    )
+    column = [
+        float((plus[name].mid - minus[name].mid) / (2 * step)) / SCALE[name] for name in NAMES
+    ]
     assert np.allclose(found[:, 2:] @ across, column, rtol=1e-9, atol=1e-9 * np.abs(found).max())
 
 
@@ -118,14 +160,17 @@ def test_a_corner_of_the_rectangle_is_decided_exactly(paths, table, last):
         truth.at(Fraction(last + 1))
     assert (ended.value.code, ended.value.time) == ("corner", last)
     place, _ = paths["rectangle"](*table, last)
-    assert [ended.value.state[f"position.{a}"].mid for a in "xy"] == pytest.approx([float(x) for x in place], abs=1e-15)
+    assert [ended.value.state[f"position.{a}"].mid for a in "xy"] == pytest.approx(
+        [float(x) for x in place], abs=1e-15
+    )
     truth.at(Fraction(last))
     corner, _ = paths["rectangle"](*table, last + 1)
     assert [abs(x) for x in corner] == [Fraction(s) / 2 for s in table[0]]
 
 
 @pytest.mark.parametrize(
-    ("start", "direction", "last"), [(("0", "0"), ("1", "1"), 0), (("1/2", "0"), ("1/2", "-1"), 0), (("0", "0"), ("1/3", "1"), 1)]
+    ("start", "direction", "last"),
+    [(("0", "0"), ("1", "1"), 0), (("1/2", "0"), ("1/2", "-1"), 0), (("0", "0"), ("1/3", "1"), 1)],
 )
 def test_where_the_wall_of_the_stadium_changes_nothing_is_certified(start, direction, last):
     truth = of(Stadium, (("4", "2"), start, direction))
@@ -147,5 +192,11 @@ def test_chaos_ends_with_the_bits_and_says_so():
 def test_paths_along_an_axis_go_to_and_fro(direction):
     truth = truth_of("billiards", start="1/4,0", direction=direction)
     odd, even = truth.at(Fraction(101)), truth.at(Fraction(102))
-    assert all(abs(odd[f"direction.{a}"].mid + even[f"direction.{a}"].mid) < Fraction(1, 10**30) for a in "xy")
-    assert abs(odd["position.x"].mid) == (Fraction(1, 4) if direction[0] == "0" else 2) or abs(abs(odd["position.x"].mid) - 2) < 1e-30
+    assert all(
+        abs(odd[f"direction.{a}"].mid + even[f"direction.{a}"].mid) < Fraction(1, 10**30)
+        for a in "xy"
+    )
+    assert (
+        abs(odd["position.x"].mid) == (Fraction(1, 4) if direction[0] == "0" else 2)
+        or abs(abs(odd["position.x"].mid) - 2) < 1e-30
+    )

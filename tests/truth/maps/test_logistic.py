@@ -1,4 +1,6 @@
-"""Logistic map and equation: exact iterates, the conjugacy at eta = 4, period doubling, and what is not certified."""
+"""Logistic map and equation: exact iterates, the conjugacy at eta = 4, period doubling, and what is
+not certified.
+"""
 
 from fractions import Fraction
 from itertools import pairwise
@@ -15,15 +17,24 @@ from refdem.truth.witness import Quadratic
 # mpmath with 900 digits, x -> 15/4 x (1 - x) from 1/4, 1000 times
 FAR = Fraction("0.602088330620032084144587959032762099216780088")
 # mpmath findroot of f^4(1/2) = 1/2 and f^8(1/2) = 1/2
-SUPERSTABLE = {2: Fraction("3.49856169932770151999894538194453926788687904"), 3: Fraction("3.55464086276882486536608185194849179182720001")}
+SUPERSTABLE = {
+    2: Fraction("3.49856169932770151999894538194453926788687904"),
+    3: Fraction("3.55464086276882486536608185194849179182720001"),
+}
 
 
 def holds(ball, exact, digits=38):
-    """The exact value lies in the ball (widened by the digits that a literal lacks), and the ball is small."""
-    return abs(ball.mid - exact) <= ball.radius + Fraction(1, 10**43) and ball.radius <= Fraction(1, 10**digits)
+    """The exact value lies in the ball (widened by the digits that a literal lacks), and the ball
+    is small.
+    """
+    return abs(ball.mid - exact) <= ball.radius + Fraction(1, 10**43) and ball.radius <= Fraction(
+        1, 10**digits
+    )
 
 
-@pytest.mark.parametrize(("eta", "x0"), [("15/4", "1/4"), ("4", "1/3"), ("5/2", "7/8"), ("0", "1/2"), ("3.3", "0.3")])
+@pytest.mark.parametrize(
+    ("eta", "x0"), [("15/4", "1/4"), ("4", "1/3"), ("5/2", "7/8"), ("0", "1/2"), ("3.3", "0.3")]
+)
 @pytest.mark.parametrize("n", [0, 1, 2, 9])
 def test_iterates_are_the_exact_rationals(paths, eta, x0, n):
     exact = paths["logistic"](eta, x0, n)
@@ -43,17 +54,21 @@ def test_at_eta_4_angles_double(x0, n):
         start = Fraction(x0)
         angle = arb(fmpq(start.numerator, start.denominator)).sqrt().asin() * arb(2) ** n
         seen = angle.sin() ** 2
-        assert seen.overlaps(arb(fmpq(ball.mid.numerator, ball.mid.denominator), float(ball.radius)))
+        assert seen.overlaps(
+            arb(fmpq(ball.mid.numerator, ball.mid.denominator), float(ball.radius))
+        )
     assert ball.radius <= Fraction(1, 10**40)
 
 
-@pytest.mark.parametrize(("eta", "x0", "n"), [("3/2", "1/10", 7), ("4", "1/100", 2), ("1/4", "7/8", 3)])
+@pytest.mark.parametrize(
+    ("eta", "x0", "n"), [("3/2", "1/10", 7), ("4", "1/100", 2), ("1/4", "7/8", 3)]
+)
 def test_the_equation_is_what_its_taylor_series_gives(eta, x0, n):
     ball = truth_of("logistic", form="ode", eta=eta, x0=x0).at(Fraction(n))["x_n"]
     with precision(256):
         rate, start = (arb(fmpq(f.numerator, f.denominator)) for f in (Fraction(eta), Fraction(x0)))
         field = Quadratic([[(rate, 0, 1), (-rate, 0, 0)], []])  # x' = eta (x 1 - x x)
-        (x, _) = field.flow([start, arb(1)], Fraction(n), order=120)
+        x, _ = field.flow([start, arb(1)], Fraction(n), order=120)
         assert x.overlaps(arb(fmpq(ball.mid.numerator, ball.mid.denominator), 1e-40))
         assert x.rad() < 1e-30
 
@@ -61,7 +76,9 @@ def test_the_equation_is_what_its_taylor_series_gives(eta, x0, n):
 def test_the_equation_is_never_chaotic_and_ends_at_one():
     truth = truth_of("logistic", form="ode", eta="4", x0="1/1000")
     assert abs(float(truth.at(Fraction(60))["x_n"].mid) - 1) < 1e-15
-    assert truth.sensitivity(Fraction(60)) < 300  # (1 - x0)^2/x0 / 4 is the most that an error can grow
+    assert (
+        truth.sensitivity(Fraction(60)) < 300
+    )  # (1 - x0)^2/x0 / 4 is the most that an error can grow
     assert truth_of("logistic", form="ode", x0="0").at(Fraction(9))["x_n"].mid == 0
 
 
@@ -69,7 +86,9 @@ def test_sensitivity_at_eta_4_is_that_of_the_conjugacy():
     truth = truth_of("logistic", eta="4", x0="1/3")
     for n in (1, 10, 40):
         x, start = float(truth.at(Fraction(n))["x_n"].mid), 1 / 3
-        assert truth.sensitivity(Fraction(n)) >= 2**n * (x * (1 - x) / (start * (1 - start))) ** 0.5 * (1 - 1e-9)
+        assert truth.sensitivity(Fraction(n)) >= 2**n * (
+            x * (1 - x) / (start * (1 - start))
+        ) ** 0.5 * (1 - 1e-9)
     assert truth.sensitivity(Fraction(40)) < 2.0**45
 
 

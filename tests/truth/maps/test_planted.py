@@ -1,4 +1,6 @@
-"""Tests of the tests: wrong maps, walls, slopes and searches are planted in the code of truth, and each is caught by a comparison above."""
+"""Tests of the tests: wrong maps, walls, slopes and searches are planted in the code of truth, and
+each is caught by a comparison above.
+"""
 
 from fractions import Fraction
 
@@ -52,16 +54,34 @@ def junction_holds(paths):
 def slopes_hold(paths):
     step = Fraction(1, 2**70)
     for truth, moved in (
-        (LogisticMap(Fraction(15, 4), Fraction(1, 4), ONE), LogisticMap(Fraction(15, 4), Fraction(1, 4) + step, ONE)),
-        (LogisticFlow(Fraction(2), Fraction(1, 8), ONE), LogisticFlow(Fraction(2), Fraction(1, 8) + step, ONE)),
-        (Stadium(SIZE, START, DIRECTION, SCALE), Stadium(SIZE, (START[0] + 4 * step, START[1]), DIRECTION, SCALE)),
-        (Rectangle(SIZE, START, DIRECTION, SCALE), Rectangle(SIZE, (START[0] + 4 * step, START[1]), DIRECTION, SCALE)),
+        (
+            LogisticMap(Fraction(15, 4), Fraction(1, 4), ONE),
+            LogisticMap(Fraction(15, 4), Fraction(1, 4) + step, ONE),
+        ),
+        (
+            LogisticFlow(Fraction(2), Fraction(1, 8), ONE),
+            LogisticFlow(Fraction(2), Fraction(1, 8) + step, ONE),
+        ),
+        (
+            Stadium(SIZE, START, DIRECTION, SCALE),
+            Stadium(SIZE, (START[0] + 4 * step, START[1]), DIRECTION, SCALE),
+        ),
+        (
+            Rectangle(SIZE, START, DIRECTION, SCALE),
+            Rectangle(SIZE, (START[0] + 4 * step, START[1]), DIRECTION, SCALE),
+        ),
     ):
         with precision(256):
             column = [row[0] for row in truth.jacobian(Fraction(3)).table()]
         before, after = truth.at(Fraction(3)), moved.at(Fraction(3))
         for entry, name in zip(column, before, strict=True):
-            assert abs(float(entry) - float((after[name].mid - before[name].mid) / step) / float(truth.scale[name])) < 1e-6
+            assert (
+                abs(
+                    float(entry)
+                    - float((after[name].mid - before[name].mid) / step) / float(truth.scale[name])
+                )
+                < 1e-6
+            )
 
 
 def windows_hold(paths):
@@ -74,17 +94,33 @@ def windows_hold(paths):
         feigenbaum.only_zero(feigenbaum.superstable(1), 4, arb(3), arb(4))
 
 
-HOLDING = (logistic_holds, stadium_holds, rectangle_holds, corner_holds, junction_holds, slopes_hold, windows_hold)
+HOLDING = (
+    logistic_holds,
+    stadium_holds,
+    rectangle_holds,
+    corner_holds,
+    junction_holds,
+    slopes_hold,
+    windows_hold,
+)
 
 
 def half_a_reflection(self, state):
     after = SOUND["stadium.step"](self, state)
-    return Bounce(after.place, [(a + b) / 2 for a, b in zip(after.direction, state.direction, strict=True)], after.piece)
+    return Bounce(
+        after.place,
+        [(a + b) / 2 for a, b in zip(after.direction, state.direction, strict=True)],
+        after.piece,
+    )
 
 
 def wall_everywhere(self, state):
     kind, side = SOUND["stadium.piece"](self, state)
-    return (WALL, 1 if state.direction[1] > 0 else -1) if kind == ARC and abs(state.place[0]) < 1 else (kind, side)
+    return (
+        (WALL, 1 if state.direction[1] > 0 else -1)
+        if kind == ARC and abs(state.place[0]) < 1
+        else (kind, side)
+    )
 
 
 def nearest_piece_of_midpoints(self, state):
@@ -115,32 +151,62 @@ SOUND = {
     "corner": rectangle.corner,
 }
 PLANTED = {
-    "the map loses its half": (LogisticMap, "step", lambda self, y: arb_of(self.eta) * (arb(1) / 4 - y * y)),
-    "the map squares the midpoint": (
-        LogisticMap, "step", lambda self, y: arb_of(self.eta) * (arb(1) / 4 - y.mid() * y.mid()).mid() - arb(1) / 2 + arb(2) ** -90,
+    "the map loses its half": (
+        LogisticMap,
+        "step",
+        lambda self, y: arb_of(self.eta) * (arb(1) / 4 - y * y),
     ),
-    "the slope of the map loses a factor 2": (LogisticMap, "slope", lambda self, y, after: arb_mat(1, 1, [-arb_of(self.eta) * y])),
+    "the map squares the midpoint": (
+        LogisticMap,
+        "step",
+        lambda self, y: (
+            arb_of(self.eta) * (arb(1) / 4 - y.mid() * y.mid()).mid() - arb(1) / 2 + arb(2) ** -90
+        ),
+    ),
+    "the slope of the map loses a factor 2": (
+        LogisticMap,
+        "slope",
+        lambda self, y, after: arb_mat(1, 1, [-arb_of(self.eta) * y]),
+    ),
     "the slope of the equation is that at the end": (
-        LogisticFlow, "slope", lambda self, x, after: arb_mat(1, 1, [1 - arb_of(self.eta) * after]),
+        LogisticFlow,
+        "slope",
+        lambda self, x, after: arb_mat(1, 1, [1 - arb_of(self.eta) * after]),
     ),
     "the reflection is half a reflection": (Stadium, "step", half_a_reflection),
     "straight walls go on past their ends": (Stadium, "piece", wall_everywhere),
-    "the piece of the midpoint is taken for that of the ball": (Stadium, "piece", nearest_piece_of_midpoints),
+    "the piece of the midpoint is taken for that of the ball": (
+        Stadium,
+        "piece",
+        nearest_piece_of_midpoints,
+    ),
     "the first root of the circle is taken": (Stadium, "_chord", first_root),
     "the wall is straight where it is curved": (Stadium, "slope", flat_mirror),
     "a wall that is met is not counted": (
-        Crossings, "count", lambda self, t: 0 if self.every is None or t <= self.first else -int(-(t - self.first) // self.every),
+        Crossings,
+        "count",
+        lambda self, t: (
+            0 if self.every is None or t <= self.first else -int(-(t - self.first) // self.every)
+        ),
     ),
-    "walls are twice as far apart": (rectangle, "crossings", lambda x, u, s: Crossings(SOUND["crossings"](x, u, s).first, 2 * s / abs(u))),
+    "walls are twice as far apart": (
+        rectangle,
+        "crossings",
+        lambda x, u, s: Crossings(SOUND["crossings"](x, u, s).first, 2 * s / abs(u)),
+    ),
     "corners are not looked for": (rectangle, "corner", lambda a, b: None),
     "the second corner is taken for the first": (
-        rectangle, "corner", lambda a, b: None if (t := SOUND["corner"](a, b)) is None else t + 2 * a.every * b.every,
+        rectangle,
+        "corner",
+        lambda a, b: None if (t := SOUND["corner"](a, b)) is None else t + 2 * a.every * b.every,
     ),
     "cycles of half the length pass": (feigenbaum, "has_period", lambda eta, count: True),
     "the derivative by eta forgets the orbit": (
-        feigenbaum, "orbit", lambda eta, count, own=feigenbaum.orbit: (own(eta, count)[0], arb(1) / 4),
+        feigenbaum,
+        "orbit",
+        lambda eta, count, own=feigenbaum.orbit: (own(eta, count)[0], arb(1) / 4),
     ),
-}  # fmt: skip
+}
 
 
 @pytest.mark.parametrize("planted", PLANTED)
@@ -151,7 +217,14 @@ def test_a_planted_bug_is_caught(monkeypatch, paths, planted):
     for holds in HOLDING:
         try:
             holds(paths)
-        except (AssertionError, NotCertifiedError, ArithmeticError, ValueError, RecursionError, pytest.fail.Exception):
+        except (
+            AssertionError,
+            NotCertifiedError,
+            ArithmeticError,
+            ValueError,
+            RecursionError,
+            pytest.fail.Exception,
+        ):
             caught.append(holds.__name__)
     assert caught
 

@@ -80,7 +80,12 @@ def rigid_body(y):
     """Euler's equations for inertia 1, 2, 3 and q' = q omega/2."""
     (a, b, c), (w, x, y_, z) = y[:3], y[3:]
     half = Fraction(1, 2)
-    turning = [-(x * a + y_ * b + z * c), w * a + y_ * c - z * b, w * b + z * a - x * c, w * c + x * b - y_ * a]
+    turning = [
+        -(x * a + y_ * b + z * c),
+        w * a + y_ * c - z * b,
+        w * b + z * a - x * c,
+        w * c + x * b - y_ * a,
+    ]
     return [-b * c, c * a, -a * b / 3, *(half * rate for rate in turning)]
 
 
@@ -91,7 +96,9 @@ def exact(values):
 
 def integration(field, start, *, bits=200, ratio="1/6", order=None, jacobian_order=None):
     """An integration from exact numbers."""
-    return Integration(field, partial(exact, start), bits, Steps(Fraction(ratio), order, jacobian_order))
+    return Integration(
+        field, partial(exact, start), bits, Steps(Fraction(ratio), order, jacobian_order)
+    )
 
 
 def at(field, start, t, **options):

@@ -9,8 +9,12 @@ MODULES = ("field", "recurrences", "enclosure", "moved", "integration")
 
 
 def package(module=None, old="", new=""):
-    """Its modules, made anew from their sources; in one of them `old`, which must be there just once, reads `new`."""
-    names = {part: f"refdem.truth.validated_ivp.{part}" for part in MODULES} | {"field": "refdem.truth.traced_field"}
+    """Its modules, made anew from their sources; in one of them `old`, which must be there just
+    once, reads `new`.
+    """
+    names = {part: f"refdem.truth.validated_ivp.{part}" for part in MODULES} | {
+        "field": "refdem.truth.traced_field"
+    }
     before = {name: sys.modules.pop(name, None) for name in names.values()}
     try:
         for part, name in names.items():

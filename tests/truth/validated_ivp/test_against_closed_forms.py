@@ -3,7 +3,19 @@
 from fractions import Fraction
 
 import pytest
-from fields import at, double_pendulum, duffing, growth, harmonic, integration, kapitza, kepler, pendulum, rigid_body, van_der_pol
+from fields import (
+    at,
+    double_pendulum,
+    duffing,
+    growth,
+    harmonic,
+    integration,
+    kapitza,
+    kepler,
+    pendulum,
+    rigid_body,
+    van_der_pol,
+)
 from flint import arb
 
 from refdem.truth.balls import arb_of, precision
@@ -49,13 +61,22 @@ def test_a_kepler_orbit_satisfies_keplers_equation_and_closes():
         assert y.overlaps(arb_of(Fraction(4, 5)) * anomaly.sin())
         assert y.rad() < 1e-40
         x, y, u, v = run.at(2 * arb.pi())
-        assert [x.overlaps(arb_of(Fraction(2, 5))), y.contains(0), u.contains(0), v.contains(2)] == [True] * 4
+        assert [
+            x.overlaps(arb_of(Fraction(2, 5))),
+            y.contains(0),
+            u.contains(0),
+            v.contains(2),
+        ] == [True] * 4
 
 
 def test_a_free_rigid_body_is_that_of_the_theta_functions():
     start = [Fraction(9, 10), Fraction(11, 10), Fraction(13, 10)]
     inertia, unit = tuple(map(Fraction, (1, 2, 3))), tuple(map(Fraction, (1, 0, 0, 0)))
-    truth = FreeRigidBody(inertia, tuple(start), unit, {**dict.fromkeys(SPINS, 2.0), "attitude.w": 0.5}).refined(60).at(Fraction(2))
+    truth = (
+        FreeRigidBody(inertia, tuple(start), unit, {**dict.fromkeys(SPINS, 2.0), "attitude.w": 0.5})
+        .refined(60)
+        .at(Fraction(2))
+    )
     with precision(256):
         y = at(rigid_body, [*start, 1, 0, 0, 0], 2, bits=220)
         for axis, spin in zip("xyz", y, strict=False):
@@ -84,21 +105,35 @@ def forces(name, y):
     sine, cosine = (a - b).sin(), (a - b).cos()
     force = -v * v * sine - 2 * a.sin(), u * u * sine - b.sin()
     determinant = 2 - cosine * cosine
-    return [u, v, (force[0] - cosine * force[1]) / determinant, (2 * force[1] - cosine * force[0]) / determinant]
+    return [
+        u,
+        v,
+        (force[0] - cosine * force[1]) / determinant,
+        (2 * force[1] - cosine * force[0]) / determinant,
+    ]
 
 
 def extrapolated(name, start, t, columns):
-    """Gragg's midpoint rule with harmonic step numbers, extrapolated in h^2 (Hairer, Norsett, Wanner, section II.9)."""
+    """Gragg's midpoint rule with harmonic step numbers, extrapolated in h^2 (Hairer, Norsett,
+    Wanner, section II.9).
+    """
     table = []
     for k in range(1, columns + 1):
         h = t / (2 * k)
         before, now = start, [a + h * b for a, b in zip(start, forces(name, start), strict=True)]
         for _ in range(2 * k - 1):
-            before, now = now, [a + 2 * h * b for a, b in zip(before, forces(name, now), strict=True)]
-        row = [[(a + b + h * c) / 2 for a, b, c in zip(before, now, forces(name, now), strict=True)]]
+            before, now = (
+                now,
+                [a + 2 * h * b for a, b in zip(before, forces(name, now), strict=True)],
+            )
+        row = [
+            [(a + b + h * c) / 2 for a, b, c in zip(before, now, forces(name, now), strict=True)]
+        ]
         for j in range(1, k):
             ratio = arb(k) ** 2 / arb(k - j) ** 2 - 1
-            row.append([a + (a - b) / ratio for a, b in zip(row[-1], table[-1][j - 1], strict=True)])
+            row.append(
+                [a + (a - b) / ratio for a, b in zip(row[-1], table[-1][j - 1], strict=True)]
+            )
         table.append(row)
     return table[-1][-1]
 

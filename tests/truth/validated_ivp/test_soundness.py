@@ -1,4 +1,6 @@
-"""The guards against the integrator as it is, and against planted bugs: which guard kills which is the table planted_bugs.txt."""
+"""The guards against the integrator as it is, and against planted bugs: which guard kills which is
+the table planted_bugs.txt.
+"""
 
 from pathlib import Path
 
@@ -35,7 +37,9 @@ def test_a_set_that_reaches_a_pole_is_undecided_at_this_precision():
 
 
 def planted_bugs():
-    """name: (module, text, what the bug makes of it, the guard that kills it), from triples of lines in planted_bugs.txt."""
+    """name: (module, text, what the bug makes of it, the guard that kills it), from triples of
+    lines in planted_bugs.txt.
+    """
     lines = (Path(__file__).parent / "planted_bugs.txt").read_text().splitlines()
     found = {}
     for head, old, new in zip(lines[::3], lines[1::3], lines[2::3], strict=True):

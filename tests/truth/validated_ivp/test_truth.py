@@ -1,4 +1,6 @@
-"""A Truth by validated integration: radii as asked for, S from the variational equation against closed forms and displaced starts."""
+"""A Truth by validated integration: radii as asked for, S from the variational equation against
+closed forms and displaced starts.
+"""
 
 from copy import copy
 from fractions import Fraction
@@ -15,7 +17,9 @@ from refdem.truth.validated_flow import ValidatedFlow
 
 
 def flow(rule, start, quantities, scale, digits=40):
-    return ValidatedFlow(rule, start, quantities, scale, state=("x", "v"), moved=(0, 1), digits=digits)
+    return ValidatedFlow(
+        rule, start, quantities, scale, state=("x", "v"), moved=(0, 1), digits=digits
+    )
 
 
 def named(y):
@@ -24,18 +28,29 @@ def named(y):
 
 
 def test_quantities_have_the_radius_asked_for_at_any_time():
-    truth = flow(harmonic, [Fraction(1, 3), Fraction(0)], named, {"x": 1.0, "v": 1.0, "energy": 0.1}, digits=70)
+    truth = flow(
+        harmonic,
+        [Fraction(1, 3), Fraction(0)],
+        named,
+        {"x": 1.0, "v": 1.0, "energy": 0.1},
+        digits=70,
+    )
     found = truth.at(Fraction(7, 3))
     with precision(400):
-        assert abs(arb_of(found["x"].mid) - arb_of(Fraction(7, 3)).cos() / 3) <= arb_of(found["x"].radius)
+        assert abs(arb_of(found["x"].mid) - arb_of(Fraction(7, 3)).cos() / 3) <= arb_of(
+            found["x"].radius
+        )
     assert abs(found["energy"].mid - Fraction(1, 18)) <= found["energy"].radius
     assert all(ball.radius <= Fraction(1, 10**71) for ball in found.values())
 
 
 def test_sensitivity_of_an_oscillator_is_that_of_a_rotation():
-    truth = flow(harmonic, [Fraction(1), Fraction(0)], lambda y: {"x": y[0], "v": y[1]}, {"x": 1.0, "v": 4.0})
+    truth = flow(
+        harmonic, [Fraction(1), Fraction(0)], lambda y: {"x": y[0], "v": y[1]}, {"x": 1.0, "v": 4.0}
+    )
     t = arb(2)
-    # |cos s| + 4 sin s has been largest at s = atan 4 already: errors that are made later have not turned so far.
+    # |cos s| + 4 sin s has been largest at s = atan 4 already: errors that are made later have not
+    # turned so far.
     assert float(t.cos() ** 2) < 1
     assert 17**0.5 <= truth.sensitivity(Fraction(2)) <= 1.2 * 17**0.5
 
@@ -47,7 +62,10 @@ def test_a_pendulum_and_its_growth_are_those_of_the_elliptic_functions():
     times = [Fraction(0), Fraction(5, 4), Fraction(4)]
     ball, other = truth.at(times[-1])["v"], closed.at(times[-1])["thetadot"]
     assert abs(ball.mid - other.mid) <= ball.radius + other.radius
-    displaced = truth.displaced(1, Fraction(1, 10**20)).at(times[-1])["x"].mid - truth.at(times[-1])["x"].mid
+    displaced = (
+        truth.displaced(1, Fraction(1, 10**20)).at(times[-1])["x"].mid
+        - truth.at(times[-1])["x"].mid
+    )
     slope = float(truth.jacobian(times[-1])[0, 1].mid()) * scale["x"] / scale["v"]
     assert float(displaced) * 1e20 == pytest.approx(slope, rel=1e-9)
     assert truth.sensitivities(times)[-1] == truth.sensitivity(times[-1])
@@ -67,7 +85,10 @@ def test_growth_of_errors_made_on_the_way_is_that_of_the_elliptic_functions():
 
 def test_growth_of_a_damped_motion_needs_no_inverse_of_what_has_died_out():
     truth = flow(
-        lambda y: [y[1], -y[0] * 26 - y[1] * 10], [Fraction(1), Fraction(0)], lambda y: {"x": y[0], "v": y[1]}, {"x": 1.0, "v": 5.0}
+        lambda y: [y[1], -y[0] * 26 - y[1] * 10],
+        [Fraction(1), Fraction(0)],
+        lambda y: {"x": y[0], "v": y[1]},
+        {"x": 1.0, "v": 5.0},
     )
     times = [Fraction(k) for k in range(0, 41, 4)]
     # exp(-5 s) (cos s + ...): every error dies out, those of the last moments are the largest
@@ -77,7 +98,13 @@ def test_growth_of_a_damped_motion_needs_no_inverse_of_what_has_died_out():
 
 
 def test_bits_are_those_that_the_digits_need_and_are_kept():
-    truth = flow(lambda y: [y[1], y[0]], [Fraction(1), Fraction(0)], lambda y: {"x": y[0], "v": y[1]}, {"x": 1.0, "v": 1.0}, digits=30)
+    truth = flow(
+        lambda y: [y[1], y[0]],
+        [Fraction(1), Fraction(0)],
+        lambda y: {"x": y[0], "v": y[1]},
+        {"x": 1.0, "v": 1.0},
+        digits=30,
+    )
     assert truth.at(Fraction(1))["x"].radius <= Fraction(1, 10**30)
     assert [key[1] for key in truth.kept if key[0] == "integration"] == [128]
     with precision(400):
@@ -90,8 +117,12 @@ def test_bits_are_those_that_the_digits_need_and_are_kept():
 
 
 def weighed(truth, first, made):
-    """The pieces of all precisions beyond those made for the forecast, those of more bits at their weight."""
-    found = {key[1]: len(flow.pieces) for key, flow in truth.kept.items() if key[0] == "integration"}
+    """The pieces of all precisions beyond those made for the forecast, those of more bits at their
+    weight.
+    """
+    found = {
+        key[1]: len(flow.pieces) for key, flow in truth.kept.items() if key[0] == "integration"
+    }
     return sum(count * (bits / first) ** EXPONENT for bits, count in found.items()) - made
 
 
@@ -121,7 +152,12 @@ def test_a_forecast_is_within_a_factor_of_three_in_pieces(case, given, t, digits
 
 
 def test_a_forecast_of_a_motion_that_was_followed_is_nothing_and_grows_with_the_time():
-    truth = flow(van_der_pol, [Fraction(2), Fraction(0)], lambda y: {"x": y[0], "v": y[1]}, {"x": 1.0, "v": 1.0})
+    truth = flow(
+        van_der_pol,
+        [Fraction(2), Fraction(0)],
+        lambda y: {"x": y[0], "v": y[1]},
+        {"x": 1.0, "v": 1.0},
+    )
     truth.at(Fraction(12))
     assert truth.forecast(Fraction(12), 40) == 0
     near, far = (truth.foreseen(Fraction(t), Course(truth.bits())) for t in (40, 400))
@@ -130,15 +166,27 @@ def test_a_forecast_of_a_motion_that_was_followed_is_nothing_and_grows_with_the_
 
 
 def test_seconds_are_those_of_the_pieces_that_were_made():
-    course = Course(100, [Mark(0.0, 0, 0.0, -90.0), Mark(1.0, 9, 9.0, -90.0), Mark(2.0, 19, 19.0, -90.0), Mark(4.0, 29, 24.0, -90.0)])
+    course = Course(
+        100,
+        [
+            Mark(0.0, 0, 0.0, -90.0),
+            Mark(1.0, 9, 9.0, -90.0),
+            Mark(2.0, 19, 19.0, -90.0),
+            Mark(4.0, 29, 24.0, -90.0),
+        ],
+    )
     assert course.pieces_to(8.0) == pytest.approx(20.0)
     assert course.seconds_for(20.0) == pytest.approx(10.0)
     assert course.work_to(8.0, -80.0, lambda bits, lacking: None) == pytest.approx(20.0)
 
 
 def test_a_motion_that_loses_bits_is_counted_again_with_more():
-    """10 bits a second from 2^-80: at t = 8 the radius is 1, and 100 bits do not come farther than t = 5.6."""
-    course = Course(100, [Mark(0.0, 0, 0.0, -80.0), Mark(1.0, 10, 1.0, -70.0), Mark(2.0, 20, 2.0, -60.0)])
+    """10 bits a second from 2^-80: at t = 8 the radius is 1, and 100 bits do not come farther than
+    t = 5.6.
+    """
+    course = Course(
+        100, [Mark(0.0, 0, 0.0, -80.0), Mark(1.0, 10, 1.0, -70.0), Mark(2.0, 20, 2.0, -60.0)]
+    )
     assert course.radius_at(8.0) == pytest.approx(0.0)
     assert course.time_of(-24.0) == pytest.approx(5.6)
     once = course.work_to(8.0, -60.0, lambda bits, lacking: None)

@@ -1,4 +1,6 @@
-"""The witnesses' Taylor integration: against functions that are known, and far from what it would say with a wrong equation."""
+"""The witnesses' Taylor integration: against functions that are known, and far from what it would
+say with a wrong equation.
+"""
 
 from fractions import Fraction
 
@@ -38,7 +40,9 @@ def test_roots_sines_and_quotients() -> None:
 
 
 def test_a_series_with_gaps_takes_no_leap() -> None:
-    """x'' = -2 x^3 from x = 0, v = 1: only every fourth coefficient differs from 0; back after the lemniscate constant."""
+    """x'' = -2 x^3 from x = 0, v = 1: only every fourth coefficient differs from 0; back after the
+    lemniscate constant.
+    """
     found = Solution(lambda t, y: [y[1], -2 * y[0] * y[0] * y[0]], [arb(0), arb(1)])
     quarter = arb("5.24411510858423962092967917978223882736550990286324632")
     assert near(found.at(quarter)[0], arb(0))

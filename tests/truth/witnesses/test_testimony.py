@@ -1,4 +1,6 @@
-"""A witness confirms what is true and denies what is not, shares no code with what it witnesses, and is found by its file."""
+"""A witness confirms what is true and denies what is not, shares no code with what it witnesses,
+and is found by its file.
+"""
 
 from fractions import Fraction
 
@@ -22,7 +24,11 @@ def set_of(case: str):
     """Its cheapest certified set, and the rows up to its first time."""
     one = min((one for one in load(case) if one.witnessed), key=lambda one: len(one.parameters))
     first = min(value.t for value in one.values if value.t is not None)
-    rows = [(None if v.t is None else str(v.t), v.quantity, v.mid, v.radius, None) for v in one.values if v.t in (None, first)]
+    rows = [
+        (None if v.t is None else str(v.t), v.quantity, v.mid, v.radius, None)
+        for v in one.values
+        if v.t in (None, first)
+    ]
     case_ = discovery.case(case)
     return case_.meant(case_.at(**given_of(one)).p), rows
 
@@ -33,12 +39,16 @@ def test_every_witness_is_of_a_case_of_the_catalogue() -> None:
 
 def test_every_case_has_a_witness_and_every_set_was_confirmed_by_it() -> None:
     """Also every set that is asked for: what nobody else can say is no truth."""
-    cases = {name for name in discovery.names("cases") if not isinstance(discovery.case(name), Selection)}
+    cases = {
+        name for name in discovery.names("cases") if not isinstance(discovery.case(name), Selection)
+    }
     assert sorted(cases - set(witnesses())) == []
     assert [one.label for one in load() if not one.witnessed] == []
 
 
-@pytest.mark.parametrize("case", ["degrees-of-freedom", "moments-of-inertia", "quaternions", "rotations"])
+@pytest.mark.parametrize(
+    "case", ["degrees-of-freedom", "moments-of-inertia", "quaternions", "rotations"]
+)
 def test_what_has_no_time_is_confirmed_to_the_last_value(case: str) -> None:
     for one in load(case):
         rows = [(None, v.quantity, v.mid, v.radius, None) for v in one.values]
@@ -48,9 +58,16 @@ def test_what_has_no_time_is_confirmed_to_the_last_value(case: str) -> None:
 
 
 @pytest.mark.parametrize(
-    "given", [{"v0": "3/4", "x0": "0"}, {"v0": "-3", "friction_force": "1/3", "stiffness": "2"}, {"v0": "1/10", "x0": "1/20"}]
+    "given",
+    [
+        {"v0": "3/4", "x0": "0"},
+        {"v0": "-3", "friction_force": "1/3", "stiffness": "2"},
+        {"v0": "1/10", "x0": "1/20"},
+    ],
 )
-def test_a_mass_that_starts_with_a_velocity_is_followed_through_its_first_turn(given: dict[str, str]) -> None:
+def test_a_mass_that_starts_with_a_velocity_is_followed_through_its_first_turn(
+    given: dict[str, str],
+) -> None:
     instance = discovery.case("coulomb-oscillator").at(**given)
     times = [Fraction(1, 3), Fraction(2), Fraction(6)]
     found = [row(t, name, ball) for t in times for name, ball in instance.truth().at(t).items()]
@@ -64,7 +81,10 @@ def test_a_broken_power_is_followed_through_its_centre(exponent: str, amplitude:
     instance = discovery.case("power-oscillator").at(exponent=exponent, amplitude=amplitude)
     truth = instance.truth()
     times = [Fraction(1, 3), Fraction(5, 2), Fraction(4), Fraction(11)]
-    found = [row(None, "period", truth.scalars()["period"]), *(row(t, name, b) for t in times for name, b in truth.at(t).items())]
+    found = [
+        row(None, "period", truth.scalars()["period"]),
+        *(row(t, name, b) for t in times for name, b in truth.at(t).items()),
+    ]
     said = witnessing.testimony("power-oscillator", instance.p, found)
     assert said is not None
     assert (said["values"], said["denied"]) == (9, [])
@@ -73,15 +93,27 @@ def test_a_broken_power_is_followed_through_its_centre(exponent: str, amplitude:
 @pytest.mark.parametrize(
     ("member", "values"),
     [
-        ("co-2", 18), ("co-7", 29), ("dem-01", 20), ("dem-03", 36), ("dem-04", 22), ("dem-05", 22), ("dem-05-mindlin", 21),
-        ("contact-path", 24), ("contact-path-turned", 24),
+        ("co-2", 18),
+        ("co-7", 29),
+        ("dem-01", 20),
+        ("dem-03", 36),
+        ("dem-04", 22),
+        ("dem-05", 22),
+        ("dem-05-mindlin", 21),
+        ("contact-path", 24),
+        ("contact-path-turned", 24),
     ],
-)  # fmt: skip
-def test_members_of_the_impact_benchmarks_are_confirmed_in_contact_and_after(member: str, values: int) -> None:
+)
+def test_members_of_the_impact_benchmarks_are_confirmed_in_contact_and_after(
+    member: str, values: int
+) -> None:
     case = discovery.case("impact-benchmarks")
     instance = case.at(member=member)
     truth = instance.truth().refined(36)
-    times = [Fraction(round(float(instance.scales.duration) * part * 2**40), 2**40) for part in (0.2, 0.7)]
+    times = [
+        Fraction(round(float(instance.scales.duration) * part * 2**40), 2**40)
+        for part in (0.2, 0.7)
+    ]
     found, _ = rows(truth, times)
     said = witnessing.testimony("impact-benchmarks", case.meant(instance.p), found)
     assert said is not None
@@ -94,7 +126,12 @@ def test_a_balance_that_is_off_confirms_nothing() -> None:
     rows = [("1", "r1.z", "0", "0", None)]
     assert witnessing.testimony("newtons-first-law", meant, rows) is not None
     low, high = meant["heights"]
-    assert witnessing.testimony("newtons-first-law", meant | {"heights": [low, high + Fraction(1, 1024)]}, rows) is None
+    assert (
+        witnessing.testimony(
+            "newtons-first-law", meant | {"heights": [low, high + Fraction(1, 1024)]}, rows
+        )
+        is None
+    )
 
 
 @pytest.mark.parametrize("case", sorted(set(witnesses()) & set(discovery.names("cases"))))
@@ -104,25 +141,35 @@ def test_a_witness_shares_no_code_with_the_truth(case: str) -> None:
     assert {name for name in own & its if not name.startswith("cases/")} <= SHARED
 
 
-@pytest.mark.parametrize("case", ["pendulum", "viscous-oscillator", "captured-mass", "logistic", "billiards"])
+@pytest.mark.parametrize(
+    "case", ["pendulum", "viscous-oscillator", "captured-mass", "logistic", "billiards"]
+)
 def test_a_value_that_is_wrong_in_its_25th_digit_is_denied(case: str) -> None:
     p, rows = set_of(case)
     said = witnessing.testimony(case, p, rows)
     assert said is not None
     assert said["denied"] == []
     assert said["digits"] >= 30
-    wrong = [(t, name, str(Fraction(mid) + Fraction(2, 10**24) * max(1, abs(Fraction(mid)))), *rest) for t, name, mid, *rest in rows]
+    wrong = [
+        (t, name, str(Fraction(mid) + Fraction(2, 10**24) * max(1, abs(Fraction(mid)))), *rest)
+        for t, name, mid, *rest in rows
+    ]
     again = witnessing.testimony(case, p, wrong)
     assert again is not None
     assert len(again["denied"]) == said["values"]
 
 
 def test_a_case_without_a_witness_has_no_testimony() -> None:
-    assert witnessing.testimony("nobody-knows", {}, [row(None, "x", Ball(Fraction(1), Fraction(0)))]) is None
+    assert (
+        witnessing.testimony("nobody-knows", {}, [row(None, "x", Ball(Fraction(1), Fraction(0)))])
+        is None
+    )
 
 
 def test_heyoka_in_multiprecision_says_the_same_of_a_driven_oscillator() -> None:
-    """x'' = mu (1 - x^2) x' - x + p sin(w t) at t = 10: heyoka 7.13 with fp_type=real of 233 bits, tolerance 2^-200, 71 digits printed."""
+    """x'' = mu (1 - x^2) x' - x + p sin(w t) at t = 10: heyoka 7.13 with fp_type=real of 233 bits,
+    tolerance 2^-200, 71 digits printed.
+    """
     (found,) = [one for one in load("van-der-pol") if one.label == "van-der-pol"]
     for name, text in (
         ("x", "-1.35138048325573609547773046227893647231791501935215691355419947692823301"),

@@ -5,7 +5,10 @@ from KratosMultiphysics.DEMApplication.DEM_analysis_stage import DEMAnalysisStag
 
 
 class Recorded(DEMAnalysisStage):
-    """Bodies as the request has them; `rows` are those of the trajectory, with the attitudes of the start."""
+    """Bodies as the request has them;
+
+    `rows` are those of the trajectory, with the attitudes of the start.
+    """
 
     def __init__(self, settings, bodies, times, stride):
         kratos.ParallelUtilities.SetNumThreads(1)
@@ -32,5 +35,10 @@ class Recorded(DEMAnalysisStage):
         """Keeps the states at a sample."""
         t = self.times[self.steps // self.stride]
         for n, node in enumerate(self.spheres_model_part.Nodes):
-            velocity, omega = (list(node.GetSolutionStepValue(name)) for name in (kratos.VELOCITY, kratos.ANGULAR_VELOCITY))
-            self.rows.append((t, n, (node.X, node.Y, node.Z), velocity, self.bodies[n]["attitude"], omega))
+            velocity, omega = (
+                list(node.GetSolutionStepValue(name))
+                for name in (kratos.VELOCITY, kratos.ANGULAR_VELOCITY)
+            )
+            self.rows.append(
+                (t, n, (node.X, node.Y, node.Z), velocity, self.bodies[n]["attitude"], omega)
+            )

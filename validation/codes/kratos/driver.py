@@ -1,4 +1,5 @@
-"""A scene in Kratos DEM: driver.py request.json trajectory.csv; what its words cannot say exactly ends with status 77.
+"""A scene in Kratos DEM: driver.py request.json trajectory.csv; what its words cannot say exactly
+ends with status 77.
 
 Attitudes are those at the start.
 """
@@ -17,28 +18,55 @@ EMPTY = "Begin ModelPartData\nEnd ModelPartData\n\nBegin Properties 0\nEnd Prope
 STIFFNESS = 1.432 * 0.31225 * math.pi
 """Of the law, over E R of the pair; measured (reports/findings.md)."""
 ZERO = {"FRICTION_DECAY": 0.0, "ROLLING_FRICTION": 0.0, "ROLLING_FRICTION_WITH_WALLS": 0.0}
-LAW = {**ZERO, "COEFFICIENT_OF_RESTITUTION": 1.0, "DEM_DISCONTINUUM_CONSTITUTIVE_LAW_NAME": "DEM_D_Linear_viscous_Coulomb"}
+LAW = {
+    **ZERO,
+    "COEFFICIENT_OF_RESTITUTION": 1.0,
+    "DEM_DISCONTINUUM_CONSTITUTIVE_LAW_NAME": "DEM_D_Linear_viscous_Coulomb",
+}
 
 
 def poisson(law):
-    """Poisson's ratio, from which Kratos has the tangential stiffness: k_t/k = 2 (1 - nu)/(2 - nu)."""
+    """Poisson's ratio, from which Kratos has the tangential stiffness: k_t/k = 2 (1 - nu)/(2 -
+    nu).
+    """
     ratio = law["tangential_stiffness"] / law["stiffness"] if law and law["friction"] > 0 else 1.0
     return (2 - 2 * ratio) / (2 - ratio)
 
 
 def materials(bodies, law):
-    """The materials file: a material for each sphere, its density its own; all have the Young's modulus that the only pair needs."""
+    """The materials file: a material for each sphere, its density its own; all have the Young's
+    modulus that the only pair needs.
+    """
     radii, numbers = [body["shape"]["radius"] for body in bodies], range(1, len(bodies) + 1)
     nu, friction = poisson(law), law["friction"] if law else 0.0
-    young = 2 * (1 - nu**2) * law["stiffness"] * sum(1 / radius for radius in radii) / STIFFNESS if law else 1.0
-    density = [body["mass"] / (4 / 3 * math.pi * radius**3) for body, radius in zip(bodies, radii, strict=True)]
+    young = (
+        2 * (1 - nu**2) * law["stiffness"] * sum(1 / radius for radius in radii) / STIFFNESS
+        if law
+        else 1.0
+    )
+    density = [
+        body["mass"] / (4 / 3 * math.pi * radius**3)
+        for body, radius in zip(bodies, radii, strict=True)
+    ]
     same = {"YOUNG_MODULUS": young, "POISSON_RATIO": nu}
     rubs = LAW | {"STATIC_FRICTION": friction, "DYNAMIC_FRICTION": friction}
-    each = [{"material_name": f"m{n}", "material_id": n, "Variables": same | {"PARTICLE_DENSITY": density[n - 1]}} for n in numbers]
+    each = [
+        {
+            "material_name": f"m{n}",
+            "material_id": n,
+            "Variables": same | {"PARTICLE_DENSITY": density[n - 1]},
+        }
+        for n in numbers
+    ]
     pairs = itertools.combinations_with_replacement(numbers, 2)
-    relations = [{"material_names_list": [f"m{a}", f"m{b}"], "material_ids_list": [a, b], "Variables": rubs} for a, b in pairs]
+    relations = [
+        {"material_names_list": [f"m{a}", f"m{b}"], "material_ids_list": [a, b], "Variables": rubs}
+        for a, b in pairs
+    ]
     table = [[f"SpheresPart.s{n}", f"m{n}"] for n in numbers]
-    return json.dumps({"materials": each, "material_relations": relations, "material_assignation_table": table})
+    return json.dumps(
+        {"materials": each, "material_relations": relations, "material_assignation_table": table}
+    )
 
 
 def block(name, lines):
@@ -49,12 +77,19 @@ def block(name, lines):
 def write(bodies, law):
     """Writes the files that the analysis reads."""
     Path("materials.json").write_text(materials(bodies, law))
-    nodes = "".join(f"{n} {' '.join(map(repr, body['position']))}\n" for n, body in enumerate(bodies, 1))
+    nodes = "".join(
+        f"{n} {' '.join(map(repr, body['position']))}\n" for n, body in enumerate(bodies, 1)
+    )
     spheres = "".join(f"{n} 0 {n}\n" for n in range(1, len(bodies) + 1))
     radii = "".join(f"{n} 0 {body['shape']['radius']!r}\n" for n, body in enumerate(bodies, 1))
     parts = [("Nodes", nodes), ("Elements SphericParticle3D", spheres), ("NodalData RADIUS", radii)]
     for n in range(1, len(bodies) + 1):
-        parts.append((f"SubModelPart s{n}", block("SubModelPartNodes", f"{n}\n") + block("SubModelPartElements", f"{n}\n")))
+        parts.append(
+            (
+                f"SubModelPart s{n}",
+                block("SubModelPartNodes", f"{n}\n") + block("SubModelPartElements", f"{n}\n"),
+            )
+        )
     Path("rDEM.mdpa").write_text(EMPTY + "\n".join(itertools.starmap(block, parts)))
     for name in ("DEM_FEM_boundary", "DEM_Inlet", "DEM_Clusters"):
         Path(f"r{name}.mdpa").write_text(EMPTY)
@@ -62,14 +97,31 @@ def write(bodies, law):
 
 def settings(request, step, steps):
     """Kratos' settings; what is not here is off."""
-    g = [sum(field["g"][k] for field in border.of_kind(request, "uniform_gravity")) for k in range(3)]
-    switches = dict.fromkeys(("do_print_results_option", "dem_inlet_option", "post_gid_option"), False)
-    schemes = {"TranslationalIntegrationScheme": "Velocity_Verlet", "RotationalIntegrationScheme": "Direct_Integration"}
+    g = [
+        sum(field["g"][k] for field in border.of_kind(request, "uniform_gravity")) for k in range(3)
+    ]
+    switches = dict.fromkeys(
+        ("do_print_results_option", "dem_inlet_option", "post_gid_option"), False
+    )
+    schemes = {
+        "TranslationalIntegrationScheme": "Velocity_Verlet",
+        "RotationalIntegrationScheme": "Direct_Integration",
+    }
     times = {"MaxTimeStep": step, "FinalTime": (steps + 0.5) * step, "NeighbourSearchFrequency": 1}
-    solver = {"strategy": "sphere_strategy", "material_import_settings": {"materials_filename": "materials.json"}}
+    solver = {
+        "strategy": "sphere_strategy",
+        "material_import_settings": {"materials_filename": "materials.json"},
+    }
     solver["RemoveBallsInitiallyTouchingWalls"] = False
-    return {"problem_name": "r", "solver_settings": solver, **dict(zip(("GravityX", "GravityY", "GravityZ"), g, strict=True)),
-            "ElementType": "SphericPartDEMElement3D", **switches, **schemes, **times}  # fmt: skip
+    return {
+        "problem_name": "r",
+        "solver_settings": solver,
+        **dict(zip(("GravityX", "GravityY", "GravityZ"), g, strict=True)),
+        "ElementType": "SphericPartDEMElement3D",
+        **switches,
+        **schemes,
+        **times,
+    }
 
 
 def main(request_json, trajectory):
@@ -80,14 +132,19 @@ def main(request_json, trajectory):
     border.refuse_kinds(request, "contact", "uniform_gravity")
     cannot(any(body["shape"]["kind"] != "sphere" for body in bodies), "points")
     cannot(law and law["damping"] > 0, "damping as a number of the law: it comes from restitution")
-    rubs, few = law and law["friction"] > 0, "a tangential stiffness outside 2/3 to 1 of the normal one: it comes from Poisson's ratio"
+    rubs, few = (
+        law and law["friction"] > 0,
+        "a tangential stiffness outside 2/3 to 1 of the normal one: it comes from Poisson's ratio",
+    )
     cannot(rubs and not 2 / 3 < law["tangential_stiffness"] / law["stiffness"] <= 1, few)
     cannot(rubs and law["branch"] != "R-d/2", "a branch other than R - d/2")
     cannot(law and len(bodies) > 2, "one stiffness for pairs of several radii")
     write(bodies, law)
     from analysis import Recorded  # here: what is refused needs no Kratos
 
-    run = Recorded(json.dumps(settings(request, step, stride * (len(times) - 1))), bodies, times, stride)
+    run = Recorded(
+        json.dumps(settings(request, step, stride * (len(times) - 1))), bodies, times, stride
+    )
     run.Run()
     border.write(trajectory, run.rows)
 

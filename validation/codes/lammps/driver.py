@@ -1,4 +1,5 @@
-"""A scene in LAMMPS: driver.py LMP request.json trajectory.csv; what its words cannot say exactly ends with status 77.
+"""A scene in LAMMPS: driver.py LMP request.json trajectory.csv; what its words cannot say exactly
+ends with status 77.
 
 LAMMPS keeps no attitude of spheres: the trajectory has the one at the start.
 """
@@ -14,8 +15,13 @@ from border import cannot  # noqa: E402
 from elements import contact, joined, pushes  # noqa: E402
 
 BOX = 1e6
-"""Half the side of the box [m]; nothing must leave it, and no pair is ever dropped from the neighbour list."""
-START = f"units si\natom_modify map array\nboundary f f f\nneighbor {BOX!r} nsq\nneigh_modify delay 0 every 1 check yes"
+"""Half the side of the box [m]; nothing must leave it, and no pair is ever dropped from the
+neighbour list.
+"""
+START = (
+    f"units si\natom_modify map array\nboundary f f f\nneighbor {BOX!r} nsq\nneigh_modify delay 0"
+    " every 1 check yes"
+)
 METHODS = {"gran": ("gran", "rigid/nve"), "granular": ("granular", "rigid")}
 """Pair style, and fix for bodies that are no spheres: LAMMPS has two codes for either."""
 ATOM = "id x y z vx vy vz omegax omegay omegaz"
@@ -25,9 +31,15 @@ BODY = "mol x y z vx vy vz omegax omegay omegaz quatw quati quatj quatk"
 def data(kind, atoms, speeds):
     """Writes the data file that read_data takes; spheres have masses of their own."""
     sides = "".join(f"{-BOX!r} {BOX!r} {a}lo {a}hi\n" for a in "xyz")
-    parts = f"Atoms # {kind}\n\n" + "\n".join(atoms) + ("\n\nVelocities\n\n" + "\n".join(speeds) if speeds else "")
+    parts = (
+        f"Atoms # {kind}\n\n"
+        + "\n".join(atoms)
+        + ("\n\nVelocities\n\n" + "\n".join(speeds) if speeds else "")
+    )
     masses = "" if speeds else "Masses\n\n1 1.0\n\n"
-    Path("data.lammps").write_text(f"refdem\n\n{len(atoms)} atoms\n1 atom types\n{sides}\n{masses}{parts}\n")
+    Path("data.lammps").write_text(
+        f"refdem\n\n{len(atoms)} atoms\n1 atom types\n{sides}\n{masses}{parts}\n"
+    )
 
 
 def spheres(request, pair):
@@ -35,17 +47,30 @@ def spheres(request, pair):
     border.refuse_shapes(request)
     border.refuse_kinds(request, "contact", "plane", "uniform_gravity", "spring", "central_field")
     bodies = request["scene"]["bodies"]
-    atoms = [f"{n} 1 {2 * b['shape'].get('radius', 0.0)!r} 1.0 {joined(b['position'])}" for n, b in enumerate(bodies, 1)]
-    data("sphere", atoms, [f"{n} {joined((*b['velocity'], *b['omega']))}" for n, b in enumerate(bodies, 1)])
+    atoms = [
+        f"{n} 1 {2 * b['shape'].get('radius', 0.0)!r} 1.0 {joined(b['position'])}"
+        for n, b in enumerate(bodies, 1)
+    ]
+    data(
+        "sphere",
+        atoms,
+        [f"{n} {joined((*b['velocity'], *b['omega']))}" for n, b in enumerate(bodies, 1)],
+    )
     yield f"atom_style sphere\n{START}\nnewton off\ncomm_modify vel yes\nread_data data.lammps"
     yield from (f"set atom {n} mass {b['mass']!r}" for n, b in enumerate(bodies, 1))
     yield from contact(request, pair)
     yield from pushes(request)
-    yield "fix move all nve/sphere" if all("radius" in b["shape"] for b in bodies) else "fix move all nve"
+    yield (
+        "fix move all nve/sphere"
+        if all("radius" in b["shape"] for b in bodies)
+        else "fix move all nve"
+    )
 
 
 def rigid(request, fix):
-    """Input for bodies of any inertia: two atoms each, whose mass and moments the body's own replace."""
+    """Input for bodies of any inertia: two atoms each, whose mass and moments the body's own
+    replace.
+    """
     border.refuse_kinds(request)
     bodies, rows = request["scene"]["bodies"], []
     cannot(
@@ -56,17 +81,36 @@ def rigid(request, fix):
         j = border.tensor(body)
         spin = [sum(a * w for a, w in zip(row, body["omega"], strict=True)) for row in j]
         moments = (j[0][0], j[1][1], j[2][2], j[0][1], j[0][2], j[1][2])
-        rows.append(f"{n} {body['mass']!r} {joined((*body['position'], *moments, *body['velocity'], *spin))} 0 0 0")
+        rows.append(
+            f"{n} {body['mass']!r}"
+            f" {joined((*body['position'], *moments, *body['velocity'], *spin))} 0 0 0"
+        )
     Path("bodies.lammps").write_text(f"{len(rows)}\n" + "\n".join(rows) + "\n")
-    ends = [(n, [x + side, y, z]) for n, (x, y, z) in enumerate((b["position"] for b in bodies), 1) for side in (-0.25, 0.25)]
+    ends = [
+        (n, [x + side, y, z])
+        for n, (x, y, z) in enumerate((b["position"] for b in bodies), 1)
+        for side in (-0.25, 0.25)
+    ]
     data("molecular", [f"{k} {n} 1 {joined(place)}" for k, (n, place) in enumerate(ends, 1)], [])
-    yield f"atom_style molecular\n{START}\nread_data data.lammps\npair_style zero 1.0\npair_coeff * *"
-    yield f"fix move all {fix}/small molecule infile bodies.lammps\ncompute body all rigid/local move {BODY}"
+    yield (
+        f"atom_style molecular\n{START}\nread_data data.lammps\npair_style zero 1.0\npair_coeff * *"
+    )
+    yield (
+        f"fix move all {fix}/small molecule infile bodies.lammps\ncompute body all rigid/local move"
+        f" {BODY}"
+    )
 
 
 def said(lmp, *arguments):
-    """What LAMMPS says when it runs; ends with that if it went wrong. Open MPI's runs disturb each other in one TMPDIR."""
-    environment = os.environ | {"OMP_NUM_THREADS": "1", "LD_LIBRARY_PATH": f"{sys.prefix}/lib", "TMPDIR": str(Path.cwd())}
+    """What LAMMPS says when it runs; ends with that if it went wrong.
+
+    Open MPI's runs disturb each other in one TMPDIR.
+    """
+    environment = os.environ | {
+        "OMP_NUM_THREADS": "1",
+        "LD_LIBRARY_PATH": f"{sys.prefix}/lib",
+        "TMPDIR": str(Path.cwd()),
+    }
     done = subprocess.run([lmp, *arguments], env=environment, capture_output=True, text=True)
     if done.returncode != 0 or "ERROR" in done.stdout + done.stderr:
         sys.exit((done.stdout + done.stderr)[-2000:])
@@ -76,23 +120,45 @@ def said(lmp, *arguments):
 def main(lmp, request_json, trajectory):
     """From request to trajectory."""
     request, step, stride = border.read(request_json)
-    bodies, times, (pair, fix) = request["scene"]["bodies"], request["times"], METHODS[request["method"]]
+    bodies, times, (pair, fix) = (
+        request["scene"]["bodies"],
+        request["times"],
+        METHODS[request["method"]],
+    )
     turning = any(body["shape"]["kind"] == "point" and any(body["inertia"]) for body in bodies)
     script = [*(rigid(request, fix) if turning else spheres(request, pair))]
     columns = " ".join(f"c_body[{k}]" for k in range(1, 15)) if turning else ATOM
-    dump = f"dump d all {'local' if turning else 'custom'} {stride} dump.lammps {columns}\ndump_modify d format float %.17g"
-    script += [dump + ("" if turning else " sort id"), "thermo_modify lost error", f"timestep {step!r}", f"run {stride * (len(times) - 1)}"]
+    dump = (
+        f"dump d all {'local' if turning else 'custom'} {stride} dump.lammps {columns}\ndump_modify"
+        " d format float %.17g"
+    )
+    script += [
+        dump + ("" if turning else " sort id"),
+        "thermo_modify lost error",
+        f"timestep {step!r}",
+        f"run {stride * (len(times) - 1)}",
+    ]
     Path("in.lammps").write_text("\n".join(script) + "\n")
     said(lmp, "-in", "in.lammps", "-log", "none")
     border.write(trajectory, rows(bodies, times, turning))
 
 
 def rows(bodies, times, turning):
-    """Rows of the trajectory from the dump; LAMMPS may order a body's principal axes its own way, which the start tells."""
-    frames = [frame.split("\n") for frame in Path("dump.lammps").read_text().split("ITEM: TIMESTEP\n")[1:]]
-    table = [sorted([float(x) for x in line.split()] for line in frame[8:] if line) for frame in frames]
+    """Rows of the trajectory from the dump;
+
+    LAMMPS may order a body's principal axes its own way, which the start tells.
+    """
+    frames = [
+        frame.split("\n") for frame in Path("dump.lammps").read_text().split("ITEM: TIMESTEP\n")[1:]
+    ]
+    table = [
+        sorted([float(x) for x in line.split()] for line in frame[8:] if line) for frame in frames
+    ]
     first = (
-        [border.product(border.conjugate(state[10:]), body["attitude"]) for state, body in zip(table[0], bodies, strict=True)]
+        [
+            border.product(border.conjugate(state[10:]), body["attitude"])
+            for state, body in zip(table[0], bodies, strict=True)
+        ]
         if turning
         else []
     )

@@ -6,9 +6,13 @@ import border
 from border import cannot
 
 LAWS = {
-    "gran": "gran/hooke/history {stiffness!r} {tangential_stiffness!r} {per_mass!r} 0 {friction!r} 0",
-    "granular": "granular hooke {stiffness!r} {damping!r} tangential linear_history {tangential_stiffness!r} 0 {friction!r}"
-    " damping velocity",
+    "gran": (
+        "gran/hooke/history {stiffness!r} {tangential_stiffness!r} {per_mass!r} 0 {friction!r} 0"
+    ),
+    "granular": (
+        "granular hooke {stiffness!r} {damping!r} tangential linear_history"
+        " {tangential_stiffness!r} 0 {friction!r} damping velocity"
+    ),
 }
 """No tangential damping; that along the normal is per effective mass in `gran`."""
 
@@ -20,13 +24,27 @@ def joined(numbers):
 
 def law(c, method, masses, planes):
     """Name and numbers of a linear law."""
-    effective = {a * b / (a + b) for a, b in combinations(masses, 2)} | (set(masses) if planes else set())
-    cannot(c["friction"] > 0 and c["tangential_stiffness"] == 0, "friction of full size at any slip: it goes through a tangential spring")
-    cannot(c["friction"] > 0 and method == "granular", "friction in granular: slip is taken at R, torque at R - d/2")
+    effective = {a * b / (a + b) for a, b in combinations(masses, 2)} | (
+        set(masses) if planes else set()
+    )
+    cannot(
+        c["friction"] > 0 and c["tangential_stiffness"] == 0,
+        "friction of full size at any slip: it goes through a tangential spring",
+    )
+    cannot(
+        c["friction"] > 0 and method == "granular",
+        "friction in granular: slip is taken at R, torque at R - d/2",
+    )
     cannot(c["friction"] > 0 and c["branch"] != "R", "a branch other than R in gran")
     pulls = c["damping"] > 0 and c["cutoff"] == "zero_overlap"
-    cannot(c["friction"] > 0 and pulls, "no friction while the normal force pulls: the limit is friction times its size")
-    cannot(method == "gran" and c["damping"] > 0 and len(effective) > 1, "one damping for unequal pairs: it is per effective mass")
+    cannot(
+        c["friction"] > 0 and pulls,
+        "no friction while the normal force pulls: the limit is friction times its size",
+    )
+    cannot(
+        method == "gran" and c["damping"] > 0 and len(effective) > 1,
+        "one damping for unequal pairs: it is per effective mass",
+    )
     words = LAWS[method].format(**c, per_mass=c["damping"] / max(effective, default=1.0))
     return words + " limit_damping" * (c["cutoff"] == "zero_force")
 
@@ -41,10 +59,17 @@ def contact(request, method):
         return
     words = law(found, method, [body["mass"] for body in request["scene"]["bodies"]], planes)
     style, _, numbers = words.partition(" ")
-    yield f"pair_style {style}\npair_coeff * * {numbers}" if method == "granular" else f"pair_style {words}\npair_coeff * *"
+    yield (
+        f"pair_style {style}\npair_coeff * * {numbers}"
+        if method == "granular"
+        else f"pair_style {words}\npair_coeff * *"
+    )
     for n, plane in enumerate(planes):
         axes = [k for k in range(3) if plane["normal"][k] == 1]
-        cannot(method == "gran" and found["damping"] == 0, "walls without damping: fix wall/gran hooke divides by it (reports/findings.md)")
+        cannot(
+            method == "gran" and found["damping"] == 0,
+            "walls without damping: fix wall/gran hooke divides by it (reports/findings.md)",
+        )
         cannot(not axes, "planes whose normal is not +x, +y or +z")
         place = f"{'xyz'[axes[0]]}plane {plane['point'][axes[0]]!r} NULL"
         yield f"fix wall{n} all wall/gran {words.removeprefix('gran/')} {place}"
@@ -53,13 +78,19 @@ def contact(request, method):
 def pushes(request):
     """Gravity, springs to the world, and a central field, body by body."""
     for n, field in enumerate(border.of_kind(request, "uniform_gravity")):
-        yield f"fix gravity{n} all gravity {sum(g * g for g in field['g']) ** 0.5!r} vector {joined(field['g'])}"
+        yield (
+            f"fix gravity{n} all gravity {sum(g * g for g in field['g']) ** 0.5!r} vector"
+            f" {joined(field['g'])}"
+        )
     for n, spring in enumerate(border.of_kind(request, "spring")):
         cannot(
-            spring["b"] != -1 or spring["exponent"] != 1 or any(spring["anchor_a"]), "springs but linear ones from a centre to the world"
+            spring["b"] != -1 or spring["exponent"] != 1 or any(spring["anchor_a"]),
+            "springs but linear ones from a centre to the world",
         )
         tether = f"{spring['stiffness']!r} {joined(spring['anchor_b'])} {spring['length']!r}"
         yield f"group held{n} id {spring['a'] + 1}\nfix spring{n} held{n} spring tether {tether}"
     for n, field in enumerate(border.of_kind(request, "central_field")):
-        yield from (f"variable pull{n}{a} atom -{field['gm']!r}*mass*{a}/(x*x+y*y+z*z)^1.5" for a in "xyz")
+        yield from (
+            f"variable pull{n}{a} atom -{field['gm']!r}*mass*{a}/(x*x+y*y+z*z)^1.5" for a in "xyz"
+        )
         yield f"fix central{n} all addforce v_pull{n}x v_pull{n}y v_pull{n}z"

@@ -1,4 +1,5 @@
-"""A scene in LIGGGHTS: driver.py LIGGGHTS request.json trajectory.csv; what its words cannot say exactly ends with status 77.
+"""A scene in LIGGGHTS: driver.py LIGGGHTS request.json trajectory.csv; what its words cannot say
+exactly ends with status 77.
 
 LIGGGHTS keeps no attitude of spheres: the trajectory has the one at the start.
 """
@@ -13,9 +14,17 @@ import border
 from border import cannot
 
 BOX = 1e6
-START = "units si\natom_style granular\natom_modify map array sort 0 0\nboundary f f f\nnewton off\ncommunicate single vel yes\n"
+START = (
+    "units si\natom_style granular\natom_modify map array sort 0 0\nboundary f f f\nnewton"
+    " off\ncommunicate single vel yes\n"
+)
 START += f"neighbor {BOX!r} nsq\nneigh_modify delay 0 every 1 check yes\nread_data data.liggghts"
-NUMBERS = {"kn": "stiffness", "kt": "tangential_stiffness", "gamman_abs": "damping", "coefficientFriction": "friction"}
+NUMBERS = {
+    "kn": "stiffness",
+    "kt": "tangential_stiffness",
+    "gamman_abs": "damping",
+    "coefficientFriction": "friction",
+}
 ATOM = "id x y z vx vy vz omegax omegay omegaz"
 
 
@@ -27,9 +36,17 @@ def joined(numbers):
 def data(bodies):
     """The data file that read_data takes; masses are set later."""
     sides = "".join(f"{-BOX!r} {BOX!r} {a}lo {a}hi\n" for a in "xyz")
-    atoms = "\n".join(f"{n} 1 {2 * b['shape'].get('radius', 0.0)!r} 1.0 {joined(b['position'])}" for n, b in enumerate(bodies, 1))
-    speeds = "\n".join(f"{n} {joined((*b['velocity'], *b['omega']))}" for n, b in enumerate(bodies, 1))
-    return f"refdem\n\n{len(bodies)} atoms\n1 atom types\n{sides}\nAtoms\n\n{atoms}\n\nVelocities\n\n{speeds}\n"
+    atoms = "\n".join(
+        f"{n} 1 {2 * b['shape'].get('radius', 0.0)!r} 1.0 {joined(b['position'])}"
+        for n, b in enumerate(bodies, 1)
+    )
+    speeds = "\n".join(
+        f"{n} {joined((*b['velocity'], *b['omega']))}" for n, b in enumerate(bodies, 1)
+    )
+    return (
+        f"refdem\n\n{len(bodies)} atoms\n1 atom"
+        f" types\n{sides}\nAtoms\n\n{atoms}\n\nVelocities\n\n{speeds}\n"
+    )
 
 
 def contact(request):
@@ -40,11 +57,19 @@ def contact(request):
         yield "pair_style none"
         return
     rubs, pulls = law["friction"] > 0, law["damping"] > 0 and law["cutoff"] == "zero_overlap"
-    cannot(rubs and law["tangential_stiffness"] == 0, "friction of full size at any slip: it goes through a tangential spring")
+    cannot(
+        rubs and law["tangential_stiffness"] == 0,
+        "friction of full size at any slip: it goes through a tangential spring",
+    )
     cannot(rubs and law["branch"] != "R-d/2", "a branch other than R - d/2")
-    cannot(rubs and pulls, "no friction while the normal force pulls: the limit is friction times its size")
+    cannot(
+        rubs and pulls,
+        "no friction while the normal force pulls: the limit is friction times its size",
+    )
     for name, key in (NUMBERS | {"gammat_abs": None}).items():
-        yield f"fix {name} all property/global {name} peratomtypepair 1 {law[key] if key else 0.0!r}"
+        yield (
+            f"fix {name} all property/global {name} peratomtypepair 1 {law[key] if key else 0.0!r}"
+        )
     words = "model hooke/stiffness tangential history"
     switches = f"absolute_damping on tangential_damping off limitForce {'off' if pulls else 'on'}"
     yield f"pair_style gran {words} {switches}\npair_coeff * *"
@@ -58,7 +83,10 @@ def contact(request):
 def pushes(request):
     """Gravity, and springs from a centre to the world."""
     for n, field in enumerate(border.of_kind(request, "uniform_gravity")):
-        yield f"fix gravity{n} all gravity {sum(g * g for g in field['g']) ** 0.5!r} vector {joined(field['g'])}"
+        yield (
+            f"fix gravity{n} all gravity {sum(g * g for g in field['g']) ** 0.5!r} vector"
+            f" {joined(field['g'])}"
+        )
     for n, spring in enumerate(border.of_kind(request, "spring")):
         linear = spring["b"] == -1 and spring["exponent"] == 1 and not any(spring["anchor_a"])
         cannot(not linear, "springs but linear ones from a centre to the world")
@@ -67,7 +95,10 @@ def pushes(request):
 
 
 def said(program, *arguments):
-    """What LIGGGHTS says; ends with that if it went wrong. Open MPI's runs disturb each other in one TMPDIR."""
+    """What LIGGGHTS says; ends with that if it went wrong.
+
+    Open MPI's runs disturb each other in one TMPDIR.
+    """
     environment = os.environ | {"OMP_NUM_THREADS": "1", "TMPDIR": str(Path.cwd())}
     done = subprocess.run([program, *arguments], env=environment, capture_output=True, text=True)
     if done.returncode != 0 or "ERROR" in done.stdout + done.stderr:
@@ -82,20 +113,46 @@ def main(program, request_json, trajectory):
     border.refuse_kinds(request, "contact", "plane", "uniform_gravity", "spring")
     bodies, times = request["scene"]["bodies"], request["times"]
     Path("data.liggghts").write_text(data(bodies))
-    script = [START, *(f"set atom {n} mass {b['mass']!r}" for n, b in enumerate(bodies, 1)), *contact(request), *pushes(request)]
-    script.append("fix move all nve/sphere" if all("radius" in b["shape"] for b in bodies) else "fix move all nve")
-    script.append(f'dump d all custom {stride} dump.liggghts {ATOM}\ndump_modify d format "%d{" %.17g" * 9}"')
+    script = [
+        START,
+        *(f"set atom {n} mass {b['mass']!r}" for n, b in enumerate(bodies, 1)),
+        *contact(request),
+        *pushes(request),
+    ]
+    script.append(
+        "fix move all nve/sphere"
+        if all("radius" in b["shape"] for b in bodies)
+        else "fix move all nve"
+    )
+    script.append(
+        f'dump d all custom {stride} dump.liggghts {ATOM}\ndump_modify d format "%d{" %.17g" * 9}"'
+    )
     script.append(f"thermo_modify lost error\ntimestep {step!r}\nrun {stride * (len(times) - 1)}")
     Path("in.liggghts").write_text("\n".join(script) + "\n")
     said(program, "-in", "in.liggghts", "-log", "none", "-echo", "screen")
-    frames = [frame.split("\n") for frame in Path("dump.liggghts").read_text().split("ITEM: TIMESTEP\n")[1:]]
-    states = [sorted([float(x) for x in line.split()] for line in frame[8:] if line) for frame in frames]
-    table = [(t, n, s[1:4], s[4:7], bodies[n]["attitude"], s[7:10]) for t, f in zip(times, states, strict=True) for n, s in enumerate(f)]
+    frames = [
+        frame.split("\n")
+        for frame in Path("dump.liggghts").read_text().split("ITEM: TIMESTEP\n")[1:]
+    ]
+    states = [
+        sorted([float(x) for x in line.split()] for line in frame[8:] if line) for frame in frames
+    ]
+    table = [
+        (t, n, s[1:4], s[4:7], bodies[n]["attitude"], s[7:10])
+        for t, f in zip(times, states, strict=True)
+        for n, s in enumerate(f)
+    ]
     border.write(trajectory, table)
 
 
 if __name__ == "__main__":
     if len(sys.argv) == 2:
-        print(next(line for line in said(sys.argv[1], "-log", "none", "-h").splitlines() if line.strip()))
+        print(
+            next(
+                line
+                for line in said(sys.argv[1], "-log", "none", "-h").splitlines()
+                if line.strip()
+            )
+        )
     else:
         main(*sys.argv[1:])

@@ -1,4 +1,6 @@
-"""A scene in YADE: yade -x -n driver.py request.json trajectory.csv; what its words cannot say exactly ends with status 77."""
+"""A scene in YADE: yade -x -n driver.py request.json trajectory.csv; what its words cannot say
+exactly ends with status 77.
+"""
 
 import math
 import sys
@@ -23,20 +25,30 @@ ROWS = []
 def refuse(law, bodies):
     """Ends with status 77 for what neither law is."""
     rubs = law["friction"] > 0
-    cannot(rubs and law["tangential_stiffness"] == 0, "friction of full size at any slip: it goes through a tangential spring")
+    cannot(
+        rubs and law["tangential_stiffness"] == 0,
+        "friction of full size at any slip: it goes through a tangential spring",
+    )
     cannot(rubs and law["branch"] != "R-d/2", "a branch other than R - d/2")
-    cannot(law["damping"] > 0 and law["cutoff"] == "zero_overlap", "a force that pulls: the damped one ends where it would")
+    cannot(
+        law["damping"] > 0 and law["cutoff"] == "zero_overlap",
+        "a force that pulls: the damped one ends where it would",
+    )
     cannot(any(body["shape"]["kind"] != "sphere" for body in bodies), "contacts of points")
 
 
 def material(law, radius):
-    """The material of a sphere; damped ones are in series, whatever its documentation says (reports/findings.md)."""
+    """The material of a sphere; damped ones are in series, whatever its documentation says
+    (reports/findings.md).
+    """
     if law is None:
         return y.FrictMat()
     numbers = [law[name] for name in ("stiffness", "tangential_stiffness", "damping")]
     angle, (kn, ks, cn) = math.atan(law["friction"]), numbers
     if cn == 0:
-        return y.FrictMat(young=kn / radius, poisson=ks / kn or 1.0, frictionAngle=angle)  # of 0 NaN comes (reports/findings.md)
+        return y.FrictMat(
+            young=kn / radius, poisson=ks / kn or 1.0, frictionAngle=angle
+        )  # of 0 NaN comes (reports/findings.md)
     return y.ViscElMat(kn=2 * kn, ks=2 * ks, cn=2 * cn, cs=0.0, frictionAngle=angle)
 
 
@@ -46,27 +58,46 @@ def place(request, law):
         radius = body["shape"].get("radius", 1.0)
         sphere = utils.sphere(body["position"], radius, material=material(law, radius))
         sphere.state.mass, sphere.state.inertia = body["mass"], body["inertia"]
-        sphere.state.vel, sphere.state.angVel, sphere.state.ori = body["velocity"], body["omega"], minieigenHP.Quaternion(*body["attitude"])
-        sphere.state.angMom = [sum(j * w for j, w in zip(row, body["omega"], strict=True)) for row in border.tensor(body)]
+        sphere.state.vel, sphere.state.angVel, sphere.state.ori = (
+            body["velocity"],
+            body["omega"],
+            minieigenHP.Quaternion(*body["attitude"]),
+        )
+        sphere.state.angMom = [
+            sum(j * w for j, w in zip(row, body["omega"], strict=True))
+            for row in border.tensor(body)
+        ]
         sphere.aspherical = len(set(body["inertia"])) > 1
         RUN.bodies.append(sphere)
 
 
 def place_planes(request, law):
     """Puts the planes into YADE."""
-    planes, radii = border.of_kind(request, "plane"), {body["shape"].get("radius") for body in request["scene"]["bodies"]}
-    cannot(planes and (law is None or law["friction"] > 0 or len(radii) > 1), "planes but with spheres of one radius that do not rub")
+    planes, radii = (
+        border.of_kind(request, "plane"),
+        {body["shape"].get("radius") for body in request["scene"]["bodies"]},
+    )
+    cannot(
+        planes and (law is None or law["friction"] > 0 or len(radii) > 1),
+        "planes but with spheres of one radius that do not rub",
+    )
     for plane in planes:
         axes = [k for k in range(3) if plane["normal"][k] == 1]
         cannot(not axes, "planes whose normal is not +x, +y or +z")
-        RUN.bodies.append(utils.wall(plane["point"], axes[0], sense=1, material=material(law, *radii)))
+        RUN.bodies.append(
+            utils.wall(plane["point"], axes[0], sense=1, material=material(law, *radii))
+        )
 
 
 def record(stride):
     """Keeps the states of all spheres; YADE calls it by name."""
-    for n, state in enumerate(body.state for body in RUN.bodies if isinstance(body.shape, y.Sphere)):
+    for n, state in enumerate(
+        body.state for body in RUN.bodies if isinstance(body.shape, y.Sphere)
+    ):
         x, q = state.pos, state.ori
-        ROWS.append((RUN.iter // stride, n, [*x], [*state.vel], (q[3], q[0], q[1], q[2]), [*state.angVel]))
+        ROWS.append(
+            (RUN.iter // stride, n, [*x], [*state.vel], (q[3], q[0], q[1], q[2]), [*state.angVel])
+        )
 
 
 def main(request_json, trajectory):
@@ -78,14 +109,25 @@ def main(request_json, trajectory):
         refuse(law, bodies)
     place(request, law)
     place_planes(request, law)
-    g = minieigenHP.Vector3(*(sum(field["g"][k] for field in border.of_kind(request, "uniform_gravity")) for k in range(3)))
+    g = minieigenHP.Vector3(
+        *(
+            sum(field["g"][k] for field in border.of_kind(request, "uniform_gravity"))
+            for k in range(3)
+        )
+    )
     meet = [y.Ig2_Sphere_Sphere_ScGeom(avoidGranularRatcheting=False), y.Ig2_Wall_Sphere_ScGeom()]
     contact = [
         y.InsertionSortCollider([y.Bo1_Sphere_Aabb(), y.Bo1_Wall_Aabb()], verletDist=0),
         y.InteractionLoop(meet, *LAWS[bool(law and law["damping"])]),
     ]
     begin = [y.ForceResetter(), *(contact if law else [])]
-    RUN.engines, RUN.dt = [*begin, y.NewtonIntegrator(damping=0)], 0.0  # alone, forces add up (reports/findings.md)
+    RUN.engines, RUN.dt = (
+        [
+            *begin,
+            y.NewtonIntegrator(damping=0),
+        ],
+        0.0,
+    )  # alone, forces add up (reports/findings.md)
     RUN.run(1, True)
     for n, body in enumerate(bodies):
         RUN.bodies[n].state.vel -= step / 2 * (RUN.forces.f(n) / body["mass"] + g)

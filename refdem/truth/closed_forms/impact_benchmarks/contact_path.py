@@ -1,10 +1,13 @@
-"""Two spheres so heavy that they pass each other on a prescribed straight path, overlapping for a while: what the linear law gives them.
+"""Two spheres so heavy that they pass each other on a prescribed straight path, overlapping for a
+while: what the linear law gives them.
 
-In the plane of the path body 1 rests at the origin and body 2 is at (x, b), x = x0 + V t, with the constant spin w2: D^2 = x^2 + b^2,
-overlap d = D0 - D, A = asinh(x/b). The slip V b/D + l2 w2 with the lever l2 = R2 - beta d has the way sigma = C + g A + a x + e x D,
-and with forces k d along n = (x, b)/D and k_t sigma, or mu k d, along (-b, x)/D all impulses and turning impulses are integrals of A, x
-and D in closed form. Where the spring comes to its limit, and where it is caught, is proved by bisection and interval Newton.
-The masses are finite and give way by less than 1e-20 of the overlap, which the radii contain.
+In the plane of the path body 1 rests at the origin and body 2 is at (x, b), x = x0 + V t, with the
+constant spin w2: D^2 = x^2 + b^2, overlap d = D0 - D, A = asinh(x/b). The slip V b/D + l2 w2 with
+the lever l2 = R2 - beta d has the way sigma = C + g A + a x + e x D, and with forces k d along n =
+(x, b)/D and k_t sigma, or mu k d, along (-b, x)/D all impulses and turning impulses are integrals
+of A, x and D in closed form. Where the spring comes to its limit, and where it is caught, is proved
+by bisection and interval Newton. The masses are finite and give way by less than 1e-20 of the
+overlap, which the radii contain.
 """
 
 from collections.abc import Mapping, Sequence
@@ -28,7 +31,10 @@ Matrix = tuple[tuple[Fraction, ...], ...]
 
 @dataclass(frozen=True, kw_only=True)
 class Passing:
-    """Exact numbers in SI units; `frame` has the axes of the plane, then its normal, as columns (a rational rotation)."""
+    """Exact numbers in SI units;
+
+    `frame` has the axes of the plane, then its normal, as columns (a rational rotation).
+    """
 
     mass: Fraction
     radii: tuple[Fraction, Fraction]
@@ -76,30 +82,52 @@ class Piece:
 
 
 class ContactPath(ClosedForm):
-    """Impulses [N s] and turning impulses [N m s] that body 1 has got, place and velocity of body 2."""
+    """Impulses [N s] and turning impulses [N m s] that body 1 has got, place and velocity of body
+    2.
+    """
 
     state = STATE
     method = "closed form from switch to switch; switches proved by bisection and interval Newton"
-    witness = "midpoint sums of the force, its spring clipped step by step; the motion itself by extrapolation"
+    witness = (
+        "midpoint sums of the force, its spring clipped step by step; the motion itself by"
+        " extrapolation"
+    )
 
     def __init__(self, scale: Mapping[str, Size], path: Passing) -> None:
         super().__init__(scale)
         self.path = path
 
     def displaced(self, axis: int, amount: Fraction) -> Self:
-        other, start = copy(self), tuple(x + amount * (i == axis) for i, x in enumerate(self.path.start))
+        other, start = (
+            copy(self),
+            tuple(x + amount * (i == axis) for i, x in enumerate(self.path.start)),
+        )
         other.kept = {}
         other.path = Passing(**{**vars(self.path), "start": start})
         return other
 
     @per_precision
     def numbers(self) -> dict[str, arb]:
-        """Of the path: b, x at the start, V along x, and the coefficients g, a, e of the slip's way."""
+        """Of the path: b, x at the start, V along x, and the coefficients g, a, e of the slip's
+        way.
+        """
         p, (x, y, u, v) = self.path, [arb_of(value) for value in self.path.start]
         speed = (u * u + v * v).sqrt()
         along, off = (x * u + y * v) / speed, (y * u - x * v) / speed
-        base, steep = arb_of(p.spin * (p.radii[1] - p.lever * sum(p.radii))) / speed, arb_of(p.spin * p.lever) / (2 * speed)
-        return {"b": off, "x": along, "V": speed, "g": off + steep * off * off, "a": base, "e": steep, "cos": u / speed, "sin": v / speed}
+        base, steep = (
+            arb_of(p.spin * (p.radii[1] - p.lever * sum(p.radii))) / speed,
+            arb_of(p.spin * p.lever) / (2 * speed),
+        )
+        return {
+            "b": off,
+            "x": along,
+            "V": speed,
+            "g": off + steep * off * off,
+            "a": base,
+            "e": steep,
+            "cos": u / speed,
+            "sin": v / speed,
+        }
 
     @property
     def reach(self) -> arb:
@@ -131,7 +159,10 @@ class ContactPath(ClosedForm):
         """Derivatives of sigma by x, from the first on."""
         at, n = self.place(x), self.numbers()
         distance = at.distance
-        return (at.b / distance + n["a"] + 2 * n["e"] * distance, -at.b * x / distance**3 + 2 * n["e"] * x / distance)[order]
+        return (
+            at.b / distance + n["a"] + 2 * n["e"] * distance,
+            -at.b * x / distance**3 + 2 * n["e"] * x / distance,
+        )[order]
 
     def spared(self, piece: Piece, side: int, order: int, x: arb) -> arb:
         """A derivative by x of what the spring has left towards a side."""
@@ -171,11 +202,15 @@ class ContactPath(ClosedForm):
             caught = earliest([Watched("caught", rates)], last.begin, end)
             if caught is None:
                 return None
-            return Piece(caught[1], 0, last.side * self.limit(caught[1], 0) - self.way(self.place(caught[1])))
+            return Piece(
+                caught[1], 0, last.side * self.limit(caught[1], 0) - self.way(self.place(caught[1]))
+            )
         guards = []
         for side in (1, -1):
             order = touching.get(side, 0)
-            spare: list[Along] = [partial(self.spared, last, side, n) for n in range(max(2, order + 1))]
+            spare: list[Along] = [
+                partial(self.spared, last, side, n) for n in range(max(2, order + 1))
+            ]
             guards.append(Watched(str(side), spare, order))
         found = earliest(guards, last.begin, end)
         return None if found is None else Piece(found[1], int(found[0]), arb(0))
@@ -198,7 +233,11 @@ class ContactPath(ClosedForm):
             whole = c * x + g * (x * angle - d) + a * x * x / 2 + e * d**3 / 3
             bent = angle * area - (x * x + b * b * angle * angle) / 4
             spread = c * area + g * bent + a * d**3 / 3 + e * d**4 / 4
-        return [-k * pressed[0] - rub * by_b, -k * pressed[1] + rub * by_x, rub * (lever * whole + more * spread)]
+        return [
+            -k * pressed[0] - rub * by_b,
+            -k * pressed[1] + rub * by_x,
+            rub * (lever * whole + more * spread),
+        ]
 
     def evaluate(self, t: arb) -> dict[str, arb]:
         n, p = self.numbers(), self.path
@@ -212,22 +251,44 @@ class ContactPath(ClosedForm):
                 break
             if not x > piece.begin or not (x <= stop or x > stop):
                 raise UndecidedError("in which piece it is")
-            gained = zip(self.given(piece, stop if x > stop else x), self.given(piece, piece.begin), strict=True)
-            total = [one + (after - before) / n["V"] for one, (after, before) in zip(total, gained, strict=True)]
+            gained = zip(
+                self.given(piece, stop if x > stop else x),
+                self.given(piece, piece.begin),
+                strict=True,
+            )
+            total = [
+                one + (after - before) / n["V"]
+                for one, (after, before) in zip(total, gained, strict=True)
+            ]
         slack = arb(0, total_bound(p))
-        pushed = [n["cos"] * total[0] - n["sin"] * total[1] + slack, n["sin"] * total[0] + n["cos"] * total[1] + slack, arb(0)]
+        pushed = [
+            n["cos"] * total[0] - n["sin"] * total[1] + slack,
+            n["sin"] * total[0] + n["cos"] * total[1] + slack,
+            arb(0),
+        ]
         start = [arb_of(value) for value in p.start]
         seen = {"impulse": pushed, "turning": [arb(0), arb(0), total[2] + slack]}
-        seen |= {"r": [start[0] + start[2] * t, start[1] + start[3] * t, arb(0)], "v": [start[2], start[3], arb(0)]}
-        return {f"{name}.{AXES[i]}": self.turned(vector)[i] for name, vector in seen.items() for i in range(3)}
+        seen |= {
+            "r": [start[0] + start[2] * t, start[1] + start[3] * t, arb(0)],
+            "v": [start[2], start[3], arb(0)],
+        }
+        return {
+            f"{name}.{AXES[i]}": self.turned(vector)[i]
+            for name, vector in seen.items()
+            for i in range(3)
+        }
 
     def turned(self, vector: list[arb]) -> list[arb]:
         """From the frame of the path to space."""
-        return [sum((arb_of(row[j]) * vector[j] for j in range(3)), arb(0)) for row in self.path.frame]
+        return [
+            sum((arb_of(row[j]) * vector[j] for j in range(3)), arb(0)) for row in self.path.frame
+        ]
 
     @per_precision
     def growth(self) -> Grows:
-        """From errors of the start alone: those of the path that are made later act upon less of the contact."""
+        """From errors of the start alone: those of the path that are made later act upon less of
+        the contact.
+        """
         return FromTheStart(self.jacobian)
 
     def jacobian(self, t: Fraction) -> arb_mat:
@@ -235,14 +296,24 @@ class ContactPath(ClosedForm):
         pairs = [self.pair(axis) for axis in range(len(self.state))]
         states = [(plus.evaluate(arb_of(t)), minus.evaluate(arb_of(t))) for plus, minus in pairs]
         twice = arb_of(2 * DISPLACEMENT)
-        return arb_mat([[(plus[name] - minus[name]) / twice / arb_of(self.scale[name]) for plus, minus in states] for name in states[0][0]])
+        return arb_mat(
+            [
+                [
+                    (plus[name] - minus[name]) / twice / arb_of(self.scale[name])
+                    for plus, minus in states
+                ]
+                for name in states[0][0]
+            ]
+        )
 
     def growth_bits(self) -> Sequence[int]:
         return DIFFERENCE_BITS
 
 
 def total_bound(p: Passing) -> arb:
-    """What masses that give way can change of an impulse: the largest force for the whole time moves them, and that changes forces."""
+    """What masses that give way can change of an impulse: the largest force for the whole time
+    moves them, and that changes forces.
+    """
     time = 4 * sum(p.radii) / max(abs(p.start[2]), abs(p.start[3]))
     stiff = p.stiffness * (1 + p.friction) + p.tangential_stiffness
     return arb_of(stiff * stiff * sum(p.radii) * time**3 * 100 / p.mass)

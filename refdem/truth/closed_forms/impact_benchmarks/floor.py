@@ -1,7 +1,9 @@
-"""Spheres over a floor in gravity under the linear law: one that bounces, two squeezed between walls.
+"""Spheres over a floor in gravity under the linear law: one that bounces, two squeezed between
+walls.
 
-Linear equations between the switches, each followed by validated integration; a flight ends at the root of its parabola.
-Floor y = 0, gravity along -y, t >= 0; the force of a contact ends with its overlap. Quantities r, v, omega of each sphere by axis.
+Linear equations between the switches, each followed by validated integration; a flight ends at the
+root of its parabola. Floor y = 0, gravity along -y, t >= 0; the force of a contact ends with its
+overlap. Quantities r, v, omega of each sphere by axis.
 """
 
 from collections.abc import Mapping, Sequence
@@ -40,7 +42,9 @@ class Floor:
 
 
 class OnFloor(HybridFlow):
-    """A hybrid flow whose spheres have all nine quantities; those that its motion does not name are exactly zero."""
+    """A hybrid flow whose spheres have all nine quantities; those that its motion does not name are
+    exactly zero.
+    """
 
     witness = "damped sines and parabolas in closed form with their switches found anew"
     spheres: Sequence[str] = ("",)
@@ -49,21 +53,41 @@ class OnFloor(HybridFlow):
         """Every quantity."""
         if t < 0:
             raise NotCertifiedError("impact-benchmarks: t < 0 is before the start")
-        still = (f"{kind}{i}.{axis}" for i in self.spheres for kind in ("r", "v", "omega") for axis in "xyz")
+        still = (
+            f"{kind}{i}.{axis}"
+            for i in self.spheres
+            for kind in ("r", "v", "omega")
+            for axis in "xyz"
+        )
         return {name: Ball(Fraction(0), Fraction(0)) for name in still} | super().at(t)
 
 
 class Bounce(OnFloor):
-    """y' = v; v' = -g in flight, k d/m - c v/m - g in contact, d = R - y; state (y - R, v, clock)."""
+    """y' = v; v' = -g in flight, k d/m - c v/m - g in contact, d = R - y; state (y - R, v,
+    clock).
+    """
 
-    def __init__(self, scale: Mapping[str, Size], floor: Floor, *, height: Fraction, restitution: Fraction, bounces: int) -> None:
+    def __init__(
+        self,
+        scale: Mapping[str, Size],
+        floor: Floor,
+        *,
+        height: Fraction,
+        restitution: Fraction,
+        bounces: int,
+    ) -> None:
         self.floor = floor
         self.until = time_of_bounces(floor, height, restitution, bounces)
         start, radius = (height - floor.radius, Fraction(0), Fraction(0)), floor.radius
         super().__init__(
-            self.modes_of(floor), start, lambda y: Entry("fly"), lambda y: {"r.y": y[0] + radius, "v.y": y[1]}, scale,
-            state=("r.y", "v.y"), moved=(0, 1),
-        )  # fmt: skip
+            self.modes_of(floor),
+            start,
+            lambda y: Entry("fly"),
+            lambda y: {"r.y": y[0] + radius, "v.y": y[1]},
+            scale,
+            state=("r.y", "v.y"),
+            moved=(0, 1),
+        )
 
     @staticmethod
     def modes_of(floor: Floor) -> dict[str, Mode]:
@@ -73,28 +97,42 @@ class Bounce(OnFloor):
         part = Guard("part", lambda y: -y[0], lambda y: Entry("fly", on_floor, {"land": 1}))
         return {
             "fly": Mode(lambda y: [y[1], -g, 1], (land,), partial(falls, g)),
-            "press": Mode(lambda y: [y[1], -y[0] * k - y[1] * c - g, 1], (part,), window=floor.window),
+            "press": Mode(
+                lambda y: [y[1], -y[0] * k - y[1] * c - g, 1], (part,), window=floor.window
+            ),
         }
 
     def scalars(self) -> dict[str, Ball]:
-        """apex_n [m]: height of the centre at the top of the flight after bounce n, for the bounces before `until` [s]."""
+        """apex_n [m]: height of the centre at the top of the flight after bounce n, for the bounces
+        before `until` [s].
+        """
 
         def found(motion: Motion) -> dict[str, arb]:
             motion.at(arb_of(self.until))
-            ups = [event for event in motion.events if event.name == "part" and event.time < arb_of(self.until)]
+            ups = [
+                event
+                for event in motion.events
+                if event.name == "part" and event.time < arb_of(self.until)
+            ]
             twice = arb_of(2 * self.floor.gravity)
-            return {f"apex_{n + 1}": arb_of(self.floor.radius) + up.state[1] ** 2 / twice for n, up in enumerate(ups)}
+            return {
+                f"apex_{n + 1}": arb_of(self.floor.radius) + up.state[1] ** 2 / twice
+                for n, up in enumerate(ups)
+            }
 
         return self.climbed(found, "apexes")
 
 
 def time_of_bounces(floor: Floor, height: Fraction, restitution: Fraction, bounces: int) -> Number:
-    """About the time [s] of the top of the flight after so many bounces: of a hard sphere's flights, and half a swing a contact.
+    """About the time [s] of the top of the flight after so many bounces: of a hard sphere's
+    flights, and half a swing a contact.
 
     A flight with the speed e^n sqrt(2 g (h - R)) rises for e^n sqrt(2 (h - R)/g).
     """
     fall = root(2 * (height - floor.radius) / floor.gravity)
-    flights = 1 + 2 * sum((restitution**n for n in range(1, bounces)), Fraction(0)) + restitution**bounces
+    flights = (
+        1 + 2 * sum((restitution**n for n in range(1, bounces)), Fraction(0)) + restitution**bounces
+    )
     contact = pi() * root(floor.mass / floor.stiffness)
     lasts: Number = fall * flights + bounces * contact
     return lasts
@@ -111,12 +149,20 @@ def falls(g: Fraction, y: State) -> tuple[str, arb]:
 
 
 class Stack(OnFloor):
-    """Two spheres of one radius between the floor and a ceiling: three springs that press; state (y1, v1, y2, v2, clock)."""
+    """Two spheres of one radius between the floor and a ceiling: three springs that press; state
+    (y1, v1, y2, v2, clock).
+    """
 
     spheres = ("1", "2")
 
     def __init__(
-        self, scale: Mapping[str, Size], floor: Floor, *, upper_mass: Number, ceiling: Fraction, starts: Sequence[Fraction]
+        self,
+        scale: Mapping[str, Size],
+        floor: Floor,
+        *,
+        upper_mass: Number,
+        ceiling: Fraction,
+        starts: Sequence[Fraction],
     ) -> None:
         zero, radius = Fraction(0), floor.radius
 
@@ -125,8 +171,14 @@ class Stack(OnFloor):
 
         def field(y: Sequence[Any]) -> list[Any]:
             rates = (-y[1], y[1] - y[3], y[3])
-            low, middle, high = (a * floor.stiffness + u * floor.damping for a, u in zip(overlaps(y), rates, strict=True))
-            up = ((low - middle) / floor.mass - floor.gravity, (middle - high) / upper_mass - floor.gravity)
+            low, middle, high = (
+                a * floor.stiffness + u * floor.damping
+                for a, u in zip(overlaps(y), rates, strict=True)
+            )
+            up = (
+                (low - middle) / floor.mass - floor.gravity,
+                (middle - high) / upper_mass - floor.gravity,
+            )
             return [y[1], up[0], y[3], up[1], 1]
 
         def opens(i: int) -> Guard:
@@ -134,7 +186,11 @@ class Stack(OnFloor):
 
         guards = tuple(opens(i) for i in range(3))
         super().__init__(
-            {"squeezed": Mode(field, guards, window=floor.window)}, (starts[0], zero, starts[1], zero, zero), lambda y: Entry("squeezed"),
-            lambda y: {"r1.y": y[0], "v1.y": y[1], "r2.y": y[2], "v2.y": y[3]}, scale,
-            state=("r1.y", "v1.y", "r2.y", "v2.y"), moved=(0, 1, 2, 3),
-        )  # fmt: skip
+            {"squeezed": Mode(field, guards, window=floor.window)},
+            (starts[0], zero, starts[1], zero, zero),
+            lambda y: Entry("squeezed"),
+            lambda y: {"r1.y": y[0], "v1.y": y[1], "r2.y": y[2], "v2.y": y[3]},
+            scale,
+            state=("r1.y", "v1.y", "r2.y", "v2.y"),
+            moved=(0, 1, 2, 3),
+        )

@@ -1,8 +1,11 @@
-"""A sphere that touches the wall x = 0 from the left under Hertz's law F = k d^(3/2), with sliding friction of full size: closed form.
+"""A sphere that touches the wall x = 0 from the left under Hertz's law F = k d^(3/2), with sliding
+friction of full size: closed form.
 
-The normal motion is that of power_contact. Friction is mu F against the slip s = v_y + R omega while there is any; with P(t) the normal
-impulse per mass so far (the fall of v_x), v_y loses mu P and R omega 5/2 mu P, so that the slip ends at P = 2|s|/(7 mu), if P comes so
-far, and does not come back: rolling needs no friction on a wall with the lever R (Maw, Barber and Fawcett 1976 for the limit).
+The normal motion is that of power_contact. Friction is mu F against the slip s = v_y + R omega
+while there is any; with P(t) the normal impulse per mass so far (the fall of v_x), v_y loses mu P
+and R omega 5/2 mu P, so that the slip ends at P = 2|s|/(7 mu), if P comes so far, and does not come
+back: rolling needs no friction on a wall with the lever R (Maw, Barber and Fawcett 1976 for the
+limit).
 """
 
 from collections.abc import Callable, Iterator, Mapping
@@ -31,13 +34,24 @@ class HertzWallImpact(SmoothFlow):
     """Place [m], velocity [m/s] and angular velocity [rad/s] at t >= 0."""
 
     state = STATE
-    method = "closed form: incomplete beta function by 2F1, solved by Newton's rule with a bound; friction by its impulse"
+    method = (
+        "closed form: incomplete beta function by 2F1, solved by Newton's rule with a bound;"
+        " friction by its impulse"
+    )
     witness = "Taylor integration in w = sqrt(overlap), friction by its own law"
 
     def __init__(
-        self, scale: Mapping[str, Size], *, mass: Number, radius: Fraction, stiffness: Number, friction: Fraction,
-        normal: Number, across: Number, spin: Fraction,
-    ) -> None:  # fmt: skip
+        self,
+        scale: Mapping[str, Size],
+        *,
+        mass: Number,
+        radius: Fraction,
+        stiffness: Number,
+        friction: Fraction,
+        normal: Number,
+        across: Number,
+        spin: Fraction,
+    ) -> None:
         super().__init__(scale)
         self.mass, self.radius, self.stiffness, self.friction = mass, radius, stiffness, friction
         self.begin: tuple[Number, ...] = (-radius, Fraction(0), normal, across, spin)
@@ -56,9 +70,10 @@ class HertzWallImpact(SmoothFlow):
     def stretches(self) -> Iterator[Stretch]:
         """Free, sliding, rolling, free; errors of STATE in scales.
 
-        Along the normal by scaling. Friction, mu times the normal force, hands on what the normal velocity loses: an error of v_x or x
-        comes to v_y and y times mu, to omega times 5 mu/(2 R). Where the slip ends, and at once for every error that is made while the
-        sphere rolls under pressure, v_y loses 2/7 of the slip and omega 5/7 of it over R.
+        Along the normal by scaling. Friction, mu times the normal force, hands on what the normal
+        velocity loses: an error of v_x or x comes to v_y and y times mu, to omega times 5 mu/(2 R).
+        Where the slip ends, and at once for every error that is made while the sphere rolls under
+        pressure, v_y loses 2/7 of the slip and omega 5/7 of it over R.
         """
         contact, touch = self.contact()
         parted = touch + 2 * contact.half
@@ -72,31 +87,57 @@ class HertzWallImpact(SmoothFlow):
         else:
             begin = arb(0)
         if not self.friction:
-            yield smooth(begin, None, partial(self.later, self.errors(0), begin), quickness=self.quick)
+            yield smooth(
+                begin, None, partial(self.later, self.errors(0), begin), quickness=self.quick
+            )
             return
         if slides and stop is None:
-            yield smooth(begin, parted - begin, partial(self.later, self.errors(1), begin), quickness=self.quick)
+            yield smooth(
+                begin,
+                parted - begin,
+                partial(self.later, self.errors(1), begin),
+                quickness=self.quick,
+            )
         else:
             if slides:
                 assert stop is not None
-                yield smooth(begin, stop[1] - begin, partial(self.later, self.errors(1), begin), jump=held, quickness=self.quick)
+                yield smooth(
+                    begin,
+                    stop[1] - begin,
+                    partial(self.later, self.errors(1), begin),
+                    jump=held,
+                    quickness=self.quick,
+                )
                 begin = stop[1]
             rolling = partial(self.later, self.errors(0), begin)
             yield smooth(begin, parted - begin, rolling, felt=held, quickness=self.quick)
-        yield smooth(parted, None, partial(self.later, self.errors(0), parted), quickness=self.quick)
+        yield smooth(
+            parted, None, partial(self.later, self.errors(0), parted), quickness=self.quick
+        )
 
     def quick(self, t: arb) -> float:
         """Bound of the norm of the field's Jacobian in scales."""
         contact, _ = self.contact()
-        steepest = arb_of(HERTZ * self.stiffness / self.mass) * contact.depth.sqrt() * arb_of(self.scale["r.x"])
+        steepest = (
+            arb_of(HERTZ * self.stiffness / self.mass)
+            * contact.depth.sqrt()
+            * arb_of(self.scale["r.x"])
+        )
         rub = arb_of(self.friction)
         rates = [steepest / arb_of(self.scale["v.x"]), rub * steepest / arb_of(self.scale["v.y"])]
-        rates.append(rub * steepest * arb_of(Fraction(5, 2) / self.radius) / arb_of(self.scale["omega.z"]))
-        rates += [arb_of(self.scale["v.x"] / self.scale["r.x"]), arb_of(self.scale["v.y"] / self.scale["r.y"])]
+        rates.append(
+            rub * steepest * arb_of(Fraction(5, 2) / self.radius) / arb_of(self.scale["omega.z"])
+        )
+        rates += [
+            arb_of(self.scale["v.x"] / self.scale["r.x"]),
+            arb_of(self.scale["v.y"] / self.scale["r.y"]),
+        ]
         return most(rates)
 
     def errors(self, rubs: int) -> Callable[[arb], arb_mat]:
-        """Five independent errors, as columns, by the time since the start: two of the normal motion, y, v_y and omega."""
+        """Five independent errors, as columns, by the time since the start: two of the normal
+        motion, y, v_y and omega.
+        """
         _, touch = self.contact()
         stiffness, power = arb_of(self.stiffness / self.mass), arb_of(Fraction(2) / (HERTZ + 1))
         side = (self.slip() > 0) - (self.slip() < 0)
@@ -115,12 +156,19 @@ class HertzWallImpact(SmoothFlow):
                 [push * v1, push * v2, none, one, none],
                 [turn * v1, turn * v2, none, none, one],
             ]
-            return arb_mat([[entry / arb_of(self.scale[name]) for entry in row] for name, row in zip(STATE, rows, strict=True)])
+            return arb_mat(
+                [
+                    [entry / arb_of(self.scale[name]) for entry in row]
+                    for name, row in zip(STATE, rows, strict=True)
+                ]
+            )
 
         return found
 
     def normal_at(self, t: arb) -> tuple[arb, arb]:
-        """Overlap and its rate, also at the ball of times at which the contact ends: about 0, and the speed that it began with."""
+        """Overlap and its rate, also at the ball of times at which the contact ends: about 0, and
+        the speed that it began with.
+        """
         contact, touch = self.contact()
         beyond = t - touch - 2 * contact.half
         if beyond > 0 or beyond < 0:
@@ -146,12 +194,19 @@ class HertzWallImpact(SmoothFlow):
     def scaled_errors(self, rows: list[list[arb]]) -> arb_mat:
         """A matrix from errors to errors in scales."""
         sizes = [arb_of(self.scale[name]) for name in STATE]
-        return arb_mat([[entry * own / size for entry, own in zip(row, sizes, strict=True)] for row, size in zip(rows, sizes, strict=True)])
+        return arb_mat(
+            [
+                [entry * own / size for entry, own in zip(row, sizes, strict=True)]
+                for row, size in zip(rows, sizes, strict=True)
+            ]
+        )
 
     @per_precision
     def contact(self) -> tuple[PowerContact, arb]:
         """The contact, and when it begins."""
-        return touching(self.mass, self.stiffness, HERTZ, self.begin[0] + self.radius, self.begin[2])
+        return touching(
+            self.mass, self.stiffness, HERTZ, self.begin[0] + self.radius, self.begin[2]
+        )
 
     def slip(self) -> Number:
         """v_y + R omega at the start."""
@@ -167,7 +222,9 @@ class HertzWallImpact(SmoothFlow):
         contact, touch = self.contact()
         since = t - touch
         if since < 0:
-            return arb_of(self.begin[0] + self.radius) + arb_of(self.begin[2]) * t, arb_of(self.begin[2])
+            return arb_of(self.begin[0] + self.radius) + arb_of(self.begin[2]) * t, arb_of(
+                self.begin[2]
+            )
         after = since - 2 * contact.half
         return (-contact.speed * after, -contact.speed) if after >= 0 else contact.state(since)
 
@@ -177,12 +234,16 @@ class HertzWallImpact(SmoothFlow):
         contact, touch = self.contact()
         if not self.friction or not self.slip():
             return None
-        s = (arb_of(self.begin[2]) - arb_of(Fraction(2, 7) * self.slip_size() / self.friction)) / contact.speed
+        s = (
+            arb_of(self.begin[2]) - arb_of(Fraction(2, 7) * self.slip_size() / self.friction)
+        ) / contact.speed
         if s < -1:
             return None
         if not s > -1:
             raise UndecidedError("whether the slip ends before the contact does")
-        return contact.depth * (1 - s * s) ** contact.a, touch + contact.half - contact.unit * contact.before_turn(s)
+        return contact.depth * (
+            1 - s * s
+        ) ** contact.a, touch + contact.half - contact.unit * contact.before_turn(s)
 
     def evaluate(self, t: arb) -> dict[str, arb]:
         x, y, vx, vy, spin = (arb_of(value) for value in self.begin)
@@ -195,7 +256,12 @@ class HertzWallImpact(SmoothFlow):
         if end is not None and t > end[1]:
             impulse = arb_of(Fraction(2, 7) * self.slip_size() / self.friction)
             way, rest = vx * end[1] - (end[0] - (x + arb_of(self.radius))), impulse * (t - end[1])
-        now = (depth - arb_of(self.radius), y + vy * t - push * (way + rest), rate, vy - push * impulse)
+        now = (
+            depth - arb_of(self.radius),
+            y + vy * t - push * (way + rest),
+            rate,
+            vy - push * impulse,
+        )
         turned = spin - push * impulse * arb_of(Fraction(5, 2) / self.radius)
         return dict(zip((*STATE, *STILL), (*now, turned, *(arb(0),) * 4), strict=True))
 

@@ -1,9 +1,11 @@
-"""A sphere that touches the wall x = 0 under Hertz's law with a tangential spring (lever R), clipped at Coulomb's limit: closed form.
+"""A sphere that touches the wall x = 0 under Hertz's law with a tangential spring (lever R),
+clipped at Coulomb's limit: closed form.
 
-The spring is k_t sqrt(d) s, s' the slip v_y + R omega, and clipped where it is mu k d^(3/2): at |s| = g d, g = mu k/k_t. It slides
-from touch if |slip| > g v_n. While it slides the slip falls by 7/2 mu times the normal impulse per mass, so that the limit, whose rate
-is g d', is met again where a linear function of d' is zero; while it sticks the stretch is that of mindlin_spring, and where it comes
-to g d is proved by bisection and interval Newton. v_y - 2/5 R omega is kept.
+The spring is k_t sqrt(d) s, s' the slip v_y + R omega, and clipped where it is mu k d^(3/2): at |s|
+= g d, g = mu k/k_t. It slides from touch if |slip| > g v_n. While it slides the slip falls by 7/2
+mu times the normal impulse per mass, so that the limit, whose rate is g d', is met again where a
+linear function of d' is zero; while it sticks the stretch is that of mindlin_spring, and where it
+comes to g d is proved by bisection and interval Newton. v_y - 2/5 R omega is kept.
 
 Not certified: a spring that is too near its limit to tell on which side it is.
 """
@@ -29,7 +31,9 @@ MOST = 64
 
 @dataclass(frozen=True)
 class Sliding:
-    """The spring at its limit on one side, at the leg and x where it comes there; slip [m/s] there."""
+    """The spring at its limit on one side, at the leg and x where it comes there; slip [m/s]
+    there.
+    """
 
     spring: MindlinSpring
     side: int
@@ -40,7 +44,10 @@ class Sliding:
     """7/2 mu."""
 
     def caught(self, slack: arb) -> tuple[int, arb] | None:
-        """Leg and x where the limit rises faster, or falls more slowly, than the spring at it; None if it does not before the end."""
+        """Leg and x where the limit rises faster, or falls more slowly, than the spring at it;
+
+        None if it does not before the end.
+        """
         speed = self.spring.contact.speed
         _, rate = self.spring.place(self.leg, self.x)
         gap = self.slowing - slack
@@ -59,13 +66,17 @@ class Sliding:
         contact = self.spring.contact
         before, first = self.spring.place(self.leg, self.x)
         push = self.side * self.slowing
-        way = self.slip * elapsed - push * (contact.speed * first * elapsed - contact.depth * (depth - before))
+        way = self.slip * elapsed - push * (
+            contact.speed * first * elapsed - contact.depth * (depth - before)
+        )
         return self.slip - push * contact.speed * (first - rate), way
 
 
 @dataclass(frozen=True)
 class Phase:
-    """From a time [s] since touch on; the way of the slip until then [m], and the stretch [m] at the begin."""
+    """From a time [s] since touch on; the way of the slip until then [m], and the stretch [m] at
+    the begin.
+    """
 
     begin: arb
     way: arb
@@ -82,12 +93,19 @@ class Phase:
 
 
 class MindlinWallImpact(HertzWallImpact):
-    """Place [m], velocity [m/s] and angular velocity [rad/s] at t >= 0; friction and `stiffness_ratio` = k_t/k are not 0."""
+    """Place [m], velocity [m/s] and angular velocity [rad/s] at t >= 0; friction and
+    `stiffness_ratio` = k_t/k are not 0.
+    """
 
-    method = "closed form: incomplete beta function along, 2F1 across while it sticks; switches proved by bisection and interval Newton"
+    method = (
+        "closed form: incomplete beta function along, 2F1 across while it sticks; switches proved"
+        " by bisection and interval Newton"
+    )
     witness = "Taylor integration in w = sqrt(overlap), switches found anew"
 
-    def __init__(self, scale: Mapping[str, Size], *, stiffness_ratio: Fraction, **numbers: Number) -> None:
+    def __init__(
+        self, scale: Mapping[str, Size], *, stiffness_ratio: Fraction, **numbers: Number
+    ) -> None:
         super().__init__(scale, **numbers)  # type: ignore[arg-type]
         self.stiffness_ratio = stiffness_ratio
 
@@ -109,7 +127,11 @@ class MindlinWallImpact(HertzWallImpact):
         x, at_limit = touch, 1 if not slides and begin <= 0 else 0
         while len(found) < MOST:
             last = found[-1]
-            after = self.caught(last) if isinstance(last.motion, Sliding) else self.left(last, x, at_limit)
+            after = (
+                self.caught(last)
+                if isinstance(last.motion, Sliding)
+                else self.left(last, x, at_limit)
+            )
             if after is None:
                 return found
             found.append(after[0])
@@ -138,7 +160,10 @@ class MindlinWallImpact(HertzWallImpact):
         return Phase(begin, way, stretch, started(spring, leg, x, stretch, rate)), x, 2 * side
 
     def left(self, last: Phase, x: arb, at_limit: int) -> tuple[Phase, arb, int] | None:
-        """What follows a stick; a stretch that ends with its leg goes on upon the next. `at_limit`: sides that are zero there."""
+        """What follows a stick; a stretch that ends with its leg goes on upon the next.
+
+        `at_limit`: sides that are zero there.
+        """
         motion = last.motion
         assert isinstance(motion, Stretched)
         spring, end = motion.spring, motion.spring.ends(motion.leg)[1]
@@ -155,17 +180,25 @@ class MindlinWallImpact(HertzWallImpact):
         side, where = (1 if found[0] == "1" else -1), found[1]
         begin, (slip, way) = spring.time(motion.leg, where), last.now(motion.leg, where, spring)
         slide = self.sliding(spring, side, motion.leg, where, slip)
-        return Phase(begin, way, side * self.slack() * spring.overlap(motion.leg, where)[0], slide), where, 0
+        return (
+            Phase(begin, way, side * self.slack() * spring.overlap(motion.leg, where)[0], slide),
+            where,
+            0,
+        )
 
     def guard(self, motion: Stretched, side: int, x: arb, at_limit: int) -> Watched:
-        """g d - side s; zero at the begin where both are (at touch, to the first order), or that side's is (caught, to the second)."""
+        """g d - side s; zero at the begin where both are (at touch, to the first order), or that
+        side's is (caught, to the second).
+        """
         touching = 1 if at_limit == 1 else 2 if at_limit == 2 * side else 0
         rates: list[Along] = [partial(self.spared, motion, side, order) for order in range(3)]
         return Watched(str(side), rates[: max(2, touching + 1)], touching)
 
     def spared(self, motion: Stretched, side: int, order: int, x: arb) -> arb:
         """A derivative by x of g d - side s."""
-        return self.slack() * motion.spring.overlap(motion.leg, x)[order] - side * motion.at(x)[order]
+        return (
+            self.slack() * motion.spring.overlap(motion.leg, x)[order] - side * motion.at(x)[order]
+        )
 
     def across(self, t: arb) -> tuple[arb, arb]:
         """Slip and its way since the start at t, with the slip at the start counted as positive."""
@@ -188,7 +221,9 @@ class MindlinWallImpact(HertzWallImpact):
         now, way = phase.now(OUTWARD, arb(0), phase.motion.spring)
         return now, slip * first + way + now * (since - 2 * contact.half)
 
-    def coordinate(self, spring: MindlinSpring, leg: int | None, depth: arb, rate: arb) -> tuple[int, arb]:
+    def coordinate(
+        self, spring: MindlinSpring, leg: int | None, depth: arb, rate: arb
+    ) -> tuple[int, arb]:
         """On the leg that is asked for, which near its ends balls could not tell."""
         if leg is None:
             return spring.coordinate(depth, rate)
@@ -213,12 +248,20 @@ class MindlinWallImpact(HertzWallImpact):
         slip, way = self.across(t)
         kept, part = vy - arb_of(Fraction(2, 5)) * radius * spin, arb_of(Fraction(2, 7))
         along = (side * slip * part) + kept * (1 - part)
-        now = (depth - radius, y + side * way * part + kept * (1 - part) * t, rate, along, (side * slip - along) / radius)
+        now = (
+            depth - radius,
+            y + side * way * part + kept * (1 - part) * t,
+            rate,
+            along,
+            (side * slip - along) / radius,
+        )
         return dict(zip((*STATE, *STILL), (*now, *(arb(0),) * 4), strict=True))
 
     @per_precision
     def growth(self) -> Grows:
-        """From errors of the start alone: what errors that are made later do to a spring that is clipped is not bounded yet."""
+        """From errors of the start alone: what errors that are made later do to a spring that is
+        clipped is not bounded yet.
+        """
         return FromTheStart(self.jacobian)
 
     def growth_bits(self) -> Sequence[int]:

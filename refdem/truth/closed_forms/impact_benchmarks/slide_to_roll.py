@@ -1,8 +1,11 @@
-"""A solid sphere that lies on the floor y = 0, its overlap that of its weight, and slides along x until it rolls: closed form.
+"""A solid sphere that lies on the floor y = 0, its overlap that of its weight, and slides along x
+until it rolls: closed form.
 
-With d the overlap, d'' = g - N/m, the impulse of the floor per mass is I = g t - (d' - d'(0)). Friction mu N against the slip u + R omega
-(omega about z, lever R) takes mu I from u and 5/2 mu I from R omega, so that it rolls from I = 2 (u0 + R omega0)/(7 mu) on, at 5/7 u0
-if it did not spin; then nothing acts along the floor. The overlap stays, or, for the neighbouring motions of S, swings at sqrt(k/m).
+With d the overlap, d'' = g - N/m, the impulse of the floor per mass is I = g t - (d' - d'(0)).
+Friction mu N against the slip u + R omega (omega about z, lever R) takes mu I from u and 5/2 mu I
+from R omega, so that it rolls from I = 2 (u0 + R omega0)/(7 mu) on, at 5/7 u0 if it did not spin;
+then nothing acts along the floor. The overlap stays, or, for the neighbouring motions of S, swings
+at sqrt(k/m).
 """
 
 from collections.abc import Iterator, Mapping
@@ -30,11 +33,24 @@ class SlideToRoll(ClosedForm):
     witness = "Taylor series of the motion under its law with all its coordinates"
 
     def __init__(
-        self, scale: Mapping[str, Size], *, mass: Number, radius: Fraction, stiffness: Fraction, gravity: Fraction, friction: Fraction,
+        self,
+        scale: Mapping[str, Size],
+        *,
+        mass: Number,
+        radius: Fraction,
+        stiffness: Fraction,
+        gravity: Fraction,
+        friction: Fraction,
         speed: Fraction,
-    ) -> None:  # fmt: skip
+    ) -> None:
         super().__init__(scale)
-        self.radius, self.gravity, self.friction, self.rate2, self.speed = radius, gravity, friction, stiffness / mass, speed
+        self.radius, self.gravity, self.friction, self.rate2, self.speed = (
+            radius,
+            gravity,
+            friction,
+            stiffness / mass,
+            speed,
+        )
         self.sag = gravity / self.rate2
         self.begin = (Fraction(0), Fraction(0), speed, Fraction(0), Fraction(0))
         """x, how far the centre is above its place of rest, their rates, and the spin."""
@@ -47,23 +63,33 @@ class SlideToRoll(ClosedForm):
 
     @per_precision
     def growth(self) -> Grows:
-        return Growth(self.stretches(), Norm([1] * len(STATE)), step=narrow(arb_of(self.rate2).sqrt()))
+        return Growth(
+            self.stretches(), Norm([1] * len(STATE)), step=narrow(arb_of(self.rate2).sqrt())
+        )
 
     def stretches(self) -> Iterator[Stretch]:
-        """Sliding, then rolling; where the slip ends, and at once for every later error, v_x loses 2/7 of it and omega 5/7 over R."""
+        """Sliding, then rolling; where the slip ends, and at once for every later error, v_x loses
+        2/7 of it and omega 5/7 over R.
+        """
         radius, rolls = arb_of(self.radius), self.roll_time()
         rows = [[arb(int(i == j)) for j in range(5)] for i in range(5)]
         rows[2][2], rows[2][4] = arb_of(Fraction(5, 7)), -arb_of(Fraction(2, 7)) * radius
         rows[4][2], rows[4][4] = -arb_of(Fraction(5, 7)) / radius, arb_of(Fraction(2, 7))
         sizes = [arb_of(self.scale[name]) for name in STATE]
-        held = arb_mat([[entry * own / size for entry, own in zip(row, sizes, strict=True)] for row, size in zip(rows, sizes, strict=True)])
+        held = arb_mat(
+            [
+                [entry * own / size for entry, own in zip(row, sizes, strict=True)]
+                for row, size in zip(rows, sizes, strict=True)
+            ]
+        )
         yield smooth(arb(0), rolls, partial(self.errors, arb_of(self.friction)), jump=held)
         yield smooth(rolls, None, partial(self.errors, arb(0)), felt=held)
 
     def errors(self, friction: arb, t: arb) -> arb_mat:
         """Errors of STATE in scales by those a time t earlier, under that friction.
 
-        The overlap swings; mu N takes from v_x what the floor gives to v_y times mu, and from omega 5/(2 R) times as much.
+        The overlap swings; mu N takes from v_x what the floor gives to v_y times mu, and from omega
+        5/(2 R) times as much.
         """
         rate, none, one = arb_of(self.rate2).sqrt(), arb(0), arb(1)
         sine, cosine = (rate * t).sin_cos()
@@ -79,7 +105,12 @@ class SlideToRoll(ClosedForm):
             [none, -turn * gained[0], none, -turn * gained[1], one],
         ]
         sizes = [arb_of(self.scale[name]) for name in STATE]
-        return arb_mat([[entry * own / size for entry, own in zip(row, sizes, strict=True)] for row, size in zip(rows, sizes, strict=True)])
+        return arb_mat(
+            [
+                [entry * own / size for entry, own in zip(row, sizes, strict=True)]
+                for row, size in zip(rows, sizes, strict=True)
+            ]
+        )
 
     def overlap(self, t: arb) -> tuple[arb, arb]:
         """d and d'."""
@@ -87,7 +118,10 @@ class SlideToRoll(ClosedForm):
         off = arb_of(-self.begin[1])
         speed = arb_of(-self.begin[3])
         wave, swing = (rate * t).cos(), (rate * t).sin()
-        return arb_of(self.sag) + off * wave + speed / rate * swing, speed * wave - off * rate * swing
+        return (
+            arb_of(self.sag) + off * wave + speed / rate * swing,
+            speed * wave - off * rate * swing,
+        )
 
     def enough(self) -> Fraction:
         """The impulse per mass after which it rolls."""
@@ -112,12 +146,25 @@ class SlideToRoll(ClosedForm):
         sunk = swung - self.overlap(arb(0))[0]
         way = g * until * until / 2 - sunk - v * until
         speed = u - mu * impulse
-        now = (x + u * until - mu * way + speed * (t - until), radius - depth, speed, -rate, spin - mu * impulse * 5 / (2 * radius))
+        now = (
+            x + u * until - mu * way + speed * (t - until),
+            radius - depth,
+            speed,
+            -rate,
+            spin - mu * impulse * 5 / (2 * radius),
+        )
         return dict(zip((*STATE, *STILL), (*now, *(arb(0),) * 4), strict=True))
 
     def constants(self) -> dict[str, arb]:
-        """roll_time [s], roll_speed [m/s]; as parts, speed_ratio = u/u0 and time_ratio = mu g t/u0."""
+        """roll_time [s], roll_speed [m/s]; as parts, speed_ratio = u/u0 and time_ratio = mu g
+        t/u0.
+        """
         time = self.roll_time()
         speed = self.evaluate(time * 2)["v.x"]
         ratio = arb_of(self.friction * self.gravity / self.speed)
-        return {"roll_time": time, "roll_speed": speed, "speed_ratio": speed / arb_of(self.speed), "time_ratio": time * ratio}
+        return {
+            "roll_time": time,
+            "roll_speed": speed,
+            "speed_ratio": speed / arb_of(self.speed),
+            "time_ratio": time * ratio,
+        }

@@ -1,7 +1,9 @@
-"""A sphere that touches the wall x = 0 from the left at t = 0, under the linear law: press, stick, slip and release.
+"""A sphere that touches the wall x = 0 from the left at t = 0, under the linear law: press, stick,
+slip and release.
 
-The modes are those of a pair (contact_phases) whose second body is flat and cannot be moved: no curvature (eps = 0), one lever. The
-third coordinate is the way that the centre has gone against y, in units of X. Law as in two_spheres; the force ends with the overlap.
+The modes are those of a pair (contact_phases) whose second body is flat and cannot be moved: no
+curvature (eps = 0), one lever. The third coordinate is the way that the centre has gone against y,
+in units of X. Law as in two_spheres; the force ends with the overlap.
 """
 
 from collections.abc import Callable, Mapping, Sequence
@@ -27,7 +29,10 @@ MOVED = ("r.x", "r.y", "v.x", "v.y", "omega.z")
 
 @dataclass(frozen=True, kw_only=True)
 class WallPair:
-    """Numbers in SI units: velocity (`normal`, `across`, 0), `spin` about z; `lever` is 0, 1/2, 1 for R, R-d/2, R-d."""
+    """Numbers in SI units: velocity (`normal`, `across`, 0), `spin` about z;
+
+    `lever` is 0, 1/2, 1 for R, R-d/2, R-d.
+    """
 
     mass: Number
     radius: Fraction
@@ -81,7 +86,11 @@ class WallPhases(ContactPhases):
         self.speed = dyadic_root(near(pair.normal) ** 2 + near(pair.across) ** 2)
         self.length = self.time * self.speed
         self.bend = [pair.lever * self.length / pair.radius, Fraction(0)]
-        self.k, self.c, self.kt = pair.stiffness * self.time**2 / m, pair.damping * self.time / m, spring * self.time**2 / m
+        self.k, self.c, self.kt = (
+            pair.stiffness * self.time**2 / m,
+            pair.damping * self.time / m,
+            spring * self.time**2 / m,
+        )
 
     def start(self) -> list[Callable[[], arb]]:
         """The state at touch."""
@@ -89,7 +98,9 @@ class WallPhases(ContactPhases):
         exact = (0, pair.normal / v, 0, -pair.across / v, pair.radius * pair.spin / v, 0, 0, 0)  # type: ignore[attr-defined]
         return [partial(arb_of, value) for value in exact]
 
-    def field(self, friction: Callable[[State], Any] | None, *, stretches: bool = False) -> Callable[[State], list[Any]]:
+    def field(
+        self, friction: Callable[[State], Any] | None, *, stretches: bool = False
+    ) -> Callable[[State], list[Any]]:
         """The rates under a friction; the way along the wall in the place of the angle."""
         rates = super().field(friction, stretches=stretches)
 
@@ -105,12 +116,17 @@ class WallPhases(ContactPhases):
 
 
 class WallImpact(TwoSpheres):
-    """Place [m], velocity [m/s] and angular velocity [rad/s], NAMES, at t >= 0; S counts what moves in the plane."""
+    """Place [m], velocity [m/s] and angular velocity [rad/s], NAMES, at t >= 0;
+
+    S counts what moves in the plane.
+    """
 
     def __init__(self, scale: Mapping[str, float], pair: WallPair, *, digits: int = 40) -> None:
         super(HybridFlow, self).__init__(scale, digits=digits)
         self.spheres, self.wall, self.phases = pair, pair, WallPhases(pair)  # type: ignore[assignment]
-        self.witness = "Taylor series in Cartesian coordinates with the switches found anew; sliding formulas"
+        self.witness = (
+            "Taylor series in Cartesian coordinates with the switches found anew; sliding formulas"
+        )
 
     def at(self, t: Fraction) -> dict[str, Ball]:
         def found(motion: ContactMotion) -> dict[str, arb]:
@@ -126,13 +142,17 @@ class WallImpact(TwoSpheres):
         """The nine quantities from x, y, vx, vy and the spin."""
         x, y, vx, vy, spin = relative[:5]
         nothing = arb(0)
-        return dict(zip(NAMES, (x, y, nothing, vx, vy, nothing, nothing, nothing, spin), strict=True))
+        return dict(
+            zip(NAMES, (x, y, nothing, vx, vy, nothing, nothing, nothing, spin), strict=True)
+        )
 
     def scalars(self) -> dict[str, Ball]:
         return self.climbed(self.extremes, "scalars")
 
     def extremes(self, motion: ContactMotion) -> dict[str, arb]:
-        """Those of a pair; impulse_ratio (along y over along -x), rebound_across [m/s] and rebound_spin [rad/s]."""
+        """Those of a pair; impulse_ratio (along y over along -x), rebound_across [m/s] and
+        rebound_spin [rad/s].
+        """
         found = super().extremes(motion)
         begin, end = motion.phases[0].entered, motion.phases[-2].crossing()[3]
         speed = arb_of(self.phases.speed)
@@ -147,7 +167,9 @@ class WallImpact(TwoSpheres):
         return ()
 
     def bodies(self) -> arb_mat:
-        """The coordinates of the sphere are those of the mode; the spin that it has no use for comes after them."""
+        """The coordinates of the sphere are those of the mode; the spin that it has no use for
+        comes after them.
+        """
         return identity(self.phases.size - 1)
 
     def counted(self) -> Sequence[str]:
