@@ -10,7 +10,8 @@ JOBS ?= 2
 BIN := .venv/bin
 ENGINES := mujoco pymunk rebound
 PIP := $(BIN)/pip --disable-pip-version-check install --quiet
-CONSTRAINED := $(PIP) --constraint requirements.lock --requirement
+# Nothing is installed of which requirements.lock does not have the digest.
+HASHED := $(PIP) --require-hashes --requirement
 # What the wheel is made of. Generated Python (caches, kernels built in place) does not count.
 SOURCES := pyproject.toml meson.build ci/list-sources.py README.md LICENSE $(shell find refdem validation -type f \
 	-not -path '*/__pycache__/*' -not -name '*.so' -not -name '.*')
@@ -36,7 +37,7 @@ help:
 	@echo 'make codes      DEM codes that the gates in validation/codes run, in .venv-codes'
 	@echo 'make lint       ruff, clang-format, mypy, import-linter'
 	@echo 'make develop    build the kernels beside their sources and run from the tree'
-	@echo 'make lock       pin the newest versions in requirements.lock'
+	@echo 'make lock       pin the newest versions in requirements.lock, with the digests of their files'
 
 validate: .venv/refdem
 	$(BIN)/refdem run --campaign main --out reports
@@ -98,7 +99,7 @@ develop: .venv/for-all
 	ci/run-from-tree $(BIN)/python
 
 lock:
-	ci/lock $(PYTHON)
+	ci/lock $(PYTHON) --upgrade
 
 clean:
 	rm -rf .venv .venv-codes build dist
@@ -110,30 +111,30 @@ clean:
 	touch $@
 
 .venv/for-runs: .venv/made pyproject.toml requirements.lock ci/dependencies.py
-	$(BIN)/python ci/dependencies.py $(ENGINES) >.venv/wanted.txt
-	$(CONSTRAINED) .venv/wanted.txt
+	$(BIN)/python ci/dependencies.py --locked $(ENGINES) >.venv/wanted.txt
+	$(HASHED) .venv/wanted.txt
 	touch $@
 
 .venv/for-tests: .venv/for-runs
-	$(BIN)/python ci/dependencies.py test bench >.venv/wanted.txt
-	$(CONSTRAINED) .venv/wanted.txt
+	$(BIN)/python ci/dependencies.py --locked test bench >.venv/wanted.txt
+	$(HASHED) .venv/wanted.txt
 	touch $@
 
 .venv/for-all: .venv/for-tests
-	$(BIN)/python ci/dependencies.py browser lint >.venv/wanted.txt
-	$(CONSTRAINED) .venv/wanted.txt
+	$(BIN)/python ci/dependencies.py --locked browser lint >.venv/wanted.txt
+	$(HASHED) .venv/wanted.txt
 	touch $@
 
 .venv/for-mutants: .venv/for-all
-	$(BIN)/python ci/dependencies.py mutants >.venv/wanted.txt
-	$(CONSTRAINED) .venv/wanted.txt
+	$(BIN)/python ci/dependencies.py --locked mutants >.venv/wanted.txt
+	$(HASHED) .venv/wanted.txt
 	touch $@
 
 # DEM codes have an environment of their own, so that nothing of theirs comes into refdem's.
 .venv-codes/made: validation/codes/requirements.txt
 	rm -rf .venv-codes
 	$(PYTHON) -m venv .venv-codes
-	.venv-codes/bin/pip --disable-pip-version-check install --quiet --requirement $<
+	.venv-codes/bin/pip --disable-pip-version-check install --quiet --require-hashes --requirement $<
 	touch $@
 
 .venv/refdem: .venv/for-runs build/sources.txt $(SOURCES)

@@ -1,13 +1,81 @@
 """Prints what refdem needs, one requirement a line: its build, its dependencies and the extras
 named as arguments.
+
+With --locked, that and all that it depends on, as requirements.lock pins it: a version, and the
+digests of all files of that release, so that `pip install --require-hashes` takes nothing else.
 """
 
+import re
 import sys
 import tomllib
+from dataclasses import dataclass
 from pathlib import Path
 
+ROOT = Path(__file__).parents[1]
+NAME = re.compile(r"[A-Za-z0-9._-]+")
+VIA = re.compile(r"^    # via (.*)$", re.MULTILINE)
+"""How uv says which packages, or which file of requirements, ask for one."""
+
+
+@dataclass(frozen=True)
+class Locked:
+    """A package in the lock: its lines there, and the names of the packages that depend on it."""
+
+    name: str
+    text: str
+    asked_by: frozenset[str]
+
+
+def plain(requirement: str) -> str:
+    """The name of a requirement as indexes write it."""
+    found = NAME.match(requirement)
+    if found is None:
+        raise SystemExit(f"{requirement!r} is no requirement")
+    return re.sub(r"[-_.]+", "-", found[0]).lower()
+
+
+def wanted(extras: list[str]) -> list[str]:
+    """The requirements that pyproject.toml has for the build, for refdem and for some extras."""
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text())
+    optional = project["project"]["optional-dependencies"]
+    found = [*project["build-system"]["requires"], *project["project"]["dependencies"]]
+    for extra in extras:
+        found += optional[extra]
+    return found
+
+
+def locked(text: str) -> list[Locked]:
+    """All packages of a lock. Each begins a line; what else is said of it is indented."""
+    found = []
+    for block in re.split(r"^(?=\w)", text, flags=re.MULTILINE):
+        if "==" not in block:
+            continue
+        names = VIA.search(block)
+        asking = names[1].split(", ") if names else []
+        asked_by = frozenset(plain(name) for name in asking if not name.startswith("-r "))
+        found.append(Locked(plain(block), VIA.sub("", block).rstrip(), asked_by))
+    return found
+
+
+def closure(requirements: list[str], packages: list[Locked]) -> list[Locked]:
+    """The packages that requirements name, and all that these depend on."""
+    known = {package.name for package in packages}
+    names = {plain(requirement) for requirement in requirements}
+    if not names <= known:
+        missing = ", ".join(sorted(names - known))
+        raise SystemExit(f"requirements.lock has no {missing}; run: make lock")
+    while True:
+        more = {package.name for package in packages if package.asked_by & names} - names
+        if not more:
+            return [package for package in packages if package.name in names]
+        names |= more
+
+
 if __name__ == "__main__":
-    project = tomllib.loads((Path(__file__).parents[1] / "pyproject.toml").read_text())
-    extras = project["project"]["optional-dependencies"]
-    wanted = [*project["build-system"]["requires"], *project["project"]["dependencies"]]
-    print("\n".join([*wanted, *(line for name in sys.argv[1:] for line in extras[name])]))
+    arguments = sys.argv[1:]
+    requirements = wanted([name for name in arguments if name != "--locked"])
+    if "--locked" in arguments:
+        packages = locked((ROOT / "requirements.lock").read_text())
+        print("\n".join(package.text for package in closure(requirements, packages)))
+    else:
+        print("\n".join(requirements))
