@@ -1,6 +1,8 @@
 """The templates for other repositories, run step by step as their services would."""
 
 import os
+import re
+import shutil
 import stat
 import subprocess
 import sys
@@ -12,20 +14,36 @@ import yaml
 ROOT = Path(__file__).parents[2]
 
 
+REFDEM = f'#!/bin/sh\nexec {sys.executable} -c "from refdem.cli import main; main()" "$@"\n'
+PIP = """#!/bin/sh
+if [ "$1 $2 $3" = "-m pip install" ]; then
+  echo "$@" >>{told}
+  exit 0
+fi
+exec {python} "$@"
+"""
+VENV = """#!/bin/sh
+if [ "$1 $2" = "-m venv" ]; then
+  mkdir -p "$3/bin"
+  cp {tools}/made/* "$3/bin"
+  exit 0
+fi
+exec {python} "$@"
+"""
+
+
 @pytest.fixture
 def runner(program):
-    """Runs a shell script in the program's folder with `refdem` and a pip that is told what is
-    installed already.
+    """Runs a shell script in the program's folder. Environments that it makes have `refdem`, and
+    a pip that writes down what it is asked for.
     """
     tools = program.folder / "bin"
-    tools.mkdir()
-    refdem = f'#!/bin/sh\nexec {sys.executable} -c "from refdem.cli import main; main()" "$@"\n'
-    pip = (
-        f'#!/bin/sh\n[ "$1 $2 $3" = "-m pip install" ] && echo "$5" > {program.folder}/installed &&'
-        f' exit 0\nexec {sys.executable} "$@"\n'
-    )
-    for name, text in (("refdem", refdem), ("python3", pip)):
-        (tools / name).write_text(text)
+    words = {"told": program.folder / "installed", "tools": tools, "python": sys.executable}
+    (tools / "made").mkdir(parents=True)
+    scripts = {"python3": VENV, "made/python": PIP, "made/refdem": REFDEM}
+    for name, text in scripts.items():
+        is_template = name != "made/refdem"
+        (tools / name).write_text(text.format(**words) if is_template else text)
         (tools / name).chmod(stat.S_IRWXU)
 
     def run(script, **environment):
@@ -47,17 +65,21 @@ def runner(program):
     return run
 
 
-def github(runner):
+def github(runner, program):
     """Every step of the action with its inputs at their defaults; the status of the first that
     fails.
     """
     action = yaml.safe_load((ROOT / "ci" / "gate" / "action.yml").read_text())
+    known = {f"inputs.{name}": value["default"] for name, value in action["inputs"].items()}
+    known |= {
+        "github.action_path": str(ROOT / "ci" / "gate"),
+        "runner.temp": str(program.folder / "temporary"),
+    }
     for step in action["runs"]["steps"]:
         environment = dict(step["env"])
-        for name, value in action["inputs"].items():
+        for name, value in known.items():
             environment = {
-                key: text.replace("${{ inputs." + name + " }}", value["default"])
-                for key, text in environment.items()
+                key: text.replace("${{ " + name + " }}", value) for key, text in environment.items()
             }
         assert "${{" not in step["run"] + "".join(environment.values())
         status, output = runner(step["run"], **environment)
@@ -66,25 +88,90 @@ def github(runner):
     return 0, output
 
 
-def gitlab(runner):
-    """The script of the job with its variables."""
-    job = yaml.safe_load((ROOT / "ci" / "gate" / "gitlab.yml").read_text())["refdem-gate"]
-    return runner("\n".join(job["script"]), **job["variables"])
+@pytest.fixture(scope="session")
+def published(tmp_path_factory):
+    """A repository with what the template installs from, and its commit."""
+    folder = tmp_path_factory.mktemp("published")
+    shutil.copytree(ROOT / "ci", folder / "ci", ignore=shutil.ignore_patterns("__pycache__"))
+    for name in ("pyproject.toml", "requirements.lock"):
+        shutil.copy(ROOT / name, folder / name)
+    git = ["git", "-C", str(folder), "-c", "user.name=a", "-c", "user.email=a@b"]
+    for words in (["init", "-q"], ["add", "-A"], ["commit", "-q", "-m", "all"]):
+        subprocess.run([*git, *words], check=True, capture_output=True)
+    commit = subprocess.run([*git, "rev-parse", "HEAD"], check=True, capture_output=True, text=True)
+    return folder, commit.stdout.strip()
 
 
-@pytest.mark.parametrize("service", [github, gitlab])
+def gitlab_job():
+    """The job of the template."""
+    return yaml.safe_load((ROOT / "ci" / "gate" / "gitlab.yml").read_text())["refdem-gate"]
+
+
+def gitlab(runner, program, published, **other):
+    """The script of the job with its variables and those that it asks for."""
+    folder, commit = published
+    place = program.folder / "place"
+    shutil.rmtree(place, ignore_errors=True)
+    job = gitlab_job()
+    asked = {
+        "REFDEM_IMAGE": f"python:3.12@sha256:{'0' * 64}",
+        "REFDEM_REPOSITORY": str(folder),
+        "REFDEM_COMMIT": commit,
+        "REFDEM_PLACE": str(place),
+    }
+    return runner("\n".join(job["script"]), **(job["variables"] | asked | other))
+
+
+@pytest.mark.parametrize("service", ["github", "gitlab"])
 def test_a_service_opens_for_a_blessed_program_and_closes_for_a_spoiled_one(
-    program, runner, service
+    program, runner, published, service
 ):
+    def judged():
+        if service == "github":
+            return github(runner, program)
+        return gitlab(runner, program, published)
+
     program.bless()
-    status, output = service(runner)
+    status, output = judged()
     assert status == 0, output
-    assert (program.folder / "installed").read_text() == "refdem\n"
+    packages, itself = (program.folder / "installed").read_text().splitlines()
+    assert "--require-hashes" in packages
+    assert "--no-deps --no-build-isolation" in itself
+    installed_from = str(ROOT) if service == "github" else str(program.folder / "place" / "source")
+    assert itself.endswith(f" {installed_from}")
     program.spoil("x += h * v", "x -= h * v")
-    status, output = service(runner)
+    status, output = judged()
     assert status == 1
     assert "is closed" in (program.folder / "refdem-gate.md").read_text()
     assert (program.folder / "refdem-report" / "index.html").is_file()
-    if service is github:
+    if service == "github":
         assert "is closed" in (program.folder / "summary.md").read_text()
         assert "::error title=" in output
+
+
+@pytest.mark.parametrize(
+    ("name", "value"),
+    [
+        ("REFDEM_IMAGE", "python:3.12"),
+        ("REFDEM_IMAGE", "python:3.12@sha256:0123"),
+        ("REFDEM_IMAGE", ""),
+        ("REFDEM_COMMIT", "main"),
+        ("REFDEM_COMMIT", "v0.1.0"),
+        ("REFDEM_COMMIT", "0123abc"),
+    ],
+)
+def test_what_somebody_else_could_move_is_refused(program, runner, published, name, value):
+    status, output = gitlab(runner, program, published, **{name: value})
+    assert status == 2, output
+    assert f"{name} is '{value}'; expected" in output
+    assert not (program.folder / "installed").exists()
+
+
+def test_the_templates_name_nothing_that_somebody_else_could_move():
+    assert gitlab_job()["image"] == "$REFDEM_IMAGE"
+    assert "REFDEM_IMAGE" not in gitlab_job()["variables"]
+    assert "REFDEM_COMMIT" not in gitlab_job()["variables"]
+    used = re.findall(r"uses: (\S+)@(.*)", (ROOT / "ci" / "gate" / "action.yml").read_text())
+    assert len(used) == 2
+    for action, pinned in used:
+        assert pinned.startswith("<40 hexadecimal digits"), action
