@@ -1,7 +1,7 @@
 # Two commands for everyone: `make validate` and `make test`. They need Python 3.11+ with headers, a C11 compiler, make, and
 # a package index; no root. Everything goes into .venv and build/; unchanged sources install nothing.
 .DELETE_ON_ERROR:
-.PHONY: validate test test-all test-elsewhere test-touched test-machines sanitized certify certify-sample nightly mutants
+.PHONY: validate test test-all test-elsewhere test-touched test-machines sanitized certify certify-sample nightly mutants fuzz
 .PHONY: kernel-lines manual lint
 .PHONY: develop codes lock clean help
 
@@ -32,6 +32,7 @@ help:
 	@echo 'make nightly    all of that, every fault at every seed, the full campaign, mutants'
 	@echo 'make mutants    plant small errors in the code and count those that no test sees'
 	@echo 'make kernel-lines  the lines of the kernels that campaign main runs'
+	@echo 'make fuzz       give refdem inputs that are wrong, MINUTES=10 of them or a fixed number'
 	@echo 'make certify    prove the certified truth again where its code changed; killed, it resumes'
 	@echo 'make manual     write the verification manual, a page a case, into reports/manual'
 	@echo 'make codes      DEM codes that the gates in validation/codes run, in .venv-codes'
@@ -69,6 +70,7 @@ nightly: test test-all
 	$(BIN)/refdem run --campaign full --out build/nightly
 	$(MAKE) test-machines
 	$(MAKE) kernel-lines
+	$(MAKE) fuzz MINUTES=60
 	$(MAKE) mutants
 
 mutants: .venv/refdem .venv/for-mutants
@@ -76,6 +78,11 @@ mutants: .venv/refdem .venv/for-mutants
 
 kernel-lines: .venv/refdem .venv/for-mutants
 	PATH="$(CURDIR)/$(BIN):$$PATH" $(BIN)/python ci/kernel_lines.py
+
+# Inputs that are wrong: `make fuzz MINUTES=10` for so long from the seed of the day, and what it learns goes
+# into tests/corpus; without MINUTES the same so many every time, as in CI.
+fuzz: .venv/refdem .venv/for-tests
+	$(BIN)/python ci/fuzz.py $(if $(MINUTES),--minutes $(MINUTES) --grow,--inputs 15000 --seed 1)
 
 certify: .venv/refdem
 	$(BIN)/refdem certify --folder validation/truth --jobs $(JOBS)

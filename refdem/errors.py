@@ -5,6 +5,9 @@
 
 from collections.abc import Mapping
 
+UNREADABLE = (ValueError, RecursionError)
+"""What decoders raise: their own errors, those of UTF-8, and what nests too deep."""
+
 
 class RefdemError(Exception):
     """Base of every error that refdem raises on purpose: says where, what came, what was expected,

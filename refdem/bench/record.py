@@ -6,7 +6,7 @@ from pathlib import Path
 
 import msgspec
 
-from refdem.errors import UsageError
+from refdem.errors import UNREADABLE, UsageError
 
 TARGETS = (1e-3, 1e-6, 1e-9, 1e-12)
 """Errors, in units of each quantity's scale, to which a time is asked for."""
@@ -109,5 +109,5 @@ def read(path: Path) -> Record:
             f"{path} cannot be read: {error.strerror}; expected a bench.json that `refdem bench`"
             " wrote"
         ) from None
-    except msgspec.MsgspecError as error:
+    except UNREADABLE as error:
         raise UsageError(f"{path} is not a record of a bench: {error}") from None

@@ -23,7 +23,7 @@ from refdem.core.case import Instance
 from refdem.core.problem import Motion
 from refdem.core.run import Failure
 from refdem.core.store import Store
-from refdem.errors import NotCertifiedError, StoreError, UsageError
+from refdem.errors import UNREADABLE, NotCertifiedError, StoreError, UsageError
 from refdem.truth.certified import samples
 from refdem.truth.certified.reader import LIST, sets_of, text_of
 from refdem.truth.certified.sources import ROOT, closure, digest_of, digest_of_files
@@ -76,7 +76,7 @@ def document_of(path: Path) -> dict[str, Any]:
     """What sets.toml says; raises UsageError."""
     try:
         return tomllib.loads(path.read_text(encoding="utf-8"))
-    except (OSError, UnicodeDecodeError, tomllib.TOMLDecodeError) as error:
+    except (OSError, *UNREADABLE) as error:
         raise UsageError(f"{path}: {error}") from None
 
 

@@ -22,11 +22,13 @@ from refdem.core import discovery
 from refdem.core.answer_csv import read_answer
 from refdem.core.engine import Engine, Method
 from refdem.core.finding import Sheet
+from refdem.core.outside import one_line
 from refdem.core.problem import Motion, Request
 from refdem.core.reading import content, json_as
 from refdem.core.request_text import request_text
 from refdem.core.store import Store
 from refdem.core.trajectory import Cost, Trajectory
+from refdem.engines.external.sense import NAME
 from refdem.errors import EngineError, StoreError, UnsupportedError, UsageError
 from refdem.scene import bodies_file
 
@@ -105,7 +107,7 @@ class Elsewhere(Engine):
             written(request, folder)
         if (folder / REFUSED).is_file():
             raise UnsupportedError(
-                (folder / REFUSED).read_text(errors="replace").strip()[-200:]
+                one_line((folder / REFUSED).read_text(errors="replace").strip()[-200:])
                 or f"the program wrote {REFUSED}"
             )
         if not (folder / "trajectory.csv").is_file():
@@ -187,6 +189,12 @@ def read(folder: Path) -> Manifest:
             f"{path} names no {'program' if manifest.case else 'case'}, so there is nothing to"
             " judge; export again"
         )
+    for name in manifest.versions:
+        if not NAME.fullmatch(name):
+            raise UsageError(
+                f"{path}: {one_line(name, 80)!r} is no name of a program; expected letters, digits"
+                " and . _ + -"
+            )
     if manifest.refdem != refdem.__version__:
         raise UsageError(
             f"{path} was written by refdem {manifest.refdem}, this is {refdem.__version__}; export"

@@ -75,7 +75,7 @@ def read(path: Path) -> set[str]:
     nothing.
     """
     try:
-        lines = path.read_text(encoding="utf-8").splitlines()
+        lines = path.read_text(encoding="utf-8").split("\n")
     except FileNotFoundError:
         return set()
     except (OSError, UnicodeDecodeError) as error:
@@ -89,6 +89,8 @@ def read(path: Path) -> set[str]:
         quantities = line
         if not line or line.startswith("#"):
             continue
+        if not line.isprintable():
+            raise UsageError(f"{path}:{number} is {line!r}; expected characters that print")
         if not line.startswith(CHECK):
             label, _, method = line.rpartition("/")
             place, check = f"{label}/{engine}/{method}", ""

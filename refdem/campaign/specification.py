@@ -1,6 +1,5 @@
 """What a campaign is: a TOML file that names cases with parameters, engines, levels and limits."""
 
-from math import isfinite
 from pathlib import Path
 
 import msgspec
@@ -68,9 +67,11 @@ class Specification(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fi
             "perturbed_ulps": (self.perturbed_ulps, -(2**40), 2**40),
         }
         for name, (value, least, most) in ranges.items():
-            if value is not None and not (isfinite(value) and least <= value <= most):
+            # No number at all is in no range either; and a whole number may be too large for {:g}.
+            if value is not None and not least <= value <= most:
                 raise OutOfRangeError(
-                    f"{name} is {value:g}; expected a finite number from {least:g} to {most:g}"
+                    f"{name} is {one_line(str(value), 40)}; expected a finite number from"
+                    f" {least:g} to {most:g}"
                 )
         if self.step is not None and self.steps_per_tau is not None:
             raise OutOfRangeError(

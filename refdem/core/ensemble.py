@@ -16,7 +16,14 @@ from refdem.scene import Scene, SceneDocument
 Array = NDArray[np.float64]
 
 
-class EnsembleDocument(msgspec.Struct, frozen=True, kw_only=True, tag="ensemble", tag_field="kind"):
+class EnsembleDocument(
+    msgspec.Struct,
+    frozen=True,
+    kw_only=True,
+    tag="ensemble",
+    tag_field="kind",
+    forbid_unknown_fields=True,
+):
     """An ensemble as JSON has it; starts are little-endian doubles (M, N, 3)."""
 
     scene: SceneDocument

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from refdem.core.ensemble import Ensemble, EnsembleDocument
 from refdem.core.question import DENSE, PER_OCTAVE, Iteration, IterationDocument, Motion, Problem
+from refdem.core.reading import json_as
 from refdem.core.statics import Identity, IdentityDocument, Solid, SolidDocument
 from refdem.errors import EngineError, UsageError
 from refdem.scene import Scene, SceneDocument, bodies_file
@@ -41,6 +42,8 @@ WHOLE = 1e-9
 """Relative error of the quotient of sample interval and step, both rounded."""
 MISCOUNTED = 0.01
 """Part of a step: a clock that is off by whole steps to within this has miscounted them."""
+FORMAT = 1
+"""Of a request."""
 COUNT = "count `stride` steps from each sample to the next and never compare times"
 """What a program must do so that its steps meet the samples."""
 
@@ -59,10 +62,10 @@ OTHERS: dict[type, Callable[[Any], Problem]] = {
 """How each document of a question that is no motion is read back."""
 
 
-class RequestDocument(msgspec.Struct, frozen=True, kw_only=True):
+class RequestDocument(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """A request as `request.json` has it."""
 
-    format: int = 1
+    format: int = FORMAT
     method: str
     step: Annotated[
         float | None,
@@ -94,10 +97,10 @@ class RequestDocument(msgspec.Struct, frozen=True, kw_only=True):
     scene: SceneDocument
 
 
-class OtherRequestDocument(msgspec.Struct, frozen=True, kw_only=True):
+class OtherRequestDocument(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """A request for anything but a motion; step and tolerance only where the method has one."""
 
-    format: int = 1
+    format: int = FORMAT
     method: str
     problem: AnyDocument
     step: float | msgspec.UnsetType = msgspec.UNSET
@@ -106,6 +109,12 @@ class OtherRequestDocument(msgspec.Struct, frozen=True, kw_only=True):
 
 class _Kind(msgspec.Struct):
     problem: msgspec.Raw = msgspec.Raw()
+
+
+def _refuse_format(came: int) -> None:
+    """Raises UsageError for a request that another version of refdem wrote."""
+    if came != FORMAT:
+        raise UsageError(f"request: format is {came}; expected {FORMAT}")
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -131,22 +140,21 @@ class Request:
         """Reads what `document` wrote as JSON, and the bodies' file if it names one; raises
         UsageError with the path of the first fault.
         """
-        try:
-            if bytes(msgspec.json.decode(text, type=_Kind).problem):
-                other = msgspec.json.decode(text, type=OtherRequestDocument)
-                control = {
-                    name: value
-                    for name in ("step", "tolerance")
-                    if (value := getattr(other, name)) is not msgspec.UNSET
-                }
-                return cls(
-                    problem=OTHERS[type(other.problem)](other.problem),
-                    method=other.method,
-                    **control,
-                )
-            read = msgspec.json.decode(text, type=RequestDocument)
-        except msgspec.MsgspecError as error:
-            raise UsageError(f"request: {error}") from None
+        if bytes(json_as(_Kind, text, "request").problem):
+            other = json_as(OtherRequestDocument, text, "request")
+            _refuse_format(other.format)
+            control = {
+                name: value
+                for name in ("step", "tolerance")
+                if (value := getattr(other, name)) is not msgspec.UNSET
+            }
+            return cls(
+                problem=OTHERS[type(other.problem)](other.problem),
+                method=other.method,
+                **control,
+            )
+        read = json_as(RequestDocument, text, "request")
+        _refuse_format(read.format)
         problem = Motion(Scene.of_document(read.scene, file), np.array(read.times))
         request = cls(problem=problem, method=read.method, step=read.step, tolerance=read.tolerance)
         if read.stride is not None and read.stride != request._told_stride:

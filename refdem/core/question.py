@@ -139,7 +139,12 @@ class Motion(Problem):
 
 
 class IterationDocument(
-    msgspec.Struct, frozen=True, kw_only=True, tag="iteration", tag_field="kind"
+    msgspec.Struct,
+    frozen=True,
+    kw_only=True,
+    tag="iteration",
+    tag_field="kind",
+    forbid_unknown_fields=True,
 ):
     """An iteration as JSON has it."""
 

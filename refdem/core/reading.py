@@ -15,12 +15,10 @@ import msgspec
 
 from refdem.core.outside import one_line
 from refdem.core.parameters import nearest
-from refdem.errors import UsageError
+from refdem.errors import UNREADABLE, UsageError
 
 T = TypeVar("T")
 UNKNOWN = re.compile(r"unknown field `([^`]*)`")
-UNREADABLE = (ValueError, RecursionError)
-"""What decoders raise: their own errors, those of UTF-8, and what nests too deep."""
 
 
 def content(path: Path, expected: str) -> bytes:

@@ -34,6 +34,8 @@ PAUSE = 0.05
 """Seconds between attempts to open a file that another process is making."""
 UNREADABLE = (ValueError, KeyError, TypeError, RefdemError)
 """What reading an entry raises that another version of refdem wrote."""
+FAULTS = (sqlite3.Error, UnicodeDecodeError)
+"""What SQLite raises; the second where its message quotes bytes of a damaged file."""
 _TABLE = (
     "CREATE TABLE IF NOT EXISTS entries (kind TEXT, key TEXT, digest BLOB NOT NULL, data BLOB NOT"
     " NULL, PRIMARY KEY (kind, key)) WITHOUT ROWID"
@@ -101,7 +103,7 @@ class Store:
                 "SELECT digest, data FROM entries WHERE kind=? AND key=?", (kind, key)
             )
             row = asked.fetchone()
-        except sqlite3.Error as error:
+        except FAULTS as error:
             self._failed(error)
             return None
         if row is None:
@@ -136,7 +138,7 @@ class Store:
         entry = (kind, key, digest_of(kind, key, data), data)
         try:
             connection.execute("INSERT OR REPLACE INTO entries VALUES (?, ?, ?, ?)", entry)
-        except sqlite3.Error as error:
+        except FAULTS as error:
             self._failed(error)
 
     def truth(self, key: str) -> SampledTruth | None:
@@ -160,7 +162,7 @@ class Store:
                 f"store {self.path} cannot be used: {error}. Nothing is kept; correct that, or set"
                 " REFDEM_STORE to another file"
             )
-        except sqlite3.DatabaseError as error:
+        except FAULTS as error:
             self._renew(error)
 
     def _connect(self) -> None:
@@ -168,7 +170,7 @@ class Store:
         self._tally.connection = _connected(self.path)
         self._tally.file = _inode(self.path)
 
-    def _failed(self, error: sqlite3.Error) -> None:
+    def _failed(self, error: Exception) -> None:
         """Goes on with a new file where this one is damaged, and without a store where nothing can
         be written.
         """
@@ -187,7 +189,7 @@ class Store:
         else:
             self._renew(error)
 
-    def _renew(self, error: sqlite3.Error) -> None:
+    def _renew(self, error: Exception) -> None:
         """Moves a damaged file aside and opens a new one, unless another process already has."""
         aside = self.path.with_name(f"{self.path.name}.damaged")
         found = _inode(self.path)
@@ -198,7 +200,7 @@ class Store:
                 for suffix in ("-wal", "-shm"):
                     self.path.with_name(self.path.name + suffix).unlink(missing_ok=True)
             self._connect()
-        except (_UnfitError, sqlite3.Error, OSError) as second:
+        except (_UnfitError, *FAULTS, OSError) as second:
             _say(
                 f"store {self.path} is damaged ({error}) and cannot be made anew: {second}. Nothing"
                 " is kept"
@@ -215,14 +217,14 @@ class Store:
         """Takes an entry away."""
         self._tally.damaged += 1
         if self._tally.connection is not None:
-            with suppress(sqlite3.Error):
+            with suppress(*FAULTS):
                 self._tally.connection.execute(
                     "DELETE FROM entries WHERE kind=? AND key=?", (kind, key)
                 )
 
 
 def _connected(path: Path) -> sqlite3.Connection:
-    """The open file with its table. Raises OSError, sqlite3.Error, or _UnfitError for another
+    """The open file with its table. Raises OSError, what FAULTS has, or _UnfitError for another
     format.
 
     SQLite does not wait for a process that is just making the same file, so this does.

@@ -14,7 +14,7 @@ PARTS = 5
 """Of an id: case, engine, method, check, quantity."""
 
 
-class Accepted(msgspec.Struct, frozen=True, kw_only=True):
+class Accepted(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """One accepted finding: its id, outcome, value and measured error constant."""
 
     id: str
@@ -30,7 +30,7 @@ class Accepted(msgspec.Struct, frozen=True, kw_only=True):
         return self.constant if self.constant is not None else self.value
 
 
-class Header(msgspec.Struct, frozen=True, kw_only=True):
+class Header(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """First line of the file."""
 
     format: int
@@ -66,12 +66,19 @@ def read(path: Path) -> tuple[Header, dict[str, Accepted]]:
         json_as(Accepted, line, f"baseline {path}, line {number}")
         for number, line in enumerate(lines[1:], 2)
     ]
+    accepted_so_far: set[str] = set()
     for number, entry in enumerate(found, 2):
+        where = f"baseline {path}, line {number}"
         if entry.id.count("/") < PARTS - 1:
             raise UsageError(
-                f"baseline {path}, line {number}: id is {one_line(entry.id, 80)!r}; expected"
+                f"{where}: id is {one_line(entry.id, 80)!r}; expected"
                 " case/engine/method/check/quantity"
             )
+        if entry.id in accepted_so_far:
+            raise UsageError(
+                f"{where}: {one_line(entry.id, 80)!r} is there twice; take one away, or bless anew"
+            )
+        accepted_so_far.add(entry.id)
     if header.format != FORMAT:
         raise UsageError(
             f"baseline {path} has format {header.format}; expected {FORMAT}: bless it anew"

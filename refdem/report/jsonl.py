@@ -10,8 +10,8 @@ import msgspec
 
 from refdem.core.finding import Finding, Record, Series, Sheet
 from refdem.core.outside import printable
-from refdem.core.reading import UNREADABLE, said
-from refdem.errors import StoreError, UsageError
+from refdem.core.reading import said
+from refdem.errors import UNREADABLE, StoreError, UsageError
 
 RECORDS = "records.jsonl"
 NUMBERS = ("value", "bound", "order_seen", "order_claimed", "constant_seen", "sharpness")

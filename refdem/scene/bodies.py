@@ -149,8 +149,9 @@ def _is_sound(shape: Shape) -> bool:
     return not isinstance(shape, Sphere) or 0 < shape.radius < float("inf")
 
 
+@np.errstate(over="ignore")
 def _refuse_unphysical(bodies: Bodies, number: int) -> None:
-    """Raises SceneError for a body that cannot exist."""
+    """Raises SceneError for a body that cannot exist; what is beyond binary64 is told as inf."""
     where = f"scene.bodies.{number}"
     for name in COLUMNS:
         value = getattr(bodies, name)[number]

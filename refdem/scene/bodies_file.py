@@ -16,7 +16,7 @@ import msgspec
 import numpy as np
 from numpy.typing import NDArray
 
-from refdem.errors import SceneError
+from refdem.errors import UNREADABLE, SceneError
 from refdem.scene.bodies import COLUMNS, Bodies
 from refdem.scene.shapes import Shape
 
@@ -143,5 +143,5 @@ def _shapes(listed: NDArray[Any], where: str) -> list[Shape]:
     """The shapes, from JSON; raises SceneError with the path of the first fault."""
     try:
         return msgspec.json.decode(listed.tobytes(), type=list[Shape])
-    except msgspec.MsgspecError as error:
+    except UNREADABLE as error:
         raise SceneError(f"{where}: shapes: {error}") from None

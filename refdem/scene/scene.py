@@ -10,7 +10,7 @@ import msgspec
 import numpy as np
 from numpy.typing import NDArray
 
-from refdem.errors import SceneError
+from refdem.errors import UNREADABLE, SceneError
 from refdem.scene import bodies_file
 from refdem.scene.bodies import Bodies, Body
 from refdem.scene.element import Element
@@ -43,7 +43,9 @@ class Scene:
             where = f"scene.elements.{number} ({element.kind})"
             for name in element.__struct_fields__:
                 value = getattr(element, name)
-                if not isinstance(value, str) and not np.all(np.isfinite(value)):
+                # NumPy does not know whole numbers beyond 64 bits; they are finite.
+                is_whole = isinstance(value, int)
+                if not is_whole and not isinstance(value, str) and not np.all(np.isfinite(value)):
                     raise SceneError(f"{where}.{name} is {value}; expected finite numbers")
             for fault in element.faults():
                 raise SceneError(f"{where}: {fault}")
@@ -62,7 +64,7 @@ class Scene:
         """
         try:
             document = msgspec.json.decode(text, type=SceneDocument)
-        except msgspec.MsgspecError as error:
+        except UNREADABLE as error:
             raise SceneError(f"scene: {error}") from None
         return cls.of_document(document, file)
 

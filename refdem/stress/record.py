@@ -7,7 +7,7 @@ from typing import Literal
 
 import msgspec
 
-from refdem.errors import UsageError
+from refdem.errors import UNREADABLE, UsageError
 
 Verdict = Literal["pass", "fail", "error", "undecided", "unsupported", "not run"]
 BROKEN: tuple[Verdict, ...] = ("fail", "error")
@@ -92,5 +92,5 @@ def read(path: Path) -> Record:
             f"{path} cannot be read: {error.strerror}; expected a stress.json that `refdem stress`"
             " wrote"
         ) from None
-    except msgspec.MsgspecError as error:
+    except UNREADABLE as error:
         raise UsageError(f"{path} is not a record of a stress test: {error}") from None

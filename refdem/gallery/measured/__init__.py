@@ -8,7 +8,7 @@ import msgspec
 import numpy as np
 from numpy.typing import NDArray
 
-from refdem.errors import UsageError
+from refdem.errors import UNREADABLE, UsageError
 
 FOLDER = Path(__file__).parent
 
@@ -41,7 +41,7 @@ def readings(name: str, folder: Path = FOLDER) -> list[Reading]:
     path = folder / f"{name}.toml"
     try:
         found = msgspec.toml.decode(path.read_bytes(), type=_File).reading
-    except (OSError, msgspec.MsgspecError) as error:
+    except (OSError, *UNREADABLE) as error:
         raise UsageError(f"{path}: {error}") from None
     for one in found:
         if len(one.angle) != len(one.value) or not np.isfinite([*one.angle, *one.value]).all():
