@@ -137,8 +137,10 @@ class Fuzz:
 
     def bytes_changed(self, target: fuzz_targets.Target, draw: random.Random, count: int) -> None:
         """Inputs by the changes of bytes."""
-        inputs = [*target.seeds, *target.seeds, *target.corpus]
+        both = [*target.seeds, *target.corpus]
         for _ in range(count):
+            # Of the corpus most is refused at once: half of the inputs begin with good ones.
+            inputs = draw.choice((target.seeds, both))
             self.tried(target, fuzz_bytes.mutated(inputs, draw))
 
     def documents_drawn(self, target: fuzz_targets.Target, number: int, count: int) -> None:

@@ -2,6 +2,7 @@
 
 import csv
 import io
+import os
 from collections.abc import Iterator
 from itertools import islice
 from math import isfinite
@@ -172,7 +173,8 @@ def _refuse_disorder(table: Any, bodies: int, name: str) -> None:
 
 def _events(path: Path | None, bodies: int) -> tuple[Event, ...]:
     """The events in a CSV file `time,kind,body`, if there is one."""
-    if path is None or not path.exists():
+    # A link that leads nowhere is no file that is not there: it is refused as every link is.
+    if path is None or not os.path.lexists(path):
         return ()
     lines = list(csv_lines(path, MOST_EVENTS + 2, EVENT_COLUMNS))
     header = tuple(cell.strip() for cell in lines[0][1]) if lines else ()

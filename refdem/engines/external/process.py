@@ -19,6 +19,7 @@ from typing import Any, BinaryIO
 
 from refdem.core.outside import one_line
 from refdem.engines.external.folders import home
+from refdem.engines.external.supervisor import GOODBYE
 from refdem.errors import EngineError, HangError, UnsupportedError
 
 NOT_SUPPORTED = 77
@@ -115,6 +116,8 @@ class Supervised:
 
     def stop(self) -> None:
         """Ends what it runs, from any thread."""
+        with contextlib.suppress(OSError):
+            self.socket.sendall(GOODBYE)
         with contextlib.suppress(OSError):
             self.socket.shutdown(socket.SHUT_RDWR)
 

@@ -25,10 +25,16 @@ PR_SET_PDEATHSIG = 1
 PR_SET_CHILD_SUBREAPER = 36
 GRACE = 1.0
 """Seconds in which what a program has started may end after it."""
+ENDING = 60.0
+"""Seconds that the end of a killed process may take."""
 PAUSE = 0.01
 """Seconds between looks at processes that are ending."""
 LOOK = 0.1
-"""Seconds between looks at the memory of a program: at 2 GB/s it takes 0.2 GB between two of them."""
+"""Seconds between looks at the memory of a program: at 2 GB/s it takes 0.2 GB between two."""
+GOODBYE = b"end"
+"""What comes over the socket where refdem goes on without this process; nothing comes where refdem
+itself was killed.
+"""
 MOST_ASKED = 2**20
 """Bytes of a line that asks for a run."""
 
@@ -50,6 +56,7 @@ class Supervisor:
 
     def __init__(self, asked: socket.socket) -> None:
         self.asked = asked
+        self.is_dismissed = False
         self.woken, waking = os.pipe()
         os.set_blocking(self.woken, False)
         os.set_blocking(waking, False)
@@ -75,6 +82,7 @@ class Supervisor:
         while not text.endswith(b"\n"):
             part, more, _, _ = socket.recv_fds(self.asked, MOST_ASKED, 2)
             if not part:
+                self.is_dismissed = text == GOODBYE
                 return None
             text += part
             descriptors += more
@@ -103,6 +111,7 @@ class Supervisor:
         """The exit status of the program, None if it was still running `until` then; raises
         AbandonedError, and TooMuchMemoryError if one of its processes takes more than `most` bytes.
         """
+        look = time.monotonic() + LOOK
         while True:
             statuses = reaped()
             if program in statuses:
@@ -112,9 +121,12 @@ class Supervisor:
                 return None
             asked = self.asked.fileno()
             ready, _, _ = select.select([asked, self.woken], [], [], min(left, LOOK))
-            if asked in ready and not self.asked.recv(1, socket.MSG_PEEK):
+            if asked in ready:
+                self.is_dismissed = self.asked.recv(len(GOODBYE)) == GOODBYE
                 raise AbandonedError
-            if not ready:
+            # Not only where nothing happens: a program may end children without end.
+            if time.monotonic() >= look:
+                look = time.monotonic() + LOOK
                 taken = max(map(private_memory, descendants()), default=0)
                 if taken > most:
                     raise TooMuchMemoryError(taken)
@@ -284,14 +296,28 @@ def main() -> None:
         signal.signal(number, signal.SIG_IGN)
     control(PR_SET_CHILD_SUBREAPER, 1)
     parent = os.getppid()
+    supervisor = Supervisor(asked)
     try:
         with contextlib.suppress(OSError, AbandonedError):
-            Supervisor(asked).answers()
+            supervisor.answers()
     finally:
         end_descendants()
-        # An orphan has another parent: refdem was killed, and could not take its folder away.
-        if os.getppid() != parent:
+        if not supervisor.is_dismissed and is_orphan(parent):
             shutil.rmtree(sys.argv[1], ignore_errors=True)
+
+
+def is_orphan(parent: int) -> bool:
+    """Whether refdem was killed, and could not take its folder away.
+
+    A process that ends closes its sockets before its children get another parent, so that this
+    has to wait a moment; for ever it would wait for a refdem that goes on and said no goodbye.
+    """
+    until = time.monotonic() + ENDING
+    while os.getppid() == parent:
+        if time.monotonic() > until:
+            return False
+        time.sleep(PAUSE)
+    return True
 
 
 if __name__ == "__main__":

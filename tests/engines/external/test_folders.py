@@ -4,6 +4,10 @@ import subprocess
 import sys
 from pathlib import Path
 
+from refdem.engines.external import supervisor
+from refdem.engines.external.folders import home
+from refdem.engines.external.process import Supervised
+
 CODE = (
     "import os, sys; from refdem.engines.external.folders import home, run_folder\n"
     "with run_folder() as folder: print(folder, flush=True); {end}"
@@ -38,3 +42,18 @@ def test_what_another_process_still_holds_is_left_alone(tmp_path: Path) -> None:
         assert held.is_dir()
         working.communicate()
     assert list(tmp_path.iterdir()) == []
+
+
+def test_a_process_that_ends_slowly_is_waited_for(monkeypatch) -> None:
+    """It closes its sockets before its children have another parent."""
+    parents = iter([7, 7, 7, 1])
+    monkeypatch.setattr(supervisor.os, "getppid", lambda: next(parents))
+    monkeypatch.setattr(supervisor, "PAUSE", 0.0)
+    assert supervisor.is_orphan(7)
+
+
+def test_a_supervisor_that_is_sent_away_leaves_the_folder_of_its_process_alone() -> None:
+    began = Supervised()
+    began.close()
+    assert began.process.returncode == 0
+    assert home().is_dir()

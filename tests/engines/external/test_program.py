@@ -2,6 +2,7 @@
 
 import os
 import re
+import runpy
 import shutil
 import subprocess
 import sys
@@ -15,11 +16,17 @@ import numpy as np
 import pytest
 
 from refdem.core import discovery
+from refdem.core.outside import one_line
 from refdem.core.problem import Request
 from refdem.core.trajectory import Event, Trajectory
 from refdem.engines.external.folders import remove
 from refdem.engines.external.kept import MOST_BYTES, MOST_FOLDERS
 from refdem.errors import EngineError, UnsupportedError, UsageError
+
+HOSTILE = Path(__file__).parents[2] / "foreign" / "hostile"
+MODES = runpy.run_path(str(HOSTILE / "modes.py"))
+"""How each misbehaviour must end."""
+WITHOUT_FOLDER = ("takes-its-folder-away", "puts-a-link-in-place-of-its-folder")
 
 
 def ran(folder: Path, method: str) -> Trajectory:
@@ -60,38 +67,43 @@ def test_what_a_program_writes_is_its_trajectory(small: Path) -> None:
     assert run.events == (Event(0.5, "turn", 0),)
 
 
-@pytest.mark.parametrize(
-    ("method", "says"),
-    [
-        ("fails", r"small ended with exit status 1: segment 3: no convergence \?\[31m"),
-        ("silent", "wrote no trajectory.csv"),
-        ("aborts", r"signal 6 \(SIGABRT\)"),
-        ("short", "has 8 rows; expected 9: 9 samples of 1 bodies"),
-        ("long", "has more rows; expected 9"),
-        ("nan", "line 7: y is 'nan'; expected a finite number"),
-        ("words", "line 7 has 1 columns; expected 15"),
-        ("other-body", r"row 5 is body 1 at t = 1; expected body 0"),
-        ("no-header", "line 1 is '0.0,0,1.0"),
-        (
-            "symbolic-link",
-            r"trajectory.csv cannot be read: .*; expected a plain file that this run wrote",
-        ),
-        ("hard-link", "trajectory.csv is a link, a pipe"),
-        ("pipe", "trajectory.csv is a link, a pipe"),
-        ("silent-pipe", "ended with exit status 1: a pipe in the place of stderr.txt"),
-        ("kills-its-parent", "was ended from outside"),
-        ("binary", "trajectory.csv"),
-        ("bad-event", "events.csv line 3 is 'soon,turn,0'"),
-    ],
-)
+@pytest.mark.parametrize(("method", "says"), MODES["ERRORS"].items())
 def test_a_broken_run_says_what_happened_and_where_its_output_is(
     small: Path, method: str, says: str
 ) -> None:
+    limit(small, "timeout = 600\nmemory = 0.5")
     with pytest.raises(EngineError, match=says) as raised:
         ran(small, method)
-    place = Path(str(raised.value).rpartition("kept in ")[2].rstrip(")"))
-    assert (place / "request.json").read_bytes()
-    assert (place / "request.txt").read_text().startswith("format 1\n")
+    sentence = str(raised.value)
+    assert one_line(sentence) == sentence
+    if method not in WITHOUT_FOLDER:
+        place = Path(sentence.rpartition("kept in ")[2].rstrip(")"))
+        assert (place / "request.json").read_bytes()
+        assert (place / "request.txt").read_text().startswith("format 1\n")
+
+
+@pytest.mark.parametrize(("method", "says"), MODES["SLOW"].items())
+def test_what_never_ends_is_ended(small: Path, method: str, says: str) -> None:
+    limit(small, "timeout = 0.5")
+    with pytest.raises(EngineError, match=says):
+        ran(small, method)
+
+
+@pytest.mark.parametrize(("method", "says"), MODES["REFUSALS"].items())
+def test_a_refusal_is_no_error(small: Path, method: str, says: str) -> None:
+    with pytest.raises(UnsupportedError, match=says):
+        ran(small, method)
+
+
+@pytest.mark.parametrize("method", MODES["HARMLESS"])
+def test_what_hurts_nobody_is_judged_as_any_other(small: Path, method: str) -> None:
+    assert np.array_equal(ran(small, method).position, ran(small, "good").position)
+
+
+def limit(folder: Path, words: str) -> None:
+    """Gives the program other limits."""
+    toml = folder / "refdem.toml"
+    toml.write_text(toml.read_text().replace("timeout = 600", words))
 
 
 def test_exit_status_77_is_a_refusal_with_the_last_line_of_stderr(small: Path) -> None:
@@ -145,7 +157,9 @@ def test_folders_that_are_hard_to_take_away_are_taken_away(
 def test_a_program_that_takes_all_memory_is_ended_before_the_machine_is(small: Path) -> None:
     toml = small / "refdem.toml"
     toml.write_text(toml.read_text().replace("timeout = 600", "timeout = 600\nmemory = 0.5"))
-    with pytest.raises(EngineError, match=r"took .* GB of memory and was ended; expected at most 0\.5 GB"):
+    with pytest.raises(
+        EngineError, match=r"took .* GB of memory and was ended; expected at most 0\.5 GB"
+    ):
         ran(small, "devours")
 
 

@@ -1,0 +1,163 @@
+"""One campaign over a zoo of hostile programs: an error each, the rest judged, nothing left."""
+
+import json
+import os
+import re
+import runpy
+import shutil
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import pytest
+
+HERE = Path(__file__).parent
+MODES = runpy.run_path(str(HERE / "modes.py"))
+PATIENCE = 120.0
+"""Seconds within which a folder is taken away, on any machine."""
+FAST = [*MODES["ERRORS"], *MODES["TIMES"], *MODES["REFUSALS"], *MODES["HARMLESS"], *MODES["WRONG"]]
+
+
+def described(folder: Path, name: str, methods: "list[str]", limits: str) -> str:
+    """The refdem.toml of a copy of the program."""
+    place = folder / name
+    place.mkdir()
+    shutil.copy(HERE / "program.py", place / "program.py")
+    words = [sys.executable, "program.py", "{request}", "{trajectory}", "{events}"]
+    tables = "".join(f'[[engine.methods]]\nname = "{method}"\norder = 2\n' for method in methods)
+    text = (
+        f'[engine]\nname = "{name}"\ncommand = {json.dumps(words)}\n'
+        f'supports = ["spring", "dimension:1"]\n{limits}\n{tables}'
+    )
+    (place / "refdem.toml").write_text(text)
+    return str(place / "refdem.toml")
+
+
+def left(mark: str) -> "list[Path]":
+    """Processes that have a word in their command line."""
+    found = []
+    for path in Path("/proc").glob("[0-9]*/cmdline"):
+        try:
+            is_one = mark.encode() in path.read_bytes()
+        except OSError:
+            continue
+        if is_one:
+            found.append(path)
+    return found
+
+
+@pytest.fixture(scope="module")
+def campaign(tmp_path_factory: pytest.TempPathFactory):
+    """The folder of a campaign that has run, and what it said."""
+    folder = tmp_path_factory.mktemp("zoo")
+    # The good program takes a second on any machine, and those that hang take all of their time.
+    fast = described(folder, "zoo", ["good", *FAST], "timeout = 300\nbudget = 3000\nmemory = 0.5")
+    slow = described(folder, "slow", list(MODES["SLOW"]), "timeout = 1\nbudget = 3000")
+    own = folder / "temporary"
+    own.mkdir()
+    environment = os.environ | {
+        "TMPDIR": str(own),
+        "REFDEM_STORE": str(folder / "store.sqlite"),
+        "GITHUB_ACTIONS": "true",
+    }
+    (folder / "own.toml").write_text(
+        f'engines = {json.dumps([fast, slow])}\nchecks = ["error", "determinism"]\nlevels = 3\n'
+        'steps_per_tau = 64\n[[case]]\nid = "harmonic-oscillator"\n'
+        'set = {samples = "8", duration = "2"}\n'
+    )
+    words = ["run", "--campaign", "own.toml", "--jobs", "2", "--out", str(folder / "report")]
+    done = subprocess.run(
+        [sys.executable, "-c", "from refdem.cli import main; main()", *words],
+        cwd=folder,
+        env=environment,
+        capture_output=True,
+        timeout=3000,
+        check=False,
+    )
+    return folder, done
+
+
+@pytest.fixture(scope="module")
+def findings(campaign) -> "dict[str, list[tuple[str, str]]]":
+    """Outcome and sentence of every finding by method."""
+    folder, _ = campaign
+    found: dict[str, list[tuple[str, str]]] = {}
+    for line in (folder / "report" / "records.jsonl").read_text().splitlines():
+        sheet = json.loads(line)
+        if sheet["type"] == "record":
+            said = [(one["outcome"], one["sentence"]) for one in sheet["findings"]]
+            found.setdefault(sheet["method"], []).extend(said)
+    return found
+
+
+def test_the_campaign_ends_as_one_in_which_a_check_failed(campaign) -> None:
+    _, done = campaign
+    assert done.returncode == 1, done.stderr[-3000:]
+    assert b"Traceback" not in done.stdout + done.stderr
+
+
+def test_every_mode_is_judged(findings) -> None:
+    assert sorted(findings) == sorted(["good", *MODES["MODES"]])
+
+
+@pytest.mark.parametrize(
+    ("method", "says"),
+    [*MODES["ERRORS"].items(), *MODES["TIMES"].items(), *MODES["SLOW"].items()],
+)
+def test_each_is_one_error(findings, method: str, says: str) -> None:
+    ((outcome, sentence),) = findings[method]
+    assert outcome == "error"
+    assert re.search(says, sentence), sentence
+
+
+@pytest.mark.parametrize(("method", "says"), MODES["REFUSALS"].items())
+def test_each_refusal_is_no_error(findings, method: str, says: str) -> None:
+    assert {outcome for outcome, _ in findings[method]} == {"unsupported"}
+    assert all(says in sentence for _, sentence in findings[method])
+
+
+@pytest.mark.parametrize("method", MODES["HARMLESS"])
+def test_what_hurts_nobody_is_judged_as_the_good_program(findings, method: str) -> None:
+    assert findings[method] == findings["good"]
+    outcomes = {outcome for outcome, _ in findings["good"]}
+    assert "pass" in outcomes
+    assert not outcomes & {"fail", "error"}
+
+
+@pytest.mark.parametrize("method", MODES["WRONG"])
+def test_what_is_wrong_fails(findings, method: str) -> None:
+    outcomes = {outcome for outcome, _ in findings[method]}
+    assert "fail" in outcomes
+    assert "error" not in outcomes
+
+
+def test_no_process_and_no_folder_is_left(campaign) -> None:
+    folder, _ = campaign
+    assert not left(f"grandchild of {folder}")
+    # What was killed is cleaned up behind by a process of its own.
+    until = time.monotonic() + PATIENCE
+    while list((folder / "temporary").iterdir()):
+        assert time.monotonic() < until
+        time.sleep(0.05)
+
+
+def test_nothing_that_a_program_says_reaches_a_terminal_or_a_log_as_a_command(campaign) -> None:
+    folder, done = campaign
+    said = done.stdout + done.stderr
+    assert not re.search(rb"[\x00-\x08\x0b-\x1f\x7f]|\xc2[\x80-\x9f]", said)
+    for line in said.decode().splitlines():
+        assert not line.lstrip().startswith("::"), line
+        assert "##[" not in line, line
+        assert "\u202e" not in line, line
+    for path in (folder / "report").rglob("*"):
+        if path.suffix in (".html", ".md", ".csv", ".xml"):
+            text = path.read_text()
+            assert "\x1b" not in text, path
+            assert "\u202e" not in text, path
+        if path.suffix in (".html", ".md"):
+            assert "<script>alert(1)" not in text, path
+        if path.suffix == ".csv":
+            assert not re.search(r'(^|[,"])[=@]', text, re.MULTILINE), path
+        if path.suffix == ".md":
+            assert "@everyone" not in text, path
