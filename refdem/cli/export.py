@@ -32,6 +32,7 @@ def command(
     """
     from refdem.campaign.exchange import exported
     from refdem.campaign.specification import Entry
+    from refdem.cli.outputs import refuse_unwritable
     from refdem.cli.progress import Progress
     from refdem.core.parameters import labelled
     from refdem.core.store import Store, default_path
@@ -51,6 +52,7 @@ def command(
         raise UsageError(
             "no case is supported by any of the programs; name features in engine.supports"
         )
+    refuse_unwritable(folder, "FOLDER")
     most = levels or max(program.description.gate.levels for program in programs)
     waiting = exported(folder, tomls, entries, most, Store(default_path()), Progress())
     if not waiting:

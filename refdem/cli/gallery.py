@@ -20,10 +20,12 @@ def command(
     Example: refdem gallery 1.15 1.20 --out gallery
     """
     import refdem
+    from refdem.cli.outputs import refuse_unwritable
     from refdem.core.store import Store, default_path
     from refdem.gallery.gallery import figures, names
     from refdem.report import write_gallery
 
+    refuse_unwritable(out)
     made = figures(figure or [])
     write_gallery(out, made, version=refdem.__version__, store=Store(default_path()), every=names())
     print(f"gallery: {out / 'gallery.html'} ({len(made)} figures)")

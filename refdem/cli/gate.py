@@ -41,6 +41,7 @@ def command(
     from refdem.cli.progress import Progress
     from refdem.cli.run import workers
     from refdem.cli.summary import exit_status, lines
+    from refdem.gate.baseline import read
     from refdem.gate.gate import of_program
     from refdem.gate.markdown import annotations
     from refdem.gate.markdown import markdown as told
@@ -56,6 +57,9 @@ def command(
     gate = of_program(toml, baseline, workers(jobs), Progress())
     if bless:
         refuse_unwritable_file(gate.baseline, "--baseline")
+    # A baseline that cannot be read is told before any program runs.
+    if gate.baseline.is_file():
+        read(gate.baseline)
     sheets = gate.sheets()
     if bless:
         _bless(gate, sheets, why)

@@ -18,10 +18,12 @@ def command(
     """
     import refdem
     from refdem.campaign.kept_truth import truth_folder
+    from refdem.cli.outputs import refuse_unwritable
     from refdem.manual import inputs
     from refdem.manual.pages import pages
     from refdem.report import write_manual
 
+    refuse_unwritable(folder / "manual", "FOLDER")
     write_manual(folder, list(pages(truth_folder())), version=refdem.__version__)
     (folder / "manual" / inputs.NAME).write_text(inputs.text_of(inputs.digests(truth_folder())))
     print(f"manual: {folder / 'manual' / 'index.html'}")

@@ -8,8 +8,8 @@ from pathlib import Path
 from refdem.errors import StoreError
 
 
-def refuse_unwritable(folder: Path) -> None:
-    """Raises StoreError if a folder cannot be made or written.
+def refuse_unwritable(folder: Path, option: str = "--out") -> None:
+    """Raises StoreError if a folder, which an option or argument names, cannot be made or written.
 
     Others may be writing there at the same time.
     """
@@ -17,9 +17,10 @@ def refuse_unwritable(folder: Path) -> None:
         folder.mkdir(parents=True, exist_ok=True)
         with tempfile.TemporaryFile(dir=folder):
             pass
-    except OSError as error:
+    except (OSError, ValueError) as error:
+        why = getattr(error, "strerror", None) or error
         raise StoreError(
-            f"folder {folder} cannot be written: {error.strerror}. Choose another with --out."
+            f"folder {folder} cannot be written: {why}. Choose another with {option}."
         ) from None
 
 
@@ -34,7 +35,8 @@ def refuse_unwritable_file(path: Path | None, option: str) -> None:
         else:
             with tempfile.TemporaryFile(dir=path.parent):
                 pass
-    except OSError as error:
+    except (OSError, ValueError) as error:
+        why = getattr(error, "strerror", None) or error
         raise StoreError(
-            f"{path} of {option} cannot be written: {error.strerror}. Choose another place."
+            f"{path} of {option} cannot be written: {why}. Choose another place."
         ) from None

@@ -11,7 +11,10 @@ def command(folder: Annotated[Path, typer.Argument(help="Folder with records.jso
 
     Example: refdem report reports
     """
+    from refdem.cli.outputs import refuse_unwritable
     from refdem.report import read_records, write_report
 
-    write_report(folder, read_records(folder))
+    sheets = read_records(folder)
+    refuse_unwritable(folder, "FOLDER")
+    write_report(folder, sheets)
     print(f"report: {folder / 'index.html'}")

@@ -23,10 +23,15 @@ def names() -> list[str]:
     return numbered + sorted(s.replace("_", "-") for s in stems if not s[0].isdigit())
 
 
-def figure(name: str) -> Figure:
-    """The figure of that id, computed now; raises UsageError with the nearest id."""
+def refuse_unknown(name: str) -> None:
+    """Raises UsageError with the nearest id unless a figure has that id."""
     if name not in names():
         raise UsageError(f"no figure {name!r}; {nearest(name, names())}")
+
+
+def figure(name: str) -> Figure:
+    """The figure of that id, computed now; raises UsageError with the nearest id."""
+    refuse_unknown(name)
     with recorded() as commands:
         made: Figure = import_module(
             f"refdem.gallery.figures.fig_{name.replace('.', '_').replace('-', '_')}"
@@ -36,4 +41,7 @@ def figure(name: str) -> Figure:
 
 def figures(chosen: Iterable[str] = ()) -> list[Figure]:
     """The figures chosen, or all of them."""
-    return [figure(name) for name in list(chosen) or names()]
+    asked = list(chosen) or names()
+    for name in asked:
+        refuse_unknown(name)
+    return [figure(name) for name in asked]
