@@ -102,9 +102,8 @@ class Campaign:
         with (
             Schedule(self.jobs, self.specification.timeout) if self.jobs else InProcess()
         ) as schedule:
-            truths = self._truths(
-                schedule, [(instance, self._delays(instance, engines)) for instance, _ in instances]
-            )
+            asked = [(instance, self._delays(instance, engines)) for instance, _ in instances]
+            truths = self._truths(schedule, asked, engines)
             tasks = [
                 task
                 for (instance, only), truth in zip(instances, truths, strict=True)
@@ -143,10 +142,22 @@ class Campaign:
         return tuple(sorted({delay for method, level in levels if (delay := method.delay(level))}))
 
     def _truths(
-        self, schedule: Schedule | InProcess, instances: list[tuple[Instance, tuple[float, ...]]]
+        self,
+        schedule: Schedule | InProcess,
+        instances: list[tuple[Instance, tuple[float, ...]]],
+        engines: list[Engine],
     ) -> list[SampledTruth]:
-        """The sampled truth of every instance."""
-        found = sampled_truths(schedule, self.store, instances, self.progress)
+        """The sampled truth of every instance that some engine can say."""
+
+        def is_judged(instance: Instance) -> bool:
+            refusals = [
+                refusal
+                for engine in engines
+                for _, refusal in plan.trials(self.specification, instance, engine)
+            ]
+            return None in refusals
+
+        found = sampled_truths(schedule, self.store, instances, self.progress, is_judged)
         self.lasting &= not any(truth.reason.startswith(FAILED) for truth in found)
         return found
 

@@ -2,8 +2,11 @@
 made anew in workers.
 """
 
+import contextlib
 import hashlib
-from collections.abc import Callable, Sequence
+import os
+import tempfile
+from collections.abc import Callable, Mapping, Sequence
 from importlib.metadata import version as installed
 
 import msgspec
@@ -20,6 +23,7 @@ from refdem.truth.certified.sources import digest_of
 
 Asked = tuple[Instance, tuple[float, ...]]
 """An instance, and delays [s] before its samples at which truth is asked for as well."""
+UNASKED = "no engine here can say it, so nothing was proved"
 FAILED = "the proof ended in a "
 """How the reason begins where a proof crashed or hung: it may end otherwise next time."""
 
@@ -29,28 +33,70 @@ def sampled_truths(
     store: Store,
     instances: Sequence[Asked],
     progress: Callable[[str, int, int], None],
+    is_judged: Callable[[Instance], bool] = lambda _: True,
 ) -> list[SampledTruth]:
-    """The sampled truth of every instance, in order."""
+    """The sampled truth of every instance, in order; what nobody is judged by is not proved."""
     keys = [truth_key(instance, delays) for instance, delays in instances]
     found = {key: truth for key in keys if (truth := store.truth(key)) is not None}
     for key, (instance, delays) in zip(keys, instances, strict=True):
         if key not in found and not delays and (kept := kept_truth(instance)) is not None:
             found[key] = kept
-    missing = {
-        key: instance for key, instance in zip(keys, instances, strict=True) if key not in found
-    }
-    jobs = [
-        Job(key, worker.sampled_truth, (i.case.id, i.p.given, delays), computes=True)
-        for key, (i, delays) in missing.items()
-    ]
-    for done, (job, result) in enumerate(schedule.results(jobs), 1):
-        if isinstance(result, Failure):
-            found[job.key] = no_truth(f"{FAILED}{result.kind}: {result.sentence}")
+    missing = {}
+    for key, asked in zip(keys, instances, strict=True):
+        if key in found:
+            continue
+        if is_judged(asked[0]):
+            missing[key] = asked
         else:
-            found[job.key] = msgspec.msgpack.decode(result, type=SampledTruth)
-            store.put_truth(job.key, found[job.key])
-        progress("truths", done, len(jobs))
+            found[key] = no_truth(UNASKED)
+    with contextlib.ExitStack() as stack:
+        files = {key: stack.enter_context(tempfile.TemporaryFile()) for key in missing}
+        jobs = [
+            _job(key, *asked, told=f"/proc/{os.getpid()}/fd/{files[key].fileno()}")
+            for key, asked in missing.items()
+        ]
+        for done, (job, result) in enumerate(schedule.results(jobs), 1):
+            if isinstance(result, Failure):
+                found[job.key] = no_truth(f"{FAILED}{result.kind}: {result.sentence}")
+            else:
+                found[job.key] = msgspec.msgpack.decode(result, type=SampledTruth)
+                store.put_truth(job.key, found[job.key])
+            progress("truths", done, len(jobs))
+        certified = {key: os.fstat(file.fileno()).st_size for key, file in files.items()}
+    found |= _parts(schedule, missing, {k: n for k, n in certified.items() if n}, found)
     return [found[key] for key in keys]
+
+
+def _job(
+    key: str, instance: Instance, delays: tuple[float, ...], most: int | None = None, told: str = ""
+) -> Job:
+    """The proof of an instance, or of its first samples."""
+    arguments = (instance.case.id, instance.p.given, delays, most, told)
+    return Job(key, worker.sampled_truth, arguments, computes=True)
+
+
+def _parts(
+    schedule: Schedule | InProcess,
+    missing: Mapping[str, Asked],
+    certified: Mapping[str, int],
+    found: Mapping[str, SampledTruth],
+) -> dict[str, SampledTruth]:
+    """What was certified of proofs that ended in a crash or were not done in their time: they are
+    made again up to there, in a process of their own, and no farther.
+    """
+    jobs = [
+        _job(key, *missing[key], most=most)
+        for key, most in certified.items()
+        if found[key].reason.startswith(FAILED)
+    ]
+    parts = {}
+    for job, result in schedule.results(jobs):
+        if isinstance(result, Failure):
+            continue
+        part = msgspec.msgpack.decode(result, type=SampledTruth)
+        reason = f"{found[job.key].reason}; what comes before is certified"
+        parts[job.key] = msgspec.structs.replace(part, reason=reason)
+    return parts
 
 
 def truth_key(instance: Instance, delays: tuple[float, ...] = ()) -> str:

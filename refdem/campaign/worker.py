@@ -2,8 +2,12 @@
 turned into a Failure.
 """
 
+import contextlib
 import math
 import time
+from collections.abc import Iterator
+from fractions import Fraction
+from typing import TYPE_CHECKING
 
 import msgspec
 
@@ -15,6 +19,9 @@ from refdem.core.run import Failure
 from refdem.core.trajectory import Cost
 from refdem.errors import HangError, NotCertifiedError, RefdemError, UnsupportedError
 
+if TYPE_CHECKING:
+    from refdem.core.truth import Truth
+
 
 class Reply(msgspec.Struct, frozen=True, kw_only=True):
     """Exactly one of a packed trajectory (with its cost) and a failure."""
@@ -24,19 +31,36 @@ class Reply(msgspec.Struct, frozen=True, kw_only=True):
     failure: Failure | None = None
 
 
-def sampled_truth(case: str, given: dict[str, str], delays: tuple[float, ...] = ()) -> bytes:
+def sampled_truth(
+    case: str,
+    given: dict[str, str],
+    delays: tuple[float, ...] = (),
+    most: int | None = None,
+    told: str = "",
+) -> bytes:
     """The truth of an instance at its samples, and `delays` [s] before them, as MessagePack of
     SampledTruth.
 
-    until = 0 and a reason if there is none.
+    until = 0 and a reason if there is none. With `most` only so many samples, and no scalars; into
+    the file `told` goes a byte for each that is, so that it is known how far a proof came that was
+    killed.
     """
-    from refdem.core.truth import SampledTruth
+    from refdem.core.truth import Ball, SampledTruth
     from refdem.truth.balls import UndecidedError
     from refdem.truth.sampled import sampled
 
     instance = discovery.case(case).at(**given)
+    times = instance.times.tolist()
+    proof = instance.truth()
     try:
-        truth = sampled(instance.truth(), instance.times.tolist(), delays)
+        with contextlib.ExitStack() as stack:
+            if told:
+                stack.enter_context(telling(proof, told))
+            if most is not None:
+                # They may belong to an end that the proof did not reach.
+                vars(proof)["scalars"] = dict[str, Ball]
+            truth = sampled(proof, times[:most], delays)
+        truth = msgspec.structs.replace(truth, t=times)
     except (NotCertifiedError, UndecidedError) as error:
         truth = SampledTruth(
             t=[],
@@ -50,6 +74,29 @@ def sampled_truth(case: str, given: dict[str, str], delays: tuple[float, ...] = 
             reason=str(error),
         )
     return msgspec.msgpack.encode(truth)
+
+
+@contextlib.contextmanager
+def telling(proof: "Truth", place: str) -> Iterator[None]:
+    """Writes a byte into a file whenever a later time than before is certified."""
+    asked = proof.sensitivity
+    latest = Fraction(-1)
+    with contextlib.suppress(OSError), open(place, "ab", buffering=0) as file:
+
+        def sensitivity(t: Fraction) -> float:
+            nonlocal latest
+            found = asked(t)
+            if t > latest:
+                latest = t
+                file.write(b".")
+            return found
+
+        # Only of this object: the last thing that is asked for at a sample.
+        vars(proof)["sensitivity"] = sensitivity
+        try:
+            yield
+        finally:
+            del vars(proof)["sensitivity"]
 
 
 def run(engine: str, request: bytes, deadline: float = math.inf) -> bytes:
