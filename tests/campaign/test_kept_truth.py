@@ -1,6 +1,7 @@
 """A campaign takes the truth that comes with refdem where it is not stale, and proves the rest."""
 
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -18,6 +19,9 @@ def campaign(tmp_path: Path) -> Campaign:
     return Campaign(Specification(name="kept", case=[]), Store(tmp_path / "store.sqlite"), jobs=0)
 
 
+REFERENCE = [discovery.engine("reference")]
+
+
 def test_what_is_kept_is_not_proved_again_and_what_is_not_is(
     campaign: Campaign, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -31,12 +35,12 @@ def test_what_is_kept_is_not_proved_again_and_what_is_not_is(
     )
     asked, prove = [], worker.sampled_truth
 
-    def proved(case: str, given: dict[str, str], delays: tuple[float, ...]) -> bytes:
+    def proved(case: str, given: dict[str, str], delays: tuple[float, ...], *more: Any) -> bytes:
         asked.append((given, delays))
-        return prove(case, given, delays)
+        return prove(case, given, delays, *more)
 
     monkeypatch.setattr(worker, "sampled_truth", proved)
-    found = campaign._truths(InProcess(), [(kept, ()), (other, ())])
+    found = campaign._truths(InProcess(), [(kept, ()), (other, ())], REFERENCE)
     assert found[0] is truth
     assert found[1].until == len(other.times)
     assert asked == [({"mass": "2"}, ())]
@@ -48,5 +52,5 @@ def test_velocities_that_lag_need_a_truth_of_their_own(
     instance = discovery.case("harmonic-oscillator").at()
     truth = sampled(instance.truth(), instance.times.tolist())
     monkeypatch.setattr(truths, "kept_truth", lambda instance: truth)
-    (found,) = campaign._truths(InProcess(), [(instance, (0.125,))])
+    (found,) = campaign._truths(InProcess(), [(instance, (0.125,))], REFERENCE)
     assert list(found.earlier) == [0.125]
