@@ -207,8 +207,10 @@ class Request:
         if self.step is None:
             raise UsageError("stride: the method has no fixed step")
         exact = abs(self.problem.interval) / self.step
-        stride = round(exact)
-        if abs(exact - stride) > WHOLE * exact or stride < 1:
+        # Beyond 2^53 no program counts its steps, and the quotient of two doubles may be infinite.
+        is_countable = exact < 2.0**53
+        stride = round(exact) if is_countable else 0
+        if stride < 1 or abs(exact - stride) > WHOLE * exact:
             raise UsageError(
                 f"step is {self.step} s; expected a whole fraction of the sample interval"
                 f" {abs(self.problem.interval)} s"

@@ -17,6 +17,8 @@ from refdem.scene.element import Link
 
 Array = NDArray[np.float64]
 
+LATEST = 1e250
+"""Seconds: sums of as many times as there can be stay inside binary64."""
 FIT = 1e-10
 """Rods and strings may be off by ten times this part of their length at the start."""
 DENSE, PER_OCTAVE = 128, 8
@@ -78,6 +80,8 @@ class Motion(Problem):
     times: Array
 
     def __post_init__(self) -> None:
+        if not np.all(np.abs(self.times) <= LATEST):
+            raise UsageError(f"times holds a number that is not finite, or beyond {LATEST:g} s")
         gaps = np.diff(self.times)
         if (
             self.times.ndim != 1
