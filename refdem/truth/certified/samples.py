@@ -14,7 +14,7 @@ from pathlib import Path
 import msgspec
 
 from refdem.core.truth import SampledTruth
-from refdem.errors import UNREADABLE, StoreError
+from refdem.errors import StoreError
 from refdem.truth.certified.reader import SEALED, sha256_of
 from refdem.truth.certified.writing import sealed
 
@@ -84,7 +84,7 @@ def entry_of(line: bytes, path: Path, number: int) -> KeptSamples:
     try:
         text = line.decode("utf-8") + "\n"
         entry = msgspec.json.decode(line, type=KeptSamples)
-    except UNREADABLE as error:
+    except (msgspec.MsgspecError, UnicodeDecodeError, RecursionError) as error:
         raise damaged(path, number, str(error)) from None
     if SEALED.fullmatch(text) is None or sha256_of([text]) != entry.sha256:
         raise damaged(path, number, f"the sha256 of {entry.label} is not that of its samples")
