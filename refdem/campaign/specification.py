@@ -69,9 +69,10 @@ class Specification(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fi
         for name, (value, least, most) in ranges.items():
             # No number at all is in no range either; and a whole number may be too large for {:g}.
             if value is not None and not least <= value <= most:
+                is_short = abs(value) < 1e300
+                came = f"{value:g}" if is_short else one_line(str(value), 40)
                 raise OutOfRangeError(
-                    f"{name} is {one_line(str(value), 40)}; expected a finite number from"
-                    f" {least:g} to {most:g}"
+                    f"{name} is {came}; expected a finite number from {least:g} to {most:g}"
                 )
         if self.step is not None and self.steps_per_tau is not None:
             raise OutOfRangeError(
