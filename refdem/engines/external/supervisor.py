@@ -28,7 +28,7 @@ GRACE = 1.0
 PAUSE = 0.01
 """Seconds between looks at processes that are ending."""
 LOOK = 0.1
-"""Seconds between looks at the memory of a program: at 2 GB/s it takes 0.2 GB between two of them."""
+"""Seconds between looks at the memory of a program, which at 2 GB/s takes 0.2 GB meanwhile."""
 MOST_ASKED = 2**20
 """Bytes of a line that asks for a run."""
 
