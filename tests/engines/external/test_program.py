@@ -157,9 +157,8 @@ def test_folders_that_are_hard_to_take_away_are_taken_away(
 def test_a_program_that_takes_all_memory_is_ended_before_the_machine_is(small: Path) -> None:
     toml = small / "refdem.toml"
     toml.write_text(toml.read_text().replace("timeout = 600", "timeout = 600\nmemory = 0.5"))
-    with pytest.raises(
-        EngineError, match=r"took .* GB of memory and was ended; expected at most 0\.5 GB"
-    ):
+    said = r"took .* GB of memory and was ended; expected at most 0\.5 GB"
+    with pytest.raises(EngineError, match=said):
         ran(small, "devours")
 
 
