@@ -51,7 +51,10 @@ def locked(text: str) -> list[Locked]:
         if "==" not in block:
             continue
         names = VIA.search(block)
-        asking = names[1].split(", ") if names else []
+        if names:
+            asking = names[1].split(", ")
+        else:
+            asking = []
         asked_by = frozenset(plain(name) for name in asking if not name.startswith("-r "))
         found.append(Locked(plain(block), VIA.sub("", block).rstrip(), asked_by))
     return found

@@ -83,7 +83,9 @@ class Fuzz:
     """One run over some targets."""
 
     def __init__(self, targets: list[fuzz_targets.Target], folder: Path, *, grows: bool) -> None:
-        self.targets, self.folder, self.grows = targets, folder, grows
+        self.targets = targets
+        self.folder = folder
+        self.grows = grows
         self.tallies = {target.name: Tally() for target in targets}
 
     def looked_at(self, target: fuzz_targets.Target, data: bytes) -> None:
@@ -124,7 +126,10 @@ class Fuzz:
         """Tells a finding once for every place that it comes from, and keeps its input."""
         findings = self.tallies[target.name].findings
         frames = traceback.extract_tb(error.__traceback__)
-        place = f"{Path(frames[-1].filename).name}:{frames[-1].lineno}" if frames else "?"
+        if frames:
+            place = f"{Path(frames[-1].filename).name}:{frames[-1].lineno}"
+        else:
+            place = "?"
         name = f"{type(error).__name__} in {place}"
         if isinstance(error, fuzz_targets.WrongAnswerError):
             words = re.sub(r"^\S*\.\S*", "_", str(error))
@@ -168,7 +173,10 @@ class Fuzz:
         try:
             drawn()
         except Exception as error:
-            shown = error.exceptions[0] if isinstance(error, ExceptionGroup) else error
+            if isinstance(error, ExceptionGroup):
+                shown = error.exceptions[0]
+            else:
+                shown = error
             self.found(target, last[0], shown)
 
     def turn(self, number: int) -> None:
@@ -223,7 +231,10 @@ def main() -> int:
     asked = parser.parse_args()
     warnings.simplefilter("error")
     today = datetime.datetime.now(tz=datetime.UTC).toordinal()
-    number = today if asked.seed is None else asked.seed
+    if asked.seed is None:
+        number = today
+    else:
+        number = asked.seed
     until = time.monotonic() + 60 * (1.0 if asked.minutes is None else asked.minutes)
     with tempfile.TemporaryDirectory() as folder:
         targets = fuzz_targets.targets(Path(folder))
@@ -240,7 +251,9 @@ def main() -> int:
         print(fuzz.told())
     findings = sum(len(tally.findings) for tally in fuzz.tallies.values())
     print(f"fuzz: {fuzz.inputs} inputs from seed {number}, {findings} findings")
-    return 1 if findings else 0
+    if findings:
+        return 1
+    return 0
 
 
 if __name__ == "__main__":

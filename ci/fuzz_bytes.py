@@ -107,7 +107,10 @@ def replaced(data: bytes, draw: random.Random, pattern: re.Pattern[bytes]) -> by
     if not found:
         return inserted(data, draw)
     place = draw.choice(found)
-    others = [other[0] for other in found] if draw.random() < 0.5 else NASTY
+    if draw.random() < 0.5:
+        others = [other[0] for other in found]
+    else:
+        others = NASTY
     return data[: place.start()] + draw.choice(others) + data[place.end() :]
 
 

@@ -46,7 +46,10 @@ def changed(document: Document, path: Path, change: Callable[[Document], Documen
     """A copy with another part at a path."""
     if not path:
         return change(document)
-    copy = dict(document) if isinstance(document, dict) else list(document)
+    if isinstance(document, dict):
+        copy = dict(document)
+    else:
+        copy = list(document)
     copy[path[0]] = changed(document[path[0]], path[1:], change)
     return copy
 
@@ -55,7 +58,10 @@ def removed(document: Document, path: Path) -> Document:
     """A copy without what is at a path."""
 
     def without(part: Document) -> Document:
-        copy = dict(part) if isinstance(part, dict) else list(part)
+        if isinstance(part, dict):
+            copy = dict(part)
+        else:
+            copy = list(part)
         del copy[path[-1]]
         return copy
 
@@ -94,7 +100,9 @@ def wrong(draw: st.DrawFn, document: Document) -> Document:
 def scaled(part: Document, factor: float) -> Document:
     """A number times a factor; of anything else, nothing."""
     is_number = isinstance(part, (int, float)) and not isinstance(part, bool)
-    return part * factor if is_number and math.isfinite(part * factor) else part
+    if is_number and math.isfinite(part * factor):
+        return part * factor
+    return part
 
 
 def as_json(document: Document) -> bytes:

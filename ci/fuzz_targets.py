@@ -362,7 +362,8 @@ def command(data: bytes, folder: Path) -> None:
     words = data.decode("utf-8", errors="surrogateescape").split("\n")
     # Neither the system nor a shell can hand over a NUL.
     words = [word.replace("\0", "") for word in words]
-    out, err = io.StringIO(), io.StringIO()
+    out = io.StringIO()
+    err = io.StringIO()
     status: Any = 0
     with contextlib.ExitStack() as stack:
         stack.enter_context(standing_in(folder))

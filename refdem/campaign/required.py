@@ -93,7 +93,8 @@ def read(path: Path) -> set[str]:
             raise UsageError(f"{path}:{number} is {line!r}; expected characters that print")
         if not line.startswith(CHECK):
             label, _, method = line.rpartition("/")
-            place, check = f"{label}/{engine}/{method}", ""
+            place = f"{label}/{engine}/{method}"
+            check = ""
             continue
         if not line.startswith(MORE):
             check, _, quantities = line.strip().partition(": ")

@@ -24,7 +24,9 @@ class Entry(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     def label(self) -> str:
         """As people write it: `pendulum[theta0=2]`."""
         inside = " ".join(f"{name}={value}" for name, value in self.set.items())
-        return f"{self.id}[{inside}]" if inside else self.id
+        if inside:
+            return f"{self.id}[{inside}]"
+        return self.id
 
 
 class Specification(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
@@ -70,7 +72,10 @@ class Specification(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fi
             # No number at all is in no range either; and a whole number may be too large for {:g}.
             if value is not None and not least <= value <= most:
                 is_short = abs(value) < 1e300
-                came = f"{value:g}" if is_short else one_line(str(value), 40)
+                if is_short:
+                    came = f"{value:g}"
+                else:
+                    came = one_line(str(value), 40)
                 raise OutOfRangeError(
                     f"{name} is {came}; expected a finite number from {least:g} to {most:g}"
                 )
@@ -88,7 +93,9 @@ def validation_folder() -> Path:
     beside the source.
     """
     inside = _HERE / "validation"
-    return inside if inside.is_dir() else _HERE.parent / "validation"
+    if inside.is_dir():
+        return inside
+    return _HERE.parent / "validation"
 
 
 def named(name: str, above: tuple[Path, ...] = ()) -> Specification:
@@ -97,9 +104,10 @@ def named(name: str, above: tuple[Path, ...] = ()) -> Specification:
 
     `above` are the files that include it.
     """
-    path = (
-        Path(name) if name.endswith(".toml") else validation_folder() / "campaigns" / f"{name}.toml"
-    )
+    if name.endswith(".toml"):
+        path = Path(name)
+    else:
+        path = validation_folder() / "campaigns" / f"{name}.toml"
     if path in above:
         raise UsageError(f"{path} includes itself; take it out of `include`")
     if not is_file(path):

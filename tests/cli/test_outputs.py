@@ -78,7 +78,8 @@ def test_a_mount_that_is_read_only_is_such_a_place(folder: Path, command: str) -
     inside = ["unshare", "--mount", "--map-root-user", "sh", "-c", f'{mounted} exec "$@"', "sh"]
     if shutil.which("unshare") is None or not is_mountable(folder):
         # A system that lets nobody mount has one at least: the files of the kernel.
-        inside, words = [], [*WRITING[command], "/sys/there"]
+        inside = []
+        words = [*WRITING[command], "/sys/there"]
     environment = os.environ | {"REFDEM_STORE": str(folder / "store.sqlite")}
     found = subprocess.run(
         [*inside, *REFDEM, *words],

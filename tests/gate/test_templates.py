@@ -137,7 +137,10 @@ def test_a_service_opens_for_a_blessed_program_and_closes_for_a_spoiled_one(
     packages, itself = (program.folder / "installed").read_text().splitlines()
     assert "--require-hashes" in packages
     assert "--no-deps --no-build-isolation" in itself
-    installed_from = str(ROOT) if service == "github" else str(program.folder / "place" / "source")
+    if service == "github":
+        installed_from = str(ROOT)
+    else:
+        installed_from = str(program.folder / "place" / "source")
     assert itself.endswith(f" {installed_from}")
     program.spoil("x += h * v", "x -= h * v")
     status, output = judged()
