@@ -58,10 +58,6 @@ BOUNDLESS = 1e300
 
 KNOWN = arb(2) ** -50
 """Part by which a number of a closed form may be uncertain before it is rounded to a double."""
-ROUNDED = 2.0**-44
-"""Part of the product of their sizes by which a product of three matrices of six rows, made of such
-doubles, is off at most.
-"""
 CLOSED_BITS = (128, 256, 512, 1024, 2048, 4096)
 """Working precisions for S in closed form: near a separatrix its numbers lose as many digits as the
 start is off it.
