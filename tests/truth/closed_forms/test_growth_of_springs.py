@@ -1,0 +1,148 @@
+"""S(t) where a tangential spring remembers: against impulses at random times, in motions that are
+stepped anew with the law alone.
+
+The spring keeps its stretch when the state is struck: whoever errs in a place has not erred in what
+it was before.
+"""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
+from fractions import Fraction
+
+import numpy as np
+import pytest
+
+from refdem.cases.impact_benchmarks import member
+from refdem.core import discovery
+
+IMPULSES = 60
+"""Random times of impulses."""
+STEPS = 6000
+LOOKS = 12
+"""Times at which what is left of the impulses is compared."""
+SIZE = 1e-5
+"""Of an impulse, in scales."""
+MARGIN = 5e-3
+"""What steps across switches, and differences of motions, may be off."""
+SHARP = 2.0
+"""S is at most so many times the largest growth that is found."""
+
+State = np.ndarray
+
+
+@dataclass(frozen=True)
+class Law:
+    """The names of what is struck, the first of the state; the rates of a state (n, copies), and
+    what the end of a step does to it; what is read besides, which follows those in the state.
+    """
+
+    struck: Sequence[str]
+    start: Sequence[float]
+    rates: Callable[[State], State]
+    clipped: Callable[[State], State]
+    read: Sequence[str] = field(default=())
+
+
+def mindlin(v) -> Law:
+    """(x, y, vx, vy, omega, stretch) of a sphere that touches the wall x = 0."""
+    radius, mass = float(v.radius), float(v.mass)
+    hertz, ratio, friction = float(v.hertz), float(v.stiffness_ratio), float(v.friction)
+
+    def held(y: State) -> State:
+        limit = friction / ratio * np.maximum(y[0] + radius, 0.0)
+        return np.clip(y[5], -limit, limit)
+
+    def rates(y: State) -> State:
+        overlap = np.maximum(y[0] + radius, 0.0)
+        push = hertz / mass * np.sqrt(overlap)
+        rub = ratio * push * held(y)
+        slip = np.where(overlap > 0, y[3] + radius * y[4], 0.0)
+        return np.array([y[2], y[3], -push * overlap, -rub, -2.5 * rub / radius, slip])
+
+    def clipped(y: State) -> State:
+        return np.concatenate([y[:5], held(y)[None]])
+
+    start = [-radius, 0.0, float(v.normal), float(v.across), float(v.spin), 0.0]
+    return Law(("r.x", "r.y", "v.x", "v.y", "omega.z"), start, rates, clipped)
+
+
+def growths(instance, law: Law, seed: int = 1) -> tuple[list[Fraction], list[float], list[float]]:
+    """Times, the largest growth of impulses by then, and S."""
+    truth, end = instance.truth(), float(instance.times[-1])
+    rng = np.random.default_rng(seed)
+    step = end / STEPS
+    # Most of the time nothing touches: half of the impulses and looks are during the contact.
+    begin, last = contact_of(instance, law, step)
+    struck = {0, *rng.integers(begin, last, IMPULSES // 2).tolist()}
+    struck |= set(rng.integers(0, STEPS, IMPULSES // 2).tolist())
+    looks = {STEPS, *rng.integers(begin + 1, last, LOOKS // 2).tolist()}
+    looks |= set(rng.integers(1, STEPS, LOOKS // 2).tolist())
+    sizes = np.array([float(truth.scale[name]) for name in law.struck])
+    count = len(sizes)
+    moves = SIZE * np.zeros((len(law.start), count))
+    moves[:count] = SIZE * np.diag(sizes)
+    base = np.array(law.start)[:, None]
+    pairs = np.zeros((len(law.start), 0))
+    found = []
+    for k in range(STEPS + 1):
+        if k in looks:
+            found.append(left_of(law, truth.scale, pairs, count))
+        if k in struck:
+            pairs = np.concatenate([pairs, base + moves, base - moves], axis=1)
+        y = stepped(law, np.concatenate([base, pairs], axis=1), step)
+        base, pairs = y[:, :1], y[:, 1:]
+    times = [Fraction(k * step) for k in sorted(looks)]
+    return times, found, [truth.sensitivity(t) for t in times]
+
+
+def contact_of(instance, law: Law, step: float) -> tuple[int, int]:
+    """The first step of the contact and the one after its last: there velocities change."""
+    y = np.array(law.start)[:, None]
+    changes = []
+    for _ in range(STEPS):
+        after = stepped(law, y, step)
+        changes.append(bool(np.abs(law.rates(y)[law_forces(law)]).max() > 0))
+        y = after
+    touching = [k for k, changed in enumerate(changes) if changed]
+    return touching[0], touching[-1] + 1
+
+
+def law_forces(law: Law) -> slice:
+    """The rates that vanish while nothing touches: those after the places."""
+    return slice(2, 3) if len(law.struck) == 5 else slice(5, None)
+
+
+def stepped(law: Law, y: State, h: float) -> State:
+    """A step of Runge and Kutta, at whose end the spring is clipped."""
+    k1 = law.rates(y)
+    k2 = law.rates(y + h / 2 * k1)
+    k3 = law.rates(y + h / 2 * k2)
+    k4 = law.rates(y + h * k3)
+    return law.clipped(y + h / 6 * (k1 + 2 * k2 + 2 * k3 + k4))
+
+
+def left_of(law: Law, scale, pairs: State, count: int) -> float:
+    """The largest sum, over the coordinates struck, of what a quantity answers."""
+    largest = 1.0
+    rows = [*range(count), *range(len(law.start) - len(law.read), len(law.start))]
+    for name, values in zip((*law.struck, *law.read), pairs[rows], strict=True):
+        both = values.reshape(-1, 2, count)
+        answers = np.abs(both[:, 0] - both[:, 1]).sum(axis=1)
+        largest = max(largest, float(answers.max(initial=0.0)) / (2 * SIZE * float(scale[name])))
+    return largest
+
+
+def compared(instance, law: Law) -> None:
+    """S is not below the largest growth, and at most twice of it."""
+    for t, growth, bound in zip(*growths(instance, law), strict=True):
+        assert growth <= bound * (1 + MARGIN), (
+            f"t = {float(t)}: an impulse grows by {growth}, S is {bound}"
+        )
+        assert bound <= SHARP * growth, f"t = {float(t)}: S is {bound}, the largest growth {growth}"
+
+
+@pytest.mark.parametrize("angle", ["1/4", "-0.05", "1/2", "1.2", "0"])
+def test_s_of_mindlins_contact_covers_errors_at_all_times(angle):
+    """Those of the start alone were a twentieth of it after a stick (angle -0.05)."""
+    instance = discovery.case("impact-benchmarks").at(member="dem-05-mindlin", angle=angle)
+    compared(instance, mindlin(member("dem-05-mindlin").values(instance.p)))
