@@ -5,8 +5,8 @@ The spring keeps its stretch when the state is struck: whoever errs in a place h
 it was before.
 """
 
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
 from fractions import Fraction
 
 import numpy as np
@@ -15,13 +15,11 @@ import pytest
 from refdem.cases.impact_benchmarks import member
 from refdem.core import discovery
 
-IMPULSES = 60
+IMPULSES = 40
 """Random times of impulses."""
-STEPS = 6000
+STEPS = 3000
 LOOKS = 12
 """Times at which what is left of the impulses is compared."""
-SIZE = 1e-5
-"""Of an impulse, in scales."""
 MARGIN = 5e-3
 """What steps across switches, and differences of motions, may be off."""
 SHARP = 2.0
@@ -32,15 +30,19 @@ State = np.ndarray
 
 @dataclass(frozen=True)
 class Law:
-    """The names of what is struck, the first of the state; the rates of a state (n, copies), and
-    what the end of a step does to it; what is read besides, which follows those in the state.
+    """The names of what is struck, the first coordinates of the state; the rates of a state (n,
+    copies), those of them that vanish while nothing touches, what the end of a step does to a
+    state, and what is read of it; `size` of an impulse in scales, well above the way of a step and
+    well below the overlap, so that what a step across a switch is off averages out.
     """
 
     struck: Sequence[str]
     start: Sequence[float]
     rates: Callable[[State], State]
+    forces: slice
     clipped: Callable[[State], State]
-    read: Sequence[str] = field(default=())
+    read: Callable[[State], Mapping[str, State]]
+    size: float
 
 
 def mindlin(v) -> Law:
@@ -63,7 +65,59 @@ def mindlin(v) -> Law:
         return np.concatenate([y[:5], held(y)[None]])
 
     start = [-radius, 0.0, float(v.normal), float(v.across), float(v.spin), 0.0]
-    return Law(("r.x", "r.y", "v.x", "v.y", "omega.z"), start, rates, clipped)
+    names = ("r.x", "r.y", "v.x", "v.y", "omega.z")
+
+    def read(y: State) -> Mapping[str, State]:
+        return dict(zip(names, y[:5], strict=True))
+
+    return Law(names, start, rates, slice(2, 3), clipped, read, 1e-5)
+
+
+def passing(v, frame) -> Law:
+    """(x, y, vx, vy, stretch, impulses, turning) of a body that passes another one at the origin,
+    in the plane of its path; seen in the axes of `frame`.
+    """
+    first, second = float(v.radius), float(v.partner_radius)
+    lever = {"R": 0.0, "R-d/2": 0.5, "R-d": 1.0}[v.branch]
+    k, kt, friction = float(v.stiffness), float(v.tangential_stiffness), float(v.friction)
+    axes = np.array(frame, dtype=float)
+
+    def held(y: State) -> tuple[State, State, State]:
+        distance = np.hypot(y[0], y[1])
+        overlap = np.maximum(first + second - distance, 0.0)
+        limit = friction * k / kt * overlap
+        return distance, overlap, np.clip(y[4], -limit, limit)
+
+    def rates(y: State) -> State:
+        distance, overlap, stretch = held(y)
+        normal = y[:2] / distance
+        along = np.array([-normal[1], normal[0]])
+        spin = (second - lever * overlap) * float(v.partner_spin)
+        slip = np.where(overlap > 0, spin - (along * y[2:4]).sum(axis=0), 0.0)
+        force = -k * overlap * normal - kt * stretch * along
+        torque = -kt * stretch * (first - lever * overlap)
+        return np.array([*y[2:4], *np.zeros_like(y[2:4]), slip, *force, torque])
+
+    def clipped(y: State) -> State:
+        found = y.copy()
+        found[4] = held(y)[2]
+        return found
+
+    def read(y: State) -> Mapping[str, State]:
+        nothing = np.zeros_like(y[0])
+        vectors = {
+            "r": [y[0], y[1], nothing],
+            "v": [y[2], y[3], nothing],
+            "impulse": [y[5], y[6], nothing],
+            "turning": [nothing, nothing, y[7]],
+        }
+        found = {}
+        for kind, vector in vectors.items():
+            found |= {f"{kind}.{axis}": axes[i] @ vector for i, axis in enumerate("xyz")}
+        return found
+
+    start = [-float(v.begin), float(v.off), float(v.speed), *[0.0] * 5]
+    return Law(("r.x", "r.y", "v.x", "v.y"), start, rates, slice(5, None), clipped, read, 1e-3)
 
 
 def growths(instance, law: Law, seed: int = 1) -> tuple[list[Fraction], list[float], list[float]]:
@@ -79,8 +133,8 @@ def growths(instance, law: Law, seed: int = 1) -> tuple[list[Fraction], list[flo
     looks |= set(rng.integers(1, STEPS, LOOKS // 2).tolist())
     sizes = np.array([float(truth.scale[name]) for name in law.struck])
     count = len(sizes)
-    moves = SIZE * np.zeros((len(law.start), count))
-    moves[:count] = SIZE * np.diag(sizes)
+    moves = np.zeros((len(law.start), count))
+    moves[:count] = law.size * np.diag(sizes)
     base = np.array(law.start)[:, None]
     pairs = np.zeros((len(law.start), 0))
     found = []
@@ -101,15 +155,10 @@ def contact_of(instance, law: Law, step: float) -> tuple[int, int]:
     changes = []
     for _ in range(STEPS):
         after = stepped(law, y, step)
-        changes.append(bool(np.abs(law.rates(y)[law_forces(law)]).max() > 0))
+        changes.append(bool(np.abs(law.rates(y)[law.forces]).max() > 0))
         y = after
     touching = [k for k, changed in enumerate(changes) if changed]
     return touching[0], touching[-1] + 1
-
-
-def law_forces(law: Law) -> slice:
-    """The rates that vanish while nothing touches: those after the places."""
-    return slice(2, 3) if len(law.struck) == 5 else slice(5, None)
 
 
 def stepped(law: Law, y: State, h: float) -> State:
@@ -124,11 +173,12 @@ def stepped(law: Law, y: State, h: float) -> State:
 def left_of(law: Law, scale, pairs: State, count: int) -> float:
     """The largest sum, over the coordinates struck, of what a quantity answers."""
     largest = 1.0
-    rows = [*range(count), *range(len(law.start) - len(law.read), len(law.start))]
-    for name, values in zip((*law.struck, *law.read), pairs[rows], strict=True):
+    for name, values in law.read(pairs).items():
         both = values.reshape(-1, 2, count)
         answers = np.abs(both[:, 0] - both[:, 1]).sum(axis=1)
-        largest = max(largest, float(answers.max(initial=0.0)) / (2 * SIZE * float(scale[name])))
+        largest = max(
+            largest, float(answers.max(initial=0.0)) / (2 * law.size * float(scale[name]))
+        )
     return largest
 
 
@@ -146,3 +196,21 @@ def test_s_of_mindlins_contact_covers_errors_at_all_times(angle):
     """Those of the start alone were a twentieth of it after a stick (angle -0.05)."""
     instance = discovery.case("impact-benchmarks").at(member="dem-05-mindlin", angle=angle)
     compared(instance, mindlin(member("dem-05-mindlin").values(instance.p)))
+
+
+PATHS = [
+    ("contact-path", {}),
+    ("contact-path", {"partner_spin": "-0.985"}),
+    ("contact-path", {"partner_spin": "3"}),
+    ("contact-path", {"partner_spin": "-1.02"}),
+    ("contact-path", {"branch": "R-d", "partner_radius": "1/2"}),
+    ("contact-path", {"branch": "R", "friction": "3"}),
+    ("contact-path-turned", {}),
+]
+
+
+@pytest.mark.parametrize(("name", "given"), PATHS)
+def test_s_of_a_path_covers_errors_in_its_plane_at_all_times(name, given):
+    instance = discovery.case("impact-benchmarks").at(member=name, **given)
+    one = member(name)
+    compared(instance, passing(one.values(instance.p), one.frame))
