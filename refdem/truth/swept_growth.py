@@ -13,12 +13,11 @@ from heapq import heappop, heappush
 
 from flint import arb
 
-from refdem.truth.balls import arb_of
 from refdem.truth.growth import UPWARDS, WIDEST, UnsharpError, bounded, most
 
-Swept = Callable[[arb, arb], Sequence[arb]]
-"""What every quantity answers to an error of one scale in each coordinate, made at any time at most
-`off` from `middle` [s].
+Swept = Callable[[Fraction, Fraction], tuple[Sequence[arb], Sequence[arb]]]
+"""What every quantity answers to an error of one scale in each coordinate, made at a `middle` [s],
+and what it answers at most to one that is made at most `half` from there.
 """
 MOST_CELLS = 4096
 """More say that balls are too wide."""
@@ -37,15 +36,11 @@ class Span:
         """Where its growth is looked at."""
         return (self.low + self.high) / 2
 
-    def bound(self) -> float:
-        """No error of the span grows by more."""
-        half = arb_of((self.high - self.low) / 2)
-        return most(self.answers(arb_of(self.middle), half)) * UPWARDS
-
-    def seen(self) -> float:
-        """The growth at the middle, at least."""
-        answers = self.answers(arb_of(self.middle), arb(0))
-        return max(float(answer.lower()) for answer in answers)
+    def growth(self) -> tuple[float, float]:
+        """That of an error at the middle, at least, and that of any error of the span, at most."""
+        seen, bounds = self.answers(self.middle, (self.high - self.low) / 2)
+        least = max(float(answer.lower()) for answer in seen)
+        return least, most(bounds) * UPWARDS
 
     def halves(self) -> list["Span"]:
         """Both halves."""
@@ -65,8 +60,9 @@ def largest_growth(spans: Sequence[Span]) -> float:
     fresh = list(spans)
     while count < MOST_CELLS:
         for span in fresh:
-            seen = max(seen, span.seen())
-            heappush(waiting, (-span.bound(), count, span))
+            least, bound = span.growth()
+            seen = max(seen, least)
+            heappush(waiting, (-bound, count, span))
             count += 1
         if not waiting:
             return seen

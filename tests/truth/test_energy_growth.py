@@ -36,8 +36,9 @@ MOTIONS = [
     ("duffing", {"alpha": "-1", "beta": "1", "amplitude": "1e-6"}),
     ("duffing", {"alpha": "1", "beta": "-1", "amplitude": "0.9999999999"}),
     ("duffing", {"alpha": "1", "beta": "1", "amplitude": "3"}),
-    # Not of one degree of freedom: by products of balls.
+    # Not of one degree of freedom: by branch and bound.
     ("two-body-orbit", {"eccentricity": "0.99"}),
+    ("two-body-orbit", {"eccentricity": "0.9999"}),
 ]
 
 

@@ -363,29 +363,40 @@ class PathGrowth:
             after = after * self.wholes[earlier]
         return largest_growth(spans)
 
-    def own(self, leg: Leg, time: arb, since: arb, off: arb) -> list[arb]:
-        """What is answered at a time on the same leg to an error made about `since` its begin."""
+    def own(
+        self, leg: Leg, time: arb, middle: Fraction, off: Fraction
+    ) -> tuple[list[arb], list[arb]]:
+        """What is answered at a time on the same leg to an error made about `middle` since its
+        begin.
+        """
+        since = arb_of(middle)
         left = time - leg.begin - since
         return self.sums(self.readings() * self.moved(leg, since, left), leg, since, off)
 
-    def earlier(self, leg: Leg, after: arb_mat, since: arb, off: arb) -> list[arb]:
+    def earlier(
+        self, leg: Leg, after: arb_mat, middle: Fraction, off: Fraction
+    ) -> tuple[list[arb], list[arb]]:
         """The same later, where `after` is what follows the leg."""
         assert leg.end is not None
+        since = arb_of(middle)
         left = leg.end - leg.begin - since
         return self.sums(after * (leg.felt * self.moved(leg, since, left)), leg, since, off)
 
-    def sums(self, answers: arb_mat, leg: Leg, since: arb, off: arb) -> list[arb]:
-        """What each quantity answers to errors of one scale in all coordinates of the state that
-        are made at most `off` from when it has these `answers`.
+    def sums(
+        self, answers: arb_mat, leg: Leg, since: arb, off: Fraction
+    ) -> tuple[list[arb], list[arb]]:
+        """What each quantity answers to errors of one scale in all coordinates of the state: to one
+        that has these `answers`, and at most to those that are made at most `off` from it.
 
-        A row y of them changes as y' = -y A with the time of the error, A being the Jacobian of the
-        equations, whose rows of r, v, the way and the impulses follow one from another (mean value
-        theorem).
+        A row y of answers changes as y' = -y A with the time of the error, A being the Jacobian of
+        the equations, whose rows of r, v, the way and the impulses follow one from another (mean
+        value theorem).
         """
         sizes = [arb_of(self.form.scale[name]) for name in STATE]
-        earlier = arb(0, off.abs_upper())
+        earlier = arb(0, arb_of(off).upper())
         jacobian = self.jacobian(leg, since + earlier)
-        found = []
+        seen = []
+        bounds = []
         for row in answers.table():
             x, y, u, v, way, *impulses = row
             way_now = way + earlier * pushed(impulses, jacobian, WAY)
@@ -396,10 +407,9 @@ class PathGrowth:
             y_now = y + earlier * changes[1]
             u_now = u + earlier * (changes[2] + x_now)
             v_now = v + earlier * (changes[3] + y_now)
-            now = (x_now, y_now, u_now, v_now)
-            terms = (abs(entry) * size for entry, size in zip(now, sizes, strict=True))
-            found.append(sum(terms, arb(0)))
-        return found
+            seen.append(sum_of_sizes((x, y, u, v), sizes))
+            bounds.append(sum_of_sizes((x_now, y_now, u_now, v_now), sizes))
+        return seen, bounds
 
     def jacobian(self, leg: Leg, since: arb) -> list[tuple[arb, ...]]:
         """The derivatives by (x, y, u, v, way) of the rate of the way, while it sticks, and of the
@@ -531,6 +541,12 @@ class PathGrowth:
                         row[column] = arb_of(frame[i][j] / scale[f"{kind}.{axis}"])
                 rows.append(row)
         return arb_mat(rows)
+
+
+def sum_of_sizes(entries: Sequence[arb], scales: Sequence[arb]) -> arb:
+    """Of a row of answers, for an error of one scale in every coordinate."""
+    terms = (abs(entry) * scale for entry, scale in zip(entries, scales, strict=True))
+    return sum(terms, arb(0))
 
 
 def pushed(impulses: Sequence[arb], jacobian: Sequence[Sequence[arb]], column: int) -> arb:
