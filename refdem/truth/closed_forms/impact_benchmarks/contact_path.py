@@ -101,12 +101,11 @@ class ContactPath(ClosedForm):
         self.path = path
 
     def displaced(self, axis: int, amount: Fraction) -> Self:
-        other, start = (
-            copy(self),
-            tuple(x + amount * (i == axis) for i, x in enumerate(self.path.start)),
-        )
+        start = list(self.path.start)
+        start[axis] += amount
+        other = copy(self)
         other.kept = {}
-        other.path = Passing(**{**vars(self.path), "start": start})
+        other.path = Passing(**{**vars(self.path), "start": tuple(start)})
         return other
 
     @per_precision
@@ -237,25 +236,42 @@ class ContactPath(ClosedForm):
     def given(self, side: int, constant: Any, at: Place, n: Mapping[str, Any]) -> list[Any]:
         """Antiderivatives by x of the force's parts along x and y and of the torque on body 1."""
         p = self.path
-        b, d, angle, area, reach = at.b, at.distance, at.angle, at.area, self.reach
         x = at.x
-        k, kt = arb_of(p.stiffness), arb_of(p.tangential_stiffness)
-        pressed = reach * d - x * x / 2, b * (reach * angle - x)
-        lever, more = arb_of(p.radii[0] - p.lever * sum(p.radii)), arb_of(p.lever)
+        b = at.b
+        d = at.distance
+        angle = at.angle
+        area = at.area
+        reach = self.reach
+        k = arb_of(p.stiffness)
+        # The integrals of d x/D and of d b/D over x, d = D0 - D being the overlap.
+        pressed_x = reach * d - x * x / 2
+        pressed_y = b * (reach * angle - x)
+        # The lever of body 1 is R1 - beta D0 + beta D.
+        lever = arb_of(p.radii[0] - p.lever * sum(p.radii))
+        more = arb_of(p.lever)
         if side:
             rub = -side * arb_of(p.friction) * k
-            by_b, by_x = pressed[1], pressed[0]
-            whole, spread = reach * x - area, reach * area - (x * x * x / 3 + b * b * x)
+            # The integrals of d b/D, d x/D, d and d D.
+            by_b = pressed_y
+            by_x = pressed_x
+            whole = reach * x - area
+            spread = reach * area - (x * x * x / 3 + b * b * x)
         else:
-            rub, c, g, a, e = -kt, constant, n["g"], n["a"], n["e"]
+            rub = -arb_of(p.tangential_stiffness)
+            c = constant
+            g = n["g"]
+            a = n["a"]
+            e = n["e"]
+            # The same of sigma = c + g A + a x + e x D in place of d.
             by_b = b * (c * angle + g * angle * angle / 2 + a * d + e * x * x / 2)
             by_x = c * d + g * (d * angle - x) + a * (x * d - b * b * angle) / 2 + e * x * x * x / 3
             whole = c * x + g * (x * angle - d) + a * x * x / 2 + e * d**3 / 3
+            # The integral of A D.
             bent = angle * area - (x * x + b * b * angle * angle) / 4
             spread = c * area + g * bent + a * d**3 / 3 + e * d**4 / 4
         return [
-            -k * pressed[0] - rub * by_b,
-            -k * pressed[1] + rub * by_x,
+            -k * pressed_x - rub * by_b,
+            -k * pressed_y + rub * by_x,
             rub * (lever * whole + more * spread),
         ]
 
