@@ -52,12 +52,10 @@ class Orbit(SmoothFlow):
         stiffness: Fraction | None,
     ) -> None:
         super().__init__(scale)
-        self.gm, self.semi_major, self.eccentricity, self.stiffness = (
-            gm,
-            semi_major,
-            eccentricity,
-            stiffness,
-        )
+        self.gm = gm
+        self.semi_major = semi_major
+        self.eccentricity = eccentricity
+        self.stiffness = stiffness
         self.offset = [Fraction(0)] * 4
 
     def displaced(self, axis: int, amount: Fraction) -> "Orbit":
@@ -71,22 +69,23 @@ class Orbit(SmoothFlow):
         """The state at t = 0: periapsis for Kepler, the end of the long axis for the spring."""
         a, e = self.semi_major, self.eccentricity
         if self.stiffness is None:
-            apsis, speed = a * (1 - e), arb_of(self.gm / a * (1 + e) / (1 - e)).sqrt()
+            # v^2 = gm/a (1 + e)/(1 - e) at r = a (1 - e).
+            apsis = a * (1 - e)
+            square = self.gm / a * (1 + e) / (1 - e)
         else:
-            apsis, speed = a, arb_of(self.stiffness * a * a * (1 - e * e)).sqrt()
-        return [
-            part + arb_of(off)
-            for part, off in zip((arb_of(apsis), arb(0), arb(0), speed), self.offset, strict=True)
-        ]
+            # v = w b at the end of the long axis.
+            apsis = a
+            square = self.stiffness * a * a * (1 - e * e)
+        start = (arb_of(apsis), arb(0), arb(0), arb_of(square).sqrt())
+        return [part + arb_of(off) for part, off in zip(start, self.offset, strict=True)]
 
     def evaluate(self, t: arb) -> dict[str, arb]:
         """The state at t."""
         start = self.start()
-        now = (
-            kepler(arb_of(self.gm), start, t)
-            if self.stiffness is None
-            else spring(arb_of(self.stiffness), start, t)
-        )
+        if self.stiffness is None:
+            now = kepler(arb_of(self.gm), start, t)
+        else:
+            now = spring(arb_of(self.stiffness), start, t)
         return dict(zip(NAMES, now, strict=True))
 
     @per_precision
@@ -142,8 +141,11 @@ def kepler(gm: arb, start: State, t: arb) -> list[arb]:
     anomaly = anomaly_gain(n * t, 1 - r0 / a, s)
     sine, cosine = anomaly.sin_cos()
     r = a + (r0 - a) * cosine + s * a * sine
-    f, g = 1 - a / r0 * (1 - cosine), t - (anomaly - sine) / n
-    f_rate, g_rate = -n * a * a / (r * r0) * sine, 1 - a / r * (1 - cosine)
+    # r = f r0 + g v0 and v = f' r0 + g' v0.
+    f = 1 - a / r0 * (1 - cosine)
+    g = t - (anomaly - sine) / n
+    f_rate = -n * a * a / (r * r0) * sine
+    g_rate = 1 - a / r * (1 - cosine)
     return [f * x + g * vx, f * y + g * vy, f_rate * x + g_rate * vx, f_rate * y + g_rate * vy]
 
 
@@ -177,8 +179,10 @@ def ellipses(gm: arb, a: arb, e: arb, length: arb, speed: arb, t: arb) -> arb_ma
     s, c = anomaly_gain(n * t, e, arb(0)).sin_cos()
     d = 1 - e * c
     cube = d * d * d
-    x, y = a * (c - e), a * b * s
-    vx, vy = -a * n * s / d, a * n * b * c / d
+    x = a * (c - e)
+    y = a * b * s
+    vx = -a * n * s / d
+    vy = a * n * b * c / d
     shift = [vx, vy, -n * n * a * (c - e) / cube, -n * n * a * b * s / cube]
     scale = [
         value - 3 * t * rate / 2

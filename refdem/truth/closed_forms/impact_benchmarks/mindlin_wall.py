@@ -261,9 +261,12 @@ class MindlinWallImpact(HertzWallImpact):
     def evaluate(self, t: arb) -> dict[str, arb]:
         _, y, _, vy, spin = (arb_of(value) for value in self.begin)
         depth, rate = self.normal(t)
-        side, radius = (self.slip() > 0) - (self.slip() < 0), arb_of(self.radius)
+        side = (self.slip() > 0) - (self.slip() < 0)
+        radius = arb_of(self.radius)
         slip, way = self.across(t)
-        kept, part = vy - arb_of(Fraction(2, 5)) * radius * spin, arb_of(Fraction(2, 7))
+        # v_y = 2/7 (v_y + R omega) + 5/7 (v_y - 2/5 R omega), the latter of which is kept.
+        kept = vy - arb_of(Fraction(2, 5)) * radius * spin
+        part = arb_of(Fraction(2, 7))
         along = (side * slip * part) + kept * (1 - part)
         now = (
             depth - radius,
