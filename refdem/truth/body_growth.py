@@ -82,9 +82,11 @@ Balls = Sequence[Sequence[arb]]
 Attitude = Callable[[arb], Sequence[arb]]
 """The quaternion at a time, of either sign."""
 AXES = range(3)
-TURN, SPIN = slice(0, 3), slice(3, 6)
+TURN = slice(0, 3)
+SPIN = slice(3, 6)
 """Columns of errors, and the rows of what they become along the moving axes."""
-BODY, SPACE = slice(3, 6), slice(6, 9)
+BODY = slice(3, 6)
+SPACE = slice(6, 9)
 """Rows that are read besides the turn: each component of omega in body axes and in space."""
 ACROSS = slice(1, 3)
 """Components along w and b."""
@@ -236,7 +238,10 @@ class BodyGrowth(ABC):
     def cover(self, until: Fraction) -> None:
         """Makes the cells that cover [0, until]."""
         while not self.cells or self.cells[-1].high < until:
-            low = self.cells[-1].high if self.cells else Fraction(0)
+            if self.cells:
+                low = self.cells[-1].high
+            else:
+                low = Fraction(0)
             self.cells.append(next_cell(low, self.scales))
 
     def ended_by(self, time: Fraction) -> int:
@@ -331,7 +336,10 @@ class Tumbling(BodyGrowth):
         # Errors of this period: those of whole cells, and those that are made since the last of
         # them.
         ended = self.ended_by(passed)
-        begun = self.cells[ended - 1].high if ended else Fraction(0)
+        if ended:
+            begun = self.cells[ended - 1].high
+        else:
+            begun = Fraction(0)
         found = self.own(read, now, float(max(passed - begun, Fraction(0))))
         found = max(found, self.grown(read, now, since, ended, 0))
         if periods:
@@ -379,7 +387,10 @@ class Tumbling(BodyGrowth):
         if count == 0:
             return 0.0
         instants = self.instants_of(count)
-        more = arb(0) if self.period is None else periods * self.period
+        if self.period is None:
+            more = arb(0)
+        else:
+            more = periods * self.period
         elapsed = near([since - instant.time + more for instant in instants])
         gained = periods * self.gained
         leads = near([now.lead - instant.lead + gained for instant in instants])
@@ -457,7 +468,10 @@ class Spinning(BodyGrowth):
         passed = min(t, self.followed)
         self.cover(passed)
         cells = self.cells[: self.ended_by(passed)]
-        begun = cells[-1].high if cells else Fraction(0)
+        if cells:
+            begun = cells[-1].high
+        else:
+            begun = Fraction(0)
         times = [arb_of(cell.middle) for cell in cells] + [arb_of(passed)]
         halves = np.array([cell.half for cell in cells] + [float(passed - begun) * UPWARDS])
         waves = [self.waves(time) for time in times]

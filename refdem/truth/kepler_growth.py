@@ -32,7 +32,8 @@ from refdem.truth.swept_growth import Span, largest_growth
 
 FARTHEST = 50.0
 """w h of a cell for which no bound is asked: e^50 of what is there."""
-PLACE, SPEED = slice(0, 2), slice(2, 4)
+PLACE = slice(0, 2)
+SPEED = slice(2, 4)
 
 
 @dataclass(frozen=True)
@@ -55,8 +56,10 @@ class CentralGrowth:
         ratio: float,
     ) -> None:
         """With M in scales, |dG| [1/s^2] on a ball of times, and the scales' `ratio` [s]."""
-        self.fundamental, self.gradient = fundamental, gradient
-        self.period, self.ratio = period, ratio
+        self.fundamental = fundamental
+        self.gradient = gradient
+        self.period = period
+        self.ratio = ratio
         self.moments: dict[tuple[Fraction, Fraction], Moment] = {}
 
     def at(self, t: Fraction) -> float:

@@ -24,7 +24,9 @@ from refdem.truth.balls import arb_of
 from refdem.truth.power_contact import PowerContact
 
 NEAR = Fraction(3, 4)
-INWARD, TURNING, OUTWARD = 0, 1, 2
+INWARD = 0
+TURNING = 1
+OUTWARD = 2
 
 
 def _part(numerator: int, denominator: int) -> arb:
@@ -52,24 +54,34 @@ class MindlinSpring:
         """D and u."""
         if leg == TURNING:
             return (1 - x * x) ** _part(2, 5), -x
-        depth = x if leg == INWARD else -x
+        if leg == INWARD:
+            depth = x
+        else:
+            depth = -x
         return depth, (1 - power_five_halves(depth)).sqrt() * (1 if leg == INWARD else -1)
 
     def coordinate(self, depth: arb, rate: arb) -> tuple[int, arb]:
         """Leg and x of a place, of either leg where two meet."""
         if depth <= arb_of(NEAR):
-            return (INWARD, depth) if rate > 0 else (OUTWARD, -depth)
+            if rate > 0:
+                return (INWARD, depth)
+            return (OUTWARD, -depth)
         return TURNING, -rate
 
     def time(self, leg: int, x: arb) -> arb:
         """Since touch [s]."""
         if leg == TURNING:
             return self.contact.half + self.contact.unit * self.contact.before_turn(x)
-        depth = x if leg == INWARD else -x
+        if leg == INWARD:
+            depth = x
+        else:
+            depth = -x
         since = arb(0)
         if depth != 0:
             since = self.contact.unit * self.contact.since_touch(depth)
-        return since if leg == INWARD else 2 * self.contact.half - since
+        if leg == INWARD:
+            return since
+        return 2 * self.contact.half - since
 
     def pace(self, leg: int, x: arb) -> arb:
         """dx/dt [1/s]."""
@@ -80,7 +92,8 @@ class MindlinSpring:
 
     def basis(self, leg: int, x: arb) -> tuple[arb, arb, arb, arb]:
         """Two solutions, and their derivatives by x."""
-        a, b = self.a, self.b
+        a = self.a
+        b = self.b
         if leg == TURNING:
             w = x * x
             c = _part(3, 5) - a
@@ -120,7 +133,9 @@ class MindlinSpring:
         """d [m] and its derivatives by x."""
         size = self.contact.depth
         if leg != TURNING:
-            return (size * x, size, arb(0)) if leg == INWARD else (-size * x, -size, arb(0))
+            if leg == INWARD:
+                return (size * x, size, arb(0))
+            return (-size * x, -size, arb(0))
         w = 1 - x * x
         depth = size * w ** _part(2, 5)
         return (
@@ -185,6 +200,6 @@ def root(x: arb) -> arb:
 
 def power_five_halves(x: arb) -> arb:
     """x^(5/2) likewise."""
-    return (
-        x * x * root(x) if x.lower() > 0 or x == 0 else arb(0).union(arb(x.upper()) ** _part(5, 2))
-    )
+    if x.lower() > 0 or x == 0:
+        return x * x * root(x)
+    return arb(0).union(arb(x.upper()) ** _part(5, 2))

@@ -67,7 +67,8 @@ class Orbit(SmoothFlow):
 
     def start(self) -> list[arb]:
         """The state at t = 0: periapsis for Kepler, the end of the long axis for the spring."""
-        a, e = self.semi_major, self.eccentricity
+        a = self.semi_major
+        e = self.eccentricity
         if self.stiffness is None:
             # v^2 = gm/a (1 + e)/(1 - e) at r = a (1 - e).
             apsis = a * (1 - e)
@@ -92,7 +93,8 @@ class Orbit(SmoothFlow):
     def growth(self) -> Grows:
         period = self.constants()["period"]
         step = narrow(2 * arb.pi() / period)
-        length, speed = self.scale["x"], self.scale["vx"]
+        length = self.scale["x"]
+        speed = self.scale["vx"]
         if self.stiffness is not None:
             return SteadyGrowth(
                 partial(sprung, arb_of(self.stiffness), arb_of(length / speed)),
@@ -119,7 +121,10 @@ class Orbit(SmoothFlow):
 
     def constants(self) -> dict[str, arb]:
         """The period [s]."""
-        squared = self.semi_major**3 / self.gm if self.stiffness is None else 1 / self.stiffness
+        if self.stiffness is None:
+            squared = self.semi_major**3 / self.gm
+        else:
+            squared = 1 / self.stiffness
         return {"period": 2 * arb.pi() * arb_of(squared).sqrt()}
 
 
@@ -215,7 +220,9 @@ def tidal(gm: arb, a: arb, e: arb, t: arb) -> float:
     n = (gm / a).sqrt() / a
     first, last = (anomaly_gain(n * arb(end), e, arb(0)) for end in (t.lower(), t.upper()))
     s, c = first.union(last).sin_cos()
-    x, y, r = a * (c - e), a * (1 - e * e).sqrt() * s, a * (1 - e * c)
+    x = a * (c - e)
+    y = a * (1 - e * e).sqrt() * s
+    r = a * (1 - e * c)
     across = abs(3 * x * y)
     rows = [abs(3 * z * z - r * r) + across for z in (x, y)]
     strength = gm / r**5
@@ -251,7 +258,8 @@ def _newton(mean: arb, c: arb, s: arb) -> arb:
     """An approximate root, not proved: bisection to a thousandth (|E - mean| <= 2), then Newton's
     method.
     """
-    low, high = mean - 2, mean + 2
+    low = mean - 2
+    high = mean + 2
     for _ in range(12):
         middle = ((low + high) / 2).mid()
         below = (middle - c * middle.sin() + s * (1 - middle.cos())).mid() < mean
@@ -271,7 +279,14 @@ def truth(p: Parameters, scale: Mapping[str, float]) -> Truth:
 
     `scale` of x, y, vx, vy.
     """
-    stiffness = None if p["stiffness"] is None else number(p, "stiffness")
-    gm = Fraction(1) if stiffness is not None else number(p, "gm")
-    a, e = number(p, "semi_major"), number(p, "eccentricity")
+    if p["stiffness"] is None:
+        stiffness = None
+    else:
+        stiffness = number(p, "stiffness")
+    if stiffness is not None:
+        gm = Fraction(1)
+    else:
+        gm = number(p, "gm")
+    a = number(p, "semi_major")
+    e = number(p, "eccentricity")
     return Orbit(scale, gm=gm, semi_major=a, eccentricity=e, stiffness=stiffness)

@@ -47,8 +47,11 @@ class Law:
 
 def mindlin(v) -> Law:
     """(x, y, vx, vy, omega, stretch) of a sphere that touches the wall x = 0."""
-    radius, mass = float(v.radius), float(v.mass)
-    hertz, ratio, friction = float(v.hertz), float(v.stiffness_ratio), float(v.friction)
+    radius = float(v.radius)
+    mass = float(v.mass)
+    hertz = float(v.hertz)
+    ratio = float(v.stiffness_ratio)
+    friction = float(v.friction)
 
     def held(y: State) -> State:
         limit = friction / ratio * np.maximum(y[0] + radius, 0.0)
@@ -77,9 +80,12 @@ def passing(v, frame) -> Law:
     """(x, y, vx, vy, stretch, impulses, turning) of a body that passes another one at the origin,
     in the plane of its path; seen in the axes of `frame`.
     """
-    first, second = float(v.radius), float(v.partner_radius)
+    first = float(v.radius)
+    second = float(v.partner_radius)
     lever = {"R": 0.0, "R-d/2": 0.5, "R-d": 1.0}[v.branch]
-    k, kt, friction = float(v.stiffness), float(v.tangential_stiffness), float(v.friction)
+    k = float(v.stiffness)
+    kt = float(v.tangential_stiffness)
+    friction = float(v.friction)
     axes = np.array(frame, dtype=float)
 
     def held(y: State) -> tuple[State, State, State]:
@@ -122,7 +128,8 @@ def passing(v, frame) -> Law:
 
 def growths(instance, law: Law, seed: int = 1) -> tuple[list[Fraction], list[float], list[float]]:
     """Times, the largest growth of impulses by then, and S."""
-    truth, end = instance.truth(), float(instance.times[-1])
+    truth = instance.truth()
+    end = float(instance.times[-1])
     rng = np.random.default_rng(seed)
     step = end / STEPS
     # Most of the time nothing touches: half of the impulses and looks are during the contact.
@@ -144,7 +151,8 @@ def growths(instance, law: Law, seed: int = 1) -> tuple[list[Fraction], list[flo
         if k in struck:
             pairs = np.concatenate([pairs, base + moves, base - moves], axis=1)
         y = stepped(law, np.concatenate([base, pairs], axis=1), step)
-        base, pairs = y[:, :1], y[:, 1:]
+        base = y[:, :1]
+        pairs = y[:, 1:]
     times = [Fraction(k * step) for k in sorted(looks)]
     return times, found, [truth.sensitivity(t) for t in times]
 

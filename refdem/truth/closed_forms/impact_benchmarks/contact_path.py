@@ -147,7 +147,9 @@ class ContactPath(ClosedForm):
     def constant_side(self, piece: Piece) -> int:
         """On which side of its limit the spring is where a stick begins; 0 at touch."""
         number = self.pieces().index(piece)
-        return self.pieces()[number - 1].side if number else 0
+        if number:
+            return self.pieces()[number - 1].side
+        return 0
 
     def ends(self) -> arb:
         """The x > 0 at which they part."""
@@ -156,7 +158,10 @@ class ContactPath(ClosedForm):
 
     def way(self, at: Place, numbers: Mapping[str, Any] | None = None) -> Any:
         """sigma without its constant, on this path or on another one."""
-        n = self.numbers() if numbers is None else numbers
+        if numbers is None:
+            n = self.numbers()
+        else:
+            n = numbers
         return n["g"] * at.angle + n["a"] * at.x + n["e"] * at.x * at.distance
 
     def slack(self) -> arb:
@@ -174,7 +179,8 @@ class ContactPath(ClosedForm):
 
     def slip(self, x: arb, order: int) -> arb:
         """Derivatives of sigma by x, from the first on."""
-        at, n = self.place(x), self.numbers()
+        at = self.place(x)
+        n = self.numbers()
         distance = at.distance
         rates: tuple[arb, arb] = (
             at.b / distance + n["a"] + 2 * n["e"] * distance,
@@ -184,7 +190,10 @@ class ContactPath(ClosedForm):
 
     def spared(self, piece: Piece, side: int, order: int, x: arb) -> arb:
         """A derivative by x of what the spring has left towards a side."""
-        held = piece.constant + self.way(self.place(x)) if order == 0 else self.slip(x, order - 1)
+        if order == 0:
+            held = piece.constant + self.way(self.place(x))
+        else:
+            held = self.slip(x, order - 1)
         return self.limit(x, order) - side * held
 
     def surplus(self, side: int, order: int, x: arb) -> arb:
@@ -194,11 +203,15 @@ class ContactPath(ClosedForm):
     @per_precision
     def pieces(self) -> list[Piece]:
         """Every piece from touch on."""
-        x, end = -self.ends(), self.ends()
+        x = -self.ends()
+        end = self.ends()
         slip = self.slip(x, 0)
         if not (slip > 0 or slip < 0):
             raise UndecidedError("the direction of the slip at touch")
-        side = 1 if slip > 0 else -1
+        if slip > 0:
+            side = 1
+        else:
+            side = -1
         first = self.surplus(side, 0, x)
         if not (first > 0 or first < 0):
             raise UndecidedError("whether it slides from touch on")
@@ -210,7 +223,10 @@ class ContactPath(ClosedForm):
             if after is None:
                 return found
             found.append(after)
-            touching = {last.side: 2} if not after.side else {}
+            if not after.side:
+                touching = {last.side: 2}
+            else:
+                touching = {}
         raise SwitchError("end", "the contact has more pieces than are followed", 0.0)
 
     def after(self, last: Piece, touching: Mapping[int, int], end: arb) -> Piece | None:
@@ -231,7 +247,9 @@ class ContactPath(ClosedForm):
             ]
             guards.append(Watched(str(side), spare, order))
         found = earliest(guards, last.begin, end)
-        return None if found is None else Piece(found[1], int(found[0]), arb(0))
+        if found is None:
+            return None
+        return Piece(found[1], int(found[0]), arb(0))
 
     def given(self, side: int, constant: Any, at: Place, n: Mapping[str, Any]) -> list[Any]:
         """Antiderivatives by x of the force's parts along x and y and of the torque on body 1."""
@@ -276,13 +294,21 @@ class ContactPath(ClosedForm):
         ]
 
     def evaluate(self, t: arb) -> dict[str, arb]:
-        n, p = self.numbers(), self.path
-        x, total = n["x"] + n["V"] * t, [arb(0)] * 3
-        pieces = self.pieces() if x > -self.ends() else []
+        n = self.numbers()
+        p = self.path
+        x = n["x"] + n["V"] * t
+        total = [arb(0)] * 3
+        if x > -self.ends():
+            pieces = self.pieces()
+        else:
+            pieces = []
         if not pieces and not x <= -self.ends():
             raise UndecidedError("whether they touch yet")
         for number, piece in enumerate(pieces):
-            stop = pieces[number + 1].begin if number + 1 < len(pieces) else self.ends()
+            if number + 1 < len(pieces):
+                stop = pieces[number + 1].begin
+            else:
+                stop = self.ends()
             if x <= piece.begin:
                 break
             if not x > piece.begin or not (x <= stop or x > stop):
@@ -433,7 +459,8 @@ class PathGrowth:
         """
         if leg.piece is None:
             return [(arb(0),) * 5] * 4
-        form, p = self.form, self.form.path
+        form = self.form
+        p = self.form.path
         time = leg.begin + since
         piece = leg.piece
         here = [*self.place(time), *self.start[2:]]
@@ -541,7 +568,8 @@ class PathGrowth:
 
     def readings(self) -> arb_mat:
         """Every quantity by COORDINATES, in its scale."""
-        frame, scale = self.form.path.frame, self.form.scale
+        frame = self.form.path.frame
+        scale = self.form.scale
         parts: dict[str, tuple[int | None, ...]] = {
             "r": (0, 1, None),
             "v": (2, 3, None),
