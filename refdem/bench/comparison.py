@@ -41,7 +41,8 @@ def compared(now: Record, then: Record) -> list[Change]:
         levels = _common(curve, other) if other else set()
         if other is None or not levels:
             continue
-        a, b = rounds_of(now, curve, levels), rounds_of(then, other, levels)
+        a = rounds_of(now, curve, levels)
+        b = rounds_of(then, other, levels)
         errors = {point.level: point.error for point in other.points}
         worst = max(
             (

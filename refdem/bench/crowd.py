@@ -64,7 +64,8 @@ def costs(
 
 def _of_gas(gas: Gas, law: str, able: Sequence[Crowd], rounds: int) -> list[Cost]:
     """All codes on one gas, in turns."""
-    n, steps = len(gas.position), {}
+    n = len(gas.position)
+    steps = {}
     for crowd in able:
         once = crowd.seconds(gas, FEWEST_STEPS) / FEWEST_STEPS
         steps[crowd] = max(FEWEST_STEPS, int(LONG / max(once, 1e-9)))

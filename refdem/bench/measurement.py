@@ -19,11 +19,13 @@ from refdem.kernels import repeated
 
 ENOUGH = 1e-14
 """An error that no refinement improves."""
-SHORT, MOST_INNER = 2e-3, 15
+SHORT = 2e-3
+MOST_INNER = 15
 """Runs shorter than this [s] are repeated within a round, as a clock and a cache that is cold would
 be seen; the median counts.
 """
-BRIEF, MOST_REPEATS = 1e-4, 100
+BRIEF = 1e-4
+MOST_REPEATS = 100
 """Runs shorter than this [s] are repeated within one reading of the clock too, where the engine
 allows it, until they have taken as long: what Python does between two runs leaves caches cold,
 which would cost a run of a microsecond as much again."""
@@ -80,7 +82,8 @@ def refined(entrant: Entrant, truth: SampledTruth, *, longest: float) -> Measure
     A coarse level at which the engine breaks down is left out; if it breaks at all of them, the
     last reason is the refusal.
     """
-    found, best = Measured(entrant), float("inf")
+    found = Measured(entrant)
+    best = float("inf")
     risen = 0
     for level in entrant.levels:
         try:
@@ -89,7 +92,9 @@ def refined(entrant: Entrant, truth: SampledTruth, *, longest: float) -> Measure
         except (RefdemError, ArithmeticError) as error:
             found.refusal = str(error)
             continue
-        found.errors[level], found.first[level], found.rounds[level] = errors, cost, []
+        found.errors[level] = errors
+        found.first[level] = cost
+        found.rounds[level] = []
         worst = max(errors.values())
         risen = 0 if worst < 0.7 * best else risen + 1
         best = min(best, worst)

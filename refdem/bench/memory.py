@@ -9,7 +9,8 @@ from refdem.core import discovery
 from refdem.core.engine import Engine
 from refdem.core.problem import Request
 
-STATUS, RESET = Path("/proc/self/status"), Path("/proc/self/clear_refs")
+STATUS = Path("/proc/self/status")
+RESET = Path("/proc/self/clear_refs")
 
 
 def peaks(asked: Sequence[tuple[str, bool, Request, Request]]) -> list[int | None]:

@@ -45,7 +45,8 @@ def _crossing(points: Sequence[Point], meets: int, target: float, number: int) -
     if meets == 0:
         return after.rounds[number]
     before = points[meets - 1]
-    early, late = before.rounds[number], after.rounds[number]
+    early = before.rounds[number]
+    late = after.rounds[number]
     if not (after.error > 0 and early < late):
         return late
     part = math.log(before.error / target) / math.log(before.error / after.error)

@@ -141,7 +141,8 @@ class Bench:
     def _curve(self, measured: Measured, names: set[str]) -> Curve:
         """The curve of an entrant, with all that follows from its points."""
         entrant = measured.entrant
-        instance, method = entrant.instance, entrant.method
+        instance = entrant.instance
+        method = entrant.method
         bare = Curve(
             label=instance.label,
             engine=entrant.engine.name,
@@ -175,7 +176,8 @@ class Bench:
 
     def _growth(self, measured: Measured) -> list[Growth]:
         """Time against steps, and against the parameter asked for at the finest level."""
-        entrant, level = measured.entrant, next(reversed(measured.errors))
+        entrant = measured.entrant
+        level = next(reversed(measured.errors))
         counted = [
             (cost.steps, precision.seconds_of(measured.rounds[h]))
             for h, cost in measured.first.items()
@@ -184,7 +186,8 @@ class Bench:
         stepped = entrant.method.control == "step" and len(counted) > 1
         found = [precision.growth("steps", *zip(*counted, strict=True))] if stepped else []
         for name, values in self.grow.items():
-            sizes, times = [], []
+            sizes = []
+            times = []
             for value in values:
                 grown = entrant.instance.case.at(**(dict(entrant.instance.p.given) | {name: value}))
                 if entrant.engine.refuses(grown.problem, entrant.method) is None:
@@ -208,7 +211,8 @@ class Bench:
         places = [k for k, found in enumerate(measured) if found.errors] if self.with_memory else []
         asked = []
         for k in places:
-            entrant, run = measured[k].entrant, list(measured[k].errors)
+            entrant = measured[k].entrant
+            run = list(measured[k].errors)
             asked.append(
                 (
                     entrant.engine.address,

@@ -81,10 +81,8 @@ def _name(curve: Curve) -> str:
 
 
 def _times(curve: Curve) -> tuple[str, ...]:
-    least, setup = (
-        min(point.error for point in curve.points),
-        statistics.median(point.setup for point in curve.points),
-    )
+    least = min(point.error for point in curve.points)
+    setup = statistics.median(point.setup for point in curve.points)
     return (
         _name(curve),
         *(_reached(reach) for reach in curve.reached),

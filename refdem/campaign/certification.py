@@ -59,7 +59,8 @@ def wanted_sets(folder: Path, cases: Iterable[str] = ()) -> list[Wanted]:
     path = folder / "sets.toml"
     document = document_of(path)
     document.pop(SAMPLED, None)
-    only, found = set(cases), []
+    only = set(cases)
+    found = []
     for unknown in only - set(document):
         raise UsageError(f"{path} has no sets of case {unknown!r}; it has {', '.join(document)}")
     for case, groups in document.items():
@@ -220,7 +221,8 @@ class Certification:
     ) -> None:
         from refdem.truth.certified.writing import file_text, sums
 
-        certified, kept = self.folder / "certified", self.folder / "samples"
+        certified = self.folder / "certified"
+        kept = self.folder / "samples"
         for home in (certified, kept):
             home.mkdir(parents=True, exist_ok=True)
         for case, found in blocks.items():

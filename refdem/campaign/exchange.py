@@ -66,7 +66,10 @@ class Elsewhere(Engine):
             described.methods,
         )
         self.expected, self.may_refuse = described.expected, described.may_refuse
-        self.described, self.at, self.folder, self.writes = described, version, folder, writes
+        self.described = described
+        self.at = version
+        self.folder = folder
+        self.writes = writes
         self.asked: Counter[str] = Counter()
         self.waiting: list[str] = []
 

@@ -128,7 +128,9 @@ class Trial:
 
     def matrix(self) -> Matrix:
         """The whole of it."""
-        kills, alarms, near = [], [], dict[str, float]()
+        kills = []
+        alarms = []
+        near = dict[str, float]()
         work = list(product(self.drawn, self.faults))
         for done, (seed, fault) in enumerate(work, 1):
             kills.append(self.kill(fault, seed))
@@ -176,7 +178,8 @@ class Trial:
         """The record of a fault, refined no further than is needed to kill it."""
         instance, truth = self.instance(setting, seed)
         checks = () if self.whole and seed == 0 else _needed(fault)
-        engine, known = fault.carrier(self.engine), dict[Variant, Run]()
+        engine = fault.carrier(self.engine)
+        known = dict[Variant, Run]()
         for levels in range(FEWEST if not checks or checks[0] in ORDERS else 1, fault.levels + 1):
             record = self._record(engine, fault.method, instance, truth, levels, checks, known)
             if _killed(_named(fault, record)):

@@ -85,7 +85,8 @@ def engines(specification: Specification) -> tuple[list[Engine], dict[str, str]]
     asked for by name.
     """
     asked = specification.engines
-    found, missing = [], {}
+    found = []
+    missing = {}
     for name in asked or discovery.names("engines"):
         engine = discovery.engine(name)
         reason = engine.missing()
@@ -188,7 +189,8 @@ def tasks(
     found = []
     for bare, refusal in trials(specification, instance, engine):
         trial = replace(bare, truth=truth, truth_reason=reason)
-        chosen, left_out = [], {}
+        chosen = []
+        left_out = {}
         for name in names if refusal is None else []:
             check = discovery.check(name)
             why = excluded.get(name) or check.left_out(trial)

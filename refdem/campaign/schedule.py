@@ -85,7 +85,8 @@ class Programs:
 
     def results(self, jobs: list[Job]) -> Iterator[tuple[Job, bytes | Failure]]:
         """Every job once with its bytes or its Failure, in the order in which they end."""
-        fresh, going = iter(jobs), list[tuple[Job, Stages[bytes], Waiting | None]]()
+        fresh = iter(jobs)
+        going = list[tuple[Job, Stages[bytes], Waiting | None]]()
         while True:
             # One more than can run is begun, so that no program waits for what is done here.
             begun = list(islice(fresh, self._most + 1 - len(self._running)))
@@ -159,7 +160,8 @@ class Schedule:
     def _working(self, jobs: list[Job]) -> Iterator[tuple[Job, bytes | Failure]]:
         """The results of worker processes."""
         self._employ(min(self._most, len(jobs)))
-        waiting, running = iter(jobs), dict[Any, Job]()
+        waiting = iter(jobs)
+        running = dict[Any, Job]()
         while True:
             for job in waiting:
                 failure = job.given_up()

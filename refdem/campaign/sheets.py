@@ -16,7 +16,8 @@ LISTED = 64
 
 def case_sheet(instance: Instance, truth: SampledTruth) -> CaseSheet:
     """Statement, parameters, scene, scales and how truth was proved."""
-    case, scales = instance.case, instance.scales
+    case = instance.case
+    scales = instance.scales
     settings = " ".join(f"--set {name}={value}" for name, value in instance.p.changed().items())
     return CaseSheet(
         case=case.id,

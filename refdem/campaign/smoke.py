@@ -193,7 +193,8 @@ def _compared(
     right: Expected, came: Expected, name: str, request: Request, probe: Probe
 ) -> Finding:
     """A quantity against its formula, over the whole run."""
-    seen, expected = came[name], right[name]
+    seen = came[name]
+    expected = right[name]
     off = _largest(seen, expected, signless=name == "attitude")
     says = f"{request.method}: {name} is off by at most {off:.2g} of its scale"
     if not off <= BOUND:

@@ -6,7 +6,8 @@ from refdem.core.figure import GREY, Axis, Figure, Panel, Series
 from refdem.gallery.runs import seen
 from refdem.mechanics.oscillation import turning_points
 
-DURATION, SAMPLES = 16, 1600
+DURATION = 16
+SAMPLES = 1600
 
 
 def decaying(name: str, quantity: str, title: str, caption: str) -> Figure:

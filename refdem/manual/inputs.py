@@ -56,7 +56,8 @@ def out_of_date(pages: Path, folder: Path) -> list[str]:
     """
     path = pages / NAME
     lines = [line.split("  ") for line in path.read_text().splitlines()] if path.is_file() else []
-    made, now = {case: digest for digest, case in lines}, digests(folder)
+    made = {case: digest for digest, case in lines}
+    now = digests(folder)
     there = {page.stem for page in pages.glob("*.md")} - {"index"}
     return sorted(
         {

@@ -77,7 +77,8 @@ def scalars(instance: Instance) -> tuple[QuantityLine, ...]:
 
 def truth_line(name: str, instance: Instance, sets: list[CertifiedSet]) -> TruthLine:
     """How it is proved, by the case itself where the store has nothing."""
-    found, truth = certified_case(name, sets), instance.truth()
+    found = certified_case(name, sets)
+    truth = instance.truth()
     witness = witnesses().get(name)
     return TruthLine(
         method="; ".join(found.methods) or truth.method,

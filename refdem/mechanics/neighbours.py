@@ -110,7 +110,8 @@ class Grid:
         """The three cells around each point's x in the row that begins at `base`; of the own row,
         those that come later.
         """
-        x, last = self.at[points, 0], self.cells[0] - 1
+        x = self.at[points, 0]
+        last = self.cells[0] - 1
         low = points + 1 if own else self.starts[base + np.maximum(x - 1, 0)]
         yield _within(points, low, self.starts[base + np.minimum(x + 1, last) + 1])
         for edge, cell in ((last, 0), (0, last)) if self.periodic else ():

@@ -56,7 +56,9 @@ def balanced_amplitude(drive: float, alpha: float, beta: float, delta: float, f0
     S = A^2 solves S ((g + h S)^2 + d) = f0^2, g = alpha - w^2, h = 3 beta/4, d = 4 delta^2 w^2; by
     bisection beyond the last turning point of the cubic.
     """
-    gap, h, drag = alpha - drive**2, 0.75 * beta, (2 * delta * drive) ** 2
+    gap = alpha - drive**2
+    h = 0.75 * beta
+    drag = (2 * delta * drive) ** 2
 
     def excess(s: float) -> float:
         return s * ((gap + h * s) * (gap + h * s) + drag) - f0 * f0

@@ -63,7 +63,8 @@ def write_figures(
         written(folder / f"{figure.name}.svg", figures.picture(specs[figure.id], store))
     figures.equip(folder, store)
     written(folder / "gallery.md", "\n".join(["# Gallery\n", INTRODUCTION + "\n", *told.values()]))
-    named, sections = {id: file_name(id) for id in shown}, map(Markup, shown.values())
+    named = {id: file_name(id) for id in shown}
+    sections = map(Markup, shown.values())
     written(
         folder / "gallery.html",
         environment()

@@ -199,7 +199,8 @@ def target(value: float) -> str:
 
 def span(apart: tuple[str, float, float]) -> str:
     """A distance that is known by its bounds."""
-    low, high = two(apart[1]), two(apart[2])
+    low = two(apart[1])
+    high = two(apart[2])
     return low if low == high else f"{low} to {high}"
 
 

@@ -192,10 +192,8 @@ def index_markdown(pages: Sequence[ManualPage]) -> str:
         ]
         for page in pages
     ]
-    values, witnessed = (
-        sum(page.truth.values for page in pages),
-        sum(page.truth.witnessed for page in pages),
-    )
+    values = sum(page.truth.values for page in pages)
+    witnessed = sum(page.truth.witnessed for page in pages)
     head = ["case", "sets", "values", "proved by", "witness when proved", "witness in the tests"]
     told = (
         f"{len(pages)} cases, {values} certified values, {witnessed} of them confirmed when proved"

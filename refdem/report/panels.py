@@ -22,7 +22,8 @@ FINE = 0.3
 """Pixels by which a curve may be off, and by which points that are drawn are apart."""
 SHARP = 2
 """Dots of a cloud's picture on each pixel."""
-SYMBOL, LETTER = 26, 5.0
+SYMBOL = 26
+LETTER = 5.0
 """Pixels that a legend takes for a symbol with its margins, and for a letter of its text."""
 FAINTEST = 110
 """Opacity, of 255, of a single point of a cloud."""
@@ -50,7 +51,8 @@ def colour(ink: int) -> str:
 
 
 def _panel(panel: Panel) -> Any:
-    x, y = _scaled(panel, "x"), _scaled(panel, "y")
+    x = _scaled(panel, "x")
+    y = _scaled(panel, "y")
     labels = {series.label: series for series in panel.series if series.label}
     layers = [_layer(series, panel, x, y, labels) for series in panel.series]
     named: dict[str, Any] = {"title": panel.title} if panel.title else {}
@@ -135,7 +137,8 @@ def _legend(series: Series, labels: dict[str, Series], width: int) -> dict[str, 
 
 def _frame(panel: Panel, x: Any, y: Any) -> Any:
     """Nothing but the axes."""
-    (left, right), (low, high) = panel.ends("x"), panel.ends("y")
+    left, right = panel.ends("x")
+    low, high = panel.ends("y")
     ends = alt.InlineData(values=[{"x": left, "y": low}, {"x": right, "y": high}])
     return alt.Chart(ends).mark_point(opacity=0).encode(x=x, y=y)
 
@@ -162,7 +165,9 @@ def pixels(series: Series, panel: Panel) -> Array:
     for name, size in zip(("x", "y"), panel.size, strict=True):
         (low, high), values = panel.ends(name), getattr(series, name)  # type: ignore[arg-type]
         if getattr(panel, name).is_log:
-            low, high, values = np.log(low), np.log(high), np.log(values)
+            low = np.log(low)
+            high = np.log(high)
+            values = np.log(values)
         columns.append((values - low) / (high - low) * size)
     return np.stack(columns, axis=-1)
 
@@ -193,7 +198,8 @@ def _corners(place: Array) -> NDArray[np.int64]:
         first, last = stack.pop()
         if last - first < 2:
             continue
-        inner, chord = place[first + 1 : last] - place[first], place[last] - place[first]
+        inner = place[first + 1 : last] - place[first]
+        chord = place[last] - place[first]
         length = float(np.hypot(*chord))
         off: Any = (
             np.abs(inner[:, 0] * chord[1] - inner[:, 1] * chord[0]) / length
@@ -215,7 +221,8 @@ def density(series: Series, panel: Panel) -> str:
     through.
     """
     place = pixels(series, panel)
-    width, height = panel.size[0] * SHARP, panel.size[1] * SHARP
+    width = panel.size[0] * SHARP
+    height = panel.size[1] * SHARP
     across, up = (np.floor(place * SHARP)).astype(np.int64).T
     inside = (across >= 0) & (across < width) & (up >= 0) & (up < height)
     counts = np.bincount(

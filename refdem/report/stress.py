@@ -19,7 +19,8 @@ from refdem.report.palette import ENGINES, REFERENCE, SHAPES
 
 Cells = tuple[str, Sequence[str], Sequence[Sequence[str]]]
 """A title, a header, and rows."""
-LOW, HIGH = 1e-4, 1e4
+LOW = 1e-4
+HIGH = 1e4
 """Values over their bounds are drawn between these; what is beyond lies on the edge."""
 CAPTION = (
     "largest value over its bound, rung by rung; above 1 a rung fails, x: no run, ?: undecided"

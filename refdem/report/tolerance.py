@@ -80,7 +80,8 @@ def worst_rows(rows: Iterable[Row]) -> list[Row]:
 
 
 def _row(record: Record, finding: Finding) -> Row:
-    levels, control = finding.levels, control_of(finding)
+    levels = finding.levels
+    control = control_of(finding)
     steps = tuple(_largest(levels, target) for target in TARGETS)
     return Row(
         record=record,

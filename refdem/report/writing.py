@@ -62,7 +62,8 @@ def _charts(
         "": {"tolerance": chart_data.overview(contents, everything)}
     }
     for label, mine in rows.items():
-        errors, costs = chart_data.errors(contents, mine), chart_data.costs(contents, mine)
+        errors = chart_data.errors(contents, mine)
+        costs = chart_data.costs(contents, mine)
         charts[label] = {
             "errors": errors,
             "drifts": chart_data.drifts(contents, label),

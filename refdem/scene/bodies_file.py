@@ -72,7 +72,8 @@ def unpacked(data: bytes | Path, told: BodiesFile) -> Bodies:
     except (OSError, ValueError, EOFError, zipfile.BadZipFile) as error:
         raise SceneError(f"{where} cannot be read: {error}") from None
     shapes = _shapes(columns.pop("shapes"), where)
-    number, fixed = columns.pop("shape"), columns.pop("fixed")
+    number = columns.pop("shape")
+    fixed = columns.pop("fixed")
     if len(number) and not 0 <= number.min() <= number.max() < len(shapes):
         raise SceneError(
             f"{where}: shape has numbers from {number.min()} to {number.max()}; expected"

@@ -25,7 +25,8 @@ SLACK = 8 * 2.0**-52
 def unbalanced(scene: Scene) -> str | None:
     """None if springs, fields and contacts add up to zero on every body that is not fixed."""
     bodies = scene.bodies
-    net, size = np.zeros_like(bodies.position), np.zeros(len(bodies))
+    net = np.zeros_like(bodies.position)
+    size = np.zeros(len(bodies))
 
     def push(body: int, force: Array) -> None:
         if body >= 0:
@@ -120,10 +121,8 @@ class Load:
 
 def pressed(scene: Scene) -> Load | str:
     """Gravity on the one plane, or why there is no such thing."""
-    planes, gravity = (
-        scene.all(Plane),
-        np.sum([np.zeros(3), *(np.array(e.g) for e in scene.all(UniformGravity))], axis=0),
-    )
+    planes = scene.all(Plane)
+    gravity = np.sum([np.zeros(3), *(np.array(e.g) for e in scene.all(UniformGravity))], axis=0)
     if len(planes) != 1:
         return f"{len(planes)} planes; expected one"
     normal = np.array(planes[0].normal)
@@ -149,7 +148,9 @@ class _Standing:
     """
 
     def __init__(self, scene: Scene, normal: Array, point: Array, down: Array) -> None:
-        self.scene, self.normal, self.down = scene, normal, down
+        self.scene = scene
+        self.normal = normal
+        self.down = down
         self.vertices = [
             _outline(scene, number, normal) - point for number in range(len(scene.bodies))
         ]
@@ -185,7 +186,8 @@ class _Standing:
         axis = np.eye(3)[int(np.argmin(np.abs(self.normal)))]
         first = np.cross(self.normal, axis)
         first /= np.linalg.norm(first)
-        x, y = flat @ first, flat @ np.cross(self.normal, first)
+        x = flat @ first
+        y = flat @ np.cross(self.normal, first)
         if np.any(np.hypot(x, y) <= SLACK * self.size):
             return True
         angles = np.sort(np.arctan2(y, x))
@@ -201,7 +203,8 @@ class _Standing:
             under[body] = found[0]
         for body in under:
             load = [other for other in under if body in _path(other, under)]
-            mass, place = self.scene.bodies.mass[load], self.scene.bodies.position[load]
+            mass = self.scene.bodies.mass[load]
+            place = self.scene.bodies.position[load]
             centre = mass @ place / mass.sum() - self._origin(body)
             faces = [self.faces(body, highest=False)]
             if under[body] >= 0:
@@ -229,7 +232,8 @@ def _path(body: int, under: dict[int, int]) -> list[int]:
 
 def _outline(scene: Scene, body: int, normal: Array) -> Array:
     """Vertices (M, 3) in space; of a sphere its lowest and its highest point."""
-    shape, place = scene.bodies.shape[body], scene.bodies.position[body]
+    shape = scene.bodies.shape[body]
+    place = scene.bodies.position[body]
     if isinstance(shape, Polyhedron):
         from_centre = rotated(scene.bodies.attitude[body], np.array(shape.vertices, float))
     else:

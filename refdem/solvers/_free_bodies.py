@@ -37,7 +37,8 @@ class FreeBodies(Solver):
     def run(self, request: Request) -> tuple[Trajectory, Cost]:
         """Centres at x0 + v (t - t0), attitudes by `turn` for the bodies that spin."""
         begun = perf_counter()
-        t, bodies = request.problem.times, request.problem.scene.bodies
+        t = request.problem.times
+        bodies = request.problem.scene.bodies
         position = bodies.position + bodies.velocity * (t - t[0])[:, None, None]
         velocity, attitude, omega = (
             np.repeat(column[None], len(t), axis=0)
@@ -50,7 +51,8 @@ class FreeBodies(Solver):
             rate = omega.reshape(-1, 3) if alone else np.empty((len(t), 3))
             seconds += self.turn(request, number, turned, rate)
             if not alone:
-                attitude[:, number], omega[:, number] = turned, rate
+                attitude[:, number] = turned
+                omega[:, number] = rate
         steps = 0 if request.step is None else request.stride * (len(t) - 1)
         cost = Cost(
             seconds=seconds, setup=perf_counter() - begun - repeats() * seconds, steps=steps

@@ -140,13 +140,15 @@ class Packed:
 
     def __init__(self, scene: Scene, origin: Array) -> None:
         self.origin = origin
-        bodies, law = scene.bodies, contact_of(scene)
+        bodies = scene.bodies
+        law = contact_of(scene)
         self.turning = bool(np.any(bodies.omega)) or (law is not None and law.friction > 0)
         self.pairs = pairs(scene) if law else np.zeros((0, 2), np.int64)
         free = ~bodies.fixed
         inertia = bodies.inertia[:, 0]
         turns = free & (inertia > 0)
-        springs, planes = scene.all(Spring), scene.all(Plane)
+        springs = scene.all(Spring)
+        planes = scene.all(Plane)
         self._kept: dict[str, Any] = {
             "mass": bodies.mass,
             "ease": np.where(free, 1.0 / bodies.mass, 0.0),
@@ -221,14 +223,15 @@ def run(
     places count from `origin` (3,) [m].
     """
     begun = perf_counter()
-    scene, times = request.problem.scene, request.problem.times
-    kernel, packed = kernels.load(FAMILY), Packed(scene, origin)
+    scene = request.problem.scene
+    times = request.problem.times
+    kernel = kernels.load(FAMILY)
+    packed = Packed(scene, origin)
     size = kernel.lib.refdem_particles_size(packed.struct)
-    out, channel = np.zeros((len(times), size)), np.zeros((len(times), 4))
-    work, mode = (
-        np.zeros(kernel.lib.refdem_particles_work(packed.struct)),
-        np.zeros(max(1, len(packed.pairs)), np.int64),
-    )
+    out = np.zeros((len(times), size))
+    channel = np.zeros((len(times), 4))
+    work = np.zeros(kernel.lib.refdem_particles_work(packed.struct))
+    mode = np.zeros(max(1, len(packed.pairs)), np.int64)
     event = np.zeros((1024, 3))
     out[0] = packed.start(scene, size)
     buffers = (kernels.pointer(FAMILY, a, output=True) for a in (work, event, channel, out))
@@ -258,7 +261,8 @@ def _trajectory(
     scene: Scene, times: Array, packed: Packed, out: Array, channel: Array, event: Array
 ) -> Trajectory:
     """The kernel's rows as states, channels and events."""
-    count, n = len(times), len(scene.bodies)
+    count = len(times)
+    n = len(scene.bodies)
     blocks = np.split(
         out[:, : 13 * n if packed.turning else 6 * n],
         np.cumsum([3 * n, 3 * n, 3 * n])[: 3 if packed.turning else 1],

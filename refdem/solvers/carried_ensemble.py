@@ -57,7 +57,8 @@ class CarriedEnsemble(Solver):
         assert isinstance(problem, Ensemble)
         flow = next(flow for solver, flow in FLOWS if solver.refusal(problem.motion(0)) is None)
         shape = (len(problem.times), len(problem.position), 1, 3)
-        position, velocity = np.empty(shape), np.empty(shape)
+        position = np.empty(shape)
+        velocity = np.empty(shape)
         started = perf_counter()
         flow(problem, position, velocity)
         cost = Cost(seconds=perf_counter() - started, setup=started - begun)
@@ -73,17 +74,16 @@ def linear(problem: Ensemble, position: Array, velocity: Array) -> None:
     """
     origin, axis = _frame(problem)
     solver = next(solver for solver, _ in FLOWS[:2] if solver.refusal(problem.motion(0)) is None)
-    place, rate = (problem.position[:, 0] - origin) @ axis, problem.velocity[:, 0] @ axis
+    place = (problem.position[:, 0] - origin) @ axis
+    rate = problem.velocity[:, 0] @ axis
     units = max(float(np.abs(place).max()), float(np.abs(rate).max()))
     columns = [
         _alone(solver, problem, origin + x * axis, v * axis, axis, origin)
         for x, v in ((0.0, 0.0), (units, 0.0), (0.0, units))
     ]
-    rest, by_place, by_rate = (
-        columns[0],
-        (columns[1] - columns[0]) / units,
-        (columns[2] - columns[0]) / units,
-    )
+    rest = columns[0]
+    by_place = (columns[1] - columns[0]) / units
+    by_rate = (columns[2] - columns[0]) / units
     carried = (
         rest[:, None]
         + by_place[:, None] * place[None, :, None]
@@ -104,10 +104,14 @@ def _alone(
 
 def coulomb(problem: Ensemble, position: Array, velocity: Array) -> None:
     """Half cycles, start by start."""
-    scene, t = problem.scene, problem.times
-    spring, slider = scene.all(Spring)[0], scene.all(Slider)[0]
-    axis, origin = np.array(slider.axis), single.anchor(spring)
-    place, rate = (problem.position[:, 0] - origin) @ axis, problem.velocity[:, 0] @ axis
+    scene = problem.scene
+    t = problem.times
+    spring = scene.all(Spring)[0]
+    slider = scene.all(Slider)[0]
+    axis = np.array(slider.axis)
+    origin = single.anchor(spring)
+    place = (problem.position[:, 0] - origin) @ axis
+    rate = problem.velocity[:, 0] @ axis
     law = (
         float(scene.bodies.mass[0]),
         spring.stiffness,
@@ -115,13 +119,14 @@ def coulomb(problem: Ensemble, position: Array, velocity: Array) -> None:
         slider.normal_force,
         float(axis @ single.gravity(scene)),
     )
-    out, stop = np.empty((len(place), len(t), 3)), np.empty(1)
-    call, rows, samples = (
-        load("coulomb").lib.refdem_coulomb,
-        pointer("coulomb", out, output=True),
-        pointer("coulomb", t),
-    )
-    stopped, begin, count = pointer("coulomb", stop, output=True), float(t[0]), len(t)
+    out = np.empty((len(place), len(t), 3))
+    stop = np.empty(1)
+    call = load("coulomb").lib.refdem_coulomb
+    rows = pointer("coulomb", out, output=True)
+    samples = pointer("coulomb", t)
+    stopped = pointer("coulomb", stop, output=True)
+    begin = float(t[0])
+    count = len(t)
     for member, (x, v) in enumerate(zip(place.tolist(), rate.tolist(), strict=True)):
         call(*law, x, v, begin, count, samples, stopped, rows + 3 * count * member)
     position[:, :, 0] = origin + out[..., :1].transpose(1, 0, 2) * axis
@@ -130,22 +135,25 @@ def coulomb(problem: Ensemble, position: Array, velocity: Array) -> None:
 
 def pendulum(problem: Ensemble, position: Array, velocity: Array) -> None:
     """Jacobi functions, start by start."""
-    scene, t = problem.scene, problem.times
-    rod, count, members = scene.all(Rod)[0], len(problem.times), len(problem.position)
+    scene = problem.scene
+    t = problem.times
+    rod = scene.all(Rod)[0]
+    count = len(problem.times)
+    members = len(problem.position)
     starts = [
         np.ascontiguousarray(column.reshape(-1)) for column in (problem.position, problem.velocity)
     ]
     fixed = [pointer("pendulum", column) for column in (single.gravity(scene), single.anchor(rod))]
     out = [np.empty((members, count, 3)), np.empty((members, count, 3)), np.empty((members, count))]
     x, v, force = (pointer("pendulum", column, output=True) for column in out)
-    (r, u), samples = (pointer("pendulum", column) for column in starts), pointer("pendulum", t)
-    call, mass, begin = (
-        load("pendulum").lib.refdem_pendulum,
-        float(scene.bodies.mass[0]),
-        float(t[0]),
-    )
+    r, u = (pointer("pendulum", column) for column in starts)
+    samples = pointer("pendulum", t)
+    call = load("pendulum").lib.refdem_pendulum
+    mass = float(scene.bodies.mass[0])
+    begin = float(t[0])
     for member in range(members):
-        at, row = 3 * member, 3 * count * member
+        at = 3 * member
+        row = 3 * count * member
         call(
             mass,
             rod.length,
@@ -209,11 +217,9 @@ def _doubtful(problem: Ensemble) -> list[int]:
     about one by one.
     """
     rod = problem.scene.all(Rod)[0]
-    arm, velocity, down = (
-        problem.position[:, 0] - single.anchor(rod),
-        problem.velocity[:, 0],
-        single.gravity(problem.scene),
-    )
+    arm = problem.position[:, 0] - single.anchor(rod)
+    velocity = problem.velocity[:, 0]
+    down = single.gravity(problem.scene)
     speed = np.linalg.norm(velocity, axis=1)
     length = np.abs(np.linalg.norm(arm, axis=1) - rod.length) > 1e-9 * rod.length
     along = np.abs(np.sum(arm * velocity, axis=1)) > OFF * rod.length * speed

@@ -47,10 +47,14 @@ class ExactCapture(Solver):
     def run(self, request: Request) -> tuple[Trajectory, Cost]:
         """Position, velocity and force at the samples; the catch is an event."""
         begun = perf_counter()
-        scene, t = request.problem.scene, request.problem.times
-        hook, mass = scene.all(Catch)[0], scene.bodies.mass[0]
-        arm, v = scene.bodies.position[0] - single.anchor(hook), scene.bodies.velocity[0]
-        speed2, along = v @ v, arm @ v
+        scene = request.problem.scene
+        t = request.problem.times
+        hook = scene.all(Catch)[0]
+        mass = scene.bodies.mass[0]
+        arm = scene.bodies.position[0] - single.anchor(hook)
+        v = scene.bodies.velocity[0]
+        speed2 = v @ v
+        along = arm @ v
         late = (
             -along / speed2
             if speed2 > 0 and abs(along) > ACROSS * np.linalg.norm(arm) * np.sqrt(speed2)
@@ -60,17 +64,16 @@ class ExactCapture(Solver):
         distance = float(np.linalg.norm(nearest))
         holds = late >= 0 and 0 < distance <= hook.radius * REACH
         since = (t - t[0]) - late if holds else np.full(len(t), -1.0)
-        caught, flight = since > 0, np.where(since > 0, late, t - t[0])
+        caught = since > 0
+        flight = np.where(since > 0, late, t - t[0])
         angle = (
             np.where(caught, np.sqrt(speed2) / distance * since, 0.0)[:, None]
             if distance
             else np.zeros((len(t), 1))
         )
-        cosine, sine, ahead = (
-            np.cos(angle),
-            np.sin(angle),
-            v * (distance / np.sqrt(speed2) if speed2 > 0 else 0.0),
-        )
+        cosine = np.cos(angle)
+        sine = np.sin(angle)
+        ahead = v * (distance / np.sqrt(speed2) if speed2 > 0 else 0.0)
         place = np.where(
             caught[:, None], nearest * cosine + ahead * sine, arm + v * flight[:, None]
         )

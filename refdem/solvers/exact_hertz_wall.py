@@ -49,8 +49,10 @@ class ExactHertzWall(Solver):
         """None for one free solid sphere at or before a plane, forward in time, under nothing but
         Hertz's contact.
         """
-        scene, bodies = problem.scene, problem.scene.bodies
-        laws, planes = scene.all(Contact), scene.all(Plane)
+        scene = problem.scene
+        bodies = problem.scene.bodies
+        laws = scene.all(Contact)
+        planes = scene.all(Plane)
         if len(bodies) != 1 or not isinstance(bodies.shape[0], Sphere) or bodies.fixed.any():
             return "not one free sphere"
         if len(laws) != 1 or len(planes) != 1 or len(scene.elements) != 2 or laws[0].law != "hertz":
@@ -72,7 +74,8 @@ class ExactHertzWall(Solver):
     def run(self, request: Request) -> tuple[Trajectory, Cost]:
         """States at the samples."""
         begun = perf_counter()
-        scene, t = request.problem.scene, request.problem.times
+        scene = request.problem.scene
+        t = request.problem.times
         impact = Impact(scene)
         started = perf_counter()
         out, touch = impact.normal(t - t[0])
@@ -93,7 +96,8 @@ class Impact:
     """The start, split into its parts along and across the normal n into the wall."""
 
     def __init__(self, scene: Scene) -> None:
-        bodies, self.law = scene.bodies, scene.all(Contact)[0]
+        bodies = scene.bodies
+        self.law = scene.all(Contact)[0]
         plane = scene.all(Plane)[0]
         self.n, self.mass, self.radius = (
             -np.array(plane.normal),
@@ -121,12 +125,11 @@ class Impact:
 
     def normal(self, t: Array) -> tuple[Array, Array]:
         """Overlap and rate (T, 2), and when it touches, turns and parts."""
-        out, touch, law = (
-            np.empty((len(t), 2)),
-            np.empty(3),
-            np.array([self.law.stiffness, self.law.exponent]),
-        )
-        laws, kernel = pointer("power_contact", law), load("power_contact").lib
+        out = np.empty((len(t), 2))
+        touch = np.empty(3)
+        law = np.array([self.law.stiffness, self.law.exponent])
+        laws = pointer("power_contact", law)
+        kernel = load("power_contact").lib
         buffers = [pointer("power_contact", array, output=True) for array in (touch, out)]
         since = np.ascontiguousarray(t)
         kernel.refdem_power_contact(
@@ -145,7 +148,8 @@ class Impact:
         """When the normal impulse per mass has come to `impulse`, by bisection (the motion is
         smooth there).
         """
-        low, high = touch[0], touch[2]
+        low = touch[0]
+        high = touch[2]
         for _ in range(60):
             middle = (low + high) / 2
             low, high = (
@@ -171,12 +175,14 @@ class Impact:
 
     def bent(self, t: Array, out: Array, touch: Array) -> tuple[Array, Array]:
         """The same by a tangential spring, which begins unstretched at touch."""
-        speed, deep = self.rate, float(self.normal(touch[1:2])[0][0, 0])
+        speed = self.rate
+        deep = float(self.normal(touch[1:2])[0][0, 0])
         found = course(
             Spring(self.law.tangential_stiffness / self.law.stiffness, self.law.friction),
             self.slip / speed,
         )
-        slip, way = np.full(len(t), self.slip), self.slip * t
+        slip = np.full(len(t), self.slip)
+        way = self.slip * t
         last, gone = found.end()
         after = t - touch[2]
         for n in np.flatnonzero((t > touch[0]) & (after < 0)):

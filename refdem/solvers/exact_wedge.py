@@ -35,7 +35,8 @@ class ExactWedge(Solver):
         """None for one free body that moves along the normal and does not turn by itself, and
         nothing but one wall for wedges.
         """
-        scene, bodies = problem.scene, problem.scene.bodies
+        scene = problem.scene
+        bodies = problem.scene.bodies
         if len(scene.elements) != 1 or not isinstance(scene.elements[0], Wedge):
             return "something else than one wall for wedges"
         if len(bodies) != 1 or bodies.fixed.any() or np.any(bodies.omega):
@@ -50,16 +51,18 @@ class ExactWedge(Solver):
     def run(self, request: Request) -> tuple[Trajectory, Cost]:
         """States at the samples; a run backwards is one with flipped velocities."""
         begun = perf_counter()
-        scene, t = request.problem.scene, request.problem.times
-        wall, bodies = scene.all(Wedge)[0], scene.bodies
+        scene = request.problem.scene
+        t = request.problem.times
+        wall = scene.all(Wedge)[0]
+        bodies = scene.bodies
         sense = float(np.sign(request.problem.interval))
-        start, rate = (
-            float(wall.overlap(bodies.position[0])),
-            -sense * float(bodies.velocity[0] @ np.array(wall.normal)),
-        )
+        start = float(wall.overlap(bodies.position[0]))
+        rate = -sense * float(bodies.velocity[0] @ np.array(wall.normal))
         laws = [np.array([wall.quadratic, 2.0]), np.array([wall.stiffness, 1.0])]
         inward, outward = laws if _comes_edge_first(scene, wall, start, rate) else laws[::-1]
-        since, out, touch = sense * (t - t[0]), np.empty((len(t), 2)), np.empty(3)
+        since = sense * (t - t[0])
+        out = np.empty((len(t), 2))
+        touch = np.empty(3)
         kernel = load("power_contact").lib
         arrays = [pointer("power_contact", array) for array in (inward, outward, since)]
         buffers = [pointer("power_contact", array, output=True) for array in (touch, out)]

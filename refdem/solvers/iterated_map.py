@@ -52,13 +52,13 @@ class IteratedMap(Solver):
         begun = perf_counter()
         problem = request.problem
         assert isinstance(problem, Iteration)
-        counts, start, asked = (
-            problem.times,
-            np.ascontiguousarray(problem.start, float),
-            problem.map,
-        )
+        counts = problem.times
+        start = np.ascontiguousarray(problem.start, float)
+        asked = problem.map
         out = np.empty((len(counts), asked.dimension))
-        lib, n, rows = load("maps").lib, pointer("maps", counts), pointer("maps", out, output=True)
+        lib = load("maps").lib
+        n = pointer("maps", counts)
+        rows = pointer("maps", out, output=True)
         function = getattr(lib, FUNCTIONS[type(asked)])
         started = perf_counter()
         if isinstance(asked, Billiard):

@@ -94,7 +94,8 @@ def _range(climbs: Sequence[Climb]) -> str:
     if not climbs:
         return NONE
     steps = sorted((_steps(climb), climb.method, climb) for climb in climbs)
-    least, most = _told(steps[0][2]), _told(steps[-1][2])
+    least = _told(steps[0][2])
+    most = _told(steps[-1][2])
     return least if least == most else f"{least} to {most}"
 
 

@@ -59,7 +59,8 @@ def climbed(bare: Climb, ladder: Ladder, rungs: Sequence[Rung], *, is_required: 
     """The climb with its rungs: the last that holds, the first that breaks, and whether what had to
     hold did.
     """
-    holds, breaks = None, None
+    holds = None
+    breaks = None
     for rung in rungs:
         if rung.verdict != "pass":
             breaks = float(Fraction(rung.rung)) if rung.verdict in BROKEN else None

@@ -23,7 +23,8 @@ class Mujoco(Crowd):
     so many bodies.
     """
 
-    name, note = "MuJoCo", "its own soft contacts"
+    name = "MuJoCo"
+    note = "its own soft contacts"
 
     def missing(self) -> str | None:
         """None if the package is here."""

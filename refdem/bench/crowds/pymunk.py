@@ -15,7 +15,8 @@ class Pymunk(Crowd):
     single pass of the solver.
     """
 
-    name, note = "pymunk", "discs in a plane, elastic impacts"
+    name = "pymunk"
+    note = "discs in a plane, elastic impacts"
 
     def missing(self) -> str | None:
         """None if the package is here."""
@@ -29,7 +30,8 @@ class Pymunk(Crowd):
         """The time of the space's own steps, after one that is not counted."""
         import pymunk
 
-        n, radius = len(gas.position), gas.diameter / 2
+        n = len(gas.position)
+        radius = gas.diameter / 2
         filled = n * np.pi / 6 * (gas.diameter / gas.size) ** 3
         side = int(np.ceil(np.sqrt(n)))
         edge = float(np.sqrt(n * np.pi * radius**2 / filled))

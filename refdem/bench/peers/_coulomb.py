@@ -52,7 +52,9 @@ def coulomb(scene: Scene) -> Coulomb | None:
         "spring",
     ]:
         return None
-    (spring,), (slider,), bodies = scene.all(Spring), scene.all(Slider), scene.bodies
+    (spring,) = scene.all(Spring)
+    (slider,) = scene.all(Slider)
+    bodies = scene.bodies
     aside = (
         *bodies.position[0, 1:],
         *bodies.velocity[0, 1:],

@@ -97,7 +97,9 @@ def _hanging(scene: Scene) -> tuple[float, float] | None:
     """Length [m] and gravity [m/s^2] of a rod from the world's origin in the x-y plane, gravity
     along -y.
     """
-    (rod,), (weight,), bodies = scene.all(Rod), scene.all(UniformGravity), scene.bodies
+    (rod,) = scene.all(Rod)
+    (weight,) = scene.all(UniformGravity)
+    bodies = scene.bodies
     sideways = (
         bodies.position[0, 2],
         bodies.velocity[0, 2],
@@ -114,7 +116,8 @@ def _pendulum(scene: Scene) -> Equations | None:
     if (hanging := _hanging(scene)) is None:
         return None
     length, gravity = hanging
-    (x, y, _), (vx, vy, _) = scene.bodies.position[0].tolist(), scene.bodies.velocity[0].tolist()
+    x, y, _ = scene.bodies.position[0].tolist()
+    vx, vy, _ = scene.bodies.velocity[0].tolist()
     start = (float(np.arctan2(x, -y)), (x * vy - y * vx) / length**2)
     ratio = gravity / length
 
@@ -123,11 +126,11 @@ def _pendulum(scene: Scene) -> Equations | None:
 
     def trajectory(t: Array, found: Array) -> Trajectory:
         angle, rate = found.T
-        s, c, zero = np.sin(angle), np.cos(angle), np.zeros(len(t))
-        place, speed = (
-            length * np.stack([s, -c, zero], axis=-1),
-            (length * rate)[:, None] * np.stack([c, s, zero], axis=-1),
-        )
+        s = np.sin(angle)
+        c = np.cos(angle)
+        zero = np.zeros(len(t))
+        place = length * np.stack([s, -c, zero], axis=-1)
+        speed = (length * rate)[:, None] * np.stack([c, s, zero], axis=-1)
         return Trajectory.of_points(t, place[:, None], speed[:, None])
 
     return Equations(("pendulum", ratio), start, rates, trajectory)
@@ -151,7 +154,8 @@ def _constrained(scene: Scene) -> Equations | None:
 
 def _kepler(scene: Scene) -> Equations | None:
     """r'' = -gm r/r^3 in the x-y plane."""
-    bodies, gm = scene.bodies, scene.all(CentralField)[0].gm
+    bodies = scene.bodies
+    gm = scene.all(CentralField)[0].gm
     if bodies.position[0, 2] or bodies.velocity[0, 2]:
         return None
 
@@ -169,9 +173,11 @@ def _oscillator(scene: Scene) -> Equations | None:
         scene.all(Spring)
     ) != 1:
         return None
-    (spring,), mass = scene.all(Spring), float(scene.bodies.mass[0])
+    (spring,) = scene.all(Spring)
+    mass = float(scene.bodies.mass[0])
     weights = [element.g for element in scene.all(UniformGravity)]
-    place, speed = scene.bodies.position[0], scene.bodies.velocity[0]
+    place = scene.bodies.position[0]
+    speed = scene.bodies.velocity[0]
     aside = (
         *place[1:],
         *speed[1:],
@@ -182,7 +188,9 @@ def _oscillator(scene: Scene) -> Equations | None:
     if any(aside) or spring.length or spring.exponent != 1 or spring.b >= 0:
         return None
     weight = sum(g[0] for g in weights)
-    linear, square, cube = spring.stiffness / mass, spring.quadratic / mass, spring.cubic / mass
+    linear = spring.stiffness / mass
+    square = spring.quadratic / mass
+    cube = spring.cubic / mass
 
     def rates(state: Sequence[Any], sine: Sine) -> list[Any]:
         x, v = state
@@ -190,7 +198,8 @@ def _oscillator(scene: Scene) -> Equations | None:
         return [v, weight - force if weight else -force]
 
     def trajectory(t: Array, found: Array) -> Trajectory:
-        places, speeds = np.zeros((len(t), 1, 3)), np.zeros((len(t), 1, 3))
+        places = np.zeros((len(t), 1, 3))
+        speeds = np.zeros((len(t), 1, 3))
         places[:, 0, 0], speeds[:, 0, 0] = found.T
         return Trajectory.of_points(t, places, speeds)
 
@@ -209,6 +218,7 @@ def _plane(scene: Scene) -> tuple[float, ...]:
 
 def _of_plane(t: Array, found: Array) -> Trajectory:
     """The motion of a point in the x-y plane from (T, 4)."""
-    place, speed = np.zeros((len(t), 1, 3)), np.zeros((len(t), 1, 3))
+    place = np.zeros((len(t), 1, 3))
+    speed = np.zeros((len(t), 1, 3))
     place[:, 0, :2], speed[:, 0, :2] = found[:, :2], found[:, 2:]
     return Trajectory.of_points(t, place, speed)

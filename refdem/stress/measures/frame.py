@@ -69,7 +69,8 @@ class Frame(Measure):
         """The scene as the frame shows it, with the step in its units."""
         if variant.change != self.change:
             return plan.request(task, variant)
-        plain, shown = plan.request(task, variant.base), self.show(task.trial.instance, float(x))
+        plain = plan.request(task, variant.base)
+        shown = self.show(task.trial.instance, float(x))
         step = None if plain.step is None else plain.step * shown.units[2]
         problem = shown.applied(task.trial.instance.motion)
         return Request(problem=problem, method=plain.method, step=step, tolerance=plain.tolerance)
@@ -98,7 +99,9 @@ class Seen(Check):
     )
 
     def __init__(self, change: Change, view: Symmetry, part: float | None) -> None:
-        self.change, self.view, self.part = change, view, part
+        self.change = change
+        self.view = view
+        self.part = part
 
     def applies(self, trial: Trial) -> str | None:
         """Everywhere: the measure has refused what has no such frame."""
@@ -166,6 +169,7 @@ class Seen(Check):
         """How much coarser numbers of the frame's size are than u: 1 but for those that are nearly
         denormal.
         """
-        scales, (_, length, time) = trial.instance.scales, self.view.units
+        scales = trial.instance.scales
+        _, length, time = self.view.units
         smallest = min(scales.length * length, scales.speed * length / time)
         return max(1.0, TINY / smallest * 2.0**53) if smallest > TINY else sys.float_info.max

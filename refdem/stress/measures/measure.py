@@ -16,7 +16,8 @@ from refdem.core.problem import Request
 from refdem.core.truth import SampledTruth
 from refdem.core.variant import Variant
 
-LEVELS, MOST_STEPS = 3, 1e5
+LEVELS = 3
+MOST_STEPS = 1e5
 """The third level of refinement is run, or the last that takes so many steps: a tighter bound than
 the first level's, still cheap.
 """

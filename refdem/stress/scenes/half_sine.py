@@ -34,7 +34,9 @@ class HalfSine(ClosedForm):
         bodies: int = 1,
     ) -> None:
         super().__init__(scale)
-        self.square, self.start, self.bodies = square, start, bodies
+        self.square = square
+        self.start = start
+        self.bodies = bodies
 
     def evaluate(self, t: arb) -> dict[str, arb]:
         """Overlap [m] and rate [m/s]."""
@@ -44,10 +46,12 @@ class HalfSine(ClosedForm):
         inside = Fraction(0) if d < 0 else d
         if t < touch:
             return self._pair(arb_of(d) + arb_of(rate) * t, arb_of(rate))
-        sine, cosine = arb_of(inside) * w, arb_of(rate)
+        sine = arb_of(inside) * w
+        cosine = arb_of(rate)
         size = (sine * sine + cosine * cosine).sqrt() / w
         phase = arb.atan2(sine, cosine)
-        turned, end = w * (t - touch) + phase, arb.pi()
+        turned = w * (t - touch) + phase
+        end = arb.pi()
         if turned < end:
             return self._pair(size * turned.sin(), size * w * turned.cos())
         if turned > end:
@@ -78,7 +82,8 @@ class HalfSine(ClosedForm):
         none.
         """
         d, rate = self.start
-        ratio, w = arb_of(self.scale["overlap"] / self.scale["rate"]), arb_of(self.square).sqrt()
+        ratio = arb_of(self.scale["overlap"] / self.scale["rate"])
+        w = arb_of(self.square).sqrt()
         touch = arb_of(-d / rate if d < 0 else Fraction(0))
         inside = Fraction(0) if d < 0 else d
         free = partial(linear, arb(0), 0, ratio)
