@@ -33,9 +33,9 @@ class Entrant:
     def request(self, level: float, problem: Problem | None = None) -> Request:
         """The request of a level, also of another problem."""
         asked = self.instance.problem if problem is None else problem
-        control: dict[str, Any] = (
-            {} if self.method.control == "exact" else {self.method.control: level}
-        )
+        control: dict[str, Any] = {}
+        if self.method.control != "exact":
+            control[self.method.control] = level
         return Request(problem=asked, method=self.method.name, **control)
 
     def run(self, level: float) -> tuple[Trajectory, Cost]:

@@ -29,9 +29,12 @@ def peaks(asked: Sequence[tuple[str, bool, Request, Request]]) -> list[int | Non
 
 
 def _peak(name: str, is_peer: bool, coarse: bytes, fine: bytes) -> int | None:
-    engine: Engine = (
-        next(peer for peer in peers() if peer.name == name) if is_peer else discovery.engine(name)
-    )
+    """Bytes by which the fine run lifts the peak of this process; None if a run fails."""
+    engine: Engine
+    if is_peer:
+        engine = next(peer for peer in peers() if peer.name == name)
+    else:
+        engine = discovery.engine(name)
     try:
         engine.run(Request.unpacked(coarse))
         request = Request.unpacked(fine)

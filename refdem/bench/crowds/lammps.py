@@ -65,13 +65,9 @@ class Lammps(Crowd):
             (folder / "data.lammps").write_text(_data(gas))
             (folder / "in.lammps").write_text(words)
             told = os.environ | {"OMP_NUM_THREADS": "1", "TMPDIR": name}
+            command = ["lmp", "-in", "in.lammps", "-log", "none"]
             done = subprocess.run(
-                ["lmp", "-in", "in.lammps", "-log", "none"],
-                cwd=folder,
-                env=told,
-                capture_output=True,
-                text=True,
-                check=False,
+                command, cwd=folder, env=told, capture_output=True, text=True, check=False
             )
         found = re.search(r"Loop time of (\S+) on 1 procs", done.stdout)
         if done.returncode or found is None:
@@ -80,18 +76,23 @@ class Lammps(Crowd):
 
 
 def _data(gas: Gas) -> str:
-    sides = "".join(f"0 {gas.size!r} {a}lo {a}hi\n" for a in "xyz")
-    atoms = "\n".join(
-        f"{k} 1 {gas.diameter!r} 1.0 {x!r} {y!r} {z!r}"
-        for k, (x, y, z) in enumerate(gas.position.tolist(), 1)
-    )
-    speeds = "\n".join(
-        f"{k} {x!r} {y!r} {z!r} 0 0 0" for k, (x, y, z) in enumerate(gas.velocity.tolist(), 1)
-    )
-    return (
-        f"gas\n\n{len(gas.position)} atoms\n1 atom types\n{sides}\nAtoms #"
-        f" sphere\n\n{atoms}\n\nVelocities\n\n{speeds}\n"
-    )
+    """The data file of LAMMPS: the box, the spheres, and their velocities."""
+    sides = "\n".join(f"0 {gas.size!r} {axis}lo {axis}hi" for axis in "xyz")
+    atoms = []
+    for number, (x, y, z) in enumerate(gas.position.tolist(), 1):
+        atoms.append(f"{number} 1 {gas.diameter!r} 1.0 {x!r} {y!r} {z!r}")
+    speeds = []
+    for number, (x, y, z) in enumerate(gas.velocity.tolist(), 1):
+        speeds.append(f"{number} {x!r} {y!r} {z!r} 0 0 0")
+    parts = [
+        "gas",
+        f"{len(gas.position)} atoms\n1 atom types\n{sides}",
+        "Atoms # sphere",
+        "\n".join(atoms),
+        "Velocities",
+        "\n".join(speeds),
+    ]
+    return "\n\n".join(parts) + "\n"
 
 
 CROWD = Lammps()

@@ -23,13 +23,11 @@ class Reference(Crowd):
         return engine.refusal(gas.instance.motion, engine.method("gas"))
 
     def seconds(self, gas: Gas, steps: int) -> float:
-        """The time in the kernel."""
+        """The time [s] that the kernel itself takes for so many steps."""
         motion = Motion(gas.instance.scene, np.array([0.0, steps * gas.step]))
-        return (
-            discovery.engine("reference")
-            .run(Request(problem=motion, method="gas", step=gas.step))[1]
-            .seconds
-        )
+        request = Request(problem=motion, method="gas", step=gas.step)
+        _, cost = discovery.engine("reference").run(request)
+        return cost.seconds
 
 
 CROWD = Reference()

@@ -55,14 +55,18 @@ class Oblique:
         bodies = self.scene.bodies
         relative = bodies.velocity[1] - bodies.velocity[0]
         p, r = bodies.omega[:, 2]
+        overlap_rate = -relative[0]
         slip = float(bodies.radius[0] * p + bodies.radius[1] * r - relative[1])
-        held = bool(self.law.damping) or abs(slip) <= self.share * self.law.stiffness * -relative[0]
-        state = [0.0, -relative[0], relative[1], 0.0, p, r, 0.0]
-        return (
-            state,
-            (HOLDS if held else SLIPS) if self.law.friction else FREE,
-            1.0 if slip > 0 else -1.0,
+        state = [0.0, overlap_rate, relative[1], 0.0, p, r, 0.0]
+        side = 1.0 if slip > 0 else -1.0
+        if not self.law.friction:
+            return state, FREE, side
+        # It holds while k_t |slip| grows no faster than mu k g; with a dashpot the normal force
+        # is above 0 at once.
+        is_held = bool(self.law.damping) or abs(slip) <= (
+            self.share * self.law.stiffness * overlap_rate
         )
+        return state, HOLDS if is_held else SLIPS, side
 
     def integrators(self, tolerance: float | None) -> list[Any]:
         """heyoka's integrators: the spring holds; it slips to the side of par[0]; no friction.
@@ -86,14 +90,21 @@ class Oblique:
         slip = arm1 * spin1 + arm2 * spin2 - q
         bend = -q * turn - ease * force
         ends = side * slip - self.share * (law.stiffness * g + law.damping * bend)
+        # What ends each mode where it falls to 0, after the overlap itself.
         watched = {
             HOLDS: [self.share * force - s, self.share * force + s],
-            SLIPS: [ends, *([force] if law.damping else [])],
+            SLIPS: [ends, force] if law.damping else [ends],
             FREE: [],
+        }
+        # The tangential force in each mode.
+        acting = {
+            HOLDS: -law.tangential_stiffness * s,
+            SLIPS: -side * law.friction * force,
+            FREE: 0.0,
         }
         made = []
         for mode in (HOLDS, SLIPS, FREE) if law.friction else (FREE,):
-            across = (-law.tangential_stiffness * s, -side * law.friction * force, 0.0)[mode]
+            across = acting[mode]
             rates = [
                 g,
                 bend,
@@ -104,15 +115,16 @@ class Oblique:
                 slip if mode == HOLDS else 0.0,
             ]
             events = [heyoka.t_event(what, **down) for what in (d, *watched[mode])]
-            system = [
-                (name, heyoka.expression(rate) if isinstance(rate, float) else rate)
-                for name, rate in zip(names, rates, strict=True)
+            expressions = [
+                heyoka.expression(rate) if isinstance(rate, float) else rate for rate in rates
             ]
-            made.append(
-                heyoka.taylor_adaptive(
-                    system, [0.0] * 7, pars=[1.0] * (mode == SLIPS), t_events=events, tol=tolerance
-                )
+            system = list(zip(names, expressions, strict=True))
+            # Only a slip has a side.
+            pars = [1.0] if mode == SLIPS else []
+            integrator = heyoka.taylor_adaptive(
+                system, [0.0] * 7, pars=pars, t_events=events, tol=tolerance
             )
+            made.append(integrator)
         return made
 
     def followed(self, integrators: list[Any], t: Array) -> tuple[list[Array], int, float]:
@@ -134,18 +146,19 @@ class Oblique:
             if mode == SLIPS:
                 integrator.pars[0] = side
             grid = np.concatenate([[now], t[len(found) :]])
-            started = perf_counter()
-            told = (
-                integrator.propagate_until(t[-1])
-                if len(grid) == 2
-                else integrator.propagate_grid(grid)
-            )
-            seconds += perf_counter() - started
-            found += [] if len(grid) == 2 else list(told[-1][1:])
+            if len(grid) == 2:
+                started = perf_counter()
+                told = integrator.propagate_until(t[-1])
+                seconds += perf_counter() - started
+            else:
+                started = perf_counter()
+                told = integrator.propagate_grid(grid)
+                seconds += perf_counter() - started
+                found += list(told[-1][1:])
+            # Samples within the step that an event has cut.
             while len(found) < len(t) and t[len(found)] <= integrator.time:
-                found.append(
-                    integrator.update_d_output(t[len(found)]).copy()
-                )  # of the step that an event has cut
+                sample = integrator.update_d_output(t[len(found)])
+                found.append(sample.copy())
             steps += int(told[3])
             if len(found) == len(t):
                 break
@@ -163,14 +176,13 @@ class Oblique:
             return APART, side
         if mode == HOLDS:
             return SLIPS, 1.0 if event == 1 else -1.0
-        if event == 1:
-            state[6] = (
-                side
-                * INSIDE
-                * self.share
-                * (self.law.stiffness * state[0] + self.law.damping * state[1])
-            )
-        return (HOLDS if event == 1 else FREE), side
+        if event != 1:
+            return FREE, side
+        overlap = state[0]
+        rate = state[1]
+        force = self.law.stiffness * overlap + self.law.damping * rate
+        state[6] = side * INSIDE * self.share * force
+        return HOLDS, side
 
     def trajectory(self, t: Array, found: list[Array]) -> Trajectory:
         """The motion of both, straight on once they have parted."""
@@ -186,29 +198,34 @@ class Oblique:
         speed = np.array([-g * c - q * s, -g * s + q * c])
         spins = np.array([p, r])
         if parted:
+            # Straight on with the last velocities, from the time at which they part.
             since = t[len(found) - 1 :] - found[-1][7]
-            place = np.concatenate([place[:, :-1], place[:, -1:] + speed[:, -1:] * since], axis=1)
-            later = [np.repeat(column[:, -1:], len(since), axis=1) for column in (speed, spins)]
-            speed, spins = (
-                np.concatenate([column[:, :-1], more], axis=1)
-                for column, more in zip((speed, spins), later, strict=True)
-            )
-        share = np.array([-bodies.mass[1], bodies.mass[0]])[:, None] / bodies.mass.sum()
-        position, velocity, omega = (np.zeros((len(t), 2, 3)) for _ in range(3))
-        centre, drift = (
-            bodies.mass @ column / bodies.mass.sum()
-            for column in (bodies.position, bodies.velocity)
-        )
-        position[:, :, :2], velocity[:, :, :2], omega[:, :, 2] = (
-            place.T[:, None] * share,
-            speed.T[:, None] * share,
-            spins.T,
-        )
+            flown = place[:, -1:] + speed[:, -1:] * since
+            place = np.concatenate([place[:, :-1], flown], axis=1)
+            speed = _held(speed, len(since))
+            spins = _held(spins, len(since))
+        # Of the way from the first to the second, m1/(m1 + m2) is ahead of the centre of mass.
+        total = bodies.mass.sum()
+        share = np.array([-bodies.mass[1], bodies.mass[0]])[:, None] / total
+        centre = bodies.mass @ bodies.position / total
+        drift = bodies.mass @ bodies.velocity / total
+        position = np.zeros((len(t), 2, 3))
+        velocity = np.zeros((len(t), 2, 3))
+        omega = np.zeros((len(t), 2, 3))
+        position[:, :, :2] = place.T[:, None] * share
+        velocity[:, :, :2] = speed.T[:, None] * share
+        omega[:, :, 2] = spins.T
         position += centre + drift * (t - t[0])[:, None, None]
         still = np.broadcast_to(bodies.attitude, (len(t), 2, 4)).copy()
         return Trajectory(
             t=t, position=position, velocity=velocity + drift, attitude=still, omega=omega
         )
+
+
+def _held(column: Array, samples: int) -> Array:
+    """A quantity (2, M) whose last value stays for so many samples, in place of that one."""
+    later = np.repeat(column[:, -1:], samples, axis=1)
+    return np.concatenate([column[:, :-1], later], axis=1)
 
 
 def oblique(scene: Scene) -> Oblique | None:

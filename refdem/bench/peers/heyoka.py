@@ -50,12 +50,9 @@ class Heyoka(Peer):
     def refusal(self, problem: Motion, method: Method) -> str | None:
         """None for scenes with equations; events for a Coulomb oscillator."""
         if method.name == EVENTS:
-            told = coulomb(problem.scene) or oblique(problem.scene)
-            return (
-                None
-                if told
-                else "dry friction on a line and contact of two spheres are all it has events for"
-            )
+            if coulomb(problem.scene) or oblique(problem.scene):
+                return None
+            return "dry friction on a line and contact of two spheres are all it has events for"
         return super().refusal(problem, method)
 
     def run(self, request: Request) -> tuple[Trajectory, Cost]:
@@ -72,7 +69,8 @@ class Heyoka(Peer):
         integrator = self._compiled[key]
         seconds = 0.0
         for _ in range(repeats()):
-            integrator.time, integrator.state[:] = problem.times[0], system.start
+            integrator.time = problem.times[0]
+            integrator.state[:] = system.start
             started = perf_counter()
             found = integrator.propagate_grid(problem.times)
             seconds += (perf_counter() - started) / repeats()
@@ -97,11 +95,9 @@ class Heyoka(Peer):
         seconds = 0.0
         states = np.empty((len(t), 2))
         for _ in range(repeats()):
-            integrator.time, integrator.state[:], integrator.pars[0] = (
-                t[0],
-                (law.place, law.speed),
-                law.direction,
-            )
+            integrator.time = t[0]
+            integrator.state[:] = (law.place, law.speed)
+            integrator.pars[0] = law.direction
             started = perf_counter()
             found = integrator.propagate_grid(t)
             states[: len(found[-1])] = found[-1]
