@@ -33,10 +33,13 @@ def near_pairs(
     count; reach is at most size/2. With `among` (M,) only those pairs whose first is one of these
     numbers; a pair of two of them comes in both orders.
     """
-    found = [
-        _near(position, i, j, reach, size) for i, j in _candidates(position, reach, size, among)
-    ]
-    return np.concatenate([i for i, _ in found]), np.concatenate([j for _, j in found])
+    firsts = []
+    seconds = []
+    for i, j in _candidates(position, reach, size, among):
+        first, second = _near(position, i, j, reach, size)
+        firsts.append(first)
+        seconds.append(second)
+    return np.concatenate(firsts), np.concatenate(seconds)
 
 
 def _near(position: Array, i: Whole, j: Whole, reach: float, size: float) -> Pairs:
@@ -51,19 +54,24 @@ def _near(position: Array, i: Whole, j: Whole, reach: float, size: float) -> Pai
 def _candidates(position: Array, reach: float, size: float, among: Whole | None) -> Iterator[Pairs]:
     """Pairs in the same or in neighbouring cells, some at a time."""
     count = len(position)
-    low = np.zeros(3) if size else position.min(axis=0)
-    extent = np.full(3, size) if size else np.maximum(position.max(axis=0) - low, reach)
+    if size:
+        extent = np.full(3, size)
+    else:
+        low = position.min(axis=0)
+        extent = np.maximum(position.max(axis=0) - low, reach)
+    # No more than about two cells a point.
     most = max(1, int(np.ceil((2 * count) ** (1 / 3))))
     cells = np.clip((extent / reach).astype(int), 1, most)
     if count <= FEW or (size and cells.min() < 3):
         i, j = np.triu_indices(count, 1)
-        yield (
-            (i, j)
-            if among is None
-            else _led_by(among, np.concatenate([i, j]), np.concatenate([j, i]))
-        )
+        if among is not None:
+            both_ways = np.concatenate([i, j]), np.concatenate([j, i])
+            i, j = _led_by(among, *both_ways)
+        yield i, j
         return
-    place = (np.mod(position, size) if size else position - low) / extent
+    # The cell (N, 3) of each point, and the number of that cell, x running fastest.
+    inside = np.mod(position, size) if size else position - low
+    place = inside / extent
     at = np.clip((place * cells).astype(np.intp), 0, cells - 1)
     number = (at[:, 2] * cells[1] + at[:, 1]) * cells[0] + at[:, 0]
     order = np.argsort(number, kind="stable")
@@ -99,10 +107,14 @@ class Grid:
         count that come later.
         """
         for y, z in UPPER if only_later else ROWS:
+            led = points
             there = self.at[points, 1:] + (y, z)
-            inside = np.all((there >= 0) & (there < self.cells[1:]), axis=1)
-            led = points if self.periodic else points[inside]
-            there = np.mod(there if self.periodic else there[inside], self.cells[1:])
+            if self.periodic:
+                there = np.mod(there, self.cells[1:])
+            else:
+                inside = np.all((there >= 0) & (there < self.cells[1:]), axis=1)
+                led = points[inside]
+                there = there[inside]
             base = (there[:, 1] * self.cells[1] + there[:, 0]) * self.cells[0]
             yield from self._row(led, base, own=only_later and (y, z) == (0, 0))
 
@@ -112,20 +124,27 @@ class Grid:
         """
         x = self.at[points, 0]
         last = self.cells[0] - 1
-        low = points + 1 if own else self.starts[base + np.maximum(x - 1, 0)]
-        yield _within(points, low, self.starts[base + np.minimum(x + 1, last) + 1])
-        for edge, cell in ((last, 0), (0, last)) if self.periodic else ():
+        first_cell = base + np.maximum(x - 1, 0)
+        last_cell = base + np.minimum(x + 1, last)
+        low = points + 1 if own else self.starts[first_cell]
+        yield _within(points, low, self.starts[last_cell + 1])
+        if not self.periodic:
+            return
+        # Across the border: the cell at the other end of the row.
+        for edge, cell in ((last, 0), (0, last)):
+            if own and edge == 0:
+                continue
             on = np.flatnonzero(x == edge)
-            if not (own and edge == 0):
-                yield _within(
-                    points[on], self.starts[base[on] + cell], self.starts[base[on] + cell + 1]
-                )
+            beyond = base[on] + cell
+            yield _within(points[on], self.starts[beyond], self.starts[beyond + 1])
 
 
 def _within(points: Whole, low: Whole, high: Whole) -> Pairs:
     """Every point with all others from `low` up to `high`."""
     held = high - low
     first = np.repeat(points, held)
-    second = np.arange(len(first)) + np.repeat(low - (np.cumsum(held) - held), held)
+    # Of each point the numbers low, low + 1, ..., high - 1.
+    begin = np.cumsum(held) - held
+    second = np.arange(len(first)) + np.repeat(low - begin, held)
     other = first != second
     return first[other], second[other]
