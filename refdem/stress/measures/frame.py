@@ -77,13 +77,8 @@ class Frame(Measure):
 
     def checks(self, trial: Trial, x: Fraction) -> tuple[Check, ...]:
         """Seen from the frame, the motion is the same."""
-        return (
-            Seen(
-                self.change,
-                self.show(trial.instance, float(x)),
-                float(x) if self.told_apart else None,
-            ),
-        )
+        part = float(x) if self.told_apart else None
+        return (Seen(self.change, self.show(trial.instance, float(x)), part),)
 
 
 class Seen(Check):
@@ -123,21 +118,15 @@ class Seen(Check):
         )
         if plain is None or seen is None:
             return [undecided(self.name, self.change, "the code refused the scene when it ran")]
-        bounds = allowed(
-            trial, self.view, growth_of(trial, moved or plain, plain)
-        ) * self._denormal(trial)
+        grown = growth_of(trial, moved or plain, plain)
+        bounds = allowed(trial, self.view, grown) * self._denormal(trial)
         count = scored(bounds)
         if self.part is not None:
             count = len(bounds) if bounds[-1] <= self.part / 10 else 0
             bounds = np.full(len(bounds), self.part / 10)
         if count < 2:
-            return [
-                undecided(
-                    self.name,
-                    self.change,
-                    "round-off alone may be as large as what would have to be seen",
-                )
-            ]
+            why = "round-off alone may be as large as what would have to be seen"
+            return [undecided(self.name, self.change, why)]
         with np.errstate(all="ignore"):
             apart = distances(trial.instance, self.view.undone(seen), plain)
         return [
@@ -172,4 +161,6 @@ class Seen(Check):
         scales = trial.instance.scales
         _, length, time = self.view.units
         smallest = min(scales.length * length, scales.speed * length / time)
-        return max(1.0, TINY / smallest * 2.0**53) if smallest > TINY else sys.float_info.max
+        if smallest <= TINY:
+            return sys.float_info.max
+        return max(1.0, TINY / smallest * 2.0**53)

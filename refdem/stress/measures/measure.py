@@ -59,7 +59,8 @@ class Measure(ABC):
         if not refusal and not levels:
             refusal = f"more than {MOST_STEPS:g} steps"
         trial = Trial(instance, method, levels, truth, truth.reason)
-        return Task(engine, trial, refusal, () if refusal else self.checks(trial, x))
+        checks = () if refusal else self.checks(trial, x)
+        return Task(engine, trial, refusal, checks)
 
 
 def with_samples(given: Mapping[str, str], count: int) -> dict[str, str]:

@@ -49,7 +49,7 @@ class StepLimit(Measure):
         )
 
     def checks(self, trial: Trial, x: Fraction) -> tuple[Check, ...]:
-        """Bounded."""
+        """The check of the motion's size alone."""
         return (Bounded(),)
 
 
@@ -70,11 +70,12 @@ class Bounded(Check):
 
     def judge(self, trial: Trial, runs: Mapping[Variant, Outcome]) -> list[Finding]:
         """The largest number of the run in units of its scale."""
+        trajectory = runs[trial.finest].trajectory
         return [
             judged(
                 check=self.name,
                 quantity="size",
-                value=stability.excess(trial.instance, runs[trial.finest].trajectory),
+                value=stability.excess(trial.instance, trajectory),
                 bound=stability.BEYOND,
                 unit="1",
                 basis=f"a stable step keeps the motion's size for {stability.STEPS} steps, "
