@@ -67,16 +67,14 @@ class ExactCoulomb(Solver):
         bodies = scene.bodies
         axis = np.array(slider.axis)
         anchor = single.anchor(spring)
-        start = [
-            float(axis @ vector)
-            for vector in (single.gravity(scene), bodies.position[0] - anchor, bodies.velocity[0])
-        ]
         numbers = (
             float(bodies.mass[0]),
             spring.stiffness,
             slider.friction,
             slider.normal_force,
-            *start,
+            float(axis @ single.gravity(scene)),
+            float(axis @ (bodies.position[0] - anchor)),
+            float(axis @ bodies.velocity[0]),
             float(t[0]),
         )
         out = np.empty((len(t), 3))
@@ -92,13 +90,12 @@ class ExactCoulomb(Solver):
         cost = Cost(seconds=seconds, setup=started - begun)
         position = anchor + out[:, :1, None] * axis
         velocity = out[:, 1:2, None] * axis
-        events = (Event(time=float(stop[0]), kind="stop", body=0),) if stop[0] <= t[-1] else ()
-        return (
-            Trajectory.of_points(
-                t, position, velocity, channels={"dissipated_work": out[:, 2].copy()}, events=events
-            ),
-            cost,
-        )
+        events: tuple[Event, ...] = ()
+        if stop[0] <= t[-1]:
+            events = (Event(time=float(stop[0]), kind="stop", body=0),)
+        channels = {"dissipated_work": out[:, 2].copy()}
+        found = Trajectory.of_points(t, position, velocity, channels=channels, events=events)
+        return found, cost
 
 
 def _off_line(scene: Scene, axis: Array) -> str | None:
@@ -109,11 +106,11 @@ def _off_line(scene: Scene, axis: Array) -> str | None:
         bodies.velocity[0],
         single.gravity(scene),
     )
-    across = [
-        np.linalg.norm(vector - (vector @ axis) * axis) > 4e-16 * np.linalg.norm(vector)
-        for vector in vectors
-    ]
-    return "the motion is not along the slider" if any(across) else None
+    for vector in vectors:
+        across = np.linalg.norm(vector - (vector @ axis) * axis)
+        if across > 4e-16 * np.linalg.norm(vector):
+            return "the motion is not along the slider"
+    return None
 
 
 METHOD = ExactCoulomb()

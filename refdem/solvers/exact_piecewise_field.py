@@ -38,11 +38,9 @@ class ExactPiecewiseField(Solver):
         if len(bodies) != 1 or bodies.fixed.any() or np.any(bodies.omega):
             return "not one free body that does not turn"
         across = np.cross(bodies.velocity[0], scene.elements[0].axis)
-        return (
-            "it moves across the axis of the field"
-            if np.linalg.norm(across) > 1e-15 * np.linalg.norm(bodies.velocity[0])
-            else None
-        )
+        if np.linalg.norm(across) > 1e-15 * np.linalg.norm(bodies.velocity[0]):
+            return "it moves across the axis of the field"
+        return None
 
     def run(self, request: Request) -> tuple[Trajectory, Cost]:
         """States at the samples; a run backwards is one with flipped velocities."""
@@ -50,7 +48,7 @@ class ExactPiecewiseField(Solver):
         scene = request.problem.scene
         t = request.problem.times
         field = scene.all(PiecewiseField)[0]
-        axis = np.array(scene.all(PiecewiseField)[0].axis)
+        axis = np.array(field.axis)
         sense = float(np.sign(request.problem.interval))
         place = float((scene.bodies.position[0] - field.point) @ axis)
         speed = sense * float(scene.bodies.velocity[0] @ axis)

@@ -72,8 +72,11 @@ class LatticeVerlet(Solver):
             "stiffness": spring.stiffness,
             "exponent": spring.exponent,
             "quadratic": spring.quadratic,
+            "cubic": spring.cubic,
+            "weight": line.weight,
+            "place": place,
+            "speed": speed,
         }
-        law |= {"cubic": spring.cubic, "weight": line.weight, "place": place, "speed": speed}
         told = load(FAMILY).ffi.new("refdem_lattice *", law)
         rows = pointer(FAMILY, out, output=True)
         step = (line.place, line.speed, request.signed_step, len(t), request.stride)
@@ -95,8 +98,12 @@ def _reach(line: Line) -> tuple[float, float] | None:
     size = ldexp(1.0, frexp(abs(line.place) or abs(line.speed) or 1.0)[1] - 2)
     for _ in range(WIDEST):
         lowest = min(potential(size * part / 16) for part in range(-16, 17))
-        if min(potential(size), potential(-size)) - lowest >= ROOM * (energy - lowest) > 0:
-            return size, ldexp(1.0, ceil(log2(sqrt(2 * ROOM * (energy - lowest) / line.mass))))
+        # The barrier, and what the motion has of it, with room.
+        barrier = min(potential(size), potential(-size)) - lowest
+        needed = ROOM * (energy - lowest)
+        if barrier >= needed > 0:
+            fastest = sqrt(2 * ROOM * (energy - lowest) / line.mass)
+            return size, ldexp(1.0, ceil(log2(fastest)))
         size *= 2
     return None
 

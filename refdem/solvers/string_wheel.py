@@ -97,8 +97,11 @@ def _frame(scene: Scene) -> tuple[StringOverWheel, Array, Array]:
     gravity = single.gravity(scene)
     down = gravity / np.linalg.norm(gravity)
     out = np.array([-down[1], down[0], 0.0])
+    # With a wheel of no radius both sides are the same.
     away = (scene.bodies.position[string.b] - np.array(string.centre)) @ out
-    return string, down, -out if string.radius > 0 and away > 0 else out
+    if string.radius > 0 and away > 0:
+        out = -out
+    return string, down, out
 
 
 def _start(scene: Scene, string: StringOverWheel, down: Array, out: Array) -> Array:
@@ -112,7 +115,8 @@ def _start(scene: Scene, string: StringOverWheel, down: Array, out: Array) -> Ar
     theta = np.arctan2(x * r - y * radius, y * r + x * radius)
     along = np.sin(theta) * out + np.cos(theta) * down
     across = np.cos(theta) * out - np.sin(theta) * down
-    return np.array([r, theta, velocity @ along, velocity @ across / r if r > 0 else 0.0])
+    rate = velocity @ across / r if r > 0 else 0.0
+    return np.array([r, theta, velocity @ along, rate])
 
 
 def _astray(scene: Scene) -> str | None:
@@ -129,11 +133,9 @@ def _astray(scene: Scene) -> str | None:
         return "the pendulum starts on the wheel"
     if abs(arm @ out + string.radius) > FITS * size or abs(velocity @ out) > FITS * speed:
         return "the mass does not hang straight down from the wheel"
-    return (
-        "the string starts with a speed that its ends do not share"
-        if abs(velocity @ down + u) > FITS * speed
-        else None
-    )
+    if abs(velocity @ down + u) > FITS * speed:
+        return "the string starts with a speed that its ends do not share"
+    return None
 
 
 def _places(
@@ -143,13 +145,16 @@ def _places(
     r, theta, u, rate = (column[:, None] for column in states.T)
     along = np.sin(theta) * out + np.cos(theta) * down
     across = np.cos(theta) * out - np.sin(theta) * down
-    position, velocity = (np.empty((len(states), 2, 3)) for _ in range(2))
+    position = np.empty((len(states), 2, 3))
+    velocity = np.empty((len(states), 2, 3))
     position[:, string.a] = np.array(string.centre) + string.radius * across + r * along
     velocity[:, string.a] = u * along + r * rate * across
+    # What the pendulum has drawn over the wheel: its free string, less what it unwound.
     drawn = (r - r[0]) - string.radius * (theta - theta[0])
     position[:, string.b] = scene.bodies.position[string.b] - drawn * down
     velocity[:, string.b] = -u * down
-    position[0], velocity[0] = scene.bodies.position, scene.bodies.velocity
+    position[0] = scene.bodies.position
+    velocity[0] = scene.bodies.velocity
     return position, velocity
 
 
