@@ -109,20 +109,23 @@ def _read(data: bytes | Path, count: int, where: str) -> dict[str, NDArray[Any]]
     """The arrays, each of the type and shape it must have; sizes are looked at before anything is
     read.
     """
-    kinds: dict[str, tuple[str, tuple[int, ...]]] = {
-        n: ("<f8", (count, w) if w > 1 else (count,)) for n, w in WIDTH.items()
-    }
+    # Type and shape of every array; no shape where any length is right.
+    kinds: dict[str, tuple[str, tuple[int, ...]]] = {}
+    for name, width in WIDTH.items():
+        kinds[name] = ("<f8", (count, width) if width > 1 else (count,))
     kinds |= {"fixed": ("|b1", (count,)), "shape": ("<i8", (count,)), "shapes": ("|u1", ())}
     source: Any = io.BytesIO(data) if isinstance(data, bytes) else data
     with zipfile.ZipFile(source) as archive:
         sizes = {info.filename.removesuffix(".npy"): info.file_size for info in archive.infolist()}
     if sizes.keys() != kinds.keys():
-        raise SceneError(
-            f"{where} has {', '.join(sorted(sizes)) or 'nothing'}; expected"
-            f" {', '.join(sorted(kinds))}"
-        )
+        came = ", ".join(sorted(sizes)) or "nothing"
+        expected = ", ".join(sorted(kinds))
+        raise SceneError(f"{where} has {came}; expected {expected}")
     for name, (kind, shape) in kinds.items():
-        most = HEADER + (int(np.prod(shape)) * np.dtype(kind).itemsize if shape else MOST_SHAPES)
+        content = MOST_SHAPES
+        if shape:
+            content = int(np.prod(shape)) * np.dtype(kind).itemsize
+        most = HEADER + content
         if sizes[name] > most:
             raise SceneError(
                 f"{where}: {name} has {sizes[name]} bytes; expected at most {most} for {count}"
@@ -131,12 +134,14 @@ def _read(data: bytes | Path, count: int, where: str) -> dict[str, NDArray[Any]]
     found: dict[str, NDArray[Any]] = {}
     with np.load(source, allow_pickle=False) as archive:
         for name, (kind, shape) in kinds.items():
-            column = found[name] = archive[name]
-            if column.dtype.str != kind or (column.shape != shape if shape else column.ndim != 1):
+            column = archive[name]
+            has_shape = column.shape == shape if shape else column.ndim == 1
+            if column.dtype.str != kind or not has_shape:
                 raise SceneError(
                     f"{where}: {name} is {column.dtype.str} {column.shape}; expected {kind}"
                     f" {shape or '(bytes,)'}"
                 )
+            found[name] = column
     return found
 
 

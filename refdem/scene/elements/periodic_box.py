@@ -18,7 +18,7 @@ class PeriodicBox(Element, frozen=True, kw_only=True, tag="periodic_box"):
     size: Length
 
     def faults(self) -> list[str]:
-        """A box without size."""
+        """What is wrong with the box: it has no size."""
         return [] if self.size > 0 else [f"size is {self.size}, expected > 0"]
 
     def nearest(self, apart: Array) -> Array:

@@ -51,18 +51,18 @@ class Slider(Link, frozen=True, kw_only=True, tag="slider"):
 
     def dimension(self, field: str) -> Dimension | None:
         """That of `lambda1` follows from the law."""
-        return (
-            Dimension(0, -1, 1)
-            if field == "lambda1" and self.law == "stribeck_linear"
-            else super().dimension(field)
-        )
+        if field == "lambda1" and self.law == "stribeck_linear":
+            return Dimension(0, -1, 1)
+        return super().dimension(field)
 
     def features(self) -> frozenset[str]:
         """Dry friction is a feature of its own: it lowers the order of most methods."""
-        own = {"slider:stribeck"} if self.law != "coulomb" else set()
-        return frozenset(
-            {"slider", "friction"} | own | ({"slider:belt"} if self.belt_velocity else set())
-        )
+        names = {"slider", "friction"}
+        if self.law != "coulomb":
+            names.add("slider:stribeck")
+        if self.belt_velocity:
+            names.add("slider:belt")
+        return frozenset(names)
 
     def faults(self) -> list[str]:
         """A negative coefficient or normal force."""
@@ -74,8 +74,11 @@ class Slider(Link, frozen=True, kw_only=True, tag="slider"):
         ]
 
     def coefficient(self, speed: Any) -> Any:
-        """Friction over normal force at a speed |u| >= 0 [m/s]."""
+        """Friction over normal force at a speed |u| >= 0 [m/s]:
+        (mu0 - mu1)/(1 + lambda0 |u|) + mu1 + lambda1 u^2, or lambda1 |u| where it is linear.
+        """
         if self.law == "coulomb":
             return self.friction
         last = speed * speed if self.law == "stribeck" else speed
-        return (self.mu0 - self.mu1) / (1 + self.lambda0 * speed) + self.mu1 + self.lambda1 * last
+        falling = (self.mu0 - self.mu1) / (1 + self.lambda0 * speed)
+        return falling + self.mu1 + self.lambda1 * last
