@@ -135,7 +135,5 @@ def _miscount(late: Array, stride: int) -> str:
     sample = int(np.argmax(np.abs(late)))
     count = max(1, round(abs(float(late[sample]))))
     steps = "1 step" if count == 1 else f"{count} steps"
-    return (
-        f"has taken {steps} too {'many' if late[sample] > 0 else 'few'} at sample {sample} of"
-        f" {SAMPLES}"
-    )
+    side = "many" if late[sample] > 0 else "few"
+    return f"has taken {steps} too {side} at sample {sample} of {SAMPLES}"

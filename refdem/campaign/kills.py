@@ -86,13 +86,11 @@ class Matrix(msgspec.Struct, frozen=True, kw_only=True):
         return [kill for kill in self.kills if not kill.killed]
 
     def idle(self) -> list[str]:
-        """Checks that killed nothing."""
-        killing = {
-            name.split("/")[0]
-            for kill in self.kills
-            for name in (*kill.also, kill.check)
-            if kill.killed
-        }
+        """The checks that saw no fault, named for it or not."""
+        killing: set[str] = set()
+        for kill in self.kills:
+            if kill.killed:
+                killing |= {name.split("/")[0] for name in (*kill.also, kill.check)}
         return [name for name in discovery.names("checks") if name not in killing]
 
 
@@ -113,21 +111,19 @@ class Trial:
 
     @property
     def drawn(self) -> range:
-        """The seeds."""
+        """The seeds that are drawn."""
         return range(self.first, self.first + self.seeds)
 
     @cached_property
     def faults(self) -> tuple[Fault, ...]:
         """Those that the engine can carry."""
         every = self.chosen or faults()
-        return (
-            every
-            if self.engine is None
-            else tuple(fault for fault in every if fault.inside is None)
-        )
+        if self.engine is None:
+            return every
+        return tuple(fault for fault in every if fault.inside is None)
 
     def matrix(self) -> Matrix:
-        """The whole of it."""
+        """Every fault at every seed, and the alarms of the engine without a fault."""
         kills = []
         alarms = []
         near = dict[str, float]()
@@ -138,13 +134,9 @@ class Trial:
         for record, setting, seed in self._sound():
             for finding in record.findings:
                 if finding.outcome in WRONG:
+                    name = record.id(finding)
                     alarms.append(
-                        Alarm(
-                            id=record.id(finding),
-                            setting=setting,
-                            seed=seed,
-                            sentence=finding.sentence,
-                        )
+                        Alarm(id=name, setting=setting, seed=seed, sentence=finding.sentence)
                     )
                 if finding.margin is not None:
                     near[finding.check] = min(near.get(finding.check, 99.0), finding.margin)
@@ -180,7 +172,9 @@ class Trial:
         checks = () if self.whole and seed == 0 else _needed(fault)
         engine = fault.carrier(self.engine)
         known = dict[Variant, Run]()
-        for levels in range(FEWEST if not checks or checks[0] in ORDERS else 1, fault.levels + 1):
+        # An order needs some levels; other checks may see a fault at the first.
+        fewest = FEWEST if not checks or checks[0] in ORDERS else 1
+        for levels in range(fewest, fault.levels + 1):
             record = self._record(engine, fault.method, instance, truth, levels, checks, known)
             if _killed(_named(fault, record)):
                 break
@@ -196,11 +190,12 @@ class Trial:
         checks: Iterable[str],
         known: dict[Variant, Run] | None = None,
     ) -> Record:
+        """The record at so many levels; an engine of one's own runs the first method that does not
+        refuse.
+        """
         if self.engine is not None:
-            method = next(
-                (m.name for m in engine.methods if engine.refuses(instance.problem, m) is None),
-                engine.methods[0].name,
-            )
+            able = (m.name for m in engine.methods if engine.refuses(instance.problem, m) is None)
+            method = next(able, engine.methods[0].name)
         return record_of(task_of(engine, method, instance, truth, levels, checks), known)
 
     def _sound(self) -> Iterator[tuple[Record, str, int]]:
@@ -226,7 +221,8 @@ class Trial:
         if (setting, seed) not in self._truths:
             drawn = SETTINGS[setting]
             instance = discovery.case(drawn.case).at(**drawn.parameters(setting, seed))
-            self._truths[setting, seed] = instance, truth_of(instance) if drawn.proved else WITHHELD
+            truth = truth_of(instance) if drawn.proved else WITHHELD
+            self._truths[setting, seed] = (instance, truth)
         return self._truths[setting, seed]
 
 
@@ -236,7 +232,7 @@ def _named(fault: Fault, record: Record) -> list[Finding]:
 
 
 def _killed(named: list[Finding]) -> bool:
-    """One of them is wrong."""
+    """Whether one of the findings says that something is wrong."""
     return any(f.outcome in WRONG for f in named)
 
 
@@ -244,7 +240,10 @@ def _needed(fault: Fault) -> tuple[str, ...]:
     """The one check that must see the fault; the cheapest where only a broken contract is to be
     seen.
     """
-    return ("error" if fault.sees[0] == "run" else fault.sees[0],)
+    check, _ = fault.sees
+    if check == "run":
+        check = "error"
+    return (check,)
 
 
 def _beyond(named: list[Finding]) -> float | None:

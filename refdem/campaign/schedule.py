@@ -263,11 +263,13 @@ def limited(limit: float, function: Callable[..., bytes], *arguments: Any) -> by
     """
     used = resource.getrusage(resource.RUSAGE_SELF)
     before, most = resource.getrlimit(resource.RLIMIT_CPU)
-    resource.setrlimit(resource.RLIMIT_CORE, (0, resource.getrlimit(resource.RLIMIT_CORE)[1]))
+    # A process that is ended so leaves no core file.
+    _, most_core = resource.getrlimit(resource.RLIMIT_CORE)
+    resource.setrlimit(resource.RLIMIT_CORE, (0, most_core))
     end = math.ceil(used.ru_utime + used.ru_stime + limit)
-    resource.setrlimit(
-        resource.RLIMIT_CPU, (end if most == resource.RLIM_INFINITY else min(end, most), most)
-    )
+    if most != resource.RLIM_INFINITY:
+        end = min(end, most)
+    resource.setrlimit(resource.RLIMIT_CPU, (end, most))
     try:
         return guarded(function, *arguments)
     finally:

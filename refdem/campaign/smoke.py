@@ -149,10 +149,13 @@ def _first_sample(
     """Is row 0 the scene's state? Velocities that lag are those before it."""
     bodies = request.problem.scene.bodies
     names = STATE if method.velocity_time == "synchronous" else ("position", "attitude")
-    off, name = max(
-        (_largest(getattr(trajectory, n)[0], getattr(bodies, n), signless=n == "attitude"), n)
-        for n in names
-    )
+    distances = []
+    for column in names:
+        first = getattr(trajectory, column)[0]
+        is_attitude = column == "attitude"
+        distance = _largest(first, getattr(bodies, column), signless=is_attitude)
+        distances.append((distance, column))
+    off, name = max(distances)
     says = (
         f"{request.method}: the first sample is off the scene's state by at most {off:.2g}, in"
         f" {name}"
@@ -166,11 +169,9 @@ def _largest(seen: Array, expected: Array, *, signless: bool = False) -> float:
     """
     off = np.abs(seen - expected)
     if signless:
-        off = np.where(
-            off.max(axis=-1, keepdims=True) < np.abs(seen + expected).max(axis=-1, keepdims=True),
-            off,
-            np.abs(seen + expected),
-        )
+        other = np.abs(seen + expected)
+        is_nearer = off.max(axis=-1, keepdims=True) < other.max(axis=-1, keepdims=True)
+        off = np.where(is_nearer, off, other)
     return float(off.max() / max(1.0, np.abs(expected).max()))
 
 
@@ -198,13 +199,15 @@ def _compared(
     off = _largest(seen, expected, signless=name == "attitude")
     says = f"{request.method}: {name} is off by at most {off:.2g} of its scale"
     if not off <= BOUND:
-        at = int(np.argmax(np.abs(seen - expected).reshape(len(seen), -1).max(axis=1)))
+        by_sample = np.abs(seen - expected).reshape(len(seen), -1).max(axis=1)
+        at = int(np.argmax(by_sample))
         says += (
             f": at t = {probe.times[at]:g} s it is {_text(seen[at])} and must be"
             f" {_text(expected[at])}"
         )
         suspected = suspicion(right, came, name, probe.times - probe.start)
-        says += f"; {suspected}" if suspected else f"; look at how the adapter says {probe.shows}"
+        hint = suspected or f"look at how the adapter says {probe.shows}"
+        says += f"; {hint}"
     return _finding(f"{probe.name}: {name}", off, BOUND, BASIS, says)
 
 
