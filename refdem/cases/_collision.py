@@ -72,7 +72,7 @@ R/8.
 
 
 def effective_mass(p: Parameters) -> float:
-    """m1 m2/(m1 + m2) [kg]."""
+    """The effective mass m1 m2/(m1 + m2) [kg] of the two spheres."""
     return float(p.masses[0] * p.masses[1] / p.masses.sum())
 
 

@@ -15,7 +15,7 @@ PRISM = ((0, 2, 1), (3, 4, 5), (0, 1, 4, 3), (1, 2, 5, 4), (2, 0, 3, 5))
 
 
 def polyhedron(vertices: Any, faces: Any) -> Polyhedron:
-    """The polyhedron."""
+    """The polyhedron with these vertices [m] and faces."""
     return Polyhedron(vertices=tuple(vertices), faces=tuple(faces))
 
 
@@ -41,7 +41,7 @@ def angle_plan(a: float, b: float) -> list[tuple[float, float]]:
 
 
 def angle(a: float, b: float, c: float) -> Polyhedron:
-    """The plan, from z = 0 to c."""
+    """The prism over the plan of an angle, from z = 0 to c."""
     plan, n = angle_plan(a, b), 6
     sides = [(i, (i + 1) % n, n + (i + 1) % n, n + i) for i in range(n)]
     top = [(n, n + 1, n + 2, n + 3), (n, n + 3, n + 4, n + 5)]

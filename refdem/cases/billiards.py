@@ -104,7 +104,7 @@ class Billiards(IterationCase):
         )
 
     def observe(self, p: Parameters, trajectory: Trajectory) -> dict[str, Array]:
-        """Place and direction."""
+        """The place [m] and the direction at every bounce that is sampled."""
         seen = trajectory.values
         return {
             f"{name}.{a}": seen[name][:, i]

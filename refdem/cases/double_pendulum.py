@@ -53,7 +53,7 @@ class DoublePendulum(Case):
     chaotic_at = given(theta0="3,3", duration="5", samples="96")
 
     def scene(self, p: Parameters) -> Scene:
-        """The bobs below each other."""
+        """The upper bob on a rod from the origin, the lower one on a rod from it."""
         outward = p.lengths[:, None] * np.stack(
             [np.sin(p.theta0), -np.cos(p.theta0), 0 * p.theta0], axis=1
         )
@@ -87,7 +87,7 @@ class DoublePendulum(Case):
         return Scales(length=float(l1 + l2), tau=tau, duration=20 * tau, mass=float(whole))
 
     def quantities(self, p: Parameters) -> tuple[Quantity, ...]:
-        """Angles and rates."""
+        """The quantities that are judged: angles [rad] and rates [rad/s]."""
         angles = tuple(Quantity(f"theta{i}", "rad", 1.0, angle=True) for i in (1, 2))
         return (
             *angles,

@@ -80,14 +80,14 @@ class HertzSpheres(Case):
         return Scales(length=depth(p), tau=lasts / np.pi, duration=2 * lasts, mass=p.effective_mass)
 
     def quantities(self, p: Parameters) -> tuple[Quantity, ...]:
-        """Overlap and its rate."""
+        """The quantities that are judged: overlap [m] and its rate [m/s]."""
         return (
             Quantity("overlap", "m", self.scales(p).length),
             Quantity("v", "m/s", self.scales(p).speed),
         )
 
     def observe(self, p: Parameters, trajectory: Trajectory) -> dict[str, Array]:
-        """Overlap and its rate."""
+        """The overlap [m] and its rate [m/s] at the samples, each (T,)."""
         x, v = trajectory.position[:, :, 0], trajectory.velocity[:, :, 0]
         return {"overlap": 2 * radius(p) - np.abs(x[:, 1] - x[:, 0]), "v": v[:, 0] - v[:, 1]}
 

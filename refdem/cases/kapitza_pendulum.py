@@ -73,7 +73,7 @@ class KapitzaPendulum(Case):
         return Scales(length=p.length + p.drive_amplitude, tau=tau, duration=100 * tau, mass=MASS)
 
     def quantities(self, p: Parameters) -> tuple[Quantity, ...]:
-        """Angle and rate."""
+        """The quantities that are judged: angle [rad] and rate [rad/s]."""
         return Quantity("theta", "rad", 1.0, angle=True), Quantity(
             "thetadot", "rad/s", 1.0 / self.scales(p).tau
         )

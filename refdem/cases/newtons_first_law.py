@@ -49,7 +49,7 @@ class NewtonsFirstLaw(Case):
     )
 
     def scene(self, p: Parameters) -> Scene:
-        """The scene of the member."""
+        """The scene of the member that is asked for."""
         return _rest.free(p.velocity, p.spin) if p.member == "free" else _rest.SCENES[p.member]()
 
     def scales(self, p: Parameters) -> Scales:

@@ -112,7 +112,7 @@ class PendulumWheelMass(StringOnWheel):
         return {"r": r, "theta": theta, "rdot": u + p.wheel_radius * rate, "thetadot": rate}
 
     def truth(self, p: Parameters) -> Truth:
-        """Validated integration."""
+        """The truth by validated integration of the equations of motion."""
         from refdem.truth.closed_forms.pendulum_wheel_mass import truth
 
         return truth(p, {q.name: q.scale for q in self.quantities(p)})

@@ -83,7 +83,7 @@ class PhaseFlow(EnsembleCase):
         return Ensemble(_flows.scene(p), self.times(p), *self.starts(p, _cat.points(p)))
 
     def starts(self, p: Parameters, outline: Array) -> tuple[Array, Array]:
-        """On the line, or on the rod."""
+        """The starts (M, 1, 3) of an outline: points on the line, or on the rod."""
         return _flows.starts(p, outline)
 
     def scales(self, p: Parameters) -> Scales:
@@ -104,7 +104,7 @@ class PhaseFlow(EnsembleCase):
         )
 
     def observe(self, p: Parameters, trajectory: Trajectory) -> dict[str, Array]:
-        """Every corner."""
+        """The place and the rate of every corner at the samples, each (T,)."""
         each = trajectory.values["position"].shape[1] // len(_cat.HEAD)
         return {
             f"{a}_{k}": x[:, k * each]
@@ -117,7 +117,7 @@ class PhaseFlow(EnsembleCase):
         return _flows.seen(p, trajectory)
 
     def meant(self, p: Parameters) -> dict[str, object]:
-        """With the corners."""
+        """The parameters, with the corners of the head that they give."""
         return {**p, "corners": _cat.corners(p)}
 
     def truth(self, p: Parameters) -> Truth:

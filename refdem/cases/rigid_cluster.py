@@ -106,7 +106,7 @@ class RigidCluster(Case):
         )
 
     def quantities(self, p: Parameters) -> tuple[Quantity, ...]:
-        """Place of each."""
+        """The quantities that are judged: the places [m] of the four points."""
         return tuple(
             Quantity(f"r{i}.{axis}", "m", self.scales(p).length)
             for i in range(1, 5)
@@ -114,7 +114,7 @@ class RigidCluster(Case):
         )
 
     def observe(self, p: Parameters, trajectory: Trajectory) -> dict[str, Array]:
-        """Place of each."""
+        """The coordinates [m] of the four points at the samples, each (T,)."""
         return dict(
             zip(
                 (q.name for q in self.quantities(p)),

@@ -80,7 +80,7 @@ class TwoBodyOrbit(Case):
     chaotic_at = NEVER
 
     def scene(self, p: Parameters) -> Scene:
-        """The body on +x."""
+        """The body on +x, which moves in +y, and what attracts it."""
         distance, speed, _ = _periapsis(p)
         if p.stiffness is not None:
             distance, speed = p.semi_major, distance * float(np.sqrt(p.stiffness))

@@ -42,7 +42,7 @@ class TwoSpheres(Case):
         _collision.refuse(p)
 
     def scene(self, p: Parameters) -> Scene:
-        """Two spheres that touch."""
+        """The two spheres, which touch and close, and their contact."""
         return _collision.scene(p)
 
     def scales(self, p: Parameters) -> Scales:

@@ -34,7 +34,7 @@ class OnFloor(Member):
         return v
 
     def of(self, v: Any, bodies: list[Body], *planes: Plane) -> Scene:
-        """The scene of these bodies."""
+        """The scene of these bodies on the floor, in gravity."""
         return Scene.of(
             bodies,
             [
@@ -46,7 +46,7 @@ class OnFloor(Member):
         )
 
     def floor(self, v: Any) -> Any:
-        """The same for truth."""
+        """The floor as truth is told of it, in exact numbers."""
         from refdem.truth.closed_forms.impact_benchmarks.floor import Floor
 
         return Floor(
@@ -77,7 +77,7 @@ class Bounce(OnFloor):
     bounces: ClassVar[int] = 2
 
     def values(self, p: Parameters) -> Any:
-        """With a fall to come."""
+        """The values of the member; raises UsageError for a start that touches the floor."""
         v = super().values(p)
         if v.height <= v.radius:
             raise UsageError(
@@ -87,7 +87,7 @@ class Bounce(OnFloor):
         return v
 
     def scene(self, v: Any) -> Scene:
-        """At rest in the air."""
+        """The sphere at rest in the air, at its height above the floor."""
         return self.of(v, [ball(v, v.mass, v.height)])
 
     def scales(self, v: Any) -> Scales:
@@ -109,7 +109,7 @@ class Bounce(OnFloor):
         )
 
     def truth(self, v: Any, scale: Mapping[str, float]) -> Truth:
-        """From bounce to bounce."""
+        """The truth in closed form, from bounce to bounce."""
         from refdem.truth.closed_forms.impact_benchmarks import floor
 
         return floor.Bounce(

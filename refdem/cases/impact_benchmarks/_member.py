@@ -82,7 +82,7 @@ class Member(ABC):
 
     @abstractmethod
     def scene(self, v: Any) -> Scene:
-        """The scene at its start."""
+        """The scene of these values at its start."""
 
     @abstractmethod
     def scales(self, v: Any) -> Scales:
@@ -90,7 +90,7 @@ class Member(ABC):
 
     @abstractmethod
     def truth(self, v: Any, scale: Mapping[str, float]) -> Truth:
-        """The certified values."""
+        """The truth of these values, on the scales of the quantities."""
 
     def spin_scale(self, v: Any) -> float:
         """The largest spin at the start, or that of rolling at the speed of the start, or of the
@@ -119,7 +119,7 @@ class Member(ABC):
         )
 
     def observe(self, v: Any, run: Trajectory) -> dict[str, Array]:
-        """As the quantities say."""
+        """The quantities by name at the samples, each (T,)."""
         columns = [
             column[:, body]
             for body in range(self.bodies)

@@ -37,7 +37,7 @@ class MindlinWall(HertzWall):
         return v
 
     def scene(self, v: Any) -> Scene:
-        """Touching, without overlap."""
+        """The sphere and the wall, which touch without overlap."""
         along, across = float(v.hertz), float(v.mindlin)
         law = Contact(
             law="hertz",

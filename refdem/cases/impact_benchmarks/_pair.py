@@ -30,7 +30,7 @@ class HertzPair(Member):
         return v
 
     def scene(self, v: Any) -> Scene:
-        """Centres on x."""
+        """The two spheres, which touch, with their centres on x."""
         return Scene.of(touching(v), [Contact(law="hertz", stiffness=float(v.hertz))])
 
     def scales(self, v: Any) -> Scales:
@@ -45,19 +45,19 @@ class HertzPair(Member):
         )
 
     def quantities(self, v: Any) -> tuple[Quantity, ...]:
-        """Overlap and its rate."""
+        """The quantities that are judged: overlap [m] and its rate [m/s]."""
         return (
             Quantity("overlap", "m", self.scales(v).length),
             Quantity("v", "m/s", self.scales(v).speed),
         )
 
     def observe(self, v: Any, run: Trajectory) -> dict[str, Array]:
-        """Overlap and its rate."""
+        """The overlap [m] and its rate [m/s] at the samples, each (T,)."""
         x, u = run.position[:, :, 0], run.velocity[:, :, 0]
         return {"overlap": 2 * float(v.radius) - np.abs(x[:, 1] - x[:, 0]), "v": u[:, 0] - u[:, 1]}
 
     def truth(self, v: Any, scale: Mapping[str, float]) -> Truth:
-        """Closed form."""
+        """The truth in closed form."""
         from refdem.truth.closed_forms.hertz_spheres import HertzSpheres
 
         return HertzSpheres(scale, v.effective, v.hertz, v.speed)

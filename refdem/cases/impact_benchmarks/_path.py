@@ -72,7 +72,7 @@ class Path(Member):
         return v
 
     def scene(self, v: Any) -> Scene:
-        """Both too heavy to give way."""
+        """The two spheres, both too heavy for contact to change their motion."""
         mass, axes = float(HEAVY), np.array(self.frame, float)
         place, rate = axes @ [-float(v.begin), float(v.off), 0.0], axes @ [float(v.speed), 0.0, 0.0]
         spin = axes @ [0.0, 0.0, float(v.partner_spin)]

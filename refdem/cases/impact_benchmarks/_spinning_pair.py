@@ -39,7 +39,7 @@ class SpinningPair(Member):
         return v
 
     def scene(self, v: Any) -> Scene:
-        """Centres on x."""
+        """The two spheres, which touch, with their centres on x."""
         return Scene.of(touching(v), [linear(v)])
 
     def scales(self, v: Any) -> Scales:
@@ -55,7 +55,7 @@ class SpinningPair(Member):
         )
 
     def truth(self, v: Any, scale: Mapping[str, float]) -> Truth:
-        """That of two spheres."""
+        """The truth of the collision of two spheres."""
         from refdem.truth.closed_forms.two_spheres import TwoSpheres
         from refdem.truth.sphere_pair import SpherePair
 

@@ -75,7 +75,7 @@ class Squeeze(Member):
         )
 
     def truth(self, v: Any, scale: Mapping[str, float]) -> Truth:
-        """A pair's, by symmetry."""
+        """The truth of a pair, to which symmetry reduces the three spheres."""
         from refdem.truth.closed_forms.impact_benchmarks.three_spheres import Squeezed, ThreeSpheres
 
         nothing, names = (

@@ -43,7 +43,7 @@ class Wall(Member):
         return v
 
     def scene(self, v: Any) -> Scene:
-        """Touching, without overlap."""
+        """The sphere and the wall, which touch without overlap."""
         return Scene.of([struck(v)], [Plane(normal=(-1.0, 0.0, 0.0)), linear(v)])
 
     def scales(self, v: Any) -> Scales:
@@ -54,7 +54,7 @@ class Wall(Member):
         return of_impact(v, tau=float(tau), lasts=lasts)
 
     def truth(self, v: Any, scale: Mapping[str, float]) -> Truth:
-        """From switch to switch."""
+        """The truth from one switch of the contact to the next."""
         from refdem.truth.closed_forms.impact_benchmarks.wall import WallImpact, WallPair
 
         names = (
@@ -91,7 +91,7 @@ def struck(v: Any) -> Body:
 
 
 def linear(v: Any) -> Contact:
-    """The law."""
+    """The linear law of contact with these values."""
     numbers = {
         name: float(getattr(v, name))
         for name in ("stiffness", "damping", "tangential_stiffness", "friction")
