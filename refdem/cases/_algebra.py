@@ -20,7 +20,9 @@ Array = NDArray[np.float64]
 Row = tuple[str, str, list[Any]]
 """Name, operation, operands: numbers, or names of earlier rows."""
 
-X, Y, Z = [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]
+X = [1.0, 0.0, 0.0]
+Y = [0.0, 1.0, 0.0]
+Z = [0.0, 0.0, 1.0]
 
 
 class AlgebraCase(Canonical):
@@ -68,9 +70,10 @@ class AlgebraCase(Canonical):
         """The numbers of every result that the engine could give."""
         seen: dict[str, Array] = {}
         for name, values in trajectory.values.items():
-            seen |= (
-                {name: values[:, 0]}
-                if values.shape[1] == 1
-                else {f"{name}.{i}": values[:, i] for i in range(values.shape[1])}
-            )
+            count = values.shape[1]
+            if count == 1:
+                seen[name] = values[:, 0]
+                continue
+            for i in range(count):
+                seen[f"{name}.{i}"] = values[:, i]
         return seen

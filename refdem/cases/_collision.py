@@ -81,13 +81,18 @@ def duration(p: Parameters) -> float | None:
 
     None for an over-damped overlap, which never ends.
     """
-    b, w0 = p.damping / (2 * effective_mass(p)), np.sqrt(p.stiffness / effective_mass(p))
+    b = p.damping / (2 * effective_mass(p))
+    w0 = np.sqrt(p.stiffness / effective_mass(p))
     w = np.sqrt(abs(w0 * w0 - b * b))
     if p.cutoff == "zero_overlap":
+        # The overlap exp(-b t) sin(w t) ends after half a period.
         return float(np.pi / w) if b < w0 else None
+    # The force ends where tan(w t/2) = w/b, or tanh of it.
     if b == w0:
         return float(2 / w0)
-    return float(2 * np.arccos(b / w0) / w) if b < w0 else float(np.log((b + w) / (b - w)) / w)
+    if b < w0:
+        return float(2 * np.arccos(b / w0) / w)
+    return float(np.log((b + w) / (b - w)) / w)
 
 
 def refuse(p: Parameters) -> None:
@@ -104,22 +109,22 @@ def refuse(p: Parameters) -> None:
 def scene(p: Parameters) -> Scene:
     """Sphere 1 at x < 0, sphere 2 at x > 0, centre of mass at rest at the origin."""
     share = p.masses[::-1] / p.masses.sum()
-    gap, approach = (
-        p.radii.sum(),
-        p.closing_speed * np.array([np.cos(p.angle), np.sin(p.angle), 0.0]),
-    )
+    gap = p.radii.sum()
+    approach = p.closing_speed * np.array([np.cos(p.angle), np.sin(p.angle), 0.0])
     columns = zip(p.masses, p.radii, share, (1.0, -1.0), p.spins, strict=True)
-    bodies = [
-        Body(
-            mass=m,
-            inertia=(0.4 * m * r * r,) * 3,
-            shape=Sphere(radius=float(r)),
+    bodies = []
+    for mass, radius, part, sign, spin in columns:
+        # J = 2/5 m R^2.
+        moment = 0.4 * mass * radius * radius
+        body = Body(
+            mass=mass,
+            inertia=(moment, moment, moment),
+            shape=Sphere(radius=float(radius)),
             omega=tuple(spin),
             position=(-sign * part * gap, 0.0, 0.0),
             velocity=tuple(sign * part * approach),
         )
-        for m, r, part, sign, spin in columns
-    ]
+        bodies.append(body)
     numbers = {
         name: getattr(p, name)
         for name in ("stiffness", "damping", "tangential_stiffness", "friction", "branch", "cutoff")
@@ -131,11 +136,12 @@ def scales(p: Parameters) -> Scales:
     """tau = contact duration/pi, but no longer than 1/w0 (near critical damping pi/w is) or an
     over-damped one's m/c; two contacts.
     """
-    lasts, swing = duration(p), np.sqrt(effective_mass(p) / p.stiffness)
+    lasts = duration(p)
+    swing = np.sqrt(effective_mass(p) / p.stiffness)
     relaxation = effective_mass(p) / p.damping if p.damping else np.inf
-    tau = float(
-        min(lasts / np.pi if lasts else np.inf, swing if relaxation > swing / 2 else relaxation)
-    )
+    contact = lasts / np.pi if lasts else np.inf
+    fastest = swing if relaxation > swing / 2 else relaxation
+    tau = float(min(contact, fastest))
     length = max(p.closing_speed * tau, float(p.radii.max()) * POSITIONS_ARE_ROUNDED)
     return Scales(
         length=length,

@@ -72,7 +72,8 @@ def quadratic_escapes(w0: Any, eps: Any, x0: Any, v0: Any) -> bool:
 
 def duffing_reach(p: Parameters) -> float:
     """The farther turning point [m] of the motion from x0, v0 without damping and drive."""
-    alpha, beta = p.alpha, p.beta
+    alpha = p.alpha
+    beta = p.beta
     energy = (p.v0**2 + alpha * p.x0**2 + beta * p.x0**4 / 2) / 2
     root = np.sqrt(max(0.0, alpha**2 + 4 * beta * energy))
     square = 4 * energy / (alpha + root) if alpha > 0 else (root - alpha) / beta
@@ -85,7 +86,8 @@ def balanced_amplitude(p: Parameters) -> float:
     With beta < 0 no more than the rim of the well; without damping and beta no more than grows in
     20 shortest times.
     """
-    alpha, beta = p.alpha, p.beta
+    alpha = p.alpha
+    beta = p.beta
     if beta == 0:
         drag = np.hypot(alpha - p.drive**2, 2 * p.delta * p.drive)
         return float(abs(p.f0) / max(drag, np.sqrt(alpha) * max(np.sqrt(alpha), p.drive) / 10))

@@ -82,7 +82,8 @@ def spheres() -> Scene:
     """Two spheres, one on the other, each contact compressed by the weight above it over the
     stiffness.
     """
-    mass, radius = float(BALL_MASS), float(RADIUS)
+    mass = float(BALL_MASS)
+    radius = float(RADIUS)
     inertia = 0.4 * mass * radius**2
     bodies = [
         Body(

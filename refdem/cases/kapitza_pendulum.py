@@ -52,7 +52,9 @@ class KapitzaPendulum(Case):
 
     def scene(self, p: Parameters) -> Scene:
         """The bob, and the pivot as a body that is carried."""
-        sine, cosine, speed = np.sin(p.theta0), np.cos(p.theta0), p.length * p.thetadot0
+        sine = np.sin(p.theta0)
+        cosine = np.cos(p.theta0)
+        speed = p.length * p.thetadot0
         place = (p.length * sine, p.drive_amplitude + p.length * cosine, 0.0)
         bob = Body(mass=MASS, position=place, velocity=(speed * cosine, -speed * sine, 0.0))
         pivot = Body(mass=MASS, position=(0.0, p.drive_amplitude, 0.0))
@@ -74,15 +76,17 @@ class KapitzaPendulum(Case):
 
     def quantities(self, p: Parameters) -> tuple[Quantity, ...]:
         """The quantities that are judged: angle [rad] and rate [rad/s]."""
-        return Quantity("theta", "rad", 1.0, angle=True), Quantity(
-            "thetadot", "rad/s", 1.0 / self.scales(p).tau
+        fastest = 1.0 / self.scales(p).tau
+        return (
+            Quantity("theta", "rad", 1.0, angle=True),
+            Quantity("thetadot", "rad/s", fastest),
         )
 
     def observe(self, p: Parameters, trajectory: Trajectory) -> dict[str, Array]:
         """Of the line from the pivot to the bob."""
-        (x, y, _), (vx, vy, _) = (
-            (column[:, 0] - column[:, 1]).T for column in (trajectory.position, trajectory.velocity)
-        )
+        # From the pivot, body 1, to the bob, body 0.
+        x, y, _ = (trajectory.position[:, 0] - trajectory.position[:, 1]).T
+        vx, vy, _ = (trajectory.velocity[:, 0] - trajectory.velocity[:, 1]).T
         return {"theta": np.arctan2(x, y), "thetadot": (vx * y - x * vy) / (x * x + y * y)}
 
     def truth(self, p: Parameters) -> Truth:

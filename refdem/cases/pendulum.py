@@ -48,7 +48,9 @@ class Pendulum(Case):
 
     def scene(self, p: Parameters) -> Scene:
         """The mass at x = l sin theta0, y = -l cos theta0."""
-        s, c, speed = np.sin(p.theta0), np.cos(p.theta0), p.length * p.thetadot0
+        s = np.sin(p.theta0)
+        c = np.cos(p.theta0)
+        speed = p.length * p.thetadot0
         mass = Body(
             mass=p.mass,
             position=(p.length * s, -p.length * c, 0.0),
@@ -68,12 +70,9 @@ class Pendulum(Case):
     def quantities(self, p: Parameters) -> tuple[Quantity, ...]:
         """Angle, rate, place and rod force."""
         s = self.scales(p)
-        angle = (
+        return (
             Quantity("theta", "rad", 1.0, angle=True),
             Quantity("thetadot", "rad/s", 1.0 / s.tau),
-        )
-        return (
-            *angle,
             Quantity("x", "m", s.length),
             Quantity("y", "m", s.length),
             Quantity("rod_force", "N", s.mass * s.speed / s.tau),
@@ -81,7 +80,8 @@ class Pendulum(Case):
 
     def observe(self, p: Parameters, trajectory: Trajectory) -> dict[str, Array]:
         """theta = atan2(x, -y), thetadot = (x vy - y vx)/r^2."""
-        (x, y, _), (vx, vy, _) = trajectory.position[:, 0].T, trajectory.velocity[:, 0].T
+        x, y, _ = trajectory.position[:, 0].T
+        vx, vy, _ = trajectory.velocity[:, 0].T
         seen = {
             "theta": np.arctan2(x, -y),
             "thetadot": (x * vy - y * vx) / (x * x + y * y),

@@ -92,25 +92,28 @@ class PhaseFlow(EnsembleCase):
 
     def quantities(self, p: Parameters) -> tuple[Quantity, ...]:
         """Place and rate of every corner."""
-        s, is_rod = self.scales(p), p.flow == "pendulum"
+        s = self.scales(p)
+        is_rod = p.flow == "pendulum"
         kinds = (
             ("x", "rad" if is_rod else "m", s.length, is_rod),
             ("v", "rad/s" if is_rod else "m/s", s.speed, False),
         )
-        return tuple(
-            Quantity(f"{n}_{k}", u, size, angle)
-            for k in range(len(_cat.HEAD))
-            for n, u, size, angle in kinds
-        )
+        found = []
+        for corner in range(len(_cat.HEAD)):
+            for name, unit, size, is_angle in kinds:
+                found.append(Quantity(f"{name}_{corner}", unit, size, is_angle))
+        return tuple(found)
 
     def observe(self, p: Parameters, trajectory: Trajectory) -> dict[str, Array]:
         """The place and the rate of every corner at the samples, each (T,)."""
         each = trajectory.values["position"].shape[1] // len(_cat.HEAD)
-        return {
-            f"{a}_{k}": x[:, k * each]
-            for k in range(len(_cat.HEAD))
-            for a, x in zip("xv", self.outline(p, trajectory), strict=True)
-        }
+        place, rate = self.outline(p, trajectory)
+        seen = {}
+        for corner in range(len(_cat.HEAD)):
+            # The first of the points on the side that begins at the corner.
+            seen[f"x_{corner}"] = place[:, corner * each]
+            seen[f"v_{corner}"] = rate[:, corner * each]
+        return seen
 
     def outline(self, p: Parameters, trajectory: Trajectory) -> tuple[Array, Array]:
         """Place and rate (T, M) of all points."""

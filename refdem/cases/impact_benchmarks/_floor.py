@@ -27,7 +27,9 @@ class OnFloor(Member):
         """
         v = super().values(p)
         v.effective = v.mass
-        v.branch, v.cutoff, v.tangential_stiffness = "R", "zero_overlap", Fraction(0)
+        v.branch = "R"
+        v.cutoff = "zero_overlap"
+        v.tangential_stiffness = Fraction(0)
         v.__dict__.setdefault("friction", Fraction(0))
         v.__dict__.setdefault("restitution", Fraction(1))
         v.damping = dashpot_of(v, v.effective)
@@ -35,31 +37,27 @@ class OnFloor(Member):
 
     def of(self, v: Any, bodies: list[Body], *planes: Plane) -> Scene:
         """The scene of these bodies on the floor, in gravity."""
-        return Scene.of(
-            bodies,
-            [
-                Plane(normal=(0.0, 1.0, 0.0)),
-                *planes,
-                UniformGravity(g=(0.0, -float(v.gravity), 0.0)),
-                linear(v),
-            ],
-        )
+        ground = Plane(normal=(0.0, 1.0, 0.0))
+        weight = UniformGravity(g=(0.0, -float(v.gravity), 0.0))
+        return Scene.of(bodies, [ground, *planes, weight, linear(v)])
 
     def floor(self, v: Any) -> Any:
         """The floor as truth is told of it, in exact numbers."""
         from refdem.truth.closed_forms.impact_benchmarks.floor import Floor
 
         return Floor(
-            **{
-                name: getattr(v, name)
-                for name in ("mass", "radius", "stiffness", "damping", "gravity")
-            }
+            mass=v.mass,
+            radius=v.radius,
+            stiffness=v.stiffness,
+            damping=v.damping,
+            gravity=v.gravity,
         )
 
 
 def ball(v: Any, mass: Any, height: Fraction, speed: Fraction = Fraction(0)) -> Body:
     """A solid sphere over the origin."""
-    m, r = float(mass), float(v.radius)
+    m = float(mass)
+    r = float(v.radius)
     return Body(
         mass=m,
         inertia=(0.4 * m * r * r,) * 3,
@@ -101,12 +99,8 @@ class Bounce(OnFloor):
         flights = 1 + 2 * sum(e**n for n in range(1, self.bounces)) + e**self.bounces
         lasts = fall * flights + self.bounces * np.pi * tau
         speed = float(np.sqrt(drop * float(v.gravity)))
-        return Scales(
-            max(speed * tau, float(v.height) / POSITIONS_ARE_ROUNDED),
-            tau,
-            float(lasts),
-            float(v.mass),
-        )
+        length = max(speed * tau, float(v.height) / POSITIONS_ARE_ROUNDED)
+        return Scales(length=length, tau=tau, duration=float(lasts), mass=float(v.mass))
 
     def truth(self, v: Any, scale: Mapping[str, float]) -> Truth:
         """The truth in closed form, from bounce to bounce."""

@@ -21,7 +21,8 @@ from refdem.scene import Body, Scene, Sphere
 
 HEAVY = Fraction(10**64)
 """[kg]: no force of the law moves it by more than rounding."""
-NONE, ONE = Fraction(0), Fraction(1)
+NONE = Fraction(0)
+ONE = Fraction(1)
 PLAIN = ((ONE, NONE, NONE), (NONE, ONE, NONE), (NONE, NONE, ONE))
 
 
@@ -67,16 +68,20 @@ class Path(Member):
     def values(self, p: Parameters) -> Any:
         """With `half` the length of the chord [m], rounded, for the scales."""
         v = super().values(p)
-        v.damping, v.cutoff = Fraction(0), "zero_overlap"
+        v.damping = Fraction(0)
+        v.cutoff = "zero_overlap"
         v.half = float(np.sqrt(float(v.half_squared)))
         return v
 
     def scene(self, v: Any) -> Scene:
         """The two spheres, both too heavy for contact to change their motion."""
-        mass, axes = float(HEAVY), np.array(self.frame, float)
-        place, rate = axes @ [-float(v.begin), float(v.off), 0.0], axes @ [float(v.speed), 0.0, 0.0]
+        mass = float(HEAVY)
+        axes = np.array(self.frame, float)
+        place = axes @ [-float(v.begin), float(v.off), 0.0]
+        rate = axes @ [float(v.speed), 0.0, 0.0]
         spin = axes @ [0.0, 0.0, float(v.partner_spin)]
-        r, s = float(v.radius), float(v.partner_radius)
+        r = float(v.radius)
+        s = float(v.partner_radius)
         first = Body(mass=mass, inertia=(0.4 * mass * r * r,) * 3, shape=Sphere(radius=r))
         second = Body(
             mass=mass,
@@ -99,46 +104,45 @@ class Path(Member):
         """Impulses in units of the largest normal force for the time of contact; place and velocity
         of body 2.
         """
-        s, push = self.scales(v), float(v.stiffness * v.overlap) * 4 * self.scales(v).tau
+        s = self.scales(v)
+        push = float(v.stiffness * v.overlap) * 4 * self.scales(v).tau
         kinds = (
             ("impulse", "N s", push),
             ("turning", "N m s", push * float(v.radius)),
             ("r", "m", s.length),
             ("v", "m/s", float(v.speed)),
         )
-        return tuple(
-            Quantity(f"{kind}.{axis}", unit, size) for kind, unit, size in kinds for axis in "xyz"
-        )
+        found = []
+        for kind, unit, size in kinds:
+            found += [Quantity(f"{kind}.{axis}", unit, size) for axis in "xyz"]
+        return tuple(found)
 
     def observe(self, v: Any, run: Trajectory) -> dict[str, Array]:
         """What body 1 has got, and the path."""
-        mass, moment = float(HEAVY), 0.4 * float(HEAVY) * float(v.radius) ** 2
+        mass = float(HEAVY)
+        moment = 0.4 * float(HEAVY) * float(v.radius) ** 2
         columns = [
             mass * run.velocity[:, 0],
             moment * run.omega[:, 0],
             run.position[:, 1],
             run.velocity[:, 1],
         ]
-        return dict(
-            zip(
-                (q.name for q in self.quantities(v)), np.concatenate(columns, axis=1).T, strict=True
-            )
-        )
+        names = [quantity.name for quantity in self.quantities(v)]
+        return dict(zip(names, np.concatenate(columns, axis=1).T, strict=True))
 
     def truth(self, v: Any, scale: Mapping[str, float]) -> Truth:
         """In closed form between proven switches."""
         from refdem.truth.closed_forms.impact_benchmarks.contact_path import ContactPath, Passing
 
         names = ("stiffness", "tangential_stiffness", "friction")
-        return ContactPath(
-            scale,
-            Passing(
-                mass=HEAVY,
-                radii=(v.radius, v.partner_radius),
-                **{name: getattr(v, name) for name in names},
-                spin=v.partner_spin,
-                lever=LEVERS[v.branch],
-                start=(-v.begin, v.off, v.speed, Fraction(0)),
-                frame=self.frame,
-            ),
+        numbers = {name: getattr(v, name) for name in names}
+        passing = Passing(
+            mass=HEAVY,
+            radii=(v.radius, v.partner_radius),
+            **numbers,
+            spin=v.partner_spin,
+            lever=LEVERS[v.branch],
+            start=(-v.begin, v.off, v.speed, Fraction(0)),
+            frame=self.frame,
         )
+        return ContactPath(scale, passing)

@@ -57,29 +57,26 @@ class Wall(Member):
         """The truth from one switch of the contact to the next."""
         from refdem.truth.closed_forms.impact_benchmarks.wall import WallImpact, WallPair
 
-        names = (
-            "mass",
-            "radius",
-            "stiffness",
-            "damping",
-            "tangential_stiffness",
-            "friction",
-            "normal",
-            "across",
-            "spin",
+        pair = WallPair(
+            mass=v.mass,
+            radius=v.radius,
+            stiffness=v.stiffness,
+            damping=v.damping,
+            tangential_stiffness=v.tangential_stiffness,
+            friction=v.friction,
+            normal=v.normal,
+            across=v.across,
+            spin=v.spin,
+            lever=LEVERS[v.branch],
+            ends_with_overlap=v.cutoff == "zero_overlap",
         )
-        numbers = {name: getattr(v, name) for name in names}
-        return WallImpact(
-            scale,
-            WallPair(
-                lever=LEVERS[v.branch], ends_with_overlap=v.cutoff == "zero_overlap", **numbers
-            ),
-        )
+        return WallImpact(scale, pair)
 
 
 def struck(v: Any) -> Body:
     """The sphere, left of the wall."""
-    m, r = float(v.mass), float(v.radius)
+    m = float(v.mass)
+    r = float(v.radius)
     return Body(
         mass=m,
         inertia=(0.4 * m * r * r,) * 3,
