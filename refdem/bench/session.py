@@ -173,13 +173,14 @@ class Bench:
         limited = ""
         if self.with_stability:
             limit, limited = stability_limit(entrant)
+        order_seen = precision.order(points) if claimed else None
         return msgspec.structs.replace(
             bare,
             points=points,
             reached=[precision.reach(points, target) for target in TARGETS],
             compiled=measured.compiled,
             order_claimed=claimed,
-            order_seen=precision.order(points) if claimed else None,
+            order_seen=order_seen,
             constant_seen=constant,
             limit=limit,
             limited=limited,

@@ -90,7 +90,9 @@ def _ratios(curves: Sequence[Curve]) -> list[tuple[str, ...]]:
     extremes of the rounds.
     """
     peers = [curve for curve in curves if curve.is_peer]
-    best = [_fastest([peer.reached[k] for peer in peers]) for k in range(len(TARGETS))]
+    best = []
+    for k in range(len(TARGETS)):
+        best.append(_fastest([peer.reached[k] for peer in peers]))
     if not any(best):
         return []
     rows = []

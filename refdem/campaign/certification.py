@@ -293,14 +293,12 @@ def stale(folder: Path) -> list[str]:
         one.label: job_digest("samples", one.label, (one.case.id, one.p.given))
         for one in judged_instances(folder)
     }
-    kept = {
-        one.label: one
-        for path in sorted((folder / "samples").glob("*.jsonl"))
-        for one in samples.kept(path.parent, path.stem)
-    }
+    kept: dict[str, str] = {}
+    for path in sorted((folder / "samples").glob("*.jsonl")):
+        kept |= {one.label: one.job for one in samples.kept(path.parent, path.stem)}
     found += [
         f"samples of {label}"
-        for label, one in kept.items()
-        if label in asked and one.job != asked[label]
+        for label, job in kept.items()
+        if label in asked and job != asked[label]
     ]
     return found + [f"samples of {label}" for label in sorted(set(asked) ^ set(kept))]

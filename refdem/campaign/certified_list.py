@@ -60,12 +60,13 @@ def certified_case(name: str, sets: list[CertifiedSet]) -> CertifiedCase:
         radii += [Fraction(value.radius) for value in one.values]
     witnesses = sorted({testimony["by"] for testimony in testimonies})
     own_witnesses = sorted({one.witness for one in sets})
+    digits = _digits(max(radii)) if radii else None
     source = digest_of(name)
     return CertifiedCase(
         case=name,
         sets=len(sets),
         values=len(radii),
-        digits=_digits(max(radii)) if radii else None,
+        digits=digits,
         methods=sorted({one.method for one in sets}),
         witness="; ".join(witnesses) or NONE,
         witnessed=sum(testimony["values"] for testimony in testimonies),

@@ -200,8 +200,10 @@ class Trial:
 
     def _sound(self) -> Iterator[tuple[Record, str, int]]:
         """Records of the engine without any fault, on every setting that a fault uses."""
-        used = dict.fromkeys(setting for fault in self.faults for setting in fault.on)
-        work = [(seed, name) for seed in self.drawn for name in used]
+        used: dict[str, None] = {}
+        for fault in self.faults:
+            used |= dict.fromkeys(fault.on)
+        work = list(product(self.drawn, used))
         for done, (seed, name) in enumerate(work, 1):
             instance, truth = self.instance(name, seed)
             engine = self.engine or Transparent()

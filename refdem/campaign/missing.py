@@ -70,7 +70,9 @@ def _with_gone(record: Record, gone: list[str], owner: str) -> Record:
     for finding in record.findings:
         explained = [name for name in left if _explains(finding, name)]
         left = [name for name in left if name not in explained]
-        found.append(_folded(finding, explained, owner) if explained else finding)
+        if explained:
+            finding = _folded(finding, explained, owner)
+        found.append(finding)
     found += [_absent(name, owner) for name in left]
     return msgspec.structs.replace(record, findings=tuple(found))
 

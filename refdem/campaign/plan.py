@@ -5,6 +5,7 @@ need.
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property, partial
+from typing import Any
 
 import numpy as np
 
@@ -221,13 +222,10 @@ def request(
     problem = task.trial.instance.problem
     if ulps:
         problem = problem.perturbed(ulps)
-    control = task.method.control
-    plain = Request(
-        problem=problem,
-        method=task.method.name,
-        step=variant.level if control == "step" else None,
-        tolerance=variant.level if control == "tolerance" else None,
-    )
+    control: dict[str, Any] = {}
+    if task.method.control != "exact":
+        control[task.method.control] = variant.level
+    plain = Request(problem=problem, method=task.method.name, **control)
     if variant.change == "none":
         return plain
     if variant.change == "repeated":
@@ -251,13 +249,19 @@ def _of_motion(
     if variant.change in symmetry.NAMES:
         shown, motion = symmetry.picture(task.trial.instance, variant.change)
         step = None if plain.step is None else plain.step * shown.units[2]
-        is_moved = problem is not task.trial.instance.problem
-        return replace(plain, problem=shown.applied(problem) if is_moved else motion, step=step)
+        if problem is not task.trial.instance.problem:
+            motion = shown.applied(problem)
+        return replace(plain, problem=motion, step=step)
     if base is None:
         raise UsageError(f"variant {variant} goes on from a run that is not there")
     sign = -1.0 if variant.change == "reversed" else 1.0
     end = base.end()
-    state = {**end, "velocity": sign * end["velocity"], "omega": sign * end["omega"]}
-    state["attitude"] = end["attitude"] / np.linalg.norm(end["attitude"], axis=-1, keepdims=True)
+    length = np.linalg.norm(end["attitude"], axis=-1, keepdims=True)
+    state = {
+        **end,
+        "velocity": sign * end["velocity"],
+        "omega": sign * end["omega"],
+        "attitude": end["attitude"] / length,
+    }
     times = problem.times if variant.change == "reversed" else problem.times[::-1]
     return plain.with_scene(problem.scene.with_state(**state), times)

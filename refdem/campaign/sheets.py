@@ -74,7 +74,8 @@ def claims(method: Method) -> str:
     words += [f"order {order} with {feature}" for feature, order in method.order_with.items()]
     for name in sorted(method.conserves):
         broken = ", ".join(sorted(method.broken_with.get(name, ())))
-        words.append(f"keeps {name} (not with {broken})" if broken else f"keeps {name}")
+        exception = f" (not with {broken})" if broken else ""
+        words.append(f"keeps {name}{exception}")
     if method.symplectic:
         words.append("symplectic")
     if method.reversible:

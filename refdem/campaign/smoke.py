@@ -15,7 +15,7 @@ from refdem.campaign.probes import INTERVAL, Expected, Probe, probes
 from refdem.campaign.suspicion import suspicion
 from refdem.campaign.turning_probes import turning_probes
 from refdem.core.engine import Engine, Method
-from refdem.core.finding import Finding
+from refdem.core.finding import Finding, Outcome
 from refdem.core.problem import CLOCK_ROUNDINGS, Motion, Request
 from refdem.core.trajectory import STATE, Trajectory
 from refdem.errors import UnsupportedError
@@ -212,10 +212,12 @@ def _compared(
 
 
 def _finding(quantity: str, value: float, bound: float, basis: str, says: str) -> Finding:
+    """The finding of the smoke test: a pass if the value is within the bound."""
+    outcome: Outcome = "pass" if value <= bound else "fail"
     return Finding(
         check="smoke",
         quantity=quantity,
-        outcome="pass" if value <= bound else "fail",
+        outcome=outcome,
         sentence=says,
         value=value,
         bound=bound,

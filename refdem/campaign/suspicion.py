@@ -4,6 +4,7 @@ what should have come.
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from itertools import product, starmap
 
 import numpy as np
 from numpy.typing import NDArray
@@ -76,6 +77,7 @@ def _reordered(name: str, order: str) -> Suspect:
 
 
 ORDERS = ("xzy", "yxz", "zyx", "yzx", "zxy")
+COLUMNS = ("position", "velocity", "omega")
 SUSPECTS = (
     Suspect("its quaternion has w last", _of("attitude", lambda q: np.roll(q, -1, axis=-1))),
     Suspect(
@@ -101,7 +103,7 @@ SUSPECTS = (
     ),
     Suspect("its velocity is in millimetres per second", _of("velocity", lambda v: 1000 * v)),
     Suspect("its velocity has the other sign", _of("velocity", np.negative)),
-    *(_reordered(name, order) for name in ("position", "velocity", "omega") for order in ORDERS),
+    *starmap(_reordered, product(COLUMNS, ORDERS)),
     Suspect("its bodies come in the other order", _in_all(lambda values: values[:, ::-1])),
     Suspect("every row is that of the sample before", _in_all(_a_row_before)),
     Suspect("every row is that of the sample after", _in_all(_a_row_after)),

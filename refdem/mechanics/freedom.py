@@ -3,6 +3,7 @@
 """
 
 from collections.abc import Sequence
+from itertools import combinations
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -63,4 +64,4 @@ def rank(matrix: Array) -> int:
 
 def complete_graph(count: int) -> list[tuple[int, int]]:
     """Every pair of `count` points."""
-    return [(a, b) for a in range(count) for b in range(a + 1, count)]
+    return list(combinations(range(count), 2))

@@ -4,6 +4,7 @@
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from itertools import product
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,7 +17,7 @@ FEW = 32
 """Points up to which all pairs are looked at."""
 CHUNK = 20_000
 """Points whose neighbours are looked at in one go: what that takes stays in a cache."""
-ROWS = [(y, z) for z in (-1, 0, 1) for y in (-1, 0, 1)]
+ROWS = [(y, z) for z, y in product((-1, 0, 1), repeat=2)]
 UPPER = [(y, z) for y, z in ROWS if (z, y) >= (0, 0)]
 """Rows of cells along x around a point's own, by steps in y and z: all, and one of every two
 opposite ones with the own.

@@ -65,7 +65,8 @@ def _scaled(panel: Panel, name: Any) -> Any:
     scale = alt.Scale(domain=panel.ends(name), nice=False, **kept_zero)
     width, height = panel.size
     # A tick label takes about 70 pixels across and 50 up.
-    ticks = max(3, width // 70 if name == "x" else height // 50)
+    room = width // 70 if name == "x" else height // 50
+    ticks = max(3, room)
     written: dict[str, Any] = {"format": "~e"} if axis.is_log else {}
     shown = None
     if not axis.is_hidden:

@@ -111,8 +111,9 @@ def _joined(record: Record, each: list[Row]) -> Row:
         for level in row.levels:
             by_level.setdefault(level.level, []).append(level)
     levels = tuple(_worst(by_level[h]) for h in sorted(by_level, reverse=True))
+    # The bound that all hold; none if some quantity holds none.
     held = [row.bound_held for row in each if row.bound_held is not None]
-    every_quantity_holds = len(held) == len(each)
+    bound_held = max(held) if len(held) == len(each) else None
     orders = [finding.order_seen for finding in record.findings if finding.check == "order"]
     seen = [order for order in orders if order is not None]
     constants = [row.constant for row in each if row.constant is not None]
@@ -123,7 +124,7 @@ def _joined(record: Record, each: list[Row]) -> Row:
         control=each[0].control,
         levels=levels,
         outcome=min((row.outcome for row in each), key=WORST_FIRST.index),
-        bound_held=max(held) if every_quantity_holds else None,
+        bound_held=bound_held,
         steps=steps,
         order_seen=min(seen, default=None),
         order_claimed=each[0].order_claimed,

@@ -91,9 +91,9 @@ def unpacked(data: bytes | Path, told: BodiesFile) -> Bodies:
 def _columns(bodies: Bodies) -> dict[str, NDArray[Any]]:
     """Every array of the file by name, in the byte order that the file has."""
     shapes: dict[Shape, int] = {}
-    number = np.array([shapes.setdefault(shape, len(shapes)) for shape in bodies.shapes], "<i8")[
-        bodies.shape_number
-    ]
+    # Equal shapes are written once.
+    each = [shapes.setdefault(shape, len(shapes)) for shape in bodies.shapes]
+    number = np.array(each, "<i8")[bodies.shape_number]
     held: dict[str, NDArray[Any]] = {
         name: np.ascontiguousarray(getattr(bodies, name), "<f8") for name in COLUMNS
     }
@@ -112,7 +112,8 @@ def _read(data: bytes | Path, count: int, where: str) -> dict[str, NDArray[Any]]
     # Type and shape of every array; no shape where any length is right.
     kinds: dict[str, tuple[str, tuple[int, ...]]] = {}
     for name, width in WIDTH.items():
-        kinds[name] = ("<f8", (count, width) if width > 1 else (count,))
+        rows = (count, width) if width > 1 else (count,)
+        kinds[name] = ("<f8", rows)
     kinds |= {"fixed": ("|b1", (count,)), "shape": ("<i8", (count,)), "shapes": ("|u1", ())}
     source: Any = io.BytesIO(data) if isinstance(data, bytes) else data
     with zipfile.ZipFile(source) as archive:

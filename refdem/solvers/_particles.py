@@ -153,12 +153,13 @@ class Packed:
         springs = scene.all(Spring)
         planes = scene.all(Plane)
         fields = [field.g for field in scene.all(UniformGravity)]
+        gravity = np.sum(fields, axis=0) if fields else np.zeros(3)
         self._kept: dict[str, Any] = {
             "mass": bodies.mass,
             "ease": np.where(free, 1.0 / bodies.mass, 0.0),
             "turn_ease": np.where(turns, 1.0 / np.where(turns, inertia, 1.0), 0.0),
             "radius": bodies.radius,
-            "gravity": np.sum(fields, axis=0) if fields else np.zeros(3),
+            "gravity": gravity,
             "spring": np.array([_spring_row(spring, origin) for spring in springs], float),
             "spring_end": np.array([(spring.a, spring.b) for spring in springs], np.int64),
             "plane": np.array([_plane_row(plane, origin) for plane in planes], float),

@@ -73,7 +73,8 @@ class ExactCapture(Solver):
         cosine = np.cos(angle)
         sine = np.sin(angle)
         radius = distance or 1.0
-        ahead = v * (distance / speed if speed2 > 0 else 0.0)
+        quarter_turn = distance / speed if speed2 > 0 else 0.0
+        ahead = v * quarter_turn
         on_line = arm + v * flight[:, None]
         on_circle = nearest * cosine + ahead * sine
         along_circle = v * cosine - nearest * (speed / radius) * sine

@@ -59,10 +59,9 @@ class ExactWedge(Solver):
         # A law: factor and exponent of the overlap.
         of_edge = np.array([wall.quadratic, 2.0])
         of_side = np.array([wall.stiffness, 1.0])
-        if _comes_edge_first(scene, wall, start, rate):
-            inward, outward = of_edge, of_side
-        else:
-            inward, outward = of_side, of_edge
+        is_edge_first = _comes_edge_first(scene, wall, start, rate)
+        inward = of_edge if is_edge_first else of_side
+        outward = of_side if is_edge_first else of_edge
         since = sense * (t - t[0])
         out = np.empty((len(t), 2))
         touch = np.empty(3)

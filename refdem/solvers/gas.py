@@ -64,7 +64,8 @@ class Buffers:
         states = []
         for name in STATE:
             rows = self.states.get(name)
-            states.append(ffi.NULL if rows is None else pointer("gas", rows, output=True))
+            address = ffi.NULL if rows is None else pointer("gas", rows, output=True)
+            states.append(address)
         room = ffi.from_buffer("uint8_t[]", self.room)
         events = ffi.from_buffer("int64_t[]", self.events)
         event = pointer("gas", self.event, output=True)

@@ -63,10 +63,10 @@ class Oblique:
             return state, FREE, side
         # It holds while k_t |slip| grows no faster than mu k g; with a dashpot the normal force
         # is above 0 at once.
-        is_held = bool(self.law.damping) or abs(slip) <= (
-            self.share * self.law.stiffness * overlap_rate
-        )
-        return state, HOLDS if is_held else SLIPS, side
+        most = self.share * self.law.stiffness * overlap_rate
+        is_held = bool(self.law.damping) or abs(slip) <= most
+        mode = HOLDS if is_held else SLIPS
+        return state, mode, side
 
     def integrators(self, tolerance: float | None) -> list[Any]:
         """heyoka's integrators: the spring holds; it slips to the side of par[0]; no friction.
@@ -103,8 +103,11 @@ class Oblique:
             FREE: 0.0,
         }
         made = []
-        for mode in (HOLDS, SLIPS, FREE) if law.friction else (FREE,):
+        modes = (HOLDS, SLIPS, FREE) if law.friction else (FREE,)
+        for mode in modes:
             across = acting[mode]
+            # d' = g, and so on in the order of the names; the spring stretches while it holds.
+            stretching = slip if mode == HOLDS else 0.0
             rates = [
                 g,
                 bend,
@@ -112,7 +115,7 @@ class Oblique:
                 turn,
                 arm1 * across / j1,
                 arm2 * across / j2,
-                slip if mode == HOLDS else 0.0,
+                stretching,
             ]
             events = [heyoka.t_event(what, **down) for what in (d, *watched[mode])]
             expressions = [
@@ -140,7 +143,9 @@ class Oblique:
         steps = 0
         seconds = 0.0
         while len(found) < len(t):
-            integrator = integrators[mode if self.law.friction else 0]
+            # Without friction there is one mode, and one integrator.
+            number = mode if self.law.friction else 0
+            integrator = integrators[number]
             integrator.time = now
             integrator.state[:] = state
             if mode == SLIPS:
@@ -175,7 +180,8 @@ class Oblique:
         if event == 0:
             return APART, side
         if mode == HOLDS:
-            return SLIPS, 1.0 if event == 1 else -1.0
+            new_side = 1.0 if event == 1 else -1.0
+            return SLIPS, new_side
         if event != 1:
             return FREE, side
         overlap = state[0]

@@ -141,7 +141,7 @@ def _overlaps(scene: Any, position: Array, radius: Array) -> Array:
     i = spheres[i]
     j = spheres[j]
     apart = position[:, j] - position[:, i]
-    overlap: Array = (
-        radius[i] + radius[j] - np.linalg.norm(boxes[0].nearest(apart) if boxes else apart, axis=-1)
-    )
+    if boxes:
+        apart = boxes[0].nearest(apart)
+    overlap: Array = radius[i] + radius[j] - np.linalg.norm(apart, axis=-1)
     return overlap
