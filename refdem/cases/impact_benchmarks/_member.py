@@ -98,9 +98,8 @@ class Member(ABC):
         """
         bodies = self.scene(v).bodies
         rolling = np.linalg.norm(bodies.velocity, axis=1).max() / bodies.radius.min()
-        return float(max(np.linalg.norm(bodies.omega, axis=1).max(), rolling)) or self.scales(
-            v
-        ).speed / float(v.radius)
+        largest = float(max(np.linalg.norm(bodies.omega, axis=1).max(), rolling))
+        return largest or self.scales(v).speed / float(v.radius)
 
     def quantities(self, v: Any) -> tuple[Quantity, ...]:
         """Place, velocity and angular velocity of every body."""
@@ -111,12 +110,11 @@ class Member(ABC):
             ("omega", "rad/s", self.spin_scale(v)),
         )
         numbers = [str(i + 1) for i in range(self.bodies)] if self.bodies > 1 else [""]
-        return tuple(
-            Quantity(f"{kind}{i}.{axis}", unit, size)
-            for i in numbers
-            for kind, unit, size in kinds
-            for axis in "xyz"
-        )
+        found = []
+        for number in numbers:
+            for kind, unit, size in kinds:
+                found += [Quantity(f"{kind}{number}.{axis}", unit, size) for axis in "xyz"]
+        return tuple(found)
 
     def observe(self, v: Any, run: Trajectory) -> dict[str, Array]:
         """The quantities by name at the samples, each (T,)."""
