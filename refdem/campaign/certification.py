@@ -50,7 +50,7 @@ class Wanted:
 
     @property
     def job(self) -> tuple[str, dict[str, str], tuple[str, ...]]:
-        """What a worker needs."""
+        """The case, its parameters and its times, as a worker needs them."""
         return self.instance.case.id, self.instance.p.given, tuple(str(t) for t in self.times)
 
 
@@ -144,7 +144,7 @@ def proved_samples(case: str, given: dict[str, str], job: str = "") -> bytes:
 
 @dataclass
 class Certification:
-    """One rebuilding of the store.
+    """One rebuilding of the certified store: what is stale is proved again.
 
     A line that is there is kept while what it was asked, and all code that had a part in it, are
     the same (its `job`); then the store of finished work is asked, so that a killed run resumes;

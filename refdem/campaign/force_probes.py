@@ -244,6 +244,6 @@ def _floor() -> Probe:
 
 
 def _vector(values: Array) -> Vector:
-    """Three numbers of an array."""
+    """The three numbers of an array (3,), as scenes take them."""
     x, y, z = values.tolist()
     return x, y, z

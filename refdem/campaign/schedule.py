@@ -208,7 +208,7 @@ class Schedule:
             self._pool.join()
 
     def _begun(self, job: Job) -> Any:
-        """The future of a job."""
+        """The future of a job that is handed to a worker process."""
         limit = job.timeout or self._timeout
         if job.computes:
             return self._pool.schedule(limited, args=(limit, job.function, *job.arguments))

@@ -54,7 +54,7 @@ def content(bodies: Bodies) -> str:
 
 
 def packed(bodies: Bodies) -> bytes:
-    """The file."""
+    """The bytes of the file, which hold every array of the bodies."""
     held = io.BytesIO()
     np.savez(held, allow_pickle=False, **_columns(bodies))
     return held.getvalue()

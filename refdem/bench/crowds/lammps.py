@@ -38,11 +38,11 @@ class Lammps(Crowd):
     note = "gran/hooke/history with friction; keeps no attitudes"
 
     def missing(self) -> str | None:
-        """None if there is an `lmp`."""
+        """None if there is a program `lmp` on the path, else what to install."""
         return None if shutil.which("lmp") else "install LAMMPS (Debian: lammps)"
 
     def refusal(self, gas: Gas) -> str | None:
-        """None in a periodic box."""
+        """None for a gas in a periodic box, else why it is not asked."""
         return None if gas.periodic else "asked for the periodic box alone"
 
     def seconds(self, gas: Gas, steps: int) -> float:

@@ -27,11 +27,11 @@ class Mujoco(Crowd):
     note = "its own soft contacts"
 
     def missing(self) -> str | None:
-        """None if the package is here."""
+        """None if the package is installed, else what to install."""
         return None if find_spec("mujoco") else "install refdem[mujoco]"
 
     def refusal(self, gas: Gas) -> str | None:
-        """None between walls."""
+        """None for a gas between walls, else why it cannot be moved."""
         return "no periodic box" if gas.periodic else None
 
     def seconds(self, gas: Gas, steps: int) -> float:

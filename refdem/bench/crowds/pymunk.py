@@ -19,11 +19,11 @@ class Pymunk(Crowd):
     note = "discs in a plane, elastic impacts"
 
     def missing(self) -> str | None:
-        """None if the package is here."""
+        """None if the package is installed, else what to install."""
         return None if find_spec("pymunk") else "install refdem[pymunk]"
 
     def refusal(self, gas: Gas) -> str | None:
-        """None between walls."""
+        """None for a gas between walls, else why it cannot be moved."""
         return "no periodic box" if gas.periodic else None
 
     def seconds(self, gas: Gas, steps: int) -> float:

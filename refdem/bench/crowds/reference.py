@@ -14,11 +14,11 @@ class Reference(Crowd):
     is_reference = True
 
     def missing(self) -> str | None:
-        """None: it comes with refdem."""
+        """None: the reference comes with refdem and is always here."""
         return None
 
     def refusal(self, gas: Gas) -> str | None:
-        """None for every gas."""
+        """None for every gas that the method `gas` of the reference can move."""
         engine = discovery.engine("reference")
         return engine.refusal(gas.instance.motion, engine.method("gas"))
 

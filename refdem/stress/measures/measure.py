@@ -48,7 +48,7 @@ class Measure(ABC):
 
     @abstractmethod
     def checks(self, trial: Trial, x: Fraction) -> tuple[Check, ...]:
-        """What judges the rung."""
+        """The checks that judge the rung."""
 
     def task(
         self, engine: Engine, method: Method, instance: Instance, x: Fraction, truth: SampledTruth
