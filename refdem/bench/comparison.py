@@ -38,7 +38,10 @@ def compared(now: Record, then: Record) -> list[Change]:
     found = []
     for curve in now.curves:
         other = before.get(curve.key)
-        levels = _common(curve, other) if other else set()
+        if other:
+            levels = _common(curve, other)
+        else:
+            levels = set()
         if other is None or not levels:
             continue
         a = rounds_of(now, curve, levels)
@@ -102,7 +105,9 @@ def verdict_of_pairs(pairs: Sequence[float]) -> str:
     change = statistics.median(pairs)
     if min(pairs) > 0 and change > math.log1p(CHANGE):
         return "slower"
-    return "faster" if max(pairs) < 0 and -change > math.log1p(CHANGE) else "same"
+    if max(pairs) < 0 and -change > math.log1p(CHANGE):
+        return "faster"
+    return "same"
 
 
 def _common(curve: Curve, other: Curve) -> set[float]:
@@ -153,4 +158,6 @@ def false_alarm_rate(record: Record) -> float | None:
             rest = [value for number, value in enumerate(series) if number not in chosen]
             alarms += verdict([series[number] for number in chosen], rest) != "same"
             total += 1
-    return alarms / total if total else None
+    if total:
+        return alarms / total
+    return None

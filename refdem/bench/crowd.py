@@ -74,7 +74,10 @@ def _of_gas(gas: Gas, law: str, able: Sequence[Crowd], rounds: int) -> list[Cost
             seconds = crowd.seconds(gas, steps[crowd])
             taken[crowd].append(1e9 * seconds / steps[crowd] / n)
     own = next(taken[crowd] for crowd in able if crowd.is_reference)
-    boundary = "periodic" if gas.periodic else "walls"
+    if gas.periodic:
+        boundary = "periodic"
+    else:
+        boundary = "walls"
     return [Cost(n, law, boundary, crowd.name, crowd.note, taken[crowd], own) for crowd in able]
 
 

@@ -32,7 +32,10 @@ class Entrant:
 
     def request(self, level: float, problem: Problem | None = None) -> Request:
         """The request of a level, also of another problem."""
-        asked = self.instance.problem if problem is None else problem
+        if problem is None:
+            asked = self.instance.problem
+        else:
+            asked = problem
         control: dict[str, Any] = {}
         if self.method.control != "exact":
             control[self.method.control] = level

@@ -97,7 +97,10 @@ def refined(entrant: Entrant, truth: SampledTruth, *, longest: float) -> Measure
         found.first[level] = cost
         found.rounds[level] = []
         worst = max(errors.values())
-        risen = 0 if worst < 0.7 * best else risen + 1
+        if worst < 0.7 * best:
+            risen = 0
+        else:
+            risen = risen + 1
         best = min(best, worst)
         if best <= ENOUGH or risen >= 2 or cost.seconds > longest:
             break
@@ -146,7 +149,10 @@ def _timed(measured: Measured, level: float) -> Cost:
 
 def _beside(measured: Measured, level: float, other: Other | None, place: int) -> None:
     """Keeps the seconds that the other installation takes for the same place now."""
-    seconds = other(place) if other else None
+    if other:
+        seconds = other(place)
+    else:
+        seconds = None
     if seconds is not None:
         measured.beside.setdefault(level, []).append(seconds)
 
@@ -157,7 +163,10 @@ def median_cost(run: Callable[[], Cost], first: float) -> Cost:
     """
     # 1e-7 s: what a clock does not resolve counts as so much.
     least = max(first, 1e-7)
-    inner = 1 if first > SHORT else min(MOST_INNER, int(SHORT / least) + 1)
+    if first > SHORT:
+        inner = 1
+    else:
+        inner = min(MOST_INNER, int(SHORT / least) + 1)
     repeats = min(MOST_REPEATS, int(BRIEF / least) + 1)
     with repeated(repeats):
         costs = sorted((run() for _ in range(inner)), key=lambda cost: cost.seconds)

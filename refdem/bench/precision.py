@@ -81,10 +81,16 @@ def constant(points: Sequence[Point], *, claimed: int, tau: float, duration: flo
 def _truncating(points: Sequence[Point]) -> list[tuple[Point, Point]]:
     """Neighbours whose errors both stand clear of the floor and of the scale itself, and fall."""
     floor = min((point.error for point in points), default=0.0)
-    last = points[-1].error if points else 0.0
+    if points:
+        last = points[-1].error
+    else:
+        last = 0.0
     still_falling = len(points) > 1 and last == floor and points[-2].error > 3 * last
     # While errors still fall, the last of them is no floor.
-    clear = ROUND_OFF if still_falling else max(ROUND_OFF, CLEAR * floor)
+    if still_falling:
+        clear = ROUND_OFF
+    else:
+        clear = max(ROUND_OFF, CLEAR * floor)
     return [
         (coarse, fine)
         for coarse, fine in pairwise(points)
@@ -102,7 +108,10 @@ def growth(by: str, sizes: Sequence[float], times: Sequence[float]) -> Growth:
         other_size, other_time = second
         if size != other_size and min(time, other_time) > 0:
             slopes.append(math.log(other_time / time) / math.log(other_size / size))
-    exponent = statistics.median(slopes) if slopes else None
+    if slopes:
+        exponent = statistics.median(slopes)
+    else:
+        exponent = None
     return Growth(by=by, sizes=list(sizes), seconds=list(times), exponent=exponent)
 
 

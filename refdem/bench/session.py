@@ -118,7 +118,10 @@ class Bench:
             refusal = engine.refuses(instance.problem, method) or ""
             if refusal and is_silent:
                 continue
-            chosen = () if refusal else levels(instance, method, most_steps=self.most_steps)
+            if refusal:
+                chosen = ()
+            else:
+                chosen = levels(instance, method, most_steps=self.most_steps)
             if not refusal and not chosen:
                 refusal = f"more than {self.most_steps:g} steps"
             entrant = Entrant(instance, engine, method, chosen, is_peer)
@@ -140,12 +143,16 @@ class Bench:
             other.begin(places)
 
             def seconds_beside(number: int) -> float | None:
-                return None if other.reasons[number] else other.seconds(number)
+                if other.reasons[number]:
+                    return None
+                return other.seconds(number)
 
             return interleaved(everything, self.rounds, told, seconds_beside)
 
     def _peers(self) -> list[Engine]:
-        return peers() if self.with_peers else []
+        if self.with_peers:
+            return peers()
+        return []
 
     def _curve(self, measured: Measured, names: set[str]) -> Curve:
         """The curve of an entrant, with all that follows from its points."""
@@ -164,7 +171,10 @@ class Bench:
         points = measured.points(names)
         if not points:
             return bare
-        claimed = method.order_for(instance.problem.features) if method.control == "step" else 0
+        if method.control == "step":
+            claimed = method.order_for(instance.problem.features)
+        else:
+            claimed = 0
         scales = instance.scales
         constant = precision.constant(
             points, claimed=claimed, tau=scales.tau, duration=scales.duration
@@ -173,7 +183,10 @@ class Bench:
         limited = ""
         if self.with_stability:
             limit, limited = stability_limit(entrant)
-        order_seen = precision.order(points) if claimed else None
+        if claimed:
+            order_seen = precision.order(points)
+        else:
+            order_seen = None
         return msgspec.structs.replace(
             bare,
             points=points,
@@ -261,7 +274,10 @@ def sampled_truth(instance: Instance, entrants: list[Entrant]) -> SampledTruth:
         delays |= {entrant.method.delay(level) for level in entrant.levels}
     # A method that is late by nothing needs no samples of its own.
     delays.discard(0.0)
-    truth = None if delays else kept_truth(instance)
+    if delays:
+        truth = None
+    else:
+        truth = kept_truth(instance)
     if truth is None:
         given = dict(instance.p.given)
         packed = worker.sampled_truth(instance.case.id, given, tuple(sorted(delays)))

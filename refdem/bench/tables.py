@@ -112,7 +112,9 @@ def _fastest(reached: Sequence[Reach | None]) -> Reach | None:
 def _ratio(peer: Reach | None, own: Reach | None) -> str:
     """How many times as fast as the peer a method is, with the extremes of the rounds."""
     if peer is None:
-        return "no peer gets there" if own else NONE
+        if own:
+            return "no peer gets there"
+        return NONE
     if own is None:
         return "not reached"
     median = two(peer.seconds / own.seconds)
@@ -126,11 +128,23 @@ def _more(curve: Curve) -> tuple[str, ...]:
     orders = NONE
     if curve.order_seen is not None:
         orders = f"{curve.order_seen:.2f} (claimed {curve.order_claimed})"
-    seconds_per_step = per_step(curve.points) if curve.control == "step" else None
-    step = NONE if seconds_per_step is None else duration(seconds_per_step)
+    if curve.control == "step":
+        seconds_per_step = per_step(curve.points)
+    else:
+        seconds_per_step = None
+    if seconds_per_step is None:
+        step = NONE
+    else:
+        step = duration(seconds_per_step)
     grows = "; ".join(map(_growth, curve.growth)) or NONE
-    memory = NONE if curve.memory is None else f"{two(curve.memory / 2**20)} MiB"
-    limit = NONE if curve.limit is None else f"{curve.limit:.3f}"
+    if curve.memory is None:
+        memory = NONE
+    else:
+        memory = f"{two(curve.memory / 2**20)} MiB"
+    if curve.limit is None:
+        limit = NONE
+    else:
+        limit = f"{curve.limit:.3f}"
     return (
         _name(curve),
         orders,
@@ -144,7 +158,10 @@ def _more(curve: Curve) -> tuple[str, ...]:
 
 def _growth(growth: Growth) -> str:
     """The power, and the time at the largest size."""
-    power = NONE if growth.exponent is None else f"{growth.by}^{growth.exponent:.1f}"
+    if growth.exponent is None:
+        power = NONE
+    else:
+        power = f"{growth.by}^{growth.exponent:.1f}"
     return f"{power}, {duration(growth.seconds[-1])} at {growth.sizes[-1]:g}"
 
 

@@ -60,7 +60,10 @@ def certified_case(name: str, sets: list[CertifiedSet]) -> CertifiedCase:
         radii += [Fraction(value.radius) for value in one.values]
     witnesses = sorted({testimony["by"] for testimony in testimonies})
     own_witnesses = sorted({one.witness for one in sets})
-    digits = _digits(max(radii)) if radii else None
+    if radii:
+        digits = _digits(max(radii))
+    else:
+        digits = None
     source = digest_of(name)
     return CertifiedCase(
         case=name,
@@ -78,7 +81,9 @@ def certified_case(name: str, sets: list[CertifiedSet]) -> CertifiedCase:
 
 def _digits(radius: Fraction) -> int | None:
     """Decimal places before the radius begins; None if it is 0."""
-    return math.floor(-math.log10(radius)) if radius else None
+    if radius:
+        return math.floor(-math.log10(radius))
+    return None
 
 
 def in_all(found: list[CertifiedCase]) -> str:

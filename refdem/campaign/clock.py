@@ -73,7 +73,10 @@ def _judged(engine: Engine, method: Method, scene: ClockScene) -> Finding:
                     f"{method.name} {_miscount(late, asked.stride)}, with steps of"
                     f" {asked.signed_step!r} s: {COUNT}"
                 )
-    outcome: Outcome = "pass" if worst <= BOUND else "fail"
+    if worst <= BOUND:
+        outcome: Outcome = "pass"
+    else:
+        outcome = "fail"
     return Finding(
         check="smoke",
         quantity=QUANTITY,
@@ -111,7 +114,9 @@ def _pace(passed: Array, asked: Request) -> float:
     pace = abs(float(passed[-1] / total))
     slowest, fastest = PLAUSIBLE
     is_miscounted = slowest <= pace <= fastest or pace == 0
-    return 1.0 if is_miscounted or not np.isfinite(pace) else pace
+    if is_miscounted or not np.isfinite(pace):
+        return 1.0
+    return pace
 
 
 def _steps_late(scene: ClockScene, asked: Request, seen: Trajectory, pace: float) -> Array:
@@ -135,6 +140,12 @@ def _miscount(late: Array, stride: int) -> str:
         )
     sample = int(np.argmax(np.abs(late)))
     count = max(1, round(abs(float(late[sample]))))
-    steps = "1 step" if count == 1 else f"{count} steps"
-    side = "many" if late[sample] > 0 else "few"
+    if count == 1:
+        steps = "1 step"
+    else:
+        steps = f"{count} steps"
+    if late[sample] > 0:
+        side = "many"
+    else:
+        side = "few"
     return f"has taken {steps} too {side} at sample {sample} of {SAMPLES}"

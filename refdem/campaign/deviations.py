@@ -41,7 +41,10 @@ def _applied(record: Record, finding: Finding, deviations: list[Deviation]) -> F
     deviation = next((d for d in deviations if d.covers(record, finding)), None)
     if deviation is None or finding.outcome not in ("pass", "fail") or finding.value is None:
         return finding
-    reason = f"{deviation.reason} ({deviation.link})" if deviation.link else deviation.reason
+    if deviation.link:
+        reason = f"{deviation.reason} ({deviation.link})"
+    else:
+        reason = deviation.reason
     why = one_line(reason)
     if finding.outcome == "pass":
         says = f"{finding.sentence} A deviation was expected here and is stale: {why}"

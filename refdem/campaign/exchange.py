@@ -96,7 +96,10 @@ class Elsewhere(Engine):
         """
         plain = request.key(self.name)
         self.asked[plain] += 1
-        name = plain[:32] if self.asked[plain] == 1 else f"{plain[:32]}-{self.asked[plain]}"
+        if self.asked[plain] == 1:
+            name = plain[:32]
+        else:
+            name = f"{plain[:32]}-{self.asked[plain]}"
         folder = self.folder / name
         if not (folder / "request.json").is_file():
             if not self.writes:
@@ -112,7 +115,10 @@ class Elsewhere(Engine):
             self.waiting.append(name)
             raise EngineError(f"{name}/trajectory.csv has not come back")
         trajectory = read_answer(request.problem, folder / "trajectory.csv", folder / "events.csv")
-        steps = request.stride * (len(request.problem.times) - 1) if request.step else 0
+        if request.step:
+            steps = request.stride * (len(request.problem.times) - 1)
+        else:
+            steps = 0
         return trajectory, Cost(seconds=0.0, steps=steps)
 
 
@@ -186,7 +192,10 @@ def read(folder: Path) -> Manifest:
     if manifest.format != FORMAT:
         raise UsageError(f"{path} has format {manifest.format}; expected {FORMAT}: export again")
     if not manifest.case or not manifest.versions:
-        lacking = "program" if manifest.case else "case"
+        if manifest.case:
+            lacking = "program"
+        else:
+            lacking = "case"
         raise UsageError(f"{path} names no {lacking}, so there is nothing to judge; export again")
     if manifest.refdem != refdem.__version__:
         raise UsageError(

@@ -140,7 +140,10 @@ class Trial:
                     )
                 if finding.margin is not None:
                     near[finding.check] = min(near.get(finding.check, 99.0), finding.margin)
-        name = self.engine.name if self.engine else Transparent.name
+        if self.engine:
+            name = self.engine.name
+        else:
+            name = Transparent.name
         return Matrix(
             engine=name, seeds=self.seeds, kills=tuple(kills), alarms=tuple(alarms), near=near
         )
@@ -169,11 +172,17 @@ class Trial:
     def _spoiled(self, fault: Fault, setting: str, seed: int) -> Record:
         """The record of a fault, refined no further than is needed to kill it."""
         instance, truth = self.instance(setting, seed)
-        checks = () if self.whole and seed == 0 else _needed(fault)
+        if self.whole and seed == 0:
+            checks = ()
+        else:
+            checks = _needed(fault)
         engine = fault.carrier(self.engine)
         known = dict[Variant, Run]()
         # An order needs some levels; other checks may see a fault at the first.
-        fewest = FEWEST if not checks or checks[0] in ORDERS else 1
+        if not checks or checks[0] in ORDERS:
+            fewest = FEWEST
+        else:
+            fewest = 1
         for levels in range(fewest, fault.levels + 1):
             record = self._record(engine, fault.method, instance, truth, levels, checks, known)
             if _killed(_named(fault, record)):
@@ -223,7 +232,10 @@ class Trial:
         if (setting, seed) not in self._truths:
             drawn = SETTINGS[setting]
             instance = discovery.case(drawn.case).at(**drawn.parameters(setting, seed))
-            truth = truth_of(instance) if drawn.proved else WITHHELD
+            if drawn.proved:
+                truth = truth_of(instance)
+            else:
+                truth = WITHHELD
             self._truths[setting, seed] = (instance, truth)
         return self._truths[setting, seed]
 

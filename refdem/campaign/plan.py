@@ -248,13 +248,19 @@ def _of_motion(
         return plain.with_scene(problem.scene, denser)
     if variant.change in symmetry.NAMES:
         shown, motion = symmetry.picture(task.trial.instance, variant.change)
-        step = None if plain.step is None else plain.step * shown.units[2]
+        if plain.step is None:
+            step = None
+        else:
+            step = plain.step * shown.units[2]
         if problem is not task.trial.instance.problem:
             motion = shown.applied(problem)
         return replace(plain, problem=motion, step=step)
     if base is None:
         raise UsageError(f"variant {variant} goes on from a run that is not there")
-    sign = -1.0 if variant.change == "reversed" else 1.0
+    if variant.change == "reversed":
+        sign = -1.0
+    else:
+        sign = 1.0
     end = base.end()
     length = np.linalg.norm(end["attitude"], axis=-1, keepdims=True)
     state = {
@@ -263,5 +269,8 @@ def _of_motion(
         "omega": sign * end["omega"],
         "attitude": end["attitude"] / length,
     }
-    times = problem.times if variant.change == "reversed" else problem.times[::-1]
+    if variant.change == "reversed":
+        times = problem.times
+    else:
+        times = problem.times[::-1]
     return plain.with_scene(problem.scene.with_state(**state), times)

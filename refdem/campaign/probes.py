@@ -46,7 +46,10 @@ class Probe:
     @property
     def times(self) -> Array:
         """A second in samples; falling where the probe runs backwards."""
-        direction = -1.0 if self.backwards else 1.0
+        if self.backwards:
+            direction = -1.0
+        else:
+            direction = 1.0
         return np.asarray(self.start + direction * INTERVAL * np.arange(SAMPLES + 1))
 
     @cached_property

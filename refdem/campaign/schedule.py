@@ -102,7 +102,10 @@ class Programs:
                 ended = self._gone_on(job, stages, result)
                 if ended is not None:
                     yield job, ended
-            done = wait(self._running, return_when=FIRST_COMPLETED).done if self._running else ()
+            if self._running:
+                done = wait(self._running, return_when=FIRST_COMPLETED).done
+            else:
+                done = ()
             going = [(*self._running.pop(future), future.result) for future in done]
 
     def _gone_on(
@@ -110,7 +113,10 @@ class Programs:
     ) -> bytes | Failure | None:
         """How a job ended, or None if it waits again."""
         try:
-            waiting = next(stages) if result is None else stages.send(result)
+            if result is None:
+                waiting = next(stages)
+            else:
+                waiting = stages.send(result)
         except StopIteration as end:
             ended: bytes = end.value
             return ended

@@ -46,7 +46,10 @@ def _shown(value: Any) -> Any:
         return {name: _shown(item) for name, item in value.items()}
     if not isinstance(value, list):
         return value
-    rest = [f"and {len(value) - LISTED} more"] if len(value) > LISTED else []
+    if len(value) > LISTED:
+        rest = [f"and {len(value) - LISTED} more"]
+    else:
+        rest = []
     return [*map(_shown, value[:LISTED]), *rest]
 
 
@@ -74,7 +77,10 @@ def claims(method: Method) -> str:
     words += [f"order {order} with {feature}" for feature, order in method.order_with.items()]
     for name in sorted(method.conserves):
         broken = ", ".join(sorted(method.broken_with.get(name, ())))
-        exception = f" (not with {broken})" if broken else ""
+        if broken:
+            exception = f" (not with {broken})"
+        else:
+            exception = ""
         words.append(f"keeps {name}{exception}")
     if method.symplectic:
         words.append("symplectic")

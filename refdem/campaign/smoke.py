@@ -95,7 +95,9 @@ def _worst(by_method: list[list[Finding]]) -> list[Finding]:
 def _badness(finding: Finding) -> float:
     if finding.outcome == "unsupported":
         return -1.0
-    return np.inf if finding.outcome == "error" or finding.value is None else finding.value
+    if finding.outcome == "error" or finding.value is None:
+        return np.inf
+    return finding.value
 
 
 def _judged(engine: Engine, method: Method, probe: Probe) -> list[Finding]:
@@ -127,7 +129,9 @@ def _request(method: Method, probe: Probe) -> Request:
     request = Request(problem=Motion(probe.scene, probe.times), method=method.name)
     if method.control == "step":
         return replace(request, step=STEP)
-    return replace(request, tolerance=TOLERANCE) if method.control == "tolerance" else request
+    if method.control == "tolerance":
+        return replace(request, tolerance=TOLERANCE)
+    return request
 
 
 def _few_roundings(method: Method) -> float:
@@ -148,7 +152,10 @@ def _first_sample(
 ) -> Finding:
     """Is row 0 the scene's state? Velocities that lag are those before it."""
     bodies = request.problem.scene.bodies
-    names = STATE if method.velocity_time == "synchronous" else ("position", "attitude")
+    if method.velocity_time == "synchronous":
+        names = STATE
+    else:
+        names = ("position", "attitude")
     distances = []
     for column in names:
         first = getattr(trajectory, column)[0]
@@ -187,7 +194,9 @@ def _shown(trajectory: Trajectory, name: str, probe: Probe) -> Array | None:
     """What the trajectory shows of a quantity; None for a channel that it does not have."""
     if name in DERIVED:
         return DERIVED[name](trajectory, probe.scene.bodies.inertia)
-    return getattr(trajectory, name) if name in STATE else trajectory.channels.get(name)
+    if name in STATE:
+        return getattr(trajectory, name)
+    return trajectory.channels.get(name)
 
 
 def _compared(
@@ -213,7 +222,10 @@ def _compared(
 
 def _finding(quantity: str, value: float, bound: float, basis: str, says: str) -> Finding:
     """The finding of the smoke test: a pass if the value is within the bound."""
-    outcome: Outcome = "pass" if value <= bound else "fail"
+    if value <= bound:
+        outcome: Outcome = "pass"
+    else:
+        outcome = "fail"
     return Finding(
         check="smoke",
         quantity=quantity,

@@ -86,7 +86,9 @@ def duration(p: Parameters) -> float | None:
     w = np.sqrt(abs(w0 * w0 - b * b))
     if p.cutoff == "zero_overlap":
         # The overlap exp(-b t) sin(w t) ends after half a period.
-        return float(np.pi / w) if b < w0 else None
+        if b < w0:
+            return float(np.pi / w)
+        return None
     # The force ends where tan(w t/2) = w/b, or tanh of it.
     if b == w0:
         return float(2 / w0)
@@ -138,9 +140,18 @@ def scales(p: Parameters) -> Scales:
     """
     lasts = duration(p)
     swing = np.sqrt(effective_mass(p) / p.stiffness)
-    relaxation = effective_mass(p) / p.damping if p.damping else np.inf
-    contact = lasts / np.pi if lasts else np.inf
-    fastest = swing if relaxation > swing / 2 else relaxation
+    if p.damping:
+        relaxation = effective_mass(p) / p.damping
+    else:
+        relaxation = np.inf
+    if lasts:
+        contact = lasts / np.pi
+    else:
+        contact = np.inf
+    if relaxation > swing / 2:
+        fastest = swing
+    else:
+        fastest = relaxation
     tau = float(min(contact, fastest))
     length = max(p.closing_speed * tau, float(p.radii.max()) * POSITIONS_ARE_ROUNDED)
     return Scales(

@@ -103,9 +103,18 @@ def balance(member: str) -> dict[str, Any]:
     """
     places = heights(member)
     are_spheres = member == "spheres"
-    half = RADIUS if are_spheres else HEIGHT / 2
-    mass = BALL_MASS if are_spheres else MASS
-    stiffness = STIFFNESS if are_spheres else Fraction(0)
+    if are_spheres:
+        half = RADIUS
+    else:
+        half = HEIGHT / 2
+    if are_spheres:
+        mass = BALL_MASS
+    else:
+        mass = MASS
+    if are_spheres:
+        stiffness = STIFFNESS
+    else:
+        stiffness = Fraction(0)
     sizes = [half, *[2 * half] * (len(places) - 1)]
     return {"stiffness": stiffness, "sizes": sizes, "heights": places, "weight": mass * GRAVITY}
 

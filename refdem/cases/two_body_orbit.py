@@ -89,7 +89,10 @@ class TwoBodyOrbit(Case):
             # From the end of the long axis the body goes at b w.
             speed = distance * float(np.sqrt(p.stiffness))
             distance = p.semi_major
-        field = CentralField(gm=p.gm) if p.stiffness is None else Spring(a=0, stiffness=p.stiffness)
+        if p.stiffness is None:
+            field = CentralField(gm=p.gm)
+        else:
+            field = Spring(a=0, stiffness=p.stiffness)
         return Scene.of(
             [Body(mass=1.0, position=(distance, 0.0, 0.0), velocity=(0.0, speed, 0.0))], [field]
         )

@@ -63,11 +63,9 @@ class ContactImpulse(Check):
         is_pair = len(scene.bodies) == 2 and all(
             isinstance(shape, Sphere) for shape in scene.bodies.shape
         )
-        return (
-            None
-            if is_pair and not scene.bodies.fixed.any()
-            else "it is not a scene of two free spheres"
-        )
+        if is_pair and not scene.bodies.fixed.any():
+            return None
+        return "it is not a scene of two free spheres"
 
     def needs(self, trial: Trial) -> tuple[Variant, ...]:
         """The coarsest level, at which what is late is furthest off, with a sample every few
@@ -155,7 +153,9 @@ def _dense(trial: Trial) -> Variant:
         and stride // (2 * dense) >= STEPS_A_SAMPLE
     ):
         dense *= 2
-    return Variant(level, "denser_output", dense) if dense > 1 else Variant(level)
+    if dense > 1:
+        return Variant(level, "denser_output", dense)
+    return Variant(level)
 
 
 def _presses(scene: Scene, run: Trajectory) -> Array:

@@ -41,8 +41,14 @@ def _own(case: str, folder: Path) -> str:
     other.
     """
     values = folder / "certified" / f"{case}.jsonl"
-    kept = hashlib.sha256(values.read_bytes()).hexdigest() if values.is_file() else ""
-    witness = digest_of_files(closure(witness_files(case))) if case in witnesses() else ""
+    if values.is_file():
+        kept = hashlib.sha256(values.read_bytes()).hexdigest()
+    else:
+        kept = ""
+    if case in witnesses():
+        witness = digest_of_files(closure(witness_files(case)))
+    else:
+        witness = ""
     return f"{digest_of(case)}{witness}{kept}"
 
 

@@ -80,7 +80,10 @@ def truth_line(name: str, instance: Instance, sets: list[CertifiedSet]) -> Truth
     truth = instance.truth()
     own_witness = found.own_witness or truth.witness
     known_witness = witnesses().get(name)
-    witness = "none" if known_witness is None else known_witness.method
+    if known_witness is None:
+        witness = "none"
+    else:
+        witness = known_witness.method
     if found.witnessed:
         witness = found.witness
     not_certified: list[tuple[str, str, str]] = []
@@ -139,7 +142,10 @@ def certified_time(instance: Instance) -> str:
 def reproduce(name: str, instance: Instance) -> tuple[str, ...]:
     """Commands that show the same; every one of them ends well."""
     time = certified_time(instance)
-    at = f" --at {time}" if time else ""
+    if time:
+        at = f" --at {time}"
+    else:
+        at = ""
     return (
         f"refdem truth {name}{at}",
         f"refdem truth --list {name}",

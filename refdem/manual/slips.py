@@ -252,7 +252,9 @@ def norm(values: np.ndarray) -> float:
 
 def number(value: float) -> str:
     """Six significant digits; what is round-off is shown as 0."""
-    return "0" if abs(value) < 1e-14 else f"{value:.6g}"
+    if abs(value) < 1e-14:
+        return "0"
+    return f"{value:.6g}"
 
 
 def vector(values: np.ndarray) -> str:

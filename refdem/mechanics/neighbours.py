@@ -71,7 +71,10 @@ def _candidates(position: Array, reach: float, size: float, among: Whole | None)
         yield i, j
         return
     # The cell (N, 3) of each point, and the number of that cell, x running fastest.
-    inside = np.mod(position, size) if size else position - low
+    if size:
+        inside = np.mod(position, size)
+    else:
+        inside = position - low
     place = inside / extent
     at = np.clip((place * cells).astype(np.intp), 0, cells - 1)
     number = (at[:, 2] * cells[1] + at[:, 1]) * cells[0] + at[:, 0]
@@ -80,7 +83,10 @@ def _candidates(position: Array, reach: float, size: float, among: Whole | None)
     rank = np.empty(count, np.intp)
     rank[order] = np.arange(count)
     grid = Grid(at[order], cells, starts, periodic=bool(size))
-    ranks = np.arange(count) if among is None else np.sort(rank[among])
+    if among is None:
+        ranks = np.arange(count)
+    else:
+        ranks = np.sort(rank[among])
     for chunk in np.array_split(ranks, len(ranks) // CHUNK + 1):
         for first, second in grid.beside(chunk, only_later=among is None):
             yield order[first], order[second]
@@ -127,7 +133,10 @@ class Grid:
         last = self.cells[0] - 1
         first_cell = base + np.maximum(x - 1, 0)
         last_cell = base + np.minimum(x + 1, last)
-        low = points + 1 if own else self.starts[first_cell]
+        if own:
+            low = points + 1
+        else:
+            low = self.starts[first_cell]
         yield _within(points, low, self.starts[last_cell + 1])
         if not self.periodic:
             return

@@ -67,7 +67,10 @@ def balanced_amplitude(drive: float, alpha: float, beta: float, delta: float, f0
     # The cubic turns at S = (-2 g +- sqrt(g^2 - 3 d))/(3 h).
     root = float(np.sqrt(max(0.0, gap**2 - 3 * drag)))
     last_turning = max(0.0, (-2 * gap + root) / (3 * h), (-2 * gap - root) / (3 * h))
-    low = last_turning if excess(last_turning) <= 0 else 0.0
+    if excess(last_turning) <= 0:
+        low = last_turning
+    else:
+        low = 0.0
     # For g = d = 0 the solution is (f0/h)^(2/3).
     high = max(low, float((abs(f0) / abs(h)) ** (2 / 3)))
     while excess(high) < 0:
@@ -90,7 +93,9 @@ def fold(amplitude: Array, alpha: float, beta: float, delta: float, f0: float) -
     inner = higher[1:-1]
     is_least = (inner < higher[:-2]) & (inner <= higher[2:])
     least = inner[is_least]
-    return float(least[0]) if len(least) else None
+    if len(least):
+        return float(least[0])
+    return None
 
 
 def hysteresis(

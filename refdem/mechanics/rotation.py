@@ -57,7 +57,9 @@ def quaternion_of_matrix(turn: Array) -> Array:
         found = np.concatenate([[skew[i]], turn[i] + turn[:, i]])
         found[largest] = 1 + 2 * turn[i, i] - trace
     found /= np.linalg.norm(found)
-    return -found if found[0] < 0 else found
+    if found[0] < 0:
+        return -found
+    return found
 
 
 def matrix_of_euler(phi: float, theta: float, psi: float) -> Array:

@@ -58,7 +58,10 @@ def _styles(section: Section) -> list[tuple[str, str, str]]:
     colours: dict[str, str] = {}
     for engine, method, is_reference, *_ in section.points:
         others = sum(colour != REFERENCE for colour in colours.values())
-        colour = REFERENCE if is_reference else ENGINES[others % len(ENGINES)]
+        if is_reference:
+            colour = REFERENCE
+        else:
+            colour = ENGINES[others % len(ENGINES)]
         colours.setdefault(engine, colour)
         if method not in methods.setdefault(engine, []):
             methods[engine].append(method)

@@ -149,7 +149,10 @@ def _errors(data: ChartData) -> Any:
         control = {"step": "step [s]", "tolerance": "tolerance"}[kind]
         x = _log_x("level", f"{control}; dashed: bound", data.extents[kind])
         # The first panel takes the width that the narrow ones beside it leave.
-        width = WIDTH - SIDE * (len(kinds) - 1) if kind == kinds[0] else 3 * SIDE // 2
+        if kind == kinds[0]:
+            width = WIDTH - SIDE * (len(kinds) - 1)
+        else:
+            width = 3 * SIDE // 2
         curves = _curves(chosen, data, x, y, tips, bound="shown_bound", width=width, height=HEIGHT)
         panels.append(curves)
     shared = alt.Resolve(scale=alt.ScaleResolveMap(y="shared"))

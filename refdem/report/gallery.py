@@ -72,7 +72,10 @@ def write_figures(
 
 def earlier(path: Path, part: re.Pattern[str]) -> dict[str, str]:
     """Figures by id that a file of an earlier gallery tells of; none if there is no such file."""
-    text = path.read_text("utf-8", "replace") if path.is_file() else ""
+    if path.is_file():
+        text = path.read_text("utf-8", "replace")
+    else:
+        text = ""
     return {found[1]: found[0].rstrip("\n") + "\n" for found in part.finditer(text)}
 
 

@@ -178,7 +178,9 @@ def environment() -> Environment:
 
 def shown(value: Any) -> Any:
     """Text without characters that do not print; what is markup already stays."""
-    return printable(value) if type(value) is str else value
+    if type(value) is str:
+        return printable(value)
+    return value
 
 
 def script_json(text: str) -> Markup:
@@ -204,7 +206,9 @@ def span(apart: tuple[str, float, float]) -> str:
     """A distance that is known by its bounds."""
     low = two(apart[1])
     high = two(apart[2])
-    return low if low == high else f"{low} to {high}"
+    if low == high:
+        return low
+    return f"{low} to {high}"
 
 
 def step(row: Row, index: int) -> str:
@@ -217,4 +221,6 @@ def step(row: Row, index: int) -> str:
     if row.control == "exact":
         return "any"
     largest, is_coarsest = held
-    return f"≥ {two(largest)}" if is_coarsest else two(largest)
+    if is_coarsest:
+        return f"≥ {two(largest)}"
+    return two(largest)

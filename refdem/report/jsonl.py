@@ -91,7 +91,10 @@ def finite(sheet: Sheet) -> Sheet:
 def _finite_finding(finding: Finding) -> Finding:
     """The finding without the levels and the points of its curve that are not finite."""
     levels = tuple(level for level in finding.levels if _is_finite_level(level))
-    series = None if finding.series is None else _finite_series(finding.series)
+    if finding.series is None:
+        series = None
+    else:
+        series = _finite_series(finding.series)
     numbers = {name: _number(getattr(finding, name)) for name in NUMBERS}
     return msgspec.structs.replace(finding, levels=levels, series=series, **numbers)
 
@@ -114,4 +117,6 @@ def _finite_series(series: Series) -> Series | None:
 
 
 def _number(value: float | None) -> float | None:
-    return value if value is not None and math.isfinite(value) else None
+    if value is not None and math.isfinite(value):
+        return value
+    return None

@@ -38,7 +38,10 @@ def _testcase(suite: Element, record: Record, finding: Finding) -> None:
     item = SubElement(suite, "testcase", classname=place, name=_text(record.id(finding)))
     message = _text(finding.sentence)
     if finding.outcome in BROKEN:
-        tag = "error" if finding.outcome == "error" else "failure"
+        if finding.outcome == "error":
+            tag = "error"
+        else:
+            tag = "failure"
         told = SubElement(item, tag, type=finding.outcome, message=message)
         told.text = _text(finding.basis)
     elif finding.outcome in SKIPPED:

@@ -127,7 +127,10 @@ def truth(page: ManualPage) -> str:
         )
     kept = "none yet"
     if t.sets:
-        digits = "exactly" if t.digits is None else f"to {t.digits} decimal places"
+        if t.digits is None:
+            digits = "exactly"
+        else:
+            digits = f"to {t.digits} decimal places"
         kept = f"{t.values} values of {t.sets} parameter sets, all proved {digits}"
     lines = [
         f"- Method: {markdown_text(t.method)}.",
@@ -190,7 +193,10 @@ def _index_line(page: ManualPage) -> list[str]:
     witness = markdown_text(proof.witness)
     if proof.witnessed:
         witness += f" ({proof.witnessed} values)"
-    own_witness = NOBODY if proof.has_no_witness else markdown_text(proof.own_witness)
+    if proof.has_no_witness:
+        own_witness = NOBODY
+    else:
+        own_witness = markdown_text(proof.own_witness)
     return [
         f"[{page.case}]({page.case}.md)",
         str(proof.sets),

@@ -32,7 +32,10 @@ def validation(contents: Contents, rows: dict[str, list[Row]], pictures: set[str
 
 def _named(sheet: EngineSheet) -> str:
     """The name and version of an engine, and whether it is the reference."""
-    role = " (the reference)" if sheet.is_reference else ""
+    if sheet.is_reference:
+        role = " (the reference)"
+    else:
+        role = ""
     return f"{markdown_text(sheet.engine)} {markdown_text(sheet.version)}{role}"
 
 
@@ -79,7 +82,10 @@ def _tolerance_line(row: Row) -> list[str]:
     order: str = row.control
     if row.control == "step":
         order = f"{two(row.order_seen)} / {two(row.order_claimed)}"
-    apart = f"{markdown_text(row.apart[0])}: {span(row.apart)}" if row.apart else ABSENT
+    if row.apart:
+        apart = f"{markdown_text(row.apart[0])}: {span(row.apart)}"
+    else:
+        apart = ABSENT
     steps = [step(row, index) for index in range(len(TARGETS))]
     run = [markdown_text(row.record.label), _engine(row.record), markdown_text(row.record.method)]
     return [*run, two(row.bound_held), *steps, order, two(row.constant), apart]
@@ -120,7 +126,10 @@ def _digits(found: Cell) -> str:
     """A cell of the matrix: the mark of the worst outcome, then the number of correct digits, or
     the outcome where nothing was measured.
     """
-    mark = "" if found.worst in (None, "pass", "unsupported") else f"{MARKS[found.worst]} "
+    if found.worst in (None, "pass", "unsupported"):
+        mark = ""
+    else:
+        mark = f"{MARKS[found.worst]} "
     if found.digits is None:
         return f"{mark}{found.worst or ABSENT}"
     if found.digits == math.inf:
@@ -147,7 +156,10 @@ def _group(sentence: str, places: list[str]) -> str:
     """One sentence, and below it where it holds."""
     listed = ", ".join(map(markdown_text, places[:MOST_PLACES]))
     hidden = len(places) - MOST_PLACES
-    more = f" and {hidden} more" if hidden > 0 else ""
+    if hidden > 0:
+        more = f" and {hidden} more"
+    else:
+        more = ""
     return f"- {markdown_text(sentence)}  \n  {listed}{more}"
 
 
@@ -157,8 +169,14 @@ def _case(label: str, title: str, method: str, reproduce: str, pictures: set[str
     picture = ""
     if name in pictures:
         picture = f"\n\n![Error against step: {markdown_text(label)}](figures/{name})"
-    truth = f"Truth: {markdown_text(method)}. " if method else ""
-    again = f"Again: {markdown_text(reproduce)}." if reproduce else ""
+    if method:
+        truth = f"Truth: {markdown_text(method)}. "
+    else:
+        truth = ""
+    if reproduce:
+        again = f"Again: {markdown_text(reproduce)}."
+    else:
+        again = ""
     return f"## {markdown_text(label)}\n\n{markdown_text(title)}. {truth}{again}{picture}"
 
 

@@ -45,7 +45,9 @@ def specification(figure: Figure) -> dict[str, Any]:
 
 def colour(ink: int) -> str:
     """The colour of an ink, as #rrggbb; a negative ink is that of the reference."""
-    return REFERENCE if ink < 0 else ENGINES[ink % len(ENGINES)]
+    if ink < 0:
+        return REFERENCE
+    return ENGINES[ink % len(ENGINES)]
 
 
 def _panel(panel: Panel) -> Any:
@@ -53,21 +55,36 @@ def _panel(panel: Panel) -> Any:
     y = _scaled(panel, "y")
     labels = {series.label: series for series in panel.series if series.label}
     layers = [_layer(series, panel, x, y, labels) for series in panel.series]
-    named: dict[str, Any] = {"title": panel.title} if panel.title else {}
+    if panel.title:
+        named: dict[str, Any] = {"title": panel.title}
+    else:
+        named = {}
     return alt.layer(*layers).properties(width=panel.size[0], height=panel.size[1], **named)
 
 
 def _scaled(panel: Panel, name: Any) -> Any:
     """The channel of an axis without its field."""
     axis: Axis = getattr(panel, name)
-    kind = alt.X if name == "x" else alt.Y
-    kept_zero: dict[str, Any] = {"type": "log"} if axis.is_log else {"zero": False}
+    if name == "x":
+        kind = alt.X
+    else:
+        kind = alt.Y
+    if axis.is_log:
+        kept_zero: dict[str, Any] = {"type": "log"}
+    else:
+        kept_zero = {"zero": False}
     scale = alt.Scale(domain=panel.ends(name), nice=False, **kept_zero)
     width, height = panel.size
     # A tick label takes about 70 pixels across and 50 up.
-    room = width // 70 if name == "x" else height // 50
+    if name == "x":
+        room = width // 70
+    else:
+        room = height // 50
     ticks = max(3, room)
-    written: dict[str, Any] = {"format": "~e"} if axis.is_log else {}
+    if axis.is_log:
+        written: dict[str, Any] = {"format": "~e"}
+    else:
+        written = {}
     shown = None
     if not axis.is_hidden:
         shown = alt.Axis(tickCount=min(ticks, 9), labelOverlap=True, grid=True, **written)
@@ -119,7 +136,9 @@ def _cloud(series: Series, panel: Panel, x: Any, y: Any) -> Any:
 
 def _dash(series: Series) -> list[int]:
     """Lengths [px] of the dashes of a line and of the gaps between them."""
-    return [5, 4] if series.dashed else [1, 0]
+    if series.dashed:
+        return [5, 4]
+    return [1, 0]
 
 
 def _legend(series: Series, labels: dict[str, Series], width: int) -> dict[str, Any]:
@@ -128,7 +147,10 @@ def _legend(series: Series, labels: dict[str, Series], width: int) -> dict[str, 
     """
     longest = max(map(len, labels))
     fit = max(1, int(width // (SYMBOL + LETTER * longest)))
-    wanted = 2 if len(labels) > 3 else len(labels)
+    if len(labels) > 3:
+        wanted = 2
+    else:
+        wanted = len(labels)
     columns = min(fit, wanted)
     legend = alt.Legend(orient="bottom", columns=columns, symbolOpacity=1, symbolType="stroke")
     inks = alt.Scale(domain=list(labels), range=[colour(s.ink) for s in labels.values()])
@@ -153,7 +175,10 @@ def _frame(panel: Panel, x: Any, y: Any) -> Any:
 
 def _rows(series: Series, panel: Panel) -> Any:
     """The points that are drawn, as rows; an empty cell breaks a curve."""
-    pick = np.arange(len(series.x)) if series.mark == "text" else kept(series, panel)
+    if series.mark == "text":
+        pick = np.arange(len(series.x))
+    else:
+        pick = kept(series, panel)
     out = io.StringIO()
     writer = csv.writer(out, lineterminator="\n")
     head = ["i", "x", "y"]
@@ -172,7 +197,9 @@ def _rows(series: Series, panel: Panel) -> Any:
 
 def _coordinate(value: float) -> str:
     """A coordinate with six digits; empty where it is not finite."""
-    return format(value, ".6g") if np.isfinite(value) else ""
+    if np.isfinite(value):
+        return format(value, ".6g")
+    return ""
 
 
 def pixels(series: Series, panel: Panel) -> Array:

@@ -68,11 +68,20 @@ def chart(section: Section) -> ChartData | None:
     writer.writerow(("ladder", "rung", "series", "ratio", "shown", "verdict"))
     for point in shown:
         is_finite = point.ratio is not None and math.isfinite(point.ratio)
-        ratio = point.ratio if point.ratio is not None and is_finite else HIGH
-        told = "" if point.ratio is None else rounded(point.ratio)
+        if point.ratio is not None and is_finite:
+            ratio = point.ratio
+        else:
+            ratio = HIGH
+        if point.ratio is None:
+            told = ""
+        else:
+            told = rounded(point.ratio)
         # A rung without a run is an error, unless it says itself that it is undecided.
         has_verdict = point.ratio is not None or point.verdict == "undecided"
-        mark = point.verdict if has_verdict else "error"
+        if has_verdict:
+            mark = point.verdict
+        else:
+            mark = "error"
         ladder = ladders.index(_name(point))
         series = f"{point.engine} {point.method}"
         edge = min(max(ratio, LOW), HIGH)
@@ -104,7 +113,10 @@ def _styles(points: Sequence[Point]) -> list[tuple[str, str, str]]:
     colours: dict[str, str] = {}
     for point in points:
         others = sum(colour != REFERENCE for colour in colours.values())
-        colour = REFERENCE if point.is_reference else ENGINES[others % len(ENGINES)]
+        if point.is_reference:
+            colour = REFERENCE
+        else:
+            colour = ENGINES[others % len(ENGINES)]
         colours.setdefault(point.engine, colour)
         mine = methods.setdefault(point.engine, [])
         if point.method not in mine:

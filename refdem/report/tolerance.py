@@ -56,7 +56,9 @@ def control_of(finding: Finding) -> Control:
     """How the accuracy was controlled: a step has an order, an exact method has level 0."""
     if all(level.level == 0 for level in finding.levels):
         return "exact"
-    return "step" if finding.order_claimed is not None else "tolerance"
+    if finding.order_claimed is not None:
+        return "step"
+    return "tolerance"
 
 
 def rows_of(contents: Contents, label: str) -> list[Row]:
@@ -113,7 +115,10 @@ def _joined(record: Record, each: list[Row]) -> Row:
     levels = tuple(_worst(by_level[h]) for h in sorted(by_level, reverse=True))
     # The bound that all hold; none if some quantity holds none.
     held = [row.bound_held for row in each if row.bound_held is not None]
-    bound_held = max(held) if len(held) == len(each) else None
+    if len(held) == len(each):
+        bound_held = max(held)
+    else:
+        bound_held = None
     orders = [finding.order_seen for finding in record.findings if finding.check == "order"]
     seen = [order for order in orders if order is not None]
     constants = [row.constant for row in each if row.constant is not None]
@@ -153,7 +158,9 @@ def _largest(levels: tuple[Level, ...], target: float) -> tuple[float, bool] | N
         if not levels[index].error <= target:
             break
         held = index
-    return None if held is None else (levels[held].level, held == 0)
+    if held is None:
+        return None
+    return (levels[held].level, held == 0)
 
 
 def _seconds_at(levels: tuple[Level, ...], step: tuple[float, bool] | None) -> float | None:
@@ -210,4 +217,6 @@ def cell(contents: Contents, rows: list[Row], label: str, engine: str) -> Cell:
 
 def digits(error: float) -> float:
     """Correct digits of an error in units of the scale; infinite if it is exactly 0."""
-    return -math.log10(error) if error > 0 else math.inf
+    if error > 0:
+        return -math.log10(error)
+    return math.inf

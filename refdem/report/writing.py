@@ -77,7 +77,10 @@ def _charts(
         # Costs hold times, which a committed file must not; curves over time are in the pages.
         for kind in ("tolerance", "errors"):
             if kind in mine_specs:
-                name = f"{page(label)}.svg" if label else f"{kind}.svg"
+                if label:
+                    name = f"{page(label)}.svg"
+                else:
+                    name = f"{kind}.svg"
                 written(folder / "figures" / name, figures.picture(mine_specs[kind], store))
                 pictures.add(name)
     return pictures, specs

@@ -112,10 +112,16 @@ def _read(data: bytes | Path, count: int, where: str) -> dict[str, NDArray[Any]]
     # Type and shape of every array; no shape where any length is right.
     kinds: dict[str, tuple[str, tuple[int, ...]]] = {}
     for name, width in WIDTH.items():
-        rows = (count, width) if width > 1 else (count,)
+        if width > 1:
+            rows = (count, width)
+        else:
+            rows = (count,)
         kinds[name] = ("<f8", rows)
     kinds |= {"fixed": ("|b1", (count,)), "shape": ("<i8", (count,)), "shapes": ("|u1", ())}
-    source: Any = io.BytesIO(data) if isinstance(data, bytes) else data
+    if isinstance(data, bytes):
+        source: Any = io.BytesIO(data)
+    else:
+        source = data
     with zipfile.ZipFile(source) as archive:
         sizes = {info.filename.removesuffix(".npy"): info.file_size for info in archive.infolist()}
     if sizes.keys() != kinds.keys():
@@ -136,7 +142,10 @@ def _read(data: bytes | Path, count: int, where: str) -> dict[str, NDArray[Any]]
     with np.load(source, allow_pickle=False) as archive:
         for name, (kind, shape) in kinds.items():
             column = archive[name]
-            has_shape = column.shape == shape if shape else column.ndim == 1
+            if shape:
+                has_shape = column.shape == shape
+            else:
+                has_shape = column.ndim == 1
             if column.dtype.str != kind or not has_shape:
                 raise SceneError(
                     f"{where}: {name} is {column.dtype.str} {column.shape}; expected {kind}"

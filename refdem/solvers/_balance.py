@@ -35,7 +35,10 @@ def unbalanced(scene: Scene) -> str | None:
 
     for spring in scene.all(Spring):
         begin = bodies.position[spring.a]
-        end = bodies.position[spring.b] if spring.b >= 0 else np.array(spring.anchor_b)
+        if spring.b >= 0:
+            end = bodies.position[spring.b]
+        else:
+            end = np.array(spring.anchor_b)
         line = end - begin
         distance = float(np.linalg.norm(line))
         stretch = distance - spring.length
@@ -60,7 +63,9 @@ def unbalanced(scene: Scene) -> str | None:
         push(j, force)
     free = ~bodies.fixed
     off = np.linalg.norm(net[free], axis=1) > SLACK * size[free]
-    return "the forces do not add up to zero" if off.any() else None
+    if off.any():
+        return "the forces do not add up to zero"
+    return None
 
 
 def _overlap(scene: Scene, i: int, j: int) -> tuple[float, Array]:
@@ -157,7 +162,10 @@ class _Standing:
     def faces(self, body: int, highest: bool) -> Array:
         """Points (M, 3) of the highest or the lowest face."""
         height = self.heights[body]
-        edge = height.max() if highest else height.min()
+        if highest:
+            edge = height.max()
+        else:
+            edge = height.min()
         level: Array = self.vertices[body][np.abs(height - edge) <= SLACK * self.size]
         return level
 
@@ -165,7 +173,10 @@ class _Standing:
         """What the lowest face is level with, of that which it stands over: -1 is the plane."""
         low = self.heights[body].min()
         rounding = SLACK * self.size
-        found = [-1] if abs(low) <= rounding else []
+        if abs(low) <= rounding:
+            found = [-1]
+        else:
+            found = []
         for other in range(len(self.heights)):
             if other == body:
                 continue
@@ -239,7 +250,10 @@ def _outline(scene: Scene, body: int, normal: Array) -> Array:
     if isinstance(shape, Polyhedron):
         from_centre = rotated(scene.bodies.attitude[body], np.array(shape.vertices, float))
     else:
-        radius = shape.radius if isinstance(shape, Sphere) else 0.0
+        if isinstance(shape, Sphere):
+            radius = shape.radius
+        else:
+            radius = 0.0
         from_centre = np.array([-1.0, 1.0])[:, None] * radius * normal
     outline: Array = place + from_centre
     return outline

@@ -26,7 +26,9 @@ class FreeBodies(Solver):
         scene = problem.scene
         if scene.elements:
             return f"{scene.elements[0].kind} acts on the bodies; only free bodies are done"
-        return "a body is fixed" if scene.bodies.fixed.any() else None
+        if scene.bodies.fixed.any():
+            return "a body is fixed"
+        return None
 
     @abstractmethod
     def turn(self, request: Request, number: int, attitude: Array, omega: Array) -> float:
@@ -47,13 +49,22 @@ class FreeBodies(Solver):
         seconds = 0.0
         for number in spinning(bodies):
             alone = len(bodies) == 1
-            turned = attitude.reshape(-1, 4) if alone else np.empty((len(t), 4))
-            rate = omega.reshape(-1, 3) if alone else np.empty((len(t), 3))
+            if alone:
+                turned = attitude.reshape(-1, 4)
+            else:
+                turned = np.empty((len(t), 4))
+            if alone:
+                rate = omega.reshape(-1, 3)
+            else:
+                rate = np.empty((len(t), 3))
             seconds += self.turn(request, number, turned, rate)
             if not alone:
                 attitude[:, number] = turned
                 omega[:, number] = rate
-        steps = 0 if request.step is None else request.stride * (len(t) - 1)
+        if request.step is None:
+            steps = 0
+        else:
+            steps = request.stride * (len(t) - 1)
         setup = perf_counter() - begun - repeats() * seconds
         found = Trajectory(
             t=t, position=position, velocity=velocity, attitude=attitude, omega=omega

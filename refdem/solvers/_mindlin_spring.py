@@ -49,7 +49,10 @@ class Spring:
         for n in range(ORDER):
             # A product's coefficient n is the sum over k of a_k b_(n-k).
             upto = slice(0, n + 1)
-            back = slice(n, None, -1) if n else slice(0, 1)
+            if n:
+                back = slice(n, None, -1)
+            else:
+                back = slice(0, 1)
             square[n] = c[W, upto] @ c[W, back]
             fourth[n] = square[upto] @ square[back]
             if side == STICKS:
@@ -119,7 +122,10 @@ def course(spring: Spring, slip: float) -> Course:
     """From touch, at a slip > 0 in units of the speed, to release."""
     state = [0.0, 1.0, slip, 0.0]
     hangs = 0.0
-    mode: int | None = 1 if slip > spring.slack else STICKS
+    if slip > spring.slack:
+        mode: int | None = 1
+    else:
+        mode = STICKS
     pieces: list[tuple[Array, float]] = []
     while mode is not None:
         c = spring.series(state, mode, hangs)

@@ -39,7 +39,9 @@ MANY = 12
 def contact_of(scene: Scene) -> Contact | None:
     """The contact law, if some shape can meet anything under it."""
     laws = scene.all(Contact)
-    return laws[0] if laws and _can_meet(scene) else None
+    if laws and _can_meet(scene):
+        return laws[0]
+    return None
 
 
 def _can_meet(scene: Scene) -> bool:
@@ -77,11 +79,16 @@ def refusal(problem: Motion) -> str | None:
             return reason
     if len(scene.all(Contact)) > 1:
         return "more than one contact law"
-    spheres = np.count_nonzero(scene.bodies.radius) if scene.all(Contact) else 0
+    if scene.all(Contact):
+        spheres = np.count_nonzero(scene.bodies.radius)
+    else:
+        spheres = 0
     if spheres * (spheres - 1) / 2 + spheres * len(scene.all(Plane)) > MANY:
         return f"more than {MANY} pairs that may meet"
     law = contact_of(scene)
-    return _contact_refusal(scene, law) if law else _body_refusal(scene)
+    if law:
+        return _contact_refusal(scene, law)
+    return _body_refusal(scene)
 
 
 def _element_refusal(element: Element) -> str | None:
@@ -132,7 +139,9 @@ def middle(scene: Scene) -> Array:
         return ORIGIN
     found: Array = 0.5 * (places.min(axis=0) + places.max(axis=0))
     size = float(np.ptp(places, axis=0).max() + scene.bodies.radius[shapes].max())
-    return found if np.abs(found).max() > FAR * size else ORIGIN
+    if np.abs(found).max() > FAR * size:
+        return found
+    return ORIGIN
 
 
 class Packed:
@@ -146,14 +155,20 @@ class Packed:
         bodies = scene.bodies
         law = contact_of(scene)
         self.turning = bool(np.any(bodies.omega)) or (law is not None and law.friction > 0)
-        self.pairs = pairs(scene) if law else np.zeros((0, 2), np.int64)
+        if law:
+            self.pairs = pairs(scene)
+        else:
+            self.pairs = np.zeros((0, 2), np.int64)
         free = ~bodies.fixed
         inertia = bodies.inertia[:, 0]
         turns = free & (inertia > 0)
         springs = scene.all(Spring)
         planes = scene.all(Plane)
         fields = [field.g for field in scene.all(UniformGravity)]
-        gravity = np.sum(fields, axis=0) if fields else np.zeros(3)
+        if fields:
+            gravity = np.sum(fields, axis=0)
+        else:
+            gravity = np.zeros(3)
         self._kept: dict[str, Any] = {
             "mass": bodies.mass,
             "ease": np.where(free, 1.0 / bodies.mass, 0.0),
@@ -217,7 +232,10 @@ def _address(ffi: Any, array: NDArray[Any]) -> Any:
     """Where the kernel finds an array; NULL for an empty one."""
     if not array.size:
         return ffi.NULL
-    kind = "int64_t[]" if array.dtype == np.int64 else "double[]"
+    if array.dtype == np.int64:
+        kind = "int64_t[]"
+    else:
+        kind = "double[]"
     return ffi.from_buffer(kind, array)
 
 
@@ -282,7 +300,10 @@ def _trajectory(
         columns["attitude"] = np.broadcast_to(scene.bodies.attitude, (count, n, 4)).copy()
     told = []
     for t, what, body in event:
-        kind = "contact" if what == 1 else "release"
+        if what == 1:
+            kind = "contact"
+        else:
+            kind = "release"
         told.append(Event(time=float(times[0] + t), kind=kind, body=int(body)))
     channels = {}
     if len(packed.pairs):

@@ -71,10 +71,16 @@ def _directions(scene: Scene) -> list[Array]:
     bodies = scene.bodies
     found = []
     for i, j in _particles.pairs(scene):
-        other = 0.0 if j < 0 else bodies.velocity[j]
+        if j < 0:
+            other = 0.0
+        else:
+            other = bodies.velocity[j]
         found.append(bodies.velocity[i] - other)
     for spring in scene.all(Spring):
-        end = np.array(spring.anchor_b) if spring.b < 0 else bodies.position[spring.b]
+        if spring.b < 0:
+            end = np.array(spring.anchor_b)
+        else:
+            end = bodies.position[spring.b]
         found.append(bodies.position[spring.a] - end)
     found += [np.array(gravity.g) for gravity in scene.all(UniformGravity)]
     if scene.all(CentralField):

@@ -64,7 +64,10 @@ class ExactCapture(Solver):
         distance = float(np.linalg.norm(nearest))
         holds = late >= 0 and 0 < distance <= hook.radius * REACH
         # Before the catch: the straight line. After it: a circle of this radius at this speed.
-        since = (t - t[0]) - late if holds else np.full(len(t), -1.0)
+        if holds:
+            since = (t - t[0]) - late
+        else:
+            since = np.full(len(t), -1.0)
         caught = since > 0
         flight = np.where(since > 0, late, t - t[0])
         angle = np.zeros((len(t), 1))
@@ -73,7 +76,10 @@ class ExactCapture(Solver):
         cosine = np.cos(angle)
         sine = np.sin(angle)
         radius = distance or 1.0
-        quarter_turn = distance / speed if speed2 > 0 else 0.0
+        if speed2 > 0:
+            quarter_turn = distance / speed
+        else:
+            quarter_turn = 0.0
         ahead = v * quarter_turn
         on_line = arm + v * flight[:, None]
         on_circle = nearest * cosine + ahead * sine

@@ -75,7 +75,10 @@ class ExactHeadOn(Solver):
         bodies = scene.bodies
         sense = float(np.sign(request.problem.interval))
         overlap, closing, _ = approach(scene)
-        start = min(overlap, 0.0) if abs(overlap) > ROUNDED * bodies.radius.sum() else 0.0
+        if abs(overlap) > ROUNDED * bodies.radius.sum():
+            start = min(overlap, 0.0)
+        else:
+            start = 0.0
         since = sense * (t - t[0])
         out = np.empty((len(t), 5))
         touch = np.empty(2)

@@ -78,7 +78,10 @@ class ExactHertzWall(Solver):
         started = perf_counter()
         since = t - t[0]
         out, touch = impact.normal(since)
-        across = impact.bent if impact.springs else impact.rubbed
+        if impact.springs:
+            across = impact.bent
+        else:
+            across = impact.rubbed
         lost, missed = across(since, out, touch)
         found = impact.moved(since, out, lost, missed)
         events = []
@@ -105,14 +108,23 @@ class Impact:
         self.omega = bodies.omega[0]
         self.attitude = bodies.attitude[0]
         overlap = self.radius + float((self.place - np.array(plane.point)) @ self.n)
-        self.overlap = 0.0 if abs(overlap) <= ROUNDED * self.radius else overlap
+        if abs(overlap) <= ROUNDED * self.radius:
+            self.overlap = 0.0
+        else:
+            self.overlap = overlap
         self.rate = float(self.velocity @ self.n)
         self.across = self.velocity - self.rate * self.n
         # Velocity of the point of contact: v + R omega x n, without its part along n.
         slip = self.across + self.radius * np.cross(self.omega, self.n)
         size = float(np.linalg.norm(slip))
-        self.slip = size if size > ROUNDED * np.linalg.norm(self.velocity) else 0.0
-        self.along = slip / self.slip if self.slip else 0.0 * slip
+        if size > ROUNDED * np.linalg.norm(self.velocity):
+            self.slip = size
+        else:
+            self.slip = 0.0
+        if self.slip:
+            self.along = slip / self.slip
+        else:
+            self.along = 0.0 * slip
         has_spring = self.law.friction > 0 and self.law.tangential_stiffness > 0
         self.springs = self.slip > 0 and has_spring
 
@@ -149,15 +161,27 @@ class Impact:
         """What the slip has lost (T,) [m/s] by sliding friction, and its way that is missing (T,)
         [m].
         """
-        friction = self.law.friction if self.slip > 0 else 0.0
+        if self.slip > 0:
+            friction = self.law.friction
+        else:
+            friction = 0.0
         # The impulse per mass that ends the slip: 7/2 mu J = slip.
-        enough = self.slip * 2 / 7 / friction if friction else np.inf
-        end = self.stop(enough, touch) if enough < 2 * self.rate else np.inf
+        if friction:
+            enough = self.slip * 2 / 7 / friction
+        else:
+            enough = np.inf
+        if enough < 2 * self.rate:
+            end = self.stop(enough, touch)
+        else:
+            end = np.inf
         # The integral of the impulse per mass over the time: while it slides, then while it rolls.
         until = np.minimum(t, end)
         then, _ = self.normal(until)
         way = self.rate * until - (then[:, 0] - self.overlap)
-        rolled = enough * (t - until) if np.isfinite(end) else 0.0
+        if np.isfinite(end):
+            rolled = enough * (t - until)
+        else:
+            rolled = 0.0
         impulse = np.minimum(self.rate - out[:, 1], enough)
         return 3.5 * friction * impulse, 3.5 * friction * (way + rolled)
 

@@ -71,7 +71,10 @@ def _unbound(scene: Scene) -> str | None:
     distance = float(np.linalg.norm(position))
     square = float(velocity @ velocity)
     # r/a = 2 - r v^2/gm by the energy, and 1 - e^2 = L^2 (r/a)/(r gm).
-    inverse = 2.0 - distance * square / gm if distance > 0 else -1.0
+    if distance > 0:
+        inverse = 2.0 - distance * square / gm
+    else:
+        inverse = -1.0
     if inverse <= 1e-9:
         return "the orbit is not bound"
     moment = np.cross(position, velocity)

@@ -67,7 +67,10 @@ class ExactPowerContact(Solver):
         bodies = scene.bodies
         sense = float(np.sign(request.problem.interval))
         overlap, closing, _ = approach(scene)
-        start = overlap if abs(overlap) > ROUNDED * bodies.radius.sum() else 0.0
+        if abs(overlap) > ROUNDED * bodies.radius.sum():
+            start = overlap
+        else:
+            start = 0.0
         since = sense * (t - t[0])
         out = np.empty((len(t), 2))
         touch = np.empty(3)

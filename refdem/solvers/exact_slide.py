@@ -47,7 +47,9 @@ class ExactSlide(Solver):
         if np.any(bodies.velocity) or np.any(bodies.omega) or problem.interval < 0:
             return "it slides from rest, forward in time"
         load = _balance.pressed(scene)
-        return load if isinstance(load, str) else _balance.tipping(scene, laws[0], load)
+        if isinstance(load, str):
+            return load
+        return _balance.tipping(scene, laws[0], load)
 
     def run(self, request: Request) -> tuple[Trajectory, Cost]:
         """s = a t^2/2, a = g (sin - mu cos), down the steepest line of the plane."""

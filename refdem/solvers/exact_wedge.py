@@ -60,8 +60,14 @@ class ExactWedge(Solver):
         of_edge = np.array([wall.quadratic, 2.0])
         of_side = np.array([wall.stiffness, 1.0])
         is_edge_first = _comes_edge_first(scene, wall, start, rate)
-        inward = of_edge if is_edge_first else of_side
-        outward = of_side if is_edge_first else of_edge
+        if is_edge_first:
+            inward = of_edge
+        else:
+            inward = of_side
+        if is_edge_first:
+            outward = of_side
+        else:
+            outward = of_edge
         since = sense * (t - t[0])
         out = np.empty((len(t), 2))
         touch = np.empty(3)
@@ -114,7 +120,9 @@ def _stored(law: np.ndarray, overlap: float) -> float:
 def _comes_edge_first(scene: Scene, wall: Wedge, overlap: float, rate: float) -> bool:
     """Whether the way in is, or was, edge first: it turns in between."""
     edge = bool(wall.edge_first(scene.bodies.attitude[0]))
-    return not edge if overlap > 0 and rate < 0 else edge
+    if overlap > 0 and rate < 0:
+        return not edge
+    return edge
 
 
 def _deepest(

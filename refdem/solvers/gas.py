@@ -64,7 +64,10 @@ class Buffers:
         states = []
         for name in STATE:
             rows = self.states.get(name)
-            address = ffi.NULL if rows is None else pointer("gas", rows, output=True)
+            if rows is None:
+                address = ffi.NULL
+            else:
+                address = pointer("gas", rows, output=True)
             states.append(address)
         room = ffi.from_buffer("uint8_t[]", self.room)
         events = ffi.from_buffer("int64_t[]", self.events)
@@ -119,7 +122,10 @@ class Gas(Solver):
         lib = load("gas").lib
         planes = np.array([(*plane.point, *plane.normal) for plane in scene.all(Plane)]).ravel()
         # `planes` must live as long as the struct, which does not keep it.
-        at_planes = pointer("gas", planes) if planes.size else ffi.NULL
+        if planes.size:
+            at_planes = pointer("gas", planes)
+        else:
+            at_planes = ffi.NULL
         struct = ffi.new("refdem_gas *", {**_numbers(scene), "plane": at_planes})
         used = _buffers(scene, struct, len(t))
         started = perf_counter()
@@ -151,7 +157,9 @@ def _of_bodies(scene: Scene) -> str | None:
         return "what is not two or more spheres"
     if np.ptp(bodies.radius) or np.ptp(bodies.mass) or np.ptp(bodies.inertia):
         return "spheres that differ"
-    return "spheres that are fixed" if bodies.fixed.any() else None
+    if bodies.fixed.any():
+        return "spheres that are fixed"
+    return None
 
 
 def _of_bounds(scene: Scene) -> str | None:
@@ -188,8 +196,14 @@ def _numbers(scene: Scene) -> dict[str, Any]:
     diameter = 2 * float(bodies.radius[0])
     n = len(bodies)
     planes = len(scene.all(Plane))
-    size = boxes[0].size if boxes else 0.0
-    extent = [size] * 3 if boxes else np.maximum(np.ptp(bodies.position, axis=0), diameter)
+    if boxes:
+        size = boxes[0].size
+    else:
+        size = 0.0
+    if boxes:
+        extent = [size] * 3
+    else:
+        extent = np.maximum(np.ptp(bodies.position, axis=0), diameter)
     # The part of space that the spheres would fill at three times their density.
     filled = min(PACKED, 0.05 + 3 * n * np.pi / 6 * diameter**3 / float(np.prod(extent)))
     # Half the partners of a sphere within 1.5 diameters, and some; never more than all pairs.

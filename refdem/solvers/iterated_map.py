@@ -45,7 +45,9 @@ class IteratedMap(Solver):
 
     def refusal(self, problem: Iteration) -> str | None:
         """None for the maps that it has."""
-        return None if type(problem.map) in FUNCTIONS else f"no map {problem.map.kind}"
+        if type(problem.map) in FUNCTIONS:
+            return None
+        return f"no map {problem.map.kind}"
 
     def run(self, request: Request) -> tuple[Trajectory, Cost]:
         """The iterates asked for: `x` (T,), or `position` [m] and `direction` (T, 2)."""

@@ -57,7 +57,9 @@ class LatticeVerlet(Solver):
             return "more than a spring and gravity acts on the point"
         if line.spring.length:
             return "the spring has a length: its force turns round at the anchor"
-        return None if _reach(line) else "the motion has no bound, or is rest"
+        if _reach(line):
+            return None
+        return "the motion has no bound, or is rest"
 
     def run(self, request: Request) -> tuple[Trajectory, Cost]:
         """Places and velocities after each `stride` steps; the first row is the start as given."""

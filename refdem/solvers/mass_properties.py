@@ -53,7 +53,10 @@ class MassProperties(Solver):
 def said(piece: Piece) -> dict[str, float]:
     """All that is asked of one solid."""
     found = of_piece(piece)
-    tensor = found.inertia if piece.about is None else found.about(piece.about)
+    if piece.about is None:
+        tensor = found.inertia
+    else:
+        tensor = found.about(piece.about)
     return body(found.mass, found.centre, tensor)
 
 

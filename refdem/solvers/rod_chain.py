@@ -117,13 +117,19 @@ class Pivot(NamedTuple):
 def _chain(scene: Scene) -> Chain:
     """The chain as far as its rods go; bobs that no rod reaches are left out."""
     anchors = scene.all(MovingAnchor)
-    end = anchors[0].a if anchors else -1
+    if anchors:
+        end = anchors[0].a
+    else:
+        end = -1
     chain = Chain([], [], end)
     left = list(scene.all(Rod))
     while following := [rod for rod in left if end in (rod.a, rod.b)]:
         rod = following[0]
         left.remove(rod)
-        end = rod.a if rod.b == end else rod.b
+        if rod.b == end:
+            end = rod.a
+        else:
+            end = rod.b
         chain.bobs.append(end)
         chain.rods.append(rod)
     return chain
@@ -248,7 +254,10 @@ def _tension(scene: Scene, pivot: Pivot, position: Array, velocity: Array) -> Ar
 
     def at(column: Array, end: int, of_pivot: Array) -> Array:
         """What an end of a rod has: a body's column, or the pivot's where it hangs from it."""
-        own: Array = column[:, end] if end >= 0 else of_pivot
+        if end >= 0:
+            own: Array = column[:, end]
+        else:
+            own = of_pivot
         return own
 
     for number, rod in enumerate(rods):

@@ -55,7 +55,9 @@ class RodTaylor(Solver):
         if abs(float(np.linalg.norm(arm)) - rod.length) > FITS * rod.length:
             return f"the rod of length {rod.length} starts {float(np.linalg.norm(arm))} long"
         along = abs(float(arm @ velocity)) > FITS * rod.length * float(np.linalg.norm(velocity))
-        return "the point starts with a speed along the rod" if along else None
+        if along:
+            return "the point starts with a speed along the rod"
+        return None
 
     def run(self, request: Request) -> tuple[Trajectory, Cost]:
         """Position, velocity and rod force [N] at the samples."""
@@ -94,13 +96,17 @@ class RodTaylor(Solver):
 def swing_time(length: float, gravity: Array) -> float:
     """sqrt(l/g) [s]; infinite without gravity."""
     size = float(np.linalg.norm(gravity))
-    return sqrt(length / size) if size > 0 else inf
+    if size > 0:
+        return sqrt(length / size)
+    return inf
 
 
 def turn_time(length: float, velocity: Array) -> float:
     """The time l/|v| [s] in which the point would fly a rod's length; infinite at rest."""
     size = float(np.linalg.norm(velocity))
-    return length / size if size > 0 else inf
+    if size > 0:
+        return length / size
+    return inf
 
 
 METHOD = RodTaylor()

@@ -63,11 +63,9 @@ class SpinningTop(Solver):
             or len(scene.bodies) != 1
             or scene.bodies.fixed.any()
         ):
-            return (
-                f"{others[0]} beside a ball joint"
-                if others
-                else "not one free body on one ball joint"
-            )
+            if others:
+                return f"{others[0]} beside a ball joint"
+            return "not one free body on one ball joint"
         joint = scene.all(BallJoint)[0]
         if np.count_nonzero(joint.anchor_a) > 1:
             return "the joint is not one of the world on a principal axis of the body"

@@ -143,7 +143,10 @@ def _friction(slider: Slider, unit: float) -> dict[str, float]:
     """
     if slider.law == "coulomb":
         return {"mu0": slider.friction, "mu1": slider.friction, "lambda0": 0.0, "lambda1": 0.0}
-    power = 1 if slider.law == "stribeck_linear" else 2
+    if slider.law == "stribeck_linear":
+        power = 1
+    else:
+        power = 2
     return {
         "mu0": slider.mu0,
         "mu1": slider.mu1,

@@ -115,7 +115,10 @@ def _start(scene: Scene, string: StringOverWheel, down: Array, out: Array) -> Ar
     theta = np.arctan2(x * r - y * radius, y * r + x * radius)
     along = np.sin(theta) * out + np.cos(theta) * down
     across = np.cos(theta) * out - np.sin(theta) * down
-    rate = velocity @ across / r if r > 0 else 0.0
+    if r > 0:
+        rate = velocity @ across / r
+    else:
+        rate = 0.0
     return np.array([r, theta, velocity @ along, rate])
 
 

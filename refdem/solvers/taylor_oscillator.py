@@ -58,7 +58,10 @@ class TaylorOscillator(Solver):
         out = np.empty((len(t), 3))
         spring = line.spring
         powers = {"linear": 0.0, "quadratic": spring.quadratic, "cubic": spring.cubic}
-        own_power = "linear" if spring.exponent == 1 else "cubic"
+        if spring.exponent == 1:
+            own_power = "linear"
+        else:
+            own_power = "cubic"
         powers[own_power] += spring.stiffness
         drives = pointer("taylor_oscillator", line.drives)
         given = {

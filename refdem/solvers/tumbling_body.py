@@ -113,7 +113,9 @@ def _law_refusal(law: Contact) -> str | None:
         return f"contact law {law.law}"
     if law.friction > 0 and (law.tangential_stiffness > 0 or law.branch != "R"):
         return "friction on corners with a tangential spring, or away from the corner"
-    return None if law.cutoff == "zero_force" or law.damping == 0 else "corners that pull"
+    if law.cutoff == "zero_force" or law.damping == 0:
+        return None
+    return "corners that pull"
 
 
 def _never_held(problem: Motion) -> str | None:
@@ -176,7 +178,10 @@ def _followed(scene: Scene, times: Array) -> tuple[Array, Array, Array | None, C
         struct, len(times), pointer(FAMILY, times), MOST_EVENTS, event, channel, out
     )
     cost = Cost(seconds=perf_counter() - started, setup=started - begun)
-    reached = events[:count] if count >= 0 else None
+    if count >= 0:
+        reached = events[:count]
+    else:
+        reached = None
     return states, channels, reached, cost
 
 

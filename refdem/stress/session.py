@@ -112,7 +112,9 @@ class Stress:
 
     def _wave(self, place: Place) -> int:
         """Costly ladders are climbed rung by rung, the others at once."""
-        return place.number if place.ladder.costly else 0
+        if place.ladder.costly:
+            return place.number
+        return 0
 
     def _tasks(
         self, schedule: Schedule | InProcess, places: Sequence[Place]
@@ -168,7 +170,9 @@ class Stress:
 
     def _limit(self, engine: Engine) -> float | None:
         """A time limit that a program keeps itself comes before the worker's."""
-        return None if engine.time_limit is None else max(self.timeout, engine.time_limit + GRACE)
+        if engine.time_limit is None:
+            return None
+        return max(self.timeout, engine.time_limit + GRACE)
 
     def _is_too_long(self, place: Place) -> bool:
         forecast = self._forecast(place)
@@ -296,7 +300,10 @@ def _run_of(key: str, request: Request, engine: Engine, result: bytes | Failure)
         reply = worker.Reply(failure=result)
     else:
         reply = msgspec.msgpack.decode(result, type=worker.Reply)
-    trajectory = Trajectory.from_bytes(reply.trajectory) if reply.failure is None else None
+    if reply.failure is None:
+        trajectory = Trajectory.from_bytes(reply.trajectory)
+    else:
+        trajectory = None
     return Run(
         key=key,
         request=request,

@@ -65,8 +65,14 @@ def _count(required: Sequence[Climb]) -> tuple[str, str, str]:
 def _broken(climb: Climb) -> tuple[str, ...]:
     """The cells of a climb that broke its promise."""
     end = climb.end
-    happened = "" if end is None else f"at {end.rung}: {end.sentence}"
-    promised = NONE if climb.required is None else number(climb.required)
+    if end is None:
+        happened = ""
+    else:
+        happened = f"at {end.rung}: {end.sentence}"
+    if climb.required is None:
+        promised = NONE
+    else:
+        promised = number(climb.required)
     method = f"{climb.engine} {climb.method}"
     return (climb.ladder, method, promised, climb.basis, happened)
 
@@ -81,19 +87,25 @@ def _range(climbs: Sequence[Climb]) -> str:
     in_order = sorted(climbs, key=lambda climb: (_steps(climb), climb.method))
     least = _told(in_order[0])
     most = _told(in_order[-1])
-    return least if least == most else f"{least} to {most}"
+    if least == most:
+        return least
+    return f"{least} to {most}"
 
 
 def _steps(climb: Climb) -> int:
     """Rungs before the first that does not pass."""
     end = climb.end
-    return len(climb.rungs) if end is None else climb.rungs.index(end)
+    if end is None:
+        return len(climb.rungs)
+    return climb.rungs.index(end)
 
 
 def _told(climb: Climb) -> str:
     """How far a climb holds, with `+` where that is the end of the ladder."""
     holds, _ = words(climb)
-    return f"{holds}+" if climb.end is None else holds
+    if climb.end is None:
+        return f"{holds}+"
+    return holds
 
 
 def details(record: Record, battery: str) -> list[Table]:
@@ -117,7 +129,10 @@ def _row(climb: Climb) -> tuple[str, ...]:
         kept = {True: "kept", False: "broken", None: "not all run"}[climb.kept]
         promised = f"{number(climb.required)}, {kept}"
     end = climb.end
-    why = NONE if end is None else end.sentence
+    if end is None:
+        why = NONE
+    else:
+        why = end.sentence
     method = f"{climb.engine} {climb.method}"
     return climb.ladder, climb.along, method, holds, ends, promised, why
 

@@ -44,7 +44,10 @@ def trial_of(case, method, **given):
 
 def run_of(trial):
     """The run of the finest level."""
-    step = trial.levels[-1] if trial.method.control == "step" else None
+    if trial.method.control == "step":
+        step = trial.levels[-1]
+    else:
+        step = None
     return REFERENCE.run(
         Request(problem=trial.instance.problem, method=trial.method.name, step=step)
     )[0]
@@ -206,12 +209,10 @@ def test_a_zero_that_is_reached_in_time_is_the_root_and_one_that_grazes_is_none(
 
 def test_rates_on_the_belt_are_those_of_the_certified_motion():
     trial = trial_of("stick-slip", "stick-slip", **BELT)
-    truth, p, scales, known = (
-        trial.instance.truth(),
-        trial.instance.p,
-        trial.instance.scales,
-        crossings(trial, trial.truth),
-    )
+    truth = trial.instance.truth()
+    p = trial.instance.p
+    scales = trial.instance.scales
+    known = crossings(trial, trial.truth)
     h = Fraction(1, 10**6)
     assert len(known["stick"]) > 1
     for one in known["stick"]:
@@ -230,10 +231,15 @@ def test_rates_on_the_belt_are_those_of_the_certified_motion():
 def test_the_rate_of_parting_is_that_of_the_certified_overlap(given):
     trial = trial_of("two-spheres", "contact-events", **given)
     (one,) = crossings(trial, trial.truth)["release"]
-    h, truth, p = 1e-6, trial.instance.truth(), trial.instance.p
+    h = 1e-6
+    truth = trial.instance.truth()
+    p = trial.instance.p
     at = truth.at(Fraction(one.time) - Fraction(h))
     apart = [float(at[f"r1.{axis}"].mid - at[f"r2.{axis}"].mid) for axis in "xyz"]
-    dimension = 1 if "angle" not in given else 2
+    if "angle" not in given:
+        dimension = 1
+    else:
+        dimension = 2
     reach = 2 * dimension**0.5 * trial.instance.scales.length
     assert (p.radii.sum() - np.linalg.norm(apart)) / h / reach == pytest.approx(one.rate, rel=1e-3)
 
@@ -253,7 +259,8 @@ def test_the_rate_of_parting_is_that_of_the_certified_overlap(given):
 def test_an_error_of_the_state_moves_events_by_no_more_than_the_bound(case, method, given, change):
     trial = trial_of(case, method, **given)
     duration = {"duration": str(float(trial.instance.scales.duration))}
-    run, other = run_of(trial), None
+    run = run_of(trial)
+    other = None
     near = discovery.case(case).at(**(given | duration | change))
     other = REFERENCE.run(
         Request(
@@ -262,7 +269,8 @@ def test_an_error_of_the_state_moves_events_by_no_more_than_the_bound(case, meth
         )
     )[0]
     apart = {q.name: np.abs(a - b) / q.scale for q, a, b in observed(trial.instance, run, other)}
-    known, compared = crossings(trial, trial.truth), 0
+    known = crossings(trial, trial.truth)
+    compared = 0
     for event, moved in zip(run.events, other.events, strict=True):
         (one,) = [one for one in known[event.kind] if abs(one.time - event.time) < 1e-9]
         last = int(np.searchsorted(run.t, event.time)) - 1
@@ -276,5 +284,6 @@ def test_an_error_of_the_state_moves_events_by_no_more_than_the_bound(case, meth
 
 def observed(instance, run, other):
     """Quantities with their values in two runs."""
-    one, two = instance.observe(run), instance.observe(other)
+    one = instance.observe(run)
+    two = instance.observe(other)
     return [(instance.quantities[name], one[name], two[name]) for name in one]

@@ -28,11 +28,15 @@ class Mujoco(Crowd):
 
     def missing(self) -> str | None:
         """None if the package is installed, else what to install."""
-        return None if find_spec("mujoco") else "install refdem[mujoco]"
+        if find_spec("mujoco"):
+            return None
+        return "install refdem[mujoco]"
 
     def refusal(self, gas: Gas) -> str | None:
         """None for a gas between walls, else why it cannot be moved."""
-        return "no periodic box" if gas.periodic else None
+        if gas.periodic:
+            return "no periodic box"
+        return None
 
     def seconds(self, gas: Gas, steps: int) -> float:
         """The time of `mj_step` with its own count of steps, after one that is not counted."""
@@ -51,7 +55,10 @@ def _document(gas: Gas) -> str:
     """MJCF of the gas; with friction contacts have two tangential directions."""
     rubs = gas.law.friction > 0
     flags = " ".join(f'{name.lower()}="disable"' for name in OFF if name != "PASSIVE")
-    condim = 3 if rubs else 1
+    if rubs:
+        condim = 3
+    else:
+        condim = 1
     shape = (
         f'<geom size="{gas.diameter / 2!r}" mass="{gas.mass!r}" condim="{condim}"'
         f' friction="{gas.law.friction or 1!r} 0 0"/>'

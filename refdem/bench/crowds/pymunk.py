@@ -20,11 +20,15 @@ class Pymunk(Crowd):
 
     def missing(self) -> str | None:
         """None if the package is installed, else what to install."""
-        return None if find_spec("pymunk") else "install refdem[pymunk]"
+        if find_spec("pymunk"):
+            return None
+        return "install refdem[pymunk]"
 
     def refusal(self, gas: Gas) -> str | None:
         """None for a gas between walls, else why it cannot be moved."""
-        return "no periodic box" if gas.periodic else None
+        if gas.periodic:
+            return "no periodic box"
+        return None
 
     def seconds(self, gas: Gas, steps: int) -> float:
         """The time of the space's own steps, after one that is not counted."""

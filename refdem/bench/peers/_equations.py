@@ -44,12 +44,18 @@ def equations(problem: Motion, *, cartesian: bool = False) -> Equations | None:
     if len(scene.bodies) != 1 or scene.bodies.fixed.any():
         return None
     if not kinds:
-        return None if cartesian or not scene.bodies.omega.any() else _free_body(scene)
+        if cartesian or not scene.bodies.omega.any():
+            return None
+        return _free_body(scene)
     if kinds == ["rod", "uniform_gravity"]:
-        return _constrained(scene) if cartesian else _pendulum(scene)
+        if cartesian:
+            return _constrained(scene)
+        return _pendulum(scene)
     if cartesian:
         return None
-    return _kepler(scene) if kinds == ["central_field"] else _oscillator(scene)
+    if kinds == ["central_field"]:
+        return _kepler(scene)
+    return _oscillator(scene)
 
 
 def _free_body(scene: Scene) -> Equations:
@@ -194,7 +200,10 @@ def _oscillator(scene: Scene) -> Equations | None:
 
     def rates(state: Sequence[Any], sine: Sine) -> list[Any]:
         x, v = state
-        force = linear * x if not (square or cube) else x * (linear + x * (square + x * cube))
+        if not (square or cube):
+            force = linear * x
+        else:
+            force = x * (linear + x * (square + x * cube))
         return [v, weight - force if weight else -force]
 
     def trajectory(t: Array, found: Array) -> Trajectory:

@@ -48,7 +48,9 @@ class Oblique:
     @property
     def share(self) -> float:
         """The spring at its longest over the normal force [m/N]."""
-        return self.law.friction / self.law.tangential_stiffness if self.law.friction else 0.0
+        if self.law.friction:
+            return self.law.friction / self.law.tangential_stiffness
+        return 0.0
 
     def start(self) -> tuple[list[float], int, float]:
         """State, mode and side of the slip."""
@@ -58,14 +60,20 @@ class Oblique:
         overlap_rate = -relative[0]
         slip = float(bodies.radius[0] * p + bodies.radius[1] * r - relative[1])
         state = [0.0, overlap_rate, relative[1], 0.0, p, r, 0.0]
-        side = 1.0 if slip > 0 else -1.0
+        if slip > 0:
+            side = 1.0
+        else:
+            side = -1.0
         if not self.law.friction:
             return state, FREE, side
         # It holds while k_t |slip| grows no faster than mu k g; with a dashpot the normal force
         # is above 0 at once.
         most = self.share * self.law.stiffness * overlap_rate
         is_held = bool(self.law.damping) or abs(slip) <= most
-        mode = HOLDS if is_held else SLIPS
+        if is_held:
+            mode = HOLDS
+        else:
+            mode = SLIPS
         return state, mode, side
 
     def integrators(self, tolerance: float | None) -> list[Any]:
@@ -103,11 +111,17 @@ class Oblique:
             FREE: 0.0,
         }
         made = []
-        modes = (HOLDS, SLIPS, FREE) if law.friction else (FREE,)
+        if law.friction:
+            modes = (HOLDS, SLIPS, FREE)
+        else:
+            modes = (FREE,)
         for mode in modes:
             across = acting[mode]
             # d' = g, and so on in the order of the names; the spring stretches while it holds.
-            stretching = slip if mode == HOLDS else 0.0
+            if mode == HOLDS:
+                stretching = slip
+            else:
+                stretching = 0.0
             rates = [
                 g,
                 bend,
@@ -123,7 +137,10 @@ class Oblique:
             ]
             system = list(zip(names, expressions, strict=True))
             # Only a slip has a side.
-            pars = [1.0] if mode == SLIPS else []
+            if mode == SLIPS:
+                pars = [1.0]
+            else:
+                pars = []
             integrator = heyoka.taylor_adaptive(
                 system, [0.0] * 7, pars=pars, t_events=events, tol=tolerance
             )
@@ -144,7 +161,10 @@ class Oblique:
         seconds = 0.0
         while len(found) < len(t):
             # Without friction there is one mode, and one integrator.
-            number = mode if self.law.friction else 0
+            if self.law.friction:
+                number = mode
+            else:
+                number = 0
             integrator = integrators[number]
             integrator.time = now
             integrator.state[:] = state
@@ -180,7 +200,10 @@ class Oblique:
         if event == 0:
             return APART, side
         if mode == HOLDS:
-            new_side = 1.0 if event == 1 else -1.0
+            if event == 1:
+                new_side = 1.0
+            else:
+                new_side = -1.0
             return SLIPS, new_side
         if event != 1:
             return FREE, side
@@ -246,4 +269,6 @@ def oblique(scene: Scene) -> Oblique | None:
     velocity = scene.bodies.velocity
     spins = scene.bodies.omega
     aside = (*line[1:], *velocity[:, 2], *spins[:, :2].ravel())
-    return Oblique(scene, laws[0]) if line[0] > 0 and not any(aside) else None
+    if line[0] > 0 and not any(aside):
+        return Oblique(scene, laws[0])
+    return None

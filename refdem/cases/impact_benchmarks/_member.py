@@ -109,7 +109,10 @@ class Member(ABC):
             ("v", "m/s", s.speed),
             ("omega", "rad/s", self.spin_scale(v)),
         )
-        numbers = [str(i + 1) for i in range(self.bodies)] if self.bodies > 1 else [""]
+        if self.bodies > 1:
+            numbers = [str(i + 1) for i in range(self.bodies)]
+        else:
+            numbers = [""]
         found = []
         for number in numbers:
             for kind, unit, size in kinds:

@@ -25,7 +25,10 @@ def figure() -> Figure:
     inks = {"linear": GREY, "n = 2": 0, "pendulum": 1}
     curves = []
     for kind, (large, small) in pairs.items():
-        name = "theta" if kind == "pendulum" else "x"
+        if kind == "pendulum":
+            name = "theta"
+        else:
+            name = "x"
         curves.append(Series(x=large.t, y=large[name], ink=inks[kind], label=kind))
         curves.append(Series(x=small.t, y=small[name], ink=inks[kind], dashed=True))
     motions = Panel(

@@ -21,8 +21,14 @@ def figure() -> Figure:
         curve = Series(x=run["x"][1:], y=run["v"][1:], ink=n, width=1)
         fastest.append(float(run["v"][1:].max()))
         # Titles below the last row and left of the first column.
-        below = "x [m]" if n > 2 else ""
-        beside = "v [m/s]" if n % 3 == 0 else ""
+        if n > 2:
+            below = "x [m]"
+        else:
+            below = ""
+        if n % 3 == 0:
+            beside = "v [m/s]"
+        else:
+            beside = ""
         axes: dict[str, Any] = {
             "x": Axis(title=below, ends=(-4, 4)),
             "y": Axis(title=beside, ends=(-4, 1.4)),

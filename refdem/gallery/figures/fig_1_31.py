@@ -25,7 +25,10 @@ def figure() -> Figure:
         found = section(eta, skip=SKIP, keep=KEEP)
         x = np.repeat(eta, [len(places) for places in found.places])
         y = np.concatenate(found.places)
-        height = 300 if n == 0 else 220
+        if n == 0:
+            height = 300
+        else:
+            height = 220
         axes: dict[str, Any] = {
             "x": Axis(title="eta [rad/s]", ends=(low, high)),
             "y": Axis(title="x [m]"),

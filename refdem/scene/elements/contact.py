@@ -53,12 +53,16 @@ class Contact(Element, frozen=True, kw_only=True, tag="contact"):
     @property
     def exponent(self) -> float:
         """The normal force is stiffness * overlap**exponent."""
-        return 1.5 if self.law == "hertz" else 1.0
+        if self.law == "hertz":
+            return 1.5
+        return 1.0
 
     def dimension(self, field: str) -> Dimension | None:
         """Those of Hertz's stiffnesses [N/m^(3/2)] follow from the exponent."""
         stiff = field in ("stiffness", "tangential_stiffness")
-        return Dimension(1, 1 - self.exponent, -2) if stiff else super().dimension(field)
+        if stiff:
+            return Dimension(1, 1 - self.exponent, -2)
+        return super().dimension(field)
 
     def features(self) -> frozenset[str]:
         """The law, friction where there is some, and mindlin where its spring stiffens with the
@@ -136,7 +140,10 @@ def _overlaps(scene: Any, position: Array, radius: Array) -> Array:
     if len(spheres) <= FEW:
         i, j = np.triu_indices(len(spheres), 1)
     else:
-        size = boxes[0].size if boxes else 0.0
+        if boxes:
+            size = boxes[0].size
+        else:
+            size = 0.0
         i, j = near_pairs(position[0, spheres], 2 * float(radius.max()), size)
     i = spheres[i]
     j = spheres[j]

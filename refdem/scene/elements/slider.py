@@ -79,6 +79,9 @@ class Slider(Link, frozen=True, kw_only=True, tag="slider"):
         """
         if self.law == "coulomb":
             return self.friction
-        last = speed * speed if self.law == "stribeck" else speed
+        if self.law == "stribeck":
+            last = speed * speed
+        else:
+            last = speed
         falling = (self.mu0 - self.mu1) / (1 + self.lambda0 * speed)
         return falling + self.mu1 + self.lambda1 * last

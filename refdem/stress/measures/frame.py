@@ -71,13 +71,19 @@ class Frame(Measure):
             return plan.request(task, variant)
         plain = plan.request(task, variant.base)
         shown = self.show(task.trial.instance, float(x))
-        step = None if plain.step is None else plain.step * shown.units[2]
+        if plain.step is None:
+            step = None
+        else:
+            step = plain.step * shown.units[2]
         problem = shown.applied(task.trial.instance.motion)
         return Request(problem=problem, method=plain.method, step=step, tolerance=plain.tolerance)
 
     def checks(self, trial: Trial, x: Fraction) -> tuple[Check, ...]:
         """Seen from the frame, the motion is the same."""
-        part = float(x) if self.told_apart else None
+        if self.told_apart:
+            part = float(x)
+        else:
+            part = None
         return (Seen(self.change, self.show(trial.instance, float(x)), part),)
 
 
@@ -122,7 +128,10 @@ class Seen(Check):
         bounds = allowed(trial, self.view, grown) * self._denormal(trial)
         count = scored(bounds)
         if self.part is not None:
-            count = len(bounds) if bounds[-1] <= self.part / 10 else 0
+            if bounds[-1] <= self.part / 10:
+                count = len(bounds)
+            else:
+                count = 0
             bounds = np.full(len(bounds), self.part / 10)
         if count < 2:
             why = "round-off alone may be as large as what would have to be seen"

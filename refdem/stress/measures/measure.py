@@ -55,11 +55,17 @@ class Measure(ABC):
     ) -> Task:
         """The task of a method on the rung, for its requests and its judging."""
         refusal = self.refusal(engine, method, instance, x)
-        levels = () if refusal else self.levels(instance, method, x)
+        if refusal:
+            levels = ()
+        else:
+            levels = self.levels(instance, method, x)
         if not refusal and not levels:
             refusal = f"more than {MOST_STEPS:g} steps"
         trial = Trial(instance, method, levels, truth, truth.reason)
-        checks = () if refusal else self.checks(trial, x)
+        if refusal:
+            checks = ()
+        else:
+            checks = self.checks(trial, x)
         return Task(engine, trial, refusal, checks)
 
 

@@ -74,7 +74,10 @@ class HalfSine(ClosedForm):
     def displaced(self, axis: int, amount: Fraction) -> "HalfSine":
         """From a start that is larger by `amount`."""
         d, rate = self.start
-        start = (d + amount, rate) if axis == 0 else (d, rate + amount)
+        if axis == 0:
+            start = (d + amount, rate)
+        else:
+            start = (d, rate + amount)
         return HalfSine(self.square, start, self.scale, self.bodies)
 
     @per_precision
