@@ -218,7 +218,10 @@ def _gas(scene: Scene, frequency: float) -> Gas:
     damping = law.damping / mass
     swing = float(np.sqrt(max(2 * law.stiffness / mass - damping**2, 0.0)))
     lasts = np.pi / swing if swing else np.inf
-    packing = n * np.pi / 6 * (2 * scene.bodies.radius[0] / scene.all(PeriodicBox)[0].size) ** 3
+    # The volume of the spheres over that of the box.
+    volume = 4 / 3 * np.pi * np.sum(scene.bodies.radius**3)
+    (box,) = scene.all(PeriodicBox)
+    packing = volume / box.size**3
     return Gas(
         n,
         float(np.exp(-damping * lasts)) if damping else 1.0,

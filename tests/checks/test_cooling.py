@@ -104,6 +104,14 @@ def test_nothing_is_judged_where_the_theory_does_not_hold(given, why):
     assert why in found["temperature"].sentence
 
 
+def test_a_gas_is_dilute_up_to_a_tenth_of_the_volume_of_its_box():
+    """Spheres of 1 m take pi/6 of a cubic metre each, so that 0.19098 in a cubic metre fill 0.1."""
+    above = findings(n="30", duration="2", density="0.1915")["temperature"]
+    below = findings(n="30", duration="2", density="0.1905")["temperature"]
+    assert "dilute" in above.sentence
+    assert "dilute" not in below.sentence
+
+
 def test_collisions_that_are_not_over_at_the_end_have_not_lost_all_yet():
     found = findings(n="20000", duration="1/16", samples="2")
     assert found["loss"].value > 0.1
