@@ -47,7 +47,11 @@ TELLING: Mapping[str, tuple[Mapping[str, str], ...]] = {
     "driven-oscillator": ({**SPRUNG, "delta": "1/8", "f0": "3/4", "drive": "3/2"},),
     "duffing": ({"alpha": "3/2", "beta": "3/4", "amplitude": "5/4"},),
     "free-rigid-body": ({**TURNED, "omega_body": "1/2,-1,5/4"},),
-    "harmonic-oscillator": (SPRUNG,),
+    "harmonic-oscillator": (
+        SPRUNG,
+        # it swings about a place 1000 times as far from the origin as it moves
+        {"gravity": "1024", "x0": "1025", "v0": "1/2"},
+    ),
     "heavy-top": (
         {
             **{"mass": "3/2", "length": "3/4", "inertia": "5/4,1/2"},
@@ -65,6 +69,11 @@ TELLING: Mapping[str, tuple[Mapping[str, str], ...]] = {
             "friction": "1/20",
             "branch": "R-d",
         },  # it turns the other way, at another lever
+        {  # it slides to the end, and friction is mu times the normal force, to the last digit
+            "member": "co-4",
+            "tangential_stiffness": "0",
+            "angle": "1",
+        },
         {"member": "dem-05-hertz", "angle": "0.3"},  # friction under Hertz's law
         {"member": "dem-05-mindlin"},  # a tangential spring that stiffens with its load
         {"member": "three-spheres"},  # a body in two contacts at once
@@ -78,7 +87,10 @@ TELLING: Mapping[str, tuple[Mapping[str, str], ...]] = {
         {"mass": "3/2", "counter_mass": "2", "rdot0": "1/4", "thetadot0": "-1/2", "duration": "4"},
     ),
     "power-oscillator": ({"mass": "2", "stiffness": "3", "exponent": "5/2", "amplitude": "5/4"},),
-    "quadratic-response": ({"w0": "5/4", "x0": "-1/2", "v0": "1/4"},),
+    "quadratic-response": (
+        {"w0": "5/4", "x0": "-1/2", "v0": "1/4"},
+        {"eps": "-1/8", "w0": "5/4", "x0": "1/2", "v0": "-1/4"},  # it resists less where it is long
+    ),
     "stick-slip": ({"belt": "3/4", "x0": "1/4", "v0": "-1/2"},),
     "two-body-orbit": ({"gm": "2", "semi_major": "3/4", "eccentricity": "1/4"},),
     "two-spheres": (
