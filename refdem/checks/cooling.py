@@ -92,6 +92,8 @@ class Cooling(Check):
         scene, laws = trial.instance.scene, trial.instance.scene.all(Contact)
         if "temperature" not in trial.instance.quantities or not scene.all(PeriodicBox):
             return "it is not a gas in a periodic box"
+        if not are_alike(scene):
+            return "the spheres are not alike: the theory is of equal ones"
         return (
             None
             if len(laws) == 1 and laws[0].law == "linear" and not laws[0].friction
@@ -208,6 +210,12 @@ class Cooling(Check):
             more |= {"basis": f"{of}, and those collisions that are not over at the end"}
             found.append(judged(quantity="loss", value=abs(lost - 1), what=what, **more))
         return found
+
+
+def are_alike(scene: Scene) -> bool:
+    """All bodies have the mass and the radius of the first."""
+    bodies = scene.bodies
+    return bool(np.all(bodies.mass == bodies.mass[0]) and np.all(bodies.radius == bodies.radius[0]))
 
 
 def _gas(scene: Scene, frequency: float) -> Gas:

@@ -2,6 +2,7 @@
 
 from dataclasses import replace
 from functools import cache
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -123,6 +124,26 @@ def test_collisions_that_are_not_over_at_the_end_have_not_lost_all_yet():
 
 def test_it_leaves_out_walls():
     assert "periodic" in findings(n="30", boundary="walls")
+
+
+@pytest.mark.parametrize(
+    ("check", "more"), [("cooling", {}), ("roughness", {"friction": "1000", "restitution": "1"})]
+)
+@pytest.mark.parametrize("odd", ["mass", "radius"])
+def test_a_gas_of_unequal_spheres_is_left_out(check, more, odd):
+    scene = discovery.case("granular-gas").at(n="30", **more).scene
+    bodies = scene.bodies
+    if odd == "mass":
+        mixed = replace(bodies, mass=bodies.mass * np.where(np.arange(30) == 29, 2.0, 1.0))
+    else:
+        mixed = replace(bodies, shape=(*bodies.shape[:-1], Sphere(radius=0.25)))
+
+    def reason(gas):
+        instance = SimpleNamespace(scene=gas, quantities={"temperature"})
+        return discovery.check(check).applies(SimpleNamespace(instance=instance))
+
+    assert reason(scene) is None
+    assert "not alike" in reason(Scene(mixed, scene.elements))
 
 
 def test_collisions_of_a_gas_that_follows_haffs_law_are_the_logarithm_of_time():
