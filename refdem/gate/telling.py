@@ -183,7 +183,7 @@ TELLING: Mapping[str, tuple[Mapping[str, str], ...]] = {
             **{"spins": "0,0,1/2048,0,0,1/4096", "friction": "1/2"},
         },
     ),
-    "van-der-pol": ({"x0": "-1/2", "v0": "3/4"},),
+    "van-der-pol": ({"x0": "-1/2", "v0": "3/4", "p": "3/8"},),  # its drive has a phase
     "viscous-oscillator": ({**SPRUNG, "delta": "1/4"},),
     "wedge-collision": ({"mass": "3/2", "closing_speed": "3/2"},),
 }

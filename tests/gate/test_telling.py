@@ -9,6 +9,7 @@ from refdem.campaign.in_process import record_of, task_of, truth_of
 from refdem.core import discovery
 from refdem.core.problem import Request
 from refdem.engines.reference import ENGINE
+from refdem.faults.catalogue import chosen
 from refdem.faults.change import of_bodies, of_elements
 from refdem.faults.fault import Carrier, Fault
 from refdem.faults.transparent import Transparent
@@ -92,3 +93,29 @@ def test_some_faults_act_only_on_the_settings_that_are_there_for_them_and_fail_t
     for engine, expected in ((Transparent(), False), (Carrier(Transparent(), fault), True)):
         record = record_of(task_of(engine, "verlet", instance, truth, 5, ["error"]))
         assert any(finding.outcome == "fail" for finding in record.findings) == expected
+
+
+TELLS = {
+    "drive-without-phase": ("van-der-pol", 1),
+    "square-of-one-sign": ("quadratic-response", 2),
+    "small-world": ("harmonic-oscillator", 2),
+    "friction-off-by-a-millionth": ("impact-benchmarks", 3),
+}
+"""By fault of the catalogue: the case, and the number of the setting that is there for it."""
+
+
+@pytest.mark.parametrize("name", TELLS)
+def test_a_fault_is_seen_at_the_setting_that_is_there_for_it_and_nothing_is_seen_without_it(name):
+    (fault,) = chosen([name])
+    check, quantity = fault.sees
+    case, number = TELLS[name]
+    instance = discovery.case(case).at(**settings(case)[number])
+    truth = truth_of(instance)
+
+    def outcome(engine):
+        record = record_of(task_of(engine, "verlet", instance, truth, 4, [check]))
+        (finding,) = (f for f in record.findings if (f.check, f.quantity) == (check, quantity))
+        return finding.outcome
+
+    assert outcome(Transparent()) == "pass"
+    assert outcome(fault.carrier()) == "fail"
