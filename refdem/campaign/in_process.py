@@ -8,6 +8,7 @@ from dataclasses import replace
 import msgspec
 
 from refdem.campaign import judging, plan, worker
+from refdem.campaign.kept_truth import kept_truth
 from refdem.campaign.plan import Task
 from refdem.campaign.specification import Specification
 from refdem.core.case import Instance
@@ -22,7 +23,12 @@ from refdem.errors import RefdemError, UnsupportedError
 
 
 def truth_of(instance: Instance) -> SampledTruth:
-    """The certified samples of an instance; until = 0 and a reason if there are none."""
+    """The certified samples of an instance, those kept where they are not stale; until = 0 and a
+    reason if there are none.
+    """
+    kept = kept_truth(instance)
+    if kept is not None:
+        return kept
     return msgspec.msgpack.decode(
         worker.sampled_truth(instance.case.id, instance.p.given), type=SampledTruth
     )

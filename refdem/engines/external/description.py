@@ -124,7 +124,7 @@ class EngineTable(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fiel
     timeout: Annotated[float, said("[s] a run may take")] = 60.0
     budget: Annotated[float, said("[s] a gate may take")] = 600.0
     memory: Annotated[
-        float | None, said("[GB] a process of a run may take; without it all that the machine has")
+        float | None, said("[GB] a process of a run may take; without it 9/10 of what there is")
     ] = None
 
 

@@ -22,6 +22,11 @@ from refdem.engines.external.folders import home
 from refdem.errors import EngineError, HangError, UnsupportedError
 
 NOT_SUPPORTED = 77
+GIGABYTE = 10**9
+SHARE = 0.9
+"""Part of the machine's memory that a process of a program may take unless its author says more."""
+CONTROL_GROUPS = ("/sys/fs/cgroup/memory.max", "/sys/fs/cgroup/memory/memory.limit_in_bytes")
+"""Where Linux keeps the limit of a container: control groups version 2, and 1."""
 SHOWN = 300
 """Characters of what a program said that an error shows."""
 SUPERVISOR = Path(__file__).with_name("supervisor.py")
@@ -52,9 +57,16 @@ class Ended:
     left: int
 
 
-def machine_memory() -> int:
-    """Bytes of memory that this machine has."""
-    return os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES")
+def most_memory() -> int:
+    """Bytes that a process of a program may take where its author says nothing: a share of what the
+    machine, or the container that refdem runs in, has.
+    """
+    limits = [os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES")]
+    for place in CONTROL_GROUPS:
+        # "max" stands for no limit.
+        with contextlib.suppress(OSError, ValueError):
+            limits.append(int(Path(place).read_text()))
+    return int(SHARE * min(limits))
 
 
 class Supervised:
@@ -88,6 +100,13 @@ class Supervised:
                 " over it"
             )
         answer = json.loads(line)
+        if "memory" in answer:
+            taken = answer["memory"] / GIGABYTE
+            most = request["memory"] / GIGABYTE
+            raise EngineError(
+                f"{request['command'][0]} took {taken:.3g} GB of memory and was ended; expected at"
+                f" most {most:.3g} GB for each of its processes (`memory` in refdem.toml)"
+            )
         if "problem" in answer:
             raise EngineError(
                 f"{request['command'][0]} cannot be started: {one_line(answer['problem'])}"

@@ -17,7 +17,7 @@ from refdem.core.trajectory import Cost, Trajectory
 from refdem.engines.external.description import EngineTable
 from refdem.engines.external.folders import run_folder
 from refdem.engines.external.kept import kept
-from refdem.engines.external.process import Limits, ended, machine_memory, run
+from refdem.engines.external.process import GIGABYTE, Limits, ended, most_memory, run
 from refdem.errors import EngineError, UsageError
 from refdem.scene import bodies_file
 
@@ -33,7 +33,6 @@ SPARE = 2**26
 """Bytes that a program may write into one file however few rows are asked for: it may talk."""
 VERSION_LIMITS = Limits(timeout=10.0, file_bytes=2**20, memory=2**32)
 """Of a command that says a version."""
-GIGABYTE = 10**9
 
 
 class Program:
@@ -115,11 +114,11 @@ class Program:
         )
 
     def _memory(self) -> int:
-        """Bytes that a process of a run may take: what its author says, else what the machine
-        has.
+        """Bytes that a process of a run may take: what its author says, else most of what the
+        machine has.
         """
         if self.table.memory is None:
-            return machine_memory()
+            return most_memory()
         return int(self.table.memory * GIGABYTE)
 
     def _filled(self, word: str, paths: dict[str, Path]) -> str:

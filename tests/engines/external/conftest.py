@@ -101,6 +101,11 @@ if method == "locked":
 if method == "kills-its-parent":
     os.kill(os.getppid(), signal.SIGKILL)
     time.sleep(600)
+if method == "reserves":
+    import mmap
+    MAP_NORESERVE = 0x4000
+    kind = mmap.MAP_PRIVATE | mmap.MAP_ANONYMOUS | MAP_NORESERVE
+    reserved = mmap.mmap(-1, 2**44, kind)
 if method == "devours":
     kept = []
     while True:
@@ -116,7 +121,7 @@ refuses fails silent aborts hangs leaves floods short long nan words late other-
 symbolic-link hard-link pipe silent-pipe session forks breeds deep locked kills-its-parent
 devours binary bad-event
 """
-METHODS = ("good", *MISBEHAVIOURS.split())
+METHODS = ("good", "reserves", *MISBEHAVIOURS.split())
 
 
 def described(
