@@ -122,7 +122,8 @@ def row(page: str, goal: Goal) -> str:
         float(cell.split("x")[0]) >= ratio
         for cell, ratio in zip(found, goal.ratios.values(), strict=True)
     ]
-    error, other = float(ours["least error"]), float(theirs["least error"])
+    error = float(ours["least error"])
+    other = float(theirs["least error"])
     if goal.error:
         is_met.append(error <= goal.error)
     if goal.part:

@@ -24,7 +24,9 @@ ENGINES = ("reference", "mujoco", "pymunk", "rebound")
 def name_of(entry: Entry) -> str:
     """A row as its case and parameters, in words that pytest can print."""
     settings = ",".join(f"{name}={value}" for name, value in entry.set.items())
-    return f"{entry.id}({settings})" if settings else entry.id
+    if settings:
+        return f"{entry.id}({settings})"
+    return entry.id
 
 
 def part(entry: Entry, engine: str) -> Specification:

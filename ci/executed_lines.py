@@ -73,7 +73,9 @@ def kept(file: str) -> Path:
 def digest(file: str, tree: Path = ROOT) -> str:
     """sha256 of a file of a tree, as it is now; empty if it is gone."""
     path = tree / file
-    return hashlib.sha256(path.read_bytes()).hexdigest() if path.exists() else ""
+    if path.exists():
+        return hashlib.sha256(path.read_bytes()).hexdigest()
+    return ""
 
 
 def is_fresh(file: str) -> bool:

@@ -21,7 +21,8 @@ if __name__ == "__main__":
 def installed(tree: Path) -> None:
     """Writes path file, scripts and dist-info; pip removes them again by their RECORD."""
     project = tomllib.loads((tree / "pyproject.toml").read_text())["project"]
-    site, scripts = Path(sysconfig.get_path("purelib")), Path(sysconfig.get_path("scripts"))
+    site = Path(sysconfig.get_path("purelib"))
+    scripts = Path(sysconfig.get_path("scripts"))
     info = site / f"{project['name']}-{project['version']}.dist-info"
     groups = {"console_scripts": project["scripts"], **project.get("entry-points", {})}
     sections = [

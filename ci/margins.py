@@ -48,14 +48,17 @@ def _number(value: Any) -> np.ndarray | None:
         array = array.astype(complex if array.dtype.kind == "c" else float)
     except (TypeError, ValueError, OverflowError):
         return None
-    return array if array.size and np.isfinite(array).all() else None
+    if array.size and np.isfinite(array).all():
+        return array
+    return None
 
 
 def _below(place: str, small: Any, large: Any) -> None:
     """Notes `small < large`: an error below its bound, or a bound below an effect that must be
     seen.
     """
-    low, high = _number(small), _number(large)
+    low = _number(small)
+    high = _number(large)
     if low is None or high is None or low.dtype.kind == "c" or high.dtype.kind == "c":
         return
     try:
@@ -72,7 +75,8 @@ def _below(place: str, small: Any, large: Any) -> None:
 
 def _close(place: str, actual: Any, expected: Any, relative: float, absolute: float) -> None:
     """Notes |actual - expected| against absolute + relative |expected|."""
-    found, wanted = _number(actual), _number(expected)
+    found = _number(actual)
+    wanted = _number(expected)
     if found is None or wanted is None:
         return
     try:
@@ -96,8 +100,14 @@ def _close(place: str, actual: Any, expected: Any, relative: float, absolute: fl
 def _approx(place: str, actual: Any, wanted: Any) -> None:
     """Notes a comparison with pytest.approx; its tolerance is the larger of the two."""
     expected = wanted.expected
-    relative = 1e-6 if wanted.rel is None else wanted.rel
-    absolute = 1e-12 if wanted.abs is None else wanted.abs
+    if wanted.rel is None:
+        relative = 1e-6
+    else:
+        relative = wanted.rel
+    if wanted.abs is None:
+        absolute = 1e-12
+    else:
+        absolute = wanted.abs
     if wanted.abs is not None and wanted.rel is None:
         relative = 0.0
     if isinstance(expected, dict):
@@ -145,7 +155,10 @@ class _Noted(ast.NodeTransformer):
                 operands[number + 1],
             ]
             calls.append(ast.Call(ast.Name(NAME, ast.Load()), arguments, []))
-        whole = calls[0] if len(calls) == 1 else ast.BoolOp(ast.And(), calls)
+        if len(calls) == 1:
+            whole = calls[0]
+        else:
+            whole = ast.BoolOp(ast.And(), calls)
         return ast.fix_missing_locations(ast.copy_location(whole, node))
 
 
@@ -153,9 +166,9 @@ def _from_here() -> str | None:
     """The place in a test from which numpy or math was called."""
     frame = sys._getframe(2)
     path = frame.f_code.co_filename
-    return (
-        f"{_short(path)}:{frame.f_lineno}" if "/tests/" in path or "/validation/" in path else None
-    )
+    if "/tests/" in path or "/validation/" in path:
+        return f"{_short(path)}:{frame.f_lineno}"
+    return None
 
 
 def _another_seed(seed: int) -> None:

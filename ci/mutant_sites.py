@@ -87,7 +87,10 @@ class Site:
 def sites(root: Path, path: str) -> list[Site]:
     """All sites of one file."""
     text = (root / path).read_bytes()
-    found = of_python(path, text) if path.endswith(".py") else of_c(path, text)
+    if path.endswith(".py"):
+        found = of_python(path, text)
+    else:
+        found = of_c(path, text)
     return sorted(found, key=lambda site: (site.begin, site.end, site.instead))
 
 
@@ -111,7 +114,9 @@ def other_number(text: str) -> str | None:
         return None
     if "." in text or "e" in text.lower():
         return repr(1.5 * value if value else 1.0)
-    return "0" if value == 1 else str(int(value) + 1)
+    if value == 1:
+        return "0"
+    return str(int(value) + 1)
 
 
 def of_c(path: str, text: bytes) -> Iterator[Site]:
@@ -167,7 +172,8 @@ class _Python(ast.NodeVisitor):
     """Collects the sites of a module."""
 
     def __init__(self, path: str, text: bytes) -> None:
-        self.path, self.text = path, text
+        self.path = path
+        self.text = text
         self.lines = [0, *(at + 1 for at, byte in enumerate(text) if byte == ord("\n"))]
         self.found: list[Site] = []
         self.statement = 0
@@ -189,7 +195,8 @@ class _Python(ast.NodeVisitor):
 
     def between(self, left: ast.AST, right: ast.AST, operator: str) -> None:
         """An operator between two operands becomes another one."""
-        begin, end = self.span(left)[1], self.span(right)[0]
+        begin = self.span(left)[1]
+        end = self.span(right)[0]
         place = self.text.find(operator.encode(), begin, end)
         if place >= 0:
             self.note(kind_of(operator), place, place + len(operator), SWAPPED[operator])

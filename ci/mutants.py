@@ -67,9 +67,18 @@ def quick_flags() -> tuple[str, ...]:
     bits as all of them.
     """
     info = Path("/proc/cpuinfo")
-    words = set(info.read_text().split()) if info.exists() else set()
-    level = "x86-64-v3" if {"avx2", "fma"} <= words else "x86-64"
-    own = (f"-DREFDEM_ONE_CPU={level}",) if platform.machine() == "x86_64" else ()
+    if info.exists():
+        words = set(info.read_text().split())
+    else:
+        words = set()
+    if {"avx2", "fma"} <= words:
+        level = "x86-64-v3"
+    else:
+        level = "x86-64"
+    if platform.machine() == "x86_64":
+        own = (f"-DREFDEM_ONE_CPU={level}",)
+    else:
+        own = ()
     return ("-O1", *own)
 
 
@@ -202,8 +211,13 @@ class Judge:
         if not shown:
             return "survived", ""
         with planted(copy, site.path, site.planted(text)) as is_sound:
-            killer = self._killer(copy, site, text, shown) if is_sound else ""
-        return ("killed", f"{killer} (sanitizers)") if killer else ("survived", "")
+            if is_sound:
+                killer = self._killer(copy, site, text, shown)
+            else:
+                killer = ""
+        if killer:
+            return ("killed", f"{killer} (sanitizers)")
+        return ("survived", "")
 
     def _check_builds(self, copy: TreeCopy, site: Site, text: bytes) -> None:
         """Raises RuntimeError if the file does not compile without the mutant either."""
@@ -313,7 +327,10 @@ def planted(copy: TreeCopy, path: str, text: bytes, then: bytes | None = None) -
 
     True if it compiles. Afterwards it is `then`, or what the tree says.
     """
-    families = copy.families_of(path) if not path.endswith(".py") else []
+    if not path.endswith(".py"):
+        families = copy.families_of(path)
+    else:
+        families = []
     try:
         copy.written(path, text)
         yield _is_sound(copy, path, text, families)
@@ -509,7 +526,10 @@ def report(found: Sequence[Verdict]) -> str:
             outcomes.count(name) for name in ("killed", "equivalent", "not executed", "survived")
         ]
         able = len(outcomes) - counts[1]
-        share = f"{counts[0] / able:.0%}" if able else "none"
+        if able:
+            share = f"{counts[0] / able:.0%}"
+        else:
+            share = "none"
         lines.append(
             f"| {group.name} | {len(outcomes)} | {' | '.join(map(str, counts))} | {share} |"
             f" {group.goal:.0%} |"

@@ -243,7 +243,9 @@ def main() -> int:
         tight = crowded(margins)
     print("\n".join(f"too little room: {line}" for line in tight))
     print(f"red: {' '.join(red) or 'none'}; tolerances with less room than {ROOM:g}: {len(tight)}")
-    return 1 if red or tight else 0
+    if red or tight:
+        return 1
+    return 0
 
 
 if __name__ == "__main__":

@@ -31,7 +31,9 @@ def base() -> str:
 def answer(*question: str) -> str:
     """What git says, or nothing where it fails."""
     done = subprocess.run(["git", *question], capture_output=True, text=True)
-    return done.stdout.strip() if done.returncode == 0 else ""
+    if done.returncode == 0:
+        return done.stdout.strip()
+    return ""
 
 
 def touched(changed: list[str]) -> set[str] | None:
@@ -44,7 +46,8 @@ def touched(changed: list[str]) -> set[str] | None:
         parts = PurePosixPath(file).parts
         if parts[0] != "refdem" or len(parts) < 2:
             continue
-        folder, stem = parts[1], PurePosixPath(file).stem
+        folder = parts[1]
+        stem = PurePosixPath(file).stem
         if parts[1:3] == ("faults", "catalogue") and stem != "__init__":
             names |= {
                 fault.name for fault in import_module(f"refdem.faults.catalogue.{stem}").FAULTS
@@ -71,7 +74,10 @@ def in_file(case: str, stem: str) -> bool:
 
 def main() -> None:
     """Prints the answer on one line."""
-    since = sys.argv[1] if len(sys.argv) > 1 else base()
+    if len(sys.argv) > 1:
+        since = sys.argv[1]
+    else:
+        since = base()
     if not since:
         print("all")
         return

@@ -120,7 +120,8 @@ class TreeCopy:
 
     def _copied(self, name: str) -> None:
         """Copies one file unless it is the same already; links and rights stay what they are."""
-        source, target = ROOT / name, self.place / name
+        source = ROOT / name
+        target = self.place / name
         if target.exists() and target.read_bytes() == source.read_bytes():
             return
         target.parent.mkdir(parents=True, exist_ok=True)
@@ -241,7 +242,10 @@ class TreeCopy:
             environment["REFDEM_CURRENT_TEST"] = str(Path(nest) / "current")
             environment["REFDEM_SECONDS"] = str(Path(nest) / "seconds")
             Path(environment["REFDEM_SECONDS"]).write_text(json.dumps(seconds or {}))
-            capture = ("--capture=sys",) if self.is_sanitized else ()
+            if self.is_sanitized:
+                capture = ("--capture=sys",)
+            else:
+                capture = ()
             command = [
                 sys.executable,
                 *COMMAND,

@@ -27,7 +27,9 @@ def rate(q: np.ndarray, omega_body: np.ndarray) -> np.ndarray:
 
 def turned(steps: int, *, by_half: bool) -> np.ndarray:
     """Attitude after T; `by_half`: the half step's attitude takes the momentum into the body."""
-    q, h, momentum = START, T / steps, J * OMEGA
+    q = START
+    h = T / steps
+    momentum = J * OMEGA
     for _ in range(steps):
         q_half = q + 0.5 * h * rate(q, matrix(q).T @ momentum / J)
         of_half = q_half / np.linalg.norm(q_half)

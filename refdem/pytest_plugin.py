@@ -37,11 +37,9 @@ def pytest_addoption(parser: pytest.Parser) -> None:
 def pytest_collect_file(file_path: Path, parent: pytest.Collector) -> pytest.Collector | None:
     """A refdem.toml as a file of tests."""
     wanted = parent.config.getoption("--refdem") or parent.config.getini("refdem")
-    return (
-        RefdemFile.from_parent(parent, path=file_path)
-        if wanted and file_path.name == "refdem.toml"
-        else None
-    )
+    if wanted and file_path.name == "refdem.toml":
+        return RefdemFile.from_parent(parent, path=file_path)
+    return None
 
 
 class RefdemFile(pytest.File):

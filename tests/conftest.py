@@ -35,7 +35,8 @@ def command_line() -> "Callable[..., subprocess.CompletedProcess[str]]":
     def called(
         *arguments: str, cwd: Path | None = None, env: dict[str, str] | None = None
     ) -> "subprocess.CompletedProcess[str]":
-        out, err = io.StringIO(), io.StringIO()
+        out = io.StringIO()
+        err = io.StringIO()
         with contextlib.ExitStack() as stack:
             stack.enter_context(mock.patch.object(sys, "argv", ["refdem", *arguments]))
             stack.enter_context(
@@ -58,7 +59,9 @@ def _status() -> int:
     try:
         main()
     except SystemExit as end:
-        return end.code if isinstance(end.code, int) else int(end.code is not None)
+        if isinstance(end.code, int):
+            return end.code
+        return int(end.code is not None)
     except BaseException:
         traceback.print_exc()
         return 1

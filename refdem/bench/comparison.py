@@ -38,10 +38,14 @@ def compared(now: Record, then: Record) -> list[Change]:
     found = []
     for curve in now.curves:
         other = before.get(curve.key)
-        levels = _common(curve, other) if other else set()
+        if other:
+            levels = _common(curve, other)
+        else:
+            levels = set()
         if other is None or not levels:
             continue
-        a, b = rounds_of(now, curve, levels), rounds_of(then, other, levels)
+        a = rounds_of(now, curve, levels)
+        b = rounds_of(then, other, levels)
         errors = {point.level: point.error for point in other.points}
         worst = max(
             (
@@ -96,7 +100,9 @@ def verdict_of_pairs(pairs: Sequence[float]) -> str:
     change = statistics.median(pairs)
     if min(pairs) > 0 and change > math.log1p(CHANGE):
         return "slower"
-    return "faster" if max(pairs) < 0 and -change > math.log1p(CHANGE) else "same"
+    if max(pairs) < 0 and -change > math.log1p(CHANGE):
+        return "faster"
+    return "same"
 
 
 def _common(curve: Curve, other: Curve) -> set[float]:
@@ -134,11 +140,10 @@ def false_alarm_rate(record: Record) -> float | None:
     """
     alarms = total = 0
     for curve in record.curves:
-        series = (
-            rounds_of(record, curve, {point.level for point in curve.points})
-            if curve.points
-            else []
-        )
+        if curve.points:
+            series = rounds_of(record, curve, {point.level for point in curve.points})
+        else:
+            series = []
         half = len(series) // 2
         if half < 4:
             continue
@@ -146,4 +151,6 @@ def false_alarm_rate(record: Record) -> float | None:
             rest = [value for number, value in enumerate(series) if number not in chosen]
             alarms += verdict([series[number] for number in chosen], rest) != "same"
             total += 1
-    return alarms / total if total else None
+    if total:
+        return alarms / total
+    return None

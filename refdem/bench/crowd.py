@@ -64,7 +64,8 @@ def costs(
 
 def _of_gas(gas: Gas, law: str, able: Sequence[Crowd], rounds: int) -> list[Cost]:
     """All codes on one gas, in turns."""
-    n, steps = len(gas.position), {}
+    n = len(gas.position)
+    steps = {}
     for crowd in able:
         once = crowd.seconds(gas, FEWEST_STEPS) / FEWEST_STEPS
         steps[crowd] = max(FEWEST_STEPS, int(LONG / max(once, 1e-9)))
@@ -73,7 +74,10 @@ def _of_gas(gas: Gas, law: str, able: Sequence[Crowd], rounds: int) -> list[Cost
         for crowd in able:
             taken[crowd].append(1e9 * crowd.seconds(gas, steps[crowd]) / steps[crowd] / n)
     own = next(taken[crowd] for crowd in able if crowd.is_reference)
-    boundary = "periodic" if gas.periodic else "walls"
+    if gas.periodic:
+        boundary = "periodic"
+    else:
+        boundary = "walls"
     return [Cost(n, law, boundary, crowd.name, crowd.note, taken[crowd], own) for crowd in able]
 
 

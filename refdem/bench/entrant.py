@@ -32,10 +32,14 @@ class Entrant:
 
     def request(self, level: float, problem: Problem | None = None) -> Request:
         """The request of a level, also of another problem."""
-        asked = self.instance.problem if problem is None else problem
-        control: dict[str, Any] = (
-            {} if self.method.control == "exact" else {self.method.control: level}
-        )
+        if problem is None:
+            asked = self.instance.problem
+        else:
+            asked = problem
+        if self.method.control == "exact":
+            control: dict[str, Any] = {}
+        else:
+            control = {self.method.control: level}
         return Request(problem=asked, method=self.method.name, **control)
 
     def run(self, level: float) -> tuple[Trajectory, Cost]:

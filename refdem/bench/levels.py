@@ -23,7 +23,10 @@ def levels(instance: Instance, method: Method, *, most_steps: float) -> tuple[fl
     first = refinement.levels(instance, method, 1, most_steps)
     if not first:
         return ()
-    factor = 2 if method.order_for(instance.problem.features) > 2 else 4
+    if method.order_for(instance.problem.features) > 2:
+        factor = 2
+    else:
+        factor = 4
     found = [first[0]]
     while instance.times[-1] / found[-1] * factor <= most_steps:
         found.append(found[-1] / factor)

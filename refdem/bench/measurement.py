@@ -19,11 +19,13 @@ from refdem.kernels import repeated
 
 ENOUGH = 1e-14
 """An error that no refinement improves."""
-SHORT, MOST_INNER = 2e-3, 15
+SHORT = 2e-3
+MOST_INNER = 15
 """Runs shorter than this [s] are repeated within a round, as a clock and a cache that is cold would
 be seen; the median counts.
 """
-BRIEF, MOST_REPEATS = 1e-4, 100
+BRIEF = 1e-4
+MOST_REPEATS = 100
 """Runs shorter than this [s] are repeated within one reading of the clock too, where the engine
 allows it, until they have taken as long: what Python does between two runs leaves caches cold,
 which would cost a run of a microsecond as much again."""
@@ -48,14 +50,12 @@ class Measured:
         tables.
         """
         later = [cost.setup for costs in self.rounds.values() for cost in costs]
-        return (
-            max(
+        if later:
+            return max(
                 0.0,
                 max((c.setup for c in self.first.values()), default=0.0) - statistics.median(later),
             )
-            if later
-            else 0.0
-        )
+        return 0.0
 
     def points(self, names: set[str]) -> list[Point]:
         """One point a level, coarse to fine; the error is the largest among `names`."""
@@ -80,7 +80,8 @@ def refined(entrant: Entrant, truth: SampledTruth, *, longest: float) -> Measure
     A coarse level at which the engine breaks down is left out; if it breaks at all of them, the
     last reason is the refusal.
     """
-    found, best = Measured(entrant), float("inf")
+    found = Measured(entrant)
+    best = float("inf")
     risen = 0
     for level in entrant.levels:
         try:
@@ -89,9 +90,14 @@ def refined(entrant: Entrant, truth: SampledTruth, *, longest: float) -> Measure
         except (RefdemError, ArithmeticError) as error:
             found.refusal = str(error)
             continue
-        found.errors[level], found.first[level], found.rounds[level] = errors, cost, []
+        found.errors[level] = errors
+        found.first[level] = cost
+        found.rounds[level] = []
         worst = max(errors.values())
-        risen = 0 if worst < 0.7 * best else risen + 1
+        if worst < 0.7 * best:
+            risen = 0
+        else:
+            risen = risen + 1
         best = min(best, worst)
         if best <= ENOUGH or risen >= 2 or cost.seconds > longest:
             break
@@ -136,7 +142,10 @@ def _timed(measured: Measured, level: float) -> Cost:
 
 
 def _beside(measured: Measured, level: float, other: Other | None, place: int) -> None:
-    seconds = other(place) if other else None
+    if other:
+        seconds = other(place)
+    else:
+        seconds = None
     if seconds is not None:
         measured.beside.setdefault(level, []).append(seconds)
 
@@ -145,7 +154,10 @@ def median_cost(run: Callable[[], Cost], first: float) -> Cost:
     """The cost of one run; of short ones, which took `first` seconds once, the run with the median
     time.
     """
-    inner = 1 if first > SHORT else min(MOST_INNER, int(SHORT / max(first, 1e-7)) + 1)
+    if first > SHORT:
+        inner = 1
+    else:
+        inner = min(MOST_INNER, int(SHORT / max(first, 1e-7)) + 1)
     with repeated(min(MOST_REPEATS, int(BRIEF / max(first, 1e-7)) + 1)):
         costs = sorted((run() for _ in range(inner)), key=lambda cost: cost.seconds)
     return costs[inner // 2]

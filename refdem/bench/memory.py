@@ -9,7 +9,8 @@ from refdem.core import discovery
 from refdem.core.engine import Engine
 from refdem.core.problem import Request
 
-STATUS, RESET = Path("/proc/self/status"), Path("/proc/self/clear_refs")
+STATUS = Path("/proc/self/status")
+RESET = Path("/proc/self/clear_refs")
 
 
 def peaks(asked: Sequence[tuple[str, bool, Request, Request]]) -> list[int | None]:
@@ -28,9 +29,10 @@ def peaks(asked: Sequence[tuple[str, bool, Request, Request]]) -> list[int | Non
 
 
 def _peak(name: str, is_peer: bool, coarse: bytes, fine: bytes) -> int | None:
-    engine: Engine = (
-        next(peer for peer in peers() if peer.name == name) if is_peer else discovery.engine(name)
-    )
+    if is_peer:
+        engine: Engine = next(peer for peer in peers() if peer.name == name)
+    else:
+        engine = discovery.engine(name)
     try:
         engine.run(Request.unpacked(coarse))
         request = Request.unpacked(fine)

@@ -45,7 +45,8 @@ def _crossing(points: Sequence[Point], meets: int, target: float, number: int) -
     if meets == 0:
         return after.rounds[number]
     before = points[meets - 1]
-    early, late = before.rounds[number], after.rounds[number]
+    early = before.rounds[number]
+    late = after.rounds[number]
     if not (after.error > 0 and early < late):
         return late
     part = math.log(before.error / target) / math.log(before.error / after.error)
@@ -75,7 +76,10 @@ def constant(points: Sequence[Point], *, claimed: int, tau: float, duration: flo
 def _truncating(points: Sequence[Point]) -> list[tuple[Point, Point]]:
     """Neighbours whose errors both stand clear of the floor and of the scale itself, and fall."""
     floor = min((point.error for point in points), default=0.0)
-    last = points[-1].error if points else 0.0
+    if points:
+        last = points[-1].error
+    else:
+        last = 0.0
     still_falling = len(points) > 1 and last == floor and points[-2].error > 3 * last
     clear = max(ROUND_OFF, 0.0 if still_falling else CLEAR * floor)
     return [(a, b) for a, b in pairwise(points) if 0 < b.error < a.error < 0.3 and b.error > clear]
@@ -101,4 +105,6 @@ def growth(by: str, sizes: Sequence[float], times: Sequence[float]) -> Growth:
 
 def per_step(points: Sequence[Point]) -> float | None:
     """Seconds a step at the finest level; None where steps are not counted."""
-    return seconds(points[-1]) / points[-1].steps if points and points[-1].steps else None
+    if points and points[-1].steps:
+        return seconds(points[-1]) / points[-1].steps
+    return None

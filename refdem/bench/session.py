@@ -97,7 +97,10 @@ class Bench:
                 ) or method.answers != instance.problem.kind:
                     continue
                 refusal = engine.refuses(instance.problem, method) or ""
-                chosen = () if refusal else levels(instance, method, most_steps=self.most_steps)
+                if refusal:
+                    chosen = ()
+                else:
+                    chosen = levels(instance, method, most_steps=self.most_steps)
                 if refusal and silent:
                     continue
                 entrant = Entrant(instance, engine, method, chosen, is_peer)
@@ -136,12 +139,15 @@ class Bench:
             )
 
     def _peers(self) -> list[Engine]:
-        return peers() if self.with_peers else []
+        if self.with_peers:
+            return peers()
+        return []
 
     def _curve(self, measured: Measured, names: set[str]) -> Curve:
         """The curve of an entrant, with all that follows from its points."""
         entrant = measured.entrant
-        instance, method = entrant.instance, entrant.method
+        instance = entrant.instance
+        method = entrant.method
         bare = Curve(
             label=instance.label,
             engine=entrant.engine.name,
@@ -154,7 +160,10 @@ class Bench:
         points = measured.points(names)
         if not points:
             return bare
-        claimed = method.order_for(instance.problem.features) if method.control == "step" else 0
+        if method.control == "step":
+            claimed = method.order_for(instance.problem.features)
+        else:
+            claimed = 0
         scales = instance.scales
         constant = precision.constant(
             points, claimed=claimed, tau=scales.tau, duration=scales.duration
@@ -175,16 +184,21 @@ class Bench:
 
     def _growth(self, measured: Measured) -> list[Growth]:
         """Time against steps, and against the parameter asked for at the finest level."""
-        entrant, level = measured.entrant, next(reversed(measured.errors))
+        entrant = measured.entrant
+        level = next(reversed(measured.errors))
         counted = [
             (cost.steps, precision.seconds_of(measured.rounds[h]))
             for h, cost in measured.first.items()
             if cost.steps
         ]
         stepped = entrant.method.control == "step" and len(counted) > 1
-        found = [precision.growth("steps", *zip(*counted, strict=True))] if stepped else []
+        if stepped:
+            found = [precision.growth("steps", *zip(*counted, strict=True))]
+        else:
+            found = []
         for name, values in self.grow.items():
-            sizes, times = [], []
+            sizes = []
+            times = []
             for value in values:
                 grown = entrant.instance.case.at(**(dict(entrant.instance.p.given) | {name: value}))
                 if entrant.engine.refuses(grown.problem, entrant.method) is None:
@@ -205,10 +219,14 @@ class Bench:
 
     def _with_memory(self, measured: list[Measured], curves: list[Curve]) -> list[Curve]:
         """The curves with the peak memory of their finest runs."""
-        places = [k for k, found in enumerate(measured) if found.errors] if self.with_memory else []
+        if self.with_memory:
+            places = [k for k, found in enumerate(measured) if found.errors]
+        else:
+            places = []
         asked = []
         for k in places:
-            entrant, run = measured[k].entrant, list(measured[k].errors)
+            entrant = measured[k].entrant
+            run = list(measured[k].errors)
             asked.append(
                 (
                     entrant.engine.address,
@@ -234,7 +252,10 @@ def sampled_truth(instance: Instance, entrants: list[Entrant]) -> SampledTruth:
     delays = tuple(
         sorted({delay for e in entrants for level in e.levels if (delay := e.method.delay(level))})
     )
-    truth = None if delays else kept_truth(instance)
+    if delays:
+        truth = None
+    else:
+        truth = kept_truth(instance)
     if truth is None:
         truth = msgspec.msgpack.decode(
             worker.sampled_truth(instance.case.id, dict(instance.p.given), delays),
@@ -252,4 +273,6 @@ def _common(found: list[Measured]) -> set[str]:
     none.
     """
     shown = [set(errors) for measured in found for errors in measured.errors.values()]
-    return set.intersection(*shown) or set.union(*shown) if shown else set()
+    if shown:
+        return set.intersection(*shown) or set.union(*shown)
+    return set()

@@ -7,7 +7,8 @@ from refdem.core.problem import Motion
 from refdem.core.stability import BEYOND, excess, probe
 from refdem.errors import RefdemError
 
-FIRST, LAST = 1 / 8, 16.0
+FIRST = 1 / 8
+LAST = 16.0
 """Multiples of 2/omega between which the limit is looked for."""
 BISECTIONS = 12
 

@@ -81,10 +81,8 @@ def _name(curve: Curve) -> str:
 
 
 def _times(curve: Curve) -> tuple[str, ...]:
-    least, setup = (
-        min(point.error for point in curve.points),
-        statistics.median(point.setup for point in curve.points),
-    )
+    least = min(point.error for point in curve.points)
+    setup = statistics.median(point.setup for point in curve.points)
     return (
         _name(curve),
         *(_reached(reach) for reach in curve.reached),
@@ -96,11 +94,9 @@ def _times(curve: Curve) -> tuple[str, ...]:
 
 def _reached(reach: Reach | None) -> str:
     """The median with the least and the most of the rounds."""
-    return (
-        "not reached"
-        if reach is None
-        else f"{duration(reach.seconds)} ({duration(reach.least)} to {duration(reach.most)})"
-    )
+    if reach is None:
+        return "not reached"
+    return f"{duration(reach.seconds)} ({duration(reach.least)} to {duration(reach.most)})"
 
 
 def _ratios(curves: Sequence[Curve]) -> list[tuple[str, ...]]:
@@ -130,7 +126,9 @@ def _fastest(reached: Sequence[Reach | None]) -> Reach | None:
 
 def _ratio(peer: Reach | None, own: Reach | None) -> str:
     if peer is None:
-        return "no peer gets there" if own else NONE
+        if own:
+            return "no peer gets there"
+        return NONE
     if own is None:
         return "not reached"
     return (
@@ -140,14 +138,19 @@ def _ratio(peer: Reach | None, own: Reach | None) -> str:
 
 
 def _more(curve: Curve) -> tuple[str, ...]:
-    orders = (
-        f"{curve.order_seen:.2f} (claimed {curve.order_claimed})"
-        if curve.order_seen is not None
-        else NONE
-    )
-    step = per_step(curve.points) if curve.control == "step" else None
+    if curve.order_seen is not None:
+        orders = f"{curve.order_seen:.2f} (claimed {curve.order_claimed})"
+    else:
+        orders = NONE
+    if curve.control == "step":
+        step = per_step(curve.points)
+    else:
+        step = None
     grows = "; ".join(map(_growth, curve.growth)) or NONE
-    memory = NONE if curve.memory is None else f"{two(curve.memory / 2**20)} MiB"
+    if curve.memory is None:
+        memory = NONE
+    else:
+        memory = f"{two(curve.memory / 2**20)} MiB"
     limit = curve.limited or (NONE if curve.limit is None else f"{curve.limit:.3f}")
     return (
         _name(curve),
@@ -162,19 +165,22 @@ def _more(curve: Curve) -> tuple[str, ...]:
 
 def _growth(growth: Growth) -> str:
     """The power, and the time at the largest size."""
-    power = NONE if growth.exponent is None else f"{growth.by}^{growth.exponent:.1f}"
+    if growth.exponent is None:
+        power = NONE
+    else:
+        power = f"{growth.by}^{growth.exponent:.1f}"
     return f"{power}, {duration(growth.seconds[-1])} at {growth.sizes[-1]:g}"
 
 
 def two(value: float | None) -> str:
     """Two significant digits; a dash if there is none."""
     if value is None or not math.isfinite(value):
-        return NONE if value is None else str(value)
-    return (
-        f"{float(f'{value:.1e}'):.4g}"
-        if 1e-3 <= abs(value) < 1e6 or value == 0
-        else f"{value:.1e}".replace("e-0", "e-")
-    )
+        if value is None:
+            return NONE
+        return str(value)
+    if 1e-3 <= abs(value) < 1e6 or value == 0:
+        return f"{float(f'{value:.1e}'):.4g}"
+    return f"{value:.1e}".replace("e-0", "e-")
 
 
 def duration(value: float) -> str:

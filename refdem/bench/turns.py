@@ -30,11 +30,10 @@ class Place(msgspec.Struct, frozen=True):
 
     def runnable(self) -> tuple[Engine, Request]:
         """The engine as it is here, and the request; raises RefdemError if there is none."""
-        found = (
-            next((p for p in peers() if p.name == self.engine), None)
-            if self.is_peer
-            else discovery.engine(self.engine)
-        )
+        if self.is_peer:
+            found = next((p for p in peers() if p.name == self.engine), None)
+        else:
+            found = discovery.engine(self.engine)
         if found is None:
             raise RefdemError(f"{self.engine} is not installed there")
         return found, Request.from_json(bytes(self.request))

@@ -69,8 +69,14 @@ class Campaign:
         start = time.perf_counter()
         engines, _ = plan.engines(self.specification)
         _refuse_namesakes(engines)
-        key = unchanged.key_of(self.specification, engines) if self.use_store else None
-        found = unchanged.kept(self.store, key) if key else None
+        if self.use_store:
+            key = unchanged.key_of(self.specification, engines)
+        else:
+            key = None
+        if key:
+            found = unchanged.kept(self.store, key)
+        else:
+            found = None
         if found is None:
             found = self._made(engines)
             if key and self.lasting:
@@ -169,7 +175,10 @@ class Campaign:
                 ).append((n, variant))
         jobs = []
         for key, places in keys.items():
-            known = self.store.read("run", key, answer_of) if self.use_store else None
+            if self.use_store:
+                known = self.store.read("run", key, answer_of)
+            else:
+                known = None
             if known is not None:
                 self.read += 1
                 self._hand_on(tasks, requests, key, places, known, from_store=True)
@@ -206,11 +215,10 @@ class Campaign:
     def _job(self, key: str, task: Task, request: Request) -> Job:
         """A run in a worker; a time limit that an engine keeps itself comes before the worker's."""
         engine = task.engine
-        limit = (
-            None
-            if engine.time_limit is None
-            else max(self.specification.timeout, engine.time_limit + GRACE)
-        )
+        if engine.time_limit is None:
+            limit = None
+        else:
+            limit = max(self.specification.timeout, engine.time_limit + GRACE)
         deadline = self.deadlines.get(engine.name, math.inf)
         asked = (engine.address, request.packed(), deadline)
         if not isinstance(engine, ProgramEngine):
@@ -248,7 +256,9 @@ class Campaign:
         if not variant.goes_on:
             return plan.request(task, variant, ulps=self.specification.perturbed_ulps)
         base = self.runs[n, variant.base].trajectory
-        return None if base is None else plan.request(task, variant, base)
+        if base is None:
+            return None
+        return plan.request(task, variant, base)
 
     def _kept(self, key: str, result: bytes | Failure) -> Answer:
         """How a run ended; it goes to the store unless it crashed or hung, which is tried again

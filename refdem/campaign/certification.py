@@ -59,7 +59,8 @@ def wanted_sets(folder: Path, cases: Iterable[str] = ()) -> list[Wanted]:
     path = folder / "sets.toml"
     document = document_of(path)
     document.pop(SAMPLED, None)
-    only, found = set(cases), []
+    only = set(cases)
+    found = []
     for unknown in only - set(document):
         raise UsageError(f"{path} has no sets of case {unknown!r}; it has {', '.join(document)}")
     for case, groups in document.items():
@@ -120,7 +121,10 @@ def proved_set(case: str, given: dict[str, str], times: tuple[str, ...], job: st
         return _result(
             [], f"the witness ({said['by']}) does not confirm {', '.join(said['denied'][:5])}"
         )
-    witnessed = {name: said[name] for name in ("by", "values", "digits")} if said else None
+    if said:
+        witnessed = {name: said[name] for name in ("by", "values", "digits")}
+    else:
+        witnessed = None
     more = {"source": digest_of(case), "job": job, "witnessed": witnessed, "not_certified": missing}
     return _result(block(instance.label, instance.p.texts(), truth, found, **more), "")
 
@@ -186,7 +190,10 @@ class Certification:
         that a killed run resumes.
         """
         keys = {job.key: job.arguments[-1] for job in jobs}
-        kept: dict[tuple[str, str], bytes] = {} if self.anew else self._kept(keys)
+        if self.anew:
+            kept: dict[tuple[str, str], bytes] = {}
+        else:
+            kept = self._kept(keys)
         missing = [job for job in jobs if job.key not in kept]
         with Schedule(self.jobs, LONGEST) as schedule:
             for done, (job, result) in enumerate(schedule.results(missing), 1):
@@ -220,7 +227,8 @@ class Certification:
     ) -> None:
         from refdem.truth.certified.writing import file_text, sums
 
-        certified, kept = self.folder / "certified", self.folder / "samples"
+        certified = self.folder / "certified"
+        kept = self.folder / "samples"
         for home in (certified, kept):
             home.mkdir(parents=True, exist_ok=True)
         for case, found in blocks.items():
@@ -252,7 +260,10 @@ def job_digest(kind: str, label: str, arguments: tuple[Any, ...]) -> str:
     from refdem.truth.witnesses.testimony import witness_files
 
     case = arguments[0]
-    witness = closure(witness_files(case)) if kind == "set" else set()
+    if kind == "set":
+        witness = closure(witness_files(case))
+    else:
+        witness = set()
     asked = [kind, label, arguments, digest_of(case), digest_of_files({*WRITERS, *witness})]
     return hashlib.sha256(msgspec.json.encode(asked)).hexdigest()
 

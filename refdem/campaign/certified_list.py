@@ -73,7 +73,9 @@ def certified_case(name: str, sets: list[CertifiedSet]) -> CertifiedCase:
 
 def _digits(radius: Fraction) -> int | None:
     """Decimal places before the radius begins; None if it is 0."""
-    return math.floor(-math.log10(radius)) if radius else None
+    if radius:
+        return math.floor(-math.log10(radius))
+    return None
 
 
 def in_all(found: list[CertifiedCase]) -> str:

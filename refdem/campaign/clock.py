@@ -110,7 +110,9 @@ def _pace(passed: Array, asked: Request) -> float:
     pace = abs(float(passed[-1] / total))
     slowest, fastest = PLAUSIBLE
     is_miscounted = slowest <= pace <= fastest or pace == 0
-    return 1.0 if is_miscounted or not np.isfinite(pace) else pace
+    if is_miscounted or not np.isfinite(pace):
+        return 1.0
+    return pace
 
 
 def _steps_late(scene: ClockScene, asked: Request, seen: Trajectory, pace: float) -> Array:
@@ -134,7 +136,10 @@ def _miscount(late: Array, stride: int) -> str:
         )
     sample = int(np.argmax(np.abs(late)))
     count = max(1, round(abs(float(late[sample]))))
-    steps = "1 step" if count == 1 else f"{count} steps"
+    if count == 1:
+        steps = "1 step"
+    else:
+        steps = f"{count} steps"
     return (
         f"has taken {steps} too {'many' if late[sample] > 0 else 'few'} at sample {sample} of"
         f" {SAMPLES}"

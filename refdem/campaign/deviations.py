@@ -46,7 +46,10 @@ def _applied(record: Record, finding: Finding, deviations: list[Deviation]) -> F
         says = f"{finding.sentence} A deviation was expected here and is stale: {why}"
         return msgspec.structs.replace(finding, outcome="stale", sentence=says)
     inside = deviation.low <= finding.value <= deviation.high
-    side = "inside" if inside else "outside"
+    if inside:
+        side = "inside"
+    else:
+        side = "outside"
     says = (
         f"{finding.sentence} It is {side} the expected deviation [{deviation.low:.3g},"
         f" {deviation.high:.3g}]: {why}"

@@ -59,14 +59,16 @@ class Elsewhere(Engine):
     """
 
     def __init__(self, described: Engine, version: str, folder: Path, *, writes: bool) -> None:
-        self.name, self.title, self.licence, self.methods = (
-            described.name,
-            described.title,
-            described.licence,
-            described.methods,
-        )
-        self.expected, self.may_refuse = described.expected, described.may_refuse
-        self.described, self.at, self.folder, self.writes = described, version, folder, writes
+        self.name = described.name
+        self.title = described.title
+        self.licence = described.licence
+        self.methods = described.methods
+        self.expected = described.expected
+        self.may_refuse = described.may_refuse
+        self.described = described
+        self.at = version
+        self.folder = folder
+        self.writes = writes
         self.asked: Counter[str] = Counter()
         self.waiting: list[str] = []
 
@@ -94,7 +96,10 @@ class Elsewhere(Engine):
         """
         plain = request.key(self.name)
         self.asked[plain] += 1
-        name = plain[:32] if self.asked[plain] == 1 else f"{plain[:32]}-{self.asked[plain]}"
+        if self.asked[plain] == 1:
+            name = plain[:32]
+        else:
+            name = f"{plain[:32]}-{self.asked[plain]}"
         folder = self.folder / name
         if not (folder / "request.json").is_file():
             if not self.writes:
@@ -112,7 +117,10 @@ class Elsewhere(Engine):
             self.waiting.append(name)
             raise EngineError(f"{name}/trajectory.csv has not come back")
         trajectory = read_answer(request.problem, folder / "trajectory.csv", folder / "events.csv")
-        steps = request.stride * (len(request.problem.times) - 1) if request.step else 0
+        if request.step:
+            steps = request.stride * (len(request.problem.times) - 1)
+        else:
+            steps = 0
         return trajectory, Cost(seconds=0.0, steps=steps)
 
 

@@ -93,7 +93,10 @@ def _drive(name: str, *, start: float) -> Probe:
 
     It never vanishes within the probe: step control that is relative to the force would stop there.
     """
-    amplitude, rate, phase, mass = 12.0, 1.25, -0.7, 2.0
+    amplitude = 12.0
+    rate = 1.25
+    phase = -0.7
+    mass = 2.0
     start_velocity = 0.5
     body = Body(mass=mass, position=(1.0, 0.0, 0.0), velocity=(0.0, start_velocity, 0.0))
     force = Force(a=0, amplitude=amplitude, frequency=rate, phase=phase, axis=(0.0, 1.0, 0.0))
@@ -117,7 +120,10 @@ def _dumbbell() -> Probe:
     """Two points on a rod that turns about their centre of mass, which moves: the rod holds mu w^2
     l.
     """
-    first_mass, second_mass, length, rate = 2.0, 3.0, 1.25, 2.0
+    first_mass = 2.0
+    second_mass = 3.0
+    length = 1.25
+    rate = 2.0
     total = first_mass + second_mass
     centre = np.array([1.0, -0.5, 0.0])
     drift = np.array([0.25, 0.5, 0.0])
@@ -164,7 +170,10 @@ def _knock(name: str, *, normal: Vector, drift: Vector) -> Probe:
     """Two unlike spheres that touch at the start, away from the origin, the front one listed first;
     their centre of mass moves.
     """
-    front_mass, back_mass, front_radius, back_radius = 3.0, 2.0, 0.25, 0.5
+    front_mass = 3.0
+    back_mass = 2.0
+    front_radius = 0.25
+    back_radius = 0.5
     total = front_mass + back_mass
     rate = float(np.sqrt(STIFFNESS * total / (front_mass * back_mass)))
     speed = 1.5
@@ -202,7 +211,9 @@ def _knock(name: str, *, normal: Vector, drift: Vector) -> Probe:
 
 def _floor() -> Probe:
     """A smooth sphere that glides along a sloping wall and bounces back from it."""
-    mass, radius, speed = 2.0, 0.5, 1.5
+    mass = 2.0
+    radius = 0.5
+    speed = 1.5
     rate = float(np.sqrt(STIFFNESS / mass))
     normal = np.array([-0.6, 0.8, 0.0])
     glide = np.array([0.8, 0.6, 0.0])

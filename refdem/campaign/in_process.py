@@ -54,11 +54,17 @@ def record_of(task: Task, known: dict[Variant, Run] | None = None) -> Record:
     """Runs and judges a task; runs of the same engine that are `known` are not made again, and new
     ones become known.
     """
-    runs: dict[Variant, Run] = {} if known is None else known
+    if known is None:
+        runs: dict[Variant, Run] = {}
+    else:
+        runs = known
     for variant in task.variants if task.refusal is None else ():
         if variant in runs:
             continue
-        base = runs[variant.base].trajectory if variant.goes_on else None
+        if variant.goes_on:
+            base = runs[variant.base].trajectory
+        else:
+            base = None
         if not variant.goes_on or base is not None:
             runs[variant] = run_of(task.engine, plan.request(task, variant, base))
     return judging.record(task, task.engine.version(), runs, [])

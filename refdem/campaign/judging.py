@@ -167,7 +167,10 @@ _REFUSED_IN_PART = (
 def _told(failures: Mapping[Variant, Failure], count: int) -> str:
     """The first of some failures in a sentence, and how many there are."""
     variant, failure = next(iter(failures.items()))
-    more = f" ({count} runs failed)" if count > 1 else ""
+    if count > 1:
+        more = f" ({count} runs failed)"
+    else:
+        more = ""
     said = failure.sentence.rstrip(".")
     return f"The run at {variant} ended without a trajectory ({failure.kind}){more}: {said}."
 

@@ -120,15 +120,15 @@ class Trial:
     def faults(self) -> tuple[Fault, ...]:
         """Those that the engine can carry."""
         every = self.chosen or faults()
-        return (
-            every
-            if self.engine is None
-            else tuple(fault for fault in every if fault.inside is None)
-        )
+        if self.engine is None:
+            return every
+        return tuple(fault for fault in every if fault.inside is None)
 
     def matrix(self) -> Matrix:
         """The whole of it."""
-        kills, alarms, near = [], [], dict[str, float]()
+        kills = []
+        alarms = []
+        near = dict[str, float]()
         work = list(product(self.drawn, self.faults))
         for done, (seed, fault) in enumerate(work, 1):
             kills.append(self.kill(fault, seed))
@@ -146,7 +146,10 @@ class Trial:
                     )
                 if finding.margin is not None:
                     near[finding.check] = min(near.get(finding.check, 99.0), finding.margin)
-        name = self.engine.name if self.engine else Transparent.name
+        if self.engine:
+            name = self.engine.name
+        else:
+            name = Transparent.name
         return Matrix(
             engine=name, seeds=self.seeds, kills=tuple(kills), alarms=tuple(alarms), near=near
         )
@@ -175,8 +178,12 @@ class Trial:
     def _spoiled(self, fault: Fault, setting: str, seed: int) -> Record:
         """The record of a fault, refined no further than is needed to kill it."""
         instance, truth = self.instance(setting, seed)
-        checks = () if self.whole and seed == 0 else _needed(fault)
-        engine, known = fault.carrier(self.engine), dict[Variant, Run]()
+        if self.whole and seed == 0:
+            checks = ()
+        else:
+            checks = _needed(fault)
+        engine = fault.carrier(self.engine)
+        known = dict[Variant, Run]()
         for levels in range(FEWEST if not checks or checks[0] in ORDERS else 1, fault.levels + 1):
             record = self._record(engine, fault.method, instance, truth, levels, checks, known)
             if _killed(_named(fault, record)):

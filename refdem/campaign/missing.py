@@ -95,7 +95,10 @@ def _folded(finding: Finding, explained: list[str], owner: str) -> Finding:
         f"{finding.sentence} Therefore {_counted(explained)} of {owner} could not be made:"
         f" {_named(explained)}."
     )
-    outcome = "lost" if finding.outcome == "unsupported" else finding.outcome
+    if finding.outcome == "unsupported":
+        outcome = "lost"
+    else:
+        outcome = finding.outcome
     return msgspec.structs.replace(finding, outcome=outcome, sentence=sentence)
 
 
@@ -131,12 +134,17 @@ def _vanished(place: Place, names: list[str], owner: str) -> Record:
 
 
 def _counted(names: list[str]) -> str:
-    return "1 finding" if len(names) == 1 else f"{len(names)} findings"
+    if len(names) == 1:
+        return "1 finding"
+    return f"{len(names)} findings"
 
 
 def _named(names: list[str]) -> str:
     """The first few names, and how many more there are."""
-    more = f" and {len(names) - SHOWN} more" if len(names) > SHOWN else ""
+    if len(names) > SHOWN:
+        more = f" and {len(names) - SHOWN} more"
+    else:
+        more = ""
     return ", ".join(names[:SHOWN]) + more
 
 

@@ -85,7 +85,8 @@ def engines(specification: Specification) -> tuple[list[Engine], dict[str, str]]
     asked for by name.
     """
     asked = specification.engines
-    found, missing = [], {}
+    found = []
+    missing = {}
     for name in asked or discovery.names("engines"):
         engine = discovery.engine(name)
         reason = engine.missing()
@@ -120,9 +121,10 @@ def trials(
     Methods for other kinds of questions are left out; an engine that has none for this kind refuses
     by its first.
     """
-    methods = (
-        [engine.method(specification.method)] if specification.method else list(engine.methods)
-    )
+    if specification.method:
+        methods = [engine.method(specification.method)]
+    else:
+        methods = list(engine.methods)
     methods = [method for method in methods if method.answers == instance.problem.kind] or methods[
         :1
     ]
@@ -188,7 +190,8 @@ def tasks(
     found = []
     for bare, refusal in trials(specification, instance, engine):
         trial = replace(bare, truth=truth, truth_reason=reason)
-        chosen, left_out = [], {}
+        chosen = []
+        left_out = {}
         for name in names if refusal is None else []:
             check = discovery.check(name)
             why = excluded.get(name) or check.left_out(trial)
@@ -251,7 +254,10 @@ def _of_motion(
         )
     if variant.change in symmetry.NAMES:
         shown, motion = symmetry.picture(task.trial.instance, variant.change)
-        step = None if plain.step is None else plain.step * shown.units[2]
+        if plain.step is None:
+            step = None
+        else:
+            step = plain.step * shown.units[2]
         return replace(
             plain,
             problem=motion if problem is task.trial.instance.problem else shown.applied(problem),
@@ -259,9 +265,15 @@ def _of_motion(
         )
     if base is None:
         raise UsageError(f"variant {variant} goes on from a run that is not there")
-    sign = -1.0 if variant.change == "reversed" else 1.0
+    if variant.change == "reversed":
+        sign = -1.0
+    else:
+        sign = 1.0
     end = base.end()
     state = {**end, "velocity": sign * end["velocity"], "omega": sign * end["omega"]}
     state["attitude"] = end["attitude"] / np.linalg.norm(end["attitude"], axis=-1, keepdims=True)
-    times = problem.times if variant.change == "reversed" else problem.times[::-1]
+    if variant.change == "reversed":
+        times = problem.times
+    else:
+        times = problem.times[::-1]
     return plain.with_scene(problem.scene.with_state(**state), times)

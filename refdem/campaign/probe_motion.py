@@ -95,8 +95,14 @@ def _pull(spring: Spring, position: Array, attitude: Array, force: Array, torque
     arm_a = rotated(attitude[spring.a], np.array(spring.anchor_a))
     end_a = position[spring.a] + arm_a
     joins_two = spring.b >= 0
-    arm_b = rotated(attitude[spring.b], np.array(spring.anchor_b)) if joins_two else np.zeros(3)
-    end_b = position[spring.b] + arm_b if joins_two else np.array(spring.anchor_b)
+    if joins_two:
+        arm_b = rotated(attitude[spring.b], np.array(spring.anchor_b))
+    else:
+        arm_b = np.zeros(3)
+    if joins_two:
+        end_b = position[spring.b] + arm_b
+    else:
+        end_b = np.array(spring.anchor_b)
     apart = end_b - end_a
     distance = float(np.linalg.norm(apart))
     # F = k (d - length) along the line from a to b.

@@ -46,7 +46,10 @@ class Probe:
     @property
     def times(self) -> Array:
         """A second in samples; falling where the probe runs backwards."""
-        direction = -1.0 if self.backwards else 1.0
+        if self.backwards:
+            direction = -1.0
+        else:
+            direction = 1.0
         return np.asarray(self.start + direction * INTERVAL * np.arange(SAMPLES + 1))
 
     @cached_property
@@ -107,7 +110,8 @@ def _falls() -> tuple[Probe, ...]:
     def fall(
         name: str, velocity: tuple[float, float, float], g: tuple[float, float, float]
     ) -> Probe:
-        thrown, pull = Body(mass=3.0, velocity=velocity), np.array(g)
+        thrown = Body(mass=3.0, velocity=velocity)
+        pull = np.array(g)
 
         def expected(t: Array) -> Expected:
             s = t[:, None, None]
@@ -162,7 +166,8 @@ def _spins() -> tuple[Probe, ...]:
 
         return Probe(name=name, shows=shows, scene=Scene.of([body]), expected=expected)
 
-    upright, tipped = (1.0, 0.0, 0.0, 0.0), (HALF, HALF, 0.0, 0.0)
+    upright = (1.0, 0.0, 0.0, 0.0)
+    tipped = (HALF, HALF, 0.0, 0.0)
     return (
         spin(
             "quarter turn",
@@ -187,7 +192,8 @@ def _wobble(axis: int) -> Probe:
     Euler's equations with J1 = J2: omega1' = -W omega2, omega2' = W omega1 (Landau and Lifshitz,
     Mechanics, section 36).
     """
-    inertia, start = np.roll([1.0, 1.0, 1.8], axis + 1), np.roll([1.0, 0.0, 2.0], axis + 1)
+    inertia = np.roll([1.0, 1.0, 1.8], axis + 1)
+    start = np.roll([1.0, 0.0, 2.0], axis + 1)
     rate = 0.8 * 2.0
     body = Body(mass=1.0, inertia=tuple(inertia), omega=tuple(start))
 
@@ -236,12 +242,12 @@ def _forces() -> tuple[Probe, ...]:
     def circle(t: Array) -> Expected:
         return {"position": np.column_stack([np.cos(2 * t), np.sin(2 * t), 0 * t])[:, None]}
 
-    spring, slider = Spring(a=0, stiffness=8.0), Slider(a=0, friction=0.25, normal_force=4.0)
-    bob, pull = Body(mass=3.0, position=(0.0, -2.0, 0.0)), UniformGravity(g=(0.0, -10.0, 0.0))
-    start, thrown = (
-        Body(mass=2.0, position=(1.0, 0.0, 0.0)),
-        Body(mass=2.0, velocity=(1.0, 0.0, 0.0)),
-    )
+    spring = Spring(a=0, stiffness=8.0)
+    slider = Slider(a=0, friction=0.25, normal_force=4.0)
+    bob = Body(mass=3.0, position=(0.0, -2.0, 0.0))
+    pull = UniformGravity(g=(0.0, -10.0, 0.0))
+    start = Body(mass=2.0, position=(1.0, 0.0, 0.0))
+    thrown = Body(mass=2.0, velocity=(1.0, 0.0, 0.0))
     planet = Body(mass=2.0, position=(1.0, 0.0, 0.0), velocity=(0.0, 2.0, 0.0))
     return (
         force(
@@ -282,7 +288,8 @@ def _knock() -> Probe:
 
     def expected(t: Array) -> Expected:
         phase = np.minimum(np.sqrt(stiffness) * t, np.pi)
-        first, second = (1 + np.cos(phase)) / 2, (1 - np.cos(phase)) / 2
+        first = (1 + np.cos(phase)) / 2
+        second = (1 - np.cos(phase)) / 2
         return {
             "velocity": np.pad(
                 np.stack([first, second], axis=1)[..., None], ((0, 0), (0, 0), (0, 2))

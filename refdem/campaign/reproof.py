@@ -36,7 +36,10 @@ def damaged(folder: Path) -> list[str]:
         problems.append(str(error))
     for home in (folder / "certified", folder / "samples"):
         if home.is_dir() and any(home.iterdir()):
-            inside = None if home.name == "certified" else problem_of_samples
+            if home.name == "certified":
+                inside = None
+            else:
+                inside = problem_of_samples
             problems += [
                 problem for problem in listing_problems(home, inside) if problem not in problems
             ]
@@ -107,11 +110,10 @@ def given_of(one: CertifiedSet) -> dict[str, str]:
 
 
 def _differences(one: CertifiedSet, result: bytes | Failure) -> Iterator[str]:
-    found = (
-        {"lines": [], "reason": result.sentence}
-        if isinstance(result, Failure)
-        else json.loads(result)
-    )
+    if isinstance(result, Failure):
+        found = {"lines": [], "reason": result.sentence}
+    else:
+        found = json.loads(result)
     if found["reason"]:
         yield f"{one.label}: {found['reason']}"
         return

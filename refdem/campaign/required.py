@@ -91,7 +91,8 @@ def read(path: Path) -> set[str]:
             continue
         if not line.startswith(CHECK):
             label, _, method = line.rpartition("/")
-            place, check = f"{label}/{engine}/{method}", ""
+            place = f"{label}/{engine}/{method}"
+            check = ""
             continue
         if not line.startswith(MORE):
             check, _, quantities = line.strip().partition(": ")

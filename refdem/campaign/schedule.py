@@ -85,7 +85,8 @@ class Programs:
 
     def results(self, jobs: list[Job]) -> Iterator[tuple[Job, bytes | Failure]]:
         """Every job once with its bytes or its Failure, in the order in which they end."""
-        fresh, going = iter(jobs), list[tuple[Job, Stages[bytes], Waiting | None]]()
+        fresh = iter(jobs)
+        going = list[tuple[Job, Stages[bytes], Waiting | None]]()
         while True:
             # One more than can run is begun, so that no program waits for what is done here.
             begun = list(islice(fresh, self._most + 1 - len(self._running)))
@@ -101,7 +102,10 @@ class Programs:
                 ended = self._gone_on(job, stages, result)
                 if ended is not None:
                     yield job, ended
-            done = wait(self._running, return_when=FIRST_COMPLETED).done if self._running else ()
+            if self._running:
+                done = wait(self._running, return_when=FIRST_COMPLETED).done
+            else:
+                done = ()
             going = [(*self._running.pop(future), future.result) for future in done]
 
     def _gone_on(
@@ -109,7 +113,10 @@ class Programs:
     ) -> bytes | Failure | None:
         """How a job ended, or None if it waits again."""
         try:
-            waiting = next(stages) if result is None else stages.send(result)
+            if result is None:
+                waiting = next(stages)
+            else:
+                waiting = stages.send(result)
         except StopIteration as end:
             ended: bytes = end.value
             return ended
@@ -159,7 +166,8 @@ class Schedule:
     def _working(self, jobs: list[Job]) -> Iterator[tuple[Job, bytes | Failure]]:
         """The results of worker processes."""
         self._employ(min(self._most, len(jobs)))
-        waiting, running = iter(jobs), dict[Any, Job]()
+        waiting = iter(jobs)
+        running = dict[Any, Job]()
         while True:
             for job in waiting:
                 failure = job.given_up()

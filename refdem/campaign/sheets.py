@@ -16,7 +16,8 @@ LISTED = 64
 
 def case_sheet(instance: Instance, truth: SampledTruth) -> CaseSheet:
     """Statement, parameters, scene, scales and how truth was proved."""
-    case, scales = instance.case, instance.scales
+    case = instance.case
+    scales = instance.scales
     settings = " ".join(f"--set {name}={value}" for name, value in instance.p.changed().items())
     return CaseSheet(
         case=case.id,
@@ -46,7 +47,10 @@ def _shown(value: Any) -> Any:
         return {name: _shown(item) for name, item in value.items()}
     if not isinstance(value, list):
         return value
-    rest = [f"and {len(value) - LISTED} more"] if len(value) > LISTED else []
+    if len(value) > LISTED:
+        rest = [f"and {len(value) - LISTED} more"]
+    else:
+        rest = []
     return [*map(_shown, value[:LISTED]), *rest]
 
 

@@ -95,7 +95,9 @@ def _worst(by_method: list[list[Finding]]) -> list[Finding]:
 def _badness(finding: Finding) -> float:
     if finding.outcome == "unsupported":
         return -1.0
-    return np.inf if finding.outcome == "error" or finding.value is None else finding.value
+    if finding.outcome == "error" or finding.value is None:
+        return np.inf
+    return finding.value
 
 
 def _judged(engine: Engine, method: Method, probe: Probe) -> list[Finding]:
@@ -127,7 +129,9 @@ def _request(method: Method, probe: Probe) -> Request:
     request = Request(problem=Motion(probe.scene, probe.times), method=method.name)
     if method.control == "step":
         return replace(request, step=STEP)
-    return replace(request, tolerance=TOLERANCE) if method.control == "tolerance" else request
+    if method.control == "tolerance":
+        return replace(request, tolerance=TOLERANCE)
+    return request
 
 
 def _few_roundings(method: Method) -> float:
@@ -148,7 +152,10 @@ def _first_sample(
 ) -> Finding:
     """Is row 0 the scene's state? Velocities that lag are those before it."""
     bodies = request.problem.scene.bodies
-    names = STATE if method.velocity_time == "synchronous" else ("position", "attitude")
+    if method.velocity_time == "synchronous":
+        names = STATE
+    else:
+        names = ("position", "attitude")
     off, name = max(
         (_largest(getattr(trajectory, n)[0], getattr(bodies, n), signless=n == "attitude"), n)
         for n in names
@@ -186,14 +193,17 @@ def _shown(trajectory: Trajectory, name: str, probe: Probe) -> Array | None:
     """What the trajectory shows of a quantity; None for a channel that it does not have."""
     if name in DERIVED:
         return DERIVED[name](trajectory, probe.scene.bodies.inertia)
-    return getattr(trajectory, name) if name in STATE else trajectory.channels.get(name)
+    if name in STATE:
+        return getattr(trajectory, name)
+    return trajectory.channels.get(name)
 
 
 def _compared(
     right: Expected, came: Expected, name: str, request: Request, probe: Probe
 ) -> Finding:
     """A quantity against its formula, over the whole run."""
-    seen, expected = came[name], right[name]
+    seen = came[name]
+    expected = right[name]
     off = _largest(seen, expected, signless=name == "attitude")
     says = f"{request.method}: {name} is off by at most {off:.2g} of its scale"
     if not off <= BOUND:

@@ -25,7 +25,9 @@ class Entry(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     def label(self) -> str:
         """As people write it: `pendulum[theta0=2]`."""
         inside = " ".join(f"{name}={value}" for name, value in self.set.items())
-        return f"{self.id}[{inside}]" if inside else self.id
+        if inside:
+            return f"{self.id}[{inside}]"
+        return self.id
 
 
 class Specification(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
@@ -86,7 +88,9 @@ def validation_folder() -> Path:
     beside the source.
     """
     inside = _HERE / "validation"
-    return inside if inside.is_dir() else _HERE.parent / "validation"
+    if inside.is_dir():
+        return inside
+    return _HERE.parent / "validation"
 
 
 def named(name: str, above: tuple[Path, ...] = ()) -> Specification:
@@ -95,9 +99,10 @@ def named(name: str, above: tuple[Path, ...] = ()) -> Specification:
 
     `above` are the files that include it.
     """
-    path = (
-        Path(name) if name.endswith(".toml") else validation_folder() / "campaigns" / f"{name}.toml"
-    )
+    if name.endswith(".toml"):
+        path = Path(name)
+    else:
+        path = validation_folder() / "campaigns" / f"{name}.toml"
     if path in above:
         raise UsageError(f"{path} includes itself; take it out of `include`")
     if not is_file(path):

@@ -132,7 +132,8 @@ def _swung() -> tuple[Probe, ...]:
     arm = -turn_body @ anchor  # from the pivot to the centre
 
     def expected(t: Array) -> dict[str, Array]:
-        c, s = np.cos(rate * t), np.sin(rate * t)
+        c = np.cos(rate * t)
+        s = np.sin(rate * t)
         swung = np.column_stack([c * arm[0] - s * arm[1], s * arm[0] + c * arm[1], 0 * t])
         turned = np.column_stack([np.cos(rate * t / 2), 0 * t, 0 * t, np.sin(rate * t / 2)])
         velocity = rate * np.column_stack([-swung[:, 1], swung[:, 0], 0 * t])

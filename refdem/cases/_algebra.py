@@ -20,7 +20,9 @@ Array = NDArray[np.float64]
 Row = tuple[str, str, list[Any]]
 """Name, operation, operands: numbers, or names of earlier rows."""
 
-X, Y, Z = [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]
+X = [1.0, 0.0, 0.0]
+Y = [0.0, 1.0, 0.0]
+Z = [0.0, 0.0, 1.0]
 
 
 class AlgebraCase(Canonical):
@@ -57,7 +59,10 @@ class AlgebraCase(Canonical):
         found = []
         for name, operation, _ in self.rows(p):
             count = SIZES[operation][1]
-            labels = [name] if count == 1 else [f"{name}.{i}" for i in range(count)]
+            if count == 1:
+                labels = [name]
+            else:
+                labels = [f"{name}.{i}" for i in range(count)]
             found += [
                 Quantity(label, "1", sizes.get(name, 1.0), angle=name in self.angles)
                 for label in labels

@@ -103,7 +103,8 @@ def quantities(rate: float) -> tuple[Quantity, ...]:
 
 def observe(trajectory: Trajectory) -> dict[str, Array]:
     """The quantities of body 0; the attitude with w >= 0."""
-    attitude, omega = trajectory.attitude[:, 0], trajectory.omega[:, 0]
+    attitude = trajectory.attitude[:, 0]
+    omega = trajectory.omega[:, 0]
     upright = attitude * np.where(attitude[:, :1] < 0, -1.0, 1.0)
     seen = {f"attitude.{axis}": upright[:, i] for i, axis in enumerate("wxyz")}
     for name, vectors in (("omega_body", rotated(conjugate(attitude), omega)), ("omega", omega)):

@@ -30,7 +30,8 @@ SIXTEEN = 16
 
 def corners(p: Parameters) -> list[tuple[Fraction, Fraction]]:
     """Place and rate of every corner, exact."""
-    size, centre = p["size"], p["centre"]
+    size = p["size"]
+    centre = p["centre"]
     assert isinstance(size, Fraction)
     assert isinstance(centre, tuple)
     return [(centre[0] + size * a / SIXTEEN, centre[1] + size * b / SIXTEEN) for a, b in HEAD]

@@ -81,13 +81,18 @@ def duration(p: Parameters) -> float | None:
 
     None for an over-damped overlap, which never ends.
     """
-    b, w0 = p.damping / (2 * effective_mass(p)), np.sqrt(p.stiffness / effective_mass(p))
+    b = p.damping / (2 * effective_mass(p))
+    w0 = np.sqrt(p.stiffness / effective_mass(p))
     w = np.sqrt(abs(w0 * w0 - b * b))
     if p.cutoff == "zero_overlap":
-        return float(np.pi / w) if b < w0 else None
+        if b < w0:
+            return float(np.pi / w)
+        return None
     if b == w0:
         return float(2 / w0)
-    return float(2 * np.arccos(b / w0) / w) if b < w0 else float(np.log((b + w) / (b - w)) / w)
+    if b < w0:
+        return float(2 * np.arccos(b / w0) / w)
+    return float(np.log((b + w) / (b - w)) / w)
 
 
 def refuse(p: Parameters) -> None:
@@ -104,10 +109,8 @@ def refuse(p: Parameters) -> None:
 def scene(p: Parameters) -> Scene:
     """Sphere 1 at x < 0, sphere 2 at x > 0, centre of mass at rest at the origin."""
     share = p.masses[::-1] / p.masses.sum()
-    gap, approach = (
-        p.radii.sum(),
-        p.closing_speed * np.array([np.cos(p.angle), np.sin(p.angle), 0.0]),
-    )
+    gap = p.radii.sum()
+    approach = p.closing_speed * np.array([np.cos(p.angle), np.sin(p.angle), 0.0])
     columns = zip(p.masses, p.radii, share, (1.0, -1.0), p.spins, strict=True)
     bodies = [
         Body(
@@ -131,8 +134,12 @@ def scales(p: Parameters) -> Scales:
     """tau = contact duration/pi, but no longer than 1/w0 (near critical damping pi/w is) or an
     over-damped one's m/c; two contacts.
     """
-    lasts, swing = duration(p), np.sqrt(effective_mass(p) / p.stiffness)
-    relaxation = effective_mass(p) / p.damping if p.damping else np.inf
+    lasts = duration(p)
+    swing = np.sqrt(effective_mass(p) / p.stiffness)
+    if p.damping:
+        relaxation = effective_mass(p) / p.damping
+    else:
+        relaxation = np.inf
     tau = float(
         min(lasts / np.pi if lasts else np.inf, swing if relaxation > swing / 2 else relaxation)
     )

@@ -14,7 +14,8 @@ class TopOnTip(Case):
         """Raises UsageError for moments about the tip that no body has whose centre of mass is so
         far from it.
         """
-        across, along = p.inertia[0] - p.mass * p.length**2, p.inertia[1]
+        across = p.inertia[0] - p.mass * p.length**2
+        along = p.inertia[1]
         if not (across >= 0 and along <= 2 * across):
             raise UsageError(
                 f"parameter inertia: got J1 = {p.inertia[0]:g} and J3 = {along:g} kg m^2; about the"

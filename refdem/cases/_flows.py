@@ -45,7 +45,8 @@ def starts(p: Parameters, outline: Array) -> tuple[Array, Array]:
             np.stack((x, zero, zero), axis=-1)[:, None],
             np.stack((v, zero, zero), axis=-1)[:, None],
         )
-    sine, cosine = np.sin(x), np.cos(x)
+    sine = np.sin(x)
+    cosine = np.cos(x)
     position = p.length * np.stack((sine, -cosine, zero), axis=-1)
     return (
         position[:, None],
@@ -55,10 +56,8 @@ def starts(p: Parameters, outline: Array) -> tuple[Array, Array]:
 
 def seen(p: Parameters, trajectory: Trajectory) -> tuple[Array, Array]:
     """Place and rate (T, M); angles go on from point to point."""
-    position, velocity = (
-        trajectory.values["position"][:, :, 0],
-        trajectory.values["velocity"][:, :, 0],
-    )
+    position = trajectory.values["position"][:, :, 0]
+    velocity = trajectory.values["velocity"][:, :, 0]
     if p.flow != "pendulum":
         return position[..., 0], velocity[..., 0]
     angle = np.arctan2(position[..., 0], -position[..., 1])
@@ -71,9 +70,8 @@ def scales(p: Parameters, corners: list[tuple[Fraction, Fraction]]) -> Scales:
     is_rod = p.flow == "pendulum"
     w0 = float(np.sqrt(p.gravity / p.length if is_rod else p.stiffness / p.mass))
     far = max(float(np.hypot(x, v / w0)) for x, v in np.array(corners, float))
-    rate = (
-        _line.damped_rate(w0**2, p.delta)
-        if p.flow == "viscous"
-        else w0 * max(1.0, far if is_rod else 0.0)
-    )
+    if p.flow == "viscous":
+        rate = _line.damped_rate(w0**2, p.delta)
+    else:
+        rate = w0 * max(1.0, far if is_rod else 0.0)
     return Scales(length=far, tau=1 / rate, duration=5 * np.pi / w0, mass=p.mass)

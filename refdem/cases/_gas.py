@@ -104,8 +104,12 @@ def law(mass: float, lasts: float, restitution: float, friction: float = 0.0) ->
     that never slide give back all of their slip, turned round.
     """
     loss = -float(np.log(restitution))
-    k, c = mass / 2 * (np.pi**2 + loss**2) / lasts**2, mass * loss / lasts
-    sideways = IN_TUNE * mass / 2 * float(np.pi / lasts) ** 2 if friction else 0.0
+    k = mass / 2 * (np.pi**2 + loss**2) / lasts**2
+    c = mass * loss / lasts
+    if friction:
+        sideways = IN_TUNE * mass / 2 * float(np.pi / lasts) ** 2
+    else:
+        sideways = 0.0
     return Contact(
         law="linear", stiffness=k, damping=c, friction=friction, tangential_stiffness=sideways
     )

@@ -64,7 +64,8 @@ def velocities(rng: np.random.Generator, n: int, mean_square: float) -> Array:
 
 def bodies(position: Array, velocity: Array, mass: float, diameter: float) -> Bodies:
     """Equal homogeneous spheres at rest in rotation, as columns."""
-    n, moment = len(position), mass * diameter**2 / 10
+    n = len(position)
+    moment = mass * diameter**2 / 10
     attitude = np.tile([1.0, 0.0, 0.0, 0.0], (n, 1))
     columns = {
         "position": position,

@@ -49,7 +49,10 @@ def damped_rate(square: float, delta: float) -> float:
 def refuse_nothing(length: float, *names: str) -> None:
     """Raises UsageError if nothing would ever move and there is no length to compare with."""
     if not length > 0:
-        told = f"parameter {names[0]}: got 0" if names else "parameters x0 and v0: got 0 and 0"
+        if names:
+            told = f"parameter {names[0]}: got 0"
+        else:
+            told = "parameters x0 and v0: got 0 and 0"
         raise UsageError(f"{told}; expected a start at which something moves")
 
 

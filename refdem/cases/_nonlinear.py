@@ -31,7 +31,10 @@ def scene(p: Parameters, stiffness: float, *elements: Element, **spring: Any) ->
     """
     anchor = (-spring.get("length", 0.0), 0.0, 0.0)
     point = Body(mass=1.0, position=(p.x0, 0.0, 0.0), velocity=(p.v0, 0.0, 0.0))
-    dashpot = [Dashpot(a=0, anchor_b=anchor, damping=2 * p.delta)] if p.delta else []
+    if p.delta:
+        dashpot = [Dashpot(a=0, anchor_b=anchor, damping=2 * p.delta)]
+    else:
+        dashpot = []
     return Scene.of(
         [point], [Spring(a=0, anchor_b=anchor, stiffness=stiffness, **spring), *dashpot, *elements]
     )
@@ -72,10 +75,14 @@ def quadratic_escapes(w0: Any, eps: Any, x0: Any, v0: Any) -> bool:
 
 def duffing_reach(p: Parameters) -> float:
     """The farther turning point [m] of the motion from x0, v0 without damping and drive."""
-    alpha, beta = p.alpha, p.beta
+    alpha = p.alpha
+    beta = p.beta
     energy = (p.v0**2 + alpha * p.x0**2 + beta * p.x0**4 / 2) / 2
     root = np.sqrt(max(0.0, alpha**2 + 4 * beta * energy))
-    square = 4 * energy / (alpha + root) if alpha > 0 else (root - alpha) / beta
+    if alpha > 0:
+        square = 4 * energy / (alpha + root)
+    else:
+        square = (root - alpha) / beta
     return float(np.sqrt(max(0.0, square)))
 
 
@@ -85,9 +92,12 @@ def balanced_amplitude(p: Parameters) -> float:
     With beta < 0 no more than the rim of the well; without damping and beta no more than grows in
     20 shortest times.
     """
-    alpha, beta = p.alpha, p.beta
+    alpha = p.alpha
+    beta = p.beta
     if beta == 0:
         drag = np.hypot(alpha - p.drive**2, 2 * p.delta * p.drive)
         return float(abs(p.f0) / max(drag, np.sqrt(alpha) * max(np.sqrt(alpha), p.drive) / 10))
     largest = response.balanced_amplitude(p.drive, alpha, beta, p.delta, p.f0)
-    return largest if beta > 0 else min(largest, float(np.sqrt(-alpha / beta)))
+    if beta > 0:
+        return largest
+    return min(largest, float(np.sqrt(-alpha / beta)))

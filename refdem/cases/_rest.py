@@ -82,7 +82,8 @@ def spheres() -> Scene:
     """Two spheres, one on the other, each contact compressed by the weight above it over the
     stiffness.
     """
-    mass, radius = float(BALL_MASS), float(RADIUS)
+    mass = float(BALL_MASS)
+    radius = float(RADIUS)
     inertia = 0.4 * mass * radius**2
     bodies = [
         Body(
@@ -102,9 +103,18 @@ def balance(member: str) -> dict[str, Any]:
     """
     places = heights(member)
     are_spheres = member == "spheres"
-    half = RADIUS if are_spheres else HEIGHT / 2
-    mass = BALL_MASS if are_spheres else MASS
-    stiffness = STIFFNESS if are_spheres else Fraction(0)
+    if are_spheres:
+        half = RADIUS
+    else:
+        half = HEIGHT / 2
+    if are_spheres:
+        mass = BALL_MASS
+    else:
+        mass = MASS
+    if are_spheres:
+        stiffness = STIFFNESS
+    else:
+        stiffness = Fraction(0)
     sizes = [half, *[2 * half] * (len(places) - 1)]
     return {"stiffness": stiffness, "sizes": sizes, "heights": places, "weight": mass * GRAVITY}
 

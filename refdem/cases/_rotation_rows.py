@@ -10,7 +10,9 @@ from refdem.core.parameters import Parameters
 
 def rows(p: Parameters) -> list[Row]:
     """Plane, products of turns, Euler angles, energies."""
-    angle, v, euler = [p.angle], p.vector.tolist(), p.euler.tolist()
+    angle = [p.angle]
+    v = p.vector.tolist()
+    euler = p.euler.tolist()
     turns: list[Row] = [
         (f"{axis}{degrees:+d}", "turn-about", [unit, [float(np.radians(degrees))]])
         for axis, unit in (("x", X), ("y", Y), ("z", Z))
@@ -59,7 +61,8 @@ def euler_rows(p: Parameters, euler: list[float]) -> list[Any]:
 
 def sizes(p: Parameters) -> dict[str, float]:
     """Vectors, rates and energies have sizes of their own."""
-    omega, v = float(np.linalg.norm(p.omega)), float(np.linalg.norm(p.vector))
+    omega = float(np.linalg.norm(p.omega))
+    v = float(np.linalg.norm(p.vector))
     steep = 1 / abs(np.sin(p.euler[1])), 1 / np.sin(p.near)
     energy = 2 * (np.pi * p.frequency) ** 2
     rates = {

@@ -42,7 +42,8 @@ def angle_plan(a: float, b: float) -> list[tuple[float, float]]:
 
 def angle(a: float, b: float, c: float) -> Polyhedron:
     """The plan, from z = 0 to c."""
-    plan, n = angle_plan(a, b), 6
+    plan = angle_plan(a, b)
+    n = 6
     sides = [(i, (i + 1) % n, n + (i + 1) % n, n + i) for i in range(n)]
     top = [(n, n + 1, n + 2, n + 3), (n, n + 3, n + 4, n + 5)]
     floor = [tuple(i - n for i in reversed(face)) for face in top]
@@ -51,7 +52,10 @@ def angle(a: float, b: float, c: float) -> Polyhedron:
 
 def solids(p: Parameters) -> list[Piece]:
     """Every solid, by the names that truth has for it."""
-    a, b, c, hollow = p.a, p.b, p.c, p.hollow
+    a = p.a
+    b = p.b
+    c = p.c
+    hollow = p.hollow
     corner = polyhedron(
         [(0.0, 0.0, 0.0), (a, 0.0, 0.0), (0.0, b, 0.0), (0.0, 0.0, c)],
         [(0, 2, 1), (0, 1, 3), (0, 3, 2), (1, 2, 3)],
@@ -59,7 +63,8 @@ def solids(p: Parameters) -> list[Piece]:
     points = Points(
         mass=(1.0, 2.0, 3.0, 4.0), position=((0.0, 0.0, 0.0), (a, 0.0, 0.0), (a, b, 0.0), (a, b, c))
     )
-    cuboid, cylinder = Cuboid(sides=(a, b, c)), Cylinder(half_axes=(a, a), height=c)
+    cuboid = Cuboid(sides=(a, b, c))
+    cylinder = Cylinder(half_axes=(a, a), height=c)
     shapes: dict[str, Any] = {
         "cuboid": cuboid,
         "ellipsoid": Ellipsoid(half_axes=(a, b, c)),

@@ -22,6 +22,9 @@ def refuse_outside(p: Parameters) -> None:
         raise UsageError(
             f"parameter size: got {a},{b}; expected a stadium at least as long as it is wide"
         )
-    beyond = max(abs(x) - (a - b) / 2, Fraction(0)) if stadium else Fraction(0)
+    if stadium:
+        beyond = max(abs(x) - (a - b) / 2, Fraction(0))
+    else:
+        beyond = Fraction(0)
     if not (2 * abs(x) < a and 4 * (beyond * beyond + y * y) < b * b):
         raise UsageError(f"parameter start: got {x},{y}; expected a place inside the table")

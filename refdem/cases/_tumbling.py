@@ -16,7 +16,8 @@ from refdem.scene.elements.contact import Contact
 from refdem.scene.elements.plane import Plane
 from refdem.scene.elements.uniform_gravity import UniformGravity
 
-FREE, SLOPE = "free", "slope"
+FREE = "free"
+SLOPE = "slope"
 PARAMETERS = (
     Parameter(name="mass", default="0.12", unit="kg", doc="m", above=0),
     Parameter(name="gravity", default="9.8125", unit="m/s^2", doc="slope alone: along -z", above=0),

@@ -70,11 +70,15 @@ class AsymmetricField(Case):
         """Width of the field; tau of its steeper flank, or the time to cross it if that is shorter;
         there and a bit beyond.
         """
-        width, pushed = p.x2 - p.x1, np.sqrt(p.v0**2 - p.k1 * p.x1 * (p.x2 - p.x1) / p.mass)
+        width = p.x2 - p.x1
+        pushed = np.sqrt(p.v0**2 - p.k1 * p.x1 * (p.x2 - p.x1) / p.mass)
         swing = np.sqrt(p.mass / (p.k1 * max(1.0, -p.x1 / p.x2)))
         tau = float(min(swing, width / pushed))
         way = width + max(0.0, p.x1 - p.x0, p.x0 - p.x2)
-        slow = abs(p.v0) if not p.x1 < p.x0 < p.x2 else max(abs(p.v0), width / float(swing))
+        if not p.x1 < p.x0 < p.x2:
+            slow = abs(p.v0)
+        else:
+            slow = max(abs(p.v0), width / float(swing))
         return Scales(
             length=max(width, abs(p.x0)), tau=tau, duration=float(2 * way / slow), mass=p.mass
         )

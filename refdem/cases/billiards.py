@@ -82,13 +82,16 @@ class Billiards(IterationCase):
         circles never.
         """
         a, b = exact(p, "size")
-        return (
-            False if p["geometry"] == "rectangle" or a == b else all(exact(p, "direction")) or None
-        )
+        if p["geometry"] == "rectangle" or a == b:
+            return False
+        return all(exact(p, "direction")) or None
 
     def problem(self, p: Parameters) -> Iteration:
         """Place and unit direction from bounce to bounce."""
-        kind = StadiumBilliard if p.geometry == "stadium" else RectangleBilliard
+        if p.geometry == "stadium":
+            kind = StadiumBilliard
+        else:
+            kind = RectangleBilliard
         start = np.concatenate((p.start, p.direction / np.hypot(*p.direction)))
         return Iteration(kind(width=p.size[0], height=p.size[1]), start, int(p.n))
 

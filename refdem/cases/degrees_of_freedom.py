@@ -81,11 +81,10 @@ class DegreesOfFreedom(AlgebraCase):
             )
         )
         for name, (size, n) in DEGENERATE.items():
-            flat = (
-                p.points[:n, :size] * (1, 1, 0)
-                if "coplanar" in name
-                else [x * p.points[1, :size] for x in (0.0, 1.0, 2.5)]
-            )
+            if "coplanar" in name:
+                flat = p.points[:n, :size] * (1, 1, 0)
+            else:
+                flat = [x * p.points[1, :size] for x in (0.0, 1.0, 2.5)]
             coordinates = [float(x) for point in flat for x in point]
             found.append(_count(f"{name}-first-order", size, flat))
             found.append((f"{name}-rigid", "rigid-freedom", [[float(size)], coordinates]))

@@ -75,7 +75,8 @@ class DoublePendulum(Case):
         turns it stretched.
         """
         (m1, m2), (l1, l2), whole = p.masses, p.lengths, p.masses.sum()
-        speed, load = p.lengths * p.thetadot0, np.array([whole, m2])
+        speed = p.lengths * p.thetadot0
+        load = np.array([whole, m2])
         lift = load @ (p.lengths * (1 - np.cos(p.theta0)))
         energy = (
             0.5 * load @ speed**2

@@ -58,7 +58,10 @@ class DrivenDuffing(Case):
 
     def scene(self, p: Parameters) -> Scene:
         """Spring, dashpot where there is one, and force."""
-        elements = [Force(a=0, amplitude=p.f0, frequency=p.drive)] if p.f0 else []
+        if p.f0:
+            elements = [Force(a=0, amplitude=p.f0, frequency=p.drive)]
+        else:
+            elements = []
         return _nonlinear.scene(p, p.alpha, *elements, cubic=p.beta)
 
     def scales(self, p: Parameters) -> Scales:

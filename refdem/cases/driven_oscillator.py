@@ -52,8 +52,14 @@ class DrivenOscillator(Case):
 
     def scene(self, p: Parameters) -> Scene:
         """Spring, force, and dashpot and gravity where there are some."""
-        dashpot = [Dashpot(a=0, damping=2 * p.mass * p.delta)] if p.delta else []
-        gravity = [UniformGravity(g=(p.gravity, 0.0, 0.0))] if p.gravity else []
+        if p.delta:
+            dashpot = [Dashpot(a=0, damping=2 * p.mass * p.delta)]
+        else:
+            dashpot = []
+        if p.gravity:
+            gravity = [UniformGravity(g=(p.gravity, 0.0, 0.0))]
+        else:
+            gravity = []
         return _line.scene(
             p, Force(a=0, amplitude=p.mass * p.f0, frequency=p.drive), *dashpot, *gravity
         )
@@ -66,7 +72,10 @@ class DrivenOscillator(Case):
         square = p.stiffness / p.mass
         steady = float(np.hypot(square - p.drive**2, 2 * p.delta * p.drive))
         grown = abs(p.f0) * (p.duration or own.duration) / (2 * np.sqrt(square))
-        response = min(grown, abs(p.f0) / steady) if steady else grown
+        if steady:
+            response = min(grown, abs(p.f0) / steady)
+        else:
+            response = grown
         tau = min(
             1 / _line.damped_rate(p.stiffness / p.mass, p.delta), 1 / p.drive if p.drive else np.inf
         )

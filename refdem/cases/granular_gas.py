@@ -68,11 +68,9 @@ class GranularGas(Case):
 
     def scene(self, p: Parameters) -> Scene:
         """Spheres, what bounds them, and the law by which contacts last pi tau and give back e."""
-        rng, size, periodic = (
-            np.random.Generator(np.random.PCG64(int(p.seed))),
-            _gas.edge(p),
-            p.boundary == "periodic",
-        )
+        rng = np.random.Generator(np.random.PCG64(int(p.seed)))
+        size = _gas.edge(p)
+        periodic = p.boundary == "periodic"
         position = _gas_start.places(rng, int(p.n), p.diameter, size, periodic=periodic)
         bodies = _gas_start.bodies(
             position, _gas_start.velocities(rng, int(p.n), p.t0 / MASS), MASS, p.diameter

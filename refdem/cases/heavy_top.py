@@ -76,10 +76,13 @@ class HeavyTop(TopOnTip):
 
     def scene(self, p: Parameters) -> Scene:
         """The centre of mass over the tip, in body axes at (0, 0, length) from it."""
-        sine, cosine = np.sin(p.theta0), np.cos(p.theta0)
+        sine = np.sin(p.theta0)
+        cosine = np.cos(p.theta0)
         axis = np.array([0.0, -sine, cosine])
         omega = np.array([p.thetadot0, 0.0, p.phidot0]) + (p.spin - p.phidot0 * cosine) * axis
-        place, speed, half = p.length * axis, p.length * np.cross(omega, axis), p.theta0 / 2
+        place = p.length * axis
+        speed = p.length * np.cross(omega, axis)
+        half = p.theta0 / 2
         inertia = (*[p.inertia[0] - p.mass * p.length**2] * 2, p.inertia[1])
         attitude = (np.cos(half), np.sin(half), 0.0, 0.0)
         top = Body(
@@ -114,11 +117,10 @@ class HeavyTop(TopOnTip):
 
     def observe(self, p: Parameters, trajectory: Trajectory) -> dict[str, Array]:
         """From the axis of the top, the line of nodes and the vertical in body axes."""
-        turn, omega = matrix(trajectory.attitude[:, 0]), trajectory.omega[:, 0]
-        phi, psi = (
-            np.arctan2(turn[:, 0, 2], -turn[:, 1, 2]),
-            np.arctan2(turn[:, 2, 0], turn[:, 2, 1]),
-        )
+        turn = matrix(trajectory.attitude[:, 0])
+        omega = trajectory.omega[:, 0]
+        phi = np.arctan2(turn[:, 0, 2], -turn[:, 1, 2])
+        psi = np.arctan2(turn[:, 2, 0], turn[:, 2, 1])
         tilt = np.arctan2(np.hypot(turn[:, 0, 2], turn[:, 1, 2]), turn[:, 2, 2])
         return {
             "theta": tilt,

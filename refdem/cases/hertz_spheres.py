@@ -61,7 +61,8 @@ class HertzSpheres(Case):
 
     def scene(self, p: Parameters) -> Scene:
         """Sphere 1 at x < 0, sphere 2 at x > 0."""
-        r, mass = radius(p), 2 * p.effective_mass
+        r = radius(p)
+        mass = 2 * p.effective_mass
         bodies = [
             Body(
                 mass=mass,
@@ -88,7 +89,8 @@ class HertzSpheres(Case):
 
     def observe(self, p: Parameters, trajectory: Trajectory) -> dict[str, Array]:
         """Overlap and its rate."""
-        x, v = trajectory.position[:, :, 0], trajectory.velocity[:, :, 0]
+        x = trajectory.position[:, :, 0]
+        v = trajectory.velocity[:, :, 0]
         return {"overlap": 2 * radius(p) - np.abs(x[:, 1] - x[:, 0]), "v": v[:, 0] - v[:, 1]}
 
     def truth(self, p: Parameters) -> Truth:

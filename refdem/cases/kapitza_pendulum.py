@@ -52,7 +52,9 @@ class KapitzaPendulum(Case):
 
     def scene(self, p: Parameters) -> Scene:
         """The bob, and the pivot as a body that is carried."""
-        sine, cosine, speed = np.sin(p.theta0), np.cos(p.theta0), p.length * p.thetadot0
+        sine = np.sin(p.theta0)
+        cosine = np.cos(p.theta0)
+        speed = p.length * p.thetadot0
         place = (p.length * sine, p.drive_amplitude + p.length * cosine, 0.0)
         bob = Body(mass=MASS, position=place, velocity=(speed * cosine, -speed * sine, 0.0))
         pivot = Body(mass=MASS, position=(0.0, p.drive_amplitude, 0.0))

@@ -69,11 +69,18 @@ class Logistic(IterationCase):
         eta = p["eta"]
         assert isinstance(eta, Fraction)
         regular = p["form"] == "ode" or eta < Fraction("3.5699")
-        return False if regular or p["x0"] in (0, 1) else True if eta == 4 else None
+        if regular or p["x0"] in (0, 1):
+            return False
+        if eta == 4:
+            return True
+        return None
 
     def problem(self, p: Parameters) -> Iteration:
         """x0 under the map, or under the flow of the equation over one unit of time."""
-        kind = LogisticFlow if p.form == "ode" else LogisticMap
+        if p.form == "ode":
+            kind = LogisticFlow
+        else:
+            kind = LogisticMap
         return Iteration(kind(eta=p.eta), np.array([p.x0]), int(p.n))
 
     def scales(self, p: Parameters) -> Scales:
@@ -86,7 +93,9 @@ class Logistic(IterationCase):
 
     def observe(self, p: Parameters, trajectory: Trajectory) -> dict[str, Array]:
         """The iterate."""
-        return {"x_n": trajectory.values["x"]} if "x" in trajectory.values else {}
+        if "x" in trajectory.values:
+            return {"x_n": trajectory.values["x"]}
+        return {}
 
     def truth(self, p: Parameters) -> Truth:
         """Balls about the orbit, or the closed form of the equation."""

@@ -13,21 +13,20 @@ SPAN = 200
 
 def _parameters(case: Canonical) -> list[Mapping[str, str]]:
     """The defaults, of a motion for SPAN tau, and what the case says is chaotic."""
-    plain = (
-        {"duration": f"{SPAN * case.at().scales.tau:.6g}"}
-        if isinstance(case, Case) and not case.chaotic_at
-        else {}
-    )
-    return [plain, case.chaotic_at] if case.chaotic_at else [plain]
+    if isinstance(case, Case) and not case.chaotic_at:
+        plain = {"duration": f"{SPAN * case.at().scales.tau:.6g}"}
+    else:
+        plain = {}
+    if case.chaotic_at:
+        return [plain, case.chaotic_at]
+    return [plain]
 
 
 def _reason(instance: Instance) -> str | None:
     """None where the case says whether it is chaotic."""
-    return (
-        None
-        if instance.case.is_chaotic(instance.p) is not None
-        else "nobody has said whether the motion is chaotic"
-    )
+    if instance.case.is_chaotic(instance.p) is not None:
+        return None
+    return "nobody has said whether the motion is chaotic"
 
 
 CASE = Selection(

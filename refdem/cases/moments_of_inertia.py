@@ -85,11 +85,10 @@ class MomentsOfInertia(Canonical):
         found = []
         size = self.scales(p).length
         for piece in _solids.solids(p):
-            mass = (
-                sum(piece.shape.mass)
-                if isinstance(piece.shape, Points)
-                else p.density * _solids.volume(piece.name, p)
-            )
+            if isinstance(piece.shape, Points):
+                mass = sum(piece.shape.mass)
+            else:
+                mass = p.density * _solids.volume(piece.name, p)
             units = {
                 "mass": ("kg", mass),
                 "centre": ("m", size),

@@ -78,7 +78,10 @@ class NeglectedGyroscopic(Case):
 
     def scales(self, p: Parameters) -> Scales:
         """L: the largest radius of gyration; 1/tau^2 = |omega|^2, and 4 k/m more on the slope."""
-        stiff = 4 * p.stiffness / p.mass if p.member == _tumbling.SLOPE else 0.0
+        if p.member == _tumbling.SLOPE:
+            stiff = 4 * p.stiffness / p.mass
+        else:
+            stiff = 0.0
         tau = 1 / np.sqrt(norm(p.omega_body) ** 2 + stiff)
         return Scales(
             length=float(np.sqrt(p.inertia.max() / p.mass)),

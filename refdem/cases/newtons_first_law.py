@@ -50,7 +50,9 @@ class NewtonsFirstLaw(Case):
 
     def scene(self, p: Parameters) -> Scene:
         """The scene of the member."""
-        return _rest.free(p.velocity, p.spin) if p.member == "free" else _rest.SCENES[p.member]()
+        if p.member == "free":
+            return _rest.free(p.velocity, p.spin)
+        return _rest.SCENES[p.member]()
 
     def scales(self, p: Parameters) -> Scales:
         """A turn of the free body and the way that it goes meanwhile; the bodies' size and their

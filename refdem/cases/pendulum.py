@@ -48,7 +48,9 @@ class Pendulum(Case):
 
     def scene(self, p: Parameters) -> Scene:
         """The mass at x = l sin theta0, y = -l cos theta0."""
-        s, c, speed = np.sin(p.theta0), np.cos(p.theta0), p.length * p.thetadot0
+        s = np.sin(p.theta0)
+        c = np.cos(p.theta0)
+        speed = p.length * p.thetadot0
         mass = Body(
             mass=p.mass,
             position=(p.length * s, -p.length * c, 0.0),
@@ -81,7 +83,8 @@ class Pendulum(Case):
 
     def observe(self, p: Parameters, trajectory: Trajectory) -> dict[str, Array]:
         """theta = atan2(x, -y), thetadot = (x vy - y vx)/r^2."""
-        (x, y, _), (vx, vy, _) = trajectory.position[:, 0].T, trajectory.velocity[:, 0].T
+        (x, y, _) = trajectory.position[:, 0].T
+        (vx, vy, _) = trajectory.velocity[:, 0].T
         seen = {
             "theta": np.arctan2(x, -y),
             "thetadot": (x * vy - y * vx) / (x * x + y * y),

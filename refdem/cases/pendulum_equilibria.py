@@ -54,7 +54,10 @@ class PendulumEquilibria(Case):
 
     def scene(self, p: Parameters) -> Scene:
         """At rest, next to the top or the bottom."""
-        side = 1.0 if p.position == "top" else -1.0
+        if p.position == "top":
+            side = 1.0
+        else:
+            side = -1.0
         mass = Body(
             mass=MASS, position=(p.length * np.sin(p.delta), side * p.length * np.cos(p.delta), 0.0)
         )

@@ -74,10 +74,8 @@ class PendulumWheelMass(StringOnWheel):
             )
         )
         speed = p.rdot0 - p.wheel_radius * p.thetadot0
-        place, velocity = (
-            p.wheel_radius * across + p.r0 * along,
-            speed * along + p.r0 * p.thetadot0 * across,
-        )
+        place = p.wheel_radius * across + p.r0 * along
+        velocity = speed * along + p.r0 * p.thetadot0 * across
         bob = Body(mass=p.mass, position=tuple(place), velocity=tuple(velocity))
         counter = Body(
             mass=p.counter_mass, position=(-p.wheel_radius, -p.r0, 0.0), velocity=(0.0, speed, 0.0)
@@ -102,13 +100,12 @@ class PendulumWheelMass(StringOnWheel):
         """From the pendulum alone: its string is a tangent of the wheel, (r + i R) exp(i theta) =
         -y + i x.
         """
-        (x, y, _), (vx, vy, _) = trajectory.position[:, 0].T, trajectory.velocity[:, 0].T
+        (x, y, _) = trajectory.position[:, 0].T
+        (vx, vy, _) = trajectory.velocity[:, 0].T
         r = np.sqrt(x * x + y * y - p.wheel_radius**2)
         theta = np.angle((-y + 1j * x) / (r + 1j * p.wheel_radius))
-        rate, u = (
-            (vx * np.cos(theta) + vy * np.sin(theta)) / r,
-            vx * np.sin(theta) - vy * np.cos(theta),
-        )
+        rate = (vx * np.cos(theta) + vy * np.sin(theta)) / r
+        u = vx * np.sin(theta) - vy * np.cos(theta)
         return {"r": r, "theta": theta, "rdot": u + p.wheel_radius * rate, "thetadot": rate}
 
     def truth(self, p: Parameters) -> Truth:

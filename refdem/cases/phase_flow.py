@@ -92,7 +92,8 @@ class PhaseFlow(EnsembleCase):
 
     def quantities(self, p: Parameters) -> tuple[Quantity, ...]:
         """Place and rate of every corner."""
-        s, is_rod = self.scales(p), p.flow == "pendulum"
+        s = self.scales(p)
+        is_rod = p.flow == "pendulum"
         kinds = (
             ("x", "rad" if is_rod else "m", s.length, is_rod),
             ("v", "rad/s" if is_rod else "m/s", s.speed, False),

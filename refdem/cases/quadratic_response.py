@@ -72,7 +72,10 @@ class QuadraticResponse(Case):
         forces = [
             Force(a=0, amplitude=f, frequency=w) for f, w in zip(p.f0, p.drive, strict=True) if f
         ]
-        room = 2.0 ** np.ceil(np.log2(4 * self.scales(p).length)) if p.eps else 0.0
+        if p.eps:
+            room = 2.0 ** np.ceil(np.log2(4 * self.scales(p).length))
+        else:
+            room = 0.0
         return _nonlinear.scene(p, p.w0**2, *forces, quadratic=p.eps, length=float(room))
 
     def scales(self, p: Parameters) -> Scales:

@@ -91,14 +91,20 @@ class StickSlip(Case):
             "lambda0": p.lambda0,
             "lambda1": p.lambda1,
         }
-        law = law if p.lambda1 or (p.lambda0 and p.mu0 != p.mu1) else {"friction": p.mu0}
+        if p.lambda1 or (p.lambda0 and p.mu0 != p.mu1):
+            law = law
+        else:
+            law = {"friction": p.mu0}
         return Slider(a=0, normal_force=p.a, belt_velocity=p.belt, **law)
 
     def scene(self, p: Parameters) -> Scene:
         """A point, its spring, the belt, and the drive if there is one."""
         pull = p.a * (slider := self.slider(p)).coefficient(abs(p.belt))
         point = Body(mass=1.0, position=(p.x0, 0.0, 0.0), velocity=(p.v0, 0.0, 0.0))
-        drive = [Force(a=0, amplitude=p.gamma, frequency=p.eta)] if p.gamma else []
+        if p.gamma:
+            drive = [Force(a=0, amplitude=p.gamma, frequency=p.eta)]
+        else:
+            drive = []
         return Scene.of(
             [point], [Spring(a=0, stiffness=1.0, anchor_b=(-pull, 0.0, 0.0)), slider, *drive]
         )

@@ -21,7 +21,8 @@ def _periapsis(p: Parameters) -> tuple[float, float, float]:
     """Distance [m] and speed [m/s] at the closest approach, and the period [s]; the mass is 1
     kg.
     """
-    a, e = p.semi_major, p.eccentricity
+    a = p.semi_major
+    e = p.eccentricity
     if p.stiffness is not None:
         rate = float(np.sqrt(p.stiffness))
         return a * float(np.sqrt((1 - e) * (1 + e))), a * rate, 2 * np.pi / rate
@@ -84,7 +85,10 @@ class TwoBodyOrbit(Case):
         distance, speed, _ = _periapsis(p)
         if p.stiffness is not None:
             distance, speed = p.semi_major, distance * float(np.sqrt(p.stiffness))
-        field = CentralField(gm=p.gm) if p.stiffness is None else Spring(a=0, stiffness=p.stiffness)
+        if p.stiffness is None:
+            field = CentralField(gm=p.gm)
+        else:
+            field = Spring(a=0, stiffness=p.stiffness)
         return Scene.of(
             [Body(mass=1.0, position=(distance, 0.0, 0.0), velocity=(0.0, speed, 0.0))], [field]
         )

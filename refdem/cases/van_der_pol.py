@@ -53,7 +53,10 @@ class VanDerPol(Case):
         late.
         """
         point = Body(mass=1.0, position=(p.x0, 0.0, 0.0), velocity=(p.v0, 0.0, 0.0))
-        force = [Force(a=0, amplitude=p.p, frequency=p.drive, phase=-np.pi / 2)] if p.p else []
+        if p.p:
+            force = [Force(a=0, amplitude=p.p, frequency=p.drive, phase=-np.pi / 2)]
+        else:
+            force = []
         return Scene.of(
             [point],
             [Spring(a=0, stiffness=1.0), Dashpot(a=0, damping=-p.mu, van_der_pol=p.mu), *force],

@@ -46,8 +46,14 @@ class ViscousOscillator(Case):
 
     def scene(self, p: Parameters) -> Scene:
         """Spring, dashpot and gravity where there are some."""
-        dashpot = [Dashpot(a=0, damping=2 * p.mass * p.delta)] if p.delta else []
-        gravity = [UniformGravity(g=(p.gravity, 0.0, 0.0))] if p.gravity else []
+        if p.delta:
+            dashpot = [Dashpot(a=0, damping=2 * p.mass * p.delta)]
+        else:
+            dashpot = []
+        if p.gravity:
+            gravity = [UniformGravity(g=(p.gravity, 0.0, 0.0))]
+        else:
+            gravity = []
         return _line.scene(p, *dashpot, *gravity)
 
     def scales(self, p: Parameters) -> Scales:

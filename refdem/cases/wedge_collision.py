@@ -62,7 +62,8 @@ class WedgeCollision(Case):
         """Greatest overlap; tau by the shorter of approach and separation; twice the contact, the
         way out to three overlaps.
         """
-        inward, swing = APPROACH * depth(p) / p.closing_speed, float(np.sqrt(p.mass / p.k1))
+        inward = APPROACH * depth(p) / p.closing_speed
+        swing = float(np.sqrt(p.mass / p.k1))
         tau = min(2 * inward / np.pi, swing)
         return Scales(
             length=depth(p), tau=tau, duration=inward + (np.pi / 2 + 3) * swing, mass=p.mass

@@ -64,12 +64,15 @@ def crossings(trial: Trial, truth: SampledTruth) -> Crossings:
     """
     if is_belt(trial.instance.scene):
         return rubbing(trial, truth)
-    return parting(trial, truth) if "max_overlap" in truth.scalars else {}
+    if "max_overlap" in truth.scalars:
+        return parting(trial, truth)
+    return {}
 
 
 def is_belt(scene: Scene) -> bool:
     """One point on a linear spring along x and on a slider, driven or not."""
-    springs, sliders = scene.all(Spring), scene.all(Slider)
+    springs = scene.all(Spring)
+    sliders = scene.all(Slider)
     if (
         len(scene.bodies) != 1
         or len(springs) != 1
@@ -105,7 +108,10 @@ class Belt:
         speed 0.
         """
         slider = self.slider
-        falls = (slider.mu0 - slider.mu1) * slider.lambda0 if slider.law != "coulomb" else 0.0
+        if slider.law != "coulomb":
+            falls = (slider.mu0 - slider.mu1) * slider.lambda0
+        else:
+            falls = 0.0
         return max(0.0, falls) * slider.normal_force / self.mass
 
     def pull(self, t: float, x: float) -> float:
@@ -132,11 +138,16 @@ def rubbing(trial: Trial, truth: SampledTruth) -> Crossings:
     At a slip g = limit - |P|, which only the place can falsify; at a stick g is the velocity
     against the belt. A stop is a stick for ever, and may be called so.
     """
-    belt, scales = Belt(trial.instance.scene), trial.instance.scales
-    bend, growth = scales.tau**-2, 1 / scales.tau + belt.weakening
+    belt = Belt(trial.instance.scene)
+    scales = trial.instance.scales
+    bend = scales.tau**-2
+    growth = 1 / scales.tau + belt.weakening
     named = [(name.partition("_")[0], value) for name, value in truth.scalars.items()]
     told = sorted((*value, kind) for kind, value in named if kind in ("stick", "slip", "cross"))
-    found: Crossings = {"stick": [], "slip": []} if told else {}
+    if told:
+        found: Crossings = {"stick": [], "slip": []}
+    else:
+        found = {}
     for number, (time, radius, kind) in enumerate(told):
         if kind == "slip":
             found[kind].append(
@@ -149,9 +160,15 @@ def rubbing(trial: Trial, truth: SampledTruth) -> Crossings:
                 )
             )
         elif kind == "stick":
-            following = told[number + 1][0] if number + 1 < len(told) else inf
+            if number + 1 < len(told):
+                following = told[number + 1][0]
+            else:
+                following = inf
             place = carried(belt, truth, time, following)
-            since = told[number - 1][0] if number else 0.0
+            if number:
+                since = told[number - 1][0]
+            else:
+                since = 0.0
             found[kind].append(
                 Crossing(
                     time,
@@ -162,7 +179,8 @@ def rubbing(trial: Trial, truth: SampledTruth) -> Crossings:
                 )
             )
     if "stop_time" in truth.scalars:
-        (time, radius), (place, _) = truth.scalars["stop_time"], truth.scalars["stop_position"]
+        (time, radius) = truth.scalars["stop_time"]
+        (place, _) = truth.scalars["stop_position"]
         half = np.pi * sqrt(belt.mass / belt.spring.stiffness)
         found["stop"] = found["stick"] = [
             Crossing(
@@ -180,8 +198,14 @@ def carried(belt: Belt, truth: SampledTruth, time: float, following: float) -> f
     """Where [m] the belt takes the point up: from where it lets it go again, or else from the last
     certified sample.
     """
-    until = following if following < inf else truth.t[truth.until - 1]
-    place = belt.released_at(until) if following < inf else truth.value("x")[-1]
+    if following < inf:
+        until = following
+    else:
+        until = truth.t[truth.until - 1]
+    if following < inf:
+        place = belt.released_at(until)
+    else:
+        place = truth.value("x")[-1]
     return float(place - belt.slider.belt_velocity * (until - time))
 
 
@@ -196,7 +220,10 @@ def braking(belt: Belt, truth: SampledTruth, time: float, place: float, since: f
     sampled = np.flatnonzero(
         (np.array(truth.t[: truth.until]) > since) & (np.array(truth.t[: truth.until]) < time)
     )
-    slip = truth.value("v")[sampled[-1]] - belt.slider.belt_velocity if len(sampled) else 0.0
+    if len(sampled):
+        slip = truth.value("v")[sampled[-1]] - belt.slider.belt_velocity
+    else:
+        slip = 0.0
     against = belt.limit - (copysign(pull, pull * slip) if slip else abs(pull))
     return max(0.0, float(against)) / belt.mass
 
@@ -206,7 +233,8 @@ def touches(scene: Scene) -> list[tuple[float, float, int]]:
     start, where only contacts act.
     """
     if {element.kind for element in scene.elements} == {"wedge"} and len(scene.bodies) == 1:
-        wall, free = scene.all(Wedge)[0], scene.bodies
+        wall = scene.all(Wedge)[0]
+        free = scene.bodies
         closing = -float(free.velocity[0] @ np.array(wall.normal))
         pairs: Iterator[Pair] = iter(
             [(float(wall.overlap(free.position)[0]), closing, abs(closing), 1)]
@@ -244,14 +272,10 @@ def _met(scene: Scene) -> Iterator[Pair]:
     for i, j in combinations(spheres, 2):
         apart: Array = bodies.position[j] - bodies.position[i]
         distance = float(np.linalg.norm(apart))
-        relative, free = (
-            bodies.velocity[i] - bodies.velocity[j],
-            int(2 - bodies.fixed[[i, j]].sum()),
-        )
-        overlap, closing = (
-            float(bodies.radius[i] + bodies.radius[j]) - distance,
-            float(relative @ apart) / distance,
-        )
+        relative = bodies.velocity[i] - bodies.velocity[j]
+        free = int(2 - bodies.fixed[[i, j]].sum())
+        overlap = float(bodies.radius[i] + bodies.radius[j]) - distance
+        closing = float(relative @ apart) / distance
         yield overlap, closing, float(np.linalg.norm(relative)), free
     for i in spheres:
         for plane in scene.all(Plane):
@@ -274,7 +298,9 @@ def parting(trial: Trial, truth: SampledTruth) -> Crossings:
     g is the overlap d, or the force k d + c d' where the contact ends with that: there d'' is 0, or
     below it where the normal turns, so that |g'| >= k |d'|.
     """
-    scene, scales, scalars = trial.instance.scene, trial.instance.scales, truth.scalars
+    scene = trial.instance.scene
+    scales = trial.instance.scales
+    scalars = truth.scalars
     met = touches(scene)
     closing, speed, free = met[0]
     if any(abs(other - closing) > ALIKE * closing for other, *_ in met):
@@ -309,4 +335,6 @@ def given_back(trial: Trial, truth: SampledTruth, closing: float) -> float:
     if "energy_change" in truth.scalars:
         energy = float(trial.instance.scene.bodies.mass[0]) * closing**2 / 2
         return sqrt(max(0.0, 1.0 + truth.scalars["energy_change"][0] / energy))
-    return 0.0 if any(law.damping for law in trial.instance.scene.all(Contact)) else 1.0
+    if any(law.damping for law in trial.instance.scene.all(Contact)):
+        return 0.0
+    return 1.0

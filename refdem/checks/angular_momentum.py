@@ -30,7 +30,9 @@ class AngularMomentum(Check):
         """Scenes in which something can turn and no torque about the origin acts from outside."""
         if {"dimension:1"} == trial.instance.scene.features & {"dimension:1", "rotation"}:
             return "all motion is along one line through the origin"
-        return None if _law_turns(trial) else torque_reason(trial.instance.scene)
+        if _law_turns(trial):
+            return None
+        return torque_reason(trial.instance.scene)
 
     def needs(self, trial: Trial) -> tuple[Variant, ...]:
         """The coarsest level, where it is kept to round-off; the finest, where it is compared with
@@ -49,7 +51,10 @@ class AngularMomentum(Check):
     def _kept(self, trial: Trial, runs: Mapping[Variant, Outcome], name: str) -> Finding:
         """One part, at the coarsest level if it is held to round-off, else at the finest."""
         free = name == "orbital"
-        variant = Variant(trial.levels[0]) if free else _judged_level(trial)
+        if free:
+            variant = Variant(trial.levels[0])
+        else:
+            variant = _judged_level(trial)
         allowed: Array | float
         if free:
             allowed = trial.noise(variant.level)
@@ -96,18 +101,16 @@ class AngularMomentum(Check):
         """Levers that do not sum to the centre distance change the total by the integral of overlap
         times friction: that of truth.
         """
-        truth, scene, level = certified(trial), trial.instance.scene, trial.levels[-1]
+        truth = certified(trial)
+        scene = trial.instance.scene
+        level = trial.levels[-1]
         if truth is None:
             return undecided(self.name, "law", no_truth(trial))
-        found, expected = (
-            angular(scene, run)["total"][: truth.until],
-            angular(scene, _as_trajectory(truth))["total"],
-        )
+        found = angular(scene, run)["total"][: truth.until]
+        expected = angular(scene, _as_trajectory(truth))["total"]
         sizes = {name: trial.instance.quantities[f"{name}1.x"].scale for name in KINDS}
-        place, speed = (
-            np.linalg.norm(scene.bodies.position, axis=1),
-            np.linalg.norm(scene.bodies.velocity, axis=1),
-        )
+        place = np.linalg.norm(scene.bodies.position, axis=1)
+        speed = np.linalg.norm(scene.bodies.velocity, axis=1)
         spun = scene.bodies.inertia.max(axis=1).sum() * sizes["omega"]
         share = (
             scene.bodies.mass @ (place * sizes["v"] + speed * sizes["r"]) + spun
@@ -137,11 +140,9 @@ def _parts(scene: Scene) -> tuple[str, ...]:
     """The total; of bodies on which nothing acts the orbital and the spin part by themselves
     too.
     """
-    return (
-        ("total",)
-        if scene.elements or "rotation" not in scene.features
-        else ("total", "orbital", "spin")
-    )
+    if scene.elements or "rotation" not in scene.features:
+        return ("total",)
+    return ("total", "orbital", "spin")
 
 
 def _judged_level(trial: Trial) -> Variant:
@@ -149,7 +150,9 @@ def _judged_level(trial: Trial) -> Variant:
     else the finest.
     """
     keeps = trial.method.keeps("angular-momentum", trial.instance.problem.features)
-    return Variant(trial.levels[0]) if keeps else trial.finest
+    if keeps:
+        return Variant(trial.levels[0])
+    return trial.finest
 
 
 def _law_turns(trial: Trial) -> bool:

@@ -45,7 +45,9 @@ class Apsides(Check):
             or not (_attraction(scene) or _spring(scene))
         ):
             return "nothing goes round in a field that keeps its apsides"
-        return "it moves on a straight line" if "dimension:1" in scene.features else None
+        if "dimension:1" in scene.features:
+            return "it moves on a straight line"
+        return None
 
     def needs(self, trial: Trial) -> tuple[Variant, ...]:
         """The finest level."""
@@ -53,30 +55,34 @@ class Apsides(Check):
 
     def judge(self, trial: Trial, runs: Mapping[Variant, Outcome]) -> list[Finding]:
         """Against what errors of place and velocity, each within its bound, change it by."""
-        run, scene, scales = (
-            runs[trial.finest].trajectory,
-            trial.instance.scene,
-            trial.instance.scales,
-        )
-        r, v = run.position[:, 0], run.velocity[:, 0]
-        distance, speed = np.linalg.norm(r, axis=1), np.linalg.norm(v, axis=1)
+        run = runs[trial.finest].trajectory
+        scene = trial.instance.scene
+        scales = trial.instance.scales
+        r = run.position[:, 0]
+        v = run.velocity[:, 0]
+        distance = np.linalg.norm(r, axis=1)
+        speed = np.linalg.norm(v, axis=1)
         field = _attraction(scene)
         if field:
-            kept, name = laplace(r, v, field.gm), "Laplace vector"
+            kept = laplace(r, v, field.gm)
+            name = "Laplace vector"
             share = (
                 2 * speed * distance * scales.speed + speed**2 * scales.length
             ) / field.gm + scales.length / distance
         else:
             spring = scene.all(Spring)[0]
-            place, mass = r - np.asarray(spring.anchor_b), float(scene.bodies.mass[0])
-            kept, name = fradkin(place, v, mass, spring.stiffness), "Fradkin tensor"
+            place = r - np.asarray(spring.anchor_b)
+            mass = float(scene.bodies.mass[0])
+            kept = fradkin(place, v, mass, spring.stiffness)
+            name = "Fradkin tensor"
             arms = (
                 spring.stiffness * np.linalg.norm(place, axis=1) * scales.length
                 + mass * speed * scales.speed
             )
             share = 2 * arms / (mass * speed[0] ** 2 + spring.stiffness * (place[0] @ place[0]))
         allowed, basis = trial.kept("apsides", trial.levels[-1])
-        quantity, count = name.split()[0].lower(), scored(share * allowed)
+        quantity = name.split()[0].lower()
+        count = scored(share * allowed)
         if count < min(2, len(share)):
             return [
                 undecided(
@@ -121,14 +127,17 @@ def fradkin(r: Array, v: Array, mass: float, stiffness: float) -> Array:
 def turned(kept: Array) -> float:
     """Angle [rad] between the first and the last long axis; 0 where a circle has none."""
     axes = [at if at.ndim == 1 else np.linalg.eigh(at)[1][:, -1] for at in (kept[0], kept[-1])]
-    across, along = np.linalg.norm(np.cross(axes[0], axes[1])), float(axes[0] @ axes[1])
+    across = np.linalg.norm(np.cross(axes[0], axes[1]))
+    along = float(axes[0] @ axes[1])
     return float(np.arctan2(across, along if kept.ndim == 2 else abs(along)))
 
 
 def _attraction(scene: Scene) -> CentralField | None:
     """The attraction, if nothing else acts."""
     found = scene.all(CentralField)
-    return found[0] if len(scene.elements) == len(found) == 1 else None
+    if len(scene.elements) == len(found) == 1:
+        return found[0]
+    return None
 
 
 def _spring(scene: Scene) -> bool:

@@ -33,11 +33,9 @@ class Bounces(Check):
     def applies(self, trial: Trial) -> str | None:
         """Billiards."""
         problem = trial.instance.problem
-        return (
-            None
-            if isinstance(problem, Iteration) and isinstance(problem.map, Billiard)
-            else "it is no billiard"
-        )
+        if isinstance(problem, Iteration) and isinstance(problem.map, Billiard):
+            return None
+        return "it is no billiard"
 
     def needs(self, trial: Trial) -> tuple[Variant, ...]:
         """The plain run."""
@@ -45,10 +43,12 @@ class Bounces(Check):
 
     def judge(self, trial: Trial, runs: Mapping[Variant, Outcome]) -> list[Finding]:
         """Speed, distance from the wall, and directions that point out of the table."""
-        problem, run = trial.instance.problem, runs[trial.finest].trajectory
+        problem = trial.instance.problem
+        run = runs[trial.finest].trajectory
         assert isinstance(problem, Iteration)
         assert isinstance(problem.map, Billiard)
-        place, direction = run.values["position"][1:], run.values["direction"][1:]
+        place = run.values["position"][1:]
+        direction = run.values["direction"][1:]
         off, normal = wall(problem.map, place)
         sizes = {
             "speed": (

@@ -28,9 +28,9 @@ class Capture(Check):
         """Scenes with a hook of the world that truth says catches something."""
         if not any(hook.b < 0 for hook in trial.instance.scene.all(Catch)):
             return "there is no hook"
-        return (
-            None if trial.truth is None or "omega" in trial.truth.scalars else "nothing is caught"
-        )
+        if trial.truth is None or "omega" in trial.truth.scalars:
+            return None
+        return "nothing is caught"
 
     def needs(self, trial: Trial) -> tuple[Variant, ...]:
         """The finest level."""
@@ -43,9 +43,11 @@ class Capture(Check):
         truth = certified(trial)
         if truth is None:
             return [undecided(self.name, "omega", no_truth(trial))]
-        run, scene = runs[trial.finest].trajectory, trial.instance.scene
+        run = runs[trial.finest].trajectory
+        scene = trial.instance.scene
         hook = next(hook for hook in scene.all(Catch) if hook.b < 0)
-        arm, velocity = run.position[:, hook.a] - np.array(hook.anchor_b), run.velocity[:, hook.a]
+        arm = run.position[:, hook.a] - np.array(hook.anchor_b)
+        velocity = run.velocity[:, hook.a]
         distance = np.linalg.norm(arm, axis=1)
         caught = np.flatnonzero(
             np.abs(np.sum(arm * velocity, axis=1))
@@ -59,9 +61,11 @@ class Capture(Check):
                     "fewer than three samples follow the catch, or it is not held after it",
                 )
             ]
-        first, bound = caught[0] + 1, float(trial.bound(trial.levels[-1])[-1])
+        first = caught[0] + 1
+        bound = float(trial.bound(trial.levels[-1])[-1])
         rate = _rate(arm[first:], run.velocity[first:, hook.a], run.t[first:])
-        omega, inertia = truth.scalars["omega"][0], truth.scalars["inertia"][0]
+        omega = truth.scalars["omega"][0]
+        inertia = truth.scalars["inertia"][0]
         spin = scene.bodies.mass[hook.a] * np.linalg.norm(np.cross(arm[-1], velocity[-1]))
         values = {
             "omega": (
@@ -97,7 +101,8 @@ def _rate(arm: Array, velocity: Array, t: Array) -> float:
     """
     normal = np.cross(arm[0], velocity[0])
     normal = normal / (np.linalg.norm(normal) or 1.0)
-    sine, cosine = np.cross(arm[:-1], arm[1:]) @ normal, np.sum(arm[:-1] * arm[1:], axis=1)
+    sine = np.cross(arm[:-1], arm[1:]) @ normal
+    cosine = np.sum(arm[:-1] * arm[1:], axis=1)
     angle = np.arctan2(sine, cosine)
     expected = np.linalg.norm(velocity[:-1], axis=1) / np.linalg.norm(arm[:-1], axis=1) * np.diff(t)
     return float(

@@ -28,11 +28,9 @@ class Constraint(Check):
         """Scenes with rods between points, and methods that do not make places of the rods'
         angles.
         """
-        return (
-            trial.method.derived.get("rod")
-            if trial.instance.scene.all(Rod)
-            else "there is no constraint"
-        )
+        if trial.instance.scene.all(Rod):
+            return trial.method.derived.get("rod")
+        return "there is no constraint"
 
     def needs(self, trial: Trial) -> tuple[Variant, ...]:
         """The coarsest level, and the finest where lengths are held to the order only and must fall
@@ -42,14 +40,13 @@ class Constraint(Check):
 
     def judge(self, trial: Trial, runs: Mapping[Variant, Outcome]) -> list[Finding]:
         """Drift of length and of velocity."""
-        variant, coarsest = _judged_level(trial), Variant(trial.levels[0])
+        variant = _judged_level(trial)
+        coarsest = Variant(trial.levels[0])
         allowed, basis = trial.kept("constraint", variant.level)
         rounding = trial.round_off(variant.level) * _farthest(trial)
         allowed = allowed + rounding - trial.round_off(variant.level)
-        drifts, coarse = (
-            _drifts(trial, runs[variant].trajectory),
-            _drifts(trial, runs[coarsest].trajectory),
-        )
+        drifts = _drifts(trial, runs[variant].trajectory)
+        coarse = _drifts(trial, runs[coarsest].trajectory)
         found = []
         for quantity, drift in drifts.items():
             bound = allowed
@@ -81,7 +78,9 @@ def _judged_level(trial: Trial) -> Variant:
     round-off; else the finest.
     """
     keeps = trial.method.keeps("constraint", trial.instance.problem.features)
-    return Variant(trial.levels[0]) if keeps else trial.finest
+    if keeps:
+        return Variant(trial.levels[0])
+    return trial.finest
 
 
 def _farthest(trial: Trial) -> float:
@@ -100,7 +99,8 @@ def _start(trial: Trial) -> tuple[Array, Array]:
 
 def _drifts(trial: Trial, run: Trajectory) -> dict[str, Array]:
     """Largest drift (T,) of any rod: length over L, and relative speed along the rod over L/tau."""
-    length, speed = np.zeros(len(run.t)), np.zeros(len(run.t))
+    length = np.zeros(len(run.t))
+    speed = np.zeros(len(run.t))
     for rod in trial.instance.scene.all(Rod):
         first, second = rod.ends(run.position, run.attitude)
         apart = first - second

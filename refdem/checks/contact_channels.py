@@ -35,14 +35,17 @@ class ContactChannels(Check):
 
     def applies(self, trial: Trial) -> str | None:
         """A few spheres that meet each other and nothing else, under a law with an overlap."""
-        scene, laws = trial.instance.scene, trial.instance.scene.all(Contact)
+        scene = trial.instance.scene
+        laws = trial.instance.scene.all(Contact)
         if len(laws) != 1 or laws[0].law == "rigid" or {"plane", "periodic_box"} & scene.features:
             return "spheres do not meet each other alone, or without overlap"
         alone = (
             all(isinstance(shape, Sphere) for shape in scene.bodies.shape)
             and 2 <= len(scene.bodies) <= MOST
         )
-        return None if alone else f"it is not a scene of 2 to {MOST} spheres"
+        if alone:
+            return None
+        return f"it is not a scene of 2 to {MOST} spheres"
 
     def needs(self, trial: Trial) -> tuple[Variant, ...]:
         """The finest level."""
@@ -172,7 +175,8 @@ def _off_force(trial: Trial, run: Trajectory, meeting: _Meeting) -> tuple[Array,
     off = np.abs(told - meeting.force)
     if meeting.law.damping == 0 or trial.method.control != "step":
         return off, 0.0
-    scene, level = trial.instance.scene, trial.levels[-1]
+    scene = trial.instance.scene
+    level = trial.levels[-1]
     late = meeting.law.damping * level / float(np.min(meeting.effective))
     alone = all(isinstance(element, Contact | UniformGravity) for element in scene.elements)
     if len(scene.bodies) > 2 or not alone or late > 1.0:

@@ -74,11 +74,9 @@ class ContactImpulse(Check):
             return "something else acts than a contact with an overlap"
         spheres = all(isinstance(shape, Sphere) for shape in scene.bodies.shape)
         are_two = len(scene.bodies) + len(walls) == 2 and len(walls) <= 1
-        return (
-            None
-            if spheres and are_two and not scene.bodies.fixed.any()
-            else "it is not a scene of two free spheres, or of one and a wall"
-        )
+        if spheres and are_two and not scene.bodies.fixed.any():
+            return None
+        return "it is not a scene of two free spheres, or of one and a wall"
 
     def needs(self, trial: Trial) -> tuple[Variant, ...]:
         """The coarsest level, at which what is late is furthest off, with a sample every few
@@ -202,7 +200,9 @@ def _dense(trial: Trial) -> Variant:
         and stride // (2 * dense) >= STEPS_A_SAMPLE
     ):
         dense *= 2
-    return Variant(level, "denser_output", dense) if dense > 1 else Variant(level)
+    if dense > 1:
+        return Variant(level, "denser_output", dense)
+    return Variant(level)
 
 
 def _presses(scene: Scene, run: Trajectory) -> Array:

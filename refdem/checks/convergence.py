@@ -37,11 +37,9 @@ class Convergence(Check):
             return f"the method is controlled by {trial.method.control}, not by a step"
         if trial.truth is not None and trial.truth.until == len(trial.instance.times):
             return "truth is certified to the end: the observed order sees more"
-        return (
-            None
-            if len(trial.levels) >= 3
-            else f"{len(trial.levels)} levels are planned; 3 are needed"
-        )
+        if len(trial.levels) >= 3:
+            return None
+        return f"{len(trial.levels)} levels are planned; 3 are needed"
 
     def needs(self, trial: Trial) -> tuple[Variant, ...]:
         """The plain runs of the finest three levels, and two that show how errors grow: the
@@ -61,14 +59,20 @@ class Convergence(Check):
         coarse, fine = (_change(trial, runs[a], runs[b]) for a, b in pairwise(trial.plain[-3:]))
         *_, plain, perturbed = self.needs(trial)
         base = runs[plain].trajectory  # a code may refuse the moved start
-        moved = runs[perturbed].trajectory if perturbed in runs else base
+        if perturbed in runs:
+            moved = runs[perturbed].trajectory
+        else:
+            moved = base
         growth = float(growth_shown(trial.instance, trial.method, moved, base)[-1])
         floor = COUNTING_FLOOR * trial.noise(trial.levels[-1]) * growth
         if fine > HORIZON:
             why = f"the finest two levels differ by {fine:.2g} of the scale: finer steps are needed"
             return [undecided(self.name, "state", why)]
         order = trial.order
-        seen = float(np.log2(coarse / fine)) if fine > floor else float(order)
+        if fine > floor:
+            seen = float(np.log2(coarse / fine))
+        else:
+            seen = float(order)
         if kinked(trial.instance) and order - seen > FURTHER * max(0.15, 0.05 * order):
             return [self._within(trial, fine, growth, seen)]
         return [
@@ -119,7 +123,8 @@ class Convergence(Check):
 def _change(trial: Trial, coarse: Outcome, fine: Outcome) -> float:
     """Largest scaled difference of any quantity at any sample between two levels."""
     instance = trial.instance
-    first, second = instance.observe(coarse.trajectory), instance.observe(fine.trajectory)
+    first = instance.observe(coarse.trajectory)
+    second = instance.observe(fine.trajectory)
     found = 0.0
     for name, quantity in instance.quantities.items():
         if name in first and name in second and not quantity.group:

@@ -28,7 +28,9 @@ ERRORS = 4.0
 """Standard errors allowed: of 1e4 right gases one is beyond."""
 THEORY = 0.01
 """What the theory leaves out: velocities that are not quite Maxwell's (3/16 a2), and chi."""
-DILUTE, SHORT, ROUGHEST = 0.1, 0.05, 0.5
+DILUTE = 0.1
+SHORT = 0.05
+ROUGHEST = 0.5
 """The theory holds below this packing fraction, contact time times w_c, and above this restitution
 (a2 then stays below 0.06).
 """
@@ -69,11 +71,9 @@ class Gas:
                 f"contact time times w_c is {self.softness:.2g}: spheres meet three at a time (<="
                 f" {SHORT:g})"
             )
-        return (
-            None
-            if self.restitution >= ROUGHEST
-            else f"restitution {self.restitution:.2g} is too far from 1 (>= {ROUGHEST:g})"
-        )
+        if self.restitution >= ROUGHEST:
+            return None
+        return f"restitution {self.restitution:.2g} is too far from 1 (>= {ROUGHEST:g})"
 
 
 class Cooling(Check):
@@ -89,16 +89,15 @@ class Cooling(Check):
 
     def applies(self, trial: Trial) -> str | None:
         """Equal smooth spheres in a periodic box."""
-        scene, laws = trial.instance.scene, trial.instance.scene.all(Contact)
+        scene = trial.instance.scene
+        laws = trial.instance.scene.all(Contact)
         if "temperature" not in trial.instance.quantities or not scene.all(PeriodicBox):
             return "it is not a gas in a periodic box"
         if not are_alike(scene):
             return "the spheres are not alike: the theory is of equal ones"
-        return (
-            None
-            if len(laws) == 1 and laws[0].law == "linear" and not laws[0].friction
-            else "the law of contact is another"
-        )
+        if len(laws) == 1 and laws[0].law == "linear" and not laws[0].friction:
+            return None
+        return "the law of contact is another"
 
     def needs(self, trial: Trial) -> tuple[Variant, ...]:
         """The finest level."""
@@ -112,10 +111,8 @@ class Cooling(Check):
             return [
                 undecided(self.name, "temperature", "the frequency of collisions is not certified")
             ]
-        gas, run = (
-            _gas(trial.instance.scene, trial.truth.scalars["collision_frequency"][0]),
-            runs[trial.finest].trajectory,
-        )
+        gas = _gas(trial.instance.scene, trial.truth.scalars["collision_frequency"][0])
+        run = runs[trial.finest].trajectory
         if (doubt := gas.doubt()) is not None:
             return [undecided(self.name, "temperature", doubt)]
         temperature = trial.instance.observe(run)["temperature"]
@@ -171,7 +168,8 @@ class Cooling(Check):
     def _meetings(self, gas: Gas, run: Trajectory, temperature: Array, seen: int) -> list[Finding]:
         """How many collisions, and what each has cost in units of (1 - e^2) T."""
         met = collisions(run.t, temperature, gas.frequency / np.sqrt(temperature[0]), gas.n)
-        expected, given = float(met[-1]), 1 - gas.restitution**2
+        expected = float(met[-1])
+        given = 1 - gas.restitution**2
         if expected < FEWEST:
             return [
                 undecided(
@@ -181,10 +179,8 @@ class Cooling(Check):
                 )
             ]
         allowed = ERRORS / np.sqrt(expected) + THEORY + gas.softness
-        counted, of = (
-            f"{seen} collisions where {expected:.5g} are expected",
-            f"{ERRORS:g} standard errors of a count, and {THEORY:.0%}",
-        )
+        counted = f"{seen} collisions where {expected:.5g} are expected"
+        of = f"{ERRORS:g} standard errors of a count, and {THEORY:.0%}"
         more: dict[str, Any] = {
             "check": self.name,
             "unit": "1",
@@ -222,10 +218,15 @@ def _gas(scene: Scene, frequency: float) -> Gas:
     """Restitution exp(-pi b/w) and duration pi/w of the linear law, b = c/m, w^2 = 2 k/m - b^2, for
     equal masses.
     """
-    law, mass, n = scene.all(Contact)[0], float(scene.bodies.mass[0]), len(scene.bodies)
+    law = scene.all(Contact)[0]
+    mass = float(scene.bodies.mass[0])
+    n = len(scene.bodies)
     damping = law.damping / mass
     swing = float(np.sqrt(max(2 * law.stiffness / mass - damping**2, 0.0)))
-    lasts = np.pi / swing if swing else np.inf
+    if swing:
+        lasts = np.pi / swing
+    else:
+        lasts = np.inf
     # The volume of the spheres over that of the box.
     volume = 4 / 3 * np.pi * np.sum(scene.bodies.radius**3)
     (box,) = scene.all(PeriodicBox)

@@ -29,18 +29,19 @@ class Determinism(Check):
 
     def applies(self, trial: Trial) -> str | None:
         """Methods that claim it."""
-        return None if trial.method.deterministic else "the method does not claim it"
+        if trial.method.deterministic:
+            return None
+        return "the method does not claim it"
 
     def needs(self, trial: Trial) -> tuple[Variant, ...]:
         """The coarsest level that is not coarser than the denser output, again, and with denser
         output.
         """
         level = self._level(trial)
-        denser = (
-            (Variant(level, "denser_output", DENSER),)
-            if isinstance(trial.instance.problem, Motion)
-            else ()
-        )
+        if isinstance(trial.instance.problem, Motion):
+            denser = (Variant(level, "denser_output", DENSER),)
+        else:
+            denser = ()
         return (Variant(level), Variant(level, "repeated"), *denser)
 
     def _level(self, trial: Trial) -> float:
@@ -50,7 +51,9 @@ class Determinism(Check):
             for level in trial.levels
             if trial.method.control != "step" or level <= interval / DENSER
         ]
-        return fitting[0] if fitting else trial.levels[-1]
+        if fitting:
+            return fitting[0]
+        return trial.levels[-1]
 
     def judge(self, trial: Trial, runs: Mapping[Variant, Outcome]) -> list[Finding]:
         """The largest difference of any number, twice."""

@@ -47,11 +47,9 @@ class Energy(Check):
             and "energy" not in method.conserves
         ):
             return "a drive brings energy in, and the method does not claim to keep count of it"
-        return (
-            "rigid contacts have no potential"
-            if "contact:rigid" in trial.instance.scene.features
-            else None
-        )
+        if "contact:rigid" in trial.instance.scene.features:
+            return "rigid contacts have no potential"
+        return None
 
     def needs(self, trial: Trial) -> tuple[Variant, ...]:
         """The coarsest and the finest level; all of them where the coarsest may have a bound that
@@ -66,7 +64,8 @@ class Energy(Check):
         found = [self._balance(trial, _first_sharp(trial, runs), runs, "balance")]
         if len(trial.levels) > 1:
             found.append(self._balance(trial, trial.finest, runs, "finest"))
-        shown, scene = _work(trial, runs[trial.finest]) is not None, trial.instance.scene
+        shown = _work(trial, runs[trial.finest]) is not None
+        scene = trial.instance.scene
         if shown and not scene.is_driven() and not _stiffens(scene):
             found.append(self._dissipation(trial, trial.finest, runs[trial.finest]))
         if (
@@ -125,7 +124,8 @@ class Energy(Check):
         """What changes and by how much (T,), in units of the energy at the start; or why nobody can
         say.
         """
-        scene, scale = trial.instance.scene, energy_scale(trial.instance)
+        scene = trial.instance.scene
+        scale = energy_scale(trial.instance)
         energy = mechanical(scene, run.trajectory)
         what = "The change of kinetic and potential energy"
         with np.errstate(
@@ -139,19 +139,18 @@ class Energy(Check):
                 " run does not show how much"
             )
         if _rubs_by_springs(scene) and not _stiffens(scene):
-            what, change = SPRINGS, np.maximum(0.0, energy - energy[0]) / scale
+            what = SPRINGS
+            change = np.maximum(0.0, energy - energy[0]) / scale
         elif not scene.is_conservative():
             if work is None and scene.is_driven():
                 return "energy comes in from outside, and the run does not show how much"
             if work is None:
-                what, change = (
-                    "The rise of energy above any earlier value",
-                    (energy - np.minimum.accumulate(energy)) / scale,
-                )
+                what = "The rise of energy above any earlier value"
+                change = (energy - np.minimum.accumulate(energy)) / scale
             else:
-                what, change = (
-                    "The change of energy plus dissipated work",
-                    np.abs(energy + work.reshape(len(energy), -1).sum(axis=1) - energy[0]) / scale,
+                what = "The change of energy plus dissipated work"
+                change = (
+                    np.abs(energy + work.reshape(len(energy), -1).sum(axis=1) - energy[0]) / scale
                 )
         return what, change
 
@@ -209,7 +208,9 @@ def _exchanged(trial: Trial, run: Outcome) -> Array:
     moving = kinetic(trial.instance.scene, run.trajectory)
     away: Array = np.abs(moving - moving[0]) / energy_scale(trial.instance)
     rounding = trial.round_off(trial.levels[0])
-    return away if np.any(away > rounding) else np.zeros_like(away)
+    if np.any(away > rounding):
+        return away
+    return np.zeros_like(away)
 
 
 def _first_sharp(trial: Trial, runs: Mapping[Variant, Outcome]) -> Variant:
@@ -229,11 +230,9 @@ def _work(trial: Trial, run: Outcome) -> Array | None:
 
     None of a method that tells what the energy lacks, for then any balance holds.
     """
-    return (
-        None
-        if "dissipated_work" in trial.method.derived
-        else run.trajectory.channels.get("dissipated_work")
-    )
+    if "dissipated_work" in trial.method.derived:
+        return None
+    return run.trajectory.channels.get("dissipated_work")
 
 
 def _rubs_by_springs(scene: Scene) -> bool:
@@ -254,7 +253,9 @@ def _of_rods(trial: Trial) -> Array | float:
 
     A method that claims the constraint brings them back at every step.
     """
-    method, scales, t = trial.method, trial.instance.scales, trial.instance.times
+    method = trial.method
+    scales = trial.instance.scales
+    t = trial.instance.times
     if (
         not trial.instance.scene.all(Rod)
         or "constraint" in method.conserves
@@ -273,7 +274,9 @@ def _of_falling(trial: Trial, level: float) -> float:
     places they carry.
     """
     falls = "uniform_gravity" in trial.instance.scene.features
-    return flight(trial.instance, trial.method, level) if falls else 0.0
+    if falls:
+        return flight(trial.instance, trial.method, level)
+    return 0.0
 
 
 def _of_positions(trial: Trial) -> float:

@@ -33,11 +33,9 @@ class EnergyReturn(Check):
         scene = trial.instance.scene
         if not scene.all(PiecewiseField) and not scene.all(Wedge):
             return "no asymmetric force changes the kinetic energy"
-        return (
-            None
-            if trial.method.complete_state
-            else "the method's end state is not complete, so it cannot go on from there"
-        )
+        if trial.method.complete_state:
+            return None
+        return "the method's end state is not complete, so it cannot go on from there"
 
     def needs(self, trial: Trial) -> tuple[Variant, ...]:
         """The finest level, there and back."""
@@ -48,21 +46,22 @@ class EnergyReturn(Check):
         truth = certified(trial)
         if truth is None or truth.until < len(trial.instance.times):
             return [undecided(self.name, "gain", no_truth(trial))]
-        instance, scene = trial.instance, trial.instance.scene
+        instance = trial.instance
+        scene = trial.instance.scene
         there, back = (kinetic(scene, runs[variant].trajectory) for variant in self.needs(trial))
         speeds = truth.value("v")[[0, -1]]
         true = 0.5 * float(scene.bodies.mass[0]) * (speeds[1] ** 2 - speeds[0] ** 2)
         fastest = float(max(1.0, np.abs(truth.value("v")).max() / instance.scales.speed))
-        unit, gained, lost = (
-            instance.scales.energy * fastest**2,
-            there[-1] - there[0],
-            back[-1] - back[0],
-        )
-        allowed, growth = float(trial.bound(trial.levels[-1])[-1]), float(truth.growth()[-1])
+        unit = instance.scales.energy * fastest**2
+        gained = there[-1] - there[0]
+        lost = back[-1] - back[0]
+        allowed = float(trial.bound(trial.levels[-1])[-1])
+        growth = float(truth.growth()[-1])
         exact = trial.method.reversible or trial.method.control == "exact"
-        back_off = (
-            2 * trial.round_off(trial.levels[-1]) * growth**2 if exact else 2 * allowed * growth
-        )
+        if exact:
+            back_off = 2 * trial.round_off(trial.levels[-1]) * growth**2
+        else:
+            back_off = 2 * allowed * growth
         gain_error = judged(
             check=self.name,
             quantity="gain",

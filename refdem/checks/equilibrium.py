@@ -41,11 +41,9 @@ class Equilibrium(Check):
             return "there is no pendulum"
         if np.any(scene.bodies.velocity):
             return "it does not start at rest"
-        return (
-            None
-            if abs(_angles(scene, scene.bodies.position)[0]) <= SMALL
-            else "it does not start next to an equilibrium"
-        )
+        if abs(_angles(scene, scene.bodies.position)[0]) <= SMALL:
+            return None
+        return "it does not start next to an equilibrium"
 
     def needs(self, trial: Trial) -> tuple[Variant, ...]:
         """The finest level."""
@@ -55,16 +53,15 @@ class Equilibrium(Check):
         """Distance from delta cosh(w0 t) while that is small; or from delta cos(w0 t), and how far
         beyond delta it goes.
         """
-        run, scene = runs[trial.finest].trajectory, trial.instance.scene
+        run = runs[trial.finest].trajectory
+        scene = trial.instance.scene
         rod = scene.all(Rod)[0]
         seen = _angles(scene, run.position[:, rod.a])
         w0 = float(np.sqrt(np.linalg.norm(scene.all(UniformGravity)[0].g) / rod.length))
         delta = float(_angles(scene, scene.bodies.position)[0])
-        return (
-            [self._departure(trial, run.t, seen, w0, delta)]
-            if _is_top(scene)
-            else self._at_bottom(trial, run.t, seen, w0, delta)
-        )
+        if _is_top(scene):
+            return [self._departure(trial, run.t, seen, w0, delta)]
+        return self._at_bottom(trial, run.t, seen, w0, delta)
 
     def _departure(self, trial: Trial, t: Array, seen: Array, w0: float, delta: float) -> Finding:
         """From the top, up to SMALL: the term of third order of the series is what is left of the
@@ -133,7 +130,10 @@ def _in_proportion(trial: Trial, delta: float) -> Array:
     delta; a tolerance is absolute.
     """
     level = trial.levels[-1]
-    size = abs(delta) if trial.method.control == "step" else 1.0
+    if trial.method.control == "step":
+        size = abs(delta)
+    else:
+        size = 1.0
     found: Array = trial.truncation(level) * size + trial.round_off(level)
     return found
 
@@ -155,12 +155,14 @@ def _angles(scene: Scene, position: Array) -> Array:
     """
     gravity = np.array(scene.all(UniformGravity)[0].g)
     up = gravity / np.linalg.norm(gravity) * (-1.0 if _is_top(scene) else 1.0)
-    arm, start = _arms(scene, position), _arms(scene, scene.bodies.position[0])
+    arm = _arms(scene, position)
+    start = _arms(scene, scene.bodies.position[0])
     across = start - (start @ up) * up
     size = float(np.linalg.norm(across))
-    side = (
-        arm @ across / size if size > 0 else np.linalg.norm(arm - np.outer(arm @ up, up), axis=-1)
-    )
+    if size > 0:
+        side = arm @ across / size
+    else:
+        side = np.linalg.norm(arm - np.outer(arm @ up, up), axis=-1)
     angle: Array = np.arctan2(side, arm @ up)
     return angle
 

@@ -122,7 +122,8 @@ class Error(Check):
         ]
         at = _worst_level(telling or list(bounds), ratios)
         count = len(bounds[at])
-        error, allowed = seen[at][:count], bounds[at]
+        error = seen[at][:count]
+        allowed = bounds[at]
         point = int(np.argmax(error / allowed))
         levels = [
             _level(trial, level, error, trial.bound(level), runs[Variant(level)].cost.seconds)
@@ -171,7 +172,10 @@ def _sharpened(allowed: Array, settled: Array | None) -> Array:
     if settled is None:
         return allowed
     beyond = np.flatnonzero(allowed > COURSE)
-    course = int(beyond[0]) if len(beyond) else len(allowed)
+    if len(beyond):
+        course = int(beyond[0])
+    else:
+        course = len(allowed)
     known = min(course, len(settled))
     found: Array = np.concatenate([np.minimum(allowed[:known], settled[:known]), allowed[known:]])
     return found
@@ -189,7 +193,8 @@ def _settling(trial: Trial, runs: Mapping[Variant, Outcome]) -> Array | None:
     An error falls with a tolerance as well, in stairs. Where no tolerance changes the run, as where
     samples leave no room for longer steps, it says nothing.
     """
-    method, instance = trial.method, trial.instance
+    method = trial.method
+    instance = trial.instance
     if method.control == "exact" or len(trial.levels) < 3 or trial.truth is None:
         return None
     count = trial.truth.until
@@ -202,10 +207,8 @@ def _settling(trial: Trial, runs: Mapping[Variant, Outcome]) -> Array | None:
     coarse, middle, fine = (
         instance.observe(runs[Variant(level)].trajectory) for level in trial.levels[-3:]
     )
-    before, last = (
-        _changes(instance, coarse, middle, count),
-        _changes(instance, middle, fine, count),
-    )
+    before = _changes(instance, coarse, middle, count)
+    last = _changes(instance, middle, fine, count)
     rounding = COUNTING_FLOOR * trial.noise(trial.levels[-1]) * trial.truth.growth()[:count]
     room = room_of(trial)
     falls = 2.0**order
@@ -221,7 +224,10 @@ def _settling(trial: Trial, runs: Mapping[Variant, Outcome]) -> Array | None:
             count, change[-1]
         )  # where orders are chosen as well, that of a few steps says little
     is_cut = method.control == "step" and kinked(instance) and not method.locates_events
-    cut = _straddled(instance, fine, count) * trial.levels[-1] if is_cut else 0.0
+    if is_cut:
+        cut = _straddled(instance, fine, count) * trial.levels[-1]
+    else:
+        cut = 0.0
     return room * change + rounding + ROOM * cut
 
 
@@ -274,12 +280,16 @@ def _worst_level(levels: list[float], ratios: dict[float, float]) -> float:
     first.
     """
     broken = [level for level in levels if np.isnan(ratios[level])]
-    return broken[0] if broken else max(levels, key=lambda level: ratios[level])
+    if broken:
+        return broken[0]
+    return max(levels, key=lambda level: ratios[level])
 
 
 def _part(sight: Sight) -> float:
     """The bound over the signal; infinite without a signal."""
-    return np.inf if sight.sharpness is None else sight.sharpness
+    if sight.sharpness is None:
+        return np.inf
+    return sight.sharpness
 
 
 def _level(trial: Trial, level: float, error: Array, allowed: Array, seconds: float) -> Level:
@@ -312,11 +322,9 @@ def _order_seen(trial: Trial, levels: list[Level]) -> float | None:
         for a, b in pairwise(levels)
         if a.counts and b.counts and b.error > _floor(trial, b.level)
     ]
-    return (
-        float(np.log2(seen[-1][0].error / seen[-1][1].error))
-        if seen and seen[-1][0].error > 0
-        else None
-    )
+    if seen and seen[-1][0].error > 0:
+        return float(np.log2(seen[-1][0].error / seen[-1][1].error))
+    return None
 
 
 def _constant_seen(trial: Trial, levels: list[Level]) -> float | None:
@@ -328,7 +336,9 @@ def _constant_seen(trial: Trial, levels: list[Level]) -> float | None:
         for level in levels
         if level.counts
     ]
-    return max(sizes) * trial.method.constant if sizes else None
+    if sizes:
+        return max(sizes) * trial.method.constant
+    return None
 
 
 def _basis(trial: Trial, level: float, *, settled: bool) -> str:
@@ -359,12 +369,12 @@ def _basis(trial: Trial, level: float, *, settled: bool) -> str:
 
 def _what(trial: Trial, quantity: str, level: float, point: int, count: int) -> str:
     """The measured value in words."""
-    times, when = trial.instance.times, trial.instance.problem.when
-    end = (
-        ""
-        if count == len(times)
-        else f" (scored up to the predictability horizon {when(times[count - 1])})"
-    )
+    times = trial.instance.times
+    when = trial.instance.problem.when
+    if count == len(times):
+        end = ""
+    else:
+        end = f" (scored up to the predictability horizon {when(times[count - 1])})"
     step = {
         "step": f" at step {level:.3g} s",
         "tolerance": f" at tolerance {level:.1g}",

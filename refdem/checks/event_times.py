@@ -81,11 +81,9 @@ class EventTimes(Check):
 
     def _finding(self, trial: Trial, kind: str, told: Array, scored: "Predicted") -> Finding:
         """The pair that comes nearest to its bound."""
-        start, tau, known = (
-            float(trial.instance.times[0]),
-            trial.instance.scales.tau,
-            scored.events[kind],
-        )
+        start = float(trial.instance.times[0])
+        tau = trial.instance.scales.tau
+        known = scored.events[kind]
         due = [
             (one, allowed)
             for one, allowed in known
@@ -101,7 +99,10 @@ class EventTimes(Check):
         ]
         pairs += [nearest(float(time), known, scored.told - start) for time in seen]
         off, allowed, time = max(pairs, key=lambda pair: pair[0] / pair[1] if pair[1] else inf)
-        stepped = "" if located(trial) else ", and a step, at whose end the method sees it"
+        if located(trial):
+            stepped = ""
+        else:
+            stepped = ", and a step, at whose end the method sees it"
         return judged(
             check=self.name,
             quantity=kind,
@@ -151,12 +152,11 @@ def predicted(trial: Trial, truth: SampledTruth, known: Crossings, run: Trajecto
     Of a belt nothing is known of what comes after the last event, which may be told too early; all
     else parts or stops once.
     """
-    bound, times, tau = (
-        trial.bound(trial.levels[-1]),
-        trial.instance.times[: truth.until],
-        trial.instance.scales.tau,
-    )
-    end, last = float(times[max(0, scored(bound) - 1)]), float(times[0])
+    bound = trial.bound(trial.levels[-1])
+    times = trial.instance.times[: truth.until]
+    tau = trial.instance.scales.tau
+    end = float(times[max(0, scored(bound) - 1)])
+    last = float(times[0])
     seen = seen_bound(trial, truth, run)
     events: dict[str, Judged] = {kind: [] for kind in known}
     for one, kind in sorted(
@@ -218,7 +218,9 @@ def interpolated(trial: Trial, one: Crossing) -> float:
 def shift(error: float, one: Crossing) -> float:
     """The least t > 0 [s] with rate t - bend t^2/2 = error; infinity where there is none."""
     left = one.rate * one.rate - 2 * one.bend * error
-    return 2 * error / (one.rate + sqrt(left)) if left > 0 else inf
+    if left > 0:
+        return 2 * error / (one.rate + sqrt(left))
+    return inf
 
 
 def located(trial: Trial) -> bool:
@@ -231,9 +233,10 @@ def ticks(trial: Trial, time: float) -> float:
     that sees events at its end.
     """
     level = trial.levels[-1]
-    summed = (
-        steps_at(trial.instance, trial.method, level) if trial.method.control == "step" else 0.0
-    )
+    if trial.method.control == "step":
+        summed = steps_at(trial.instance, trial.method, level)
+    else:
+        summed = 0.0
     rounding = trial.method.round_off * max(ROUND_OFF_FACTOR, summed) * abs(time)
     return rounding + (0.0 if located(trial) else level)
 

@@ -45,7 +45,9 @@ class Flight(Check):
             return "something acts on the bodies between contacts, or they never touch"
         if "contact:rigid" in scene.features:
             return "rigid bodies that overlap are moved apart, whatever their velocities"
-        return None if np.any(scene.bodies.velocity) else "nothing flies"
+        if np.any(scene.bodies.velocity):
+            return None
+        return "nothing flies"
 
     def needs(self, trial: Trial) -> tuple[Variant, ...]:
         """The finest level."""
@@ -55,11 +57,9 @@ class Flight(Check):
         """The largest distance of any such body from where v dt takes it; none where every body was
         hit in every interval.
         """
-        run, scene, scales = (
-            runs[trial.finest].trajectory,
-            trial.instance.scene,
-            trial.instance.scales,
-        )
+        run = runs[trial.finest].trajectory
+        scene = trial.instance.scene
+        scales = trial.instance.scales
         rounding = trial.round_off(trial.levels[-1])
         way = run.velocity[:-1] * np.diff(run.t)[:, None, None]
         alone = _is_alone(scene, run, way, rounding)

@@ -44,7 +44,9 @@ class Limit(Check):
             return "kinks scatter the errors, so that they are no power of the step"
         if trial.method.delay(trial.levels[0]) != 0:
             return "velocities lag by a time that changes with the step"
-        return None if len(trial.levels) > 2 else "three steps are needed"
+        if len(trial.levels) > 2:
+            return None
+        return "three steps are needed"
 
     def needs(self, trial: Trial) -> tuple[Variant, ...]:
         """The plain runs of the three finest levels."""

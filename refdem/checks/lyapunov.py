@@ -69,7 +69,8 @@ class Lyapunov(Check):
         """Where the case says that it is chaotic, or that it is not and lasts long; methods whose
         neighbours can be compared.
         """
-        scales, chaotic = trial.instance.scales, trial.instance.case.is_chaotic(trial.instance.p)
+        scales = trial.instance.scales
+        chaotic = trial.instance.case.is_chaotic(trial.instance.p)
         if chaotic is None:
             return "nobody has said whether the motion is chaotic"
         if trial.method.control == "tolerance" or trial.method.precision != "double":
@@ -94,7 +95,10 @@ class Lyapunov(Check):
             ]
         apart = distances(trial.instance, runs[beside].trajectory, runs[plain].trajectory)
         beyond = np.flatnonzero(apart > SATURATED)
-        count = int(beyond[0]) if len(beyond) else len(apart)
+        if len(beyond):
+            count = int(beyond[0])
+        else:
+            count = len(apart)
         if not apart[0] > 0:
             return [undecided(self.name, "exponent", "the neighbour starts at the same place")]
         if count < FEWEST:
@@ -109,7 +113,10 @@ class Lyapunov(Check):
         seen = growth(t, np.maximum(apart[:count], apart[0] * 2.0**-20))
         truth = certified(trial)
         if not trial.instance.case.is_chaotic(trial.instance.p):
-            known = truth.growth()[:count] if truth and truth.until >= count else None
+            if truth and truth.until >= count:
+                known = truth.growth()[:count]
+            else:
+                known = None
             is_unstable = known is not None and growth(t, known).power > LARGEST_POWER
             if (
                 is_unstable
@@ -133,18 +140,15 @@ class Lyapunov(Check):
                 )
             ]
         if truth is None or truth.until < count:
-            why = (
-                f"truth is certified for {truth.until} of {count} samples"
-                if truth
-                else no_truth(trial)
-            )
+            if truth:
+                why = f"truth is certified for {truth.until} of {count} samples"
+            else:
+                why = no_truth(trial)
             return [self._positive(seen), undecided(self.name, "exponent", why)]
         true = growth(t, truth.growth()[:count])
         if not (true.power > CLEAR * LARGEST_POWER and true.exponent > CLEAR * ERRORS * true.error):
-            until, size = (
-                trial.instance.problem.when(t[-1]),
-                f"{true.exponent:.2g} +- {true.error:.1g}",
-            )
+            until = trial.instance.problem.when(t[-1])
+            size = f"{true.exponent:.2g} +- {true.error:.1g}"
             why = (
                 f"until {until} neighbours of the true motion part with the exponent {size}, the"
                 f" power {true.power:.2g}"
@@ -204,7 +208,8 @@ class Lyapunov(Check):
         """The exponent that S has over the same time: error bars count only where the run is not on
         the same trajectory.
         """
-        lasts, faster = float(t[-1] - t[0]), seen.exponent > true.exponent
+        lasts = float(t[-1] - t[0])
+        faster = seen.exponent > true.exponent
         bound = 3 * (seen.error + true.error) + float(np.log(FACTOR)) / lasts
         basis = (
             "three error bars of both, and a factor of 10 for the direction in which the neighbour"
@@ -212,14 +217,11 @@ class Lyapunov(Check):
         )
         tight = float(np.log(FASTER if faster else SLOWER)) / lasts
         if tight < bound and np.max(trial.bound(trial.levels[-1])[: len(t)]) < SATURATED:
-            bound, beyond = (
-                tight,
-                (
-                    f"but for a factor of {FASTER:g}"
-                    if faster
-                    else f"and few grow less by a factor of {SLOWER:g}"
-                ),
-            )
+            bound = tight
+            if faster:
+                beyond = f"but for a factor of {FASTER:g}"
+            else:
+                beyond = f"and few grow less by a factor of {SLOWER:g}"
             basis = (
                 f"the trajectory is that of truth, on which no start grows by more than S, {beyond}"
             )

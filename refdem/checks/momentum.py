@@ -24,11 +24,9 @@ class Momentum(Check):
 
     def applies(self, trial: Trial) -> str | None:
         """Isolated scenes."""
-        return (
-            None
-            if trial.instance.scene.is_isolated()
-            else "something acts from outside, so momentum is not kept"
-        )
+        if trial.instance.scene.is_isolated():
+            return None
+        return "something acts from outside, so momentum is not kept"
 
     def needs(self, trial: Trial) -> tuple[Variant, ...]:
         """The coarsest level."""
@@ -64,7 +62,9 @@ def _exchanged(trial: Trial, run: Trajectory) -> Array:
     change = trial.instance.scene.bodies.mass[:, None] * (run.velocity - run.velocity[0])
     largest: Array = np.linalg.norm(change, axis=-1).max(axis=1) / momentum_scale(trial.instance)
     rounding = trial.round_off(trial.levels[0])
-    return largest if np.any(largest > rounding) else np.zeros_like(largest)
+    if np.any(largest > rounding):
+        return largest
+    return np.zeros_like(largest)
 
 
 CHECK = Momentum()

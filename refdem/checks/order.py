@@ -72,11 +72,9 @@ class Order(Check):
 
     def applies(self, trial: Trial) -> str | None:
         """Methods with a fixed step."""
-        return (
-            None
-            if trial.method.control == "step"
-            else f"the method is controlled by {trial.method.control}, not by a step"
-        )
+        if trial.method.control == "step":
+            return None
+        return f"the method is controlled by {trial.method.control}, not by a step"
 
     def needs(self, trial: Trial) -> tuple[Variant, ...]:
         """The plain run of every level, and of finer ones where one pair shows little."""
@@ -283,11 +281,9 @@ class Order(Check):
         if len(steps) < 2:
             return undecided(self.name, "state", "one level alone is above round-off")
         slope, deviation, shown = mean_order(steps, seen)
-        lacking, sure = (
-            claimed - slope,
-            min(
-                SURE * deviation, max(LINE, STUDENT[min(len(steps) - 2, len(STUDENT) - 1)] * shown)
-            ),
+        lacking = claimed - slope
+        sure = min(
+            SURE * deviation, max(LINE, STUDENT[min(len(steps) - 2, len(STUDENT) - 1)] * shown)
         )
         if 0.5 < lacking <= sure:
             why = (
@@ -320,9 +316,11 @@ def mean_order(steps: list[float], errors: list[float]) -> tuple[float, float, f
     Errors that lie on a line of another slope show no scatter that could excuse it. Two points show
     none: infinite.
     """
-    x, y = np.log2(steps) - np.mean(np.log2(steps)), np.log2(errors) - np.mean(np.log2(errors))
+    x = np.log2(steps) - np.mean(np.log2(steps))
+    y = np.log2(errors) - np.mean(np.log2(errors))
     spread = float(x @ x)
-    slope, left = float(x @ y) / spread, len(x) - 2
+    slope = float(x @ y) / spread
+    left = len(x) - 2
     rest = float(np.sum((y - slope * x) ** 2))
     return (
         slope,
@@ -413,11 +411,9 @@ def _declared(trial: Trial) -> str:
     `refdem.toml`.
     """
     limits = [limit for _, limit in singularities(trial.instance.scene)]
-    return (
-        f"if the method has a lower order there, declare {min(limits).key}"
-        if limits
-        else "no force of the scene excuses it"
-    )
+    if limits:
+        return f"if the method has a lower order there, declare {min(limits).key}"
+    return "no force of the scene excuses it"
 
 
 def _seen(trial: Trial, runs: Mapping[Variant, Outcome], truth: SampledTruth) -> Seen:
@@ -445,7 +441,10 @@ def _counting(trial: Trial) -> tuple[list[float], int]:
     assert truth is not None
     levels = order_levels(trial.instance, trial.levels)
     ranges = {h: scored(trial.bound(h)) for h in levels}
-    third = 3 if kinked(trial.instance) else 2
+    if kinked(trial.instance):
+        third = 3
+    else:
+        third = 2
     common = min(
         len(truth.growth()),
         max(sorted(ranges.values(), reverse=True)[min(third, len(ranges) - 1)], 0),

@@ -22,7 +22,8 @@ CORNER_ROUNDINGS = 8
 COARSE = 0.01
 """Part of the area: a polygon that may be off by more is not judged, nor what comes after it."""
 MIN_SAMPLES = 2
-SMOOTH, BROKEN = 0.45, 4.0
+SMOOTH = 0.45
+BROKEN = 4.0
 """Parts of that difference. Below a half, a point that is astray is seen: it is in one of the two
 polygons with twice the area that it has in the whole. Where friction breaks sides at turning
 points, 60 random heads needed up to 1.1."""
@@ -41,9 +42,9 @@ class PhaseArea(Check):
 
     def applies(self, trial: Trial) -> str | None:
         """Cases whose starts are an outline."""
-        return (
-            None if isinstance(trial.instance.case, EnsembleCase) else "the starts are no outline"
-        )
+        if isinstance(trial.instance.case, EnsembleCase):
+            return None
+        return "the starts are no outline"
 
     def needs(self, trial: Trial) -> tuple[Variant, ...]:
         """The plain run of the finest level."""
@@ -51,7 +52,8 @@ class PhaseArea(Check):
 
     def judge(self, trial: Trial, runs: Mapping[Variant, Outcome]) -> list[Finding]:
         """One finding: the largest error in units of the area at the start."""
-        truth, case = certified(trial), trial.instance.case
+        truth = certified(trial)
+        case = trial.instance.case
         if truth is None or "area" not in truth.values:
             return [undecided(self.name, "area", no_truth(trial))]
         assert isinstance(case, EnsembleCase)

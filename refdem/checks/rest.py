@@ -38,7 +38,8 @@ class Rest(Check):
         """Largest displacement and largest speed of any body."""
         if certified(trial) is None:
             return [undecided(self.name, "rest", no_truth(trial))]
-        run, scales = runs[trial.finest].trajectory, trial.instance.scales
+        run = runs[trial.finest].trajectory
+        scales = trial.instance.scales
         moved = np.linalg.norm(run.position - trial.instance.scene.bodies.position, axis=-1).max(
             axis=1
         )

@@ -45,20 +45,23 @@ class Reversal(Check):
             return "energy comes in or goes out, so time has a direction"
         if "contact:rigid" in trial.instance.scene.features:
             return "rigid contact forces at rest are not part of the state"
-        return (
-            None
-            if trial.method.complete_state
-            else "the method's end state is not complete, so it cannot go on from there"
-        )
+        if trial.method.complete_state:
+            return None
+        return "the method's end state is not complete, so it cannot go on from there"
 
     def needs(self, trial: Trial) -> tuple[Variant, ...]:
         """A level, reversed, and backward where the method can; the two finest of the trial where
         the defect has an order.
         """
-        changes: tuple[Change, ...] = (
-            ("reversed", "backward") if trial.method.backward else ("reversed",)
-        )
-        level, pair = _level(trial), trial.levels[-2:] if _has_order(trial) else ()
+        if trial.method.backward:
+            changes: tuple[Change, ...] = ("reversed", "backward")
+        else:
+            changes = ("reversed",)
+        level = _level(trial)
+        if _has_order(trial):
+            pair = trial.levels[-2:]
+        else:
+            pair = ()
         told = Variant(_telling(trial, level))
         shown = (
             Variant(level),
@@ -75,7 +78,8 @@ class Reversal(Check):
         truth = certified(trial)
         if truth is None:
             return [undecided(self.name, "return", no_truth(trial))]
-        level, growth = _level(trial), float(truth.growth()[-1])
+        level = _level(trial)
+        growth = float(truth.growth()[-1])
         size = _size(trial, level)
         basis = "the truncation error there and back, the first amplified on the way back"
         if _is_exact(trial):
@@ -83,9 +87,10 @@ class Reversal(Check):
                 "a reversible method returns to round-off c u sqrt(n), there and back, times the"
                 " sensitivity S both ways"
             )
-        order = (
-            self._order(trial, runs, growth) if _has_order(trial) and len(trial.levels) > 1 else []
-        )
+        if _has_order(trial) and len(trial.levels) > 1:
+            order = self._order(trial, runs, growth)
+        else:
+            order = []
         if size > HORIZON:
             return order or [
                 undecided(
@@ -126,12 +131,16 @@ class Reversal(Check):
         term undoes itself.
         """
         order = trial.order
-        expected = order if order % 2 else order + 1
+        if order % 2:
+            expected = order
+        else:
+            expected = order + 1
         coarse, fine = (
             _defect(trial, runs[Variant(h, "reversed")].trajectory, "reversed")
             for h in trial.levels[-2:]
         )
-        scales, method = trial.instance.scales, trial.method
+        scales = trial.instance.scales
+        method = trial.method
         following = (
             method.constant
             * scales.duration
@@ -240,10 +249,16 @@ def _shown(trial: Trial, runs: Mapping[Variant, Outcome], level: float) -> float
         trial.method.control == "tolerance" and telling == level
     ):
         return math.inf
-    room = ROOM if trial.method.control == "tolerance" else room_of(trial)
+    if trial.method.control == "tolerance":
+        room = ROOM
+    else:
+        room = room_of(trial)
     own = room * float(largest_so_far(trial, telling, runs[Variant(telling)].trajectory, truth)[-1])
     reached = own + COUNTING_FLOOR * trial.noise(level)
-    grown = float(truth.growth()[-1]) if trial.method.control == "step" else _unbent(trial)
+    if trial.method.control == "step":
+        grown = float(truth.growth()[-1])
+    else:
+        grown = _unbent(trial)
     return _there_and_back(trial, reached * grown, reached)
 
 
@@ -274,8 +289,13 @@ def _has_order(trial: Trial) -> bool:
 
 def _defect(trial: Trial, back: Trajectory, change: Change) -> float:
     """Largest scaled difference between the start and the state that came back."""
-    start, end, scales = trial.instance.scene.bodies, back.end(), trial.instance.scales
-    sign = -1.0 if change == "reversed" else 1.0
+    start = trial.instance.scene.bodies
+    end = back.end()
+    scales = trial.instance.scales
+    if change == "reversed":
+        sign = -1.0
+    else:
+        sign = 1.0
     spin = np.max(np.linalg.norm(start.omega, axis=1)) or 1.0 / scales.tau
     return max(
         float(np.max(np.abs(end["position"] - start.position))) / scales.length,

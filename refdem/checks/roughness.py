@@ -59,11 +59,9 @@ class Roughness(Check):
             abs(laws[0].tangential_stiffness * (1 + 1 / _inertia(scene)) / laws[0].stiffness - 1)
             < IN_TUNE
         )
-        return (
-            None
-            if in_tune and not scene.bodies.omega.any()
-            else "contacts do not give back their slip, or bodies spin at first"
-        )
+        if in_tune and not scene.bodies.omega.any():
+            return None
+        return "contacts do not give back their slip, or bodies spin at first"
 
     def needs(self, trial: Trial) -> tuple[Variant, ...]:
         """The finest level."""
@@ -73,17 +71,13 @@ class Roughness(Check):
         """All of the energy, and the part of it that is in spins."""
         if trial.truth is None or "collision_frequency" not in trial.truth.scalars:
             return [undecided(self.name, "energy", "the frequency of collisions is not certified")]
-        scene, run, frequency = (
-            trial.instance.scene,
-            runs[trial.finest].trajectory,
-            trial.truth.scalars["collision_frequency"][0],
-        )
-        n, mass, law, temperature = (
-            len(scene.bodies),
-            float(scene.bodies.mass[0]),
-            scene.all(Contact)[0],
-            trial.instance.p.t0,
-        )
+        scene = trial.instance.scene
+        run = runs[trial.finest].trajectory
+        frequency = trial.truth.scalars["collision_frequency"][0]
+        n = len(scene.bodies)
+        mass = float(scene.bodies.mass[0])
+        law = scene.all(Contact)[0]
+        temperature = trial.instance.p.t0
         soft = frequency * np.pi * np.sqrt(mass / (2 * law.stiffness))
         packing = n * np.pi / 6 * (2 * scene.bodies.radius[0] / scene.all(PeriodicBox)[0].size) ** 3
         if packing > DILUTE or soft > SHORT:
@@ -106,7 +100,8 @@ class Roughness(Check):
                     f"{met[-1]:.2g} collisions are expected; {FEWEST} make a mean",
                 )
             ]
-        energy, held = mechanical(scene, run), soft + ERRORS * np.sqrt(soft / n)
+        energy = mechanical(scene, run)
+        held = soft + ERRORS * np.sqrt(soft / n)
         seen = np.einsum("nk,tnk->t", scene.bodies.inertia, run.omega**2) / (3 * n)
         energies = worst(
             check=self.name,

@@ -40,11 +40,9 @@ class SecondIntegral(Check):
         if not strings:
             return "there is no string over a wheel"
         pendulum, counter = scene.bodies.mass[[strings[0].a, strings[0].b]]
-        return (
-            None
-            if counter == 3 * pendulum and not strings[0].inertia
-            else "the machine has no second integral"
-        )
+        if counter == 3 * pendulum and not strings[0].inertia:
+            return None
+        return "the machine has no second integral"
 
     def needs(self, trial: Trial) -> tuple[Variant, ...]:
         """The finest level."""
@@ -70,11 +68,10 @@ class SecondIntegral(Check):
         turns = np.round(
             (known["theta"] - seen["theta"]) / (2 * np.pi)
         )  # I changes its sign with every turn
-        run, true = (
-            _integral({**seen, "theta": seen["theta"] + 2 * np.pi * turns}, g),
-            _integral(known, g),
-        )
-        speed, size = np.hypot(seen["rdot"], seen["r"] * seen["thetadot"]), seen["r"] ** 2
+        run = _integral({**seen, "theta": seen["theta"] + 2 * np.pi * turns}, g)
+        true = _integral(known, g)
+        speed = np.hypot(seen["rdot"], seen["r"] * seen["thetadot"])
+        size = seen["r"] ** 2
         scale = float(np.max(size * np.abs(seen["thetadot"]) * speed + g * size))
         drift = float(np.max(np.abs(true - true[0]))) / scale
         bound = TERMS * float(allowed[count - 1])
@@ -100,8 +97,10 @@ class SecondIntegral(Check):
 
 def _integral(of: Mapping[str, Array], g: float) -> Array:
     """I (T,) of r, theta, rdot, thetadot."""
-    r, rate = of["r"], of["thetadot"]
-    sine, cosine = np.sin(of["theta"] / 2), np.cos(of["theta"] / 2)
+    r = of["r"]
+    rate = of["thetadot"]
+    sine = np.sin(of["theta"] / 2)
+    cosine = np.cos(of["theta"] / 2)
     integral: Array = (
         r**2 * rate * (of["rdot"] * cosine - r * rate / 2 * sine) + g * r**2 * sine * cosine**2
     )

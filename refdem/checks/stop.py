@@ -39,7 +39,9 @@ class Stop(Check):
             return [undecided(self.name, "stop", no_truth(trial))]
         stop, _ = truth.scalars["stop_time"]
         place, radius = truth.scalars["stop_position"]
-        run, t, scales = runs[trial.finest].trajectory, trial.instance.times, trial.instance.scales
+        run = runs[trial.finest].trajectory
+        t = trial.instance.times
+        scales = trial.instance.scales
         if stop >= t[-1]:
             return [
                 undecided(
@@ -53,7 +55,10 @@ class Stop(Check):
         rounding = trial.round_off(level)
         after = t > stop + allowed * scales.tau
         reached = abs(float(run.position[-1, 0, 0]) - place) / scales.length
-        creep = float(np.ptp(run.position[after, 0, 0])) / scales.length if after.any() else 0.0
+        if after.any():
+            creep = float(np.ptp(run.position[after, 0, 0])) / scales.length
+        else:
+            creep = 0.0
         return [
             judged(
                 check=self.name,
@@ -91,11 +96,15 @@ class Stop(Check):
         """The sample after which the speed stays at zero; a stop that the engine reports itself is
         judged by event-times.
         """
-        t, scales = trial.instance.times, trial.instance.scales
+        t = trial.instance.times
+        scales = trial.instance.scales
         moving = np.flatnonzero(
             np.abs(run.velocity[:, 0, 0]) / scales.speed > max(allowed, rounding)
         )
-        seen = t[moving[-1]] if len(moving) else 0.0
+        if len(moving):
+            seen = t[moving[-1]]
+        else:
+            seen = 0.0
         slack = trial.instance.problem.interval + _unseen(
             trial, max(allowed, rounding) * scales.speed, place
         )
@@ -138,11 +147,10 @@ def _unseen(trial: Trial, speed: float, place: float) -> float:
     longest = np.pi * tau
     truth = certified(trial)
     assert truth is not None
-    fast = (
-        np.flatnonzero(np.abs(truth.value("v")) > surely_seen)
-        if "v" in truth.values
-        else np.zeros(0, int)
-    )
+    if "v" in truth.values:
+        fast = np.flatnonzero(np.abs(truth.value("v")) > surely_seen)
+    else:
+        fast = np.zeros(0, int)
     return max(
         float(longest),
         truth.scalars["stop_time"][0] - float(trial.instance.times[fast[-1]]) if len(fast) else 0.0,

@@ -56,11 +56,9 @@ class Symmetry(Check):
 
     def applies(self, trial: Trial) -> str | None:
         """Scenes with some symmetry that the method can be shown."""
-        return (
-            None
-            if self._shown(trial)
-            else "no symmetry of the scene is one that the method can run"
-        )
+        if self._shown(trial):
+            return None
+        return "no symmetry of the scene is one that the method can run"
 
     def _shown(self, trial: Trial) -> list[str]:
         """Symmetries that the scene has and whose picture of it the method does not refuse."""
@@ -158,7 +156,8 @@ class Symmetry(Check):
 
         What a rounding decides need not fall: `decided` (T,) is allowed beside it.
         """
-        coarsest, finest = trial.levels[0], trial.levels[-1]
+        coarsest = trial.levels[0]
+        finest = trial.levels[-1]
         view = symmetry.of(trial.instance, "rotated")
         turned = {
             level: view.undone(runs[Variant(level, "rotated")].trajectory)
@@ -166,13 +165,12 @@ class Symmetry(Check):
         }
         coarse = distances(trial.instance, turned[coarsest], runs[Variant(coarsest)].trajectory)
         fine = distances(trial.instance, turned[finest], runs[Variant(finest)].trajectory)
-        order, octaves = trial.order, np.log2(coarsest / finest)
+        order = trial.order
+        octaves = np.log2(coarsest / finest)
         allowed = (2 * trial.truncation(finest)) * growth
         count = scored(allowed)
-        largest, falls = (
-            float(np.max(fine)),
-            float(np.max(coarse)) / 2.0 ** (octaves * (order - 0.5)),
-        )
+        largest = float(np.max(fine))
+        falls = float(np.max(coarse)) / 2.0 ** (octaves * (order - 0.5))
         falling = np.maximum(
             falls, 2 * trial.noise(finest) * symmetry.size(trial.instance, view) * growth
         )
@@ -209,14 +207,18 @@ def _has_axes(trial: Trial) -> bool:
 def _beside(trial: Trial) -> float:
     """The level to compare with that of `level_for`: the other end of the ladder."""
     is_finest = level_for(trial) == trial.levels[-1]
-    return trial.levels[0] if is_finest else trial.levels[-1]
+    if is_finest:
+        return trial.levels[0]
+    return trial.levels[-1]
 
 
 def level_for(trial: Trial) -> float:
     """The coarsest, where nothing is hidden by a small step; the finest where truncation has to be
     allowed for.
     """
-    return trial.levels[-1] if _decides(trial) else trial.levels[0]
+    if _decides(trial):
+        return trial.levels[-1]
+    return trial.levels[0]
 
 
 def growth_of(trial: Trial, perturbed: Trajectory, base: Trajectory) -> Array:
@@ -251,7 +253,10 @@ def allowed(trial: Trial, view: symmetry.Symmetry, growth: Array) -> Array:
     """Round-off of both runs (T,), and their truncation where a branch may flip: for pictures of
     which no moved starts are run.
     """
-    truncation = 2 * trial.truncation(level_for(trial)) if _decides(trial) else 0.0
+    if _decides(trial):
+        truncation = 2 * trial.truncation(level_for(trial))
+    else:
+        truncation = 0.0
     found: Array = (round_off(trial, view) + truncation) * growth
     return found
 
@@ -268,7 +273,9 @@ def _coarser(trial: Trial) -> tuple[Variant, ...]:
     """The plain run at twice the step, which shows the truncation error of iterations that find
     forces between rigid bodies.
     """
-    return (Variant(trial.levels[-2]),) if _iterates(trial) and len(trial.levels) > 1 else ()
+    if _iterates(trial) and len(trial.levels) > 1:
+        return (Variant(trial.levels[-2]),)
+    return ()
 
 
 def _iterates(trial: Trial) -> bool:

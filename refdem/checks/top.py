@@ -40,11 +40,9 @@ class Top(Check):
         scene = trial.instance.scene
         kinds = {element.kind for element in scene.elements} - {"uniform_gravity"}
         joints = scene.all(BallJoint)
-        return (
-            None
-            if kinds == {"ball_joint"} and len(joints) == len(scene.bodies) == 1 and joints[0].b < 0
-            else "there is no top"
-        )
+        if kinds == {"ball_joint"} and len(joints) == len(scene.bodies) == 1 and joints[0].b < 0:
+            return None
+        return "there is no top"
 
     def needs(self, trial: Trial) -> tuple[Variant, ...]:
         """The coarsest level, and the finest for what is held to the order only."""
@@ -63,7 +61,10 @@ class Top(Check):
         found = []
         for name, coarse in coarsest.items():
             keeps = trial.method.keeps(laws[name], trial.instance.problem.features)
-            level = trial.levels[0] if keeps else trial.levels[-1]
+            if keeps:
+                level = trial.levels[0]
+            else:
+                level = trial.levels[-1]
             allowed, basis = trial.kept(laws[name], level)
             if not keeps and len(trial.levels) > 2:
                 allowed = np.minimum(
@@ -93,7 +94,8 @@ def _changes(trial: Trial, run: Trajectory) -> dict[str, Array]:
     """Opening of the joint (T,) in place and velocity, if the method can open it, and the change of
     L_z and L_3, each in its scale.
     """
-    scene, size = trial.instance.scene, trial.instance.scales
+    scene = trial.instance.scene
+    size = trial.instance.scales
     found = {}
     if "ball_joint" not in trial.method.derived:
         place, speed = _opening(scene, run)
@@ -120,9 +122,13 @@ def _spins(scene: Scene, run: Trajectory) -> dict[str, Array]:
     """L about the vertical through the joint (T,), and about the third axis of a body that is
     symmetric about it and hangs on it.
     """
-    joint, bodies = scene.all(BallJoint)[0], scene.bodies
+    joint = scene.all(BallJoint)[0]
+    bodies = scene.bodies
     gravity = sum((np.array(field.g) for field in scene.all(UniformGravity)), np.zeros(3))
-    axis = gravity / np.linalg.norm(gravity) if gravity.any() else np.array([0.0, 0.0, 1.0])
+    if gravity.any():
+        axis = gravity / np.linalg.norm(gravity)
+    else:
+        axis = np.array([0.0, 0.0, 1.0])
     attitude = run.attitude[:, joint.a]
     inner = rotated(conjugate(attitude), run.omega[:, joint.a]) * bodies.inertia[joint.a]
     arm = run.position[:, joint.a] - np.array(joint.anchor_b)
@@ -133,7 +139,9 @@ def _spins(scene: Scene, run: Trajectory) -> dict[str, Array]:
     symmetric = bodies.inertia[joint.a, 0] == bodies.inertia[joint.a, 1] and not any(
         joint.anchor_a[:2]
     )
-    return found | {"L_3": inner[:, 2]} if symmetric else found
+    if symmetric:
+        return found | {"L_3": inner[:, 2]}
+    return found
 
 
 CHECK = Top()

@@ -75,7 +75,10 @@ def main() -> None:
     except OSError as error:
         if error.errno not in OF_THE_SYSTEM:
             _broken(error)
-        place = f"{error.filename}: " if error.filename else "standard output or a file: "
+        if error.filename:
+            place = f"{error.filename}: "
+        else:
+            place = "standard output or a file: "
         _tell(f"{place}{error.strerror}; nothing can be written or read there")
         _silence()
         sys.exit(BAD_INPUT)

@@ -74,7 +74,10 @@ def command(
     given = settings(set or [])
     entries = [Entry(name, own | given) for name, own in map(labelled, case or ["pendulum"])]
     beside = runnable(against)
-    then = read(against) if against and not beside else None
+    if against and not beside:
+        then = read(against)
+    else:
+        then = None
     refuse_unwritable(out)
     bench = Bench(
         cases=entries,
@@ -105,7 +108,9 @@ def tell(record: "Record", out: Path, then: "Record | None", more: "Sequence[Cel
 
 def runnable(against: Path | None) -> Path | None:
     """The Python to run in turns with this one, if it is that."""
-    return against if against and os.access(against, os.X_OK) else None
+    if against and os.access(against, os.X_OK):
+        return against
+    return None
 
 
 def grown(pairs: list[str]) -> dict[str, list[str]]:
@@ -140,8 +145,14 @@ def written(
     from refdem.bench.tables import changes, chart_rows, introduction, tables
     from refdem.report.bench import Section, write
 
-    found = compared(record, then) if then else compared_in_turns(record)
-    extra: list[Cells] = [_cells(changes(found))] if found else []
+    if then:
+        found = compared(record, then)
+    else:
+        found = compared_in_turns(record)
+    if found:
+        extra: list[Cells] = [_cells(changes(found))]
+    else:
+        extra = []
     extra += more
     words = introduction(record)
     if (rate := false_alarm_rate(record)) is not None:

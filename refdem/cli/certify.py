@@ -68,7 +68,9 @@ def checked(folder: Path, cases: list[str], *, each: int, seed: str, jobs: int) 
         print(f"{len(chosen)} sets proved again. {told(folder)}")
     for problem in problems:
         print(f"PROBLEM: {problem}")
-    return 1 if problems else 0
+    if problems:
+        return 1
+    return 0
 
 
 def _refuse_unknown(cases: list[str], known: set[str], folder: Path) -> None:
@@ -96,6 +98,10 @@ def told(folder: Path) -> str:
     sets = load(folder=folder / "certified")
     old = stale(folder)
     named = ", ".join(old[:5]) + (" ..." if len(old) > 5 else "")
-    more = f", {len(old)} stale or missing: {named}; run `make certify`" if old else ", none stale"
-    cases, values = len({one.case for one in sets}), sum(len(one.values) for one in sets)
+    if old:
+        more = f", {len(old)} stale or missing: {named}; run `make certify`"
+    else:
+        more = ", none stale"
+    cases = len({one.case for one in sets})
+    values = sum(len(one.values) for one in sets)
     return f"The store has {len(sets)} sets of {cases} cases, {values} values{more}."

@@ -60,7 +60,9 @@ def asked(instance: "Instance") -> list[str]:
     """What the question needs and what it does without, line by line."""
     from refdem.core.problem import Motion
 
-    features, scales, problem = instance.problem.features, instance.scales, instance.problem
+    features = instance.problem.features
+    scales = instance.scales
+    problem = instance.problem
     lines = [f"{instance.label}: {instance.case.title}"]
     if not isinstance(problem, Motion):
         return [

@@ -42,7 +42,10 @@ def command(
 
     if seeds < 1:
         raise UsageError(f"--seeds is {seeds}; expected a number >= 1")
-    found = discovery.engine(engine) if engine and engine != "transparent" else None
+    if engine and engine != "transparent":
+        found = discovery.engine(engine)
+    else:
+        found = None
     if found is not None and (reason := found.missing()) is not None:
         raise EngineMissingError(f"engine {engine} is not installed here; {reason}")
     matrix = Trial(
@@ -65,7 +68,8 @@ def lines(matrix: "Matrix") -> list[str]:
     by_fault: dict[str, list[Kill]] = {}
     for kill in matrix.kills:
         by_fault.setdefault(kill.fault, []).append(kill)
-    shown, kind = [], ""
+    shown = []
+    kind = ""
     for kills in by_fault.values():
         if kills[0].kind != kind:
             kind = kills[0].kind
@@ -97,10 +101,16 @@ def _row(kills: "list[Kill]") -> str:
     """One fault: at how many seeds it was killed, by how many decades at least, by what, and which
     other checks saw it.
     """
-    first, killed = kills[0], sum(kill.killed for kill in kills)
+    first = kills[0]
+    killed = sum(kill.killed for kill in kills)
     beyond = min((kill.beyond for kill in kills if kill.beyond is not None), default=None)
     others = sorted({name.split("/")[0] for kill in kills for name in kill.also} - {first.check})
-    size = "broken" if beyond is None else "inf" if beyond == float("inf") else f"{beyond:.2f}"
+    if beyond is None:
+        size = "broken"
+    elif beyond == float("inf"):
+        size = "inf"
+    else:
+        size = f"{beyond:.2f}"
     return (
         f"  {first.fault:36} {killed:3}/{len(kills):<3} {size:>6}   {first.check}/{first.quantity};"
         f" {', '.join(others) or 'nothing else'}"

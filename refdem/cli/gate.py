@@ -88,7 +88,10 @@ def _bless(gate: "Gate", sheets: "list[Sheet]", why: str) -> None:
     from refdem.gate import baseline
 
     records: list[Record] = [sheet for sheet in sheets if isinstance(sheet, Record)]
-    before = baseline.read(gate.baseline)[1] if gate.baseline.is_file() else {}
+    if gate.baseline.is_file():
+        before = baseline.read(gate.baseline)[1]
+    else:
+        before = {}
     for line in baseline.differences(before, records):
         print(line)
     count = baseline.write(gate.baseline, records, why)

@@ -79,11 +79,10 @@ def engine(name: str) -> dict[str, Any]:
     found = discovery.engine(name)
     missing = found.missing()
     methods = [{"name": m.name, "doc": claims(m)} for m in found.methods]
-    state = (
-        f"{found.title} {found.version()}"
-        if missing is None
-        else f"{found.title}: not installed; {missing}"
-    )
+    if missing is None:
+        state = f"{found.title} {found.version()}"
+    else:
+        state = f"{found.title}: not installed; {missing}"
     return {"id": name, "title": state, "installed": missing is None, "methods": methods}
 
 

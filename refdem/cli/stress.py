@@ -103,7 +103,9 @@ def status(record: "Record") -> int:
         if climb.kept is False and climb.end is not None
     }
     if ends:
-        return 3 if ends == {"error"} else 1
+        if ends == {"error"}:
+            return 3
+        return 1
     verdicts = {rung.verdict for climb in record.climbs for rung in climb.rungs}
     if not verdicts & {"pass", *BROKEN}:
         for engine, ladder, reason in record.refused:

@@ -33,7 +33,9 @@ def exit_status(sheets: Iterable[Sheet]) -> int:
         return 1
     if "error" in outcomes:
         return 3
-    return 0 if outcomes & set(DECIDED) else VOID
+    if outcomes & set(DECIDED):
+        return 0
+    return VOID
 
 
 def lines(sheets: list[Sheet]) -> list[str]:
@@ -91,9 +93,8 @@ def unjudged(sheets: Iterable[Sheet]) -> list[str]:
         one_line(f"{label}/{engine} ({', '.join(methods)}): {says}")
         for (label, engine, says), methods in reasons.items()
     ]
-    more = (
-        [f"... and {len(told) - SHOWN} more reasons; the report has them all"]
-        if len(told) > SHOWN
-        else []
-    )
+    if len(told) > SHOWN:
+        more = [f"... and {len(told) - SHOWN} more reasons; the report has them all"]
+    else:
+        more = []
     return told[:SHOWN] + more

@@ -72,7 +72,10 @@ def command(
     ]
     for t in times:
         values += [value(t, *item, truth.method, digits) for item in truth.at(t).items()]
-    unit = "s" if "duration" in instance.p else ""
+    if "duration" in instance.p:
+        unit = "s"
+    else:
+        unit = ""
     show(
         {
             "case": name,
@@ -111,7 +114,10 @@ def listed(case: str, as_json: bool) -> None:
     from refdem.truth import load
 
     found = certified_cases(truth_folder(), [case] if case else ())
-    sets = load(case) if case and found and found[0].sets else []
+    if case and found and found[0].sets:
+        sets = load(case)
+    else:
+        sets = []
     if as_json:
         document = {
             "cases": found,
@@ -135,12 +141,14 @@ def listed(case: str, as_json: bool) -> None:
 
 def line_of(one: "CertifiedCase") -> str:
     """One case as a person reads it."""
-    digits = "exact" if one.sets and one.digits is None else one.digits or "-"
-    said = (
-        f"{one.witness} ({one.witnessed} values to {one.agreed} digits)"
-        if one.witnessed
-        else "none"
-    )
+    if one.sets and one.digits is None:
+        digits = "exact"
+    else:
+        digits = one.digits or "-"
+    if one.witnessed:
+        said = f"{one.witness} ({one.witnessed} values to {one.agreed} digits)"
+    else:
+        said = "none"
     what = f"{'; '.join(one.methods) or 'nothing certified'} | {said} | {one.own_witness or 'none'}"
     return f"{one.case:24} {one.sets:4} {one.values:6} {digits!s:>6} {one.stale:5}  {what}"
 
@@ -200,7 +208,10 @@ def value(
 ) -> dict[str, str | None]:
     """One value as the JSON has it."""
     mid, radius = ball.decimals(places=digits + 5)
-    when = None if t is None else str(t)
+    if t is None:
+        when = None
+    else:
+        when = str(t)
     return {"t": when, "quantity": quantity, "mid": mid, "radius": radius, "method": method}
 
 
@@ -212,7 +223,10 @@ def show(found: dict[str, Any], as_json: bool, unit: str) -> None:
         print(json.dumps(found, indent=1))
         return
     for item in found["values"]:
-        when = "" if item["t"] is None else f"({item['t']} {unit}".rstrip() + ")"
+        if item["t"] is None:
+            when = ""
+        else:
+            when = f"({item['t']} {unit}".rstrip() + ")"
         print(f"{item['quantity'] + when:24} {item['mid']} +- {item['radius']}")
     print(
         f"method: {found['values'][0]['method'] if found['values'] else 'none'}\nwitness:"

@@ -31,11 +31,9 @@ def most_rows(problem: "Problem") -> int:
         raise UsageError(
             f"{problem.words} does not travel to programs; expected one of {', '.join(TRAVELLING)}"
         )
-    return (
-        len(problem.content.solids)
-        if isinstance(problem, Solid)
-        else len(problem.times) * len(problem.scene.bodies)
-    )
+    if isinstance(problem, Solid):
+        return len(problem.content.solids)
+    return len(problem.times) * len(problem.scene.bodies)
 
 
 def read_answer(problem: "Problem", path: Path, events: Path | None = None) -> Trajectory:
@@ -51,13 +49,19 @@ def read_solids(path: Path, problem: Solid) -> Trajectory:
     """Mass properties by `<solid>.<property>`; an empty cell is what the program cannot say."""
     names = [piece.name for piece in problem.content.solids]
     lines = list(csv_lines(path, len(names) + 2, SOLID_COLUMNS))
-    header = tuple(cell.strip() for cell in lines[0][1]) if lines else ()
+    if lines:
+        header = tuple(cell.strip() for cell in lines[0][1])
+    else:
+        header = ()
     if header != SOLID_COLUMNS:
         raise EngineError(
             f"{path.name} line 1 is {','.join(header)[:200]!r}; expected {','.join(SOLID_COLUMNS)}"
         )
     if len(lines) - 1 != len(names):
-        came = f"{len(lines) - 1} rows" if len(lines) <= len(names) else "more rows"
+        if len(lines) <= len(names):
+            came = f"{len(lines) - 1} rows"
+        else:
+            came = "more rows"
         raise EngineError(f"{path.name} has {came}; expected {len(names)}, one a solid")
     said = {
         name: _said(line, name, f"{path.name} line {number}")
@@ -82,7 +86,10 @@ def _said(line: list[str], solid: str, place: str) -> dict[str, float]:
         )
     found = {}
     for name, column, cell in zip(MASS_PROPERTIES, SOLID_COLUMNS[1:], line[1:], strict=True):
-        value = number_in(cell) if cell.strip() else None
+        if cell.strip():
+            value = number_in(cell)
+        else:
+            value = None
         if cell.strip() and (value is None or not np.isfinite(value)):
             raise EngineError(
                 f"{place}: {column} is {cell[:40]!r}; expected a finite number, or nothing"

@@ -98,7 +98,10 @@ def angular_scale(instance: Instance) -> float:
     """
     bodies = instance.scene.bodies
     speed = np.linalg.norm(bodies.velocity, axis=1)
-    flight = 0.0 if instance.scene.elements else instance.scales.duration * speed
+    if instance.scene.elements:
+        flight = 0.0
+    else:
+        flight = instance.scales.duration * speed
     orbital = bodies.mass @ ((np.linalg.norm(bodies.position, axis=1) + flight) * speed)
     spin = np.sum(bodies.inertia.max(axis=1) * np.linalg.norm(bodies.omega, axis=1))
     return (
@@ -126,4 +129,6 @@ def torque_reason(scene: Scene) -> str | None:
         )
         if element.external and not central:
             return f"the element {element.kind} exerts a torque from outside"
-    return "a body is fixed" if scene.bodies.fixed.any() else None
+    if scene.bodies.fixed.any():
+        return "a body is fixed"
+    return None

@@ -20,7 +20,8 @@ from refdem.scene import Scene
 
 Array = NDArray[np.float64]
 
-SHORTEST, LONGEST = 1e-6, 1e12
+SHORTEST = 1e-6
+LONGEST = 1e12
 """A duration in units of tau: below, the motion drowns in round-off; above, one rounded parameter
 turns the phase by 1e-4.
 """
@@ -124,14 +125,12 @@ class Canonical(ABC):
         None where nobody has said.
         """
         if not self.chaotic_at:
-            return None if self.chaotic_at is None else False
-        return (
-            True
-            if all(
-                p[name] == p.declared[name].parsed(text) for name, text in self.chaotic_at.items()
-            )
-            else None
-        )
+            if self.chaotic_at is None:
+                return None
+            return False
+        if all(p[name] == p.declared[name].parsed(text) for name, text in self.chaotic_at.items()):
+            return True
+        return None
 
     def exclude_for(self, p: Parameters) -> Mapping[str, str]:
         """Checks that are left out at these parameters, with reasons."""
@@ -218,7 +217,9 @@ class Instance:
     def label(self) -> str:
         """`case[name=value name=value]`, only what differs from the defaults."""
         changed = " ".join(f"{name}={value}" for name, value in self.p.changed().items())
-        return f"{self.case.id}[{changed}]" if changed else self.case.id
+        if changed:
+            return f"{self.case.id}[{changed}]"
+        return self.case.id
 
     @cached_property
     def scene(self) -> Scene:

@@ -116,11 +116,9 @@ class Check(ABC):
     def left_out(self, trial: Trial) -> str | None:
         """None if it judges this kind of question and applies, else the reason why not."""
         problem = trial.instance.problem
-        return (
-            self.applies(trial)
-            if isinstance(problem, self.judges)
-            else f"it does not judge {problem.words}"
-        )
+        if isinstance(problem, self.judges):
+            return self.applies(trial)
+        return f"it does not judge {problem.words}"
 
     @abstractmethod
     def needs(self, trial: Trial) -> tuple[Variant, ...]:

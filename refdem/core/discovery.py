@@ -85,7 +85,9 @@ def package_of(folder: str, name: str) -> str | None:
     None.
     """
     point = _others(folder).get(name)
-    return None if point is None or point.dist is None else point.dist.name
+    if point is None or point.dist is None:
+        return None
+    return point.dist.name
 
 
 def case(name: str) -> "Canonical":

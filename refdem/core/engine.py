@@ -57,9 +57,9 @@ class Method:
 
     def delay(self, level: float) -> float:
         """Time [s] by which velocities and omegas lag behind their sample at this level."""
-        return (
-            level / 2 if self.velocity_time == "minus-half-step" and self.control == "step" else 0.0
-        )
+        if self.velocity_time == "minus-half-step" and self.control == "step":
+            return level / 2
+        return 0.0
 
     def order_for(self, features: frozenset[str]) -> int:
         """The order claimed for a scene with these features."""
@@ -79,7 +79,9 @@ class Method:
     @property
     def round_off(self) -> float:
         """Unit round-off u of the declared precision."""
-        return 2.0**-53 if self.precision == "double" else 2.0**-24
+        if self.precision == "double":
+            return 2.0**-53
+        return 2.0**-24
 
 
 @dataclass(frozen=True)
@@ -163,11 +165,9 @@ class Engine(ABC):
             return f"cannot run {problem.words}"
         if isinstance(problem, Motion):
             return self.refusal(problem, method)
-        return (
-            None
-            if method.knows & problem.features
-            else f"knows nothing that is asked of {problem.words}"
-        )
+        if method.knows & problem.features:
+            return None
+        return f"knows nothing that is asked of {problem.words}"
 
     @abstractmethod
     def run(self, request: Request) -> tuple[Trajectory, Cost]:

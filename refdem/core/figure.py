@@ -73,7 +73,8 @@ class Panel:
         if axis.ends is not None:
             return axis.ends
         values = np.concatenate([getattr(series, name) for series in self.series])
-        low, high = float(np.nanmin(values)), float(np.nanmax(values))
+        low = float(np.nanmin(values))
+        high = float(np.nanmax(values))
         if axis.is_log:
             return low / 1.2, high * 1.2
         margin = 0.04 * (high - low) or 1.0

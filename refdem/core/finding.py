@@ -98,7 +98,9 @@ class Finding(msgspec.Struct, frozen=True, kw_only=True):
             return -math.inf
         if self.value <= 0:
             return math.inf
-        return math.log10(self.bound) - math.log10(self.value) if self.bound > 0 else -math.inf
+        if self.bound > 0:
+            return math.log10(self.bound) - math.log10(self.value)
+        return -math.inf
 
 
 class Record(msgspec.Struct, frozen=True, kw_only=True, tag="record", tag_field="type"):

@@ -64,7 +64,9 @@ class Sight:
     @property
     def sharpness(self) -> float | None:
         """The bound over the signal; None without a signal."""
-        return self.bound / self.signal if self.signal > 0 else None
+        if self.signal > 0:
+            return self.bound / self.signal
+        return None
 
     @property
     def is_blind(self) -> bool:
@@ -104,10 +106,19 @@ def judged(
     """
     holds = bool(value <= bound)
     blind = sight is not None and sight.is_blind
-    size = "exactly 0" if value == 0 else f"{value:.2g}" + (f" {unit}" if unit != "1" else "")
-    limit = "0" if bound == 0 else f"{bound:.2g}"
+    if value == 0:
+        size = "exactly 0"
+    else:
+        size = f"{value:.2g}" + (f" {unit}" if unit != "1" else "")
+    if bound == 0:
+        limit = "0"
+    else:
+        limit = f"{bound:.2g}"
     sentence = f"{what} is {size}, {'within' if holds else 'beyond'} the bound {limit}: {basis}."
-    outcome: Outcome = "pass" if holds else "fail"
+    if holds:
+        outcome: Outcome = "pass"
+    else:
+        outcome = "fail"
     if holds and sight is not None and blind:
         outcome = "undecided"
         sentence = (
@@ -147,12 +158,12 @@ def worst(
         ratio = np.where(np.isnan(values), np.inf, np.where(values > 0, values / bounds, 0.0))
     point = int(np.argmax(ratio))
     series = curve(t, values, bounds)
-    sight = (
-        None
-        if signal is None
-        else sharpest(bounds, np.broadcast_to(np.asarray(signal, float), values.shape))
-    )
-    value, bound = float(values[point]), float(bounds[point])
+    if signal is None:
+        sight = None
+    else:
+        sight = sharpest(bounds, np.broadcast_to(np.asarray(signal, float), values.shape))
+    value = float(values[point])
+    bound = float(bounds[point])
     return judged(
         check=check, quantity=quantity, value=value, bound=bound, series=series, sight=sight, **more
     )
@@ -171,7 +182,9 @@ MIXED = "every quantity mixes places with velocities, which are half a step earl
 def certified(trial: Trial) -> SampledTruth | None:
     """The truth if at least two samples of it (or the only one) are certified."""
     least = min(2, len(trial.instance.times))
-    return trial.truth if trial.truth is not None and trial.truth.until >= least else None
+    if trial.truth is not None and trial.truth.until >= least:
+        return trial.truth
+    return None
 
 
 def no_truth(trial: Trial) -> str:
@@ -196,7 +209,10 @@ def errors(
         return _errors(instance, observed, truth)
     by_velocity, by_position = _made_of(instance, trajectory)
     placed = {name: values for name, values in observed.items() if name not in by_velocity}
-    found = _errors(instance, placed, truth) if placed else {}
+    if placed:
+        found = _errors(instance, placed, truth)
+    else:
+        found = {}
     late = {name: values for name, values in observed.items() if name in by_velocity - by_position}
     return found | (_errors(instance, late, truth.delayed(delay)) if late else {})
 
@@ -207,11 +223,9 @@ def _made_of(instance: Instance, trajectory: Trajectory) -> tuple[set[str], set[
     """
     from refdem.mechanics.quaternion import product
 
-    plain, moved, turn = (
-        instance.observe(trajectory),
-        [],
-        np.array([0.4, 0.1, 0.5, 0.3]) / np.sqrt(0.51),
-    )
+    plain = instance.observe(trajectory)
+    moved = []
+    turn = np.array([0.4, 0.1, 0.5, 0.3]) / np.sqrt(0.51)
     for names in (("velocity", "omega"), ("position", "attitude")):
         columns = {name: getattr(trajectory, name) for name in names}
         other: dict[str, Any] = {
@@ -289,7 +303,9 @@ def predictable(scaled: Mapping[str, Array]) -> int:
     """Number of samples before any of these errors (until,) by quantity first exceeds SMALL."""
     largest = np.maximum.reduce(list(scaled.values()))
     beyond = np.flatnonzero(~(largest <= SMALL))
-    return int(beyond[0]) if len(beyond) else len(largest)
+    if len(beyond):
+        return int(beyond[0])
+    return len(largest)
 
 
 def followed(
@@ -301,7 +317,9 @@ def followed(
     off = errors(trial.instance, run, truth, trial.method.delay(level))
     largest = np.maximum.reduce([np.zeros(truth.until), *off.values()])
     beyond = np.flatnonzero(~(largest <= within))
-    return int(beyond[0]) if len(beyond) else len(largest)
+    if len(beyond):
+        return int(beyond[0])
+    return len(largest)
 
 
 def largest_so_far(trial: Trial, level: float, run: Trajectory, truth: SampledTruth) -> Array:
@@ -320,7 +338,9 @@ def room_of(trial: Trial) -> float:
     """
     if not kinked(trial.instance):
         return ROOM
-    return ROOM_OF_CUTS if trial.method.locates_events else ROOM_OF_KINKS
+    if trial.method.locates_events:
+        return ROOM_OF_CUTS
+    return ROOM_OF_KINKS
 
 
 def signed(trial: Trial, run: Trajectory, truth: SampledTruth, count: int) -> Array:
@@ -383,12 +403,14 @@ def distances(instance: Instance, a: Trajectory, b: Trajectory) -> Array:
     of any quantity without a scene.
     """
     if not isinstance(instance.problem, Motion):
-        one, other = instance.observe(a), instance.observe(b)
+        one = instance.observe(a)
+        other = instance.observe(b)
         apart: Array = np.maximum.reduce(
             [np.abs(one[name] - other[name]) / q.scale for name, q in instance.quantities.items()]
         )
         return apart
-    scales, bodies = instance.scales, instance.scene.bodies
+    scales = instance.scales
+    bodies = instance.scene.bodies
     spin = float(np.max(np.linalg.norm(bodies.omega, axis=1))) or 1.0 / scales.tau
     parts = [
         np.abs(a.position - b.position).max(axis=(1, 2)) / scales.length,

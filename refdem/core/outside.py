@@ -30,7 +30,9 @@ def one_line(text: str, most: int = MOST) -> str:
     printable = printable.replace("##[", "# #[")
     if printable.startswith("::"):
         printable = f": {printable[1:]}"
-    return printable if len(printable) <= most else printable[: most - 4] + " ..."
+    if len(printable) <= most:
+        return printable
+    return printable[: most - 4] + " ..."
 
 
 def printable(text: str) -> str:
@@ -55,7 +57,8 @@ def markdown_text(text: str) -> str:
     line = " ".join(printable(text).split())
     parts = [line]
     for found in reversed(list(SPOKEN_TO.finditer(line))):
-        before, after = parts[0][: found.start() + 1], parts[0][found.start() + 1 :]
+        before = parts[0][: found.start() + 1]
+        after = parts[0][found.start() + 1 :]
         parts[:1] = [before, after]
     return NOTHING.join(_marked(part) for part in parts)
 
@@ -73,7 +76,9 @@ def cell(value: object) -> object:
     if not isinstance(value, str):
         return value
     text = printable(value)
-    return f"'{text}" if text.startswith(("=", "+", "-", "@", "\t")) else text
+    if text.startswith(("=", "+", "-", "@", "\t")):
+        return f"'{text}"
+    return text
 
 
 def opened(path: Path) -> BinaryIO | None:

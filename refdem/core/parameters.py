@@ -16,7 +16,8 @@ _LABEL = re.compile(r"([a-z0-9-]+)(?:\[(.*)\])?")
 _NUMBER = re.compile(
     r"[+-]?(\d{1,60}(\.\d{0,60})?|\.\d{1,60})([eE][+-]?\d{1,3})?(/\d{1,60})?", re.ASCII
 )
-SMALLEST, LARGEST = Fraction(1, 10**100), Fraction(10**100)
+SMALLEST = Fraction(1, 10**100)
+LARGEST = Fraction(10**100)
 """Squares and products of three parameters stay inside binary64."""
 
 
@@ -41,14 +42,16 @@ class Parameter:
         """The bounds as a person reads them."""
         if self.choices:
             return " | ".join(self.choices)
-        low = (
-            f"> {self.above:g}"
-            if self.above is not None
-            else f">= {self.at_least:g}"
-            if self.at_least is not None
-            else ""
-        )
-        high = f"<= {self.at_most:g}" if self.at_most is not None else ""
+        if self.above is not None:
+            low = f"> {self.above:g}"
+        elif self.at_least is not None:
+            low = f">= {self.at_least:g}"
+        else:
+            low = ""
+        if self.at_most is not None:
+            high = f"<= {self.at_most:g}"
+        else:
+            high = ""
         return " and ".join(x for x in ("whole" if self.whole else "", low, high) if x) or "any"
 
     def parsed(self, text: str) -> Exact:
@@ -63,7 +66,10 @@ class Parameter:
         if text == "" and self.default == "":
             return None
         numbers = tuple(self._number(part.strip()) for part in text.split(","))
-        expected = int(np.prod(self.shape)) if self.shape else 1
+        if self.shape:
+            expected = int(np.prod(self.shape))
+        else:
+            expected = 1
         if len(numbers) != expected:
             raise UsageError(
                 f"parameter {self.name}: got {len(numbers)} numbers in {text!r}; expected"
@@ -71,7 +77,9 @@ class Parameter:
             )
         for number in numbers:
             self._refuse_out_of_bounds(number)
-        return numbers if self.shape else numbers[0]
+        if self.shape:
+            return numbers
+        return numbers[0]
 
     def _number(self, text: str) -> Fraction:
         if not _NUMBER.fullmatch(text):
@@ -133,7 +141,9 @@ class Parameters(Mapping[str, Exact]):
         exact = self._exact[name]
         if isinstance(exact, tuple):
             return np.array([float(x) for x in exact]).reshape(self.declared[name].shape)
-        return float(exact) if isinstance(exact, Fraction) else exact
+        if isinstance(exact, Fraction):
+            return float(exact)
+        return exact
 
     def texts(self) -> dict[str, str]:
         """Every value as text that `parsed` reads back."""
@@ -159,14 +169,21 @@ def _text(value: Exact) -> str:
     if not isinstance(value, Fraction):
         return value or ""
     short = repr(float(value))
-    exact = short if "inf" not in short and Fraction(short) == value else str(value)
-    return exact[:-2] if exact.endswith(".0") else exact
+    if "inf" not in short and Fraction(short) == value:
+        exact = short
+    else:
+        exact = str(value)
+    if exact.endswith(".0"):
+        return exact[:-2]
+    return exact
 
 
 def nearest(name: str, known: Any) -> str:
     """A hint: the nearest known name, or all of them."""
     close = difflib.get_close_matches(name, list(known), 1, 0.5)
-    return f"did you mean {close[0]!r}?" if close else f"known: {', '.join(sorted(known))}"
+    if close:
+        return f"did you mean {close[0]!r}?"
+    return f"known: {', '.join(sorted(known))}"
 
 
 def labelled(label: str) -> tuple[str, dict[str, str]]:

@@ -166,14 +166,18 @@ class Request:
         there.
         """
         has_one = isinstance(self.problem, Motion) and self.problem.scene.has_bodies_file
-        return bodies_file.packed(self.problem.scene.bodies) if has_one else None
+        if has_one:
+            return bodies_file.packed(self.problem.scene.bodies)
+        return None
 
     def packed(self) -> bytes:
         """The request for another process: its JSON; where there are too many bodies for that, JSON
         and their file.
         """
         file = self.bodies_file
-        return self.to_json() if file is None else msgspec.msgpack.encode((self.to_json(), file))
+        if file is None:
+            return self.to_json()
+        return msgspec.msgpack.encode((self.to_json(), file))
 
     @classmethod
     def unpacked(cls, data: bytes) -> "Request":
@@ -214,7 +218,9 @@ class Request:
 
         None for a method without a step.
         """
-        return None if self.step is None else self.stride
+        if self.step is None:
+            return None
+        return self.stride
 
     def _refuse_uneven(self) -> None:
         """Raises UsageError unless the samples are evenly spaced: one stride holds for all of
@@ -275,7 +281,10 @@ class Request:
         times = self.problem.times
         if t.shape != times.shape:
             raise EngineError(f"trajectory.t has {len(t)} samples; expected {len(times)}")
-        steps = 0 if self.step is None else self.stride * (len(times) - 1)
+        if self.step is None:
+            steps = 0
+        else:
+            steps = self.stride * (len(times) - 1)
         allowed = max(1e-12, CLOCK_ROUNDINGS * round_off, steps * 2.0**-53) * max(
             abs(times[0]), abs(times[-1]), abs(self.problem.interval)
         )
@@ -299,6 +308,12 @@ class Request:
         extra = round(exact)
         if extra == 0 or abs(exact - extra) > MISCOUNTED:
             return ""
-        steps = "1 step" if abs(extra) == 1 else f"{abs(extra)} steps"
-        side = "too many" if extra > 0 else "too few"
+        if abs(extra) == 1:
+            steps = "1 step"
+        else:
+            steps = f"{abs(extra)} steps"
+        if extra > 0:
+            side = "too many"
+        else:
+            side = "too few"
         return f"; the program took {steps} {side} on the way: {COUNT}"

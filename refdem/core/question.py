@@ -19,7 +19,8 @@ Array = NDArray[np.float64]
 
 FIT = 1e-10
 """Rods and strings may be off by ten times this part of their length at the start."""
-DENSE, PER_OCTAVE = 128, 8
+DENSE = 128
+PER_OCTAVE = 8
 """An iteration is sampled at every iterate up to DENSE, then PER_OCTAVE times in each octave, and
 at its last.
 """
@@ -105,7 +106,8 @@ class Motion(Problem):
         would show no growth at all. A large move would no longer fit what is tied to something: it
         turns the bodies about the world's anchor instead.
         """
-        bodies, moved = self.scene.bodies, ulps * 2.0**-52
+        bodies = self.scene.bodies
+        moved = ulps * 2.0**-52
         if abs(moved) > FIT and "constraint" in self.features:
             return self._turned(moved)
         turns = np.where(np.arange(bodies.velocity.size) % 2, 1.0, -1.0).reshape(
@@ -125,7 +127,8 @@ class Motion(Problem):
         """
         anchors = [link.anchor_b for link in self.scene.all(Link) if link.b < 0]
         pivot = np.array(anchors[0] if anchors else (0.0, 0.0, 0.0))
-        c, s = np.cos(angle), np.sin(angle)
+        c = np.cos(angle)
+        s = np.sin(angle)
         turn = np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
         bodies = self.scene.bodies
         position = pivot + (bodies.position - pivot) @ turn.T

@@ -100,7 +100,9 @@ def flight(instance: Instance, method: Method, level: float) -> float:
         return 0.0
     kinds = {element.kind for element in instance.scene.elements}
     is_even = kinds <= SOMETIMES or "slider" in kinds
-    return method.round_off * steps_at(instance, method, level) if is_even else 0.0
+    if is_even:
+        return method.round_off * steps_at(instance, method, level)
+    return 0.0
 
 
 def turning(instance: Instance, method: Method, level: float) -> float:
@@ -128,7 +130,9 @@ def clock(instance: Instance, method: Method, level: float) -> float:
     if method.control != "step":
         return method.round_off * turns * (len(instance.times) + CLOCK_STEPS * turns)
     driven = any(element.reads_clock for element in instance.scene.elements)
-    return method.round_off * turns * steps_at(instance, method, level) if driven else 0.0
+    if driven:
+        return method.round_off * turns * steps_at(instance, method, level)
+    return 0.0
 
 
 def order(instance: Instance, method: Method) -> float:
@@ -173,7 +177,10 @@ def truncation(instance: Instance, method: Method, level: float, t: Array) -> Ar
     if method.control == "exact":
         return np.zeros(len(t))
     if method.control == "tolerance":
-        constant = 1.0 if kinked(instance) else method.constant
+        if kinked(instance):
+            constant = 1.0
+        else:
+            constant = method.constant
         return np.full(len(t), constant * TOLERANCE_FACTOR * level)
     tau = instance.scales.tau
     power = order(instance, method)
@@ -192,7 +199,10 @@ def order_levels(instance: Instance, levels: tuple[float, ...]) -> tuple[float, 
     """The levels from which an order is read: finer ones as well where kinks scatter the errors of
     each.
     """
-    further = range(1, FURTHER + 1) if levels and kinked(instance) else ()
+    if levels and kinked(instance):
+        further = range(1, FURTHER + 1)
+    else:
+        further = ()
     return (*levels, *(levels[-1] / 2**k for k in further))
 
 
@@ -220,7 +230,9 @@ def scored(allowed: Array) -> int:
     horizon.
     """
     beyond = np.flatnonzero(allowed > HORIZON)
-    return int(beyond[0]) if len(beyond) else len(allowed)
+    if len(beyond):
+        return int(beyond[0])
+    return len(allowed)
 
 
 def levels(
@@ -242,7 +254,8 @@ def levels(
         return tuple(
             t for t in tolerances if t > COUNTING_FLOOR * method.round_off
         )  # below, step control never ends
-    power, scales = order(instance, method), instance.scales
+    power = order(instance, method)
+    scales = instance.scales
     first = step or scales.tau * (HORIZON * scales.tau / (method.constant * scales.duration)) ** (
         1.0 / power
     )

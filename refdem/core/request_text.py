@@ -21,7 +21,10 @@ def request_text(request: Request) -> str:
 
 def _lines(key: str, value: Any) -> list[tuple[str, str]]:
     """Key and value of every leaf."""
-    prefix = f"{key}." if key else ""
+    if key:
+        prefix = f"{key}."
+    else:
+        prefix = ""
     if isinstance(value, dict):
         return [line for name, part in value.items() for line in _lines(f"{prefix}{name}", part)]
     if isinstance(value, list):
@@ -39,4 +42,6 @@ def _lines(key: str, value: Any) -> list[tuple[str, str]]:
 def _digits(value: float) -> str:
     """17 significant digits, with a point or an exponent."""
     text = f"{value:.17g}"
-    return text if set(text) & set(".e") else f"{text}.0"
+    if set(text) & set(".e"):
+        return text
+    return f"{text}.0"

@@ -49,7 +49,10 @@ def singularities(scene: Scene) -> list[tuple[Element, Singularity]]:
     """
     found = []
     for element in scene.elements:
-        singular = _of_contact(element) if isinstance(element, Contact) else _of_other(element)
+        if isinstance(element, Contact):
+            singular = _of_contact(element)
+        else:
+            singular = _of_other(element)
         if singular is not None:
             found.append((element, singular))
     return found

@@ -27,9 +27,13 @@ def excess(instance: Instance, run: Trajectory) -> float:
     """The largest place, velocity or spin of the run, each in units of its scale; what flies freely
     may go as far as it does.
     """
-    scales, scene = instance.scales, instance.scene
+    scales = instance.scales
+    scene = instance.scene
     speed = scales.speed + float(np.max(np.abs(scene.bodies.velocity)))
-    flight = 0.0 if scene.elements else speed * float(run.t[-1] - run.t[0])
+    if scene.elements:
+        flight = 0.0
+    else:
+        flight = speed * float(run.t[-1] - run.t[0])
     reach = scales.length + float(np.max(np.abs(scene.bodies.position))) + flight
     spin = 1 / scales.tau + float(np.max(np.abs(scene.bodies.omega)))
     sizes = ((run.position, reach), (run.velocity, speed), (run.omega, spin))

@@ -58,7 +58,9 @@ class Symmetry:
     def q(self) -> Array:
         """The orthogonal matrix Q (3, 3)."""
         turned: Array = matrix(self.turn)
-        return turned @ np.diag([-1.0, 1.0, 1.0]) if self.mirrored else turned
+        if self.mirrored:
+            return turned @ np.diag([-1.0, 1.0, 1.0])
+        return turned
 
     def applied(self, motion: Motion) -> Motion:
         """The motion as the symmetry shows it."""
@@ -71,7 +73,10 @@ class Symmetry:
     def undone(self, run: Trajectory) -> Trajectory:
         """The trajectory of the motion itself, from that of the motion as the symmetry shows it."""
         _, length, time = self.units
-        order = slice(None, None, -1) if self.reverse else slice(None)
+        if self.reverse:
+            order = slice(None, None, -1)
+        else:
+            order = slice(None)
         t = (run.t - self.delay) / time
         position = (
             run.position[:, order] / length - self.shift - self.boost * t[:, None, None]
@@ -79,11 +84,10 @@ class Symmetry:
         velocity = (run.velocity[:, order] * (time / length) - self.boost) @ self.q
         omega = run.omega[:, order] * time @ self.q * (-1.0 if self.mirrored else 1.0)
         attitude = run.attitude[:, order]
-        attitude = (
-            attitude * REFLECTION
-            if self.mirrored
-            else product(self.turn * np.array([1.0, -1.0, -1.0, -1.0]), attitude)
-        )
+        if self.mirrored:
+            attitude = attitude * REFLECTION
+        else:
+            attitude = product(self.turn * np.array([1.0, -1.0, -1.0, -1.0]), attitude)
         columns = (position, velocity, attitude, omega)
         position, velocity, attitude, omega = (np.ascontiguousarray(values) for values in columns)
         return Trajectory(t=t, position=position, velocity=velocity, attitude=attitude, omega=omega)
@@ -92,9 +96,10 @@ class Symmetry:
         """The bodies, column by column; the attitude of a point stays."""
         mass, length, time = self.units
         turns = np.any(bodies.inertia, axis=1, keepdims=True)
-        turned = (
-            bodies.attitude * REFLECTION if self.mirrored else product(self.turn, bodies.attitude)
-        )
+        if self.mirrored:
+            turned = bodies.attitude * REFLECTION
+        else:
+            turned = product(self.turn, bodies.attitude)
         columns: dict[str, Any] = {
             "mass": bodies.mass * mass,
             "inertia": bodies.inertia * (mass * length**2),
@@ -123,8 +128,14 @@ class Symmetry:
         if isinstance(shape, Sphere):
             return Sphere(radius=shape.radius * length)
         if isinstance(shape, Polyhedron):
-            side = -1.0 if self.mirrored else 1.0
-            faces = tuple(face[::-1] for face in shape.faces) if self.mirrored else shape.faces
+            if self.mirrored:
+                side = -1.0
+            else:
+                side = 1.0
+            if self.mirrored:
+                faces = tuple(face[::-1] for face in shape.faces)
+            else:
+                faces = shape.faces
             return Polyhedron(
                 vertices=tuple(
                     (side * x * length, y * length, z * length) for x, y, z in shape.vertices
@@ -140,14 +151,18 @@ class Symmetry:
         changed: dict[str, Any] = {}
         hints = types_of(type(element))
         for name in element.__struct_fields__:
-            value, hint = getattr(element, name), hints[name]
+            value = getattr(element, name)
+            hint = hints[name]
             if hint == Position:
                 changed[name] = self._place(
                     value,
                     space=not isinstance(element, Link) or (name == "anchor_b" and element.b < 0),
                 )
             elif hint in (Direction, Acceleration):
-                unit = self.units[1] / self.units[2] ** 2 if hint == Acceleration else 1.0
+                if hint == Acceleration:
+                    unit = self.units[1] / self.units[2] ** 2
+                else:
+                    unit = 1.0
                 changed[name] = tuple((self.q @ np.array(value) * unit).tolist())
             elif name in ("a", "b") and self.reverse and value >= 0:
                 changed[name] = count - 1 - value
@@ -172,13 +187,13 @@ def of(instance: Instance, name: str) -> Symmetry:
     """The symmetry of that name for an instance, within the dimensions in which it moves; sizes of
     the order of its scales.
     """
-    scales, features = instance.scales, instance.scene.features
+    scales = instance.scales
+    features = instance.scene.features
     flat = np.array([1.0, "dimension:1" not in features, "dimension:3" in features])
-    turn = (
-        np.array([1.0, 2.0, 3.0, 4.0]) / np.sqrt(30.0)
-        if "dimension:3" in features
-        else np.array([2.0, 0.0, 0.0, 1.0]) / np.sqrt(5.0)
-    )
+    if "dimension:3" in features:
+        turn = np.array([1.0, 2.0, 3.0, 4.0]) / np.sqrt(30.0)
+    else:
+        turn = np.array([2.0, 0.0, 0.0, 1.0]) / np.sqrt(5.0)
     known = {
         "shifted": Symmetry(shift=scales.length * np.array([8.0, -4.0, 2.0]) * flat),
         "rotated": Symmetry(turn=turn),
@@ -224,7 +239,8 @@ def broken(scene: Scene, name: str) -> str | None:
 
 def size(instance: Instance, symmetry: Symmetry) -> float:
     """How many times the scale the numbers become larger: round-off grows with them."""
-    scales, bodies = instance.scales, instance.scene.bodies
+    scales = instance.scales
+    bodies = instance.scene.bodies
     own = (
         np.abs(bodies.position).max() / scales.length,
         np.abs(bodies.velocity).max() / scales.speed,
@@ -239,7 +255,8 @@ def rounded_rates(instance: Instance) -> float:
     """Error of a turn [rad] at the end, in roundings of the moments: much for a needle, by (J_b -
     J_c)/J_a in Euler's equations.
     """
-    bodies, turns = instance.scene.bodies, instance.scales.duration / instance.scales.tau
+    bodies = instance.scene.bodies
+    turns = instance.scales.duration / instance.scales.tau
     moments = bodies.inertia[np.all(bodies.inertia > 0, axis=1) & ~bodies.fixed]
     return float(
         np.max((moments.sum(axis=1) - moments.min(axis=1)) / moments.min(axis=1), initial=0.0)

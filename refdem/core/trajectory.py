@@ -65,7 +65,8 @@ class Trajectory:
             raise EngineError(
                 f"trajectory.position has shape {self.position.shape}; expected (T, N, 3)"
             )
-        count, bodies = len(self.t), self.position.shape[1]
+        count = len(self.t)
+        bodies = self.position.shape[1]
         expected = {"t": (count,), "position": (count, bodies, 3), "velocity": (count, bodies, 3)}
         expected |= {"attitude": (count, bodies, 4), "omega": (count, bodies, 3)}
         for name, shape in expected.items():
@@ -142,17 +143,18 @@ def _packed(values: Array) -> tuple[list[int], bytes]:
     """Shape and numbers; of one row that stands for all, as of bodies that do not turn, that
     row.
     """
-    rows = values[:1] if values.ndim and values.strides[0] == 0 else values
+    if values.ndim and values.strides[0] == 0:
+        rows = values[:1]
+    else:
+        rows = values
     return list(values.shape), np.ascontiguousarray(rows, dtype="<f8").tobytes()
 
 
 def _unpacked(shape: list[int], data: bytes) -> Array:
     found = np.frombuffer(data, dtype="<f8")
-    return (
-        found.reshape(shape)
-        if found.size == np.prod(shape)
-        else np.broadcast_to(found.reshape(1, *shape[1:]), shape)
-    )
+    if found.size == np.prod(shape):
+        return found.reshape(shape)
+    return np.broadcast_to(found.reshape(1, *shape[1:]), shape)
 
 
 def _refuse(name: str, values: Array, shape: tuple[int, ...]) -> None:

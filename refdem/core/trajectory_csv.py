@@ -48,7 +48,10 @@ def read_trajectory(
             rows[count] = row
         count += 1
     if count != wanted:
-        came = f"{count} rows" if count < wanted else "more rows"
+        if count < wanted:
+            came = f"{count} rows"
+        else:
+            came = "more rows"
         raise EngineError(
             f"{path.name} has {came}; expected {wanted}: {samples} samples of {bodies} bodies"
         )
@@ -112,7 +115,10 @@ def _row(line: list[str], header: list[str], number: int, name: str) -> list[flo
     found = []
     for column, cell in zip(header, line, strict=True):
         empty = column in CHANNELS and not cell.strip()
-        value = np.nan if empty else number_in(cell)
+        if empty:
+            value = np.nan
+        else:
+            value = number_in(cell)
         if value is None or not (empty or np.isfinite(value)):
             raise EngineError(
                 f"{name} line {number}: {column} is {one_line(cell, 40)!r}; expected a finite"
@@ -134,7 +140,9 @@ def plain_numbers(line: list[str]) -> list[float] | None:
         found = list(map(float, line))
     except ValueError:
         return None
-    return found if all(map(isfinite, found)) else None
+    if all(map(isfinite, found)):
+        return found
+    return None
 
 
 def number_in(cell: str) -> float | None:
@@ -175,7 +183,10 @@ def _events(path: Path | None, bodies: int) -> tuple[Event, ...]:
     if path is None or not path.exists():
         return ()
     lines = list(csv_lines(path, MOST_EVENTS + 2, EVENT_COLUMNS))
-    header = tuple(cell.strip() for cell in lines[0][1]) if lines else ()
+    if lines:
+        header = tuple(cell.strip() for cell in lines[0][1])
+    else:
+        header = ()
     if header != EVENT_COLUMNS or len(lines) > MOST_EVENTS + 1:
         came = one_line(",".join(header), 200)
         raise EngineError(

@@ -41,7 +41,10 @@ class Ball:
 
         As many decimal places as the radius warrants, but at most `places`.
         """
-        places = min(places, -_exponent(self.radius) + 2) if self.radius else places
+        if self.radius:
+            places = min(places, -_exponent(self.radius) + 2)
+        else:
+            places = places
         unit = Fraction(10) ** -places
         scaled = round(self.mid / unit)
         slack = abs(self.mid - scaled * unit) + self.radius
@@ -51,7 +54,9 @@ class Ball:
 def _exponent(value: Fraction) -> int:
     """floor(log10(value)) for value > 0."""
     guess = len(str(value.numerator)) - len(str(value.denominator))
-    return guess if value >= Fraction(10) ** guess else guess - 1
+    if value >= Fraction(10) ** guess:
+        return guess
+    return guess - 1
 
 
 def _decimal(scaled: int, places: int) -> str:

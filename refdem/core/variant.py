@@ -44,9 +44,10 @@ class Variant:
         return self.change in ("reversed", "backward")
 
     def __str__(self) -> str:
-        level = f"{self.level:.17g}" if self.level else "exact"
-        return (
-            level
-            if self.change == "none"
-            else f"{level} {self.change}" + (f"({self.amount})" if self.amount else "")
-        )
+        if self.level:
+            level = f"{self.level:.17g}"
+        else:
+            level = "exact"
+        if self.change == "none":
+            return level
+        return f"{level} {self.change}" + (f"({self.amount})" if self.amount else "")

@@ -84,11 +84,9 @@ class Reference(Engine):
     def refuses(self, problem: Problem, method: Method) -> str | None:
         """None if the method answers such questions and can run this one, else why not."""
         solver = self.solvers[method.name]
-        return (
-            solver.refusal(problem)
-            if isinstance(problem, solver.answers)
-            else f"cannot run {problem.words}"
-        )
+        if isinstance(problem, solver.answers):
+            return solver.refusal(problem)
+        return f"cannot run {problem.words}"
 
     def run(self, request: Request) -> tuple[Trajectory, Cost]:
         """Runs the request with the method that it names; raises UnsupportedError if that method

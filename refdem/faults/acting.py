@@ -77,6 +77,9 @@ def acts(fault: Fault, request: Request, heard: set[str]) -> bool:
                 return fault.before(request).to_json() != request.to_json()
         except Exception:  # a fault may make a question that is none
             return False
-    method = "verlet" if request.method.startswith("verlet") else request.method
+    if request.method.startswith("verlet"):
+        method = "verlet"
+    else:
+        method = request.method
     numbers = CONSTANTS.get(method, ("verlet_kicks",))
     return not replaced(fault).isdisjoint({*heard, *numbers})

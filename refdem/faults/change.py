@@ -93,7 +93,9 @@ class Late:
     def __call__(self, *arguments: Any) -> Any:
         """The answer before."""
         self.kept.append(self.sound(*arguments))
-        return self.kept.pop(0) if len(self.kept) > 1 else self.kept[0]
+        if len(self.kept) > 1:
+            return self.kept.pop(0)
+        return self.kept[0]
 
 
 def forgetting(p: Parts, part: Late, **parts: Any) -> dict[str, Any]:
@@ -117,10 +119,8 @@ def rounding(sound: Callable[..., Any]) -> Callable[..., Any]:
 
     def part(*arguments: Any) -> Any:
         found = sound(*arguments)
-        return (
-            tuple(float(np.float32(x)) for x in found)
-            if isinstance(found, tuple)
-            else float(np.float32(found))
-        )
+        if isinstance(found, tuple):
+            return tuple(float(np.float32(x)) for x in found)
+        return float(np.float32(found))
 
     return part

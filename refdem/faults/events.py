@@ -19,7 +19,9 @@ MOST_EVENTS = 8
 
 def touch(m: "Moving") -> float:
     """Relative overlap that rounding alone may leave of a touch."""
-    return 1e-12 if m.world.number is float else 1e-5
+    if m.world.number is float:
+        return 1e-12
+    return 1e-5
 
 
 def values(m: "Moving", state: State, number: int) -> tuple[Number, Number, Number]:
@@ -60,14 +62,21 @@ def first_modes(m: "Moving", state: State, h: Number) -> None:
 def side_of(m: "Moving", state: State, number: int, speed: Number) -> int:
     """Towards where a slider moves: 0 if it is at rest and friction holds it."""
     if speed:
-        return 1 if speed > 0 else -1
+        if speed > 0:
+            return 1
+        return -1
     along = pull_along(m, state, number)
-    return 0 if m.parts.holds(m.world.sliders[number], along) else 1 if along > 0 else -1
+    if m.parts.holds(m.world.sliders[number], along):
+        return 0
+    if along > 0:
+        return 1
+    return -1
 
 
 def pull_along(m: "Moving", state: State, number: int) -> Number:
     """The force [N] along a slider's axis of all else, where it does not slip."""
-    slider, trial = m.world.sliders[number], state.copy()
+    slider = m.world.sliders[number]
+    trial = state.copy()
     trial.side[number] = 1
     without = m.parts.loads(m.world, trial, m.parts).force[slider.a]
     return vec.dot(
@@ -95,13 +104,20 @@ def slides_by(m: "Moving", state: State, load: Loads, number: int, h: Number) ->
         return 0.0
     i, j = m.world.pairs[number]
     _, _, rate, relative = meeting(m.world, state, m.parts, number)
-    stretch, slip = load.stretch[number], load.slip[number]
+    stretch = load.stretch[number]
+    slip = load.slip[number]
     length = vec.size(stretch)
-    along = vec.dot(stretch, slip) / length if length > 0 else vec.size(slip)
+    if length > 0:
+        along = vec.dot(stretch, slip) / length
+    else:
+        along = vec.size(slip)
     growth = law.stiffness * rate
     if law.damping > 0:
         pull = vec.times(1.0 / m.world.mass[i], load.force[i])
-        pull = vec.moved(pull, -1.0 / m.world.mass[j], load.force[j]) if j >= 0 else pull
+        if j >= 0:
+            pull = vec.moved(pull, -1.0 / m.world.mass[j], load.force[j])
+        else:
+            pull = pull
         growth += law.damping * second_rate(m, state, number, relative, rate, pull)
     return (law.tangential_stiffness * along - law.friction * growth) * (1 if h > 0 else -1)
 
@@ -149,11 +165,17 @@ def margins(
     found: list[tuple[Number, Change]] = []
     for number in range(len(m.world.pairs)):
         acts, push, _ = values(m, after, number)
-        margin = acts if before.acting[number] else -acts
+        if before.acting[number]:
+            margin = acts
+        else:
+            margin = -acts
         found.append((margin, ("contact", number)))
         if margin < 0 or not before.acting[number] or not m.world.law.friction > 0:
             continue
-        margin = push if before.pressing[number] else -push or -positional.TINY
+        if before.pressing[number]:
+            margin = push
+        else:
+            margin = -push or -positional.TINY
         found.append((margin, ("press", number)))
         if margin >= 0 and has_spring(m, before, number):
             found.append((slide_margin(m, before, after, load, number, h, push), ("slide", number)))
@@ -164,7 +186,10 @@ def margins(
     for number, slider in enumerate(m.world.sliders):
         side = before.side[number]
         if side == 0:
-            margin = 1.0 if m.parts.holds(slider, pull_along(m, after, number)) else -1.0
+            if m.parts.holds(slider, pull_along(m, after, number)):
+                margin = 1.0
+            else:
+                margin = -1.0
         else:
             margin = m.parts.slides_at(slider, after.v[slider.a]) * side
         found.append((margin, ("stop", number)))
@@ -183,7 +208,8 @@ def changed(m: "Moving", state: State, change: tuple[str, int]) -> None:
         _, depth, _, _ = meeting(m.world, state, m.parts, number)
         state.work += held(m.world, depth) * (1 if state.acting[number] else -1)
         state.acting[number] = state.pressing[number] = not state.acting[number]
-        state.stretch[number], state.sliding[number] = ZERO, False
+        state.stretch[number] = ZERO
+        state.sliding[number] = False
         m.told.append(
             (state.t, "contact" if state.acting[number] else "release", m.world.pairs[number][0])
         )
@@ -202,7 +228,8 @@ def changed(m: "Moving", state: State, change: tuple[str, int]) -> None:
         slider = m.world.sliders[number]
         v = state.v[slider.a]
         state.v[slider.a] = vec.moved(v, -m.parts.slides_at(slider, v), slider.axis)
-        before, state.side[number] = state.side[number], m.parts.side_of(m, state, number, 0.0)
+        before = state.side[number]
+        state.side[number] = m.parts.side_of(m, state, number, 0.0)
         if not before or not state.side[number]:
             m.told.append((state.t, "slip" if not before else "stick", slider.a))
 
@@ -210,7 +237,9 @@ def changed(m: "Moving", state: State, change: tuple[str, int]) -> None:
 def held(world: World, depth: Number) -> Number:
     """What the normal spring holds [J]; lost if the contact ends while the bodies still overlap."""
     power = world.law.exponent + 1
-    return world.law.stiffness * depth**power / power if depth > 0 else 0.0
+    if depth > 0:
+        return world.law.stiffness * depth**power / power
+    return 0.0
 
 
 def advance(m: "Moving", step: Any, state: State, load: Loads, h: Number) -> tuple[State, Loads]:
@@ -228,7 +257,9 @@ def advance(m: "Moving", step: Any, state: State, load: Loads, h: Number) -> tup
         for margin, change in found:
             if margin < 0:
                 changed(m, after, change)
-        state, load, left = after, m.parts.loads(m.world, after, m.parts), left - part * left
+        state = after
+        load = m.parts.loads(m.world, after, m.parts)
+        left = left - part * left
         if not left:
             return state, load
     return step(m, state, load, left)  # type: ignore[no-any-return]
@@ -249,7 +280,10 @@ def _cut(
             kept[0] = trial, found
         return float(least(found))
 
-    resolution = 2.0**-53 if m.world.number is float else 2.0**-24
+    if m.world.number is float:
+        resolution = 2.0**-53
+    else:
+        resolution = 2.0**-24
     return (
         m.parts.located(
             margin,
@@ -271,16 +305,29 @@ def sign_change(
     one evaluation beyond those of bisection, and few where the margin is smooth. `first` and `last`
     are the margins at 0 and 1.
     """
-    low, high, above, below = 0.0, 1.0, max(first, positional.TINY), last
+    low = 0.0
+    high = 1.0
+    above = max(first, positional.TINY)
+    below = last
     reach = 1.0  # resolution x 2^(most evaluations left)
     while high - low > 2 * resolution:
-        middle, wide = (low + high) / 2, high - low
+        middle = (low + high) / 2
+        wide = high - low
         chord = (below * low - above * high) / (below - above)
         aside = max(0.2 * wide * wide, resolution)  # no less than shows
-        side = 1.0 if middle > chord else -1.0
-        chord = chord + side * aside if aside <= abs(middle - chord) else middle
+        if middle > chord:
+            side = 1.0
+        else:
+            side = -1.0
+        if aside <= abs(middle - chord):
+            chord = chord + side * aside
+        else:
+            chord = middle
         slack = reach - wide / 2
-        part = chord if abs(chord - middle) <= slack else middle - side * slack
+        if abs(chord - middle) <= slack:
+            part = chord
+        else:
+            part = middle - side * slack
         if not low < part < high:
             part = middle
         if not low < part < high:
@@ -288,7 +335,9 @@ def sign_change(
         reach /= 2
         value = margin(part)
         if value < 0:
-            high, below = part, value
+            high = part
+            below = value
         else:
-            low, above = part, max(value, positional.TINY)
+            low = part
+            above = max(value, positional.TINY)
     return high

@@ -56,13 +56,12 @@ class Carrier(Engine):
     """An engine whose requests or trajectories are spoiled on the way."""
 
     def __init__(self, engine: Engine, fault: Fault) -> None:
-        self.engine, self.fault = engine, fault
-        self.name, self.title, self.methods, self.is_reference = (
-            engine.name,
-            engine.title,
-            engine.methods,
-            engine.is_reference,
-        )
+        self.engine = engine
+        self.fault = fault
+        self.name = engine.name
+        self.title = engine.title
+        self.methods = engine.methods
+        self.is_reference = engine.is_reference
 
     def missing(self) -> str | None:
         """As the engine."""
@@ -86,6 +85,9 @@ class Carrier(Engine):
 
     def run(self, request: Request) -> tuple[Trajectory, Cost]:
         """The run, spoiled before or after."""
-        asked = self.fault.before(request) if self.fault.before else request
+        if self.fault.before:
+            asked = self.fault.before(request)
+        else:
+            asked = request
         trajectory, cost = self.engine.run(asked)
         return (self.fault.after(request, trajectory) if self.fault.after else trajectory), cost

@@ -50,7 +50,10 @@ def windows(defect: Array) -> list[int]:
     """
     whole = len(defect)
     shown = np.flatnonzero(defect >= 0.02 * defect.max(initial=0.0))
-    count = max(3, int(shown[0]) + 2) if len(shown) else whole
+    if len(shown):
+        count = max(3, int(shown[0]) + 2)
+    else:
+        count = whole
     found = []
     while count < whole:
         found.append(count)
@@ -69,7 +72,8 @@ def amplitude(difference: Difference, counts: list[int]) -> float | None:
     effect = (moved - plain) / probe
     if not np.any(effect):
         return 0.0
-    size, defect = float(np.linalg.norm(effect)), float(np.linalg.norm(plain))
+    size = float(np.linalg.norm(effect))
+    defect = float(np.linalg.norm(plain))
     if defect == 0 or abs(float(effect @ plain)) < ALIGNED * size * defect:
         return None
     found = -float(effect @ plain) / size**2
@@ -84,7 +88,8 @@ def _explains(difference: Difference, count: int, found: float) -> bool:
     """Whether the amplitude leaves little of the defect over so many samples: what does not is not
     followed to the end of the run.
     """
-    plain, left = difference(0.0, count), difference(found, count)
+    plain = difference(0.0, count)
+    left = difference(found, count)
     if plain is None or left is None:
         return False
     return float(np.linalg.norm(left)) <= UNEXPLAINED * float(np.linalg.norm(plain))
@@ -105,17 +110,22 @@ def _refined(difference: Difference, count: int, start: float) -> float:
 
     `inf` if it is lost.
     """
-    before, last = start * (1.0 - 1e-3), start
-    old, new = difference(before, count), difference(last, count)
+    before = start * (1.0 - 1e-3)
+    last = start
+    old = difference(before, count)
+    new = difference(last, count)
     for _ in range(ROUNDS):
         if old is None or new is None or last == before:
-            return inf if old is None or new is None else last
+            if old is None or new is None:
+                return inf
+            return last
         slope = (new - old) / (last - before)
         steepness = float(slope @ slope)
         if steepness == 0 or not np.isfinite(steepness):
             return last
         step = -float(slope @ new) / steepness
-        before, old = last, new
+        before = last
+        old = new
         last = last + step
         if abs(step) <= SETTLED * abs(last):
             return last

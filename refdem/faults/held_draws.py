@@ -65,7 +65,8 @@ def chain(rng: np.random.Generator) -> dict[str, str]:
 
 def captured(rng: np.random.Generator) -> dict[str, str]:
     """A mass that flies past a hook, and half of a turn or more round it."""
-    speed, radius = _part(rng, 0.75, 1.25), _part(rng, 0.75, 1.25)
+    speed = _part(rng, 0.75, 1.25)
+    radius = _part(rng, 0.75, 1.25)
     return {
         "mass": str(_part(rng, 0.5, 2)),
         "speed": str(speed),

@@ -31,7 +31,9 @@ def line_caught(hook: Catch, distance: Number, near: float) -> Number:
     """Length [m] of the line between hook and body from closest approach on; 0 if it is out of
     reach.
     """
-    return distance if distance <= hook.radius * (1 + near) else 0.0
+    if distance <= hook.radius * (1 + near):
+        return distance
+    return 0.0
 
 
 def string_excess(string: StringOverWheel, length: Number, now: Number) -> Number:
@@ -103,16 +105,15 @@ def follow(m: "Moving", state: "State") -> "State":
 
 def rods_of(world: "World", state: "State") -> list[Rod]:
     """Rods, and the lines to hooks that have caught."""
-    return (
-        [*world.rods, *(line for line in state.caught if line is not None)]
-        if world.hooks
-        else world.rods
-    )
+    if world.hooks:
+        return [*world.rods, *(line for line in state.caught if line is not None)]
+    return world.rods
 
 
 def _ends(m: "Moving", rod: Rod, state: "State") -> tuple[Vector, Vector, Number]:
     """Vector from end b to end a, its rate, and what a unit impulse changes: 1/m_a + 1/m_b."""
-    a, b = rod.a, rod.b
+    a = rod.a
+    b = rod.b
     if b < 0:
         return vec.minus(state.r[a], rod.anchor_b), state.v[a], 1.0 / m.world.mass[a]
     ease = 1.0 / m.world.mass[a] + 1.0 / m.world.mass[b]
@@ -121,7 +122,8 @@ def _ends(m: "Moving", rod: Rod, state: "State") -> tuple[Vector, Vector, Number
 
 def _pull(m: "Moving", rod: Rod, state: "State", along: Vector, amount: Number) -> None:
     """Takes an impulse along a vector from a and gives it to b."""
-    a, b = rod.a, rod.b
+    a = rod.a
+    b = rod.b
     state.v[a] = vec.moved(state.v[a], -amount / m.world.mass[a], along)
     if b >= 0:
         state.v[b] = vec.moved(

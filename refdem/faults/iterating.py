@@ -41,12 +41,11 @@ def straight_normal(place: Pair, table: Billiard) -> Pair:
     """The normal out of the table at a place on a straight wall: that of the wall it is nearest
     to.
     """
-    from_x, from_y = table.width / 2 - abs(place[0]), table.height / 2 - abs(place[1])
-    return (
-        (1.0 if place[0] > 0 else -1.0, 0.0)
-        if from_x < from_y
-        else (0.0, 1.0 if place[1] > 0 else -1.0)
-    )
+    from_x = table.width / 2 - abs(place[0])
+    from_y = table.height / 2 - abs(place[1])
+    if from_x < from_y:
+        return (1.0 if place[0] > 0 else -1.0, 0.0)
+    return (0.0, 1.0 if place[1] > 0 else -1.0)
 
 
 def centre(table: Billiard) -> float:
@@ -86,8 +85,10 @@ SOUND_MAPS = MapParts()
 
 def iterated(problem: Iteration, parts: MapParts) -> Trajectory:
     """The iterates asked for."""
-    wanted, asked = set(problem.times.astype(int).tolist()), problem.map
-    state, rows = tuple(problem.start.tolist()), []
+    wanted = set(problem.times.astype(int).tolist())
+    asked = problem.map
+    state = tuple(problem.start.tolist())
+    rows = []
     for n in range(problem.n + 1):
         if n:
             state = parts.settled(_next(state, asked, parts))
@@ -106,7 +107,8 @@ def _next(state: State, asked: Any, parts: MapParts) -> State:
         return (parts.logistic_flow(state[0], asked.eta),)
     if isinstance(asked, Logistic):
         return (parts.logistic(state[0], asked.eta),)
-    place, direction = (state[0], state[1]), (state[2], state[3])
+    place = (state[0], state[1])
+    direction = (state[2], state[3])
     way = parts.ahead(place, direction, asked)
     hit = (place[0] + way * direction[0], place[1] + way * direction[1])
     if isinstance(asked, StadiumBilliard) and (
@@ -126,7 +128,8 @@ def _next(state: State, asked: Any, parts: MapParts) -> State:
 
 def _on_arc(place: Pair, direction: Pair, table: Billiard, middle: float) -> tuple[Pair, Pair]:
     """The place on the half circle about (middle, 0) that is met, and the normal there."""
-    r, x = table.height / 2, place[0] - middle
+    r = table.height / 2
+    x = place[0] - middle
     b = x * direction[0] + place[1] * direction[1]
     way = -b + sqrt(max(0.0, b * b - (x * x + place[1] ** 2 - r * r)))
     n = ((x + way * direction[0]) / r, (place[1] + way * direction[1]) / r)

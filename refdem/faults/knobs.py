@@ -96,7 +96,10 @@ def _field(number: int, name: str) -> Misreading:
         scene = request.problem.scene
         elements = list(scene.elements)
         value = getattr(elements[number], name)
-        scaled = tuple(factor * x for x in value) if isinstance(value, tuple) else factor * value
+        if isinstance(value, tuple):
+            scaled = tuple(factor * x for x in value)
+        else:
+            scaled = factor * value
         elements[number] = msgspec.structs.replace(elements[number], **{name: scaled})
         return request.with_scene(Scene(scene.bodies, tuple(elements)))
 

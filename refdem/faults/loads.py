@@ -44,7 +44,10 @@ def loads(
 
 def _springs(world: World, state: State, parts: "Parts", found: Loads, *_: Any) -> None:
     for spring in world.springs:
-        other = state.r[spring.b] if spring.b >= 0 else spring.anchor_b
+        if spring.b >= 0:
+            other = state.r[spring.b]
+        else:
+            other = spring.anchor_b
         _add(found, spring.a, spring.b, parts.spring_force(spring, state.r[spring.a], other), parts)
 
 
@@ -131,11 +134,10 @@ def meeting(
     """Normal from i to j, overlap, its rate, and velocity of i against j, of a pair."""
     i, j = world.pairs[number]
     if world.corners[number] is not None:
-        arm, plane = arm_of(world, state, parts, number), world.planes[-1 - j]
-        normal, speed = (
-            vec.times(-1.0, plane.normal),
-            vec.plus(state.v[i], vec.cross(parts.to_space(state.q[i], state.w[i]), arm)),
-        )
+        arm = arm_of(world, state, parts, number)
+        plane = world.planes[-1 - j]
+        normal = vec.times(-1.0, plane.normal)
+        speed = vec.plus(state.v[i], vec.cross(parts.to_space(state.q[i], state.w[i]), arm))
         return (
             normal,
             vec.dot(vec.minus(vec.plus(state.r[i], arm), plane.point), normal),
@@ -151,7 +153,8 @@ def meeting(
         return normal, depth, vec.dot(state.v[i], normal), state.v[i]
     apart = parts.away(state.r[i], state.r[j])
     distance = vec.size(apart)
-    normal, relative = vec.times(1.0 / distance, apart), vec.minus(state.v[i], state.v[j])
+    normal = vec.times(1.0 / distance, apart)
+    relative = vec.minus(state.v[i], state.v[j])
     return (
         normal,
         parts.overlap(world.radius[i], world.radius[j], distance),
@@ -171,14 +174,16 @@ def _corner(
     """Adds force and torque on a corner that presses on a plane: sliding friction, no tangential
     spring.
     """
-    law, (i, j) = world.law, world.pairs[number]
+    law = world.law
+    (i, j) = world.pairs[number]
     normal, depth, rate, speed = meeting(world, state, parts, number)
     push = parts.normal_force(law, depth, rate)
     force = vec.times(-push, normal)
     if law.friction > 0:
         slip = found.slip[number] = parts.slip(speed, ZERO, normal)
         rub = parts.sliding_friction(law, push, slip, _stopping(world, i, j, h))
-        force, found.power = vec.plus(force, rub), found.power - vec.dot(rub, slip)
+        force = vec.plus(force, rub)
+        found.power = found.power - vec.dot(rub, slip)
     found.power += law.damping * rate * rate
     found.force[i] = vec.plus(found.force[i], force)
     torque = vec.cross(arm_of(world, state, parts, number), force)
@@ -197,7 +202,8 @@ def _touch(
     """Adds the contact forces and torques of one pair."""
     if world.corners[number] is not None:
         return _corner(world, state, parts, found, number, h)
-    law, (i, j) = world.law, world.pairs[number]
+    law = world.law
+    (i, j) = world.pairs[number]
     normal, depth, rate, relative = meeting(world, state, parts, number)
     push = parts.normal_force(law, depth, rate)
     _add(found, i, j, vec.times(-push, normal), parts)
@@ -205,19 +211,21 @@ def _touch(
     if not law.friction > 0 or not state.pressing[number]:
         return
     arm = parts.lever(law, world.radius[i], depth)
-    arm_j = parts.lever(law, world.radius[j], depth) if j >= 0 else 0.0
+    if j >= 0:
+        arm_j = parts.lever(law, world.radius[j], depth)
+    else:
+        arm_j = 0.0
     spin = vec.times(arm, parts.to_space(state.q[i], state.w[i]))
     if j >= 0:
         spin = vec.moved(spin, arm_j, parts.to_space(state.q[j], state.w[j]))
     slip = found.slip[number] = parts.slip(relative, spin, normal)
     if law.tangential_stiffness > 0:
-        stretch, found.normal[number] = state.stretch[number], normal
+        stretch = state.stretch[number]
+        found.normal[number] = normal
         if before is not None:
             old = before.normal[number]
-            stretch, was = (
-                parts.transported(stretch, old, normal),
-                parts.transported(before.slip[number], old, normal),
-            )
+            stretch = parts.transported(stretch, old, normal)
+            was = parts.transported(before.slip[number], old, normal)
             if state.sliding[number] and vec.size(stretch) > abs(h) * vec.size(slip):
                 stretch = vec.times(0.5, vec.plus(stretch, parts.clipped(law, stretch, push)))
                 turns = _turning(stretch, vec.plus(was, slip), h)
@@ -259,4 +267,6 @@ def _stopping(world: World, i: int, j: int, h: Number) -> Number:
     step.
     """
     ease = sum(3.5 / world.mass[body] for body in (i, j) if body >= 0)
-    return 1.0 / (abs(h) * ease) if h else world.number(1e300 if world.number is float else 1e30)
+    if h:
+        return 1.0 / (abs(h) * ease)
+    return world.number(1e300 if world.number is float else 1e30)

@@ -17,9 +17,12 @@ from refdem.scene.elements.spring import Spring
 def linear_flow(x: float, v: float, square: float, delta: float, t: float) -> tuple[float, float]:
     """Place and velocity after t: the real parts of two exponentials."""
     root = sqrt(delta * delta - square)
-    fast, slow = -delta + root, -delta - root
-    a, b = (v - slow * x) / (fast - slow), (fast * x - v) / (fast - slow)
-    first, second = a * exp(fast * t), b * exp(slow * t)
+    fast = -delta + root
+    slow = -delta - root
+    a = (v - slow * x) / (fast - slow)
+    b = (fast * x - v) / (fast - slow)
+    first = a * exp(fast * t)
+    second = b * exp(slow * t)
     return (first + second).real, (fast * first + slow * second).real
 
 
@@ -30,7 +33,8 @@ def carried(problem: Ensemble, flow: Callable[..., Any]) -> Trajectory:
     square = scene.all(Spring)[0].stiffness / mass
     delta = sum(dashpot.damping for dashpot in scene.all(Dashpot)) / (2 * mass)
     shape = (len(problem.times), len(problem.position), 1, 3)
-    position, velocity = np.zeros(shape), np.zeros(shape)
+    position = np.zeros(shape)
+    velocity = np.zeros(shape)
     starts = list(
         zip(problem.position[:, 0, 0].tolist(), problem.velocity[:, 0, 0].tolist(), strict=True)
     )

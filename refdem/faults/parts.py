@@ -35,7 +35,9 @@ def spring_force(spring: Spring, a: Vector, b: Vector) -> Vector:
         spring.stiffness * abs(s) ** spring.exponent * (1 if s > 0 else -1)
         + (spring.quadratic + spring.cubic * s) * s * s
     )
-    return vec.times(pull / distance, apart) if distance > 0 else vec.ZERO
+    if distance > 0:
+        return vec.times(pull / distance, apart)
+    return vec.ZERO
 
 
 def dashpot_force(dashpot: Dashpot, apart: Vector, relative: Vector) -> Vector:
@@ -87,9 +89,11 @@ def axis_turn(
     [s].
     """
     angle = h * omega[axis]
-    c, s = cos(angle), sin(angle)
+    c = cos(angle)
+    s = sin(angle)
     momentum = list(vec.per_axis(inertia, omega))
-    i, j = (axis + 1) % 3, (axis + 2) % 3
+    i = (axis + 1) % 3
+    j = (axis + 2) % 3
     momentum[i], momentum[j] = c * momentum[i] + s * momentum[j], c * momentum[j] - s * momentum[i]
     half = [cos(angle / 2), 0.0, 0.0, 0.0]
     half[1 + axis] = sin(angle / 2)
@@ -177,8 +181,11 @@ def stretched(stretch: Vector, slip_before: Vector, slip_now: Vector, h: Number)
 
 def clipped(law: Contact, stretch: Vector, normal: Number) -> Vector:
     """The spring as long as Coulomb's limit allows."""
-    longest, length = law.friction * max(normal, 0.0) / law.tangential_stiffness, vec.size(stretch)
-    return vec.times(longest / length, stretch) if length > 0 else stretch
+    longest = law.friction * max(normal, 0.0) / law.tangential_stiffness
+    length = vec.size(stretch)
+    if length > 0:
+        return vec.times(longest / length, stretch)
+    return stretch
 
 
 def spring_friction(law: Contact, stretch: Vector) -> Vector:
@@ -190,10 +197,13 @@ def sliding_friction(law: Contact, normal: Number, slide: Vector, stopping: Numb
     """Friction of full size against the slip; raises UnsupportedError where a step of it
     (`stopping` [kg/s]) would stop the slip.
     """
-    speed, limit = vec.size(slide), law.friction * max(normal, 0.0)
+    speed = vec.size(slide)
+    limit = law.friction * max(normal, 0.0)
     if limit > stopping * speed:
         raise UnsupportedError("a contact without a tangential spring that comes to stick")
-    return vec.times(-limit / speed, slide) if speed > 0 else vec.ZERO
+    if speed > 0:
+        return vec.times(-limit / speed, slide)
+    return vec.ZERO
 
 
 def torque_on(arm: Number, normal: Vector, force: Vector) -> Vector:
@@ -205,7 +215,9 @@ def torque_on(arm: Number, normal: Vector, force: Vector) -> Vector:
 
 def presses(law: Contact, depth: Number, force: Number) -> Number:
     """Positive while the contact acts."""
-    return depth if law.cutoff == "zero_overlap" else force
+    if law.cutoff == "zero_overlap":
+        return depth
+    return force
 
 
 def slides_at(slider: Slider, velocity: Vector) -> Number:

@@ -29,16 +29,16 @@ def field_force(field: PiecewiseField, s: Number) -> Number:
 
 def wedge_force(wall: Wedge, depth: Number, edge_first: bool, rate: Number) -> Number:
     """Force [N] along the normal on a body that presses; its rate says nothing."""
-    return wall.quadratic * depth * depth if edge_first else wall.stiffness * depth
+    if edge_first:
+        return wall.quadratic * depth * depth
+    return wall.stiffness * depth
 
 
 def wedge_energy(wall: Wedge, depth: Number, edge_first: bool) -> Number:
     """What the wall holds [J]."""
-    return (
-        wall.quadratic * depth * depth * depth / 3
-        if edge_first
-        else wall.stiffness * depth * depth / 2
-    )
+    if edge_first:
+        return wall.quadratic * depth * depth * depth / 3
+    return wall.stiffness * depth * depth / 2
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -72,10 +72,8 @@ def pushed_by_walls(world: Any, state: Any, parts: Any, force: list[Any]) -> Non
 
 def approach(wall: Wedge, state: Any, parts: Any, i: int) -> tuple[Number, Number, bool]:
     """Overlap, its rate, and whether the edge looks at the wall."""
-    depth, rate = (
-        vec.dot(vec.minus(wall.point, state.r[i]), wall.normal),
-        -vec.dot(state.v[i], wall.normal),
-    )
+    depth = vec.dot(vec.minus(wall.point, state.r[i]), wall.normal)
+    rate = -vec.dot(state.v[i], wall.normal)
     return depth, rate, bool(vec.dot(parts.to_space(state.q[i], EDGE), wall.normal) < 0)
 
 

@@ -207,7 +207,8 @@ def _rubbing(rng: np.random.Generator) -> dict[str, str]:
     """A mass on a spring that friction stops after two to four half cycles, well away from the edge
     between two numbers of them.
     """
-    stiffness, x0 = _between(rng, 0.75, 2), _between(rng, 0.75, 1.5)
+    stiffness = _between(rng, 0.75, 2)
+    x0 = _between(rng, 0.75, 1.5)
     share = Fraction(1, 2 * int(rng.integers(2, 5))) + Fraction(1, 128)
     found = {
         "mass": _between(rng, 0.75, 1.5),

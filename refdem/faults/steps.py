@@ -16,7 +16,8 @@ class Moving:
     """A world, the parts that move it, and the events so far: time, kind, body."""
 
     def __init__(self, world: World, parts: "Parts") -> None:
-        self.world, self.parts = world, parts
+        self.world = world
+        self.parts = parts
         self.told: list[tuple[float, str, int]] = []
         self.turning = [i for i, turns in enumerate(world.turns) if turns and not world.fixed[i]]
         jointed = {joint.a for joint in world.joints}
@@ -32,7 +33,9 @@ class Moving:
 
 def kick(m: Moving, state: State, load: Loads, h: Number) -> State:
     """Velocities after the loads have acted for h; the lists of them are new."""
-    kicked, v, w = m.parts.kicked, list(state.v), state.w
+    kicked = m.parts.kicked
+    v = list(state.v)
+    w = state.w
     for i in m.free:
         v[i] = kicked(v[i], load.force[i], m.world.mass[i], h)
     if m.world.pairs or m.world.joints:
@@ -44,22 +47,29 @@ def kick(m: Moving, state: State, load: Loads, h: Number) -> State:
 
 def drift(m: Moving, state: State, h: Number) -> State:
     """Positions and attitudes after h: bodies turn as free ones do."""
-    r, v, q, w = list(state.r), state.v, state.q, state.w
+    r = list(state.r)
+    v = state.v
+    q = state.q
+    w = state.w
     for i in m.free:
         r[i] = m.parts.drifted(r[i], v[i], h)
     if m.turning:
-        q, w = list(q), list(w)
+        q = list(q)
+        w = list(w)
     for i in m.turning:
         inertia = m.world.inertia[i]
         if inertia[0] == inertia[1] == inertia[2]:
             q[i] = m.parts.unit(m.parts.turned(q[i], w[i], h))
             continue
-        spin, attitude = w[i], q[i]
+        spin = w[i]
+        attitude = q[i]
         for axis, part in ((0, 0.5), (1, 0.5), (2, 1.0), (1, 0.5), (0, 0.5)):
             spin, attitude = m.parts.axis_turn(axis, inertia, spin, attitude, part * h)
         w[i], q[i] = spin, m.parts.unit(attitude)
     moved = state.moved(r, v, q, w, state.t + float(h))
-    return follow(m, moved) if m.tied else moved
+    if m.tied:
+        return follow(m, moved)
+    return moved
 
 
 def verlet(m: Moving, state: State, load: Loads, h: Number) -> tuple[State, Loads]:
@@ -69,7 +79,10 @@ def verlet(m: Moving, state: State, load: Loads, h: Number) -> tuple[State, Load
     first, second = m.parts.verlet_kicks
     moved = drift(m, hold_length(m, state, kick(m, state, load, first * h), h), h)
     moved.work = state.work + 0.5 * h * load.power
-    guess = kick(m, moved, load, second * h) if m.reads_velocity else moved
+    if m.reads_velocity:
+        guess = kick(m, moved, load, second * h)
+    else:
+        guess = moved
     after = m.parts.loads(m.world, guess, m.parts, load, h)
     if m.depends_on_velocity:
         after = m.parts.loads(m.world, kick(m, moved, after, second * h), m.parts, load, h)
@@ -120,7 +133,8 @@ def explicit(m: Moving, state: State, load: Loads, h: Number) -> tuple[State, Lo
     """Explicit Euler: drift with the old velocity, kick with the old force; first order, and it
     gains energy.
     """
-    moved, r = kick(m, state, load, h), list(state.r)
+    moved = kick(m, state, load, h)
+    r = list(state.r)
     for i in m.free:
         r[i] = m.parts.drifted(r[i], state.v[i], h)
     moved.r, moved.t = r, state.t + float(h)
@@ -139,7 +153,9 @@ Rates = tuple[list[Vector], list[Vector], list[vec.Quaternion], list[Vector]]
 
 def rates(m: Moving, state: State) -> Rates:
     """r', v', q', omega_body' of every body."""
-    load, parts, bodies = m.parts.loads(m.world, state, m.parts), m.parts, range(len(m.world.mass))
+    load = m.parts.loads(m.world, state, m.parts)
+    parts = m.parts
+    bodies = range(len(m.world.mass))
 
     def spun(i: int) -> Vector:
         torque = vec.plus(parts.gyroscopic(m.world.inertia[i], state.w[i]), load.torque[i])

@@ -141,12 +141,16 @@ class Transparent(Engine):
             return "no forces that depend on velocity"
         if method.name == "euler" and "ball_joint" in scene.features:
             return "no ball joint"
-        return "no constraints" if method.name == "rk4" and "constraint" in scene.features else None
+        if method.name == "rk4" and "constraint" in scene.features:
+            return "no constraints"
+        return None
 
     def refuses(self, problem: Problem, method: Method) -> str | None:
         """None for iterations by `iterated`, for linear flows by `carried`; motions as above."""
         if isinstance(problem, Ensemble) and method.name == "carried":
-            return None if problem.features <= LINEAR else "not a linear flow"
+            if problem.features <= LINEAR:
+                return None
+            return "not a linear flow"
         if isinstance(problem, Iteration) and method.name == "iterated":
             return None
         return super().refuses(problem, method)
@@ -161,18 +165,14 @@ class Transparent(Engine):
             )
         if isinstance(request.problem, Ensemble):
             return carried(request.problem, self.parts.flow), Cost(seconds=perf_counter() - begun)
-        method, scene, times = (
-            self.method(request.method),
-            request.problem.scene,
-            request.problem.times,
-        )
+        method = self.method(request.method)
+        scene = request.problem.scene
+        times = request.problem.times
         number = PRECISIONS[method.precision]
         world = world_of(scene, number)
-        m, state, h = (
-            Moving(world, self.parts),
-            start_of(scene, world, self.parts.to_body),
-            number(request.signed_step),
-        )
+        m = Moving(world, self.parts)
+        state = start_of(scene, world, self.parts.to_body)
+        h = number(request.signed_step)
         state.t = float(times[0])
         first_modes(m, state, h)
         load = self.parts.loads(world, state, self.parts)
@@ -197,9 +197,9 @@ def _refused(element: Element) -> str | None:
     ):
         return None
     if isinstance(element, BallJoint) and element.b < 0:
-        return (
-            None if sum(x != 0 for x in element.anchor_a) <= 1 else "a joint off the principal axes"
-        )
+        if sum(x != 0 for x in element.anchor_a) <= 1:
+            return None
+        return "a joint off the principal axes"
     if isinstance(element, BallJoint | Catch | Dashpot | Force | Spring | Rod | Slider) and (
         any(element.anchor_a) or element.b >= 0
     ):
@@ -208,7 +208,9 @@ def _refused(element: Element) -> str | None:
         return "a string over a wheel that has a size"
     if isinstance(element, Contact) and element.law == "hertz" and element.tangential_stiffness > 0:
         return "no tangential spring under Hertz's law"
-    return "no rigid contact" if isinstance(element, Contact) and element.law == "rigid" else None
+    if isinstance(element, Contact) and element.law == "rigid":
+        return "no rigid contact"
+    return None
 
 
 def _corners_refused(scene: Scene) -> str | None:
@@ -219,11 +221,9 @@ def _corners_refused(scene: Scene) -> str | None:
         return None
     law = scene.all(Contact)[0]
     spring = law.friction > 0 and (law.tangential_stiffness > 0 or law.branch != "R")
-    return (
-        "no contact of polyhedra"
-        if len(scene.bodies) > 1 or spring or law.law != "linear"
-        else None
-    )
+    if len(scene.bodies) > 1 or spring or law.law != "linear":
+        return "no contact of polyhedra"
+    return None
 
 
 class Recording:
@@ -231,7 +231,9 @@ class Recording:
 
     def __init__(self, m: Moving, samples: int, start: float, interval: float) -> None:
         bodies = len(m.world.mass)
-        self.m, self.start, self.interval = m, start, interval
+        self.m = m
+        self.start = start
+        self.interval = interval
         self.t = np.zeros(samples)
         self.columns: dict[str, Any] = {
             name: np.zeros((samples, bodies, width)) for name, width in WIDTHS.items()
@@ -248,7 +250,8 @@ class Recording:
 
     def row(self, count: int, state: State) -> State:
         """Writes one sample and hands the state on."""
-        parts, world = self.m.parts, self.m.world
+        parts = self.m.parts
+        world = self.m.world
         state = parts.output(state)
         self.t[count] = parts.clock(self.start, count, self.interval)
         for i in range(len(world.mass)):
@@ -262,7 +265,10 @@ class Recording:
         work = state.work
         for number in range(len(world.pairs)):
             _, depth, rate, _ = meeting(world, state, parts, number)
-            push = parts.normal_force(world.law, depth, rate) if state.acting[number] else 0.0
+            if state.acting[number]:
+                push = parts.normal_force(world.law, depth, rate)
+            else:
+                push = 0.0
             self.channels["overlap"][count] = max(self.channels["overlap"][count], depth)
             self.channels["contact_force"][count] = max(self.channels["contact_force"][count], push)
             work -= 0.0 if state.acting[number] else held(world, depth)

@@ -88,16 +88,18 @@ class Twin:
     @property
     def digits(self) -> float:
         """To how many digits of the scale both agree."""
-        return (
-            MOST_DIGITS if self.distance == 0 else max(0.0, min(MOST_DIGITS, -log10(self.distance)))
-        )
+        if self.distance == 0:
+            return MOST_DIGITS
+        return max(0.0, min(MOST_DIGITS, -log10(self.distance)))
 
     @property
     def name(self) -> str:
         """The fault's; empty for a sound twin."""
         if self.knob is not None:
             return self.knob.name
-        return self.fault.name if self.fault else ""
+        if self.fault:
+            return self.fault.name
+        return ""
 
     @property
     def behaviour(self) -> str:
@@ -165,9 +167,10 @@ class Diagnosis:
         """What the run behaves as, or which twin is nearest and that it is no diagnosis."""
         if not self.twins:
             return "behaves as no twin: none can run this scene"
-        right = (
-            f"; the right motion is {_size(self.defect)} away" if np.isfinite(self.defect) else ""
-        )
+        if np.isfinite(self.defect):
+            right = f"; the right motion is {_size(self.defect)} away"
+        else:
+            right = ""
         found = self.explanation
         if found is not None:
             alike = "".join(f" (as does {name})" for name in self.alike)
@@ -189,7 +192,9 @@ def _complexity(twin: Twin) -> int:
         return 0
     if twin.knob is None:
         return 1
-    return 2 if twin.fault is None else 3
+    if twin.fault is None:
+        return 2
+    return 3
 
 
 def _is_alike(twin: Twin, nearest: Twin) -> bool:
@@ -232,7 +237,10 @@ def _refuted(
     ratio = (other[0].step or 1.0) / twins[0].step
     explained: dict[str, bool] = {}
     for twin in twins:
-        step = twin.step * ratio if twin.step == twins[0].step else (other[0].step or 1.0) / FINER
+        if twin.step == twins[0].step:
+            step = twin.step * ratio
+        else:
+            step = (other[0].step or 1.0) / FINER
         again = elsewhere.twin(twin, step)
         explained[twin.name] = explained.get(twin.name, False) or (
             again is not None and again.is_telling
@@ -253,7 +261,9 @@ class Beside:
     """A run of a code, and twins that are laid beside it."""
 
     def __init__(self, instance: Instance, request: Request, run: Trajectory) -> None:
-        self.instance, self.request, self.run = instance, request, run
+        self.instance = instance
+        self.request = request
+        self.run = run
         self.step = request.step or abs(request.problem.interval) / FINER
         self.like = fit.states(instance, run, run)
         self.answers: dict[tuple[str, float | None, int], Trajectory] = {}
@@ -310,7 +320,9 @@ class Beside:
 
     def distance(self, twin: Trajectory | None) -> float | None:
         """Largest distance of a twin's run; None if there is none to compare."""
-        return None if twin is None else distance(self.instance, self.run, twin)
+        if twin is None:
+            return None
+        return distance(self.instance, self.run, twin)
 
     def twin(self, like: Twin, step: float) -> Twin | None:
         """The same twin, with the same amplitude, beside this run."""
@@ -318,9 +330,9 @@ class Beside:
         if plain is None:
             return None
         away = self.distance(self.ran(_engine(like), like.method, step))
-        return (
-            None if away is None else replace(like, step=step, distance=away, beside=plain.distance)
-        )
+        if away is None:
+            return None
+        return replace(like, step=step, distance=away, beside=plain.distance)
 
     @cached_property
     def counts(self) -> list[int]:
@@ -358,7 +370,9 @@ class Beside:
     def _early(self, engine: Engine, method: str, step: float) -> float:
         """Largest difference of states in the first window; infinite if the twin cannot run."""
         off = self.difference(engine, method, step, self.counts[0])
-        return inf if off is None or not np.all(np.isfinite(off)) else float(np.abs(off).max())
+        if off is None or not np.all(np.isfinite(off)):
+            return inf
+        return float(np.abs(off).max())
 
     def difference(self, engine: Engine, method: str, step: float, samples: int) -> Array | None:
         """Twin less run (M,) over the first samples, in units of the scales;
@@ -464,7 +478,9 @@ def _engine(twin: Twin) -> Engine:
     """The twin's engine."""
     if twin.knob is not None:
         return twin.knob.carrier(twin.amplitude)
-    return twin.fault.carrier() if twin.fault else Transparent()
+    if twin.fault:
+        return twin.fault.carrier()
+    return Transparent()
 
 
 def first_part(request: Request) -> Request:
@@ -487,11 +503,14 @@ def distance(instance: Instance, run: Trajectory, twin: Trajectory) -> float | N
         return None
     with np.errstate(all="ignore"):
         found = float(np.max(distances(instance, run, twin)))
-        first, second = instance.observe(run), instance.observe(twin)
+        first = instance.observe(run)
+        second = instance.observe(twin)
     for name, quantity in instance.quantities.items():
         if name in first and name in second and not quantity.group and not quantity.angle:
             found = max(found, float(np.max(np.abs(first[name] - second[name]))) / quantity.scale)
-    return found if np.isfinite(found) else None
+    if np.isfinite(found):
+        return found
+    return None
 
 
 def _size(distance: float) -> str:

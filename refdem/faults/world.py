@@ -161,16 +161,16 @@ def world_of(scene: Scene, number: Callable[[float], Number]) -> World:
     corner of it, and plane n.
     """
     bodies = scene.bodies
-    planes, laws = scene.all(Plane), scene.all(Contact)
+    planes = scene.all(Plane)
+    laws = scene.all(Contact)
     round_bodies = [i for i, radius in enumerate(bodies.radius) if radius > 0]
-    pairs = (
-        [
+    if laws:
+        pairs = [
             *combinations(round_bodies, 2),
             *((i, -1 - n) for i in round_bodies for n in range(len(planes))),
         ]
-        if laws
-        else []
-    )
+    else:
+        pairs = []
     corners: list[Vector | None] = [None] * len(pairs)
     for i, shape in enumerate(bodies.shape) if laws else ():
         if isinstance(shape, Polyhedron):
@@ -223,7 +223,8 @@ def _moments(i: int, bodies: Any, joints: list[Any], number: Callable[[float], N
 
 def start_of(scene: Scene, world: World, to_body: Callable[..., Vector]) -> State:
     """The state at the start; modes are not yet known."""
-    bodies, number = scene.bodies, world.number
+    bodies = scene.bodies
+    number = world.number
     q: list[Any] = [_tuple(q, number) for q in bodies.attitude]
     return State(
         r=[_tuple(r, number) for r in bodies.position],

@@ -9,7 +9,8 @@ import numpy as np
 from refdem.core import discovery
 from refdem.gallery.runs import Array, Seen, command, instance, moved, remember
 
-SKIPPED, PER_PERIOD = 60, 240
+SKIPPED = 60
+PER_PERIOD = 240
 
 
 def orbit(eta: str, periods: int = 12, **parameters: Any) -> Seen:

@@ -6,7 +6,8 @@ from refdem.core.figure import GREY, Axis, Figure, Panel, Series
 from refdem.gallery.runs import seen
 from refdem.mechanics.oscillation import turning_points
 
-DURATION, SAMPLES = 16, 1600
+DURATION = 16
+SAMPLES = 1600
 
 
 def decaying(name: str, quantity: str, title: str, caption: str) -> Figure:
@@ -18,11 +19,10 @@ def decaying(name: str, quantity: str, title: str, caption: str) -> Figure:
     p = dry.instance.p
     w0 = float(np.sqrt(p.stiffness / p.mass))
     slope = 2 * p.friction_force * w0 / (np.pi * p.stiffness)
-    first = (
-        p.x0
-        if quantity == "x"
-        else w0 * (p.x0 - p.friction_force / p.stiffness) + slope * w0 * np.pi / (2 * w0)
-    )
+    if quantity == "x":
+        first = p.x0
+    else:
+        first = w0 * (p.x0 - p.friction_force / p.stiffness) + slope * w0 * np.pi / (2 * w0)
     ends = np.array([0.0, first / (slope * (1 if quantity == "x" else w0))])
     envelopes = [
         Series(x=ends, y=np.array([sign * first, 0.0]), ink=GREY, dashed=True, width=1)

@@ -13,7 +13,8 @@ START = 0.3
 
 def late(eta: float, chunks: int = 1) -> Array:
     """So many times 129 iterates in turn, after SETTLED others."""
-    found, x = [], last(eta, START, SETTLED)
+    found = []
+    x = last(eta, START, SETTLED)
     for _ in range(chunks):
         found.append(answer(Iteration(Logistic(eta=eta), np.array([x]), DENSE)).values["x"])
         x = float(found[-1][-1])

@@ -10,7 +10,8 @@ from refdem.core.problem import Ensemble
 from refdem.gallery.runs import Array, answer, command, instance, remember
 from refdem.mechanics.oscillation import phase_area
 
-COARSE, FINE = 4096, 100_000
+COARSE = 4096
+FINE = 100_000
 """Points that find out where the outline stretches, and points that it then has at least."""
 MOST = 64
 """Points that a side of the coarse outline is cut into at most."""
@@ -38,7 +39,8 @@ def carried(duration: float, samples: int, **parameters: Any) -> Outline:
         "phase-flow", duration=repr(float(duration)), samples=samples, points=COARSE, **parameters
     )
     remember(command(asked))
-    case, coarse = asked.case, asked.problem
+    case = asked.case
+    coarse = asked.problem
     assert isinstance(case, EnsembleCase)
     assert isinstance(coarse, Ensemble)
     x, v = case.outline(asked.p, answer(coarse))

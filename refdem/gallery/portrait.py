@@ -10,7 +10,9 @@ from refdem.core.figure import GREY, Axis, Panel, Series
 from refdem.gallery.outline import Outline
 from refdem.gallery.runs import Array, Seen
 
-SHAFT, BARB, OPENING = 0.055, 0.35, 0.45
+SHAFT = 0.055
+BARB = 0.35
+OPENING = 0.45
 """An arrow's length in units of the picture, its barbs in units of the shaft, and their opening
 [rad].
 """

@@ -98,10 +98,8 @@ def command(asked: Instance) -> str:
 
 def _text(value: Any) -> str:
     """A parameter as the command line reads it."""
-    return (
-        value
-        if isinstance(value, str)
-        else repr(float(value))
-        if isinstance(value, float)
-        else str(value)
-    )
+    if isinstance(value, str):
+        return value
+    if isinstance(value, float):
+        return repr(float(value))
+    return str(value)

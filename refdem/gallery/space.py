@@ -5,13 +5,15 @@ import numpy as np
 from refdem.core.figure import GREY, Series
 from refdem.gallery.runs import Array
 
-ACROSS, UP = 35.0, 25.0
+ACROSS = 35.0
+UP = 25.0
 """Degrees by which the axes are turned about the vertical, and the view is raised."""
 
 
 def seen_from_above(points: Array) -> tuple[Array, Array, Array]:
     """Right, up and towards the eye (N,) of points (N, 3) in a parallel projection."""
-    turn, rise = np.radians(ACROSS), np.radians(UP)
+    turn = np.radians(ACROSS)
+    rise = np.radians(UP)
     x, y, z = points.T
     right = x * np.cos(turn) + y * np.sin(turn)
     away = -x * np.sin(turn) + y * np.cos(turn)

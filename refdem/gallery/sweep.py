@@ -8,7 +8,9 @@ import numpy as np
 
 from refdem.gallery.runs import Array, moved, seen
 
-ALPHA, BETA, FORCE = 1.0, 0.4, 1.5
+ALPHA = 1.0
+BETA = 0.4
+FORCE = 1.5
 PER_PERIOD = 32
 SETTLED = 9.0
 """Times 1/delta after which a run is at its amplitude to 1e-4."""
@@ -19,7 +21,9 @@ def amplitudes(delta: float, drives: tuple[float, ...]) -> Array:
     """Half of the way from turning to turning (M,) [m] at the frequencies (M,) [rad/s] in their
     order.
     """
-    x, v, found = 0.1, 0.0, []
+    x = 0.1
+    v = 0.0
+    found = []
     for drive in drives:
         x, v, amplitude = settled(delta, drive, x, v)
         found.append(amplitude)

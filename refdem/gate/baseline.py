@@ -27,7 +27,9 @@ class Accepted(msgspec.Struct, frozen=True, kw_only=True):
         """What a later run is compared with: the error constant, or the value where there is
         none.
         """
-        return self.constant if self.constant is not None else self.value
+        if self.constant is not None:
+            return self.constant
+        return self.value
 
 
 class Header(msgspec.Struct, frozen=True, kw_only=True):
@@ -123,7 +125,8 @@ def differences(before: dict[str, Accepted], records: list[Record]) -> list[str]
     lines = [f"+ {name}: {now[name].outcome}" for name in sorted(now.keys() - before.keys())]
     lines += [f"- {name}: {before[name].outcome}" for name in sorted(before.keys() - now.keys())]
     for name in sorted(now.keys() & before.keys()):
-        old, new = before[name], now[name]
+        old = before[name]
+        new = now[name]
         if old.outcome != new.outcome or not _near(old.size, new.size):
             lines.append(
                 f"~ {name}: {old.outcome} {_number(old.size)} -> {new.outcome} {_number(new.size)}"
@@ -137,4 +140,6 @@ def _near(a: float | None, b: float | None) -> bool:
 
 
 def _number(value: float | None) -> str:
-    return "-" if value is None else f"{value:.2g}"
+    if value is None:
+        return "-"
+    return f"{value:.2g}"

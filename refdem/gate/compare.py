@@ -26,7 +26,9 @@ Noise = Callable[[Record, Finding], float]
 
 def size(finding: Finding) -> float | None:
     """The error constant, or the value where there is none."""
-    return finding.constant_seen if finding.constant_seen is not None else finding.value
+    if finding.constant_seen is not None:
+        return finding.constant_seen
+    return finding.value
 
 
 def compared(records: list[Record], baseline: dict[str, Accepted], noise: Noise) -> list[Record]:
@@ -56,7 +58,8 @@ def _compared(
     if entry.outcome in DECIDED and finding.outcome not in DECIDED and finding.outcome != "error":
         says = f"{finding.sentence} The baseline has it decided ({entry.outcome})."
         return msgspec.structs.replace(finding, outcome="lost", sentence=says)
-    now, before = size(finding), entry.size
+    now = size(finding)
+    before = entry.size
     if now is None or before is None or now <= WORSE * before or _is_quiet(finding):
         return finding
     spread = noise(record, finding)
@@ -79,4 +82,6 @@ def _is_quiet(finding: Finding) -> bool:
 
 
 def _times(now: float, before: float) -> str:
-    return f"{now / before:.2g} times" if before > 0 else f"{now:.2g} against"
+    if before > 0:
+        return f"{now / before:.2g} times"
+    return f"{now:.2g} against"

@@ -95,7 +95,8 @@ class Gate:
                 for sheet in campaign.sheets()
                 if isinstance(sheet, Record)
             ]
-        name, now = record.id(finding), compare.size(finding)
+        name = record.id(finding)
+        now = compare.size(finding)
         again = [
             compare.size(f)
             for other in self._noise[key]

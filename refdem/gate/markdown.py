@@ -16,7 +16,10 @@ def markdown(engine: str, sheets: list[Sheet]) -> str:
     pairs = worst_first(sheets)
     counts = Counter[str](finding.outcome for _, finding in pairs)
     broken = [(record, finding) for record, finding in pairs if finding.outcome in BROKEN]
-    verdict = "closed" if broken else "open"
+    if broken:
+        verdict = "closed"
+    else:
+        verdict = "open"
     lines = [f"## refdem: the gate of {markdown_text(engine)} is {verdict}", ""]
     lines += [
         ", ".join(f"{counts[name]} {name}" for name in WORST_FIRST if counts[name])
@@ -38,11 +41,10 @@ def markdown(engine: str, sheets: list[Sheet]) -> str:
 
 def _row(record: Record, finding: Finding) -> str:
     name = markdown_text(record.id(finding))
-    says = (
-        finding.sentence
-        if len(finding.sentence) <= LONGEST
-        else f"{finding.sentence[:LONGEST]} ..."
-    )
+    if len(finding.sentence) <= LONGEST:
+        says = finding.sentence
+    else:
+        says = f"{finding.sentence[:LONGEST]} ..."
     return f"| {finding.outcome} | {name} | {markdown_text(says)} |"
 
 

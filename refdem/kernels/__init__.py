@@ -68,7 +68,8 @@ def repeated(times: int) -> Iterator[None]:
     data at hand as in a program's own loop.
     """
     global _repeats
-    before, _repeats = _repeats, times
+    before = _repeats
+    _repeats = times
     try:
         yield
     finally:

@@ -40,8 +40,14 @@ def digests(folder: Path) -> dict[str, str]:
 
 def _own(case: str, folder: Path) -> str:
     values = folder / "certified" / f"{case}.jsonl"
-    kept = hashlib.sha256(values.read_bytes()).hexdigest() if values.is_file() else ""
-    witness = digest_of_files(closure(witness_files(case))) if case in witnesses() else ""
+    if values.is_file():
+        kept = hashlib.sha256(values.read_bytes()).hexdigest()
+    else:
+        kept = ""
+    if case in witnesses():
+        witness = digest_of_files(closure(witness_files(case)))
+    else:
+        witness = ""
     return f"{digest_of(case)}{witness}{kept}"
 
 
@@ -55,8 +61,12 @@ def out_of_date(pages: Path, folder: Path) -> list[str]:
     any more.
     """
     path = pages / NAME
-    lines = [line.split("  ") for line in path.read_text().splitlines()] if path.is_file() else []
-    made, now = {case: digest for digest, case in lines}, digests(folder)
+    if path.is_file():
+        lines = [line.split("  ") for line in path.read_text().splitlines()]
+    else:
+        lines = []
+    made = {case: digest for digest, case in lines}
+    now = digests(folder)
     there = {page.stem for page in pages.glob("*.md")} - {"index"}
     return sorted(
         {

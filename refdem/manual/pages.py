@@ -77,7 +77,8 @@ def scalars(instance: Instance) -> tuple[QuantityLine, ...]:
 
 def truth_line(name: str, instance: Instance, sets: list[CertifiedSet]) -> TruthLine:
     """How it is proved, by the case itself where the store has nothing."""
-    found, truth = certified_case(name, sets), instance.truth()
+    found = certified_case(name, sets)
+    truth = instance.truth()
     witness = witnesses().get(name)
     return TruthLine(
         method="; ".join(found.methods) or truth.method,
@@ -112,11 +113,10 @@ def checks(instance: Instance) -> Iterator[CheckLine]:
         reasons = list(
             dict.fromkeys(task.left_out[name] for task in tasks if name in task.left_out)
         )
-        known = (
-            {"left_out": ""}
-            if name in applied
-            else {"left_out": "; ".join(reasons) or "no method of the reference runs it"}
-        )
+        if name in applied:
+            known = {"left_out": ""}
+        else:
+            known = {"left_out": "; ".join(reasons) or "no method of the reference runs it"}
         yield CheckLine(name=name, title=check.title, kills=check.kills, **known)
 
 
@@ -137,7 +137,10 @@ def certified_time(instance: Instance) -> str:
 def reproduce(name: str, instance: Instance) -> tuple[str, ...]:
     """Commands that show the same; every one of them ends well."""
     time = certified_time(instance)
-    at = f" --at {time}" if time else ""
+    if time:
+        at = f" --at {time}"
+    else:
+        at = ""
     return (
         f"refdem truth {name}{at}",
         f"refdem truth --list {name}",

@@ -136,7 +136,10 @@ def resonance_curve() -> Measured:
     """What (1.120), |w0^2 + 3/4 eps A^2 - W^2 + 2 i delta W| A = f0, leaves of the roots that
     either reading of (1.121) gives.
     """
-    eps, f0, delta, amplitude = 0.4, 1.5, 0.1, 1.5
+    eps = 0.4
+    f0 = 1.5
+    delta = 0.1
+    amplitude = 1.5
     stiff = 0.75 * eps * amplitude**2
     shown = []
     for text, sign in (
@@ -211,7 +214,8 @@ def kept_with_minus_integral() -> Measured:
     and with the other sign.
     """
     instance = case("asymmetric-field").at()
-    truth, t = instance.truth(), np.linspace(0.0, float(instance.times[-1]), 2001)
+    truth = instance.truth()
+    t = np.linspace(0.0, float(instance.times[-1]), 2001)
     x, v = (
         np.array([float(ball.mid) for ball in column])
         for column in zip(*(_place(truth.at(Fraction(s))) for s in t), strict=True)
@@ -235,7 +239,8 @@ def _place(found: Mapping[str, Ball]) -> tuple[Ball, Ball]:
 
 def crossings(path: np.ndarray) -> int:
     """How many pairs of segments of a polygon (n, 2) cross, neighbours left out."""
-    a, b = path[:-1], path[1:]
+    a = path[:-1]
+    b = path[1:]
 
     def side(p: np.ndarray, q: np.ndarray, r: np.ndarray) -> np.ndarray:
         return (q[..., 0] - p[..., 0]) * (r[..., 1] - p[..., 1]) - (q[..., 1] - p[..., 1]) * (
@@ -255,7 +260,9 @@ def norm(values: np.ndarray) -> float:
 
 def number(value: float) -> str:
     """Six significant digits; what is round-off is shown as 0."""
-    return "0" if abs(value) < 1e-14 else f"{value:.6g}"
+    if abs(value) < 1e-14:
+        return "0"
+    return f"{value:.6g}"
 
 
 def vector(values: np.ndarray) -> str:

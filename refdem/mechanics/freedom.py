@@ -36,7 +36,9 @@ def first_order_freedom(position: ArrayLike, rods: Sequence[tuple[int, int]]) ->
     A degenerate placement (all in a plane, all on a line) has more of them than finite motions.
     """
     jacobian = rod_jacobian(position, rods)
-    return int(jacobian.shape[1] - rank(jacobian)) if len(rods) else int(np.asarray(position).size)
+    if len(rods):
+        return int(jacobian.shape[1] - rank(jacobian))
+    return int(np.asarray(position).size)
 
 
 def rigid_freedom(position: ArrayLike) -> int:
@@ -52,11 +54,9 @@ def rigid_freedom(position: ArrayLike) -> int:
 def rank(matrix: Array) -> int:
     """The numerical rank."""
     sizes = np.linalg.svd(matrix, compute_uv=False)
-    return (
-        int(np.count_nonzero(sizes > RANK_TOLERANCE * sizes[0]))
-        if sizes.size and sizes[0] > 0
-        else 0
-    )
+    if sizes.size and sizes[0] > 0:
+        return int(np.count_nonzero(sizes > RANK_TOLERANCE * sizes[0]))
+    return 0
 
 
 def complete_graph(count: int) -> list[tuple[int, int]]:

@@ -57,7 +57,8 @@ def _of_point(mass: float, arm: Array) -> Array:
 
 def of_points(mass: ArrayLike, position: ArrayLike) -> MassProperties:
     """Of N points: mass (N,) [kg], position (N, 3) [m] (1.14)."""
-    mass, position = np.asarray(mass, float), np.asarray(position, float)
+    mass = np.asarray(mass, float)
+    position = np.asarray(position, float)
     total = float(np.sum(mass))
     centre = mass @ position / total
     arms = position - centre
@@ -80,7 +81,8 @@ def of_polyhedron(
     fans = [(face[0], face[i], face[i + 1]) for face in faces for i in range(1, len(face) - 1)]
     p, q, r = (corners[list(index)] - origin for index in zip(*fans, strict=True))
     mass = density * np.einsum("ij,ij->i", p, np.cross(q, r)) / 6
-    total, s = float(np.sum(mass)), p + q + r
+    total = float(np.sum(mass))
+    s = p + q + r
     centre = mass @ s / (4 * total)
     second = sum(
         np.einsum("i,ij,ik->jk", mass, a, a) for a in (p, q, r, s)
@@ -100,7 +102,8 @@ def of_polygon(vertices: ArrayLike, density: float) -> MassProperties:
     p = corners - origin
     q = np.roll(p, -1, axis=0)
     mass = density * (p[:, 0] * q[:, 1] - p[:, 1] * q[:, 0]) / 2
-    total, s = float(np.sum(mass)), p + q
+    total = float(np.sum(mass))
+    s = p + q
     centre = mass @ s / (3 * total)
     second = sum(np.einsum("i,ij,ik->jk", mass, a, a) for a in (p, q, s)) / 12 - total * np.outer(
         centre, centre

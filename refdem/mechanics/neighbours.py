@@ -51,8 +51,14 @@ def _near(position: Array, i: Whole, j: Whole, reach: float, size: float) -> Pai
 def _candidates(position: Array, reach: float, size: float, among: Whole | None) -> Iterator[Pairs]:
     """Pairs in the same or in neighbouring cells, some at a time."""
     count = len(position)
-    low = np.zeros(3) if size else position.min(axis=0)
-    extent = np.full(3, size) if size else np.maximum(position.max(axis=0) - low, reach)
+    if size:
+        low = np.zeros(3)
+    else:
+        low = position.min(axis=0)
+    if size:
+        extent = np.full(3, size)
+    else:
+        extent = np.maximum(position.max(axis=0) - low, reach)
     most = max(1, int(np.ceil((2 * count) ** (1 / 3))))
     cells = np.clip((extent / reach).astype(int), 1, most)
     if count <= FEW or (size and cells.min() < 3):
@@ -71,7 +77,10 @@ def _candidates(position: Array, reach: float, size: float, among: Whole | None)
     rank = np.empty(count, np.intp)
     rank[order] = np.arange(count)
     grid = Grid(at[order], cells, starts, periodic=bool(size))
-    ranks = np.arange(count) if among is None else np.sort(rank[among])
+    if among is None:
+        ranks = np.arange(count)
+    else:
+        ranks = np.sort(rank[among])
     for chunk in np.array_split(ranks, len(ranks) // CHUNK + 1):
         for first, second in grid.beside(chunk, only_later=among is None):
             yield order[first], order[second]
@@ -101,7 +110,10 @@ class Grid:
         for y, z in UPPER if only_later else ROWS:
             there = self.at[points, 1:] + (y, z)
             inside = np.all((there >= 0) & (there < self.cells[1:]), axis=1)
-            led = points if self.periodic else points[inside]
+            if self.periodic:
+                led = points
+            else:
+                led = points[inside]
             there = np.mod(there if self.periodic else there[inside], self.cells[1:])
             base = (there[:, 1] * self.cells[1] + there[:, 0]) * self.cells[0]
             yield from self._row(led, base, own=only_later and (y, z) == (0, 0))
@@ -110,8 +122,12 @@ class Grid:
         """The three cells around each point's x in the row that begins at `base`; of the own row,
         those that come later.
         """
-        x, last = self.at[points, 0], self.cells[0] - 1
-        low = points + 1 if own else self.starts[base + np.maximum(x - 1, 0)]
+        x = self.at[points, 0]
+        last = self.cells[0] - 1
+        if own:
+            low = points + 1
+        else:
+            low = self.starts[base + np.maximum(x - 1, 0)]
         yield _within(points, low, self.starts[base + np.minimum(x + 1, last) + 1])
         for edge, cell in ((last, 0), (0, last)) if self.periodic else ():
             on = np.flatnonzero(x == edge)

@@ -17,8 +17,11 @@ def turning_points(t: Array, x: Array, v: Array) -> tuple[Array, Array]:
     """
     first = np.flatnonzero((v[:-1] != 0) & (v[:-1] * v[1:] <= 0))
     h = t[first + 1] - t[first]
-    rise, before, after = (x[first + 1] - x[first]) / h, v[first], v[first + 1]
-    square, linear = 3 * (before + after - 2 * rise), 2 * (3 * rise - 2 * before - after)
+    rise = (x[first + 1] - x[first]) / h
+    before = v[first]
+    after = v[first + 1]
+    square = 3 * (before + after - 2 * rise)
+    linear = 2 * (3 * rise - 2 * before - after)
     # before + linear s + square s^2 = 0, by the form of the root that does not cancel
     root = np.sqrt(np.maximum(0.0, linear**2 - 4 * square * before))
     s = -2 * before / (linear + np.where(before > 0, -1.0, 1.0) * root)
@@ -43,7 +46,8 @@ def phase_area(x: Array, v: Array) -> Array:
     """Area (...) of polygons in phase space with corners x, v (..., N) in turn, positive if they go
     round against the clock.
     """
-    x_next, v_next = np.roll(x, -1, axis=-1), np.roll(v, -1, axis=-1)
+    x_next = np.roll(x, -1, axis=-1)
+    v_next = np.roll(v, -1, axis=-1)
     area: Array = np.sum(x * v_next - x_next * v, axis=-1) / 2
     return area
 

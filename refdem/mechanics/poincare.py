@@ -51,7 +51,8 @@ def section(t: Array, x: Array, v: Array, level: float = 0.0) -> tuple[Array, Ar
     at = np.flatnonzero(above[1:] != above[:-1])
     h = t[at + 1] - t[at]
     s = (level - v[at]) / (v[at + 1] - v[at])
-    a, b = x[at], x[at + 1]
+    a = x[at]
+    b = x[at + 1]
     place = (
         a * (1 + 2 * s) * (1 - s) ** 2
         + b * s**2 * (3 - 2 * s)
@@ -64,4 +65,6 @@ def distinct(values: Array, tolerance: float) -> int:
     """How many values there are, counting those as one that lie within `tolerance` of their
     neighbour in size.
     """
-    return 1 + int(np.sum(np.diff(np.sort(values)) > tolerance)) if len(values) else 0
+    if len(values):
+        return 1 + int(np.sum(np.diff(np.sort(values)) > tolerance))
+    return 0

@@ -8,7 +8,8 @@ Array = NDArray[np.float64]
 
 def product(p: Array, q: Array) -> Array:
     """The quaternion product p q, (..., 4); it does not commute."""
-    p, q = np.asarray(p, float), np.asarray(q, float)
+    p = np.asarray(p, float)
+    q = np.asarray(q, float)
     w = p[..., :1] * q[..., :1] - np.sum(p[..., 1:] * q[..., 1:], axis=-1, keepdims=True)
     v = p[..., :1] * q[..., 1:] + q[..., :1] * p[..., 1:] + np.cross(p[..., 1:], q[..., 1:])
     return np.concatenate([w, v], axis=-1)
@@ -21,7 +22,8 @@ def conjugate(q: Array) -> Array:
 
 def rotated(q: Array, v: Array) -> Array:
     """The vector q v q*, (..., 3), for unit q (..., 4)."""
-    q, v = np.asarray(q, float), np.asarray(v, float)
+    q = np.asarray(q, float)
+    v = np.asarray(v, float)
     twist = 2.0 * np.cross(q[..., 1:], v)
     return v + q[..., :1] * twist + np.cross(q[..., 1:], twist)
 

@@ -56,14 +56,19 @@ def balanced_amplitude(drive: float, alpha: float, beta: float, delta: float, f0
     S = A^2 solves S ((g + h S)^2 + d) = f0^2, g = alpha - w^2, h = 3 beta/4, d = 4 delta^2 w^2; by
     bisection beyond the last turning point of the cubic.
     """
-    gap, h, drag = alpha - drive**2, 0.75 * beta, (2 * delta * drive) ** 2
+    gap = alpha - drive**2
+    h = 0.75 * beta
+    drag = (2 * delta * drive) ** 2
 
     def excess(s: float) -> float:
         return s * ((gap + h * s) * (gap + h * s) + drag) - f0 * f0
 
     turning = float(np.sqrt(max(0.0, gap**2 - 3 * drag)))
     low = max(0.0, (-2 * gap + turning) / (3 * h), (-2 * gap - turning) / (3 * h))
-    low = low if excess(low) <= 0 else 0.0
+    if excess(low) <= 0:
+        low = low
+    else:
+        low = 0.0
     high = max(low, float((abs(f0) / abs(h)) ** (2 / 3)))
     while excess(high) < 0:
         high *= 2
@@ -80,7 +85,9 @@ def fold(amplitude: Array, alpha: float, beta: float, delta: float, f0: float) -
     _, higher = balanced_drives(amplitude, alpha, beta, delta, f0)
     higher = higher[np.isfinite(higher)]
     least = np.flatnonzero((higher[1:-1] < higher[:-2]) & (higher[1:-1] <= higher[2:])) + 1
-    return float(higher[least[0]]) if len(least) else None
+    if len(least):
+        return float(higher[least[0]])
+    return None
 
 
 def hysteresis(
@@ -90,4 +97,6 @@ def hysteresis(
     differ by more than a part.
     """
     apart = np.flatnonzero(np.abs(up - down) > part * np.maximum(up, down))
-    return (float(drive[apart[0]]), float(drive[apart[-1]])) if len(apart) else None
+    if len(apart):
+        return (float(drive[apart[0]]), float(drive[apart[-1]]))
+    return None

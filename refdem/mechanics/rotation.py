@@ -17,7 +17,8 @@ def about_axis(axis: int, angle: float) -> Array:
     counter-clockwise seen against the axis.
     """
     turn = np.eye(3)
-    i, j = (axis + 1) % 3, (axis + 2) % 3
+    i = (axis + 1) % 3
+    j = (axis + 2) % 3
     turn[i, i] = turn[j, j] = np.cos(angle)
     turn[j, i] = np.sin(angle)
     turn[i, j] = -turn[j, i]
@@ -48,7 +49,9 @@ def quaternion_of_matrix(turn: Array) -> Array:
         found = np.concatenate([[skew[i]], turn[i] + turn[:, i]])
         found[largest] = 1 + 2 * turn[i, i] - trace
     found /= np.linalg.norm(found)
-    return -found if found[0] < 0 else found
+    if found[0] < 0:
+        return -found
+    return found
 
 
 def matrix_of_euler(phi: float, theta: float, psi: float) -> Array:
@@ -60,8 +63,10 @@ def quaternion_of_euler(phi: float, theta: float, psi: float) -> Array:
     """The unit quaternion (4,) of the Euler angles z-x-z (1.76) to (1.79); its w may be
     negative.
     """
-    c, s = np.cos(theta / 2), np.sin(theta / 2)
-    total, apart = (phi + psi) / 2, (phi - psi) / 2
+    c = np.cos(theta / 2)
+    s = np.sin(theta / 2)
+    total = (phi + psi) / 2
+    apart = (phi - psi) / 2
     return np.array([c * np.cos(total), s * np.cos(apart), s * np.sin(apart), c * np.sin(total)])
 
 

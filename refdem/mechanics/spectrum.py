@@ -39,9 +39,11 @@ def frequency_of(t: Array, x: Array, near: float) -> float:
     """The frequency [rad/s] of the line next to `near`, which is within 2 pi/T of it: from its
     phase in two halves of the record.
     """
-    half, w = len(t) // 2, near
+    half = len(t) // 2
+    w = near
     for _ in range(20):
-        first, second = line(t[:half], x[:half], w), line(t[half : 2 * half], x[half : 2 * half], w)
+        first = line(t[:half], x[:half], w)
+        second = line(t[half : 2 * half], x[half : 2 * half], w)
         by = float(np.angle(second / first)) / float(t[half] - t[0])
         w += by
         if abs(by) < 1e-15 * abs(near):

@@ -65,7 +65,10 @@ def _ends(values: list[float]) -> tuple[float, float]:
     """The smallest and the largest value, apart where there is only one, as an axis needs two
     ends.
     """
-    alone = 2.0 if min(values) == max(values) else 1.0
+    if min(values) == max(values):
+        alone = 2.0
+    else:
+        alone = 1.0
     return min(values) / alone, max(values) * alone
 
 

@@ -8,7 +8,9 @@ from altair.utils.schemapi import debug_mode
 
 from refdem.report.chart_data import ChartData
 
-WIDTH, HEIGHT, SIDE = 460, 300, 100
+WIDTH = 460
+HEIGHT = 300
+SIDE = 100
 PICKED = {"errors": "quantity", "costs": "quantity", "drifts": "check"}
 """What is chosen in a chart, by its kind."""
 
@@ -43,7 +45,8 @@ def _powers(ends: tuple[float, float], most: int) -> list[float]:
     """At most `most` powers of ten between two ends, evenly apart; with 2 and 5 times these where
     there are less than two.
     """
-    first, last = math.ceil(math.log10(ends[0]) - 1e-9), math.floor(math.log10(ends[1]) + 1e-9)
+    first = math.ceil(math.log10(ends[0]) - 1e-9)
+    last = math.floor(math.log10(ends[1]) + 1e-9)
     if last > first:
         return [float(f"1e{k}") for k in range(first, last + 1, -(-(last - first + 1) // most))]
     return [
@@ -136,11 +139,10 @@ def _errors(data: ChartData) -> Any:
     kinds = [kind for kind in ("step", "tolerance", "exact") if kind in data.extents]
     panels: list[Any] = []
     for kind in kinds:
-        y = (
-            _log("shown_error", "largest error / scale", data)
-            if not panels
-            else _log("shown_error", "", data, labels=False)
-        )
+        if not panels:
+            y = _log("shown_error", "largest error / scale", data)
+        else:
+            y = _log("shown_error", "", data, labels=False)
         chosen = base.transform_filter(f"datum.control == '{kind}'")
         if kind == "exact":
             panels.append(_exact(chosen, data, y, tips))
@@ -150,7 +152,10 @@ def _errors(data: ChartData) -> Any:
             {"step": "step [s]", "tolerance": "tolerance"}[kind] + "; dashed: bound",
             data.extents[kind],
         )
-        width = WIDTH - SIDE * (len(kinds) - 1) if kind == kinds[0] else 3 * SIDE // 2
+        if kind == kinds[0]:
+            width = WIDTH - SIDE * (len(kinds) - 1)
+        else:
+            width = 3 * SIDE // 2
         panels.append(
             _curves(chosen, data, x, y, tips, bound="shown_bound", width=width, height=HEIGHT)
         )
@@ -176,10 +181,8 @@ def _costs(data: ChartData) -> Any:
     base = _chart(data, seconds="number", shown_error="number").transform_filter(
         "datum.quantity == pick"
     )
-    x, y = (
-        _log_x("seconds", "seconds in the engine's loop", data.extents["seconds"]),
-        _log("shown_error", "largest error / scale", data),
-    )
+    x = _log_x("seconds", "seconds in the engine's loop", data.extents["seconds"])
+    y = _log("shown_error", "largest error / scale", data)
     return _curves(
         base,
         data,
@@ -195,10 +198,8 @@ def _drifts(data: ChartData) -> Any:
     base = _chart(data, t="number", shown_value="number", shown_bound="number").transform_filter(
         "datum.what == pick"
     )
-    x, y = (
-        alt.X("t:Q", title="t [s]; dashed: bound", scale=alt.Scale(nice=False)),
-        _log("shown_value", "value", data),
-    )
+    x = alt.X("t:Q", title="t [s]; dashed: bound", scale=alt.Scale(nice=False))
+    y = _log("shown_value", "value", data)
     tips = _tips("series", "what", "t", "value", "bound")
     return _curves(base, data, x, y, tips, bound="shown_bound", size=16, width=WIDTH, height=HEIGHT)
 

@@ -113,7 +113,9 @@ def _bare_engine(record: Record) -> EngineSheet:
 def page(label: str) -> str:
     """A file name for an instance, safe on any file system and different for different labels."""
     plain = re.sub(r"[^a-z0-9.=_-]+", "-", label.lower()).strip("-.")[:80]
-    return plain if plain and plain == label else f"{plain}-{_digest(label)}".lstrip("-")
+    if plain and plain == label:
+        return plain
+    return f"{plain}-{_digest(label)}".lstrip("-")
 
 
 def anchor(identity: str) -> str:

@@ -107,7 +107,10 @@ def _script() -> bytes:
 def _kept(store: Store | None, kind: str, parts: list[Any], made: Callable[[], bytes]) -> bytes:
     """What the store has under the digest of `parts`; made and put there if it has nothing."""
     key = hashlib.sha256(json.dumps(parts, sort_keys=True).encode("utf-8", "replace")).hexdigest()
-    found = store.get(kind, key) if store else None
+    if store:
+        found = store.get(kind, key)
+    else:
+        found = None
     if found is None:
         found = made()
         if store:

@@ -10,7 +10,10 @@ def written(path: Path, content: str | bytes) -> None:
     """Puts `content` at `path`, through a file beside it; raises StoreError that says what to
     do.
     """
-    data = content.encode("utf-8", "replace") if isinstance(content, str) else content
+    if isinstance(content, str):
+        data = content.encode("utf-8", "replace")
+    else:
+        data = content
     beside = path.with_name(f".{path.name}.{os.getpid()}")
     try:
         path.parent.mkdir(parents=True, exist_ok=True)

@@ -63,7 +63,8 @@ def write_figures(
         written(folder / f"{figure.name}.svg", figures.picture(specs[figure.id], store))
     figures.equip(folder, store)
     written(folder / "gallery.md", "\n".join(["# Gallery\n", INTRODUCTION + "\n", *told.values()]))
-    named, sections = {id: file_name(id) for id in shown}, map(Markup, shown.values())
+    named = {id: file_name(id) for id in shown}
+    sections = map(Markup, shown.values())
     written(
         folder / "gallery.html",
         environment()
@@ -74,7 +75,10 @@ def write_figures(
 
 def earlier(path: Path, part: re.Pattern[str]) -> dict[str, str]:
     """Figures by id that a file of an earlier gallery tells of; none if there is no such file."""
-    text = path.read_text("utf-8", "replace") if path.is_file() else ""
+    if path.is_file():
+        text = path.read_text("utf-8", "replace")
+    else:
+        text = ""
     return {found[1]: found[0].rstrip("\n") + "\n" for found in part.finditer(text)}
 
 

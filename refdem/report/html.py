@@ -177,7 +177,9 @@ def environment() -> Environment:
 
 def shown(value: Any) -> Any:
     """Text without characters that do not print; what is markup already stays."""
-    return printable(value) if type(value) is str else value
+    if type(value) is str:
+        return printable(value)
+    return value
 
 
 def script_json(text: str) -> Markup:
@@ -189,7 +191,9 @@ def script_json(text: str) -> Markup:
 
 def shade(digits: float | None) -> int:
     """The class of a cell of the matrix: 0 for none correct to 5 for 12 and more."""
-    return 0 if digits is None else sum(digits >= limit for limit in (1, 3, 6, 9, 12))
+    if digits is None:
+        return 0
+    return sum(digits >= limit for limit in (1, 3, 6, 9, 12))
 
 
 def target(value: float) -> str:
@@ -199,8 +203,11 @@ def target(value: float) -> str:
 
 def span(apart: tuple[str, float, float]) -> str:
     """A distance that is known by its bounds."""
-    low, high = two(apart[1]), two(apart[2])
-    return low if low == high else f"{low} to {high}"
+    low = two(apart[1])
+    high = two(apart[2])
+    if low == high:
+        return low
+    return f"{low} to {high}"
 
 
 def step(row: Row, index: int) -> str:
@@ -210,4 +217,6 @@ def step(row: Row, index: int) -> str:
     held: Any = row.steps[index]
     if held is None:
         return ABSENT
-    return "any" if row.control == "exact" else f"{'≥ ' if held[1] else ''}{two(held[0])}"
+    if row.control == "exact":
+        return "any"
+    return f"{'≥ ' if held[1] else ''}{two(held[0])}"

@@ -99,16 +99,17 @@ def _finite_finding(finding: Finding) -> Finding:
             for point in zip(series.t, series.value, series.bound, strict=False)
             if all(map(math.isfinite, point))
         ]
-        series = (
-            Series(
+        if points:
+            series = Series(
                 t=[p[0] for p in points], value=[p[1] for p in points], bound=[p[2] for p in points]
             )
-            if points
-            else None
-        )
+        else:
+            series = None
     numbers = {name: _number(getattr(finding, name)) for name in NUMBERS}
     return msgspec.structs.replace(finding, levels=levels, series=series, **numbers)
 
 
 def _number(value: float | None) -> float | None:
-    return value if value is not None and math.isfinite(value) else None
+    if value is not None and math.isfinite(value):
+        return value
+    return None

@@ -43,7 +43,10 @@ def _testcase(suite: Element, record: Record, finding: Finding) -> None:
         name=_text(record.id(finding)),
     )
     if finding.outcome in BROKEN:
-        tag = "error" if finding.outcome == "error" else "failure"
+        if finding.outcome == "error":
+            tag = "error"
+        else:
+            tag = "failure"
         SubElement(item, tag, type=finding.outcome, message=_text(finding.sentence)).text = _text(
             finding.basis
         )

@@ -107,7 +107,10 @@ def quantities(found: Sequence[QuantityLine]) -> str:
 
 def scalars(found: Sequence[QuantityLine]) -> str:
     """A table, or the first of many."""
-    more = f"\n\nand {len(found) - FEW} more" if len(found) > FEW else ""
+    if len(found) > FEW:
+        more = f"\n\nand {len(found) - FEW} more"
+    else:
+        more = ""
     return (
         table(
             ["scalar", "value", "radius"], [[f"`{q.name}`", q.mid, q.radius] for q in found[:FEW]]
@@ -119,17 +122,20 @@ def scalars(found: Sequence[QuantityLine]) -> str:
 def truth(page: ManualPage) -> str:
     """How it is proved, who witnesses it, and what of it is certified."""
     t = page.truth
-    said = (
-        f" {t.witnessed} of the certified values were confirmed, to at least {t.agreed} digits."
-        if t.witnessed
-        else ""
-    )
-    digits = "exactly" if t.sets and t.digits is None else f"to {t.digits} decimal places"
-    kept = (
-        f"{t.values} values of {t.sets} parameter sets, all proved {digits}"
-        if t.sets
-        else "none yet"
-    )
+    if t.witnessed:
+        said = (
+            f" {t.witnessed} of the certified values were confirmed, to at least {t.agreed} digits."
+        )
+    else:
+        said = ""
+    if t.sets and t.digits is None:
+        digits = "exactly"
+    else:
+        digits = f"to {t.digits} decimal places"
+    if t.sets:
+        kept = f"{t.values} values of {t.sets} parameter sets, all proved {digits}"
+    else:
+        kept = "none yet"
     lines = [
         f"- Method: {markdown_text(t.method)}.",
         (
@@ -192,10 +198,8 @@ def index_markdown(pages: Sequence[ManualPage]) -> str:
         ]
         for page in pages
     ]
-    values, witnessed = (
-        sum(page.truth.values for page in pages),
-        sum(page.truth.witnessed for page in pages),
-    )
+    values = sum(page.truth.values for page in pages)
+    witnessed = sum(page.truth.witnessed for page in pages)
     head = ["case", "sets", "values", "proved by", "witness when proved", "witness in the tests"]
     told = (
         f"{len(pages)} cases, {values} certified values, {witnessed} of them confirmed when proved"

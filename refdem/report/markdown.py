@@ -30,7 +30,10 @@ def validation(contents: Contents, rows: dict[str, list[Row]], pictures: set[str
 
 def _named(sheet: EngineSheet) -> str:
     """Name and version."""
-    role = " (the reference)" if sheet.is_reference else ""
+    if sheet.is_reference:
+        role = " (the reference)"
+    else:
+        role = ""
     return f"{markdown_text(sheet.engine)} {markdown_text(sheet.version)}{role}"
 
 
@@ -70,12 +73,14 @@ def _tolerance(contents: Contents, rows: dict[str, list[Row]]) -> str:
 
 
 def _tolerance_line(row: Row) -> list[str]:
-    order = (
-        f"{two(row.order_seen)} / {two(row.order_claimed)}"
-        if row.control == "step"
-        else row.control
-    )
-    apart = f"{markdown_text(row.apart[0])}: {span(row.apart)}" if row.apart else ABSENT
+    if row.control == "step":
+        order = f"{two(row.order_seen)} / {two(row.order_claimed)}"
+    else:
+        order = row.control
+    if row.apart:
+        apart = f"{markdown_text(row.apart[0])}: {span(row.apart)}"
+    else:
+        apart = ABSENT
     steps = [step(row, index) for index in range(len(TARGETS))]
     run = [markdown_text(row.record.label), _engine(row.record), markdown_text(row.record.method)]
     return [*run, two(row.bound_held), *steps, order, two(row.constant), apart]
@@ -121,7 +126,10 @@ def _matrix(contents: Contents, rows: dict[str, list[Row]]) -> str:
 def _findings(contents: Contents) -> str:
     parts = []
     for outcome in WORST_FIRST:
-        groups = grouped(contents, outcome) if outcome != "pass" else {}
+        if outcome != "pass":
+            groups = grouped(contents, outcome)
+        else:
+            groups = {}
         if groups:
             lines = [
                 _group(sentence, [record.id(finding) for record, finding in found])
@@ -132,7 +140,10 @@ def _findings(contents: Contents) -> str:
 
 
 def _group(sentence: str, places: list[str]) -> str:
-    more = f" and {len(places) - MOST_PLACES} more" if len(places) > MOST_PLACES else ""
+    if len(places) > MOST_PLACES:
+        more = f" and {len(places) - MOST_PLACES} more"
+    else:
+        more = ""
     return (
         f"- {markdown_text(sentence)}  \n "
         f" {', '.join(map(markdown_text, places[:MOST_PLACES]))}{more}"
@@ -141,13 +152,18 @@ def _group(sentence: str, places: list[str]) -> str:
 
 def _case(label: str, title: str, method: str, reproduce: str, pictures: set[str]) -> str:
     name = f"{page(label)}.svg"
-    picture = (
-        f"\n\n![Error against step: {markdown_text(label)}](figures/{name})"
-        if name in pictures
-        else ""
-    )
-    truth = f"Truth: {markdown_text(method)}. " if method else ""
-    again = f"Again: {markdown_text(reproduce)}." if reproduce else ""
+    if name in pictures:
+        picture = f"\n\n![Error against step: {markdown_text(label)}](figures/{name})"
+    else:
+        picture = ""
+    if method:
+        truth = f"Truth: {markdown_text(method)}. "
+    else:
+        truth = ""
+    if reproduce:
+        again = f"Again: {markdown_text(reproduce)}."
+    else:
+        again = ""
     return f"## {markdown_text(label)}\n\n{markdown_text(title)}. {truth}{again}{picture}"
 
 

@@ -72,7 +72,8 @@ def _parts(latex: str) -> list[str]:
     """The text cut at separators outside braces and environments."""
     if r"\begin" in latex:
         return [latex.strip()]
-    parts, depth = [""], 0
+    parts = [""]
+    depth = 0
     for piece in re.split(r"(\\qquad|\\quad|\\\\|\n|\\left|\\right|\\[{}]|[{}])", latex):
         depth += piece in ("{", r"\left")
         depth -= piece in ("}", r"\right")

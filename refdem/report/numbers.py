@@ -10,7 +10,9 @@ def two(value: float | None) -> str:
     if value is None:
         return ABSENT
     if value == 0 or not math.isfinite(value):
-        return "0" if value == 0 else str(value)
+        if value == 0:
+            return "0"
+        return str(value)
     mantissa, _, exponent = f"{value:.1e}".partition("e")
     if -3 <= int(exponent) < 3:
         return f"{float(f'{value:.1e}'):g}"
@@ -26,4 +28,6 @@ def decades(margin: float | None) -> str:
     """A margin in decades with its sign."""
     if margin is None:
         return ABSENT
-    return "exact" if math.isinf(margin) else f"{margin:+.1f}"
+    if math.isinf(margin):
+        return "exact"
+    return f"{margin:+.1f}"

@@ -22,7 +22,8 @@ FINE = 0.3
 """Pixels by which a curve may be off, and by which points that are drawn are apart."""
 SHARP = 2
 """Dots of a cloud's picture on each pixel."""
-SYMBOL, LETTER = 26, 5.0
+SYMBOL = 26
+LETTER = 5.0
 """Pixels that a legend takes for a symbol with its margins, and for a letter of its text."""
 FAINTEST = 110
 """Opacity, of 255, of a single point of a cloud."""
@@ -32,44 +33,58 @@ def specification(figure: Figure) -> dict[str, Any]:
     """The Vega-Lite specification of a figure."""
     with debug_mode(False):
         drawn = [_panel(panel) for panel in figure.panels]
-        chart = (
-            drawn[0] if len(drawn) == 1 else alt.concat(*drawn, columns=figure.columns, spacing=18)
-        )
-        chart = (
-            chart.resolve_scale(color="independent", strokeDash="independent")
-            if len(drawn) > 1
-            else chart
-        )
+        if len(drawn) == 1:
+            chart = drawn[0]
+        else:
+            chart = alt.concat(*drawn, columns=figure.columns, spacing=18)
+        if len(drawn) > 1:
+            chart = chart.resolve_scale(color="independent", strokeDash="independent")
+        else:
+            chart = chart
         spec: dict[str, Any] = chart.to_dict(validate=False)
     return spec
 
 
 def colour(ink: int) -> str:
     """The colour of an ink."""
-    return REFERENCE if ink < 0 else ENGINES[ink % len(ENGINES)]
+    if ink < 0:
+        return REFERENCE
+    return ENGINES[ink % len(ENGINES)]
 
 
 def _panel(panel: Panel) -> Any:
-    x, y = _scaled(panel, "x"), _scaled(panel, "y")
+    x = _scaled(panel, "x")
+    y = _scaled(panel, "y")
     labels = {series.label: series for series in panel.series if series.label}
     layers = [_layer(series, panel, x, y, labels) for series in panel.series]
-    named: dict[str, Any] = {"title": panel.title} if panel.title else {}
+    if panel.title:
+        named: dict[str, Any] = {"title": panel.title}
+    else:
+        named = {}
     return alt.layer(*layers).properties(width=panel.size[0], height=panel.size[1], **named)
 
 
 def _scaled(panel: Panel, name: Any) -> Any:
     """The channel of an axis without its field."""
     axis: Axis = getattr(panel, name)
-    kind = alt.X if name == "x" else alt.Y
-    kept_zero: dict[str, Any] = {"type": "log"} if axis.is_log else {"zero": False}
+    if name == "x":
+        kind = alt.X
+    else:
+        kind = alt.Y
+    if axis.is_log:
+        kept_zero: dict[str, Any] = {"type": "log"}
+    else:
+        kept_zero = {"zero": False}
     scale = alt.Scale(domain=panel.ends(name), nice=False, **kept_zero)
     ticks = max(3, panel.size[name == "y"] // (70 if name == "x" else 50))
-    written: dict[str, Any] = {"format": "~e"} if axis.is_log else {}
-    shown = (
-        None
-        if axis.is_hidden
-        else alt.Axis(tickCount=min(ticks, 9), labelOverlap=True, grid=True, **written)
-    )
+    if axis.is_log:
+        written: dict[str, Any] = {"format": "~e"}
+    else:
+        written = {}
+    if axis.is_hidden:
+        shown = None
+    else:
+        shown = alt.Axis(tickCount=min(ticks, 9), labelOverlap=True, grid=True, **written)
     return kind(f"{name}:Q", title=axis.title or None, scale=scale, axis=shown)
 
 
@@ -142,7 +157,10 @@ def _frame(panel: Panel, x: Any, y: Any) -> Any:
 
 def _rows(series: Series, panel: Panel) -> Any:
     """The points that are drawn, as rows; an empty cell breaks a curve."""
-    pick = np.arange(len(series.x)) if series.mark == "text" else kept(series, panel)
+    if series.mark == "text":
+        pick = np.arange(len(series.x))
+    else:
+        pick = kept(series, panel)
     out = io.StringIO()
     writer = csv.writer(out, lineterminator="\n")
     writer.writerow(["i", "x", "y", *(["w"] if series.words else [])])
@@ -162,7 +180,9 @@ def pixels(series: Series, panel: Panel) -> Array:
     for name, size in zip(("x", "y"), panel.size, strict=True):
         (low, high), values = panel.ends(name), getattr(series, name)  # type: ignore[arg-type]
         if getattr(panel, name).is_log:
-            low, high, values = np.log(low), np.log(high), np.log(values)
+            low = np.log(low)
+            high = np.log(high)
+            values = np.log(values)
         columns.append((values - low) / (high - low) * size)
     return np.stack(columns, axis=-1)
 
@@ -193,15 +213,21 @@ def _corners(place: Array) -> NDArray[np.int64]:
         first, last = stack.pop()
         if last - first < 2:
             continue
-        inner, chord = place[first + 1 : last] - place[first], place[last] - place[first]
+        inner = place[first + 1 : last] - place[first]
+        chord = place[last] - place[first]
         length = float(np.hypot(*chord))
-        off: Any = (
-            np.abs(inner[:, 0] * chord[1] - inner[:, 1] * chord[0]) / length
-            if length > FINE
-            else np.hypot(*inner.T)
-        )
-        along = inner @ chord / length if length > FINE else np.zeros(len(inner))
-        off = np.maximum(off, np.maximum(-along, along - length)) if length > FINE else off
+        if length > FINE:
+            off: Any = np.abs(inner[:, 0] * chord[1] - inner[:, 1] * chord[0]) / length
+        else:
+            off = np.hypot(*inner.T)
+        if length > FINE:
+            along = inner @ chord / length
+        else:
+            along = np.zeros(len(inner))
+        if length > FINE:
+            off = np.maximum(off, np.maximum(-along, along - length))
+        else:
+            off = off
         worst = int(np.argmax(off))
         if off[worst] > FINE:
             middle = first + 1 + worst
@@ -215,7 +241,8 @@ def density(series: Series, panel: Panel) -> str:
     through.
     """
     place = pixels(series, panel)
-    width, height = panel.size[0] * SHARP, panel.size[1] * SHARP
+    width = panel.size[0] * SHARP
+    height = panel.size[1] * SHARP
     across, up = (np.floor(place * SHARP)).astype(np.int64).T
     inside = (across >= 0) & (across < width) & (up >= 0) & (up < height)
     counts = np.bincount(
@@ -226,7 +253,10 @@ def density(series: Series, panel: Panel) -> str:
         grown = np.maximum.reduce(
             [np.roll(grown, shift, axis) for shift in range(round(series.width * SHARP))]
         )
-    typical = max(1.0, float(np.quantile(counts[counts > 0], 0.9))) if counts.any() else 1.0
+    if counts.any():
+        typical = max(1.0, float(np.quantile(counts[counts > 0], 0.9)))
+    else:
+        typical = 1.0
     alpha = np.where(
         grown > 0, np.clip(FAINTEST + (255 - FAINTEST) * np.sqrt(grown / typical), 0, 255), 0
     ).astype(np.uint8)

@@ -19,7 +19,8 @@ from refdem.report.palette import ENGINES, REFERENCE, SHAPES
 
 Cells = tuple[str, Sequence[str], Sequence[Sequence[str]]]
 """A title, a header, and rows."""
-LOW, HIGH = 1e-4, 1e4
+LOW = 1e-4
+HIGH = 1e4
 """Values over their bounds are drawn between these; what is beyond lies on the edge."""
 CAPTION = (
     "largest value over its bound, rung by rung; above 1 a rung fails, x: no run, ?: undecided"
@@ -66,9 +67,18 @@ def chart(section: Section) -> ChartData | None:
     ladders = tuple(dict.fromkeys(_name(point) for point in shown))
     writer.writerow(("ladder", "rung", "series", "ratio", "shown", "verdict"))
     for point in shown:
-        ratio = HIGH if point.ratio is None or not math.isfinite(point.ratio) else point.ratio
-        told = "" if point.ratio is None else rounded(point.ratio)
-        mark = point.verdict if point.ratio is not None or point.verdict == "undecided" else "error"
+        if point.ratio is None or not math.isfinite(point.ratio):
+            ratio = HIGH
+        else:
+            ratio = point.ratio
+        if point.ratio is None:
+            told = ""
+        else:
+            told = rounded(point.ratio)
+        if point.ratio is not None or point.verdict == "undecided":
+            mark = point.verdict
+        else:
+            mark = "error"
         edge = min(max(ratio, LOW), HIGH)
         writer.writerow(
             (

@@ -56,7 +56,9 @@ def control_of(finding: Finding) -> Control:
     """How the accuracy was controlled: a step has an order, an exact method has level 0."""
     if all(level.level == 0 for level in finding.levels):
         return "exact"
-    return "step" if finding.order_claimed is not None else "tolerance"
+    if finding.order_claimed is not None:
+        return "step"
+    return "tolerance"
 
 
 def rows_of(contents: Contents, label: str) -> list[Row]:
@@ -80,7 +82,8 @@ def worst_rows(rows: Iterable[Row]) -> list[Row]:
 
 
 def _row(record: Record, finding: Finding) -> Row:
-    levels, control = finding.levels, control_of(finding)
+    levels = finding.levels
+    control = control_of(finding)
     steps = tuple(_largest(levels, target) for target in TARGETS)
     return Row(
         record=record,
@@ -150,13 +153,15 @@ def _largest(levels: tuple[Level, ...], target: float) -> tuple[float, bool] | N
         if not levels[index].error <= target:
             break
         held = index
-    return None if held is None else (levels[held].level, held == 0)
+    if held is None:
+        return None
+    return (levels[held].level, held == 0)
 
 
 def _seconds_at(levels: tuple[Level, ...], step: tuple[float, bool] | None) -> float | None:
-    return (
-        None if step is None else next(level.seconds for level in levels if level.level == step[0])
-    )
+    if step is None:
+        return None
+    return next(level.seconds for level in levels if level.level == step[0])
 
 
 def best_errors(rows: Iterable[Row], quantity: str) -> dict[str, float]:
@@ -208,4 +213,6 @@ def cell(contents: Contents, rows: list[Row], label: str, engine: str) -> Cell:
 
 def digits(error: float) -> float:
     """Correct digits of an error in units of the scale; infinite if it is exactly 0."""
-    return -math.log10(error) if error > 0 else math.inf
+    if error > 0:
+        return -math.log10(error)
+    return math.inf

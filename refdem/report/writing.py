@@ -62,7 +62,8 @@ def _charts(
         "": {"tolerance": chart_data.overview(contents, everything)}
     }
     for label, mine in rows.items():
-        errors, costs = chart_data.errors(contents, mine), chart_data.costs(contents, mine)
+        errors = chart_data.errors(contents, mine)
+        costs = chart_data.costs(contents, mine)
         charts[label] = {
             "errors": errors,
             "drifts": chart_data.drifts(contents, label),
@@ -79,7 +80,10 @@ def _charts(
             "errors",
         ):  # costs hold times, which a committed file must not; curves are in the pages
             if kind in mine_specs:
-                name = f"{page(label)}.svg" if label else f"{kind}.svg"
+                if label:
+                    name = f"{page(label)}.svg"
+                else:
+                    name = f"{kind}.svg"
                 written(folder / "figures" / name, figures.picture(mine_specs[kind], store))
                 pictures.add(name)
     return pictures, specs

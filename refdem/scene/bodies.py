@@ -158,7 +158,8 @@ def _refuse_unphysical(bodies: Bodies, number: int) -> None:
             raise SceneError(
                 f"{where}.{name} is {np.asarray(value).tolist()}; expected finite numbers"
             )
-    mass, inertia = bodies.mass[number], bodies.inertia[number]
+    mass = bodies.mass[number]
+    inertia = bodies.inertia[number]
     if not mass > 0:
         raise SceneError(f"{where}.mass is {mass}; expected > 0")
     if np.any(inertia < 0):

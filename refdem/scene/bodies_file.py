@@ -72,7 +72,8 @@ def unpacked(data: bytes | Path, told: BodiesFile) -> Bodies:
     except (OSError, ValueError, EOFError, zipfile.BadZipFile) as error:
         raise SceneError(f"{where} cannot be read: {error}") from None
     shapes = _shapes(columns.pop("shapes"), where)
-    number, fixed = columns.pop("shape"), columns.pop("fixed")
+    number = columns.pop("shape")
+    fixed = columns.pop("fixed")
     if len(number) and not 0 <= number.min() <= number.max() < len(shapes):
         raise SceneError(
             f"{where}: shape has numbers from {number.min()} to {number.max()}; expected"
@@ -112,7 +113,10 @@ def _read(data: bytes | Path, count: int, where: str) -> dict[str, NDArray[Any]]
         n: ("<f8", (count, w) if w > 1 else (count,)) for n, w in WIDTH.items()
     }
     kinds |= {"fixed": ("|b1", (count,)), "shape": ("<i8", (count,)), "shapes": ("|u1", ())}
-    source: Any = io.BytesIO(data) if isinstance(data, bytes) else data
+    if isinstance(data, bytes):
+        source: Any = io.BytesIO(data)
+    else:
+        source = data
     with zipfile.ZipFile(source) as archive:
         sizes = {info.filename.removesuffix(".npy"): info.file_size for info in archive.infolist()}
     if sizes.keys() != kinds.keys():

@@ -25,7 +25,8 @@ SLACK = 8 * 2.0**-52
 def unbalanced(scene: Scene) -> str | None:
     """None if springs, fields and contacts add up to zero on every body that is not fixed."""
     bodies = scene.bodies
-    net, size = np.zeros_like(bodies.position), np.zeros(len(bodies))
+    net = np.zeros_like(bodies.position)
+    size = np.zeros(len(bodies))
 
     def push(body: int, force: Array) -> None:
         if body >= 0:
@@ -65,7 +66,9 @@ def unbalanced(scene: Scene) -> str | None:
         push(j, force)
     free = ~bodies.fixed
     off = np.linalg.norm(net[free], axis=1) > SLACK * size[free]
-    return "the forces do not add up to zero" if off.any() else None
+    if off.any():
+        return "the forces do not add up to zero"
+    return None
 
 
 def _overlap(scene: Scene, i: int, j: int) -> tuple[float, Array]:
@@ -120,10 +123,8 @@ class Load:
 
 def pressed(scene: Scene) -> Load | str:
     """Gravity on the one plane, or why there is no such thing."""
-    planes, gravity = (
-        scene.all(Plane),
-        np.sum([np.zeros(3), *(np.array(e.g) for e in scene.all(UniformGravity))], axis=0),
-    )
+    planes = scene.all(Plane)
+    gravity = np.sum([np.zeros(3), *(np.array(e.g) for e in scene.all(UniformGravity))], axis=0)
     if len(planes) != 1:
         return f"{len(planes)} planes; expected one"
     normal = np.array(planes[0].normal)
@@ -149,7 +150,9 @@ class _Standing:
     """
 
     def __init__(self, scene: Scene, normal: Array, point: Array, down: Array) -> None:
-        self.scene, self.normal, self.down = scene, normal, down
+        self.scene = scene
+        self.normal = normal
+        self.down = down
         self.vertices = [
             _outline(scene, number, normal) - point for number in range(len(scene.bodies))
         ]
@@ -159,14 +162,20 @@ class _Standing:
     def faces(self, body: int, highest: bool) -> Array:
         """Points (M, 3) of the highest or the lowest face."""
         height = self.heights[body]
-        edge = height.max() if highest else height.min()
+        if highest:
+            edge = height.max()
+        else:
+            edge = height.min()
         level: Array = self.vertices[body][np.abs(height - edge) <= SLACK * self.size]
         return level
 
     def below(self, body: int) -> list[int]:
         """What the lowest face is level with, of that which it stands over: -1 is the plane."""
         low = self.heights[body].min()
-        found = [-1] if abs(low) <= SLACK * self.size else []
+        if abs(low) <= SLACK * self.size:
+            found = [-1]
+        else:
+            found = []
         others = [other for other in range(len(self.heights)) if other != body]
         return found + [
             other
@@ -185,7 +194,8 @@ class _Standing:
         axis = np.eye(3)[int(np.argmin(np.abs(self.normal)))]
         first = np.cross(self.normal, axis)
         first /= np.linalg.norm(first)
-        x, y = flat @ first, flat @ np.cross(self.normal, first)
+        x = flat @ first
+        y = flat @ np.cross(self.normal, first)
         if np.any(np.hypot(x, y) <= SLACK * self.size):
             return True
         angles = np.sort(np.arctan2(y, x))
@@ -201,7 +211,8 @@ class _Standing:
             under[body] = found[0]
         for body in under:
             load = [other for other in under if body in _path(other, under)]
-            mass, place = self.scene.bodies.mass[load], self.scene.bodies.position[load]
+            mass = self.scene.bodies.mass[load]
+            place = self.scene.bodies.position[load]
             centre = mass @ place / mass.sum() - self._origin(body)
             faces = [self.faces(body, highest=False)]
             if under[body] >= 0:
@@ -229,7 +240,8 @@ def _path(body: int, under: dict[int, int]) -> list[int]:
 
 def _outline(scene: Scene, body: int, normal: Array) -> Array:
     """Vertices (M, 3) in space; of a sphere its lowest and its highest point."""
-    shape, place = scene.bodies.shape[body], scene.bodies.position[body]
+    shape = scene.bodies.shape[body]
+    place = scene.bodies.position[body]
     if isinstance(shape, Polyhedron):
         from_centre = rotated(scene.bodies.attitude[body], np.array(shape.vertices, float))
     else:

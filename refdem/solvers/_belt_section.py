@@ -64,9 +64,12 @@ def _part(
     """Places of some frequencies, and growths (M, BLOCKS); the kernel leaves the interpreter to
     other threads.
     """
-    count, most = len(frequency), PER_PERIOD * keep
+    count = len(frequency)
+    most = PER_PERIOD * keep
     own = np.ascontiguousarray(frequency, dtype=np.float64)
-    counts, sums, out = np.zeros(count), np.zeros((count, BLOCKS)), np.zeros((count, most))
+    counts = np.zeros(count)
+    sums = np.zeros((count, BLOCKS))
+    out = np.zeros((count, most))
     if count:
         buffers = [pointer(FAMILY, array, output=True) for array in (counts, sums, out)]
         call = load(FAMILY).lib.refdem_stick_slip_section

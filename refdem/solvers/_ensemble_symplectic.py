@@ -91,14 +91,19 @@ class EnsembleSymplectic(Solver):
 
     def run(self, request: Request) -> tuple[Trajectory, Cost]:
         """`position` [m] and `velocity` [m/s] (T, M, 1, 3)."""
-        begun, problem = perf_counter(), request.problem
+        begun = perf_counter()
+        problem = request.problem
         assert isinstance(problem, Ensemble)
-        frame, call, seconds = _Frame(problem.scene), load(FAMILY).lib.refdem_pendulum_ensemble, 0.0
+        frame = _Frame(problem.scene)
+        call = load(FAMILY).lib.refdem_pendulum_ensemble
+        seconds = 0.0
         law = (2 * len(self.weights) - 1, pointer(FAMILY, self.weights), frame.square)
         angle, rate = frame.angles(problem.position[:, 0], problem.velocity[:, 0])
         shape = (len(problem.times), len(angle), 1, 3)
-        position, velocity = np.empty(shape), np.empty(shape)
-        position[0], velocity[0] = problem.position, problem.velocity
+        position = np.empty(shape)
+        velocity = np.empty(shape)
+        position[0] = problem.position
+        velocity[0] = problem.velocity
         state = [pointer(FAMILY, column, output=True) for column in (angle, rate)]
         for row in range(1, len(problem.times)):
             started = perf_counter()
@@ -122,18 +127,14 @@ class _Frame:
     """
 
     def __init__(self, scene: Scene) -> None:
-        rod, gravity, arm = (
-            scene.all(Rod)[0],
-            single.gravity(scene),
-            scene.bodies.position[0] - single.anchor(scene.all(Rod)[0]),
-        )
+        rod = scene.all(Rod)[0]
+        gravity = single.gravity(scene)
+        arm = scene.bodies.position[0] - single.anchor(scene.all(Rod)[0])
         size = float(np.linalg.norm(gravity))
-        self.anchor, self.length, self.square, self.down = (
-            single.anchor(rod),
-            rod.length,
-            size / rod.length,
-            gravity / size,
-        )
+        self.anchor = single.anchor(rod)
+        self.length = rod.length
+        self.square = size / rod.length
+        self.down = gravity / size
         aside = [
             vector - (vector @ self.down) * self.down for vector in (arm, scene.bodies.velocity[0])
         ]
@@ -151,7 +152,8 @@ class _Frame:
 
     def placed(self, angle: Array, rate: Array) -> tuple[Array, Array]:
         """Positions and velocities (M, 3)."""
-        s, c = np.sin(angle)[:, None], np.cos(angle)[:, None]
+        s = np.sin(angle)[:, None]
+        c = np.cos(angle)[:, None]
         return (
             self.anchor + self.length * (c * self.down + s * self.across),
             (self.length * rate)[:, None] * (c * self.across - s * self.down),

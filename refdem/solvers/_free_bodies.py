@@ -26,7 +26,9 @@ class FreeBodies(Solver):
         scene = problem.scene
         if scene.elements:
             return f"{scene.elements[0].kind} acts on the bodies; only free bodies are done"
-        return "a body is fixed" if scene.bodies.fixed.any() else None
+        if scene.bodies.fixed.any():
+            return "a body is fixed"
+        return None
 
     @abstractmethod
     def turn(self, request: Request, number: int, attitude: Array, omega: Array) -> float:
@@ -37,7 +39,8 @@ class FreeBodies(Solver):
     def run(self, request: Request) -> tuple[Trajectory, Cost]:
         """Centres at x0 + v (t - t0), attitudes by `turn` for the bodies that spin."""
         begun = perf_counter()
-        t, bodies = request.problem.times, request.problem.scene.bodies
+        t = request.problem.times
+        bodies = request.problem.scene.bodies
         position = bodies.position + bodies.velocity * (t - t[0])[:, None, None]
         velocity, attitude, omega = (
             np.repeat(column[None], len(t), axis=0)
@@ -46,12 +49,22 @@ class FreeBodies(Solver):
         seconds = 0.0
         for number in spinning(bodies):
             alone = len(bodies) == 1
-            turned = attitude.reshape(-1, 4) if alone else np.empty((len(t), 4))
-            rate = omega.reshape(-1, 3) if alone else np.empty((len(t), 3))
+            if alone:
+                turned = attitude.reshape(-1, 4)
+            else:
+                turned = np.empty((len(t), 4))
+            if alone:
+                rate = omega.reshape(-1, 3)
+            else:
+                rate = np.empty((len(t), 3))
             seconds += self.turn(request, number, turned, rate)
             if not alone:
-                attitude[:, number], omega[:, number] = turned, rate
-        steps = 0 if request.step is None else request.stride * (len(t) - 1)
+                attitude[:, number] = turned
+                omega[:, number] = rate
+        if request.step is None:
+            steps = 0
+        else:
+            steps = request.stride * (len(t) - 1)
         cost = Cost(
             seconds=seconds, setup=perf_counter() - begun - repeats() * seconds, steps=steps
         )
@@ -73,11 +86,10 @@ class SteppedFreeBodies(FreeBodies):
 
     def refusal(self, problem: Motion) -> str | None:
         """None if nothing acts on any body and some body turns."""
-        idle = (
-            None
-            if "rotation" in problem.scene.features
-            else "nothing turns; uniform motion needs no steps"
-        )
+        if "rotation" in problem.scene.features:
+            idle = None
+        else:
+            idle = "nothing turns; uniform motion needs no steps"
         return super().refusal(problem) or idle
 
     def turn(self, request: Request, number: int, attitude: Array, omega: Array) -> float:

@@ -83,7 +83,8 @@ def refusal(problem: Motion) -> str | None:
 def line_of(request: Request) -> Line:
     """The line of a scene that is not refused."""
     scene = request.problem.scene
-    bodies, spring = scene.bodies, scene.all(Spring)[0]
+    bodies = scene.bodies
+    spring = scene.all(Spring)[0]
     axis = _axis(scene)
     origin = np.array(spring.anchor_b) + spring.length * axis
     dashpot = next(iter(scene.all(Dashpot)), Dashpot(a=0))
@@ -125,7 +126,8 @@ def _askew(scene: Scene) -> str | None:
     links = [element for element in scene.elements if isinstance(element, Link)]
     if any(link.b >= 0 for link in links):
         return "a link between bodies"
-    axis, anchor = _axis(scene), np.array(scene.all(Spring)[0].anchor_b)
+    axis = _axis(scene)
+    anchor = np.array(scene.all(Spring)[0].anchor_b)
     vectors = [scene.bodies.position[0] - anchor, scene.bodies.velocity[0], single.gravity(scene)]
     vectors += [np.array(force.axis) for force in scene.all(Force)] + [
         np.array(pot.anchor_b) - anchor for pot in scene.all(Dashpot)
@@ -134,4 +136,6 @@ def _askew(scene: Scene) -> str | None:
         np.linalg.norm(vector - (vector @ axis) * axis) > ASKEW * np.linalg.norm(vector)
         for vector in vectors
     )
-    return "the motion is not along one line" if off else None
+    if off:
+        return "the motion is not along one line"
+    return None

@@ -19,7 +19,9 @@ from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 Value = Callable[[float], float]
-ORDER, STEP, LOOKS = 20, 0.125, 8
+ORDER = 20
+STEP = 0.125
+LOOKS = 8
 STICKS = 0
 """The mode; +1 and -1 slide."""
 W, V, P, Q = range(4)
@@ -45,7 +47,10 @@ class Spring:
         c[:, 0] = start
         square, fourth, pull = np.zeros((3, ORDER + 1))
         for n in range(ORDER):
-            back = slice(n, None, -1) if n else slice(0, 1)
+            if n:
+                back = slice(n, None, -1)
+            else:
+                back = slice(0, 1)
             square[n] = c[W, : n + 1] @ c[W, back]
             fourth[n] = square[: n + 1] @ square[back]
             stretch = c[Q, : n + 1] - np.eye(1, n + 1)[0] * hangs
@@ -84,7 +89,8 @@ class Course:
         c, length = next(
             (piece for piece in self.pieces if _at(piece[0][V], piece[1]) <= rate), self.pieces[-1]
         )
-        s, slope = length / 2, polynomial.polyder(c[row])
+        s = length / 2
+        slope = polynomial.polyder(c[row])
         for _ in range(50):
             change = (goal - _at(c[row], s)) / _at(slope, s)
             s = min(max(s + change, 0.0), length)
@@ -100,8 +106,12 @@ class Course:
 
 def course(spring: Spring, slip: float) -> Course:
     """From touch, at a slip > 0 in units of the speed, to release."""
-    state, hangs = [0.0, 1.0, slip, 0.0], 0.0
-    mode: int | None = 1 if slip > spring.slack else STICKS
+    state = [0.0, 1.0, slip, 0.0]
+    hangs = 0.0
+    if slip > spring.slack:
+        mode: int | None = 1
+    else:
+        mode = STICKS
     pieces: list[tuple[Array, float]] = []
     while mode is not None:
         c = spring.series(state, mode, hangs)
@@ -123,7 +133,8 @@ def _first(ends: Sequence[tuple[Value, int | None]], mode: int) -> tuple[float, 
     bisection; STEP and the same if none does.
     """
     for look in range(LOOKS):
-        low, high = STEP * look / LOOKS, STEP * (look + 1) / LOOKS
+        low = STEP * look / LOOKS
+        high = STEP * (look + 1) / LOOKS
         fallen = [
             (_zero(value, low, high), n) for n, (value, _) in enumerate(ends) if value(high) < 0
         ]

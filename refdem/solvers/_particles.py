@@ -38,7 +38,9 @@ MANY = 12
 def contact_of(scene: Scene) -> Contact | None:
     """The contact law, if some shape can meet anything under it."""
     laws = scene.all(Contact)
-    return laws[0] if laws and _can_meet(scene) else None
+    if laws and _can_meet(scene):
+        return laws[0]
+    return None
 
 
 def _can_meet(scene: Scene) -> bool:
@@ -75,11 +77,16 @@ def refusal(problem: Motion) -> str | None:
             return reason
     if len(scene.all(Contact)) > 1:
         return "more than one contact law"
-    spheres = np.count_nonzero(scene.bodies.radius) if scene.all(Contact) else 0
+    if scene.all(Contact):
+        spheres = np.count_nonzero(scene.bodies.radius)
+    else:
+        spheres = 0
     if spheres * (spheres - 1) / 2 + spheres * len(scene.all(Plane)) > MANY:
         return f"more than {MANY} pairs that may meet"
     law = contact_of(scene)
-    return _contact_refusal(scene, law) if law else _body_refusal(scene)
+    if law:
+        return _contact_refusal(scene, law)
+    return _body_refusal(scene)
 
 
 def _element_refusal(element: Element) -> str | None:
@@ -129,7 +136,9 @@ def middle(scene: Scene) -> Array:
         return ORIGIN
     found: Array = 0.5 * (places.min(axis=0) + places.max(axis=0))
     size = float(np.ptp(places, axis=0).max() + scene.bodies.radius[shapes].max())
-    return found if np.abs(found).max() > FAR * size else ORIGIN
+    if np.abs(found).max() > FAR * size:
+        return found
+    return ORIGIN
 
 
 class Packed:
@@ -140,13 +149,18 @@ class Packed:
 
     def __init__(self, scene: Scene, origin: Array) -> None:
         self.origin = origin
-        bodies, law = scene.bodies, contact_of(scene)
+        bodies = scene.bodies
+        law = contact_of(scene)
         self.turning = bool(np.any(bodies.omega)) or (law is not None and law.friction > 0)
-        self.pairs = pairs(scene) if law else np.zeros((0, 2), np.int64)
+        if law:
+            self.pairs = pairs(scene)
+        else:
+            self.pairs = np.zeros((0, 2), np.int64)
         free = ~bodies.fixed
         inertia = bodies.inertia[:, 0]
         turns = free & (inertia > 0)
-        springs, planes = scene.all(Spring), scene.all(Plane)
+        springs = scene.all(Spring)
+        planes = scene.all(Plane)
         self._kept: dict[str, Any] = {
             "mass": bodies.mass,
             "ease": np.where(free, 1.0 / bodies.mass, 0.0),
@@ -210,8 +224,13 @@ class Packed:
 
 
 def _address(ffi: Any, array: NDArray[Any]) -> Any:
-    kind = "int64_t[]" if array.dtype == np.int64 else "double[]"
-    return ffi.from_buffer(kind, array) if array.size else ffi.NULL
+    if array.dtype == np.int64:
+        kind = "int64_t[]"
+    else:
+        kind = "double[]"
+    if array.size:
+        return ffi.from_buffer(kind, array)
+    return ffi.NULL
 
 
 def run(
@@ -221,14 +240,15 @@ def run(
     places count from `origin` (3,) [m].
     """
     begun = perf_counter()
-    scene, times = request.problem.scene, request.problem.times
-    kernel, packed = kernels.load(FAMILY), Packed(scene, origin)
+    scene = request.problem.scene
+    times = request.problem.times
+    kernel = kernels.load(FAMILY)
+    packed = Packed(scene, origin)
     size = kernel.lib.refdem_particles_size(packed.struct)
-    out, channel = np.zeros((len(times), size)), np.zeros((len(times), 4))
-    work, mode = (
-        np.zeros(kernel.lib.refdem_particles_work(packed.struct)),
-        np.zeros(max(1, len(packed.pairs)), np.int64),
-    )
+    out = np.zeros((len(times), size))
+    channel = np.zeros((len(times), 4))
+    work = np.zeros(kernel.lib.refdem_particles_work(packed.struct))
+    mode = np.zeros(max(1, len(packed.pairs)), np.int64)
     event = np.zeros((1024, 3))
     out[0] = packed.start(scene, size)
     buffers = (kernels.pointer(FAMILY, a, output=True) for a in (work, event, channel, out))
@@ -258,7 +278,8 @@ def _trajectory(
     scene: Scene, times: Array, packed: Packed, out: Array, channel: Array, event: Array
 ) -> Trajectory:
     """The kernel's rows as states, channels and events."""
-    count, n = len(times), len(scene.bodies)
+    count = len(times)
+    n = len(scene.bodies)
     blocks = np.split(
         out[:, : 13 * n if packed.turning else 6 * n],
         np.cumsum([3 * n, 3 * n, 3 * n])[: 3 if packed.turning else 1],
@@ -277,7 +298,10 @@ def _trajectory(
         Event(time=float(times[0] + t), kind="contact" if what == 1 else "release", body=int(body))
         for t, what, body in event
     )
-    channels = dict(zip(_CHANNELS, channel.T.copy(), strict=True)) if len(packed.pairs) else {}
+    if len(packed.pairs):
+        channels = dict(zip(_CHANNELS, channel.T.copy(), strict=True))
+    else:
+        channels = {}
     return Trajectory(t=times, channels=channels, events=told, **columns)
 
 

@@ -59,7 +59,9 @@ def turning(scene: Scene) -> str | None:
         for link in scene.all(Link)
         if any(link.anchor_a) or (link.b >= 0 and any(link.anchor_b))
     )
-    return "a link is off a body's centre" if any(off_centre) else None
+    if any(off_centre):
+        return "a link is off a body's centre"
+    return None
 
 
 def is_linear(spring: Spring) -> bool:
@@ -77,7 +79,9 @@ def time_unit(times: list[float]) -> float:
     """
     found = [time for time in times if 0.0 < time < inf]
     shortest = min(found, default=1.0)
-    return 1.0 if 1.0 / ORDINARY <= shortest <= ORDINARY else 2.0 ** round(log2(shortest))
+    if 1.0 / ORDINARY <= shortest <= ORDINARY:
+        return 1.0
+    return 2.0 ** round(log2(shortest))
 
 
 def anchor(link: Link) -> Array:

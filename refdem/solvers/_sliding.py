@@ -35,7 +35,8 @@ def refusal(scene: Scene) -> str | None:
 def _in_a_plane(scene: Scene) -> bool:
     """Some plane holds normals, motion and loads of all pairs, with every spin across it."""
     spins = scene.bodies.omega[scene.bodies.radius > 0]
-    loads, normals = _directions(scene), _normals(scene)
+    loads = _directions(scene)
+    normals = _normals(scene)
     flat: list[Array] = [
         vector / float(np.linalg.norm(vector)) for vector in (*normals, *loads) if np.any(vector)
     ]
@@ -55,7 +56,8 @@ def _in_a_plane(scene: Scene) -> bool:
 
 def _normals(scene: Scene) -> list[Array]:
     """From body to body, and of planes, of every pair that may meet."""
-    places, planes = scene.bodies.position, scene.all(Plane)
+    places = scene.bodies.position
+    planes = scene.all(Plane)
     return [
         np.array(planes[-1 - j].normal) if j < 0 else places[j] - places[i]
         for i, j in _particles.pairs(scene)

@@ -46,9 +46,9 @@ class CarriedEnsemble(Solver):
     def refusal(self, problem: Ensemble) -> str | None:
         """None for starts of one point on a line or on a rod whose motion has a closed form."""
         reasons = [solver.refusal(problem.motion(0)) for solver, _ in FLOWS]
-        return (
-            "; ".join(reason for reason in reasons if reason) if all(reasons) else _astray(problem)
-        )
+        if all(reasons):
+            return "; ".join(reason for reason in reasons if reason)
+        return _astray(problem)
 
     def run(self, request: Request) -> tuple[Trajectory, Cost]:
         """`position` [m] and `velocity` [m/s] (T, M, 1, 3)."""
@@ -57,7 +57,8 @@ class CarriedEnsemble(Solver):
         assert isinstance(problem, Ensemble)
         flow = next(flow for solver, flow in FLOWS if solver.refusal(problem.motion(0)) is None)
         shape = (len(problem.times), len(problem.position), 1, 3)
-        position, velocity = np.empty(shape), np.empty(shape)
+        position = np.empty(shape)
+        velocity = np.empty(shape)
         started = perf_counter()
         flow(problem, position, velocity)
         cost = Cost(seconds=perf_counter() - started, setup=started - begun)
@@ -73,17 +74,16 @@ def linear(problem: Ensemble, position: Array, velocity: Array) -> None:
     """
     origin, axis = _frame(problem)
     solver = next(solver for solver, _ in FLOWS[:2] if solver.refusal(problem.motion(0)) is None)
-    place, rate = (problem.position[:, 0] - origin) @ axis, problem.velocity[:, 0] @ axis
+    place = (problem.position[:, 0] - origin) @ axis
+    rate = problem.velocity[:, 0] @ axis
     units = max(float(np.abs(place).max()), float(np.abs(rate).max()))
     columns = [
         _alone(solver, problem, origin + x * axis, v * axis, axis, origin)
         for x, v in ((0.0, 0.0), (units, 0.0), (0.0, units))
     ]
-    rest, by_place, by_rate = (
-        columns[0],
-        (columns[1] - columns[0]) / units,
-        (columns[2] - columns[0]) / units,
-    )
+    rest = columns[0]
+    by_place = (columns[1] - columns[0]) / units
+    by_rate = (columns[2] - columns[0]) / units
     carried = (
         rest[:, None]
         + by_place[:, None] * place[None, :, None]
@@ -104,10 +104,14 @@ def _alone(
 
 def coulomb(problem: Ensemble, position: Array, velocity: Array) -> None:
     """Half cycles, start by start."""
-    scene, t = problem.scene, problem.times
-    spring, slider = scene.all(Spring)[0], scene.all(Slider)[0]
-    axis, origin = np.array(slider.axis), single.anchor(spring)
-    place, rate = (problem.position[:, 0] - origin) @ axis, problem.velocity[:, 0] @ axis
+    scene = problem.scene
+    t = problem.times
+    spring = scene.all(Spring)[0]
+    slider = scene.all(Slider)[0]
+    axis = np.array(slider.axis)
+    origin = single.anchor(spring)
+    place = (problem.position[:, 0] - origin) @ axis
+    rate = problem.velocity[:, 0] @ axis
     law = (
         float(scene.bodies.mass[0]),
         spring.stiffness,
@@ -115,13 +119,14 @@ def coulomb(problem: Ensemble, position: Array, velocity: Array) -> None:
         slider.normal_force,
         float(axis @ single.gravity(scene)),
     )
-    out, stop = np.empty((len(place), len(t), 3)), np.empty(1)
-    call, rows, samples = (
-        load("coulomb").lib.refdem_coulomb,
-        pointer("coulomb", out, output=True),
-        pointer("coulomb", t),
-    )
-    stopped, begin, count = pointer("coulomb", stop, output=True), float(t[0]), len(t)
+    out = np.empty((len(place), len(t), 3))
+    stop = np.empty(1)
+    call = load("coulomb").lib.refdem_coulomb
+    rows = pointer("coulomb", out, output=True)
+    samples = pointer("coulomb", t)
+    stopped = pointer("coulomb", stop, output=True)
+    begin = float(t[0])
+    count = len(t)
     for member, (x, v) in enumerate(zip(place.tolist(), rate.tolist(), strict=True)):
         call(*law, x, v, begin, count, samples, stopped, rows + 3 * count * member)
     position[:, :, 0] = origin + out[..., :1].transpose(1, 0, 2) * axis
@@ -130,8 +135,11 @@ def coulomb(problem: Ensemble, position: Array, velocity: Array) -> None:
 
 def pendulum(problem: Ensemble, position: Array, velocity: Array) -> None:
     """Jacobi functions, start by start."""
-    scene, t = problem.scene, problem.times
-    rod, count, members = scene.all(Rod)[0], len(problem.times), len(problem.position)
+    scene = problem.scene
+    t = problem.times
+    rod = scene.all(Rod)[0]
+    count = len(problem.times)
+    members = len(problem.position)
     starts = [
         np.ascontiguousarray(column.reshape(-1)) for column in (problem.position, problem.velocity)
     ]
@@ -139,13 +147,12 @@ def pendulum(problem: Ensemble, position: Array, velocity: Array) -> None:
     out = [np.empty((members, count, 3)), np.empty((members, count, 3)), np.empty((members, count))]
     x, v, force = (pointer("pendulum", column, output=True) for column in out)
     (r, u), samples = (pointer("pendulum", column) for column in starts), pointer("pendulum", t)
-    call, mass, begin = (
-        load("pendulum").lib.refdem_pendulum,
-        float(scene.bodies.mass[0]),
-        float(t[0]),
-    )
+    call = load("pendulum").lib.refdem_pendulum
+    mass = float(scene.bodies.mass[0])
+    begin = float(t[0])
     for member in range(members):
-        at, row = 3 * member, 3 * count * member
+        at = 3 * member
+        row = 3 * count * member
         call(
             mass,
             rod.length,
@@ -188,7 +195,9 @@ def _astray(problem: Ensemble) -> str | None:
             (member for member in _doubtful(problem) if solver.refusal(problem.motion(member))),
             None,
         )
-        return None if off is None else f"start {off} does not swing in the plane on its rod"
+        if off is None:
+            return None
+        return f"start {off} does not swing in the plane on its rod"
     if any(spring.length for spring in problem.scene.all(Spring)):
         return "the spring has a length: the starts may lie on both sides of its anchor"
     origin, axis = _frame(problem)
@@ -197,11 +206,9 @@ def _astray(problem: Ensemble) -> str | None:
     slider = next(iter(problem.scene.all(Slider)), None)
     if slider is not None and abs(abs(float(axis @ np.array(slider.axis))) - 1) > OFF:
         return "the starts do not lie on the slider's line"
-    return (
-        "the starts do not lie on one line"
-        if off_line.max() > OFF * np.linalg.norm(arms, axis=1).max()
-        else None
-    )
+    if off_line.max() > OFF * np.linalg.norm(arms, axis=1).max():
+        return "the starts do not lie on one line"
+    return None
 
 
 def _doubtful(problem: Ensemble) -> list[int]:
@@ -209,11 +216,9 @@ def _doubtful(problem: Ensemble) -> list[int]:
     about one by one.
     """
     rod = problem.scene.all(Rod)[0]
-    arm, velocity, down = (
-        problem.position[:, 0] - single.anchor(rod),
-        problem.velocity[:, 0],
-        single.gravity(problem.scene),
-    )
+    arm = problem.position[:, 0] - single.anchor(rod)
+    velocity = problem.velocity[:, 0]
+    down = single.gravity(problem.scene)
     speed = np.linalg.norm(velocity, axis=1)
     length = np.abs(np.linalg.norm(arm, axis=1) - rod.length) > 1e-9 * rod.length
     along = np.abs(np.sum(arm * velocity, axis=1)) > OFF * rod.length * speed

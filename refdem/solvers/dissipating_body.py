@@ -56,9 +56,12 @@ class DissipatingBody(Solver):
     def run(self, request: Request) -> tuple[Trajectory, Cost]:
         """States and the work dissipated at the samples."""
         begun = perf_counter()
-        scene, t = request.problem.scene, request.problem.times
-        bodies, damping = scene.bodies, scene.all(InternalDamping)[0].coefficient
-        inertia, attitude = np.ascontiguousarray(bodies.inertia[0]), bodies.attitude[0]
+        scene = request.problem.scene
+        t = request.problem.times
+        bodies = scene.bodies
+        damping = scene.all(InternalDamping)[0].coefficient
+        inertia = np.ascontiguousarray(bodies.inertia[0])
+        attitude = bodies.attitude[0]
         out = np.empty((len(t), 7))
         out[0] = np.concatenate([inertia * rotated(conjugate(attitude), bodies.omega[0]), attitude])
         given = [pointer("dissipating_body", column) for column in (inertia, t)]

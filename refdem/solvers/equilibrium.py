@@ -46,7 +46,8 @@ class Equilibrium(Solver):
 
     def run(self, request: Request) -> tuple[Trajectory, Cost]:
         """The start at every sample."""
-        bodies, times = request.problem.scene.bodies, request.problem.times
+        bodies = request.problem.scene.bodies
+        times = request.problem.times
         started = perf_counter()
         state: Any = {
             name: np.repeat(getattr(bodies, name)[None], len(times), axis=0) for name in STATE

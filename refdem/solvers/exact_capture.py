@@ -47,30 +47,34 @@ class ExactCapture(Solver):
     def run(self, request: Request) -> tuple[Trajectory, Cost]:
         """Position, velocity and force at the samples; the catch is an event."""
         begun = perf_counter()
-        scene, t = request.problem.scene, request.problem.times
-        hook, mass = scene.all(Catch)[0], scene.bodies.mass[0]
-        arm, v = scene.bodies.position[0] - single.anchor(hook), scene.bodies.velocity[0]
-        speed2, along = v @ v, arm @ v
-        late = (
-            -along / speed2
-            if speed2 > 0 and abs(along) > ACROSS * np.linalg.norm(arm) * np.sqrt(speed2)
-            else 0.0
-        )
+        scene = request.problem.scene
+        t = request.problem.times
+        hook = scene.all(Catch)[0]
+        mass = scene.bodies.mass[0]
+        arm = scene.bodies.position[0] - single.anchor(hook)
+        v = scene.bodies.velocity[0]
+        speed2 = v @ v
+        along = arm @ v
+        if speed2 > 0 and abs(along) > ACROSS * np.linalg.norm(arm) * np.sqrt(speed2):
+            late = -along / speed2
+        else:
+            late = 0.0
         nearest = arm + v * late
         distance = float(np.linalg.norm(nearest))
         holds = late >= 0 and 0 < distance <= hook.radius * REACH
-        since = (t - t[0]) - late if holds else np.full(len(t), -1.0)
-        caught, flight = since > 0, np.where(since > 0, late, t - t[0])
-        angle = (
-            np.where(caught, np.sqrt(speed2) / distance * since, 0.0)[:, None]
-            if distance
-            else np.zeros((len(t), 1))
-        )
-        cosine, sine, ahead = (
-            np.cos(angle),
-            np.sin(angle),
-            v * (distance / np.sqrt(speed2) if speed2 > 0 else 0.0),
-        )
+        if holds:
+            since = (t - t[0]) - late
+        else:
+            since = np.full(len(t), -1.0)
+        caught = since > 0
+        flight = np.where(since > 0, late, t - t[0])
+        if distance:
+            angle = np.where(caught, np.sqrt(speed2) / distance * since, 0.0)[:, None]
+        else:
+            angle = np.zeros((len(t), 1))
+        cosine = np.cos(angle)
+        sine = np.sin(angle)
+        ahead = v * (distance / np.sqrt(speed2) if speed2 > 0 else 0.0)
         place = np.where(
             caught[:, None], nearest * cosine + ahead * sine, arm + v * flight[:, None]
         )
@@ -78,7 +82,10 @@ class ExactCapture(Solver):
             caught[:, None], v * cosine - nearest * (np.sqrt(speed2) / (distance or 1.0)) * sine, v
         )
         force = np.where(since >= 0, mass * speed2 / (distance or 1.0), 0.0)
-        events = (Event(float(t[0] + late), "catch", 0),) if holds and t[0] + late <= t[-1] else ()
+        if holds and t[0] + late <= t[-1]:
+            events = (Event(float(t[0] + late), "catch", 0),)
+        else:
+            events = ()
         cost = Cost(seconds=perf_counter() - begun)
         position = (place + single.anchor(hook))[:, None]
         return (

@@ -40,7 +40,8 @@ class ExactCoulomb(Solver):
         reason = single.refusal(scene, Spring, Slider)
         if reason:
             return reason
-        spring, slider = scene.all(Spring)[0], scene.all(Slider)[0]
+        spring = scene.all(Spring)[0]
+        slider = scene.all(Slider)[0]
         if scene.bodies.fixed.any():
             return "spring and slider do not tie a body to the world"
         if spring.length or not single.is_linear(spring) or not spring.stiffness > 0:
@@ -59,9 +60,13 @@ class ExactCoulomb(Solver):
     def run(self, request: Request) -> tuple[Trajectory, Cost]:
         """Position, velocity and the work of friction at the samples."""
         begun = perf_counter()
-        scene, t = request.problem.scene, request.problem.times
-        spring, slider, bodies = scene.all(Spring)[0], scene.all(Slider)[0], scene.bodies
-        axis, anchor = np.array(slider.axis), single.anchor(spring)
+        scene = request.problem.scene
+        t = request.problem.times
+        spring = scene.all(Spring)[0]
+        slider = scene.all(Slider)[0]
+        bodies = scene.bodies
+        axis = np.array(slider.axis)
+        anchor = single.anchor(spring)
         start = [
             float(axis @ vector)
             for vector in (single.gravity(scene), bodies.position[0] - anchor, bodies.velocity[0])
@@ -74,19 +79,23 @@ class ExactCoulomb(Solver):
             *start,
             float(t[0]),
         )
-        out, stop = np.empty((len(t), 3)), np.empty(1)
-        stopped, rows, samples = (
-            pointer("coulomb", stop, output=True),
-            pointer("coulomb", out, output=True),
-            pointer("coulomb", t),
-        )
-        lib, motion = load("coulomb").lib, prepared("coulomb")
+        out = np.empty((len(t), 3))
+        stop = np.empty(1)
+        stopped = pointer("coulomb", stop, output=True)
+        rows = pointer("coulomb", out, output=True)
+        samples = pointer("coulomb", t)
+        lib = load("coulomb").lib
+        motion = prepared("coulomb")
         lib.refdem_coulomb_prepare(*numbers, len(t), samples, stopped, rows, motion)
         started = perf_counter()
         seconds = timed(lib.refdem_coulomb_run, motion)
         cost = Cost(seconds=seconds, setup=started - begun)
-        position, velocity = anchor + out[:, :1, None] * axis, out[:, 1:2, None] * axis
-        events = (Event(time=float(stop[0]), kind="stop", body=0),) if stop[0] <= t[-1] else ()
+        position = anchor + out[:, :1, None] * axis
+        velocity = out[:, 1:2, None] * axis
+        if stop[0] <= t[-1]:
+            events = (Event(time=float(stop[0]), kind="stop", body=0),)
+        else:
+            events = ()
         return (
             Trajectory.of_points(
                 t, position, velocity, channels={"dissipated_work": out[:, 2].copy()}, events=events
@@ -107,7 +116,9 @@ def _off_line(scene: Scene, axis: Array) -> str | None:
         np.linalg.norm(vector - (vector @ axis) * axis) > 4e-16 * np.linalg.norm(vector)
         for vector in vectors
     ]
-    return "the motion is not along the slider" if any(across) else None
+    if any(across):
+        return "the motion is not along the slider"
+    return None
 
 
 METHOD = ExactCoulomb()

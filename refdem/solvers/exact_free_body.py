@@ -34,7 +34,8 @@ class ExactFreeBody(FreeBodies):
             for column in first_state(request.problem.scene.bodies, number)
         ]
         out = [pointer("free_body", column, output=True) for column in (attitude, omega)]
-        lib, motion = load("free_body").lib, prepared("free_body")
+        lib = load("free_body").lib
+        motion = prepared("free_body")
         lib.refdem_free_body_prepare(*state, t[0], len(t), pointer("free_body", t), *out, motion)
         return timed(lib.refdem_free_body_run, motion)
 

@@ -46,7 +46,8 @@ class ExactHarmonic(Solver):
     def run(self, request: Request) -> tuple[Trajectory, Cost]:
         """Position and velocity at the samples."""
         begun = perf_counter()
-        scene, t = request.problem.scene, request.problem.times
+        scene = request.problem.scene
+        t = request.problem.times
         spring = scene.all(Spring)[0]
         given = (
             single.gravity(scene),
@@ -54,7 +55,8 @@ class ExactHarmonic(Solver):
             scene.bodies.position[0].copy(),
             scene.bodies.velocity[0].copy(),
         )
-        position, velocity = np.empty((len(t), 1, 3)), np.empty((len(t), 1, 3))
+        position = np.empty((len(t), 1, 3))
+        velocity = np.empty((len(t), 1, 3))
         columns = [pointer("oscillator", column) for column in given]
         out = [pointer("oscillator", column, output=True) for column in (position, velocity)]
         lib = load("oscillator").lib

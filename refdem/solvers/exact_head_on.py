@@ -43,7 +43,8 @@ class ExactHeadOn(Solver):
         """None for two free spheres that do not turn, nothing but linear contact, and no sideways
         velocity.
         """
-        scene, bodies = problem.scene, problem.scene.bodies
+        scene = problem.scene
+        bodies = problem.scene.bodies
         laws = scene.all(Contact)
         if (
             len(bodies) != 2
@@ -61,21 +62,26 @@ class ExactHeadOn(Solver):
         distance = float(bodies.radius.sum())
         if overlap > ROUNDED * distance:
             return "the spheres overlap at the start"
-        return (
-            "the spheres do not meet along the line of their centres"
-            if sideways > ROUNDED * abs(closing)
-            else None
-        )
+        if sideways > ROUNDED * abs(closing):
+            return "the spheres do not meet along the line of their centres"
+        return None
 
     def run(self, request: Request) -> tuple[Trajectory, Cost]:
         """States at the samples; a run backwards is one with flipped velocities."""
         begun = perf_counter()
-        scene, t = request.problem.scene, request.problem.times
-        law, bodies = scene.all(Contact)[0], scene.bodies
+        scene = request.problem.scene
+        t = request.problem.times
+        law = scene.all(Contact)[0]
+        bodies = scene.bodies
         sense = float(np.sign(request.problem.interval))
         overlap, closing, _ = approach(scene)
-        start = min(overlap, 0.0) if abs(overlap) > ROUNDED * bodies.radius.sum() else 0.0
-        since, out, touch = sense * (t - t[0]), np.empty((len(t), 5)), np.empty(2)
+        if abs(overlap) > ROUNDED * bodies.radius.sum():
+            start = min(overlap, 0.0)
+        else:
+            start = 0.0
+        since = sense * (t - t[0])
+        out = np.empty((len(t), 5))
+        touch = np.empty(2)
         numbers = (
             *bodies.mass.tolist(),
             law.stiffness,
@@ -122,7 +128,8 @@ def approach(scene: Scene) -> tuple[float, float, float]:
     of a small length underflows.
     """
     bodies = scene.bodies
-    normal, relative = along(scene), bodies.velocity[0] - bodies.velocity[1]
+    normal = along(scene)
+    relative = bodies.velocity[0] - bodies.velocity[1]
     closing = float(relative @ normal)
     overlap = float(bodies.radius.sum()) - hypot(*(bodies.position[1] - bodies.position[0]))
     return overlap, closing, hypot(*(relative - closing * normal))

@@ -49,8 +49,10 @@ class ExactHertzWall(Solver):
         """None for one free solid sphere at or before a plane, forward in time, under nothing but
         Hertz's contact.
         """
-        scene, bodies = problem.scene, problem.scene.bodies
-        laws, planes = scene.all(Contact), scene.all(Plane)
+        scene = problem.scene
+        bodies = problem.scene.bodies
+        laws = scene.all(Contact)
+        planes = scene.all(Plane)
         if len(bodies) != 1 or not isinstance(bodies.shape[0], Sphere) or bodies.fixed.any():
             return "not one free sphere"
         if len(laws) != 1 or len(planes) != 1 or len(scene.elements) != 2 or laws[0].law != "hertz":
@@ -72,11 +74,15 @@ class ExactHertzWall(Solver):
     def run(self, request: Request) -> tuple[Trajectory, Cost]:
         """States at the samples."""
         begun = perf_counter()
-        scene, t = request.problem.scene, request.problem.times
+        scene = request.problem.scene
+        t = request.problem.times
         impact = Impact(scene)
         started = perf_counter()
         out, touch = impact.normal(t - t[0])
-        across = impact.bent if impact.springs else impact.rubbed
+        if impact.springs:
+            across = impact.bent
+        else:
+            across = impact.rubbed
         found = impact.moved(t - t[0], out, *across(t - t[0], out, touch))
         pairs = zip(touch[[0, 2]], ("contact", "release"), strict=True)
         events = tuple(
@@ -93,40 +99,43 @@ class Impact:
     """The start, split into its parts along and across the normal n into the wall."""
 
     def __init__(self, scene: Scene) -> None:
-        bodies, self.law = scene.bodies, scene.all(Contact)[0]
+        bodies = scene.bodies
+        self.law = scene.all(Contact)[0]
         plane = scene.all(Plane)[0]
         self.n, self.mass, self.radius = (
             -np.array(plane.normal),
             float(bodies.mass[0]),
             float(bodies.radius[0]),
         )
-        self.place, self.velocity, self.omega = (
-            bodies.position[0],
-            bodies.velocity[0],
-            bodies.omega[0],
-        )
+        self.place = bodies.position[0]
+        self.velocity = bodies.velocity[0]
+        self.omega = bodies.omega[0]
         self.attitude = bodies.attitude[0]
         overlap = self.radius + float((self.place - np.array(plane.point)) @ self.n)
-        self.overlap = 0.0 if abs(overlap) <= ROUNDED * self.radius else overlap
+        if abs(overlap) <= ROUNDED * self.radius:
+            self.overlap = 0.0
+        else:
+            self.overlap = overlap
         self.rate = float(self.velocity @ self.n)
         self.across = self.velocity - self.rate * self.n
         slip = self.across + self.radius * np.cross(self.omega, self.n)
-        self.slip = (
-            float(np.linalg.norm(slip))
-            if np.linalg.norm(slip) > ROUNDED * np.linalg.norm(self.velocity)
-            else 0.0
-        )
-        self.along = slip / self.slip if self.slip else 0.0 * slip
+        if np.linalg.norm(slip) > ROUNDED * np.linalg.norm(self.velocity):
+            self.slip = float(np.linalg.norm(slip))
+        else:
+            self.slip = 0.0
+        if self.slip:
+            self.along = slip / self.slip
+        else:
+            self.along = 0.0 * slip
         self.springs = self.slip > 0 and self.law.friction > 0 and self.law.tangential_stiffness > 0
 
     def normal(self, t: Array) -> tuple[Array, Array]:
         """Overlap and rate (T, 2), and when it touches, turns and parts."""
-        out, touch, law = (
-            np.empty((len(t), 2)),
-            np.empty(3),
-            np.array([self.law.stiffness, self.law.exponent]),
-        )
-        laws, kernel = pointer("power_contact", law), load("power_contact").lib
+        out = np.empty((len(t), 2))
+        touch = np.empty(3)
+        law = np.array([self.law.stiffness, self.law.exponent])
+        laws = pointer("power_contact", law)
+        kernel = load("power_contact").lib
         buffers = [pointer("power_contact", array, output=True) for array in (touch, out)]
         since = np.ascontiguousarray(t)
         kernel.refdem_power_contact(
@@ -145,7 +154,8 @@ class Impact:
         """When the normal impulse per mass has come to `impulse`, by bisection (the motion is
         smooth there).
         """
-        low, high = touch[0], touch[2]
+        low = touch[0]
+        high = touch[2]
         for _ in range(60):
             middle = (low + high) / 2
             low, high = (
@@ -159,29 +169,44 @@ class Impact:
         """What the slip has lost (T,) [m/s] by sliding friction, and its way that is missing (T,)
         [m].
         """
-        friction = self.law.friction if self.slip > 0 else 0.0
-        enough = self.slip * 2 / 7 / friction if friction else np.inf
-        end = self.stop(enough, touch) if enough < 2 * self.rate else np.inf
+        if self.slip > 0:
+            friction = self.law.friction
+        else:
+            friction = 0.0
+        if friction:
+            enough = self.slip * 2 / 7 / friction
+        else:
+            enough = np.inf
+        if enough < 2 * self.rate:
+            end = self.stop(enough, touch)
+        else:
+            end = np.inf
         until = np.minimum(t, end)
         way = self.rate * until - (self.normal(until)[0][:, 0] - self.overlap)
-        rolled = enough * (t - until) if np.isfinite(end) else 0.0
+        if np.isfinite(end):
+            rolled = enough * (t - until)
+        else:
+            rolled = 0.0
         return 3.5 * friction * np.minimum(self.rate - out[:, 1], enough), 3.5 * friction * (
             way + rolled
         )
 
     def bent(self, t: Array, out: Array, touch: Array) -> tuple[Array, Array]:
         """The same by a tangential spring, which begins unstretched at touch."""
-        speed, deep = self.rate, float(self.normal(touch[1:2])[0][0, 0])
+        speed = self.rate
+        deep = float(self.normal(touch[1:2])[0][0, 0])
         found = course(
             Spring(self.law.tangential_stiffness / self.law.stiffness, self.law.friction),
             self.slip / speed,
         )
-        slip, way = np.full(len(t), self.slip), self.slip * t
+        slip = np.full(len(t), self.slip)
+        way = self.slip * t
         last, gone = found.end()
         after = t - touch[2]
         for n in np.flatnonzero((t > touch[0]) & (after < 0)):
             p, q = found.at(max(out[n, 0], 0.0) / deep, out[n, 1] / speed)
-            slip[n], way[n] = p * speed, self.slip * touch[0] + q * deep
+            slip[n] = p * speed
+            way[n] = self.slip * touch[0] + q * deep
         parted = after >= 0
         slip[parted], way[parted] = (
             last * speed,

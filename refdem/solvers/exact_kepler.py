@@ -45,15 +45,18 @@ class ExactKepler(Solver):
     def run(self, request: Request) -> tuple[Trajectory, Cost]:
         """Position and velocity at the samples."""
         begun = perf_counter()
-        scene, t = request.problem.scene, request.problem.times
+        scene = request.problem.scene
+        t = request.problem.times
         gm = scene.all(CentralField)[0].gm
         start = [
             pointer("kepler", column[0].copy())
             for column in (scene.bodies.position, scene.bodies.velocity)
         ]
-        position, velocity = np.empty((len(t), 1, 3)), np.empty((len(t), 1, 3))
+        position = np.empty((len(t), 1, 3))
+        velocity = np.empty((len(t), 1, 3))
         out = [pointer("kepler", column, output=True) for column in (position, velocity)]
-        lib, motion = load("kepler").lib, prepared("kepler")
+        lib = load("kepler").lib
+        motion = prepared("kepler")
         lib.refdem_kepler_prepare(gm, *start, t[0], len(t), pointer("kepler", t), *out, motion)
         started = perf_counter()
         seconds = timed(lib.refdem_kepler_run, motion)
@@ -64,14 +67,21 @@ class ExactKepler(Solver):
 def _unbound(scene: Scene) -> str | None:
     """None if the point comes back and misses the centre."""
     gm = scene.all(CentralField)[0].gm
-    position, velocity = scene.bodies.position[0], scene.bodies.velocity[0]
-    distance, square = float(np.linalg.norm(position)), float(velocity @ velocity)
-    inverse = 2.0 - distance * square / gm if distance > 0 else -1.0
+    position = scene.bodies.position[0]
+    velocity = scene.bodies.velocity[0]
+    distance = float(np.linalg.norm(position))
+    square = float(velocity @ velocity)
+    if distance > 0:
+        inverse = 2.0 - distance * square / gm
+    else:
+        inverse = -1.0
     if inverse <= 1e-9:
         return "the orbit is not bound"
     moment = np.cross(position, velocity)
     flatness = float(moment @ moment) * inverse / (distance * gm)
-    return None if flatness > 1e-9 else "the orbit goes through the centre"
+    if flatness > 1e-9:
+        return None
+    return "the orbit goes through the centre"
 
 
 METHOD = ExactKepler()

@@ -42,17 +42,17 @@ class ExactLinear(Solver):
             return "the spring is not linear"
         if any(dashpot.van_der_pol for dashpot in scene.all(Dashpot)):
             return "the dashpot is not linear"
-        return (
-            None
-            if {"dashpot", "force"} & scene.features
-            else "nothing damps or drives: the motion is harmonic"
-        )
+        if {"dashpot", "force"} & scene.features:
+            return None
+        return "nothing damps or drives: the motion is harmonic"
 
     def run(self, request: Request) -> tuple[Trajectory, Cost]:
         """Position and velocity at the samples."""
         begun = perf_counter()
-        line, t = _line.line_of(request), request.problem.times
-        kernel, out = load("linear_oscillator"), np.empty((len(t), 2))
+        line = _line.line_of(request)
+        t = request.problem.times
+        kernel = load("linear_oscillator")
+        out = np.empty((len(t), 2))
         drives = pointer("linear_oscillator", line.drives)
         given = {
             "mass": line.mass,
@@ -63,10 +63,8 @@ class ExactLinear(Solver):
         struct = kernel.ffi.new(
             "refdem_linear *", {**given, "drives": len(line.drives), "drive": drives}
         )
-        samples, rows = (
-            pointer("linear_oscillator", t),
-            pointer("linear_oscillator", out, output=True),
-        )
+        samples = pointer("linear_oscillator", t)
+        rows = pointer("linear_oscillator", out, output=True)
         started = perf_counter()
         kernel.lib.refdem_linear_oscillator(
             struct, line.place, line.speed, t[0], len(t), samples, rows

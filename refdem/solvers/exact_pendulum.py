@@ -49,7 +49,8 @@ class ExactPendulum(Solver):
     def run(self, request: Request) -> tuple[Trajectory, Cost]:
         """Position, velocity and rod force [N] at the samples."""
         begun = perf_counter()
-        scene, t = request.problem.scene, request.problem.times
+        scene = request.problem.scene
+        t = request.problem.times
         rod = scene.all(Rod)[0]
         given = (
             single.gravity(scene),
@@ -63,7 +64,8 @@ class ExactPendulum(Solver):
         )
         columns = [pointer("pendulum", column) for column in given]
         out = [pointer("pendulum", column, output=True) for column in (position, velocity, force)]
-        lib, motion = load("pendulum").lib, prepared("pendulum")
+        lib = load("pendulum").lib
+        motion = prepared("pendulum")
         lib.refdem_pendulum_prepare(
             scene.bodies.mass[0],
             rod.length,
@@ -84,8 +86,10 @@ def _astray(scene: Scene) -> str | None:
     """None if position and velocity agree with a rod that swings in a plane."""
     rod = scene.all(Rod)[0]
     arm = scene.bodies.position[0] - single.anchor(rod)
-    velocity, gravity = scene.bodies.velocity[0], single.gravity(scene)
-    speed, reach = float(np.linalg.norm(velocity)), float(np.linalg.norm(arm))
+    velocity = scene.bodies.velocity[0]
+    gravity = single.gravity(scene)
+    speed = float(np.linalg.norm(velocity))
+    reach = float(np.linalg.norm(arm))
     if abs(reach - rod.length) > 1e-9 * rod.length:
         return f"the rod of length {rod.length} starts {reach} long"
     if abs(arm @ velocity) > PLANAR * reach * speed:

@@ -31,29 +31,29 @@ class ExactPiecewiseField(Solver):
 
     def refusal(self, problem: Motion) -> str | None:
         """None for one free point, nothing but one such field, and a velocity along its axis."""
-        scene, bodies = problem.scene, problem.scene.bodies
+        scene = problem.scene
+        bodies = problem.scene.bodies
         if len(scene.elements) != 1 or not isinstance(scene.elements[0], PiecewiseField):
             return "something else than one piecewise linear field"
         if len(bodies) != 1 or bodies.fixed.any() or np.any(bodies.omega):
             return "not one free body that does not turn"
         across = np.cross(bodies.velocity[0], scene.elements[0].axis)
-        return (
-            "it moves across the axis of the field"
-            if np.linalg.norm(across) > 1e-15 * np.linalg.norm(bodies.velocity[0])
-            else None
-        )
+        if np.linalg.norm(across) > 1e-15 * np.linalg.norm(bodies.velocity[0]):
+            return "it moves across the axis of the field"
+        return None
 
     def run(self, request: Request) -> tuple[Trajectory, Cost]:
         """States at the samples; a run backwards is one with flipped velocities."""
         begun = perf_counter()
-        scene, t = request.problem.scene, request.problem.times
-        field, axis = scene.all(PiecewiseField)[0], np.array(scene.all(PiecewiseField)[0].axis)
+        scene = request.problem.scene
+        t = request.problem.times
+        field = scene.all(PiecewiseField)[0]
+        axis = np.array(scene.all(PiecewiseField)[0].axis)
         sense = float(np.sign(request.problem.interval))
-        place, speed = (
-            float((scene.bodies.position[0] - field.point) @ axis),
-            sense * float(scene.bodies.velocity[0] @ axis),
-        )
-        since, out = sense * (t - t[0]), np.empty((len(t), 2))
+        place = float((scene.bodies.position[0] - field.point) @ axis)
+        speed = sense * float(scene.bodies.velocity[0] @ axis)
+        since = sense * (t - t[0])
+        out = np.empty((len(t), 2))
         numbers = (
             float(scene.bodies.mass[0]),
             field.k1,
@@ -64,10 +64,8 @@ class ExactPiecewiseField(Solver):
             speed,
         )
         kernel = load("piecewise_field").lib
-        times, target = (
-            pointer("piecewise_field", since),
-            pointer("piecewise_field", out, output=True),
-        )
+        times = pointer("piecewise_field", since)
+        target = pointer("piecewise_field", out, output=True)
         started = perf_counter()
         kernel.refdem_piecewise_field(*numbers, len(t), times, target)
         cost = Cost(seconds=perf_counter() - started, setup=started - begun)

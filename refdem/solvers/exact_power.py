@@ -54,12 +54,12 @@ class ExactPower(Solver):
     def run(self, request: Request) -> tuple[Trajectory, Cost]:
         """Position and velocity at the samples."""
         begun = perf_counter()
-        line, t = _line.line_of(request), request.problem.times
-        out, lib = np.empty((len(t), 2)), load("power_oscillator").lib
-        samples, rows = (
-            pointer("power_oscillator", t),
-            pointer("power_oscillator", out, output=True),
-        )
+        line = _line.line_of(request)
+        t = request.problem.times
+        out = np.empty((len(t), 2))
+        lib = load("power_oscillator").lib
+        samples = pointer("power_oscillator", t)
+        rows = pointer("power_oscillator", out, output=True)
         given = (line.mass, line.spring.stiffness, line.spring.exponent, line.place, line.speed)
         started = perf_counter()
         lib.refdem_power_oscillator(*given, t[0], len(t), samples, rows)

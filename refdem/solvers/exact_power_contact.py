@@ -40,7 +40,8 @@ class ExactPowerContact(Solver):
         """None for two free spheres that do not turn, nothing but Hertz's contact, and no sideways
         velocity.
         """
-        scene, bodies = problem.scene, problem.scene.bodies
+        scene = problem.scene
+        bodies = problem.scene.bodies
         laws = scene.all(Contact)
         if (
             len(bodies) != 2
@@ -53,25 +54,28 @@ class ExactPowerContact(Solver):
         if np.any(bodies.omega):
             return "a sphere turns"
         _, closing, sideways = approach(scene)
-        return (
-            "the spheres do not meet along the line of their centres"
-            if sideways > ROUNDED * abs(closing)
-            else None
-        )
+        if sideways > ROUNDED * abs(closing):
+            return "the spheres do not meet along the line of their centres"
+        return None
 
     def run(self, request: Request) -> tuple[Trajectory, Cost]:
         """States at the samples; a run backwards is one with flipped velocities."""
         begun = perf_counter()
-        scene, t = request.problem.scene, request.problem.times
-        law, bodies = scene.all(Contact)[0], scene.bodies
+        scene = request.problem.scene
+        t = request.problem.times
+        law = scene.all(Contact)[0]
+        bodies = scene.bodies
         sense = float(np.sign(request.problem.interval))
         overlap, closing, _ = approach(scene)
-        start = overlap if abs(overlap) > ROUNDED * bodies.radius.sum() else 0.0
-        since, out, touch = sense * (t - t[0]), np.empty((len(t), 2)), np.empty(3)
-        mass, force = (
-            float(bodies.mass.prod() / bodies.mass.sum()),
-            np.array([law.stiffness, law.exponent]),
-        )
+        if abs(overlap) > ROUNDED * bodies.radius.sum():
+            start = overlap
+        else:
+            start = 0.0
+        since = sense * (t - t[0])
+        out = np.empty((len(t), 2))
+        touch = np.empty(3)
+        mass = float(bodies.mass.prod() / bodies.mass.sum())
+        force = np.array([law.stiffness, law.exponent])
         kernel = load("power_contact").lib
         laws = pointer("power_contact", force)
         buffers = [pointer("power_contact", array, output=True) for array in (touch, out)]

@@ -53,11 +53,13 @@ class ExactRigidCluster(Solver):
     def run(self, request: Request) -> tuple[Trajectory, Cost]:
         """Position, velocity and the force [N] of every rod at the samples."""
         begun = perf_counter()
-        scene, t = request.problem.scene, np.ascontiguousarray(request.problem.times)
+        scene = request.problem.scene
+        t = np.ascontiguousarray(request.problem.times)
         place, drift, arms, tensor, omega = _body(scene)
         moments, axes = np.linalg.eigh(tensor)
         axes[:, 2] *= np.sign(np.linalg.det(axes))
-        attitude, spin = np.empty((len(t), 4)), np.empty((len(t), 3))
+        attitude = np.empty((len(t), 4))
+        spin = np.empty((len(t), 3))
         given = [
             pointer("free_body", np.ascontiguousarray(column))
             for column in (moments, START, axes.T @ omega)
@@ -70,7 +72,8 @@ class ExactRigidCluster(Solver):
         away = np.einsum("tij,nj->tni", turn, arms)
         velocity = drift + np.cross((spin @ axes.T)[:, None], away)
         position = (place + np.outer(t - t[0], drift))[:, None] + away
-        position[0], velocity[0] = scene.bodies.position, scene.bodies.velocity
+        position[0] = scene.bodies.position
+        velocity[0] = scene.bodies.velocity
         return (
             Trajectory.of_points(
                 t, position, velocity, channels={"rod_force": _tension(scene, away, velocity)}
@@ -87,8 +90,10 @@ def _body(scene: Scene) -> tuple[Array, Array, Array, Array, Array]:
     rounded on their scale. Arms and rates are means of differences: of a point that is nearly the
     centre of mass they are small, and rounded as such.
     """
-    mass, bodies = scene.bodies.mass, scene.bodies
-    part, base = mass / mass.sum(), int(np.argmax(mass))
+    mass = scene.bodies.mass
+    bodies = scene.bodies
+    part = mass / mass.sum()
+    base = int(np.argmax(mass))
     place, drift = (
         column[base] + part @ (column - column[base])
         for column in (bodies.position, bodies.velocity)
@@ -111,13 +116,15 @@ def _rows(scene: Scene, away: Array) -> Array:
     for number, rod in enumerate(rods):
         apart = away[:, rod.a] - away[:, rod.b]
         apart = apart / np.linalg.norm(apart, axis=1, keepdims=True)
-        rows[:, number, rod.a], rows[:, number, rod.b] = apart, -apart
+        rows[:, number, rod.a] = apart
+        rows[:, number, rod.b] = -apart
     return rows
 
 
 def _loose(scene: Scene) -> str | None:
     """None if the rods hold every point, have their lengths, and the points move as one body."""
-    bodies, n = scene.bodies, len(scene.bodies)
+    bodies = scene.bodies
+    n = len(scene.bodies)
     rows = _rows(scene, bodies.position[None])[0].reshape(len(scene.all(Rod)), 3 * n)
     if n < 4 or np.linalg.matrix_rank(rows, tol=FITS) < 3 * n - 6:
         return "the rods do not make one rigid body of the points"
@@ -127,18 +134,17 @@ def _loose(scene: Scene) -> str | None:
             return f"a rod of length {rod.length} starts {found} long"
     _, drift, arms, _, omega = _body(scene)
     off = np.abs(bodies.velocity - drift - np.cross(omega, arms)).max()
-    return (
-        "a rod starts with a speed along it"
-        if off > FITS * np.linalg.norm(omega) * np.abs(arms).max()
-        else None
-    )
+    if off > FITS * np.linalg.norm(omega) * np.abs(arms).max():
+        return "a rod starts with a speed along it"
+    return None
 
 
 def _tension(scene: Scene, away: Array, velocity: Array) -> Array:
     """Tension (T, rods) [N]: what makes the points turn, G M^-1 G^T T = |relative
     velocity|^2/length, of least squares.
     """
-    rods, rows = scene.all(Rod), _rows(scene, away)
+    rods = scene.all(Rod)
+    rows = _rows(scene, away)
     weighted = rows / scene.bodies.mass[:, None]
     coupling = np.einsum("tink,tjnk->tij", rows, weighted)
     speed2 = [

@@ -35,7 +35,8 @@ class ExactSlide(Solver):
         does not tip it.
         """
         scene = problem.scene
-        bodies, laws = scene.bodies, scene.all(Contact)
+        bodies = scene.bodies
+        laws = scene.all(Contact)
         if len(bodies) != 1 or len(laws) != 1 or not isinstance(bodies.shape[0], Polyhedron):
             return "no single polyhedron with one contact law"
         if (
@@ -46,12 +47,15 @@ class ExactSlide(Solver):
         if np.any(bodies.velocity) or np.any(bodies.omega) or problem.interval < 0:
             return "it slides from rest, forward in time"
         load = _balance.pressed(scene)
-        return load if isinstance(load, str) else _balance.tipping(scene, laws[0], load)
+        if isinstance(load, str):
+            return load
+        return _balance.tipping(scene, laws[0], load)
 
     def run(self, request: Request) -> tuple[Trajectory, Cost]:
         """s = a t^2/2, a = g (sin - mu cos), down the steepest line of the plane."""
         begun = perf_counter()
-        scene, times = request.problem.scene, request.problem.times
+        scene = request.problem.scene
+        times = request.problem.times
         load = _balance.pressed(scene)
         assert not isinstance(load, str)
         steepness = load.steepness
@@ -59,7 +63,8 @@ class ExactSlide(Solver):
         started = perf_counter()
         t = (times - times[0])[:, None, None]
         bodies = scene.bodies
-        position, velocity = bodies.position + rise * (t * t / 2), rise * t
+        position = bodies.position + rise * (t * t / 2)
+        velocity = rise * t
         seconds = perf_counter() - started
         friction = scene.all(Contact)[0].friction * load.pressing * bodies.mass[0]
         work = friction * np.linalg.norm(position - bodies.position, axis=-1)[:, 0]

@@ -35,31 +35,32 @@ class ExactWedge(Solver):
         """None for one free body that moves along the normal and does not turn by itself, and
         nothing but one wall for wedges.
         """
-        scene, bodies = problem.scene, problem.scene.bodies
+        scene = problem.scene
+        bodies = problem.scene.bodies
         if len(scene.elements) != 1 or not isinstance(scene.elements[0], Wedge):
             return "something else than one wall for wedges"
         if len(bodies) != 1 or bodies.fixed.any() or np.any(bodies.omega):
             return "not one free body that does not turn"
         across = np.cross(bodies.velocity[0], scene.elements[0].normal)
-        return (
-            "it moves along the wall"
-            if np.linalg.norm(across) > 1e-15 * np.linalg.norm(bodies.velocity[0])
-            else None
-        )
+        if np.linalg.norm(across) > 1e-15 * np.linalg.norm(bodies.velocity[0]):
+            return "it moves along the wall"
+        return None
 
     def run(self, request: Request) -> tuple[Trajectory, Cost]:
         """States at the samples; a run backwards is one with flipped velocities."""
         begun = perf_counter()
-        scene, t = request.problem.scene, request.problem.times
-        wall, bodies = scene.all(Wedge)[0], scene.bodies
+        scene = request.problem.scene
+        t = request.problem.times
+        wall = scene.all(Wedge)[0]
+        bodies = scene.bodies
         sense = float(np.sign(request.problem.interval))
-        start, rate = (
-            float(wall.overlap(bodies.position[0])),
-            -sense * float(bodies.velocity[0] @ np.array(wall.normal)),
-        )
+        start = float(wall.overlap(bodies.position[0]))
+        rate = -sense * float(bodies.velocity[0] @ np.array(wall.normal))
         laws = [np.array([wall.quadratic, 2.0]), np.array([wall.stiffness, 1.0])]
         inward, outward = laws if _comes_edge_first(scene, wall, start, rate) else laws[::-1]
-        since, out, touch = sense * (t - t[0]), np.empty((len(t), 2)), np.empty(3)
+        since = sense * (t - t[0])
+        out = np.empty((len(t), 2))
+        touch = np.empty(3)
         kernel = load("power_contact").lib
         arrays = [pointer("power_contact", array) for array in (inward, outward, since)]
         buffers = [pointer("power_contact", array, output=True) for array in (touch, out)]
@@ -106,7 +107,9 @@ class ExactWedge(Solver):
 def _comes_edge_first(scene: Scene, wall: Wedge, overlap: float, rate: float) -> bool:
     """Whether the way in is, or was, edge first: it turns in between."""
     edge = bool(wall.edge_first(scene.bodies.attitude[0]))
-    return not edge if overlap > 0 and rate < 0 else edge
+    if overlap > 0 and rate < 0:
+        return not edge
+    return edge
 
 
 def _deepest(

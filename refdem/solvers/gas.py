@@ -44,7 +44,8 @@ MOST_EVENTS = 100_000
 """Contacts whose begin is told; of a motion with more none is, so that those told are all."""
 
 
-THREADS, MOST_THREADS = "REFDEM_THREADS", 64
+THREADS = "REFDEM_THREADS"
+MOST_THREADS = 64
 
 
 @dataclass(frozen=True, eq=False)
@@ -111,8 +112,10 @@ class Gas(Solver):
     def run(self, request: Request) -> tuple[Trajectory, Cost]:
         """States at the samples, number of contacts, dissipated work and where contacts begin."""
         begun = perf_counter()
-        scene, t = request.problem.scene, request.problem.times
-        ffi, lib = load("gas").ffi, load("gas").lib
+        scene = request.problem.scene
+        t = request.problem.times
+        ffi = load("gas").ffi
+        lib = load("gas").lib
         planes = np.array([(*plane.point, *plane.normal) for plane in scene.all(Plane)]).ravel()
         struct = ffi.new(
             "refdem_gas *",
@@ -155,11 +158,15 @@ def _of_bodies(scene: Scene) -> str | None:
         return "what is not two or more spheres"
     if np.ptp(bodies.radius) or np.ptp(bodies.mass) or np.ptp(bodies.inertia):
         return "spheres that differ"
-    return "spheres that are fixed" if bodies.fixed.any() else None
+    if bodies.fixed.any():
+        return "spheres that are fixed"
+    return None
 
 
 def _of_bounds(scene: Scene) -> str | None:
-    boxes, walls, n = scene.all(PeriodicBox), scene.all(Plane), len(scene.bodies)
+    boxes = scene.all(PeriodicBox)
+    walls = scene.all(Plane)
+    n = len(scene.bodies)
     if len(boxes) > 1 or (boxes and walls):
         return "more than one kind of bounds"
     if not boxes and n * (n - 1) // 2 + n * len(walls) <= MANY:
@@ -175,20 +182,25 @@ def _of_contact(scene: Scene) -> str | None:
         return "not one contact law"
     if laws[0].law != "linear":
         return f"contact law {laws[0].law}"
-    return (
-        "friction without a tangential spring"
-        if laws[0].friction > 0 and laws[0].tangential_stiffness == 0
-        else None
-    )
+    if laws[0].friction > 0 and laws[0].tangential_stiffness == 0:
+        return "friction without a tangential spring"
+    return None
 
 
 def _numbers(scene: Scene) -> dict[str, Any]:
     """The fields of the kernel's struct that are numbers; room for pairs as at three times the
     density, at most closest packing.
     """
-    bodies, law, boxes = scene.bodies, scene.all(Contact)[0], scene.all(PeriodicBox)
-    diameter, n, planes = 2 * float(bodies.radius[0]), len(bodies), len(scene.all(Plane))
-    extent = [boxes[0].size] * 3 if boxes else np.maximum(np.ptp(bodies.position, axis=0), diameter)
+    bodies = scene.bodies
+    law = scene.all(Contact)[0]
+    boxes = scene.all(PeriodicBox)
+    diameter = 2 * float(bodies.radius[0])
+    n = len(bodies)
+    planes = len(scene.all(Plane))
+    if boxes:
+        extent = [boxes[0].size] * 3
+    else:
+        extent = np.maximum(np.ptp(bodies.position, axis=0), diameter)
     filled = min(PACKED, 0.05 + 3 * n * np.pi / 6 * diameter**3 / float(np.prod(extent)))
     most = int(min(n * (n - 1) / 2, n * (20 + 0.5 * 8 * 1.5**3 * filled))) + n * planes
     numbers: dict[str, Any] = {
@@ -216,7 +228,8 @@ def _numbers(scene: Scene) -> dict[str, Any]:
 
 def _buffers(scene: Scene, struct: Any, samples: int) -> Buffers:
     """Everything that a run writes; the start is in its place."""
-    n, members = len(scene.bodies), min(threads(), len(scene.bodies))
+    n = len(scene.bodies)
+    members = min(threads(), len(scene.bodies))
     states = {
         name: np.empty((samples, n, width))
         for name, width in STATE.items()

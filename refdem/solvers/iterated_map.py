@@ -45,20 +45,22 @@ class IteratedMap(Solver):
 
     def refusal(self, problem: Iteration) -> str | None:
         """None for the maps that it has."""
-        return None if type(problem.map) in FUNCTIONS else f"no map {problem.map.kind}"
+        if type(problem.map) in FUNCTIONS:
+            return None
+        return f"no map {problem.map.kind}"
 
     def run(self, request: Request) -> tuple[Trajectory, Cost]:
         """The iterates asked for: `x` (T,), or `position` [m] and `direction` (T, 2)."""
         begun = perf_counter()
         problem = request.problem
         assert isinstance(problem, Iteration)
-        counts, start, asked = (
-            problem.times,
-            np.ascontiguousarray(problem.start, float),
-            problem.map,
-        )
+        counts = problem.times
+        start = np.ascontiguousarray(problem.start, float)
+        asked = problem.map
         out = np.empty((len(counts), asked.dimension))
-        lib, n, rows = load("maps").lib, pointer("maps", counts), pointer("maps", out, output=True)
+        lib = load("maps").lib
+        n = pointer("maps", counts)
+        rows = pointer("maps", out, output=True)
         function = getattr(lib, FUNCTIONS[type(asked)])
         started = perf_counter()
         if isinstance(asked, Billiard):

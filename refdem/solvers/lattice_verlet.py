@@ -59,12 +59,16 @@ class LatticeVerlet(Solver):
             return "the spring has a length: its force turns round at the anchor"
         if line.spring.quadratic:
             return "the square of the stretch turns round at the anchor"
-        return None if _reach(line) else "the motion has no bound, or is rest"
+        if _reach(line):
+            return None
+        return "the motion has no bound, or is rest"
 
     def run(self, request: Request) -> tuple[Trajectory, Cost]:
         """Places and velocities after each `stride` steps; the first row is the start as given."""
-        begun, t = perf_counter(), request.problem.times
-        line, out = _line.line_of(request), np.empty((len(t), 2))
+        begun = perf_counter()
+        t = request.problem.times
+        line = _line.line_of(request)
+        out = np.empty((len(t), 2))
         place, speed = (ldexp(size, -self.bits) for size in _reach(line) or (1.0, 1.0))
         spring = line.spring
         law = {
@@ -73,10 +77,8 @@ class LatticeVerlet(Solver):
             "exponent": spring.exponent,
         }
         law |= {"cubic": spring.cubic, "weight": line.weight, "place": place, "speed": speed}
-        told, rows = (
-            load(FAMILY).ffi.new("refdem_lattice *", law),
-            pointer(FAMILY, out, output=True),
-        )
+        told = load(FAMILY).ffi.new("refdem_lattice *", law)
+        rows = pointer(FAMILY, out, output=True)
         step = (line.place, line.speed, request.signed_step, len(t), request.stride)
         started = perf_counter()
         seconds = timed(load(FAMILY).lib.refdem_lattice_verlet, told, *step, rows)

@@ -49,7 +49,8 @@ class ObliqueContact(Solver):
         """None for two free spheres that touch and press, spins across the plane of their motion,
         under linear contact alone.
         """
-        scene, bodies = problem.scene, problem.scene.bodies
+        scene = problem.scene
+        bodies = problem.scene.bodies
         laws = scene.all(Contact)
         if (
             len(bodies) != 2
@@ -76,38 +77,36 @@ class ObliqueContact(Solver):
         ):
             return "the force would pull at the start"
         aside = np.linalg.norm(bodies.omega - np.outer(bodies.omega @ axes[2], axes[2]), axis=1)
-        return (
-            "a spin turns the motion out of its plane"
-            if np.any(aside > ASKEW * np.linalg.norm(bodies.omega, axis=1))
-            else None
-        )
+        if np.any(aside > ASKEW * np.linalg.norm(bodies.omega, axis=1)):
+            return "a spin turns the motion out of its plane"
+        return None
 
     def run(self, request: Request) -> tuple[Trajectory, Cost]:
         """States of both, contact channels and the release; raises EngineError if hold and slip
         change without end.
         """
         begun = perf_counter()
-        scene, t = request.problem.scene, request.problem.times
+        scene = request.problem.scene
+        t = request.problem.times
         axes = frame(scene)
-        start, since = beginning(scene, axes), t - t[0]
-        out, release, pair = (
-            np.full((len(t), COLUMNS), np.nan),
-            np.empty(1),
-            words(scene, float(since[-1])),
-        )
+        start = beginning(scene, axes)
+        since = t - t[0]
+        out = np.full((len(t), COLUMNS), np.nan)
+        release = np.empty(1)
+        pair = words(scene, float(since[-1]))
         buffers = [pointer(FAMILY, array, output=True) for array in (release, out)]
-        lib, given = load(FAMILY).lib, (pointer(FAMILY, start), len(t), pointer(FAMILY, since))
+        lib = load(FAMILY).lib
+        given = (pointer(FAMILY, start), len(t), pointer(FAMILY, since))
         started = perf_counter()
         seconds = timed(lib.refdem_oblique, pair, *given, *buffers)
         cost = Cost(seconds=seconds, setup=started - begun)
         if np.isnan(out[-1, 0]):
             reached = int(np.argmax(np.isnan(out[:, 0])))
             raise EngineError(f"hold and slip change without end at t = {t[reached]:g} s")
-        told = (
-            (Event(time=float(t[0] + release[0]), kind="release", body=0),)
-            if release[0] <= since[-1]
-            else ()
-        )
+        if release[0] <= since[-1]:
+            told = (Event(time=float(t[0] + release[0]), kind="release", body=0),)
+        else:
+            told = ()
         return _trajectory(scene, axes, t, out, told), cost
 
 
@@ -116,19 +115,16 @@ def frame(scene: Scene) -> Array:
     normal of that plane.
     """
     bodies = scene.bodies
-    line, relative = (
-        bodies.position[1] - bodies.position[0],
-        bodies.velocity[1] - bodies.velocity[0],
-    )
+    line = bodies.position[1] - bodies.position[0]
+    relative = bodies.velocity[1] - bodies.velocity[0]
     along = line / np.linalg.norm(line)
     across = relative - (relative @ along) * along
     if np.linalg.norm(across) <= ASKEW * np.linalg.norm(relative):
         spin = bodies.omega[np.argmax(np.linalg.norm(bodies.omega, axis=1))]
-        across = (
-            np.cross(spin, along)
-            if np.any(np.cross(spin, along))
-            else np.cross(along, np.eye(3)[np.argmin(np.abs(along))])
-        )
+        if np.any(np.cross(spin, along)):
+            across = np.cross(spin, along)
+        else:
+            across = np.cross(along, np.eye(3)[np.argmin(np.abs(along))])
     across = across / np.linalg.norm(across)
     return np.array([along, across, np.cross(along, across)])
 
@@ -138,9 +134,13 @@ def beginning(scene: Scene, axes: Array) -> Array:
     that is rounding is none.
     """
     bodies = scene.bodies
-    reach, relative = float(bodies.radius.sum()), bodies.velocity[1] - bodies.velocity[0]
+    reach = float(bodies.radius.sum())
+    relative = bodies.velocity[1] - bodies.velocity[0]
     overlap = reach - float(np.linalg.norm(bodies.position[1] - bodies.position[0]))
-    overlap = 0.0 if abs(overlap) <= ROUNDED * reach else overlap
+    if abs(overlap) <= ROUNDED * reach:
+        overlap = 0.0
+    else:
+        overlap = overlap
     return np.array(
         [overlap, -(relative @ axes[0]), relative @ axes[1], 0.0, *(bodies.omega @ axes[2])]
     )
@@ -148,7 +148,8 @@ def beginning(scene: Scene, axes: Array) -> Array:
 
 def words(scene: Scene, longest: float) -> Any:
     """The pair in the kernel's words."""
-    bodies, law = scene.bodies, scene.all(Contact)[0]
+    bodies = scene.bodies
+    law = scene.all(Contact)[0]
     turn_ease = [1.0 / inertia if inertia > 0 else 0.0 for inertia in bodies.inertia[:, 0]]
     numbers = {
         name: getattr(law, name)
@@ -175,10 +176,12 @@ def _trajectory(
     scene: Scene, axes: Array, t: Array, out: Array, events: tuple[Event, ...]
 ) -> Trajectory:
     """The kernel's rows about a centre of mass in uniform motion."""
-    bodies, (overlap, rate, transverse, angle) = scene.bodies, out[:, :4].T
+    bodies = scene.bodies
+    (overlap, rate, transverse, angle) = out[:, :4].T
     along = np.stack([np.cos(angle), np.sin(angle)], axis=-1) @ axes[:2]
     across = np.stack([-np.sin(angle), np.cos(angle)], axis=-1) @ axes[:2]
-    line, total = bodies.position[1] - bodies.position[0], bodies.mass.sum()
+    line = bodies.position[1] - bodies.position[0]
+    total = bodies.mass.sum()
     apart = (bodies.radius.sum() - overlap)[:, None] * along - line
     relative = transverse[:, None] * across - rate[:, None] * along
     share = np.array([-bodies.mass[1], bodies.mass[0]])[:, None] / total

@@ -56,8 +56,11 @@ class Rattle(Solver):
     def run(self, request: Request) -> tuple[Trajectory, Cost]:
         """Position, velocity and the force [N] of every rod after each `stride` steps."""
         begun = perf_counter()
-        scene, t = request.problem.scene, request.problem.times
-        n, rods, springs = len(scene.bodies), scene.all(Rod), scene.all(Spring)
+        scene = request.problem.scene
+        t = request.problem.times
+        n = len(scene.bodies)
+        rods = scene.all(Rod)
+        springs = scene.all(Spring)
         mass = np.where(scene.bodies.fixed, np.inf, scene.bodies.mass)
         length = np.array([rod.length for rod in rods])
         law = np.array([(s.stiffness, s.length, s.exponent) for s in springs]).reshape(-1, 3)
@@ -113,7 +116,8 @@ def _links(links: "list[Rod] | list[Spring]") -> tuple[Any, Any]:
 def _room(scene: Scene, samples: int, rods: int) -> tuple[Any, Any, Any]:
     """Arrays for position, velocity (T, N, 3) with the start in row 0, and force (T, rods)."""
     n = len(scene.bodies)
-    position, velocity = np.empty((samples, n, 3)), np.empty((samples, n, 3))
+    position = np.empty((samples, n, 3))
+    velocity = np.empty((samples, n, 3))
     position[0], velocity[0] = (
         scene.bodies.position,
         np.where(scene.bodies.fixed[:, None], 0.0, scene.bodies.velocity),

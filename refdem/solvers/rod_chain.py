@@ -63,13 +63,16 @@ class RodChain(Solver):
     def run(self, request: Request) -> tuple[Trajectory, Cost]:
         """Position, velocity and the force [N] of every rod at the samples."""
         begun = perf_counter()
-        scene, t = request.problem.scene, np.ascontiguousarray(request.problem.times)
+        scene = request.problem.scene
+        t = np.ascontiguousarray(request.problem.times)
         chain = _chain(scene)
         pivot = _pivot(scene, t)
         aim, rate = _aim(scene, chain, pivot)
-        n, states = len(chain.bobs), np.empty((len(t), 2 * len(chain.bobs) + 1))
+        n = len(chain.bobs)
+        states = np.empty((len(t), 2 * len(chain.bobs) + 1))
         states[0] = np.concatenate([np.zeros(n), rate, [0.0]])
-        length, mass = np.array([rod.length for rod in chain.rods]), scene.bodies.mass[chain.bobs]
+        length = np.array([rod.length for rod in chain.rods])
+        mass = scene.bodies.mass[chain.bobs]
         drive, frequency, phase = _drive(scene)
         given = [
             pointer("rod_chain", column)
@@ -114,12 +117,19 @@ class Pivot(NamedTuple):
 def _chain(scene: Scene) -> Chain:
     """The chain as far as its rods go; bobs that no rod reaches are left out."""
     anchors = scene.all(MovingAnchor)
-    end = anchors[0].a if anchors else -1
-    chain, left = Chain([], [], end), list(scene.all(Rod))
+    if anchors:
+        end = anchors[0].a
+    else:
+        end = -1
+    chain = Chain([], [], end)
+    left = list(scene.all(Rod))
     while following := [rod for rod in left if end in (rod.a, rod.b)]:
         rod = following[0]
         left.remove(rod)
-        end = rod.a if rod.b == end else rod.b
+        if rod.b == end:
+            end = rod.a
+        else:
+            end = rod.b
         chain.bobs.append(end)
         chain.rods.append(rod)
     return chain
@@ -127,7 +137,8 @@ def _chain(scene: Scene) -> Chain:
 
 def _broken(scene: Scene) -> str | None:
     """None if the rods are one chain from one pivot that holds every body."""
-    anchors, rods = scene.all(MovingAnchor), scene.all(Rod)
+    anchors = scene.all(MovingAnchor)
+    rods = scene.all(Rod)
     if len(anchors) > 1 or not rods or len(rods) > MOST:
         return (
             f"{len(anchors)} moved pivots and {len(rods)} rods; expected at most one, and 1 to"
@@ -148,8 +159,10 @@ def _broken(scene: Scene) -> str | None:
 
 def _astray(problem: Motion) -> str | None:
     """None if the start fits rods and pivot in place and in velocity."""
-    scene, bodies = problem.scene, problem.scene.bodies
-    chain, pivot = _chain(scene), _pivot(scene, problem.times[:1])
+    scene = problem.scene
+    bodies = problem.scene.bodies
+    chain = _chain(scene)
+    pivot = _pivot(scene, problem.times[:1])
     for anchor in scene.all(MovingAnchor):
         size = sum(rod.length for rod in chain.rods)
         off = np.linalg.norm(bodies.position[anchor.a] - pivot.place[0]) / size
@@ -205,12 +218,13 @@ def _places(
     `aim` (N, 2) times the lengths. Row 0 is the start as it came.
     """
     turn, rate = np.split(states, 2, axis=1)
-    sine, cosine, nothing = np.sin(turn), np.cos(turn), np.zeros_like(turn)
-    x, down = aim[:, 0] * cosine + aim[:, 1] * sine, aim[:, 1] * cosine - aim[:, 0] * sine
-    outward, sideways = (
-        np.stack([x, -down, nothing], axis=2),
-        rate[..., None] * np.stack([down, x, nothing], axis=2),
-    )
+    sine = np.sin(turn)
+    cosine = np.cos(turn)
+    nothing = np.zeros_like(turn)
+    x = aim[:, 0] * cosine + aim[:, 1] * sine
+    down = aim[:, 1] * cosine - aim[:, 0] * sine
+    outward = np.stack([x, -down, nothing], axis=2)
+    sideways = rate[..., None] * np.stack([down, x, nothing], axis=2)
     position, velocity = (np.empty((len(states), len(scene.bodies), 3)) for _ in range(2))
     for column, support, part in (
         (position, pivot.place, outward),
@@ -219,7 +233,8 @@ def _places(
         if chain.pivot >= 0:
             column[:, chain.pivot] = support
         column[:, chain.bobs] = support[:, None] + np.cumsum(part, axis=1)
-    position[0], velocity[0] = scene.bodies.position, scene.bodies.velocity
+    position[0] = scene.bodies.position
+    velocity[0] = scene.bodies.velocity
     return position, velocity
 
 
@@ -227,7 +242,9 @@ def _tension(scene: Scene, pivot: Pivot, position: Array, velocity: Array) -> Ar
     """Tension (T, rods) [N] in the scene's order: what keeps every rod's length, e.(a1 - a2) = -|v1
     - v2|^2/length.
     """
-    rods, chain, mass = scene.all(Rod), _chain(scene), scene.bodies.mass
+    rods = scene.all(Rod)
+    chain = _chain(scene)
+    mass = scene.bodies.mass
     rows = np.zeros((len(position), len(rods), len(mass), 3))
     wanted = np.zeros((len(position), len(rods)))
     for number, rod in enumerate(rods):

@@ -50,18 +50,24 @@ class RodTaylor(Solver):
         rod = scene.all(Rod)[0]
         if scene.bodies.fixed.any():
             return "the rod does not hang from the world"
-        arm, velocity = scene.bodies.position[0] - single.anchor(rod), scene.bodies.velocity[0]
+        arm = scene.bodies.position[0] - single.anchor(rod)
+        velocity = scene.bodies.velocity[0]
         if abs(float(np.linalg.norm(arm)) - rod.length) > FITS * rod.length:
             return f"the rod of length {rod.length} starts {float(np.linalg.norm(arm))} long"
         along = abs(float(arm @ velocity)) > FITS * rod.length * float(np.linalg.norm(velocity))
-        return "the point starts with a speed along the rod" if along else None
+        if along:
+            return "the point starts with a speed along the rod"
+        return None
 
     def run(self, request: Request) -> tuple[Trajectory, Cost]:
         """Position, velocity and rod force [N] at the samples."""
         begun = perf_counter()
-        scene, t = request.problem.scene, request.problem.times
-        rod, mass = scene.all(Rod)[0], float(scene.bodies.mass[0])
-        gravity, speed = single.gravity(scene), scene.bodies.velocity[0]
+        scene = request.problem.scene
+        t = request.problem.times
+        rod = scene.all(Rod)[0]
+        mass = float(scene.bodies.mass[0])
+        gravity = single.gravity(scene)
+        speed = scene.bodies.velocity[0]
         unit = single.time_unit([swing_time(rod.length, gravity), turn_time(rod.length, speed)])
         given = (
             gravity * unit**2,
@@ -70,11 +76,9 @@ class RodTaylor(Solver):
             speed * unit,
         )
         clock = np.ascontiguousarray(t / unit)
-        position, velocity, force = (
-            np.empty((len(t), 1, 3)),
-            np.empty((len(t), 1, 3)),
-            np.empty((len(t), 1)),
-        )
+        position = np.empty((len(t), 1, 3))
+        velocity = np.empty((len(t), 1, 3))
+        force = np.empty((len(t), 1))
         columns = [pointer("rod_taylor", column) for column in given]
         out = [pointer("rod_taylor", column, output=True) for column in (position, velocity, force)]
         arguments = (
@@ -105,13 +109,17 @@ class RodTaylor(Solver):
 def swing_time(length: float, gravity: Array) -> float:
     """sqrt(l/g) [s]; infinite without gravity."""
     size = float(np.linalg.norm(gravity))
-    return sqrt(length / size) if size > 0 else inf
+    if size > 0:
+        return sqrt(length / size)
+    return inf
 
 
 def turn_time(length: float, velocity: Array) -> float:
     """l/|v| [s]; infinite at rest."""
     size = float(np.linalg.norm(velocity))
-    return length / size if size > 0 else inf
+    if size > 0:
+        return length / size
+    return inf
 
 
 METHOD = RodTaylor()

@@ -63,11 +63,9 @@ class SpinningTop(Solver):
             or len(scene.bodies) != 1
             or scene.bodies.fixed.any()
         ):
-            return (
-                f"{others[0]} beside a ball joint"
-                if others
-                else "not one free body on one ball joint"
-            )
+            if others:
+                return f"{others[0]} beside a ball joint"
+            return "not one free body on one ball joint"
         joint = scene.all(BallJoint)[0]
         if np.count_nonzero(joint.anchor_a) > 1:
             return "the joint is not one of the world on a principal axis of the body"
@@ -78,9 +76,12 @@ class SpinningTop(Solver):
     def run(self, request: Request) -> tuple[Trajectory, Cost]:
         """Position, velocity, attitude and omega at the samples."""
         begun = perf_counter()
-        scene, t = request.problem.scene, np.ascontiguousarray(request.problem.times)
-        bodies, joint = scene.bodies, scene.all(BallJoint)[0]
-        arm, weight = -np.array(joint.anchor_a), bodies.mass[0] * single.gravity(scene)
+        scene = request.problem.scene
+        t = np.ascontiguousarray(request.problem.times)
+        bodies = scene.bodies
+        joint = scene.all(BallJoint)[0]
+        arm = -np.array(joint.anchor_a)
+        weight = bodies.mass[0] * single.gravity(scene)
         states = np.empty((len(t), 7))
         states[0] = np.concatenate(
             [bodies.attitude[0], rotated(conjugate(bodies.attitude[0]), bodies.omega[0])]
@@ -101,7 +102,8 @@ class SpinningTop(Solver):
                 " without singularities"
             )
         attitude = states[:, :4] / np.linalg.norm(states[:, :4], axis=1, keepdims=True)
-        omega, reach = rotated(attitude, states[:, 4:]), rotated(attitude, arm)
+        omega = rotated(attitude, states[:, 4:])
+        reach = rotated(attitude, arm)
         columns: dict[str, Any] = {
             "position": reach + single.anchor(joint),
             "velocity": np.cross(omega, reach),
@@ -125,9 +127,11 @@ def _about_joint(scene: Scene) -> Array:
 
 def _astray(scene: Scene) -> str | None:
     """None if the joint is closed at the start, in place and in velocity."""
-    bodies, joint = scene.bodies, scene.all(BallJoint)[0]
+    bodies = scene.bodies
+    joint = scene.all(BallJoint)[0]
     arm = rotated(bodies.attitude[0], -np.array(joint.anchor_a))
-    size, speed = float(np.linalg.norm(arm)), float(np.linalg.norm(bodies.omega[0]))
+    size = float(np.linalg.norm(arm))
+    speed = float(np.linalg.norm(bodies.omega[0]))
     if np.linalg.norm(bodies.position[0] - arm - single.anchor(joint)) > FITS * (
         size + np.linalg.norm(joint.anchor_b)
     ):

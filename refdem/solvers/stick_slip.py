@@ -57,7 +57,8 @@ class StickSlip(Solver):
         others = [element.kind for element in scene.elements if not isinstance(element, ELEMENTS)]
         if others:
             return f"{others[0]} is more than an oscillator with dry friction has"
-        springs, sliders = scene.all(Spring), scene.all(Slider)
+        springs = scene.all(Spring)
+        sliders = scene.all(Slider)
         if (len(scene.bodies), len(springs), len(sliders)) != (1, 1, 1) or len(
             scene.all(Force)
         ) > 1:
@@ -75,13 +76,16 @@ class StickSlip(Solver):
     def run(self, request: Request) -> tuple[Trajectory, Cost]:
         """Place, velocity, the work done against friction and drive, and the events."""
         begun = perf_counter()
-        scene, t = request.problem.scene, np.ascontiguousarray(request.problem.times)
-        axis, anchor = np.array(scene.all(Slider)[0].axis), single.anchor(scene.all(Spring)[0])
+        scene = request.problem.scene
+        t = np.ascontiguousarray(request.problem.times)
+        axis = np.array(scene.all(Slider)[0].axis)
+        anchor = single.anchor(scene.all(Spring)[0])
         start = [
             float(axis @ vector)
             for vector in (scene.bodies.position[0] - anchor, scene.bodies.velocity[0])
         ]
-        out, told = np.empty((len(t), 3)), np.empty((MOST_EVENTS, 2))
+        out = np.empty((len(t), 3))
+        told = np.empty((MOST_EVENTS, 2))
         unit = law_time_unit(scene)
         law = belt_law(scene, unit)
         start[1] *= unit
@@ -98,7 +102,8 @@ class StickSlip(Solver):
             for time, kind in told[:count]
             if time <= clock[-1]
         )
-        position, velocity = anchor + out[:, :1, None] * axis, out[:, 1:2, None] / unit * axis
+        position = anchor + out[:, :1, None] * axis
+        velocity = out[:, 1:2, None] / unit * axis
         return (
             Trajectory.of_points(
                 t, position, velocity, channels={"dissipated_work": out[:, 2].copy()}, events=events
@@ -109,7 +114,8 @@ class StickSlip(Solver):
 
 def law_time_unit(scene: Scene) -> float:
     """The unit of time [s] in which the kernel is told the motion."""
-    stiffness, mass = scene.all(Spring)[0].stiffness, float(scene.bodies.mass[0])
+    stiffness = scene.all(Spring)[0].stiffness
+    mass = float(scene.bodies.mass[0])
     turns = [force.frequency for force in scene.all(Force) if force.frequency > 0]
     return single.time_unit([sqrt(mass / stiffness), *(1.0 / turn for turn in turns)])
 
@@ -119,16 +125,22 @@ def belt_law(scene: Scene, unit: float = 1.0) -> Any:
 
     In another unit of time forces and work stay what they are if masses are divided by its square.
     """
-    slider, spring = scene.all(Slider)[0], scene.all(Spring)[0]
-    axis, mass = np.array(slider.axis), float(scene.bodies.mass[0])
+    slider = scene.all(Slider)[0]
+    spring = scene.all(Spring)[0]
+    axis = np.array(slider.axis)
+    mass = float(scene.bodies.mass[0])
     plain = slider.law == "coulomb"
     force = next(iter(scene.all(Force)), Force(a=0, amplitude=0.0))
     names = ("mu0", "mu1", "lambda0", "lambda1")
-    law = (
-        {name: getattr(slider, name) for name in names} if not plain else dict.fromkeys(names, 0.0)
-    )
+    if not plain:
+        law = {name: getattr(slider, name) for name in names}
+    else:
+        law = dict.fromkeys(names, 0.0)
     law |= {"mu0": slider.friction, "mu1": slider.friction} if plain else {}
-    by_speed = ("lambda0", "lambda1") if slider.law == "stribeck_linear" else ("lambda0",)
+    if slider.law == "stribeck_linear":
+        by_speed = ("lambda0", "lambda1")
+    else:
+        by_speed = ("lambda0",)
     law |= {name: law[name] / unit for name in by_speed}
     if "lambda1" not in by_speed:
         law["lambda1"] /= unit**2
@@ -153,7 +165,8 @@ def _off_line(scene: Scene) -> str | None:
     """None if place, velocity, gravity and force lie along the slider's axis through the spring's
     anchor.
     """
-    bodies, axis = scene.bodies, np.array(scene.all(Slider)[0].axis)
+    bodies = scene.bodies
+    axis = np.array(scene.all(Slider)[0].axis)
     vectors = [
         bodies.position[0] - single.anchor(scene.all(Spring)[0]),
         bodies.velocity[0],
@@ -164,7 +177,9 @@ def _off_line(scene: Scene) -> str | None:
         np.linalg.norm(vector - (vector @ axis) * axis) > ASKEW * np.linalg.norm(vector)
         for vector in vectors
     ]
-    return "the motion is not along the slider" if any(across) else None
+    if any(across):
+        return "the motion is not along the slider"
+    return None
 
 
 METHOD = StickSlip()

@@ -66,7 +66,8 @@ class StringWheel(Solver):
         """Position and velocity at the samples; raises UnsupportedError where the pendulum is drawn
         onto the wheel: no law of the scene says what becomes of it there."""
         begun = perf_counter()
-        scene, t = request.problem.scene, np.ascontiguousarray(request.problem.times)
+        scene = request.problem.scene
+        t = np.ascontiguousarray(request.problem.times)
         string, down, out = _frame(scene)
         states = np.empty((len(t), 4))
         states[0] = _start(scene, string, down, out)
@@ -74,7 +75,8 @@ class StringWheel(Solver):
             scene.bodies.mass[[string.a, string.b]],
             float(np.linalg.norm(single.gravity(scene))),
         )
-        given, row = pointer("string_wheel", t), pointer("string_wheel", states, output=True)
+        given = pointer("string_wheel", t)
+        row = pointer("string_wheel", states, output=True)
         started = perf_counter()
         failed = load("string_wheel").lib.refdem_string_wheel(
             pendulum, counter, string.drag, string.radius, g, len(t), given, row
@@ -93,7 +95,8 @@ def _frame(scene: Scene) -> tuple[StringOverWheel, Array, Array]:
     """The string, the unit vector of gravity, and the one across it towards the pendulum's side:
     away from the other mass.
     """
-    string, gravity = scene.all(StringOverWheel)[0], single.gravity(scene)
+    string = scene.all(StringOverWheel)[0]
+    gravity = single.gravity(scene)
     down = gravity / np.linalg.norm(gravity)
     out = np.array([-down[1], down[0], 0.0])
     away = (scene.bodies.position[string.b] - np.array(string.centre)) @ out
@@ -102,17 +105,15 @@ def _frame(scene: Scene) -> tuple[StringOverWheel, Array, Array]:
 
 def _start(scene: Scene, string: StringOverWheel, down: Array, out: Array) -> Array:
     """r, theta, u and theta' (4,): (r + i R) exp(i theta) is the pendulum's place, down + i out."""
-    arm, velocity = (
-        scene.bodies.position[string.a] - np.array(string.centre),
-        scene.bodies.velocity[string.a],
-    )
-    x, y, radius = arm @ out, arm @ down, string.radius
+    arm = scene.bodies.position[string.a] - np.array(string.centre)
+    velocity = scene.bodies.velocity[string.a]
+    x = arm @ out
+    y = arm @ down
+    radius = string.radius
     r = np.sqrt(max(x * x + y * y - radius**2, 0.0))
     theta = np.arctan2(x * r - y * radius, y * r + x * radius)
-    along, across = (
-        np.sin(theta) * out + np.cos(theta) * down,
-        np.cos(theta) * out - np.sin(theta) * down,
-    )
+    along = np.sin(theta) * out + np.cos(theta) * down
+    across = np.cos(theta) * out - np.sin(theta) * down
     return np.array([r, theta, velocity @ along, velocity @ across / r if r > 0 else 0.0])
 
 
@@ -121,24 +122,18 @@ def _astray(scene: Scene) -> str | None:
     string does not stretch.
     """
     string, down, out = _frame(scene)
-    arm, velocity = (
-        scene.bodies.position[string.b] - np.array(string.centre),
-        scene.bodies.velocity[string.b],
-    )
+    arm = scene.bodies.position[string.b] - np.array(string.centre)
+    velocity = scene.bodies.velocity[string.b]
     r, _, u, _ = _start(scene, string, down, out)
-    size, speed = (
-        r + string.radius + np.linalg.norm(arm),
-        np.linalg.norm(scene.bodies.velocity, axis=1).max(),
-    )
+    size = r + string.radius + np.linalg.norm(arm)
+    speed = np.linalg.norm(scene.bodies.velocity, axis=1).max()
     if not r > 0:
         return "the pendulum starts on the wheel"
     if abs(arm @ out + string.radius) > FITS * size or abs(velocity @ out) > FITS * speed:
         return "the mass does not hang straight down from the wheel"
-    return (
-        "the string starts with a speed that its ends do not share"
-        if abs(velocity @ down + u) > FITS * speed
-        else None
-    )
+    if abs(velocity @ down + u) > FITS * speed:
+        return "the string starts with a speed that its ends do not share"
+    return None
 
 
 def _places(
@@ -146,17 +141,16 @@ def _places(
 ) -> tuple[Array, Array]:
     """Position and velocity (T, 2, 3); row 0 is the start as it came."""
     r, theta, u, rate = (column[:, None] for column in states.T)
-    along, across = (
-        np.sin(theta) * out + np.cos(theta) * down,
-        np.cos(theta) * out - np.sin(theta) * down,
-    )
+    along = np.sin(theta) * out + np.cos(theta) * down
+    across = np.cos(theta) * out - np.sin(theta) * down
     position, velocity = (np.empty((len(states), 2, 3)) for _ in range(2))
     position[:, string.a] = np.array(string.centre) + string.radius * across + r * along
     velocity[:, string.a] = u * along + r * rate * across
     drawn = (r - r[0]) - string.radius * (theta - theta[0])
     position[:, string.b] = scene.bodies.position[string.b] - drawn * down
     velocity[:, string.b] = -u * down
-    position[0], velocity[0] = scene.bodies.position, scene.bodies.velocity
+    position[0] = scene.bodies.position
+    velocity[0] = scene.bodies.velocity
     return position, velocity
 
 

@@ -52,8 +52,11 @@ class TaylorOscillator(Solver):
     def run(self, request: Request) -> tuple[Trajectory, Cost]:
         """Position, velocity and the work done against damping and drives at the samples."""
         begun = perf_counter()
-        line, t = _line.line_of(request), request.problem.times
-        kernel, out, spring = load("taylor_oscillator"), np.empty((len(t), 3)), line.spring
+        line = _line.line_of(request)
+        t = request.problem.times
+        kernel = load("taylor_oscillator")
+        out = np.empty((len(t), 3))
+        spring = line.spring
         powers = {"linear": 0.0, "quadratic": spring.quadratic, "cubic": spring.cubic}
         powers["linear" if spring.exponent == 1 else "cubic"] += spring.stiffness
         given = {
@@ -66,10 +69,8 @@ class TaylorOscillator(Solver):
         drives = pointer("taylor_oscillator", line.drives)
         more = {"weight": line.weight, "drives": len(line.drives), "drive": drives}
         struct = kernel.ffi.new("refdem_oscillator *", given | more)
-        samples, rows = (
-            pointer("taylor_oscillator", t),
-            pointer("taylor_oscillator", out, output=True),
-        )
+        samples = pointer("taylor_oscillator", t)
+        rows = pointer("taylor_oscillator", out, output=True)
         started = perf_counter()
         failed = kernel.lib.refdem_taylor_oscillator(
             struct, line.place, line.speed, t[0], len(t), samples, rows
@@ -79,9 +80,10 @@ class TaylorOscillator(Solver):
             raise UnsupportedError(
                 f"taylor-oscillator: the motion goes to infinity before sample {failed - 1}"
             )
-        channels = (
-            {} if request.problem.scene.is_conservative() else {"dissipated_work": out[:, 2].copy()}
-        )
+        if request.problem.scene.is_conservative():
+            channels = {}
+        else:
+            channels = {"dissipated_work": out[:, 2].copy()}
         return line.trajectory(t, out[:, 0], out[:, 1], channels=channels), cost
 
 

@@ -62,7 +62,8 @@ class TumblingBody(Solver):
         ]
         if others:
             return f"{others[0]} beside contact, a plane and gravity"
-        laws, bodies = scene.all(Contact), scene.bodies
+        laws = scene.all(Contact)
+        bodies = scene.bodies
         if len(laws) != 1 or len(scene.all(Plane)) != 1 or len(bodies) != 1 or bodies.fixed.any():
             return "not one free body over one plane under one contact law"
         if (
@@ -78,7 +79,8 @@ class TumblingBody(Solver):
         """States, contact channels and events; raises EngineError where a corner that presses comes
         to a stop.
         """
-        scene, times = request.problem.scene, np.ascontiguousarray(request.problem.times)
+        scene = request.problem.scene
+        times = np.ascontiguousarray(request.problem.times)
         states, channels, events, cost = _followed(scene, times)
         if events is None:
             raise EngineError(
@@ -113,7 +115,9 @@ def _law_refusal(law: Contact) -> str | None:
         return f"contact law {law.law}"
     if law.friction > 0 and (law.tangential_stiffness > 0 or law.branch != "R"):
         return "friction on corners with a tangential spring, or away from the corner"
-    return None if law.cutoff == "zero_force" or law.damping == 0 else "corners that pull"
+    if law.cutoff == "zero_force" or law.damping == 0:
+        return None
+    return "corners that pull"
 
 
 def _never_held(problem: Motion) -> str | None:
@@ -125,12 +129,12 @@ def _never_held(problem: Motion) -> str | None:
     if problem.interval < 0:
         return "friction runs forward only"
     _, _, events, _ = _followed(problem.scene, np.ascontiguousarray(problem.times))
-    return (
-        "a corner that presses comes to a stop: friction without a tangential spring does not say"
-        " what holds it"
-        if events is None
-        else None
-    )
+    if events is None:
+        return (
+            "a corner that presses comes to a stop: friction without a tangential spring does not say"
+            " what holds it"
+        )
+    return None
 
 
 def _followed(scene: Scene, times: Array) -> tuple[Array, Array, Array | None, Cost]:
@@ -138,20 +142,17 @@ def _followed(scene: Scene, times: Array) -> tuple[Array, Array, Array | None, C
     reach the last sample.
     """
     begun = perf_counter()
-    bodies, law, plane, kernel = (
-        scene.bodies,
-        scene.all(Contact)[0],
-        scene.all(Plane)[0],
-        load(FAMILY),
-    )
+    bodies = scene.bodies
+    law = scene.all(Contact)[0]
+    plane = scene.all(Plane)[0]
+    kernel = load(FAMILY)
     shape: Any = bodies.shape[0]
     back = conjugate(bodies.attitude[0])
-    states, channels, events = (
-        np.zeros((len(times), 14)),
-        np.zeros((len(times), 3)),
-        np.zeros((MOST_EVENTS, 3)),
-    )
-    turning, moving = rotated(back, bodies.omega[0]), rotated(back, bodies.velocity[0])
+    states = np.zeros((len(times), 14))
+    channels = np.zeros((len(times), 3))
+    events = np.zeros((MOST_EVENTS, 3))
+    turning = rotated(back, bodies.omega[0])
+    moving = rotated(back, bodies.velocity[0])
     states[0, :13] = np.concatenate([bodies.attitude[0], turning, moving, bodies.position[0]])
     given: dict[str, Any] = {
         "inertia": bodies.inertia[0],

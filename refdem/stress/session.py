@@ -116,7 +116,9 @@ class Stress:
 
     def _wave(self, place: Place) -> int:
         """Costly ladders are climbed rung by rung, the others at once."""
-        return place.number if place.ladder.costly else 0
+        if place.ladder.costly:
+            return place.number
+        return 0
 
     def _tasks(
         self, schedule: Schedule | InProcess, places: Sequence[Place]
@@ -176,7 +178,9 @@ class Stress:
 
     def _limit(self, engine: Engine) -> float | None:
         """A time limit that a program keeps itself comes before the worker's."""
-        return None if engine.time_limit is None else max(self.timeout, engine.time_limit + GRACE)
+        if engine.time_limit is None:
+            return None
+        return max(self.timeout, engine.time_limit + GRACE)
 
     def _is_too_long(self, place: Place) -> bool:
         forecast = self._forecast(place)
@@ -186,9 +190,10 @@ class Stress:
         """Seconds that a rung of a costly ladder will take, by the one before it; infinite once one
         was left out.
         """
-        below = (
-            self.rungs.get(place.climb, {}).get(place.number - 1) if place.ladder.costly else None
-        )
+        if place.ladder.costly:
+            below = self.rungs.get(place.climb, {}).get(place.number - 1)
+        else:
+            below = None
         if below is None:
             return None
         growth = float(place.x / place.ladder.values[place.number - 1])
@@ -309,12 +314,14 @@ def _delays(places: Sequence[Place]) -> dict[str, tuple[float, ...]]:
 
 def _run_of(key: str, request: Request, engine: Engine, result: bytes | Failure) -> Run:
     """The run of a job's result."""
-    reply = (
-        worker.Reply(failure=result)
-        if isinstance(result, Failure)
-        else msgspec.msgpack.decode(result, type=worker.Reply)
-    )
-    trajectory = Trajectory.from_bytes(reply.trajectory) if reply.failure is None else None
+    if isinstance(result, Failure):
+        reply = worker.Reply(failure=result)
+    else:
+        reply = msgspec.msgpack.decode(result, type=worker.Reply)
+    if reply.failure is None:
+        trajectory = Trajectory.from_bytes(reply.trajectory)
+    else:
+        trajectory = None
     return Run(
         key=key,
         request=request,

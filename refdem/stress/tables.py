@@ -76,7 +76,10 @@ def _count(required: Sequence[Climb]) -> tuple[str, str, str]:
 
 def _broken(climb: Climb) -> tuple[str, ...]:
     end = climb.end
-    promised = NONE if climb.required is None else number(climb.required)
+    if climb.required is None:
+        promised = NONE
+    else:
+        promised = number(climb.required)
     return (
         climb.ladder,
         f"{climb.engine} {climb.method}",
@@ -94,14 +97,19 @@ def _range(climbs: Sequence[Climb]) -> str:
     if not climbs:
         return NONE
     steps = sorted((_steps(climb), climb.method, climb) for climb in climbs)
-    least, most = _told(steps[0][2]), _told(steps[-1][2])
-    return least if least == most else f"{least} to {most}"
+    least = _told(steps[0][2])
+    most = _told(steps[-1][2])
+    if least == most:
+        return least
+    return f"{least} to {most}"
 
 
 def _steps(climb: Climb) -> int:
     """Rungs before the first that does not pass."""
     end = climb.end
-    return len(climb.rungs) if end is None else climb.rungs.index(end)
+    if end is None:
+        return len(climb.rungs)
+    return climb.rungs.index(end)
 
 
 def _told(climb: Climb) -> str:
@@ -127,14 +135,18 @@ def details(record: Record, battery: str) -> list[Table]:
 
 def _row(climb: Climb) -> tuple[str, ...]:
     holds, ends = words(climb)
-    promised = (
-        NONE
-        if climb.required is None
-        else number(climb.required)
-        + {True: ", kept", False: ", broken", None: ", not all run"}[climb.kept]
-    )
+    if climb.required is None:
+        promised = NONE
+    else:
+        promised = (
+            number(climb.required)
+            + {True: ", kept", False: ", broken", None: ", not all run"}[climb.kept]
+        )
     end = climb.end
-    why = NONE if end is None else end.sentence
+    if end is None:
+        why = NONE
+    else:
+        why = end.sentence
     return climb.ladder, climb.along, f"{climb.engine} {climb.method}", holds, ends, promised, why
 
 

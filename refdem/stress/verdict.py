@@ -52,17 +52,23 @@ def _worst(found: Sequence[Finding]) -> tuple[Verdict, Finding]:
 
 def _margin(judged: Finding) -> float:
     margin = judged.margin
-    return margin if margin is not None else 0.0
+    if margin is not None:
+        return margin
+    return 0.0
 
 
 def climbed(bare: Climb, ladder: Ladder, rungs: Sequence[Rung], *, is_required: bool) -> Climb:
     """The climb with its rungs: the last that holds, the first that breaks, and whether what had to
     hold did.
     """
-    holds, breaks = None, None
+    holds = None
+    breaks = None
     for rung in rungs:
         if rung.verdict != "pass":
-            breaks = float(Fraction(rung.rung)) if rung.verdict in BROKEN else None
+            if rung.verdict in BROKEN:
+                breaks = float(Fraction(rung.rung))
+            else:
+                breaks = None
             break
         holds = float(Fraction(rung.rung))
     found = msgspec.structs.replace(bare, rungs=list(rungs), holds=holds, breaks=breaks)
@@ -83,17 +89,25 @@ def _kept(due: Sequence[Rung]) -> bool | None:
     verdicts = {rung.verdict for rung in due}
     if verdicts & {"fail", "error", "undecided"}:
         return False
-    return None if verdicts & {"not run", "unsupported"} else True
+    if verdicts & {"not run", "unsupported"}:
+        return None
+    return True
 
 
 def words(climb: Climb) -> tuple[str, str]:
     """How far a climb holds, and where and how it ends."""
-    holds = "nothing" if climb.holds is None else number(climb.holds)
+    if climb.holds is None:
+        holds = "nothing"
+    else:
+        holds = number(climb.holds)
     end = climb.end
     if end is None:
         return holds, "not in these rungs"
     again = sum(rung.verdict == "pass" for rung in climb.rungs[climb.rungs.index(end) :])
-    more = f", but holds at {again} beyond" if again else ""
+    if again:
+        more = f", but holds at {again} beyond"
+    else:
+        more = ""
     return holds, f"{end.verdict} at {number(float(Fraction(end.rung)))}{more}"
 
 
@@ -115,5 +129,7 @@ def ratio(rung: Rung) -> float | None:
     if rung.value is None or rung.bound is None:
         return None
     if rung.bound == 0:
-        return 0.0 if rung.value == 0 else math.inf
+        if rung.value == 0:
+            return 0.0
+        return math.inf
     return rung.value / rung.bound

@@ -193,7 +193,8 @@ class UndecidedError(ValueError):
         balls: Mapping[str, Ball] | None = None,
     ) -> None:
         super().__init__(message)
-        self.code, self.final = code, final
+        self.code = code
+        self.final = final
         self.time = time
         self.balls = dict(balls or {})
 
@@ -232,19 +233,17 @@ def climbed(
                 balls = {name: ball_of(value) for name, value in evaluate().items()}
             except ValueError as error:
                 reason = error
-        worst = (
-            None
-            if balls is None
-            else max((ball.radius for ball in balls.values()), default=Fraction(0))
-        )
+        if balls is None:
+            worst = None
+        else:
+            worst = max((ball.radius for ball in balls.values()), default=Fraction(0))
         is_met = worst is not None and worst <= target
         if is_met or bits >= most or getattr(reason, "final", False):
             return Climb(balls, reason, bits)
-        lacking = (
-            bits
-            if worst is None
-            else max(bits // 4, (worst / target).__ceil__().bit_length() + SPARE)
-        )
+        if worst is None:
+            lacking = bits
+        else:
+            lacking = max(bits // 4, (worst / target).__ceil__().bit_length() + SPARE)
         bits = min(most, bits + lacking)
 
 

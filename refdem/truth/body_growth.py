@@ -79,9 +79,11 @@ Balls = Sequence[Sequence[arb]]
 Attitude = Callable[[arb], Sequence[arb]]
 """The quaternion at a time, of either sign."""
 AXES = range(3)
-TURN, SPIN = slice(0, 3), slice(3, 6)
+TURN = slice(0, 3)
+SPIN = slice(3, 6)
 """Columns of errors, and the rows of what they become along the moving axes."""
-BODY, SPACE = slice(3, 6), slice(6, 9)
+BODY = slice(3, 6)
+SPACE = slice(6, 9)
 """Rows that are read besides the turn: each component of omega in body axes and in space."""
 
 DOUBLED = 1.0
@@ -155,7 +157,9 @@ class BodyGrowth(ABC):
     """S of a body with this tensor [kg m^2]; what is read of it needs its `attitude` in space."""
 
     def __init__(self, tensor: Balls, scales: Scales, attitude: Attitude) -> None:
-        self.scales, self.attitude, self.balls = scales, attitude, tensor
+        self.scales = scales
+        self.attitude = attitude
+        self.balls = tensor
         self.tensor = doubles(tensor)
         self.inverse = doubles(inverse(tensor))
         self.cells: list[Cell] = []
@@ -236,7 +240,10 @@ class BodyGrowth(ABC):
     def cover(self, until: Fraction) -> None:
         """Makes the cells that cover [0, until]."""
         while not self.cells or self.cells[-1].high < until:
-            low = self.cells[-1].high if self.cells else Fraction(0)
+            if self.cells:
+                low = self.cells[-1].high
+            else:
+                low = Fraction(0)
             self.cells.append(next_cell(low, self.scales))
 
     def ended_by(self, time: Fraction) -> int:
@@ -330,7 +337,10 @@ class Tumbling(BodyGrowth):
         # Errors of this period: those of whole cells, and those that are made since the last of
         # them.
         ended = self.ended_by(passed)
-        begun = self.cells[ended - 1].high if ended else Fraction(0)
+        if ended:
+            begun = self.cells[ended - 1].high
+        else:
+            begun = Fraction(0)
         found = self.own(read, now, float(max(passed - begun, Fraction(0))))
         found = max(found, self.grown(read, now, since, ended, 0))
         if periods:
@@ -380,7 +390,10 @@ class Tumbling(BodyGrowth):
             return 0.0
         instants = self.instants_of(count)
         cells = self.cells[:count]
-        more = arb(0) if self.period is None else periods * self.period
+        if self.period is None:
+            more = arb(0)
+        else:
+            more = periods * self.period
         times = [since - arb_of(cell.middle) + more for cell in cells]
         leads = [now.lead - instant.lead + periods * self.gained for instant in instants]
         across = np.array([instant.across for instant in instants])
@@ -388,7 +401,10 @@ class Tumbling(BodyGrowth):
         q = angles * np.conj(now.angle * self.swing**periods)
         changed = self.changed(now.across, across, times, leads)
         turned = rotating(q)
-        parts = [changed, turned] if is_far else [changed + turned]
+        if is_far:
+            parts = [changed, turned]
+        else:
+            parts = [changed + turned]
         frames = np.array([instant.frame for instant in instants])
         return self.largest(
             read, parts, self.sources(frames, self.length), np.array([cell.half for cell in cells])
@@ -459,7 +475,10 @@ class Spinning(BodyGrowth):
         near = min(t, self.followed)
         self.cover(near)
         cells = self.cells[: self.ended_by(near)]
-        begun = cells[-1].high if cells else Fraction(0)
+        if cells:
+            begun = cells[-1].high
+        else:
+            begun = Fraction(0)
         times = np.array([float(cell.middle) for cell in cells] + [float(near)])
         halves = np.array([cell.half for cell in cells] + [float(near - begun) * UPWARDS])
         kept = self.kept(times)

@@ -155,7 +155,10 @@ class ClosedForm(GuardedTruth):
         if reason.time is not None:
             told = f"{what}: {reason.code}: {reason}"
             return NotCertifiedError(told, code=reason.code, time=reason.time, state=reason.balls)
-        advice = "; move the start off the boundary" if reason.code == "separatrix" else ""
+        if reason.code == "separatrix":
+            advice = "; move the start off the boundary"
+        else:
+            advice = ""
         told = (
             f"{what}: {reason.code}: with {climb.bits} bits balls cannot decide a branch:"
             f" {reason}{advice}"
@@ -168,9 +171,9 @@ class ClosedForm(GuardedTruth):
         """The last state that is certified where a branch is not: that at 0; none for scalars, and
         where it has a branch itself.
         """
-        return (
-            (refined(lambda: self.evaluate(arb(0)), self.target(), self.bits()) or {}) if t else {}
-        )
+        if t:
+            return refined(lambda: self.evaluate(arb(0)), self.target(), self.bits()) or {}
+        return {}
 
     @abstractmethod
     def growth(self) -> Grows:
@@ -195,14 +198,16 @@ class ClosedForm(GuardedTruth):
         return found
 
     def _sensitivity(self, t: Fraction) -> float:
-        code, why = "precision", "no precision suffices"
+        code = "precision"
+        why = "no precision suffices"
         for bits in self.growth_bits():
             with precision(bits):
                 try:
                     return self.growth().at(t)
                 except (UndecidedError, NotCertifiedError) as error:
                     # An integration to few bits may end where one to more goes on.
-                    code, why = getattr(error, "code", "separatrix"), str(error)
+                    code = getattr(error, "code", "separatrix")
+                    why = str(error)
                     if getattr(error, "final", False):
                         break
         told = f"no sensitivity at t = {float(t):.17g} s: {code}: {why}"

@@ -61,11 +61,17 @@ def damping_cosine(decay: arb) -> arb:
     square = arb(0).union(most)
     if gap > 0:
         found = solved(shortfall, shortfall_slope, gap, least)
-        square = found if found.is_finite() and found > 0 else square
+        if found.is_finite() and found > 0:
+            square = found
+        else:
+            square = square
     # cos sqrt(z) falls with z: its values at both ends of z are sharper than that of a ball, whose
     # radius sqrt would blow up near 0.
     low = arb(square.upper()).sqrt().cos()
-    high = arb(square.lower()).sqrt().cos() if square > 0 else arb(1)
+    if square > 0:
+        high = arb(square.lower()).sqrt().cos()
+    else:
+        high = arb(1)
     return low.union(high)
 
 
@@ -82,7 +88,9 @@ def shortfall_slope(square: arb) -> arb:
     """
     cotangent = 1 - shortfall(square) / 2
     slope = (square - cotangent + cotangent * cotangent) / square
-    return slope if slope > arb_of(LEAST_SLOPE) else arb_of(LEAST_SLOPE)
+    if slope > arb_of(LEAST_SLOPE):
+        return slope
+    return arb_of(LEAST_SLOPE)
 
 
 def hertz_modulus(modulus: Fraction, poisson: Fraction) -> Fraction:

@@ -119,7 +119,8 @@ class ContactMotion(Motion):
     def restitution(self) -> arb:
         """Speed along the normal where the force ends over that at touch."""
         closing = {name: programs[0].run for name, programs in self.traced.closing.items()}
-        first, last = self.phases[0], self.phases[-2]
+        first = self.phases[0]
+        last = self.phases[-2]
         with precision(self.bits + GUARD):
             found: arb = (
                 -closing[self.name(last)](last.crossing()[3])[0]
@@ -146,7 +147,10 @@ class ContactMotion(Motion):
             for piece in phase.pieces:
                 end = min(piece.end, phase.searched)
                 final = phase.ends[1] - arb_of(piece.begin)
-                high = final if piece is phase.piece(phase.ends[1]) else arb_of(end - piece.begin)
+                if piece is phase.piece(phase.ends[1]):
+                    high = final
+                else:
+                    high = arb_of(end - piece.begin)
                 yield self.name(phase), piece, arb(0), high
                 if high is final:
                     break
@@ -170,16 +174,22 @@ class ContactMotion(Motion):
         with precision(self.bits + GUARD):
             start = self.phases[0].entered
             rises = sign(self.traced.steepening["press"][0].run(start)[0], "dF/dt at touch") > 0
-            most = None if rises else force(start)[0]
+            if rises:
+                most = None
+            else:
+                most = force(start)[0]
             for name, piece, low, high in self.stretches():
                 if name not in PRESSES:
                     break
-                begin, touching = low, 0
+                begin = low
+                touching = 0
                 if most is None:
                     top = first_crossing(watched(piece, self.traced.steepening[name]), low, high)
                     if top is None:
                         continue
-                    most, begin, touching = force(piece.at(top))[0], top, 1
+                    most = force(piece.at(top))[0]
+                    begin = top
+                    touching = 1
                 if (
                     first_crossing(
                         watched(piece, self.traced.steepening[name], touching, sense=-1),

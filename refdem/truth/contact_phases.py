@@ -54,11 +54,9 @@ class ContactPhases:
         self.length = self.time * self.speed
         self.eps = self.length / pair.reach
         self.bend = [pair.lever * self.length / radius for radius in pair.radii]
-        self.k, self.c, self.kt = (
-            pair.stiffness * self.time**2 / m,
-            pair.damping * self.time / m,
-            spring * self.time**2 / m,
-        )
+        self.k = pair.stiffness * self.time**2 / m
+        self.c = pair.damping * self.time / m
+        self.kt = spring * self.time**2 / m
 
     def start(self) -> list[Callable[[], arb]]:
         """The state at touch."""
@@ -111,7 +109,8 @@ class ContactPhases:
 
     def holding(self, y: State) -> Any:
         """The friction g that keeps the slip at zero."""
-        r, (first, second) = 1 - y[0] * self.eps, self.levers(y)
+        r = 1 - y[0] * self.eps
+        (first, second) = self.levers(y)
         carried = y[3] / (r * r) * self.eps + y[4] * self.bend[0] + y[5] * self.bend[1]
         return -y[1] * carried / (1 + first * first * self.ease[0] + second * second * self.ease[1])
 
@@ -130,7 +129,10 @@ class ContactPhases:
 
         def rates(y: State) -> list[Any]:
             r = 1 - y[0] * self.eps
-            g = friction(y) if friction else 0
+            if friction:
+                g = friction(y)
+            else:
+                g = 0
             spun = [
                 lever * g * -ease for lever, ease in zip(self.levers(y), self.ease, strict=True)
             ]
@@ -226,11 +228,9 @@ class ContactPhases:
     def side_at_touch(self, y: State) -> int:
         """Sign of the slip."""
         exact = -self.pair.surface_spin[2]
-        return (
-            sign(ball(self.slip, y), "the slip at touch")
-            if self.pair.angle
-            else (exact > 0) - (exact < 0)
-        )
+        if self.pair.angle:
+            return sign(ball(self.slip, y), "the slip at touch")
+        return (exact > 0) - (exact < 0)
 
     def pressing(self, y: State, *, rising: bool, side: int | None = None) -> Entry:
         """The entry where the force begins: from zero (`rising`), or at once as a dashpot's
@@ -239,11 +239,10 @@ class ContactPhases:
         ends = self.released().name
         if not self.friction:
             return Entry("press", touching={ends: 1} if rising else {})
-        side = (
-            sign(ball(self.slip, y), "the slip where the contact presses again")
-            if side is None
-            else side
-        )
+        if side is None:
+            side = sign(ball(self.slip, y), "the slip where the contact presses again")
+        else:
+            side = side
         if self.kt:
             return self.stretched(y, side, rising)
         if side:
@@ -272,8 +271,11 @@ class ContactPhases:
 
     def cartesian(self, y: State) -> list[Any]:
         """x, y in units of X and vx, vy in units of V, in contact."""
-        r, sine, cosine = 1 - y[0] * self.eps, y[2].sin(), y[2].cos()
-        across, far = y[3] / r, r * (1 / self.eps)
+        r = 1 - y[0] * self.eps
+        sine = y[2].sin()
+        cosine = y[2].cos()
+        across = y[3] / r
+        far = r * (1 / self.eps)
         return [
             -far * cosine,
             -far * sine,

@@ -93,7 +93,8 @@ class EnergyGrowth:
         steepest: arb,
         readings: Callable[[tuple[arb, arb]], arb_mat],
     ) -> None:
-        self.line, self.readings = line, readings
+        self.line = line
+        self.readings = readings
         self.place, self.speed = arb_of(place), arb_of(speed)
         ratio = self.place / self.speed
         quick = arb.max(1 / ratio, ratio * steepest)

@@ -67,22 +67,27 @@ class Course:
         """How many pieces are left, at the pace of the later half."""
         half, last = self.later_half()
         passed = last.time - half.time
-        return (
-            0.0 if passed <= 0 else (last.pieces - half.pieces) * max(0.0, t - last.time) / passed
-        )
+        if passed <= 0:
+            return 0.0
+        return (last.pieces - half.pieces) * max(0.0, t - last.time) / passed
 
     def radius_at(self, t: float) -> float:
         """log2 of the radius at t: it grows, where it does, as in the later half."""
         half, last = self.later_half()
         passed = last.time - half.time
-        growth = 0.0 if passed <= 0 else (last.radius - half.radius) / passed
+        if passed <= 0:
+            growth = 0.0
+        else:
+            growth = (last.radius - half.radius) / passed
         return last.radius + growth * max(0.0, t - last.time)
 
     def time_of(self, radius: float) -> float:
         """When the radius is that large; infinite if never."""
         half, last = self.later_half()
         growth = (last.radius - half.radius) / max(last.time - half.time, 1e-300)
-        return last.time + (radius - last.radius) / growth if growth > 0 else float("inf")
+        if growth > 0:
+            return last.time + (radius - last.radius) / growth
+        return float("inf")
 
     def work_to(self, t: float, target: float, next_bits: NextBits) -> float:
         """Pieces of this precision that are left until the radius at t is 2^target, those of higher
@@ -110,7 +115,9 @@ class Course:
         """CPU seconds for so many pieces, at what those so far took."""
         half, last = self.later_half()
         made = last.pieces - half.pieces
-        return work * (last.seconds - half.seconds) / made if made else 0.0
+        if made:
+            return work * (last.seconds - half.seconds) / made
+        return 0.0
 
 
 def follow(
@@ -130,7 +137,10 @@ def follow(
 
     def mark() -> Mark:
         reached, pieces, radius = state()
-        size = log2(float(radius)) if 1e-300 < float(radius) < 1e300 else -1000.0
+        if 1e-300 < float(radius) < 1e300:
+            size = log2(float(radius))
+        else:
+            size = -1000.0
         return Mark(float(reached), pieces, process_time() - begun, size)
 
     course.marks.append(mark())

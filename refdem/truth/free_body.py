@@ -97,11 +97,9 @@ class Steady(FreeBody):
     def turn(self, t: arb) -> list[arb]:
         omega = self.omega(t)
         size = arb_of(dot_exact(self.start, self.start)).sqrt()
-        return (
-            turn([w / size for w in omega], size * t)
-            if size > 0
-            else [arb(1), arb(0), arb(0), arb(0)]
-        )
+        if size > 0:
+            return turn([w / size for w in omega], size * t)
+        return [arb(1), arb(0), arb(0), arb(0)]
 
 
 class Axisymmetric(FreeBody):
@@ -166,7 +164,8 @@ class Nodal(FreeBody):
 
     def _frame(self, t: arb) -> list[list[arb]]:
         """Rows: the axis across M, M x axis and M, unit vectors in body axes; no term cancels."""
-        m, k = self.momentum(t), self.axis
+        m = self.momentum(t)
+        k = self.axis
         across = sum((m[i] * m[i] for i in AXES if i != k), arb(0)).sqrt()
         along = [x / self.length for x in m]
         first = [across / self.length if i == k else -along[k] * m[i] / across for i in AXES]
@@ -241,18 +240,25 @@ class Elliptic(Nodal):
         self.mid = mid
         ja, jb, jc = (1 / self.inertia[i] for i in (self.other, mid, self.axis))
         kept = dot_exact(self.momentum0, self.start) - self.l2 * jc
-        self.a2, self.b2 = kept / (ja - jc), kept / (jb - jc)
+        self.a2 = kept / (ja - jc)
+        self.b2 = kept / (jb - jc)
         self.c2 = self.l2 - self.a2
         self.m = (self.b2 - self.a2) / self.c2
         self.jacobi = Jacobi(arb_of(self.m), arb_of((self.l2 - self.b2) / self.c2))
         self.sizes = [arb_of(x).sqrt() for x in (self.a2, self.b2, self.c2)]
-        self.sense = 1 if ja > jc else -1
+        if ja > jc:
+            self.sense = 1
+        else:
+            self.sense = -1
         self._begin()
 
     def _begin(self) -> None:
         a, b, c = self.sizes
         growth = _growth(self, self.other, self.axis)
-        self.sign_c = 1 if self.momentum0[self.axis] > 0 else -1
+        if self.momentum0[self.axis] > 0:
+            self.sign_c = 1
+        else:
+            self.sign_c = -1
         self.sign_b = self.sign_c * (1 if growth > 0 else -1)
         self.rate = a * c / b * arb_of(abs(growth))
         sn = self.sign_b * arb_of(self.momentum0[self.mid]) / b
@@ -281,7 +287,9 @@ class Elliptic(Nodal):
         """
         theta = self.jacobi.theta4(u, self.imaginary)
         unit = theta / abs(theta).real
-        return unit if self.sense > 0 else unit.conjugate()
+        if self.sense > 0:
+            return unit
+        return unit.conjugate()
 
     def constants(self) -> dict[str, arb]:
         return {"period": 4 * self.jacobi.k / self.rate, "elliptic_m": self.jacobi.m}
@@ -302,7 +310,8 @@ class Elliptic(Nodal):
         sn, cn, dn = self.jacobi.sn_cn_dn(u)
         a, b, c = self.sizes
         a2, b2, c2 = (arb_of(square) for square in (self.a2, self.b2, self.c2))
-        m, m1 = self.jacobi.m, self.jacobi.m1
+        m = self.jacobi.m
+        m1 = self.jacobi.m1
         g_other, g_mid, g_axis = (
             1 / arb_of(self.inertia[i]) for i in (self.other, self.mid, self.axis)
         )
@@ -363,7 +372,9 @@ def _growth(body: FreeBody, a: int, c: int) -> Any:
     """g in M_2' = g M_a M_c: (1/J_a - 1/J_c), with the other sign if (a, 2, c) is left-handed."""
     right_handed = (c - a) % 3 == 2
     difference = 1 / body.inertia[a] - 1 / body.inertia[c]
-    return difference if right_handed else -difference
+    if right_handed:
+        return difference
+    return -difference
 
 
 def _unit(axis: int) -> list[arb]:

@@ -37,12 +37,14 @@ class FromRest(SmoothFlow):
                 "a start that moves is no start from rest; its effect follows from the rates"
             )
         other = copy(self)
-        other.kept, other.amplitude = {}, self.amplitude + amount
+        other.kept = {}
+        other.amplitude = self.amplitude + amount
         return other
 
     def rates(self, t: Fraction) -> tuple[arb, arb]:
         """d(x, v)(t)/d v(0) [s, 1]."""
-        state, first = self.evaluate(arb_of(t)), self.acceleration(arb_of(self.amplitude))
+        state = self.evaluate(arb_of(t))
+        first = self.acceleration(arb_of(self.amplitude))
         return state["v"] / first, self.acceleration(state["x"]) / first
 
     def jacobian(self, t: Fraction) -> arb_mat:

@@ -137,7 +137,9 @@ def smooth(
     def handover() -> arb_mat:
         assert length is not None
         last = fundamental(length)
-        return last if jump is None else jump * last
+        if jump is None:
+            return last
+        return jump * last
 
     return Stretch(begin, length, fundamental, handover, felt, joins, quickness)
 
@@ -219,22 +221,32 @@ class Cell:
         """X: the doubles of `inverse`, or, where doubles do not suffice, what they are rounded
         from.
         """
-        return exactly(self.inverse) if self.fine is None else self.fine
+        if self.fine is None:
+            return exactly(self.inverse)
+        return self.fine
 
 
 class Element:
     """A stretch with its cells, made as far as they are asked for, always the same ones."""
 
     def __init__(self, stretch: Stretch, size: Norm, step: Fraction) -> None:
-        self.stretch, self.size, self.step = stretch, size, step
+        self.stretch = stretch
+        self.size = size
+        self.step = step
         self.cells: list[Cell] = []
         self.origin = self.cell(Fraction(0), Fraction(0))
-        self.end = None if stretch.length is None else upper(stretch.length)
+        if stretch.length is None:
+            self.end = None
+        else:
+            self.end = upper(stretch.length)
 
     def cover(self, until: Fraction) -> None:
         """Makes the cells that cover [0, until]."""
         while not self.cells or self.cells[-1].high < until:
-            low = self.cells[-1].high if self.cells else Fraction(0)
+            if self.cells:
+                low = self.cells[-1].high
+            else:
+                low = Fraction(0)
             if self.end is not None and low >= self.end:
                 return
             self.cells.append(self.next_cell(low))
@@ -290,7 +302,10 @@ class Element:
         """The cells that end by a time since the begin, and what of the last one lies before it."""
         self.cover(now)
         cells = self.cells[: bisect_right([cell.high for cell in self.cells], now)]
-        begun = cells[-1].high if cells else Fraction(0)
+        if cells:
+            begun = cells[-1].high
+        else:
+            begun = Fraction(0)
         return [*cells, self.cell(begun, max(begun, now))]
 
     def from_begin(self) -> arb_mat:
@@ -299,7 +314,8 @@ class Element:
 
     def off_one(self, matrix: arb_mat, inverse: arb_mat) -> float:
         """|M X - 1|."""
-        product, count = matrix * inverse, inverse.nrows()
+        product = matrix * inverse
+        count = inverse.nrows()
         apart = np.array(
             [
                 [float((product[i, j] - int(i == j)).abs_upper()) for j in range(count)]
@@ -380,7 +396,10 @@ class Growth:
         step: Fraction = Fraction(1, 8),
     ) -> None:
         self.coming: Iterator[Stretch] = iter(stretches)
-        self.size, self.readings, self.made, self.step = size, readings, made, step
+        self.size = size
+        self.readings = readings
+        self.made = made
+        self.step = step
         self.elements: list[Element] = []
         self.front: Front | None = None
         self.wide: Wide | None = None
@@ -431,8 +450,14 @@ class Growth:
         since = time - element.stretch.begin
         now = element.stretch.fundamental(since)
         count = now.nrows()
-        own = np.eye(count) if readings is None else doubles(readings)[0]
-        matrix = now if readings is None else readings * now
+        if readings is None:
+            own = np.eye(count)
+        else:
+            own = doubles(readings)[0]
+        if readings is None:
+            matrix = now
+        else:
+            matrix = readings * now
         front = self.wide_front_at(number, count)
         return followed(own, matrix, front, element, element.until(upper(since)))
 
@@ -460,13 +485,17 @@ class Growth:
         n).
         """
         number = self.number(time)
-        element, front = self.elements[number], self.front_at(number)
+        element = self.elements[number]
+        front = self.front_at(number)
         since = time - element.stretch.begin
         now = upper(since)
         cells = element.until(now)
         matrix = element.stretch.fundamental(since)
         read, unread = doubles(matrix if readings is None else readings * matrix)
-        own = np.eye(matrix.nrows()) if readings is None else doubles(readings)[0]
+        if readings is None:
+            own = np.eye(matrix.nrows())
+        else:
+            own = doubles(readings)[0]
         inverses = np.array([cell.inverse for cell in cells])
         fresh = read @ inverses
         first = read @ element.origin.inverse
@@ -595,7 +624,8 @@ class PeriodicGrowth:
     """
 
     def __init__(self, first: Growth, period: arb) -> None:
-        self.first, self.period = first, period
+        self.first = first
+        self.period = period
         self.year: Errors | None = None
         self.wide_year: Wide | None = None
 
@@ -609,7 +639,10 @@ class PeriodicGrowth:
         if not since >= 0:
             # Balls do not tell whether the period is over: all that is within them is meant.
             since = arb(0).union(arb(since.abs_upper()))
-        readings = None if self.first.readings is None else self.first.readings(time)
+        if self.first.readings is None:
+            readings = None
+        else:
+            readings = self.first.readings(time)
         found = self.first.read(since, readings)
         earlier, lost = self.of_earlier(since, readings, turns)
         if lost > LOST * max(found, earlier):
@@ -620,7 +653,8 @@ class PeriodicGrowth:
         """The growth of errors made in earlier periods by products of doubles, and what those have
         lost at most.
         """
-        growth, size = self.first, self.first.size
+        growth = self.first
+        size = self.first.size
         if self.year is None:
             self.year = growth.errors_at(self.period, None)
         _, lost, answers, carried, slack, whole = self.year
@@ -668,7 +702,10 @@ class SteadyGrowth:
     def __init__(
         self, propagator: Fundamental, size: Norm, step: Fraction, repeat: arb | None = None
     ) -> None:
-        self.propagator, self.size, self.step, self.repeat = propagator, size, step, repeat
+        self.propagator = propagator
+        self.size = size
+        self.step = step
+        self.repeat = repeat
         self.highs: list[Fraction] = [Fraction(0)]
         self.norms: list[float] = [1.0]
 
@@ -680,7 +717,10 @@ class SteadyGrowth:
             self.advance()
         whole = max(norm for high, norm in zip(self.highs, self.norms, strict=True) if high <= t)
         before = max(high for high in self.highs if high <= t)
-        rest = 0.0 if before == t else self.norm(arb_of(before).union(arb_of(t)))
+        if before == t:
+            rest = 0.0
+        else:
+            rest = self.norm(arb_of(before).union(arb_of(t)))
         return bounded(max(whole, rest))
 
     def advance(self) -> None:
@@ -768,7 +808,9 @@ def narrow(rate: arb) -> Fraction:
     at which errors change.
     """
     size = float(rate.abs_upper())
-    return Fraction(2) ** (-4 - frexp(size)[1]) if size > 0 else Fraction(1, 8)
+    if size > 0:
+        return Fraction(2) ** (-4 - frexp(size)[1])
+    return Fraction(1, 8)
 
 
 def most(values: Iterable[arb]) -> float:
@@ -859,7 +901,9 @@ def bounded(value: float) -> float:
     """An S rounded up: at least 1, and BOUNDLESS where it is no longer told."""
     if not value < BOUNDLESS:
         return BOUNDLESS
-    return max(1.0, value) * UPWARDS if value > 1.0 else 1.0
+    if value > 1.0:
+        return max(1.0, value) * UPWARDS
+    return 1.0
 
 
 def upper(value: arb) -> Fraction:

@@ -21,16 +21,22 @@ class HeadOnContact:
         squared = pair.stiffness / pair.effective_mass - pair.half_decay**2
         self.regime = (squared > 0) - (squared < 0)
         self.rate = arb_of(abs(squared)).sqrt()
-        self.angle = arb.atan2(self.rate, self.decay) if self.regime > 0 else arb(0)
+        if self.regime > 0:
+            self.angle = arb.atan2(self.rate, self.decay)
+        else:
+            self.angle = arb(0)
         self.speed = arb_of(pair.closing_speed)
 
     def overlap(self, t: arb) -> tuple[arb, arb]:
         """Overlap [m] and its rate [m/s] while the law acts."""
-        wave, swing = arb(1), t
+        wave = arb(1)
+        swing = t
         if self.regime > 0:
-            wave, swing = (self.rate * t).cos(), (self.rate * t).sin() / self.rate
+            wave = (self.rate * t).cos()
+            swing = (self.rate * t).sin() / self.rate
         elif self.regime < 0:
-            wave, swing = (self.rate * t).cosh(), (self.rate * t).sinh() / self.rate
+            wave = (self.rate * t).cosh()
+            swing = (self.rate * t).sinh() / self.rate
         size = self.speed * (-self.decay * t).exp()
         return size * swing, size * (wave - self.decay * swing)
 
@@ -70,8 +76,12 @@ class HeadOnContact:
 
     def constants(self) -> dict[str, arb]:
         """max_overlap, max_force, and duration and restitution if the force ends."""
-        pair, end = self.pair, self.end()
-        turn = self.angle / self.rate if self.regime > 0 else self._span(1)
+        pair = self.pair
+        end = self.end()
+        if self.regime > 0:
+            turn = self.angle / self.rate
+        else:
+            turn = self._span(1)
         found = {
             "max_overlap": self.overlap(turn)[0],
             "max_force": arb_of(pair.damping) * self.speed,

@@ -21,13 +21,16 @@ class Jacobi:
             raise UndecidedError(
                 f"elliptic parameter {m} with complement {m1} is not inside (0, 1)"
             )
-        self.m, self.m1 = m, m1
+        self.m = m
+        self.m1 = m1
         half_pi = arb.pi() / 2
         self.k = half_pi / arb(1).agm(m1.sqrt())
         self.k1 = half_pi / arb(1).agm(m.sqrt())
         self.tau = acb(0, self.k1 / self.k)
         _, theta2, theta3, theta4 = (x.real for x in acb.modular_theta(acb(0), self.tau))
-        self._sn, self._cn, self._dn = theta3 / theta2, theta4 / theta2, theta4 / theta3
+        self._sn = theta3 / theta2
+        self._cn = theta4 / theta2
+        self._dn = theta4 / theta3
 
     def complete_e(self) -> arb:
         """Legendre's complete integral E = 2 R_G(0, 1 - m, 1) (DLMF 19.25.1)."""

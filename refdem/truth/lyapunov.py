@@ -25,7 +25,9 @@ from refdem.truth.events.truth import HybridFlow
 from refdem.truth.validated_flow import ValidatedFlow
 from refdem.truth.validated_ivp.integration import Integration, Steps
 
-LEAST_BITS, MOST_BITS, MOST_SQUARINGS = 256, 2**13, 80
+LEAST_BITS = 256
+MOST_BITS = 2**13
+MOST_SQUARINGS = 80
 FLOW_BITS = 512
 """Of a flow that is integrated: its cost grows much faster than that of a map."""
 JACOBIAN_BITS = 96
@@ -40,8 +42,12 @@ def exponent(truth: Truth, t: Fraction, *, digits: int = 20) -> Ball:
     NotCertifiedError where D is not proved.
     """
     target = Fraction(1, 10**digits)
-    reason, bits = "", LEAST_BITS
-    most = FLOW_BITS if isinstance(truth, ValidatedFlow | HybridFlow) else MOST_BITS
+    reason = ""
+    bits = LEAST_BITS
+    if isinstance(truth, ValidatedFlow | HybridFlow):
+        most = FLOW_BITS
+    else:
+        most = MOST_BITS
     while bits <= most:
         try:
             with precision(bits):
@@ -64,7 +70,9 @@ def exponents(truth: Truth, times: Sequence[Fraction], *, digits: int = 20) -> l
 
 def log_stretch(derivative: arb_mat, radius: Fraction) -> arb:
     """log sigma_max of a square matrix, to that radius where its entries allow it."""
-    power, gained, weight = derivative.transpose() * derivative, arb(0), arb(1) / 2
+    power = derivative.transpose() * derivative
+    gained = arb(0)
+    weight = arb(1) / 2
     best: arb | None = None
     for _ in range(MOST_SQUARINGS):
         trace = _trace(power)
@@ -75,7 +83,8 @@ def log_stretch(derivative: arb_mat, radius: Fraction) -> arb:
         bracket = gained + weight * square.log().union(square.log() / 2)
         if best is not None and bracket.rad() >= best.rad():
             break
-        best, weight = bracket, weight / 2
+        best = bracket
+        weight = weight / 2
         if best.rad() <= arb_of(radius):
             break
     assert best is not None
@@ -96,7 +105,10 @@ def variation(truth: Truth, t: Fraction) -> arb_mat:
     """
     if isinstance(truth, HybridFlow):
         return _through_events(truth, t)
-    source: Any = _sharper(truth) if isinstance(truth, ValidatedFlow) else truth
+    if isinstance(truth, ValidatedFlow):
+        source: Any = _sharper(truth)
+    else:
+        source = truth
     if not hasattr(source, "jacobian"):
         raise NotCertifiedError(
             f"{type(truth).__name__} has no variational flow", code="end", time=float(t)

@@ -24,7 +24,9 @@ from refdem.truth.balls import arb_of
 from refdem.truth.power_contact import PowerContact
 
 NEAR = Fraction(3, 4)
-INWARD, TURNING, OUTWARD = 0, 1, 2
+INWARD = 0
+TURNING = 1
+OUTWARD = 2
 
 
 def _part(numerator: int, denominator: int) -> arb:
@@ -52,25 +54,31 @@ class MindlinSpring:
         """D and u."""
         if leg == TURNING:
             return (1 - x * x) ** _part(2, 5), -x
-        depth = x if leg == INWARD else -x
+        if leg == INWARD:
+            depth = x
+        else:
+            depth = -x
         return depth, (1 - power_five_halves(depth)).sqrt() * (1 if leg == INWARD else -1)
 
     def coordinate(self, depth: arb, rate: arb) -> tuple[int, arb]:
         """Leg and x of a place, of either leg where two meet."""
         if depth <= arb_of(NEAR):
-            return (INWARD, depth) if rate > 0 else (OUTWARD, -depth)
+            if rate > 0:
+                return (INWARD, depth)
+            return (OUTWARD, -depth)
         return TURNING, -rate
 
     def time(self, leg: int, x: arb) -> arb:
         """Since touch [s]."""
         if leg == TURNING:
             return self.contact.half + self.contact.unit * self.contact.before_turn(x)
-        since = (
-            self.contact.unit * self.contact.since_touch(x if leg == INWARD else -x)
-            if x != 0
-            else arb(0)
-        )
-        return since if leg == INWARD else 2 * self.contact.half - since
+        if x != 0:
+            since = self.contact.unit * self.contact.since_touch(x if leg == INWARD else -x)
+        else:
+            since = arb(0)
+        if leg == INWARD:
+            return since
+        return 2 * self.contact.half - since
 
     def pace(self, leg: int, x: arb) -> arb:
         """dx/dt [1/s]."""
@@ -81,17 +89,18 @@ class MindlinSpring:
 
     def basis(self, leg: int, x: arb) -> tuple[arb, arb, arb, arb]:
         """Two solutions, and their derivatives by x."""
-        a, b = self.a, self.b
+        a = self.a
+        b = self.b
         if leg == TURNING:
             w = x * x
-            even, odd = (
-                two_f_one(a, b, _part(1, 2), w),
-                x * two_f_one(_part(3, 5) - a, _part(3, 5) - b, _part(3, 2), w),
-            )
+            even = two_f_one(a, b, _part(1, 2), w)
+            odd = x * two_f_one(_part(3, 5) - a, _part(3, 5) - b, _part(3, 2), w)
             slope = -4 * self.q * x * two_f_one(a + 1, b + 1, _part(3, 2), w)
             return even, odd, slope, two_f_one(_part(3, 5) - a, _part(3, 5) - b, _part(1, 2), w)
         depth, sense = (x, 1) if leg == INWARD else (-x, -1)
-        z, c, d = power_five_halves(depth), a + _part(2, 5), b + _part(2, 5)
+        z = power_five_halves(depth)
+        c = a + _part(2, 5)
+        d = b + _part(2, 5)
         steep = (
             -_part(25, 6) * self.q * depth * root(depth) * two_f_one(a + 1, b + 1, _part(8, 5), z)
         )
@@ -117,7 +126,9 @@ class MindlinSpring:
         """d [m] and its derivatives by x."""
         size = self.contact.depth
         if leg != TURNING:
-            return (size * x, size, arb(0)) if leg == INWARD else (-size * x, -size, arb(0))
+            if leg == INWARD:
+                return (size * x, size, arb(0))
+            return (-size * x, -size, arb(0))
         w = 1 - x * x
         depth = size * w ** _part(2, 5)
         return (
@@ -139,7 +150,8 @@ class Stretched:
     def at(self, x: arb) -> tuple[arb, arb, arb]:
         """s [m] and its derivatives by x."""
         f, g, df, dg = self.spring.basis(self.leg, x)
-        s, slope = self.first * f + self.second * g, self.first * df + self.second * dg
+        s = self.first * f + self.second * g
+        slope = self.first * df + self.second * dg
         return s, slope, self.spring.bent(self.leg, x, s, slope)
 
     def rate(self, x: arb) -> arb:
@@ -161,7 +173,8 @@ class Stretched:
 def started(spring: MindlinSpring, leg: int, x: arb, s: arb, rate: arb) -> Stretched:
     """The solution with this stretch [m] and rate [m/s] at x."""
     f, g, df, dg = spring.basis(leg, x)
-    slope, wronskian = rate / spring.pace(leg, x), f * dg - g * df
+    slope = rate / spring.pace(leg, x)
+    wronskian = f * dg - g * df
     return Stretched(
         spring, leg, (s * dg - g * slope) / wronskian, (f * slope - s * df) / wronskian
     )
@@ -184,6 +197,6 @@ def root(x: arb) -> arb:
 
 def power_five_halves(x: arb) -> arb:
     """x^(5/2) likewise."""
-    return (
-        x * x * root(x) if x.lower() > 0 or x == 0 else arb(0).union(arb(x.upper()) ** _part(5, 2))
-    )
+    if x.lower() > 0 or x == 0:
+        return x * x * root(x)
+    return arb(0).union(arb(x.upper()) ** _part(5, 2))

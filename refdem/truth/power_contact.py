@@ -64,11 +64,9 @@ class PowerContact:
             return self.near_turn(left)
         inward, outward = (t, 1) if left >= 0 else (2 * self.half - t, -1)
         if inward > 0 or inward == 0:
-            return (
-                self.near_touch(inward, outward)
-                if inward / self.unit < arb_of(NEAR_TOUCH)
-                else self.near_turn(left)
-            )
+            if inward / self.unit < arb_of(NEAR_TOUCH):
+                return self.near_touch(inward, outward)
+            return self.near_turn(left)
         raise UndecidedError(f"whether the spheres still touch at {t}")
 
     def near_touch(self, t: arb, sense: int) -> tuple[arb, arb]:
@@ -113,10 +111,12 @@ def root(value: Callable[[arb], arb], slope: Callable[[arb], arb], goal: arb, le
 
     `slope` >= `least` everywhere. Newton on midpoints, from a slope of 1; then the bound.
     """
-    x, apart = goal.mid() * 0, goal
+    x = goal.mid() * 0
+    apart = goal
     for _ in range(60):
         step = (apart / slope(x)).mid()
-        x, before = (x + step).mid(), apart
+        x = (x + step).mid()
+        before = apart
         apart = (goal - value(x)).mid()
         if apart == 0 or (abs(step) <= abs(x) * arb(2) ** -20 and abs(apart) >= abs(before)):
             break

@@ -81,49 +81,72 @@ class Real(Enclosed):
     def __add__(self, other: Any) -> Any:
         if not is_number(other):
             return NotImplemented
-        return self if is_zero(other) else Real(lambda: self.ball() + arb_of(other))
+        if is_zero(other):
+            return self
+        return Real(lambda: self.ball() + arb_of(other))
 
     def __mul__(self, other: Any) -> Any:
         if not is_number(other):
             return NotImplemented
-        return Fraction(0) if is_zero(other) else Real(lambda: self.ball() * arb_of(other))
+        if is_zero(other):
+            return Fraction(0)
+        return Real(lambda: self.ball() * arb_of(other))
 
     def __truediv__(self, other: Any) -> Any:
-        return Real(lambda: self.ball() / arb_of(other)) if is_number(other) else NotImplemented
+        if is_number(other):
+            return Real(lambda: self.ball() / arb_of(other))
+        return NotImplemented
 
     def __rtruediv__(self, other: Any) -> Any:
         if not is_number(other):
             return NotImplemented
-        return Fraction(0) if is_zero(other) else Real(lambda: arb_of(other) / self.ball())
+        if is_zero(other):
+            return Fraction(0)
+        return Real(lambda: arb_of(other) / self.ball())
 
     def __neg__(self) -> "Real":
         return Real(lambda: -self.ball())
 
     def __sub__(self, other: Any) -> Any:
-        return self + -other if is_number(other) else NotImplemented
+        if is_number(other):
+            return self + -other
+        return NotImplemented
 
     def __rsub__(self, other: Any) -> Any:
-        return -self + other if is_number(other) else NotImplemented
+        if is_number(other):
+            return -self + other
+        return NotImplemented
 
     def __pow__(self, power: int) -> Any:
-        return Real(lambda: self.ball() ** power) if isinstance(power, int) else NotImplemented
+        if isinstance(power, int):
+            return Real(lambda: self.ball() ** power)
+        return NotImplemented
 
     def __abs__(self) -> "Real":
         return Real(lambda: abs(self.ball()))
 
     def __lt__(self, other: Any) -> bool:
-        return (self - other).sign() < 0 if is_number(other) else NotImplemented
+        if is_number(other):
+            return (self - other).sign() < 0
+        return NotImplemented
 
     def __gt__(self, other: Any) -> bool:
-        return (self - other).sign() > 0 if is_number(other) else NotImplemented
+        if is_number(other):
+            return (self - other).sign() > 0
+        return NotImplemented
 
     def __le__(self, other: Any) -> bool:
-        return (self - other).sign() <= 0 if is_number(other) else NotImplemented
+        if is_number(other):
+            return (self - other).sign() <= 0
+        return NotImplemented
 
     def __ge__(self, other: Any) -> bool:
-        return (self - other).sign() >= 0 if is_number(other) else NotImplemented
+        if is_number(other):
+            return (self - other).sign() >= 0
+        return NotImplemented
 
-    __radd__, __rmul__ = __add__, __mul__
+    __radd__ = __add__
+    __rmul__ = __mul__
 
 
 class Root(Real):
@@ -140,7 +163,10 @@ class Root(Real):
         if isinstance(other, Root):
             return self.side * other.side * root(self.square * other.square)
         if isinstance(other, int | Fraction) and other:
-            side = self.side if other > 0 else -self.side
+            if other > 0:
+                side = self.side
+            else:
+                side = -self.side
             return Root(self.square * other * other, side)
         return super().__mul__(other)
 
@@ -156,7 +182,9 @@ class Root(Real):
         return super().__truediv__(other)
 
     def __rtruediv__(self, other: Any) -> Any:
-        return self.inverse() * other if is_number(other) else NotImplemented
+        if is_number(other):
+            return self.inverse() * other
+        return NotImplemented
 
     def __neg__(self) -> "Root":
         return Root(self.square, -self.side)
@@ -164,7 +192,9 @@ class Root(Real):
     def __pow__(self, power: int) -> Any:
         half, odd = divmod(power, 2)
         whole = self.square**half
-        return whole * self if odd else whole
+        if odd:
+            return whole * self
+        return whole
 
     __rmul__ = __mul__
 
@@ -185,7 +215,9 @@ def near(value: Number) -> Fraction:
     """The number itself if it is rational, else a rational near it; for step sizes and units, never
     for a proof.
     """
-    return value.near() if isinstance(value, Real) else value
+    if isinstance(value, Real):
+        return value.near()
+    return value
 
 
 def pi() -> Real:
@@ -206,14 +238,20 @@ def root(value: Number) -> Number:
 
 def sine(angle: Fraction) -> Number:
     """sin(angle) of a rational angle [rad]; exactly 0 at 0, and nowhere else."""
-    return Real(lambda: arb_of(angle).sin()) if angle else Fraction(0)
+    if angle:
+        return Real(lambda: arb_of(angle).sin())
+    return Fraction(0)
 
 
 def cosine(angle: Fraction) -> Number:
     """cos(angle) of a rational angle [rad]; exactly 1 at 0."""
-    return Real(lambda: arb_of(angle).cos()) if angle else Fraction(1)
+    if angle:
+        return Real(lambda: arb_of(angle).cos())
+    return Fraction(1)
 
 
 def logarithm(value: Fraction) -> Number:
     """ln(value), value > 0; exactly 0 at 1, and nowhere else."""
-    return Real(lambda: arb_of(value).log()) if value != 1 else Fraction(0)
+    if value != 1:
+        return Real(lambda: arb_of(value).log())
+    return Fraction(0)

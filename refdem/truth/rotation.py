@@ -22,7 +22,8 @@ def cross(a: Vector, b: Vector) -> list[arb]:
 
 def times(p: Vector, q: Vector) -> list[arb]:
     """The quaternion product p q."""
-    (a, *u), (b, *v) = p, q
+    (a, *u) = p
+    (b, *v) = q
     w = cross(u, v)
     return [a * b - dot(u, v), *(a * v[i] + b * u[i] + w[i] for i in range(3))]
 

@@ -23,7 +23,8 @@ def sampled(truth: Truth, times: Sequence[float], delays: Sequence[float] = ()) 
     reason = ""
     for t in (Fraction(float(t)) for t in times):
         try:
-            balls, _ = truth.at(t), truth.sensitivity(t)
+            balls = truth.at(t)
+            _ = truth.sensitivity(t)
         except NotCertifiedError as error:
             reason = str(error)
             break

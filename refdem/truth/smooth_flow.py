@@ -72,5 +72,8 @@ class OfAnEquation(SmoothFlow):
         if line is not None:
             place, speed = (self.scale[name] for name in self.state)
             return EnergyGrowth(line, place, speed, self.steepest(), self.equation().readings_at)
-        first, period = self.equation().growth(), self.period()
-        return first if period is None else PeriodicGrowth(first, period)
+        first = self.equation().growth()
+        period = self.period()
+        if period is None:
+            return first
+        return PeriodicGrowth(first, period)

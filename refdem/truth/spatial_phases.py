@@ -43,11 +43,14 @@ class SpatialPhases(ContactPhases):
     @property
     def size(self) -> int:
         """Of the state."""
-        return 16 if self.kt else 13
+        if self.kt:
+            return 16
+        return 13
 
     def start(self) -> list[Callable[[], arb]]:
         """The state at touch."""
-        pair, nothing = self.pair, partial(arb_of, 0)
+        pair = self.pair
+        nothing = partial(arb_of, 0)
 
         def part(wave: Callable[[arb], arb]) -> Callable[[], arb]:
             return lambda: arb_of(pair.closing_speed / self.speed) * wave(arb_of(pair.angle))
@@ -96,7 +99,8 @@ class SpatialPhases(ContactPhases):
 
     def turning(self, y: State) -> Vector:
         """n'."""
-        distance, closing = self.distance(y), self.closing(y)
+        distance = self.distance(y)
+        closing = self.closing(y)
         return [(n * closing - v) / distance for n, v in zip(self.normal(y), y[3:6], strict=True)]
 
     def levers(self, y: State) -> list[Any]:
@@ -105,7 +109,9 @@ class SpatialPhases(ContactPhases):
 
     def slip(self, y: State) -> Vector:
         """Velocity of surface 1 against surface 2."""
-        normal, closing, (first, second) = self.normal(y), self.closing(y), self.levers(y)
+        normal = self.normal(y)
+        closing = self.closing(y)
+        (first, second) = self.levers(y)
         carried = cross(
             [first * a + second * b for a, b in zip(y[6:9], y[9:12], strict=True)], normal
         )
@@ -124,8 +130,12 @@ class SpatialPhases(ContactPhases):
         """
 
         def rates(y: State) -> list[Any]:
-            normal, force = self.normal(y), self.force(y)
-            rub: Vector = friction(y) if friction else [0, 0, 0]
+            normal = self.normal(y)
+            force = self.force(y)
+            if friction:
+                rub: Vector = friction(y)
+            else:
+                rub = [0, 0, 0]
             twist = cross(normal, rub)
             spun = [
                 lever * ease * x
@@ -134,7 +144,10 @@ class SpatialPhases(ContactPhases):
             ]
             spring = [0] * (self.size - 13)
             if friction and self.kt:
-                spring = self.stretching(y) if stretches else self.leaning(y)
+                if stretches:
+                    spring = self.stretching(y)
+                else:
+                    spring = self.leaning(y)
             return [
                 *y[3:6],
                 *(f - n * force for f, n in zip(rub, normal, strict=True)),
@@ -152,12 +165,11 @@ class SpatialPhases(ContactPhases):
 
     def leaning(self, y: State) -> list[Any]:
         """e'."""
-        slip, e = self.slip(y), y[12:15]
-        along, back, quick = (
-            dot(slip, e),
-            dot(e, self.turning(y)),
-            self.kt / self.friction / self.force(y),
-        )
+        slip = self.slip(y)
+        e = y[12:15]
+        along = dot(slip, e)
+        back = dot(e, self.turning(y))
+        quick = self.kt / self.friction / self.force(y)
         return [
             (w - x * along) * quick - n * back
             for w, x, n in zip(slip, e, self.normal(y), strict=True)
@@ -278,11 +290,9 @@ class SpatialPhases(ContactPhases):
 
     def place(self, mode: str, y: State) -> list[Any]:
         """r, v, o1, o2, the spring, clock in any mode."""
-        return (
-            [*(x + v * y[-1] for x, v in zip(y[:3], y[3:6], strict=True)), *y[3:]]
-            if mode == "apart"
-            else list(y)
-        )
+        if mode == "apart":
+            return [*(x + v * y[-1] for x, v in zip(y[:3], y[3:6], strict=True)), *y[3:]]
+        return list(y)
 
 
 def pointed(y: State) -> list[Any]:

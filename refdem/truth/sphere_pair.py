@@ -103,7 +103,8 @@ class SpherePair:
 
     def start(self) -> list[arb]:
         """Relative state x, y, vx, vy (of body 1 against body 2) at touch."""
-        speed, angle = arb_of(self.closing_speed), arb_of(self.angle)
+        speed = arb_of(self.closing_speed)
+        angle = arb_of(self.angle)
         return [arb_of(-self.reach), arb(0), speed * angle.cos(), speed * angle.sin()]
 
 

@@ -25,7 +25,8 @@ class Timeless(ClosedForm):
         digits: int = 40,
     ) -> None:
         super().__init__(scale, digits=digits)
-        self.values, self.witness = values, witness
+        self.values = values
+        self.witness = witness
 
     def constants(self) -> dict[str, arb]:
         """The values."""

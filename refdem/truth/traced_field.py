@@ -70,12 +70,15 @@ class Node:
 
     def __add__(self, other: object) -> "Node":
         other = self.trace.constant(other)
-        a, b = self.exact(), other.exact()
+        a = self.exact()
+        b = other.exact()
         if a is not None and b is not None:
             return self.trace.constant(a + b)
-        return (
-            other if a == 0 else self if b == 0 else self.trace.node("+", self.index, other.index)
-        )
+        if a == 0:
+            return other
+        if b == 0:
+            return self
+        return self.trace.node("+", self.index, other.index)
 
     def __mul__(self, other: object) -> "Node":
         other = self.trace.constant(other)
@@ -85,14 +88,16 @@ class Node:
         value = node.exact()
         if factor == 0 or value is not None:
             return self.trace.constant(factor * (value or 0))
-        return node if factor == 1 else self.trace.node("scale", factor, node.index)
+        if factor == 1:
+            return node
+        return self.trace.node("scale", factor, node.index)
 
     def __truediv__(self, other: object) -> "Node":
         other = self.trace.constant(other)
         value = other.exact()
-        return (
-            self.trace.node("/", self.index, other.index) if value is None else self * (1 / value)
-        )
+        if value is None:
+            return self.trace.node("/", self.index, other.index)
+        return self * (1 / value)
 
     def __neg__(self) -> "Node":
         return self * -1
@@ -106,7 +111,8 @@ class Node:
     def __rtruediv__(self, other: object) -> "Node":
         return self.trace.constant(other) / self
 
-    __radd__, __rmul__ = __add__, __mul__
+    __radd__ = __add__
+    __rmul__ = __mul__
 
     def sin(self) -> "Node":
         return self._wave("cos", "sin")
@@ -142,7 +148,8 @@ def traced(function: Field, inputs: int) -> tuple[list[Node], list[list[Node]]]:
 
 def slope(node: Node, by: int) -> Node:
     """The derivative of a node by input `by`, by the chain rule."""
-    trace, key = node.trace, (node.index, by)
+    trace = node.trace
+    key = (node.index, by)
     if key not in trace.slopes:
         kind, *parts = trace.operations[node.index]
         if kind in ("in", "constant"):
@@ -150,7 +157,8 @@ def slope(node: Node, by: int) -> Node:
         elif kind == "scale":
             trace.slopes[key] = slope(Node(trace, parts[1]), by) * parts[0]
         else:
-            a, b = Node(trace, parts[0]), Node(trace, parts[-1])
+            a = Node(trace, parts[0])
+            b = Node(trace, parts[-1])
             trace.slopes[key] = SLOPES[kind](node, a, slope(a, by), b, slope(b, by))
     return trace.slopes[key]
 

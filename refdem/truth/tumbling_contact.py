@@ -17,7 +17,8 @@ from refdem.truth.events.system import Entry, Guard, Mode, Traced, along
 from refdem.truth.reals import root
 from refdem.truth.traced_field import Field, Node, Program, Trace
 
-PRESSES, IDLES = "p", "i"
+PRESSES = "p"
+IDLES = "i"
 SIGNS = tuple((x, y, z) for x in (-1, 1) for y in (-1, 1) for z in (-1, 1))
 Vector = Sequence[Any]
 
@@ -42,7 +43,8 @@ class Slope:
         """Rates of the state while these corners press."""
 
         def rates(y: Vector) -> list[Any]:
-            seen, angle = Seen(self, y), y[0] * 0 + self.slope
+            seen = Seen(self, y)
+            angle = y[0] * 0 + self.slope
             force: list[Any] = [
                 angle.sin() * self.gravity * self.mass,
                 0,
@@ -67,7 +69,8 @@ class Seen:
     """What follows from a state: quantities that corners need."""
 
     def __init__(self, system: Slope, y: Vector) -> None:
-        self.system, self.y = system, y
+        self.system = system
+        self.y = y
         self.rows = rotation(y[:4])
         self.omega_body = [
             dot(column, y[4:7]) / j
@@ -123,9 +126,17 @@ class Seen:
 
 def side(square: Any) -> Any:
     """The root of a constant; exact where it is rational."""
-    exact = square.exact() if isinstance(square, Node) else None
-    found = None if exact is None else root(exact)
-    return square.trace.constant(found) if isinstance(found, Fraction) else square.sqrt()
+    if isinstance(square, Node):
+        exact = square.exact()
+    else:
+        exact = None
+    if exact is None:
+        found = None
+    else:
+        found = root(exact)
+    if isinstance(found, Fraction):
+        return square.trace.constant(found)
+    return square.sqrt()
 
 
 class Modes(dict[str, Mode]):
@@ -151,11 +162,10 @@ class Modes(dict[str, Mode]):
             return Seen(self.system, y)
 
         def entry(how: str, *vanishing: str) -> Any:
-            after = (
-                {**touching, corner: how}
-                if how
-                else {c: h for c, h in touching.items() if c != corner}
-            )
+            if how:
+                after = {**touching, corner: how}
+            else:
+                after = {c: h for c, h in touching.items() if c != corner}
             name = " ".join(f"{c}{h}" for c, h in sorted(after.items()))
             return lambda _: Entry(name, None, {f"{what}{corner}": 1 for what in vanishing})
 
@@ -170,7 +180,10 @@ class Modes(dict[str, Mode]):
                 )
             ]
         if how == PRESSES:
-            after = entry(IDLES, "press") if damped else entry("", "touch")
+            if damped:
+                after = entry(IDLES, "press")
+            else:
+                after = entry("", "touch")
             return [Guard(f"release{corner}", lambda y: seen(y).pressure(corner), after)]
         return [
             Guard(f"leave{corner}", lambda y: -seen(y).gap(corner), entry("", "touch")),
@@ -213,7 +226,8 @@ class TracedCorners(Traced):
 
 def lean(node: Node) -> Node:
     """The same node in a trace of nothing but what makes it."""
-    fresh, kept = Trace(), dict[int, int]()
+    fresh = Trace()
+    kept = dict[int, int]()
     waiting = [node.index]
     needed = set()
     while waiting:

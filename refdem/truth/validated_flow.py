@@ -248,8 +248,13 @@ class ValidatedFlow(SmoothFlow):
         time = float(t)
 
         def next_bits(bits: int, lacking: float | None) -> int | None:
-            more = bits if lacking is None else max(bits // 4, ceil(lacking) + SPARE)
-            return bits + more if bits < self.most_bits() else None
+            if lacking is None:
+                more = bits
+            else:
+                more = max(bits // 4, ceil(lacking) + SPARE)
+            if bits < self.most_bits():
+                return bits + more
+            return None
 
         with precision(course.bits):
             flow = self.integration()

@@ -32,14 +32,22 @@ class Quadratic:
         """y(t) from y(0), in as few steps as `order` terms at RATIO allow; the balls contain the
         remainder.
         """
-        y, left = list(start), arb_of(t)
-        sign = -1 if t < 0 else 1
+        y = list(start)
+        left = arb_of(t)
+        if t < 0:
+            sign = -1
+        else:
+            sign = 1
         while True:
             speed = self.bound() * _largest([abs(x) for x in y])
-            step = (arb_of(RATIO) / speed).lower() if speed > 0 else abs(left) + 1
+            if speed > 0:
+                step = (arb_of(RATIO) / speed).lower()
+            else:
+                step = abs(left) + 1
             if abs(left) <= step:
                 return self._step(y, left, order)
-            y, left = self._step(y, sign * step, order), left - sign * step
+            y = self._step(y, sign * step, order)
+            left = left - sign * step
 
     def _step(self, y: Sequence[arb], h: arb, order: int) -> list[arb]:
         pairs = sorted({(j, k) for row in self.terms for _, j, k in row})
@@ -77,12 +85,16 @@ def body_flow(
     """omega in body axes and the attitude (of either sign) of a free rigid body at t: Euler's
     equations, q' = q omega/2.
     """
-    j, half = inertia, arb(1) / 2
+    j = inertia
+    half = arb(1) / 2
     euler = [
         [(arb_of((j[(i + 1) % 3] - j[(i + 2) % 3]) / j[i]), (i + 1) % 3, (i + 2) % 3)]
         for i in range(3)
     ]
-    w, x, y, z = 3, 4, 5, 6
+    w = 3
+    x = 4
+    y = 5
+    z = 6
     turning = [
         [(-half, x, 0), (-half, y, 1), (-half, z, 2)],
         [(half, w, 0), (half, y, 2), (-half, z, 1)],
@@ -101,7 +113,8 @@ def pendulum_flow(
     """cos theta, sin theta and thetadot of a pendulum at t: theta'' = -(g/l) sin theta, in units of
     w0.
     """
-    w0, one = arb_of(gravity_over_length).sqrt(), 3
+    w0 = arb_of(gravity_over_length).sqrt()
+    one = 3
     field = Quadratic([[(-w0, 1, 2)], [(w0, 0, 2)], [(-w0, 1, one)], []])
     cosine, sine, rate, _ = field.flow(
         [theta.cos(), theta.sin(), arb_of(thetadot) / w0, arb(1)], t, order=order

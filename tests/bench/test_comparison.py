@@ -64,7 +64,8 @@ def in_turns(seed: int, *, factor: float = 1.0, rounds: int = 7, noise: float = 
     """The same record with another code, which is faster by `factor`, in every round under the same
     weather.
     """
-    chance, alone = random.Random(seed + 10**6), record(seed, rounds=rounds, noise=noise)
+    chance = random.Random(seed + 10**6)
+    alone = record(seed, rounds=rounds, noise=noise)
     curve = alone.curves[0]
     points = [
         msgspec.structs.replace(
@@ -113,7 +114,8 @@ def test_rounds_in_which_codes_differ_by_chance_alone_are_flagged_at_most_once_a
 
 
 def test_only_levels_that_both_records_have_are_compared() -> None:
-    now, then = record(1), record(1)
+    now = record(1)
+    then = record(1)
     curve = now.curves[0]
     slow = msgspec.structs.replace(curve.points[0], level=9.0, rounds=[100.0] * 5)
     now = msgspec.structs.replace(
@@ -132,6 +134,7 @@ def test_a_file_that_is_no_record_is_refused(tmp_path: Path) -> None:
 
 
 def test_a_record_is_read_back_as_it_was_written(tmp_path: Path) -> None:
-    path, written = tmp_path / "bench.json", record(3)
+    path = tmp_path / "bench.json"
+    written = record(3)
     path.write_bytes(msgspec.json.encode(written))
     assert read(path) == written

@@ -46,7 +46,8 @@ def test_a_ratio_is_the_median_of_rounds_not_a_ratio_of_medians() -> None:
 
 
 def test_a_gas_says_its_box_by_periods_or_by_walls() -> None:
-    periodic, walls = gas(), gas(boundary="walls")
+    periodic = gas()
+    walls = gas(boundary="walls")
     assert periodic.size == pytest.approx(walls.size, rel=1e-15)
     assert (periodic.periodic, walls.periodic) == (True, False)
     assert np.all(walls.position < walls.size)

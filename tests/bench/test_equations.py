@@ -41,7 +41,8 @@ def test_the_equations_of_a_peer_have_the_motion_of_the_case(
     system = equations(instance.motion, cartesian=cartesian)
     if system is None:
         pytest.fail(f"{case} has no equations")
-    states, y = [np.array(system.start)], np.array(system.start)
+    states = [np.array(system.start)]
+    y = np.array(system.start)
     steps = STEPS * math.ceil(instance.scales.duration / instance.scales.tau / 8)
     h = instance.motion.interval / steps
     for _ in instance.times[1:]:

@@ -40,20 +40,20 @@ def by_small_steps(belt: Belt, tolerance: float):
     """
 
     def slip(t, x, u, side, end, frequency):
-        passed, speed = [], belt.slider.belt_velocity
+        passed = []
+        speed = belt.slider.belt_velocity
 
         def rate(t, x, u):
             return belt.pull(t, frequency, x) - side * belt.friction(side * u)
 
         while t < end:
             du = rate(t, x, u) * tolerance / 2
-            a, b = u + du, rate(t + tolerance / 2, x + (u + speed) * tolerance / 2, u + du)
-            before, t, x, u = (
-                (t, x, u),
-                t + tolerance,
-                x + (a + speed) * tolerance,
-                u + b * tolerance,
-            )
+            a = u + du
+            b = rate(t + tolerance / 2, x + (u + speed) * tolerance / 2, u + du)
+            before = (t, x, u)
+            t = t + tolerance
+            x = x + (a + speed) * tolerance
+            u = u + b * tolerance
             if (before[2] + speed) * (u + speed) < 0:
                 passed.append((t, x + belt.anchor))
             if side * u < 0:
@@ -78,7 +78,8 @@ MAKERS = {"small steps": by_small_steps, "heyoka": by_heyoka, "scipy": by_scipy}
 def test_a_section_of_a_peer_is_that_of_the_reference(name: str) -> None:
     level, bound = (1e-3, 3e-2) if name == "small steps" else (1e-11, 5e-8)
     problem = discovery.case("stick-slip").at().motion
-    belt, frequency = Belt.of(problem.scene), np.array([0.9, 2.0])
+    belt = Belt.of(problem.scene)
+    frequency = np.array([0.9, 2.0])
     places = [belt.walked(float(w), 12, 4, *MAKERS[name](belt, level)) for w in frequency]
     exact = ENGINE.section(problem, frequency, skip=4, keep=8).places
     assert [len(row) for row in places] == [len(row) for row in exact]

@@ -42,7 +42,8 @@ def test_markdown_has_a_table_whose_cells_stay_apart() -> None:
 def test_the_reference_is_grey_and_methods_of_an_engine_differ_in_shape() -> None:
     data = chart(SECTION)
     assert data is not None
-    colours, shapes = [style[1] for style in data.styles], [style[2] for style in data.styles]
+    colours = [style[1] for style in data.styles]
+    shapes = [style[2] for style in data.styles]
     assert colours[0] not in colours[1:]
     assert colours[1] == colours[2]
     assert shapes[1] != shapes[2]

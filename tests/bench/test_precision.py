@@ -36,7 +36,8 @@ def test_the_least_and_the_most_of_the_rounds_are_kept_beside_the_median() -> No
 
 @pytest.mark.parametrize("order", [1, 2, 4, 8])
 def test_the_order_and_the_constant_of_a_power_law_are_found(order: int) -> None:
-    tau, duration = 0.5, 10.0
+    tau = 0.5
+    duration = 10.0
     levels = [0.1 / 4**k for k in range(4)]
     curve = points(
         *((h, 0.007 * (1 + duration / tau) * (h / tau) ** order, 1.0 / h) for h in levels)

@@ -25,7 +25,8 @@ def page(tmp_path_factory):
 @pytest.mark.parametrize("scheme", ["light", "dark"])
 def test_every_figure_is_drawn_and_nothing_is_wider_than_the_screen(browser, page, scheme, width):
     context = browser.new_context(color_scheme=scheme, viewport={"width": width, "height": 900})
-    shown, wrong = context.new_page(), []
+    shown = context.new_page()
+    wrong = []
     shown.on("console", lambda message: wrong.append(message.text))
     shown.on("pageerror", lambda error: wrong.append(str(error)))
     shown.on("dialog", lambda dialog: (wrong.append(dialog.message), dialog.dismiss()))

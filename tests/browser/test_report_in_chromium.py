@@ -42,7 +42,8 @@ def opened(browser, path, *, scheme="light", width=1280):
     file.
     """
     context = browser.new_context(color_scheme=scheme, viewport={"width": width, "height": 900})
-    page, wrong = context.new_page(), []
+    page = context.new_page()
+    wrong = []
     page.on("console", lambda message: wrong.append(message.text))
     page.on("pageerror", lambda error: wrong.append(str(error)))
     page.on("dialog", lambda dialog: (wrong.append(dialog.message), dialog.dismiss()))
@@ -77,7 +78,8 @@ def test_every_page_opens_without_a_message_a_dialog_or_a_request(browser, folde
 
 
 def test_every_link_leads_to_a_file_and_to_a_place_in_it(browser, folder):
-    places, links = {}, []
+    places = {}
+    links = []
     for path in pages(folder):
         with opened(browser, path) as page:
             places[path.resolve()] = set(

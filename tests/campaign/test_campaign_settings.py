@@ -59,7 +59,10 @@ def tried(case: Canonical) -> Iterator[Instance]:
     """The case at its defaults, at telling settings and at those of main, each as it is and with
     one parameter changed.
     """
-    common = CROWD if case.id == "granular-gas" else {}
+    if case.id == "granular-gas":
+        common = CROWD
+    else:
+        common = {}
     own = [dict(instance.p.given) for instance in MAIN if instance.case.id == case.id]
     bases = [*map(dict, settings(case.id)), *own]
     changes = [

@@ -69,7 +69,9 @@ def a_sample_late(times, h, stride, number):
 
 def summed(times, h, goes_on, number):
     """Steps taken at each sample by a clock that adds its steps up while `goes_on(ahead, step)`."""
-    clock, count, taken = times[0], 0, []
+    clock = times[0]
+    count = 0
+    taken = []
     for sample in times:
         while goes_on(number((sample - clock) * np.sign(h)), abs(h)):
             clock = number(clock + h)
@@ -85,7 +87,9 @@ class Flight(Engine):
     title = "Flight"
 
     def __init__(self, clock, number=np.float64, method=DRIFT, pace=1.0):
-        self.clock, self.number, self.pace = clock, number, pace
+        self.clock = clock
+        self.number = number
+        self.pace = pace
         self.methods = (method,)
 
     def missing(self):
@@ -98,7 +102,9 @@ class Flight(Engine):
         return "flight"
 
     def refusal(self, problem, method):
-        return "no elements" if problem.scene.elements else None
+        if problem.scene.elements:
+            return "no elements"
+        return None
 
     def run(self, request):
         bodies = request.problem.scene.bodies
@@ -167,7 +173,9 @@ def test_a_wrong_unit_is_not_blamed_on_the_clock():
 
 def test_a_program_that_never_steps_backwards_has_taken_too_few():
     def only_forwards(times, h, stride, number):
-        return by_stride(times, h, stride, number) if h > 0 else [0] * len(times)
+        if h > 0:
+            return by_stride(times, h, stride, number)
+        return [0] * len(times)
 
     assert "too few" in found(Flight(only_forwards)).sentence
 

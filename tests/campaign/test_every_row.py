@@ -66,7 +66,9 @@ def judged(instance: Instance) -> list[str]:
 def drawn(parameter: Parameter, rng: np.random.Generator) -> str:
     """A value near the default, as text; "" where the case decides."""
     if parameter.choices:
-        return str(rng.choice(parameter.choices)) if rng.random() < 0.5 else parameter.default
+        if rng.random() < 0.5:
+            return str(rng.choice(parameter.choices))
+        return parameter.default
     if parameter.whole or parameter.default == "":
         return parameter.default
     numbers = np.array(

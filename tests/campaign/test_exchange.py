@@ -70,8 +70,11 @@ def run(folder: Path, pull: float = 1.0) -> None:
         asked["scene"]["elements"],
         np.array(asked["times"]),
     )
-    center, rate = np.array(spring["anchor_b"]), pull * spring["stiffness"] / body["mass"]
-    x, v, rows = np.array(body["position"]), np.array(body["velocity"]), [",".join(COLUMNS)]
+    center = np.array(spring["anchor_b"])
+    rate = pull * spring["stiffness"] / body["mass"]
+    x = np.array(body["position"])
+    v = np.array(body["velocity"])
+    rows = [",".join(COLUMNS)]
     stride = asked["stride"]
     h = (times[1] - times[0]) / stride
     for n, t in enumerate(times):
@@ -175,8 +178,14 @@ def test_mass_properties_come_back_as_a_table(toml: Path, tmp_path: Path) -> Non
         asked = json.loads((tmp_path / "out" / name / "request.json").read_text())
         rows = ["solid,mass,x,y,z,xx,yy,zz,xy,xz,yz"]
         for solid in asked["problem"]["solids"]:
-            sides = solid["shape"].get("sides") if not solid.get("hollow") else None
-            mass = solid["density"] * sides[0] * sides[1] * sides[2] if sides else ""
+            if not solid.get("hollow"):
+                sides = solid["shape"].get("sides")
+            else:
+                sides = None
+            if sides:
+                mass = solid["density"] * sides[0] * sides[1] * sides[2]
+            else:
+                mass = ""
             rows.append(
                 f"{solid['name']},{mass!r},,,,,,,,," if sides else f"{solid['name']},,,,,,,,,,"
             )

@@ -21,15 +21,14 @@ def campaign(tmp_path: Path) -> Campaign:
 def test_what_is_kept_is_not_proved_again_and_what_is_not_is(
     campaign: Campaign, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    kept, other = (
-        discovery.case("harmonic-oscillator").at(),
-        discovery.case("harmonic-oscillator").at(mass="2"),
-    )
+    kept = discovery.case("harmonic-oscillator").at()
+    other = discovery.case("harmonic-oscillator").at(mass="2")
     truth = sampled(kept.truth(), kept.times.tolist())
     monkeypatch.setattr(
         truths, "kept_truth", lambda instance: truth if instance.label == kept.label else None
     )
-    asked, prove = [], worker.sampled_truth
+    asked = []
+    prove = worker.sampled_truth
 
     def proved(case: str, given: dict[str, str], delays: tuple[float, ...]) -> bytes:
         asked.append((given, delays))

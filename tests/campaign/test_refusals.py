@@ -32,7 +32,10 @@ def judged(one: Task, refused: list[Variant], kind: str = "unsupported") -> Reco
         if variant.goes_on:
             continue
         request = plan.request(one, variant)
-        failure = Failure(kind=kind, sentence=WHY) if variant in refused else None
+        if variant in refused:
+            failure = Failure(kind=kind, sentence=WHY)
+        else:
+            failure = None
         trajectory, cost = (None, None) if failure else one.engine.run(request)
         runs[variant] = Run(
             key="",

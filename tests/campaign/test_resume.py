@@ -37,7 +37,8 @@ def stored_runs(path):
 
 
 def test_a_killed_campaign_goes_on_where_it_was(played, tmp_path):
-    store, script = tmp_path / "store.sqlite", tmp_path / "campaign.py"
+    store = tmp_path / "store.sqlite"
+    script = tmp_path / "campaign.py"
     script.write_text(SCRIPT)
     environment = os.environ | {"PYTHONPATH": os.pathsep.join(path for path in sys.path if path)}
     process = subprocess.Popen(

@@ -56,7 +56,8 @@ def derivative(scene, r, v, q, w):
 @cache
 def honest(scene_json, interval, count):
     """Columns of the right trajectory, by classical Runge-Kutta."""
-    scene, h = Scene.from_json(scene_json), interval / SUBSTEPS
+    scene = Scene.from_json(scene_json)
+    h = interval / SUBSTEPS
     b = scene.bodies
     state = [b.position, b.velocity, b.attitude, rotated(conjugate(b.attitude), b.omega)]
     rows = [state]
@@ -108,7 +109,9 @@ class Plain(Engine):
         if method.name == "never":
             return "nothing at all"
         others = {e.kind for e in problem.scene.elements} - SAID
-        return f"no {others}" if others else None
+        if others:
+            return f"no {others}"
+        return None
 
     def run(self, request):
         problem = request.problem
@@ -144,7 +147,8 @@ def displaced_mass(request, columns):
     """The frame of the body starts where it should; the centre of mass, displaced in it, flies as
     the centre would.
     """
-    arm, sweep = lever(request, columns), swept(request, columns)
+    arm = lever(request, columns)
+    sweep = swept(request, columns)
     since = (columns["t"] - columns["t"][0])[:, None, None]
     position = columns["position"] + arm[:1] + since * sweep[:1] - arm
     return columns | {"position": position, "velocity": columns["velocity"] + sweep[:1] - sweep}

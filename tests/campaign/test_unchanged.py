@@ -28,7 +28,8 @@ SPECIFICATION = Specification(
 @pytest.fixture
 def judgements(monkeypatch):
     """How often something is judged."""
-    seen, record = [], judging.record
+    seen = []
+    record = judging.record
     monkeypatch.setattr(
         judging,
         "record",
@@ -52,7 +53,8 @@ def without_times(sheets):
 
 
 def test_nothing_is_judged_twice_and_the_sheets_are_the_same(played, tmp_path, judgements):
-    first, second = of(tmp_path), of(tmp_path)
+    first = of(tmp_path)
+    second = of(tmp_path)
     assert judgements == ["good"]
     assert without_times(first) == without_times(second)
     assert (first[0].runs_made, second[0].runs_made, second[0].runs_read) == (3, 0, 3)

@@ -321,17 +321,22 @@ def test_truth_starts_where_the_scene_starts(name: str, given: dict[str, str]) -
 
 @pytest.mark.parametrize(("name", "given"), STARTS)
 def test_truth_moves_as_its_velocities_say(name: str, given: dict[str, str]) -> None:
-    instance, small = discovery.case(name).at(**given), Fraction(1, 2**20)
+    instance = discovery.case(name).at(**given)
+    small = Fraction(1, 2**20)
     rates = {"x": "vx", "y": "vy", "z": "vz", "theta": "thetadot"}
     rates |= {f"r{i}.{a}": f"v{i}.{a}" for i in (1, 2) for a in AXES}
     t = Fraction(float(instance.times[3]))
     before, now, after = (instance.truth().at(s) for s in (t - small, t, t + small))
     for place, rate in rates.items():
-        rate = rate if rate in now else "v"
+        if rate in now:
+            rate = rate
+        else:
+            rate = "v"
         if place in now and rate in now:
             slope = (after[place].mid - before[place].mid) / (2 * small)
             turns = round(float(slope * 2 * small) / (2 * np.pi))
-            expected, scale = float(now[rate].mid), instance.quantities[rate].scale
+            expected = float(now[rate].mid)
+            scale = instance.quantities[rate].scale
             assert abs(float(slope) - turns * np.pi / float(small) - expected) < 1e-4 * scale, place
 
 
@@ -344,8 +349,14 @@ def test_every_default_has_a_truth() -> None:
         try:
             instance = discovery.case(name).at()
             truth = instance.truth()
-            late = Fraction(1, 4) if "duration" in instance.p else Fraction(1)
-            found = truth.scalars() if name in BY_SCALARS else truth.at(late)
+            if "duration" in instance.p:
+                late = Fraction(1, 4)
+            else:
+                late = Fraction(1)
+            if name in BY_SCALARS:
+                found = truth.scalars()
+            else:
+                found = truth.at(late)
         except NotCertifiedError as error:
             raise AssertionError(name) from error
         assert found

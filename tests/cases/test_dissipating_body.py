@@ -48,7 +48,8 @@ def test_the_reference_holds(given):
 @pytest.mark.parametrize("given", SETS)
 def test_truth_is_what_an_integration_of_the_angular_momentum_says(given):
     instance = discovery.case("dissipating-body").at(**given)
-    truth, times = instance.truth(), [Fraction(1, 2), Fraction(7)]
+    truth = instance.truth()
+    times = [Fraction(1, 2), Fraction(7)]
     for t, said in witnesses()["dissipating-body"].values(instance.p, times, {}):
         for name, ball in truth.at(t).items():
             assert abs(ball.mid - Fraction(str(float(said[name])))) < Fraction(1, 10**14)
@@ -96,7 +97,8 @@ def test_damping_that_is_wrong_is_seen(monkeypatch, factor):
     whole = DissipatingBody.run
 
     def wrong(self, request):
-        scene, element = request.problem.scene, request.problem.scene.elements[0]
+        scene = request.problem.scene
+        element = request.problem.scene.elements[0]
         object.__setattr__(scene, "elements", (changed(element, factor),))
         return whole(self, request)
 

@@ -44,7 +44,10 @@ def extreme(rng: random.Random, parameter: Parameter) -> str:
     """A value anywhere within the bounds, of any size."""
     if parameter.choices:
         return rng.choice(parameter.choices)
-    low = parameter.above if parameter.above is not None else parameter.at_least
+    if parameter.above is not None:
+        low = parameter.above
+    else:
+        low = parameter.at_least
     count = 1
     for extent in parameter.shape:
         count *= extent

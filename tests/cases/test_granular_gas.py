@@ -27,7 +27,8 @@ CASE = discovery.case("granular-gas")
 )
 def test_the_start_has_its_temperature_no_momentum_and_no_overlap(given):
     instance = CASE.at(**given)
-    b, size = instance.scene.bodies, (instance.p.n / instance.p.density) ** (1 / 3)
+    b = instance.scene.bodies
+    size = (instance.p.n / instance.p.density) ** (1 / 3)
     assert [math.fsum(b.velocity[:, k]) for k in range(3)] == [0.0, 0.0, 0.0]
     assert np.sum(b.velocity**2) / (3 * (len(b) - 1)) == pytest.approx(instance.p.t0, rel=1e-9)
     apart = b.position[:, None] - b.position

@@ -39,7 +39,10 @@ def test_the_right_run_matches_and_the_counterexample_is_flagged(instance):
 
 @pytest.mark.parametrize("member", ["free", "slope"])
 def test_the_reference_matches(member):
-    instance = FREE if member == "free" else FALLING
+    if member == "free":
+        instance = FREE
+    else:
+        instance = FALLING
     for method in ENGINE.methods:
         if method.control == "exact" and ENGINE.refuses(instance.problem, method) is None:
             assert flagged(ENGINE, instance, method.name) == []

@@ -23,7 +23,8 @@ def points(position: np.ndarray, velocity: np.ndarray, **channels: np.ndarray) -
 def circle(rate: float, radius: float) -> tuple[np.ndarray, np.ndarray]:
     """A steady turn from the downward vertical: theta = rate t."""
     angle = rate * T
-    sine, cosine = np.sin(angle), np.cos(angle)
+    sine = np.sin(angle)
+    cosine = np.cos(angle)
     return radius * np.stack([sine, -cosine], axis=1), radius * rate * np.stack(
         [cosine, sine], axis=1
     )
@@ -60,7 +61,8 @@ def test_omega_in_body_axes_is_seen_through_a_quarter_turn_about_x() -> None:
     """
     half = np.sqrt(0.5)
     attitude = np.tile([-half, -half, 0.0, 0.0], (7, 1, 1))
-    zero, omega = np.zeros((7, 1, 3)), np.tile([0.0, 0.0, 2.0], (7, 1, 1))
+    zero = np.zeros((7, 1, 3))
+    omega = np.tile([0.0, 0.0, 2.0], (7, 1, 1))
     trajectory = Trajectory(t=T, position=zero, velocity=zero, attitude=attitude, omega=omega)
     seen = discovery.case("free-rigid-body").at().observe(trajectory)
     np.testing.assert_allclose(
@@ -89,7 +91,8 @@ def test_kepler_starts_at_periapsis_with_the_speed_of_vis_viva() -> None:
     bodies = (
         discovery.case("two-body-orbit").at(gm="3", semi_major="2", eccentricity="0.9").scene.bodies
     )
-    distance, speed = bodies.position[0, 0], bodies.velocity[0, 1]
+    distance = bodies.position[0, 0]
+    speed = bodies.velocity[0, 1]
     assert distance == pytest.approx(0.2, rel=1e-15)
     assert speed**2 == pytest.approx(3 * (2 / distance - 1 / 2), rel=1e-14)
     assert not bodies.position[0, 1:].any()
@@ -146,13 +149,20 @@ def test_a_contact_lasts_as_long_as_scales_say(given: dict[str, str]) -> None:
     back at zero and was not before.
     """
     instance = discovery.case("two-spheres").at(**given)
-    k, c, m = 128.0, float(given["damping"]), 0.5
-    steps, end = 20000, instance.scales.duration / 2
-    d, v, h, force = 0.0, 1.0, end / 20000, []
+    k = 128.0
+    c = float(given["damping"])
+    m = 0.5
+    steps = 20000
+    end = instance.scales.duration / 2
+    d = 0.0
+    v = 1.0
+    h = end / 20000
+    force = []
     for _ in range(steps):
         a = -(k * d + c * v) / m
         jerk = -(k * v + c * a) / m
-        d, v = d + h * v + h * h * a / 2 + h**3 * jerk / 6, v + h * a + h * h * jerk / 2
+        d = d + h * v + h * h * a / 2 + h**3 * jerk / 6
+        v = v + h * a + h * h * jerk / 2
         force.append(k * d + c * v if "cutoff" in given else d)
     assert min(force[: steps - 10]) > 0
     assert abs(force[-1]) < 1e-3 * max(force)
@@ -195,11 +205,10 @@ def test_spheres_in_balance_feel_no_force_to_the_last_bit() -> None:
     scene = discovery.case("newtons-first-law").at(member="spheres").scene
     (contact,) = scene.all(Contact)
     (_, _, low), (_, _, high) = scene.bodies.position
-    radius, weight = scene.bodies.radius[0], scene.bodies.mass[0] * 9.8125
-    below, between = (
-        contact.stiffness * (radius - low),
-        contact.stiffness * (2 * radius - (high - low)),
-    )
+    radius = scene.bodies.radius[0]
+    weight = scene.bodies.mass[0] * 9.8125
+    below = contact.stiffness * (radius - low)
+    between = contact.stiffness * (2 * radius - (high - low))
     assert between - weight == 0.0
     assert below - between - weight == 0.0
 

@@ -38,7 +38,8 @@ def test_turning_points_and_largest_speeds_under_dry_friction_lie_on_one_straigh
     """x0 - 2 f w0 t/(pi k), the speeds in units of w0; the line ends where the mass has stopped."""
     scalars = discovery.case("coulomb-oscillator").at(**given).truth().scalars()
     p = discovery.case("coulomb-oscillator").at(**given).p
-    w0, end = np.sqrt(p.stiffness / p.mass), float(scalars["stop_time"].mid)
+    w0 = np.sqrt(p.stiffness / p.mass)
+    end = float(scalars["stop_time"].mid)
     t = np.linspace(0, end * (1 - 1e-9), 20001)
     x, v = moved("coulomb-oscillator", t, **given)
     for when, size in (oscillation.turning_points(t[1:], x[1:], v[1:]), _tops(t, np.abs(v) / w0)):
@@ -136,7 +137,9 @@ def sweep(drives, delta):
     """Amplitudes at the frequencies one after another, each going on where the one before has
     settled.
     """
-    x, v, found = 0.1, 0.0, []
+    x = 0.1
+    v = 0.0
+    found = []
     for drive in drives.tolist():
         x, v, amplitude = settled(drive, delta, x, v, round(3 / delta) + 10)
         found.append(amplitude)
@@ -172,7 +175,8 @@ def test_harmonic_balance_solves_its_own_equation():
 
 
 def test_a_square_doubles_the_frequency_and_shifts_the_middle():
-    w, t = 0.3125, np.arange(8192) * 0.125 + 400
+    w = 0.3125
+    t = np.arange(8192) * 0.125 + 400
     given = {"eps": "1/50", "delta": "1/20", "f0": "1/5,0", "drive": "0.3125,1", "x0": "0"}
     x, _ = moved("quadratic-response", np.r_[0.0, t], **given)
     x = x[1:]
@@ -185,7 +189,9 @@ def test_a_square_doubles_the_frequency_and_shifts_the_middle():
 
 
 def test_two_drives_mix_to_their_sum_and_difference():
-    w1, w2, t = 0.3125, 0.5, np.arange(8192) * 0.125 + 400
+    w1 = 0.3125
+    w2 = 0.5
+    t = np.arange(8192) * 0.125 + 400
     given = {"eps": "1/50", "delta": "1/20", "f0": "1/5,1/5", "drive": "0.3125,0.5", "x0": "0"}
     x = moved("quadratic-response", np.r_[0.0, t], **given)[0][1:]
     a1, a2 = (abs(spectrum.line(t, x, w)) for w in (w1, w2))

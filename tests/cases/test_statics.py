@@ -98,7 +98,8 @@ def test_an_engine_that_knows_nothing_of_it_refuses():
         "cannot run mass properties" in engine.refuses(instance.problem, method)
         for method in engine.methods
     )
-    pymunk, quaternions = discovery.engine("pymunk"), discovery.case("quaternions").at()
+    pymunk = discovery.engine("pymunk")
+    quaternions = discovery.case("quaternions").at()
     assert "knows nothing" in pymunk.refuses(quaternions.problem, pymunk.method("vectors"))
 
 
@@ -107,7 +108,9 @@ def of_tetrahedra(vertices, faces):
     first vertex.
     """
     base = vertices[0]
-    volume, first, second = Fraction(0), [Fraction(0)] * 3, [[Fraction(0)] * 3 for _ in range(3)]
+    volume = Fraction(0)
+    first = [Fraction(0)] * 3
+    second = [[Fraction(0)] * 3 for _ in range(3)]
     for face in faces:
         for k in range(1, len(face) - 1):
             corners = [base, *(vertices[face[i]] for i in (0, k, k + 1))]
@@ -163,21 +166,24 @@ def test_truth_of_polyhedra_is_the_sum_of_their_tetrahedra(name):
 def test_truth_of_round_solids_is_a_quadrature(name):
     instance = discovery.case("moments-of-inertia").at(a="1.5", b="0.75", c="2", hollow="1/4")
     scalars = {n: float(ball.mid) for n, ball in instance.truth().scalars().items()}
-    a, b, c = 1.5, 0.75, 2.0
+    a = 1.5
+    b = 0.75
+    c = 2.0
     nodes, weights = np.polynomial.legendre.leggauss(40)
     angles = np.arange(64) * (2 * np.pi / 64)
     low, across = (0.25, a) if name == "hollow-cylinder" else (0.0, b)
-    radii, areas = (low + (1 - low) * (nodes + 1) / 2, (1 - low) * weights / 2)
+    radii = low + (1 - low) * (nodes + 1) / 2
+    areas = (1 - low) * weights / 2
     heights = [(z * c, w * c, np.sqrt(1 - z * z)) for z, w in zip(nodes, weights, strict=True)]
-    heights = (
-        heights
-        if name == "ellipsoid"
-        else [(z * c / 2, w * c / 2, 1.0) for z, w in zip(nodes, weights, strict=True)]
-    )
+    if name == "ellipsoid":
+        heights = heights
+    else:
+        heights = [(z * c / 2, w * c / 2, 1.0) for z, w in zip(nodes, weights, strict=True)]
     total = np.zeros(4)
     for z, thick, shrunk in heights:
         for r, dr in zip(radii, areas, strict=True):
-            x, y = shrunk * r * a * np.cos(angles), shrunk * r * across * np.sin(angles)
+            x = shrunk * r * a * np.cos(angles)
+            y = shrunk * r * across * np.sin(angles)
             mass = 0.5 * thick * dr * r * shrunk**2 * a * across * (2 * np.pi / 64)
             total += mass * np.array(
                 [64, np.sum(y * y + z * z), np.sum(x * x + z * z), np.sum(x * x + y * y)]
@@ -205,7 +211,9 @@ def triangulated(n):
     vertices = [
         (np.sin(t) * np.cos(f), 2 * np.sin(t) * np.sin(f), 3 * np.cos(t)) for t, f in rings
     ] + [(0, 0, 3), (0, 0, -3)]
-    top, bottom, m = len(rings), len(rings) + 1, 2 * n
+    top = len(rings)
+    bottom = len(rings) + 1
+    m = 2 * n
     bands = [
         (i * m + j, (i + 1) * m + j, (i + 1) * m + (j + 1) % m, i * m + (j + 1) % m)
         for i in range(n - 2)
@@ -258,7 +266,8 @@ def test_truth_of_a_cuboid_is_that_of_its_triangles(sides):
 @pytest.mark.parametrize("hollow", ["1/2", "9/10"])
 def test_truth_of_hollow_bodies_is_that_of_triangles_of_both_surfaces(hollow):
     truth = discovery.case("moments-of-inertia").at(hollow=hollow).truth().scalars()
-    numbers, part = {name: float(ball.mid) for name, ball in truth.items()}, float(Fraction(hollow))
+    numbers = {name: float(ball.mid) for name, ball in truth.items()}
+    part = float(Fraction(hollow))
     outer, inner = (
         of_polyhedron(b.vertices, b.faces, 0.5)
         for b in (box(1, 2, 3), box(part, 2 * part, 3 * part))
@@ -317,7 +326,8 @@ def test_limits_of_the_table():
 
 def hamilton(p, q):
     """Hamilton's rules, component by component."""
-    (a, b, c, d), (e, f, g, h) = p, q
+    (a, b, c, d) = p
+    (e, f, g, h) = q
     return [
         a * e - b * f - c * g - d * h,
         a * f + b * e + c * h - d * g,
@@ -328,16 +338,12 @@ def hamilton(p, q):
 
 def test_truth_of_quaternions_is_hamiltons():
     truth = discovery.case("quaternions").at().truth().scalars()
-    p, q, r = (
-        [Fraction(1), Fraction(-2), Fraction(1, 2), Fraction(3)],
-        [Fraction(2), Fraction(1), Fraction(-1), Fraction(1, 4)],
-        [Fraction(-1), Fraction(1, 3), Fraction(2), Fraction(1)],
-    )
-    v, omega, square = (
-        [Fraction(0), Fraction(1), Fraction(2), Fraction(-1, 2)],
-        [Fraction(0), Fraction(3, 4), Fraction(-1), Fraction(2)],
-        sum(x * x for x in q),
-    )
+    p = [Fraction(1), Fraction(-2), Fraction(1, 2), Fraction(3)]
+    q = [Fraction(2), Fraction(1), Fraction(-1), Fraction(1, 4)]
+    r = [Fraction(-1), Fraction(1, 3), Fraction(2), Fraction(1)]
+    v = [Fraction(0), Fraction(1), Fraction(2), Fraction(-1, 2)]
+    omega = [Fraction(0), Fraction(3, 4), Fraction(-1), Fraction(2)]
+    square = sum(x * x for x in q)
     star = [q[0], -q[1], -q[2], -q[3]]
     turned = [x / square for x in hamilton(hamilton(q, v), star)]
     body = [x / square for x in hamilton(hamilton(star, omega), q)]
@@ -367,7 +373,8 @@ def test_truth_of_quaternions_is_hamiltons():
         for i, number in enumerate(numbers):
             ball = truth[f"{name}.{i}"]
             assert abs(ball.mid - number) <= ball.radius
-    ball, other = truth["absolute"], truth["complex-eigenvalue.1"]
+    ball = truth["absolute"]
+    other = truth["complex-eigenvalue.1"]
     assert abs(ball.mid**2 - square) < Fraction(1, 10**38)
     assert abs(other.mid**2 - (square - 4)) < Fraction(1, 10**38)  # q has w = 2
 

@@ -30,7 +30,8 @@ def asked(label):
     """
     case, given = labelled(label)
     instance = discovery.case(case).at(**given)
-    method, truth = ENGINE.best(instance.problem).name, truth_of(instance)
+    method = ENGINE.best(instance.problem).name
+    truth = truth_of(instance)
     assert {
         f.outcome
         for f in record_of(task_of(ENGINE, method, instance, truth, 1, ("error",))).findings

@@ -40,8 +40,10 @@ def trial(case: str, method: str, **given: str) -> Trial:
 
 def true_run(of: Trial, until: int | None = None) -> Trajectory:
     """The trajectory that truth itself is."""
-    truth, bodies = of.truth, of.instance.scene.bodies
-    count, n = len(of.instance.times), len(bodies)
+    truth = of.truth
+    bodies = of.instance.scene.bodies
+    count = len(of.instance.times)
+    n = len(bodies)
     columns = {
         name: np.repeat(getattr(bodies, name)[None], count, axis=0)
         for name in ("position", "velocity", "attitude", "omega")
@@ -61,7 +63,9 @@ def true_run(of: Trial, until: int | None = None) -> Trajectory:
             column = {"r": "position", "v": "velocity", "omega": "omega"}[head[:-1]]
             columns[column][:, int(head[-1]) - 1, "xyz".index(axis)] = truth.value(name)
     if "theta" in truth.values:
-        theta, rate, length = truth.value("theta"), truth.value("thetadot"), of.instance.p.length
+        theta = truth.value("theta")
+        rate = truth.value("thetadot")
+        length = of.instance.p.length
         columns["velocity"][:, 0, 0] = length * rate * np.cos(theta)
         columns["velocity"][:, 0, 1] = length * rate * np.sin(theta)
     return Trajectory(t=of.instance.times, **columns)
@@ -88,7 +92,10 @@ def findings(
                 },
             )
         elif variant.goes_on:
-            sign = -1.0 if variant.change == "reversed" else 1.0
+            if variant.change == "reversed":
+                sign = -1.0
+            else:
+                sign = 1.0
             run = replace(
                 run,
                 position=run.position[::-1],

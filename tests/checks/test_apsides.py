@@ -23,7 +23,8 @@ def precessing(rate):
     """
 
     def fault(run, level):
-        c, s = np.cos(rate * run.t)[:, None], np.sin(rate * run.t)[:, None]
+        c = np.cos(rate * run.t)[:, None]
+        s = np.sin(rate * run.t)[:, None]
         turn = [
             np.stack(
                 [c * a[..., 0] - s * a[..., 1], s * a[..., 0] + c * a[..., 1], a[..., 2]], axis=-1
@@ -68,7 +69,9 @@ def test_an_orbit_that_turns_keeps_its_energy_and_its_angular_momentum(judge):
 
 
 def test_vector_and_tensor_are_those_of_the_ellipse():
-    anomaly, e, gm = np.linspace(0, 6, 25), 0.6, 2.5
+    anomaly = np.linspace(0, 6, 25)
+    e = 0.6
+    gm = 2.5
     r = np.stack([np.cos(anomaly) - e, 0.8 * np.sin(anomaly), 0 * anomaly], axis=1)
     v = (
         np.sqrt(gm)
@@ -76,10 +79,8 @@ def test_vector_and_tensor_are_those_of_the_ellipse():
         / (1 - e * np.cos(anomaly))[:, None]
     )
     assert laplace(r, v, gm) == pytest.approx(np.tile([e, 0, 0], (25, 1)), abs=1e-14)
-    place, rate = (
-        r + np.array([e, 0, 0]),
-        np.sqrt(3) * np.stack([-np.sin(anomaly), 0.8 * np.cos(anomaly), 0 * anomaly], axis=1),
-    )
+    place = r + np.array([e, 0, 0])
+    rate = np.sqrt(3) * np.stack([-np.sin(anomaly), 0.8 * np.cos(anomaly), 0 * anomaly], axis=1)
     tensor = fradkin(place, rate, 2.0, 6.0)
     assert tensor == pytest.approx(np.tile(np.diag([1, 0.64, 0]) / 1.64, (25, 1, 1)), abs=1e-14)
     quarter = np.array([[0, -1, 0], [1, 0, 0], [0, 0, 1.0]])

@@ -29,11 +29,15 @@ def outcomes(samples, *, turned=1.0, slowed=1.0):
     run, _ = ENGINE.run(Request(problem=instance.problem, method="exact-capture"))
     later = (run.t > 3.0).nonzero()[0]
     angle = (turned - 1) * run.t[later]
-    c, s = np.cos(angle)[:, None, None], np.sin(angle)[:, None, None]
-    position, velocity = np.array(run.position), np.array(run.velocity)
+    c = np.cos(angle)[:, None, None]
+    s = np.sin(angle)[:, None, None]
+    position = np.array(run.position)
+    velocity = np.array(run.velocity)
     for column in (position, velocity):
-        x, y = column[later, :, 0:1], column[later, :, 1:2]
-        column[later, :, 0:1], column[later, :, 1:2] = c * x - s * y, s * x + c * y
+        x = column[later, :, 0:1]
+        y = column[later, :, 1:2]
+        column[later, :, 0:1] = c * x - s * y
+        column[later, :, 1:2] = s * x + c * y
     velocity[later] *= slowed
     spoiled = replace(run, position=position, velocity=velocity)
     findings = CHECK.judge(trial, {Variant(0.0): Outcome(spoiled, Cost(seconds=0.0))})

@@ -105,7 +105,8 @@ def braked(run, level):
 def turned_faster(run, level):
     """After the catch it goes round a little too fast for its speed."""
     angle = 1e-9 * np.maximum(0.0, run.t - 2)[:, None]
-    x, y = run.position[..., 0], run.position[..., 1]
+    x = run.position[..., 0]
+    y = run.position[..., 1]
     position = np.stack([x - angle * y, y + angle * x, run.position[..., 2]], axis=-1)
     return replace(run, position=position)
 

@@ -24,8 +24,14 @@ def outcomes(case, spoiled=lambda channels: channels, named=None, **given):
         for m in REFERENCE.methods
         if REFERENCE.refuses(instance.problem, m) is None and named in (None, m.name)
     )
-    levels = (0.0,) if method.control == "exact" else (float(instance.times[1]) / 64,)
-    step = None if method.control == "exact" else levels[0]
+    if method.control == "exact":
+        levels = (0.0,)
+    else:
+        levels = (float(instance.times[1]) / 64,)
+    if method.control == "exact":
+        step = None
+    else:
+        step = levels[0]
     run, _ = REFERENCE.run(Request(problem=instance.problem, method=method.name, step=step))
     trial = Trial(instance, method, levels, None)
     assert CHECK.applies(trial) is None

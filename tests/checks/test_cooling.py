@@ -61,7 +61,10 @@ def findings(engine_fault: str = "", **given: str):
     trial = Trial(instance, method, (step,), sampled(instance.truth(), instance.times.tolist()))
     if (reason := CHECK.applies(trial)) is not None:
         return reason
-    engine = Carrier(ENGINE, FAULTS[engine_fault][0]) if engine_fault else ENGINE
+    if engine_fault:
+        engine = Carrier(ENGINE, FAULTS[engine_fault][0])
+    else:
+        engine = ENGINE
     run, _ = engine.run(Request(problem=instance.motion, method="gas", step=step))
     return {
         f.quantity: f for f in CHECK.judge(trial, {trial.finest: Outcome(run, Cost(seconds=0.0))})

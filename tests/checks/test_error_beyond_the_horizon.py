@@ -81,8 +81,14 @@ def rubbed(instance, step):
         for _ in range(round(instance.problem.interval / step)):
             for half in (0, 1):
                 v -= pull * x
-                v = 0.0 if abs(v) <= rub else v - np.copysign(rub, v)
-                x = x if half else x + step * v
+                if abs(v) <= rub:
+                    v = 0.0
+                else:
+                    v = v - np.copysign(rub, v)
+                if half:
+                    x = x
+                else:
+                    x = x + step * v
         states.append((x, v))
     return np.array(states)
 
@@ -108,7 +114,8 @@ def test_a_kink_shortly_before_the_end_of_a_long_step_is_met_alike_by_all_its_ha
     runs = {}
     for variant in trial.plain:
         run, cost = task.engine.run(plan.request(task, Variant(0.0)))
-        position, velocity = np.array(run.position), np.array(run.velocity)
+        position = np.array(run.position)
+        velocity = np.array(run.velocity)
         position[:, 0, 0], velocity[:, 0, 0] = rubbed(instance, variant.level).T
         runs[variant] = Outcome(replace(run, position=position, velocity=velocity), cost)
     found = discovery.check("error").judge(trial, runs)

@@ -45,7 +45,10 @@ def trial_of(case, method, **given):
 
 def run_of(trial):
     """The run of the finest level."""
-    step = trial.levels[-1] if trial.method.control == "step" else None
+    if trial.method.control == "step":
+        step = trial.levels[-1]
+    else:
+        step = None
     return REFERENCE.run(
         Request(problem=trial.instance.problem, method=trial.method.name, step=step)
     )[0]
@@ -207,12 +210,10 @@ def test_a_zero_that_is_reached_in_time_is_the_root_and_one_that_grazes_is_none(
 
 def test_rates_on_the_belt_are_those_of_the_certified_motion():
     trial = trial_of("stick-slip", "stick-slip", **BELT)
-    truth, p, scales, known = (
-        trial.instance.truth(),
-        trial.instance.p,
-        trial.instance.scales,
-        crossings(trial, trial.truth),
-    )
+    truth = trial.instance.truth()
+    p = trial.instance.p
+    scales = trial.instance.scales
+    known = crossings(trial, trial.truth)
     h = Fraction(1, 10**6)
     assert len(known["stick"]) > 1
     for one in known["stick"]:
@@ -231,10 +232,15 @@ def test_rates_on_the_belt_are_those_of_the_certified_motion():
 def test_the_rate_of_parting_is_that_of_the_certified_overlap(given):
     trial = trial_of("two-spheres", "contact-events", **given)
     (one,) = crossings(trial, trial.truth)["release"]
-    h, truth, p = 1e-6, trial.instance.truth(), trial.instance.p
+    h = 1e-6
+    truth = trial.instance.truth()
+    p = trial.instance.p
     at = truth.at(Fraction(one.time) - Fraction(h))
     apart = [float(at[f"r1.{axis}"].mid - at[f"r2.{axis}"].mid) for axis in "xyz"]
-    dimension = 1 if "angle" not in given else 2
+    if "angle" not in given:
+        dimension = 1
+    else:
+        dimension = 2
     reach = 2 * dimension**0.5 * trial.instance.scales.length
     assert (p.radii.sum() - np.linalg.norm(apart)) / h / reach == pytest.approx(one.rate, rel=1e-3)
 
@@ -254,7 +260,8 @@ def test_the_rate_of_parting_is_that_of_the_certified_overlap(given):
 def test_an_error_of_the_state_moves_events_by_no_more_than_the_bound(case, method, given, change):
     trial = trial_of(case, method, **given)
     duration = {"duration": str(float(trial.instance.scales.duration))}
-    run, other = run_of(trial), None
+    run = run_of(trial)
+    other = None
     near = discovery.case(case).at(**(given | duration | change))
     other = REFERENCE.run(
         Request(
@@ -263,7 +270,8 @@ def test_an_error_of_the_state_moves_events_by_no_more_than_the_bound(case, meth
         )
     )[0]
     apart = {q.name: np.abs(a - b) / q.scale for q, a, b in observed(trial.instance, run, other)}
-    known, compared = crossings(trial, trial.truth), 0
+    known = crossings(trial, trial.truth)
+    compared = 0
     for event, moved in zip(run.events, other.events, strict=True):
         (one,) = [one for one in known[event.kind] if abs(one.time - event.time) < 1e-9]
         last = int(np.searchsorted(run.t, event.time)) - 1
@@ -277,14 +285,16 @@ def test_an_error_of_the_state_moves_events_by_no_more_than_the_bound(case, meth
 
 def observed(instance, run, other):
     """Quantities with their values in two runs."""
-    one, two = instance.observe(run), instance.observe(other)
+    one = instance.observe(run)
+    two = instance.observe(other)
     return [(instance.quantities[name], one[name], two[name]) for name in one]
 
 
 @pytest.mark.parametrize(("order", "share"), [(1, 1.0), (2, 1.0), (3, 1 / 8), (4, 1 / 64)])
 def test_an_event_between_steps_is_off_by_a_chord_and_by_less_for_higher_orders(order, share):
     """A chord of g misses its zero by |g''| h^2/(8 |g'|); each order beyond 2 counts h/tau more."""
-    step, tau = 0.25, 2.0
+    step = 0.25
+    tau = 2.0
     one = Crossing(time=1.0, radius=0.0, rate=0.5, bend=3.0, growth=0.0)
     trial = SimpleNamespace(
         method=SimpleNamespace(control="step"),

@@ -22,7 +22,8 @@ from refdem.truth.sampled import sampled
 
 SMOOTH = {"n": "4000", "duration": "8", "restitution": "4/5", "samples": "8"}
 ROUGH = {"n": "4000", "duration": "4", "restitution": "1", "friction": "1000", "samples": "8"}
-REBUILT, SELDOM = 50, 400
+REBUILT = 50
+SELDOM = 400
 """Steps from one list of neighbours to the next, and from one piece to the next where that is not
 the fault.
 """
@@ -61,7 +62,8 @@ def wrong_images(request: Request) -> Trajectory:
 
 def lost_momentum(request: Request) -> Trajectory:
     """A sphere that leaves the box comes back a little slower."""
-    run, size = right(request), request.problem.scene.all(PeriodicBox)[0].size
+    run = right(request)
+    size = request.problem.scene.all(PeriodicBox)[0].size
     left = np.abs(np.floor(run.position / size))
     return replace(run, velocity=run.velocity * (1 - 1e-9 * left))
 
@@ -96,17 +98,26 @@ def in_pieces(request: Request, group, most: int = SELDOM) -> Trajectory:
     """The motion in pieces between two lists; in each, spheres meet only those of their group, at
     positions (N, 3) in the first piece.
     """
-    scene, h, t = request.problem.scene, request.signed_step, request.problem.times
-    rows, events, work = [scene.bodies], [], [0.0]
+    scene = request.problem.scene
+    h = request.signed_step
+    t = request.problem.times
+    rows = [scene.bodies]
+    events = []
+    work = [0.0]
     for _ in t[1:]:
-        bodies, left, lost = rows[-1], request.stride, work[-1]
+        bodies = rows[-1]
+        left = request.stride
+        lost = work[-1]
         while left:
             steps = min(left, most)
             bodies, begun, gone = piece(
                 Scene(bodies, scene.elements), steps, h, group(bodies.position), request.method
             )
-            events, left, lost = events + begun, left - steps, lost + gone
-        rows, work = [*rows, bodies], [*work, lost]
+            events = events + begun
+            left = left - steps
+            lost = lost + gone
+        rows = [*rows, bodies]
+        work = [*work, lost]
     columns = {
         name: np.stack([getattr(b, name) for b in rows])
         for name in ("position", "velocity", "attitude", "omega")
@@ -124,7 +135,8 @@ def piece(scene: Scene, steps: int, h: float, groups, method: str):
         name: np.array(getattr(scene.bodies, name))
         for name in ("position", "velocity", "attitude", "omega")
     }
-    events, work = [], 0.0
+    events = []
+    work = 0.0
     alone = len(np.unique(groups)) == 1
     for name in np.unique(groups):
         own = np.flatnonzero(groups == name)
@@ -132,21 +144,26 @@ def piece(scene: Scene, steps: int, h: float, groups, method: str):
             ends["position"][own] += steps * h * ends["velocity"][own]
             continue
         part = {n: getattr(scene.bodies, n)[own] for n in ("mass", "inertia", "fixed", *ends)}
-        elements = scene.elements if alone else tuple(scene.all(Contact))
+        if alone:
+            elements = scene.elements
+        else:
+            elements = tuple(scene.all(Contact))
         small = Scene(Bodies(shape=tuple(scene.bodies.shape[k] for k in own), **part), elements)
         run = right(
             Request(problem=Motion(small, np.array([0.0, steps * h])), method=method, step=h)
         )
         for n in ends:
             ends[n][own] = getattr(run, n)[-1]
-        events, work = events + list(run.events), work + float(run.channels["dissipated_work"][-1])
+        events = events + list(run.events)
+        work = work + float(run.channels["dissipated_work"][-1])
     return scene.bodies.with_state(**ends), events, work
 
 
 @cache
 def findings(name: str, made=right, **given: str):
     """What a check finds of a run."""
-    instance, check = discovery.case("granular-gas").at(**given), discovery.check(name)
+    instance = discovery.case("granular-gas").at(**given)
+    check = discovery.check(name)
     step = instance.motion.interval / np.ceil(instance.motion.interval / (instance.scales.tau / 5))
     trial = Trial(
         instance, ENGINE.method("gas"), (step,), sampled(instance.truth(), instance.times.tolist())
@@ -195,6 +212,7 @@ def test_only_perfectly_rough_elastic_gases_are_judged(given):
 
 
 def test_the_moment_of_inertia_that_theory_wants_is_two_fifths_for_homogeneous_spheres():
-    mass, radius = 3.0, 0.25
+    mass = 3.0
+    radius = 0.25
     body = Body(mass=mass, inertia=(0.4 * mass * radius**2,) * 3, shape=Sphere(radius=radius))
     assert _inertia(Scene.of([body])) == pytest.approx(0.4, rel=1e-15)

@@ -62,10 +62,8 @@ def test_the_reference_holds(method, setting):
     assert [finding.outcome for finding in found(ENGINE, method, setting)] == ["pass"]
 
 
-SPRING, FIELD = (
-    of_elements(Spring, stiffness=scaled(1 + 1e-7)),
-    of_elements(CentralField, gm=scaled(1 + 1e-7)),
-)
+SPRING = of_elements(Spring, stiffness=scaled(1 + 1e-7))
+FIELD = of_elements(CentralField, gm=scaled(1 + 1e-7))
 
 
 @pytest.mark.parametrize(

@@ -65,10 +65,16 @@ def crossing(steps):
     """
 
     def force(x):
-        return x + 1.0 if -1.0 <= x <= 0.0 else -2.0 * (x - 0.5) if 0.0 < x <= 0.5 else 0.0
+        if -1.0 <= x <= 0.0:
+            return x + 1.0
+        if 0.0 < x <= 0.5:
+            return -2.0 * (x - 0.5)
+        return 0.0
 
     def place(count):
-        x, v, h = -1.25, 1.0, 5.0 / count
+        x = -1.25
+        v = 1.0
+        h = 5.0 / count
         for _ in range(count):
             v += h / 2 * force(x)
             x += h * v

@@ -31,7 +31,8 @@ def test_the_defect_falls_with_the_order_if_it_is_odd_and_one_more_if_it_is_even
     instance = discovery.case(case).at(**given)
     task = task_of(engine, method, instance, truth_of(instance), 3, ("reversal",))
     assert task.method.order == order
-    found, first = [], instance.problem.interval / (4 if order > 1 else 64)
+    found = []
+    first = instance.problem.interval / (4 if order > 1 else 64)
     for h in (first, first / 2):
         there = run_of(engine, plan.request(task, Variant(h)))
         back = run_of(engine, plan.request(task, Variant(h, "reversed"), there.trajectory))
@@ -86,11 +87,9 @@ def lossy_on_the_way_back(start, part):
         is_there = np.array_equal(
             request.problem.scene.bodies.position, start.position
         ) and np.array_equal(request.problem.scene.bodies.attitude, start.attitude)
-        return (
-            run
-            if is_there
-            else of_columns(velocity=scaled(1 - part), omega=scaled(1 - part))(request, run)
-        )
+        if is_there:
+            return run
+        return of_columns(velocity=scaled(1 - part), omega=scaled(1 - part))(request, run)
 
     return Fault(
         name="drag", kind="", sentence="", on=(), sees=("reversal", "reversed"), after=after

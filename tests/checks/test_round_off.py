@@ -25,8 +25,12 @@ FAR = "1001,0,0,1000,1,0,1000,0,1,999,-1/2,0"
 
 def outcome(case, method, of, fault=lambda run: run, **given):
     """The trial of a case and the run of the reference's `method`, spoiled."""
-    instance, engine = discovery.case(case).at(**given), discovery.engine("reference")
-    level = 0.0 if of.control == "exact" else 1e-10
+    instance = discovery.case(case).at(**given)
+    engine = discovery.engine("reference")
+    if of.control == "exact":
+        level = 0.0
+    else:
+        level = 1e-10
     run, _ = engine.run(Request(problem=instance.problem, method=method))
     return Trial(instance, of, (level,), None), {
         Variant(level): Outcome(fault(run), Cost(seconds=0.0))
@@ -130,7 +134,8 @@ def test_a_sphere_that_spins_steadily_in_single_precision_is_stretched_alike_at_
         conserves=frozenset({"angular-momentum"}),
     )
     given = {"inertia": "1,1,1", "omega_body": "0.3,0.5,0.7"}
-    instance, engine = discovery.case("free-rigid-body").at(**given), discovery.engine("reference")
+    instance = discovery.case("free-rigid-body").at(**given)
+    engine = discovery.engine("reference")
     level = float(instance.times[-1]) / steps
     run, _ = engine.run(Request(problem=instance.problem, method="exact-free-body"))
     stretched_by = 1 + roundings * 2.0**-24 * steps * run.t / run.t[-1]

@@ -57,7 +57,10 @@ def test_the_drift_of_another_radius_fails(trial):
     """A wheel that is left out, or put in: the motion of a machine with another radius keeps, or
     loses, what it should not.
     """
-    other = "0" if trial.instance.p.wheel_radius > 0 else "1/1000000"
+    if trial.instance.p.wheel_radius > 0:
+        other = "0"
+    else:
+        other = "1/1000000"
     instance = discovery.case("pendulum-wheel-mass").at(wheel_radius=other, **GIVEN)
     run, _ = ENGINE.run(Request(problem=instance.problem, method="string-wheel"))
     (found,) = CHECK.judge(trial, {Variant(0.0): Outcome(run, Cost(seconds=0.0))})

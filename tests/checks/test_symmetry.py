@@ -34,7 +34,8 @@ CASES = {
 
 
 def task_of(case, method):
-    engine, instance = discovery.engine("reference"), discovery.case(case).at(**CASES[case])
+    engine = discovery.engine("reference")
+    instance = discovery.case(case).at(**CASES[case])
     (task,) = plan.tasks(replaced(method), instance, ("symmetry",), engine, None)
     return task
 
@@ -178,10 +179,8 @@ def found_in_first_order(fault):
     task = msgspec.structs.replace(SPECIFICATION, levels=4, method="velocity-verlet")
     instance = discovery.case("two-spheres").at(**CASES["two-spheres"])
     (task,) = plan.tasks(task, instance, ("symmetry",), discovery.engine("reference"), None)
-    method, levels = (
-        replace(task.trial.method, order_with={"contact": 1}),
-        tuple(h / 16 for h in task.trial.levels),
-    )
+    method = replace(task.trial.method, order_with={"contact": 1})
+    levels = tuple(h / 16 for h in task.trial.levels)
     trial = replace(task.trial, method=method, levels=levels, truth=truth_of(instance))
     runs = {}
     for variant in Symmetry().needs(trial):
@@ -306,7 +305,8 @@ def test_two_runs_that_a_rounding_parts_may_each_be_off_by_the_truncation_error(
     def fault(run, request):
         side = 1.0 if next(calls) == 0 else -1.0  # the plain run is asked for first
         instance = discovery.case("two-spheres").at(**CASES["two-spheres"])
-        tau, length = instance.scales.tau, instance.scales.length
+        tau = instance.scales.tau
+        length = instance.scales.length
         within = 0.9 * (1.0 + np.abs(run.t - run.t[0]) / tau) * request.step / tau
         position = np.array(run.position)
         position[1:, 1, 0] += side * within[1:] * length

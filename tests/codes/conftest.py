@@ -48,7 +48,8 @@ class Gates:
         """
         copy = Path(tempfile.mkdtemp(dir=self.home)) / "codes"
         shutil.copytree(CODES, copy)
-        source, toml = copy / file, copy / code / "refdem.toml"
+        source = copy / file
+        toml = copy / code / "refdem.toml"
         assert source.read_text().count(text) == 1
         source.write_text(source.read_text().replace(text, other))
         head = toml.read_text().replace("../../../", f"{ROOT}/").partition("[gate]")[0]

@@ -6,7 +6,8 @@ def test_the_gate_is_open(gates):
 
 
 def test_a_step_one_per_cent_too_short_closes_it(gates):
-    case, shorter = "harmonic-oscillator[gravity=0.5]", "timestep {0.99 * step!r}"
+    case = "harmonic-oscillator[gravity=0.5]"
+    shorter = "timestep {0.99 * step!r}"
     gates.assert_closed(
         "lammps-debian", case, "error/x", "lammps/driver.py", "timestep {step!r}", shorter
     )

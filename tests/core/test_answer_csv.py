@@ -17,11 +17,9 @@ PIECES = [
     Piece(name="b", shape=Cuboid(sides=(1.0, 1.0, 1.0))),
 ]
 PROBLEM = Solid(SolidDocument(solids=PIECES))
-HEADER, A, B = (
-    "solid,mass,x,y,z,xx,yy,zz,xy,xz,yz",
-    "a,6,0,0,0,6.5,5,2.5,0,0,-1.5D-3",
-    "b,1,,,,,,,,,",
-)
+HEADER = "solid,mass,x,y,z,xx,yy,zz,xy,xz,yz"
+A = "a,6,0,0,0,6.5,5,2.5,0,0,-1.5D-3"
+B = "b,1,,,,,,,,,"
 
 
 def answer(folder: Path, *lines: str):  # type: ignore[no-untyped-def]

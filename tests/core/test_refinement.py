@@ -106,8 +106,10 @@ def test_roundings_of_equal_terms_add_up_step_by_step():
     h = float(spheres.times[1]) / 1024
     assert flight(swings, step, h) == flight(spheres, exact, h) == 0.0
     claimed = flight(spheres, step, h)
-    place, moved = np.float32(1.0), np.float32(1.0) + np.float32(0.3)
-    term, steps = np.float32(0.3 / 65536), 65536
+    place = np.float32(1.0)
+    moved = np.float32(1.0) + np.float32(0.3)
+    term = np.float32(0.3 / 65536)
+    steps = 65536
     for _ in range(steps):
         place += term
     drift = abs(float(place) - float(moved))
@@ -122,13 +124,21 @@ def rubbed(real, steps):
     oscillator after 16 s.
     """
     h = real(16) / real(steps)
-    rub, pull = real(0.06) * h / real(2), h / real(2) * real(1.5)
-    x, v = real(-0.75), real(0.5)
+    rub = real(0.06) * h / real(2)
+    pull = h / real(2) * real(1.5)
+    x = real(-0.75)
+    v = real(0.5)
     for _ in range(steps):
         for half in (0, 1):
             v = v - pull * x
-            v = real(0) if abs(v) <= rub else v - np.copysign(rub, v)
-            x = x if half else x + h * v
+            if abs(v) <= rub:
+                v = real(0)
+            else:
+                v = v - np.copysign(rub, v)
+            if half:
+                x = x
+            else:
+                x = x + h * v
     return np.array([x, v], float)
 
 
@@ -155,9 +165,11 @@ def spun(steps):
     h = np.float32(20.0 / steps)
     for _ in range(steps):
         for axis, part in ((2, 0.5), (1, 0.5), (0, 1.0), (1, 0.5), (2, 0.5)):
-            j, k = (axis + 1) % 3, (axis + 2) % 3
+            j = (axis + 1) % 3
+            k = (axis + 2) % 3
             angle = np.float32(part) * h * w[axis]
-            c, s = np.cos(angle), np.sin(angle)
+            c = np.cos(angle)
+            s = np.sin(angle)
             turned = c * w[j] + s * w[k], c * w[k] - s * w[j]
             w[j], w[k] = turned
     return float(np.linalg.norm(w.astype(float)))

@@ -26,7 +26,9 @@ def leaves(key: str, value: object) -> dict[str, object]:
         return {f"{key}.count": len(value)} | {
             k: v for n, part in enumerate(value) for k, v in leaves(f"{key}.{n}", part).items()
         }
-    return {} if value is None else {key: value}
+    if value is None:
+        return {}
+    return {key: value}
 
 
 @pytest.mark.parametrize(

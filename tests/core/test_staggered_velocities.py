@@ -33,7 +33,8 @@ def test_a_run_is_right_at_the_time_that_it_says_and_wrong_at_another(delay: flo
     instance = discovery.case("harmonic-oscillator").at(samples="8", duration="2")
     truth = sampled(instance.truth(), instance.times.tolist(), [DELAY])
     run = plain(instance)
-    position, velocity = run.position.copy(), run.velocity.copy()
+    position = run.position.copy()
+    velocity = run.velocity.copy()
     position[:, 0, 0], velocity[:, 0, 0] = np.cos(run.t), -np.sin(run.t - delay)
     run = replace(run, position=position, velocity=velocity)
     right, wrong = (

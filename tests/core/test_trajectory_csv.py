@@ -21,7 +21,8 @@ def read(
     folder: Path, text: str | bytes, samples: int = 2, bodies: int = 2, events: str | None = None
 ) -> Trajectory:
     """The trajectory that a file of this text is."""
-    path, beside = folder / "trajectory.csv", folder / "events.csv"
+    path = folder / "trajectory.csv"
+    beside = folder / "events.csv"
     path.write_bytes(text if isinstance(text, bytes) else text.encode())
     beside.unlink(missing_ok=True)
     if events is not None:

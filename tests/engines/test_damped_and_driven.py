@@ -52,7 +52,9 @@ def fading(t):
 
 def swinging(t):
     """x of DRIVEN: w0 = 1, f0 = 3/2, and a start at rest at 1 when t is 0."""
-    steady, c, s = 1.5 / (1 - 4.0), np.cos(0.5), np.sin(0.5)
+    steady = 1.5 / (1 - 4.0)
+    c = np.cos(0.5)
+    s = np.sin(0.5)
     return steady * np.cos(2 * t + 0.5) + (1 - steady * c) * np.cos(t) + 2 * steady * s * np.sin(t)
 
 

@@ -59,7 +59,10 @@ def test_every_source_that_makes_unit_quaternions_says_so():
     making = [path for path in sources if NORMALISED.search(path.read_text())]
     assert len(making) >= 5
     for path in making:
-        beside = path.parent.glob("*.py") if path.parent.parent.name == "engines" else [path]
+        if path.parent.parent.name == "engines":
+            beside = path.parent.glob("*.py")
+        else:
+            beside = [path]
         assert any('"attitude":' in other.read_text() for other in beside), (
             f"{path.name} makes unit quaternions and declares nothing"
         )

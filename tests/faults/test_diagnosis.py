@@ -54,7 +54,8 @@ def leapfrog(request, late=0.0, stiffness=1.0):
     """A code of another hand: the oscillator (m = k = 1) by positions alone, x(n+1) = 2 x(n) -
     x(n-1) - h^2 k x(n) (Stoermer).
     """
-    h, count = request.step, request.stride * (len(request.problem.times) - 1)
+    h = request.step
+    count = request.stride * (len(request.problem.times) - 1)
     x = [1.0, 1.0 - stiffness * h * h / 2]
     while len(x) < count + 2:
         x.append((2 - stiffness * h * h) * x[-1] - x[-2])

@@ -95,7 +95,10 @@ def test_spheres_part_with_the_restitution_of_the_linear_law(cutoff):
     found = run("two-spheres", "verlet", 4, cutoff=cutoff)
     b, w0 = 1.0, 16.0  # c/(2 m), sqrt(k/m) with m = 1/2, k = 128, c = 1
     w = np.sqrt(w0**2 - b**2)
-    lasts = np.pi / w if cutoff == "zero_overlap" else 2 * np.arccos(b / w0) / w
+    if cutoff == "zero_overlap":
+        lasts = np.pi / w
+    else:
+        lasts = 2 * np.arccos(b / w0) / w
     apart = found.velocity[-1, 1, 0] - found.velocity[-1, 0, 0]
     assert apart == pytest.approx(np.exp(-b * lasts), abs=1e-4)
 
@@ -169,7 +172,8 @@ def test_single_precision_is_single():
 
 
 def test_it_says_what_it_cannot_do():
-    engine, method = Transparent(), Transparent().method("verlet")
+    engine = Transparent()
+    method = Transparent().method("verlet")
     two = [Body(mass=1.0), Body(mass=1.0, position=(1.0, 0.0, 0.0))]
     times = np.array([0.0, 1.0])
     for elements, word in (

@@ -25,7 +25,10 @@ def held():
 
     def matrix(first: int) -> Matrix:
         faults = chosen([] if ASKED in ("", "all") else ASKED.split(","))
-        seeds = 1 if ASKED == "all" else SEEDS
+        if ASKED == "all":
+            seeds = 1
+        else:
+            seeds = SEEDS
         found = Trial(seeds=seeds, first=first, whole=False, chosen=faults).matrix()
         assert [
             f"{kill.fault} (seed {kill.seed}): {kill.sentence}" for kill in found.survivors()

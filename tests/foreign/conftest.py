@@ -59,11 +59,10 @@ class Workshop:
             )
             path.write_text(path.read_text().replace(text, other))
         for path in (folder / language).iterdir() if single else ():
-            text = (
-                re.sub(r"\bdouble\b", "float", path.read_text())
-                if path.suffix != ".toml"
-                else path.read_text()
-            )
+            if path.suffix != ".toml":
+                text = re.sub(r"\bdouble\b", "float", path.read_text())
+            else:
+                text = path.read_text()
             path.write_text(text.replace("[engine]\n", '[engine]\nprecision = "single"\n'))
         subprocess.run(["make", "-s", "-C", str(folder), language], check=True, capture_output=True)
         return folder / language / "refdem.toml"

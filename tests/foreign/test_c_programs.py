@@ -28,7 +28,8 @@ def test_a_correct_program_raises_no_alarm(workshop, language, cases):
     ]
 
 
-FREE, SPRING = "free-rigid-body", "harmonic-oscillator"
+FREE = "free-rigid-body"
+SPRING = "harmonic-oscillator"
 
 
 def test_a_correct_program_in_single_precision_raises_no_alarm(workshop):
@@ -62,7 +63,8 @@ def test_a_correct_program_of_first_order_raises_no_alarm(workshop):
     assert found.outcomes["harmonic-oscillator/order/state"] == "pass"
 
 
-PLUS, MINUS = "(lj * cos(angle) + lk * sin(angle))", "(lk * cos(angle) - lj * sin(angle))"
+PLUS = "(lj * cos(angle) + lk * sin(angle))"
+MINUS = "(lk * cos(angle) - lj * sin(angle))"
 OMEGA = "memcpy(body[i].w, w, sizeof w);"
 HALF_STEP = 'velocity_time = "minus-half-step"\n'
 FAULTS = {

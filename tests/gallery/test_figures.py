@@ -51,7 +51,8 @@ def test_dry_friction_stops_at_three_pi_where_the_chapter_says():
 
 def test_speeds_under_dry_friction_touch_their_straight_line():
     panel = figure("1.16").panels[0]
-    dry, line = series("1.16", "Coulomb, f = 0.15"), panel.series[3]
+    dry = series("1.16", "Coulomb, f = 0.15")
+    line = panel.series[3]
     size = np.abs(dry.y)
     tops = np.flatnonzero((size[1:-1] > size[:-2]) & (size[1:-1] >= size[2:])) + 1
     assert size[tops] == pytest.approx([0.85, 0.55, 0.25], abs=1e-4)
@@ -157,7 +158,8 @@ def test_on_the_slope_the_wrong_box_turns_steadily_between_contacts_and_goes_els
     box never does.
     """
     spins = figure("1.12").panels[3].series
-    wrong, right = spins[0], spins[2]
+    wrong = spins[0]
+    right = spins[2]
     between = (wrong.x > 0.16) & (wrong.x < 0.3)
     assert np.ptp(wrong.y[between]) < 1e-9
     assert np.ptp(right.y[between]) > 10

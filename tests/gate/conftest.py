@@ -56,7 +56,8 @@ class Program:
     """The folder of the program, and its gate from the command line."""
 
     def __init__(self, folder, command_line):
-        self.folder, self.command_line = folder, command_line
+        self.folder = folder
+        self.command_line = command_line
         (folder / "spring.py").write_text(PROGRAM)
         (folder / "refdem.toml").write_text(TOML)
 

@@ -51,7 +51,9 @@ def at_rest_when_slow(request):
 def without_friction_where_nothing_is_damped(request):
     """Friction is left out with the dashpot."""
     (law,) = request.problem.scene.all(Contact)
-    return contact(friction=lambda mu: 0.0)(request) if law.damping == 0 else request
+    if law.damping == 0:
+        return contact(friction=lambda mu: 0.0)(request)
+    return request
 
 
 SLOW_AND_SOFT = 6

@@ -24,14 +24,19 @@ class Twin:
     """
 
     def __init__(self, scene, fault=""):
-        b, self.law, self.fault = scene.bodies, scene.all(Contact)[0], fault
+        b = scene.bodies
+        self.law = scene.all(Contact)[0]
+        self.fault = fault
         self.x, self.v, self.m, self.d = (
             np.array(b.position),
             np.array(b.velocity),
             b.mass[0],
             2 * b.radius[0],
         )
-        self.size = scene.all(PeriodicBox)[0].size if scene.all(PeriodicBox) else 0.0
+        if scene.all(PeriodicBox):
+            self.size = scene.all(PeriodicBox)[0].size
+        else:
+            self.size = 0.0
         self.planes = [(np.array(p.point), np.array(p.normal)) for p in scene.all(Plane)]
         self.boxes = np.zeros_like(self.x)
         self.listed = None
@@ -39,8 +44,12 @@ class Twin:
 
     def accelerations(self, v):
         """(N, 3) of every pair with each of 27 images, and of the planes."""
-        n, law = len(self.x), self.law
-        shifts = IMAGES * self.size if self.size else np.zeros((1, 3))
+        n = len(self.x)
+        law = self.law
+        if self.size:
+            shifts = IMAGES * self.size
+        else:
+            shifts = np.zeros((1, 3))
         damping = law.damping * (2 if self.fault == "restitution" else 1)
         if self.fault == "one box off":
             shifts = shifts + np.array([self.size, 0.0, 0.0]) * (shifts[:, :1] > 0)
@@ -48,7 +57,10 @@ class Twin:
         distance = np.linalg.norm(line, axis=-1)
         touching = (distance < self.d) & ~np.eye(n, dtype=bool)[:, :, None]
         if self.fault == "stale":
-            self.listed = distance < 1.2 * self.d if self.listed is None else self.listed
+            if self.listed is None:
+                self.listed = distance < 1.2 * self.d
+            else:
+                self.listed = self.listed
             touching &= self.listed
         if self.fault == "one-sided":
             touching &= np.triu(np.ones((n, n), bool))[:, :, None]
@@ -72,7 +84,8 @@ class Twin:
         self.x = self.x + h * half
         if self.size:
             boxes = np.floor(self.x / self.size)
-            self.x, self.boxes = self.x - boxes * self.size, self.boxes + boxes
+            self.x = self.x - boxes * self.size
+            self.boxes = self.boxes + boxes
             if self.fault == "wrap":
                 half = half - boxes * 0.01
         self.a = self.accelerations(half + h / 2 * self.a)
@@ -98,7 +111,8 @@ def gas(samples, stride, **given):
 
 def apart(scene, step, run, stride, fault=""):
     """Largest difference of position and velocity between kernel and twin at the samples."""
-    twin, worst = Twin(scene, fault), 0.0
+    twin = Twin(scene, fault)
+    worst = 0.0
     for k in range(len(run.t)):
         for _ in range(stride if k else 0):
             twin.step(step)

@@ -62,30 +62,22 @@ def apart(one, other, names=COLUMNS, bodies=slice(None)):
 
 @pytest.mark.parametrize("branch", ["R", "R-d", "R-d/2"])
 def test_a_contact_that_sticks_moves_as_the_method_for_two_has_it(branch):
-    bodies, contact, times = (
-        two(0.01, sideways=(0.05, 0.02)),
-        law(friction=5.0, branch=branch),
-        np.arange(21) * 2 * STEP,
-    )
-    many, few = (
-        moved(bodies, [contact, PeriodicBox(size=50.0)], times),
-        moved(bodies, [contact], times, "velocity-verlet"),
-    )
+    bodies = two(0.01, sideways=(0.05, 0.02))
+    contact = law(friction=5.0, branch=branch)
+    times = np.arange(21) * 2 * STEP
+    many = moved(bodies, [contact, PeriodicBox(size=50.0)], times)
+    few = moved(bodies, [contact], times, "velocity-verlet")
     assert np.ptp(few.velocity[:, 0, 1]) > 0.01
     assert apart(many, few) < 1e-12
 
 
 def test_a_contact_that_slides_moves_as_the_method_for_two_has_it():
-    bodies, contact, times = (
-        two(0.0, sideways=(0.5, 0.0), spin=0.0),
-        law(friction=0.2),
-        np.arange(21) * 2 * STEP,
-    )
+    bodies = two(0.0, sideways=(0.5, 0.0), spin=0.0)
+    contact = law(friction=0.2)
+    times = np.arange(21) * 2 * STEP
     bodies = [sphere(b.position, b.velocity, (0.0, 0.0, b.omega[2])) for b in bodies]
-    many, few = (
-        moved(bodies, [contact, PeriodicBox(size=50.0)], times),
-        moved(bodies, [contact], times, "velocity-verlet"),
-    )
+    many = moved(bodies, [contact, PeriodicBox(size=50.0)], times)
+    few = moved(bodies, [contact], times, "velocity-verlet")
     assert np.ptp(few.omega[:, 0, 2]) > 0.1
     assert apart(many, few) < 1e-12
 
@@ -95,7 +87,8 @@ def test_a_whole_collision_errs_by_less_than_the_force_of_half_a_step(damping):
     """A contact begins within a step: what the dashpot then gives at once, c v h/2, is what may be
     missed.
     """
-    bodies, contact = two(-0.003, sideways=(0.12, 0.07)), law(damping=damping)
+    bodies = two(-0.003, sideways=(0.12, 0.07))
+    contact = law(damping=damping)
     exact = moved(bodies, [contact], [0.0, 0.25], "contact-events", 2.0**-8)
     for step in (2.0**-9, 2.0**-11, 2.0**-13):
         many = moved(bodies, [contact, PeriodicBox(size=50.0)], [0.0, 0.25], step=step)
@@ -111,11 +104,9 @@ def test_a_tangential_spring_outlasts_lists_that_are_rebuilt(carried):
     """A third sphere is so fast that the list is rebuilt every few steps; carried along, the pair
     passes cells and the edge of the box.
     """
-    contact, times, wind = (
-        law(friction=5.0),
-        np.arange(21) * 2 * STEP,
-        np.array([carried, -carried, carried]),
-    )
+    contact = law(friction=5.0)
+    times = np.arange(21) * 2 * STEP
+    wind = np.array([carried, -carried, carried])
     pair = two(0.01, sideways=(0.05, 0.02))
     blown = [sphere(b.position, tuple(np.array(b.velocity) + wind), b.omega) for b in pair]
     hurried = moved([*blown, bystander(90.0)], [contact, PeriodicBox(size=20.0)], times)
@@ -126,7 +117,8 @@ def test_a_tangential_spring_outlasts_lists_that_are_rebuilt(carried):
 
 def cloud(n=120, seed=3):
     """Spheres on a lattice that is shaken: dense, fast and spinning."""
-    rng, side = np.random.default_rng(seed), int(np.ceil(n ** (1 / 3)))
+    rng = np.random.default_rng(seed)
+    side = int(np.ceil(n ** (1 / 3)))
     places = (
         np.stack(np.meshgrid(*[np.arange(side)] * 3, indexing="ij"), axis=-1).reshape(-1, 3)[:n]
         * 1.02
@@ -171,7 +163,8 @@ def test_the_bits_are_the_same_for_any_number_of_threads(bounds, monkeypatch):
 def test_momentum_and_angular_momentum_of_a_cloud_are_kept():
     bodies = cloud()
     run = moved(bodies, [law(damping=1.0)], np.arange(5) * 200 * STEP)
-    mass, inertia = np.ones(len(bodies)), np.full((len(bodies), 3), 0.1)
+    mass = np.ones(len(bodies))
+    inertia = np.full((len(bodies), 3), 0.1)
     total = momentum.orbital(mass, run.position, run.velocity) + momentum.spin(
         inertia, run.attitude, run.omega
     )
@@ -187,7 +180,8 @@ def test_what_energy_a_cloud_loses_is_told_as_work():
     """Less what springs of contacts that last still hold: 0.5 k_t bend^2, at most (friction
     force)^2/(2 k_t).
     """
-    bodies, contact = cloud(), law(damping=1.0)
+    bodies = cloud()
+    contact = law(damping=1.0)
     scene = Scene.of(bodies, [contact])
     run = moved(bodies, [contact], np.arange(9) * 400 * STEP, step=STEP / 4)
     kinetic = 0.5 * np.sum(run.velocity**2, axis=(1, 2)) + 0.05 * np.sum(run.omega**2, axis=(1, 2))

@@ -25,7 +25,8 @@ def test_a_family_that_is_not_there_says_what_to_do() -> None:
 
 
 def test_fingerprints_tell_families_apart_and_stay() -> None:
-    one, both = kernels.fingerprint("recorder"), kernels.fingerprint("recorder", "rigid_body")
+    one = kernels.fingerprint("recorder")
+    both = kernels.fingerprint("recorder", "rigid_body")
     assert len(one) == len(both) == 64
     assert one != both
     assert one == kernels.fingerprint("recorder")

@@ -13,7 +13,8 @@ from refdem.scene.elements.plane import Plane
 from refdem.scene.elements.spring import Spring
 from refdem.scene.elements.uniform_gravity import UniformGravity
 
-STEP, STEPS = 2.0**-9, 24
+STEP = 2.0**-9
+STEPS = 24
 LEVER = {"R": 0.0, "R-d": 1.0, "R-d/2": 0.5}
 
 
@@ -24,7 +25,8 @@ class Twin:
 
     def __init__(self, scene: Scene) -> None:
         b = scene.bodies
-        self.law, self.b = scene.all(Contact)[0], b
+        self.law = scene.all(Contact)[0]
+        self.b = b
         self.planes = [(np.array(p.point), np.array(p.normal)) for p in scene.all(Plane)]
         self.gravity = sum((np.array(g.g) for g in scene.all(UniformGravity)), np.zeros(3))
         self.springs = scene.all(Spring)
@@ -44,10 +46,13 @@ class Twin:
         radius = self.b.radius
         if j < 0:
             point, normal = self.planes[-1 - j]
-            n, overlap, relative = -normal, radius[i] - (self.x[i] - point) @ normal, v[i]
+            n = -normal
+            overlap = radius[i] - (self.x[i] - point) @ normal
+            relative = v[i]
         else:
             line = self.x[j] - self.x[i]
-            n, overlap = line / np.sqrt(line @ line), radius[i] + radius[j] - np.sqrt(line @ line)
+            n = line / np.sqrt(line @ line)
+            overlap = radius[i] + radius[j] - np.sqrt(line @ line)
             relative = v[i] - v[j]
         arms = (
             radius[i] - LEVER[self.law.branch] * overlap,
@@ -58,7 +63,8 @@ class Twin:
 
     def accelerations(self, v, w):
         """Linear and angular accelerations (N, 3)."""
-        force, torque = np.outer(self.b.mass, self.gravity), np.zeros_like(self.x)
+        force = np.outer(self.b.mass, self.gravity)
+        torque = np.zeros_like(self.x)
         for spring in self.springs:
             line = self.x[spring.b] - self.x[spring.a]
             pull = (
@@ -97,14 +103,17 @@ class Twin:
         for pair in self.pairs:
             now = self.geometry(pair, v, w)[0]
             axis = np.cross(before[pair], now)
-            sine, cosine = np.linalg.norm(axis), before[pair] @ now
+            sine = np.linalg.norm(axis)
+            cosine = before[pair] @ now
             if sine > 0:
-                e, s = axis / sine, self.s[pair]
+                e = axis / sine
+                s = self.s[pair]
                 self.s[pair] = cosine * s + sine * np.cross(e, s) + (1 - cosine) * (e @ s) * e
 
     def step(self, h):
         """Kick, drift, kick; the second kick with a velocity predicted and corrected once."""
-        v, w = self.v + h / 2 * self.a, self.w + h / 2 * self.alpha
+        v = self.v + h / 2 * self.a
+        w = self.w + h / 2 * self.alpha
         before = self.slip(v, w, h / 2)
         self.x = self.x + h * v
         self.turn(w, h)
@@ -120,7 +129,10 @@ class Twin:
         """q = exp(w h/2) q."""
         for i, (rate, q) in enumerate(zip(w, self.q, strict=True)):
             angle = np.linalg.norm(rate) * h / 2
-            u = rate / np.linalg.norm(rate) * np.sin(angle) if angle else np.zeros(3)
+            if angle:
+                u = rate / np.linalg.norm(rate) * np.sin(angle)
+            else:
+                u = np.zeros(3)
             c = np.cos(angle)
             self.q[i] = np.array(
                 [c * q[0] - u @ q[1:], *(c * q[1:] + q[0] * u + np.cross(u, q[1:]))]
@@ -129,7 +141,8 @@ class Twin:
 
 def cluster(**law) -> Scene:
     """Three unequal spinning spheres that overlap one another and a tilted plane."""
-    radii, masses = (0.5, 0.7, 0.6), (1.0, 2.0, 1.5)
+    radii = (0.5, 0.7, 0.6)
+    masses = (1.0, 2.0, 1.5)
     places = ((0.0, 0.0, 0.0), (1.1, 0.1, 0.2), (0.4, 0.95, -0.1))
     speeds = ((0.2, 0.1, -0.3), (-0.3, 0.05, 0.2), (0.1, -0.4, 0.1))
     spins = ((0.3, -0.2, 0.5), (-0.4, 0.6, 0.1), (0.2, 0.2, -0.7))

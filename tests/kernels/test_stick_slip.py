@@ -33,7 +33,8 @@ def law(**changed):
 def run(t, x0=0.0, v0=0.0, most=100, **changed):
     """Rows (T, 3) and events."""
     t = np.asarray(t, float)
-    out, event = np.full((len(t), 3), np.nan), np.zeros((most, 2))
+    out = np.full((len(t), 3), np.nan)
+    event = np.zeros((most, 2))
     buffers = [pointer(FAMILY, array, output=True) for array in (event, out)]
     count = load(FAMILY).lib.refdem_stick_slip(
         law(**changed), x0, v0, t[0], len(t), pointer(FAMILY, t), most, *buffers
@@ -45,7 +46,9 @@ def section(frequency, *, skip, keep, blocks=0, most=1000, origin=0.0, x0=0.0, *
     """Counts, growths and places."""
     frequency = np.asarray(frequency, float)
     n = len(frequency)
-    counts, sums, out = np.zeros(n), np.zeros((n, max(1, blocks))), np.zeros((n, most))
+    counts = np.zeros(n)
+    sums = np.zeros((n, max(1, blocks)))
+    out = np.zeros((n, most))
     buffers = [pointer(FAMILY, array, output=True) for array in (counts, sums, out)]
     call = load(FAMILY).lib.refdem_stick_slip_section
     assert (
@@ -98,8 +101,12 @@ def plain(x, v, t, until, step=1e-4, **changed):
             half = (
                 pull(t + step / 2, x + v * step / 2) - side * friction(abs(middle - p["belt"]))
             ) / p["mass"]
-            x, after = x + middle * step, v + half * step
-            v = p["belt"] if (after - p["belt"]) * side < 0 else after
+            x = x + middle * step
+            after = v + half * step
+            if (after - p["belt"]) * side < 0:
+                v = p["belt"]
+            else:
+                v = after
         t += step
     return x, v
 
@@ -124,7 +131,9 @@ def plain(x, v, t, until, step=1e-4, **changed):
 )
 def test_states_are_those_of_a_plain_integration(changed):
     rows, events = run([0.0, 3.0, 6.5, 9.0], x0=0.5, v0=0.25, **changed)
-    x, v, t = 0.5, 0.25, 0.0
+    x = 0.5
+    v = 0.25
+    t = 0.0
     for row, until in zip(rows[1:], (3.0, 6.5, 9.0), strict=True):
         x, v = plain(x, v, t, until, **changed)
         t = until
@@ -147,7 +156,8 @@ def test_velocity_is_exactly_the_belts_between_stick_and_slip():
 
 
 def test_samples_change_nothing():
-    coarse, dense = run([0.0, 10.0, 30.0])[0], run(np.arange(0, 30.5, 0.5))[0]
+    coarse = run([0.0, 10.0, 30.0])[0]
+    dense = run(np.arange(0, 30.5, 0.5))[0]
     np.testing.assert_array_equal(coarse[1], dense[20])
     np.testing.assert_array_equal(coarse[2], dense[60])
 
@@ -186,9 +196,11 @@ def test_a_section_is_that_of_dense_samples():
 
 def test_growth_of_a_tangent_is_that_of_a_displaced_start():
     """Up to what it grows in the last stretch, which may end a little after the fifth period."""
-    small, until = 2.0**-30, 5 * 2 * np.pi / 1.2
+    small = 2.0**-30
+    until = 5 * 2 * np.pi / 1.2
     _, sums, _ = section([1.2], skip=0, keep=5, blocks=1)
-    a, b = run([0.0, until])[0][1], run([0.0, until], x0=small)[0][1]
+    a = run([0.0, until])[0][1]
+    b = run([0.0, until], x0=small)[0][1]
     assert sums[0, 0] == pytest.approx(np.log(np.hypot(*(b[:2] - a[:2])) / small), abs=0.35)
 
 

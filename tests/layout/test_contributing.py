@@ -33,10 +33,12 @@ def shown() -> dict[str, Any]:
 def test_the_engine_shown_has_the_order_that_it_claims_on_the_case_shown(
     shown: dict[str, Any],
 ) -> None:
-    instance, engine = shown["CASE"].at(), shown["ENGINE"]
+    instance = shown["CASE"].at()
+    engine = shown["ENGINE"]
     (method,) = engine.methods
     assert engine.refusal(instance.problem, method) is None
-    truth, seen = sampled(instance.truth(), instance.times.tolist()), []
+    truth = sampled(instance.truth(), instance.times.tolist())
+    seen = []
     for level in (float(instance.times[1]) / 2, float(instance.times[1]) / 4):
         run, _ = engine.run(Request(problem=instance.problem, method=method.name, step=level))
         found = errors(instance, run, truth)
@@ -46,7 +48,9 @@ def test_the_engine_shown_has_the_order_that_it_claims_on_the_case_shown(
 
 
 def test_the_check_shown_kills_the_fault_that_it_names(shown: dict[str, Any]) -> None:
-    case, check, (method,) = shown["CASE"], shown["CHECK"], shown["ENGINE"].methods
+    case = shown["CASE"]
+    check = shown["CHECK"]
+    (method,) = shown["ENGINE"].methods
     instance = case.at()
     trial = Trial(instance, method, (float(instance.times[1]),), None)
     assert check.applies(trial) is not None

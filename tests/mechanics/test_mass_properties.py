@@ -30,7 +30,8 @@ def test_a_tetrahedron_at_the_corner_of_a_cube_has_the_integrals_of_its_coordina
 def test_a_body_that_is_not_convex_is_what_is_left_of_a_cuboid():
     # An L: the square [0, 2]^2 without [1, 2]^2, one high.
     plan = [(0, 0), (2, 0), (2, 1), (1, 1), (1, 2), (0, 2)]
-    low, high = [(*p, 0.0) for p in plan], [(*p, 1.0) for p in plan]
+    low = [(*p, 0.0) for p in plan]
+    high = [(*p, 1.0) for p in plan]
     n = len(plan)
     sides = [(i, (i + 1) % n, n + (i + 1) % n, n + i) for i in range(n)]
     caps = [(0, 3, 1), (1, 3, 2), (0, 5, 3), (3, 5, 4)]
@@ -47,7 +48,10 @@ def test_a_body_that_is_not_convex_is_what_is_left_of_a_cuboid():
 
 
 def test_a_triangle_has_the_moment_of_its_base_and_height_and_of_its_sides():
-    a, b, h, sigma = 0.7, 3.0, 2.0, 1.5
+    a = 0.7
+    b = 3.0
+    h = 2.0
+    sigma = 1.5
     found = of_polygon([(0, 0), (b, 0), (a, h)], sigma)
     assert found.inertia[2, 2] == pytest.approx(
         sigma * b * h * (b * b - a * b + a * a + h * h) / 36, rel=1e-14
@@ -58,10 +62,8 @@ def test_a_triangle_has_the_moment_of_its_base_and_height_and_of_its_sides():
 
 def test_a_polygon_that_is_not_convex_is_the_sum_of_its_rectangles():
     found = of_polygon([(0, 0), (2, 0), (2, 1), (1, 1), (1, 2), (0, 2)], 1.0)
-    foot, post = (
-        of_polygon([(0, 0), (2, 0), (2, 1), (0, 1)], 1.0),
-        of_polygon([(0, 1), (1, 1), (1, 2), (0, 2)], 1.0),
-    )
+    foot = of_polygon([(0, 0), (2, 0), (2, 1), (0, 1)], 1.0)
+    post = of_polygon([(0, 1), (1, 1), (1, 2), (0, 2)], 1.0)
     assert found.inertia == pytest.approx((foot + post).inertia, rel=1e-14, abs=1e-15)
     assert foot.inertia[2, 2] == pytest.approx(2 * (4 + 1) / 12, rel=1e-15)
 

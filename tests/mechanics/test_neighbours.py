@@ -11,11 +11,10 @@ from refdem.mechanics.neighbours import near_pairs
     ("count", "reach"), [(10, 2.4), (300, 0.7), (300, 1.6), (300, 2.4), (500, 0.3)]
 )
 def test_cells_find_the_pairs_that_all_pairs_find(size, count, reach):
-    position = (
-        np.random.default_rng(count).uniform(-5, 10, (count, 3))
-        if size
-        else np.random.default_rng(3).uniform(0, 5, (count, 3))
-    )
+    if size:
+        position = np.random.default_rng(count).uniform(-5, 10, (count, 3))
+    else:
+        position = np.random.default_rng(3).uniform(0, 5, (count, 3))
     apart = position[:, None] - position
     if size:
         apart = np.min(np.abs(apart[..., None] - size * np.arange(-4, 5)), axis=-1)

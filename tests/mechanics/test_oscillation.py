@@ -27,13 +27,15 @@ def test_a_parabola_turns_exactly_where_it_does_also_on_a_sample():
 
 def test_amplitude_and_period_are_those_of_the_cosine():
     t = np.linspace(0.1, 30.1, 3001)
-    x, v = 1 + 2 * np.cos(3 * t), -6 * np.sin(3 * t)
+    x = 1 + 2 * np.cos(3 * t)
+    v = -6 * np.sin(3 * t)
     assert oscillation.amplitude(t, x, v) == pytest.approx(2, rel=1e-7)
     assert oscillation.period(t, x, v) == pytest.approx(2 * np.pi / 3, rel=1e-7)
 
 
 def test_area_of_a_square_has_the_sign_of_its_sense():
-    x, v = np.array([0.0, 2.0, 2.0, 0.0]), np.array([0.0, 0.0, 1.5, 1.5])
+    x = np.array([0.0, 2.0, 2.0, 0.0])
+    v = np.array([0.0, 0.0, 1.5, 1.5])
     assert oscillation.phase_area(x, v) == 3.0
     assert oscillation.phase_area(x[::-1], v[::-1]) == -3.0
     assert oscillation.phase_area(np.stack([x, x]), np.stack([v, 2 * v])).tolist() == [3.0, 6.0]
@@ -85,7 +87,9 @@ def test_hysteresis_is_where_sweeps_differ():
     [(1.5, 0.4, 0.1), (2.0, 0.4, 0.1), (1.55, 0.4, 0.2), (0.5, -0.1, 0.1), (1.2, 3.0, 0.0)],
 )
 def test_the_largest_balanced_amplitude_is_the_largest_root_of_its_cubic(drive, beta, delta):
-    gap, h, drag = 1.0 - drive**2, 0.75 * beta, (2 * delta * drive) ** 2
+    gap = 1.0 - drive**2
+    h = 0.75 * beta
+    drag = (2 * delta * drive) ** 2
     roots = np.roots([h * h, 2 * h * gap, gap * gap + drag, -0.25])
     largest = max(root.real for root in roots if abs(root.imag) < 1e-9)
     assert response.balanced_amplitude(drive, 1.0, beta, delta, 0.5) == pytest.approx(

@@ -40,7 +40,8 @@ def test_a_turn_about_an_axis_is_counter_clockwise_seen_against_it():
 
 @pytest.mark.parametrize("q", ATTITUDES[:6])
 def test_euler_rates_are_the_derivative_of_the_angles_under_the_quaternions_rate(q):
-    omega, h = np.array([0.3, -0.8, 0.5]), 1e-6
+    omega = np.array([0.3, -0.8, 0.5])
+    h = 1e-6
     rate = rotation.quaternion_rate(q, omega)
     ahead, behind = (
         rotation.euler_of_matrix(matrix(p / np.linalg.norm(p)))

@@ -44,7 +44,8 @@ FIGURE = Figure(
 
 def test_names_are_written_as_text(tmp_path):
     write_gallery(tmp_path, [FIGURE], version="1")
-    page, text = (tmp_path / "gallery.html").read_text(), (tmp_path / "gallery.md").read_text()
+    page = (tmp_path / "gallery.html").read_text()
+    text = (tmp_path / "gallery.md").read_text()
     assert "<script>alert" not in page
     assert "<script>alert" not in text.split("```")[0]
     assert "<script>alert" not in (tmp_path / "fig-9-9.svg").read_text()

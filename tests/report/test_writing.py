@@ -27,15 +27,13 @@ class Page(HTMLParser):
 
     def __init__(self, text):
         super().__init__()
-        self.links, self.ids, self.tags, self.images, self.handlers, self.specs, self._inside = (
-            [],
-            [],
-            [],
-            [],
-            [],
-            {},
-            None,
-        )
+        self.links = []
+        self.ids = []
+        self.tags = []
+        self.images = []
+        self.handlers = []
+        self.specs = {}
+        self._inside = None
         self.feed(text)
 
     def handle_starttag(self, tag, attrs):
@@ -45,7 +43,10 @@ class Page(HTMLParser):
         self.links += [attributes[name] for name in ("href", "src") if name in attributes]
         self.images += [attributes["src"]] if tag == "img" else []
         self.handlers += [name for name in attributes if name.startswith("on")]
-        self._inside = attributes["id"] if attributes.get("type") == "application/json" else None
+        if attributes.get("type") == "application/json":
+            self._inside = attributes["id"]
+        else:
+            self._inside = None
 
     def handle_data(self, data):
         if self._inside:
@@ -85,7 +86,10 @@ def test_every_link_and_anchor_resolves(pages):
             if parts.scheme == "data":
                 continue
             assert not parts.scheme, link
-            target = (path.parent / unquote(parts.path)).resolve() if parts.path else path
+            if parts.path:
+                target = (path.parent / unquote(parts.path)).resolve()
+            else:
+                target = path
             if not target.is_file() or (
                 parts.fragment
                 and target.suffix == ".html"

@@ -160,7 +160,8 @@ order = 2
 )
 def test_a_program_gets_the_file_if_it_says_that_it_reads_it(tmp_path, more, refused):
     (tmp_path / "refdem.toml").write_text(TOML.format(more=more))
-    engine, asked = discovery.engine(str(tmp_path / "refdem.toml")), request()
+    engine = discovery.engine(str(tmp_path / "refdem.toml"))
+    asked = request()
     assert engine.refusal(asked.problem, engine.methods[0]) == refused
     assert engine.refusal(request(scene(10)).problem, engine.methods[0]) is None
     written(asked, tmp_path)

@@ -25,7 +25,8 @@ def test_a_spring_pulls_as_its_potential_falls(distance):
             scene.potential(np.array([[[at, 0.0, 0.0]]]), np.array([[[1.0, 0.0, 0.0, 0.0]]]))[0]
         )
 
-    h, s = 1e-5, distance - 2.0
+    h = 1e-5
+    s = distance - 2.0
     slope = (potential(distance + h) - potential(distance - h)) / (2 * h)
     expected = -1.5 * np.sign(s) * abs(s) ** 1.5 + 0.75 * s**2 + 0.25 * s**3
     assert slope == pytest.approx(expected, abs=1e-9 if s else 1e-7)
@@ -33,7 +34,8 @@ def test_a_spring_pulls_as_its_potential_falls(distance):
 
 
 def test_the_size_of_a_potential_does_not_cancel():
-    well, attitude = Spring(a=0, stiffness=-1.0, cubic=1.0), np.array([[[1.0, 0.0, 0.0, 0.0]]])
+    well = Spring(a=0, stiffness=-1.0, cubic=1.0)
+    attitude = np.array([[[1.0, 0.0, 0.0, 0.0]]])
     place = np.array([[[2.0**0.5, 0.0, 0.0]]])
     assert abs(well.potential(None, place, attitude)[0]) < 1e-15
     assert well.potential_size(place, attitude)[0] == pytest.approx(2.0, rel=1e-14)

@@ -34,7 +34,8 @@ def largest_error() -> Callable[..., float]:
 
     def worst(case: str, trajectory: Trajectory, names: tuple[str, ...], **given: str) -> float:
         instance = discovery.case(case).at(**given)
-        seen, truth = instance.observe(trajectory), instance.truth()
+        seen = instance.observe(trajectory)
+        truth = instance.truth()
         largest = 0.0
         for row, t in enumerate(trajectory.t):
             balls = truth.at(Fraction(float(t)))

@@ -43,7 +43,8 @@ def test_an_ensemble_survives_json_to_the_last_bit(flow):
 
 
 def test_starts_off_the_line_or_the_rod_are_refused():
-    line, rod = asked(), asked("pendulum")
+    line = asked()
+    rod = asked("pendulum")
     off = np.zeros_like(line.position)
     off[3, 0, 1] = 1e-3
     for problem in (line, rod):

@@ -28,9 +28,13 @@ def test_duration_and_restitution_are_those_of_the_damped_sine(cutoff, damping):
     """t = pi/w or 2 arccos(b/w0)/w and exp(-b t), with b = c/(2 m_eff), w0^2 = k/m_eff; m_eff =
     1/2, k = 128 (Schwager 2007).
     """
-    b, w0 = damping, 16.0
+    b = damping
+    w0 = 16.0
     w = np.sqrt(w0 * w0 - b * b)
-    duration = np.pi / w if cutoff == "zero_overlap" else 2 * np.arccos(b / w0) / w
+    if cutoff == "zero_overlap":
+        duration = np.pi / w
+    else:
+        duration = 2 * np.arccos(b / w0) / w
     seen = solved(damping=str(damping), cutoff=cutoff)
     assert [event.kind for event in seen.events] == ["release"]
     assert seen.events[0].time == pytest.approx(duration, rel=2e-15)
@@ -41,7 +45,8 @@ def test_duration_and_restitution_are_those_of_the_damped_sine(cutoff, damping):
 def test_overlap_and_force_are_those_of_the_damped_sine():
     """d = sin(w t) exp(-b t)/w and F = k d + c d' while it lasts, nothing afterwards."""
     seen = solved(damping="6")
-    b, w = 6.0, np.sqrt(16.0**2 - 36.0)
+    b = 6.0
+    w = np.sqrt(16.0**2 - 36.0)
     t = np.minimum(seen.t, np.pi / w)
     overlap = np.sin(w * t) * np.exp(-b * t) / w
     force = 128.0 * overlap + 6.0 * np.exp(-b * t) * (np.cos(w * t) - b / w * np.sin(w * t))
@@ -249,7 +254,8 @@ def largest_gain(scene, seen):
     """Largest change of energy plus lost work, in units of the energy at the start; from the
     definitions of both.
     """
-    mass, inertia = scene.bodies.mass, scene.bodies.inertia[:, 0]
+    mass = scene.bodies.mass
+    inertia = scene.bodies.inertia[:, 0]
     kinetic = 0.5 * ((seen.velocity**2).sum(axis=2) @ mass + (seen.omega**2).sum(axis=2) @ inertia)
     overlap = np.maximum(
         0.0,
@@ -495,7 +501,9 @@ def test_a_touch_that_lasts_a_twentieth_of_a_step_is_found_wherever_in_the_step_
     On a straight line the overlap is 1 - sqrt((1 - depth)^2 + (v t)^2), and the way is bent by
     less than 1e-5 of that.
     """
-    speed, depth, stiffness = 4.0, 0.004, 0.012
+    speed = 4.0
+    depth = 0.004
+    stiffness = 0.012
     own = {"mass": 1.0, "inertia": (0.1, 0.1, 0.1), "shape": Sphere(radius=0.5)}
     start = (-speed * (1 + part), 1 - depth, 0.0)
     bodies = [Body(**own), Body(**own, position=start, velocity=(speed, 0.0, 0.0))]

@@ -18,7 +18,8 @@ G = 9.8125
 
 def ensemble(members, times=(0.0, 1.0, 2.0)):
     """Swinging, rotating and near the top, members of one scene."""
-    angle, rate = np.linspace(-3.0, 3.0, members), np.linspace(9.0, -2.0, members)
+    angle = np.linspace(-3.0, 3.0, members)
+    rate = np.linspace(9.0, -2.0, members)
     place = np.stack([np.sin(angle), -np.cos(angle), 0 * angle], axis=-1)[:, None]
     speed = (rate[:, None] * np.stack([np.cos(angle), np.sin(angle), 0 * angle], axis=-1))[:, None]
     body = Body(mass=1.0, position=tuple(place[0, 0]), velocity=tuple(speed[0, 0]))
@@ -35,7 +36,9 @@ def in_many_digits(order, angle, time, steps):
     200 bits.
     """
     half = [flint.arb(part) for part in WEIGHTS[order]]
-    parts, h, rate = half + half[-2::-1], flint.arb(time) / steps, flint.arb(0)
+    parts = half + half[-2::-1]
+    h = flint.arb(time) / steps
+    rate = flint.arb(0)
     for _ in range(steps):
         for part in parts:
             angle += part * h * rate / 2
@@ -90,7 +93,8 @@ def test_members_do_not_depend_on_the_block_that_they_are_in():
 def test_time_runs_backwards_to_where_it_began():
     problem = ensemble(20)
     there = run(problem, "ensemble-symplectic", 2.0**-6)
-    scene, back_times = problem.scene, np.array((2.0, 1.0, 0.0))
+    scene = problem.scene
+    back_times = np.array((2.0, 1.0, 0.0))
     back = Ensemble(
         scene=scene,
         times=back_times,

@@ -33,12 +33,16 @@ def test_state_is_right_to_some_ulps_after_any_number_of_periods(
 
 
 def test_motion_in_space_is_an_ellipse_about_the_shifted_equilibrium(solved):
-    anchor, g = np.array((1.0, -2.0, 3.0)), np.array((0.0, 4.0, -8.0))
+    anchor = np.array((1.0, -2.0, 3.0))
+    g = np.array((0.0, 4.0, -8.0))
     scene = on_spring((3.0, -2.0, 3.0), (0.0, 2.0, 4.0), tuple(g), anchor_b=tuple(anchor))
     t = np.array([0.0, 0.5, -0.75, 30.0])[[2, 0, 1, 3]]
     trajectory = solved(scene, t - t[0], "exact-harmonic")
-    rest, c, s = anchor + g / 4.0, np.cos(2 * (t - t[0]))[:, None], np.sin(2 * (t - t[0]))[:, None]
-    start, speed = np.array((3.0, -2.0, 3.0)) - rest, np.array((0.0, 2.0, 4.0))
+    rest = anchor + g / 4.0
+    c = np.cos(2 * (t - t[0]))[:, None]
+    s = np.sin(2 * (t - t[0]))[:, None]
+    start = np.array((3.0, -2.0, 3.0)) - rest
+    speed = np.array((0.0, 2.0, 4.0))
     assert trajectory.position[:, 0] == pytest.approx(rest + start * c + speed / 2 * s, abs=5e-15)
     assert trajectory.velocity[:, 0] == pytest.approx(speed * c - 2 * start * s, abs=4e-15)
 

@@ -92,7 +92,8 @@ def test_at_rest_at_the_top_or_the_bottom_it_stays_to_the_last_bit(solved, y, fo
 def test_fall_from_next_to_the_top_takes_the_logarithmic_time(solved):
     # From rest at pi - d: cos(theta/2) = sin(d/2) nd(w0 t); it passes the bottom after K =
     # ln(4/sin(d/2)).
-    d, g = 1e-8, 9.8125
+    d = 1e-8
+    g = 9.8125
     fall = np.log(4.0 / np.sin(d / 2)) / np.sqrt(g)
     trajectory = solved(
         hanging((np.sin(d), np.cos(d), 0.0), (0.0, 0.0, 0.0)), (0.0, fall), "exact-pendulum"
@@ -121,7 +122,8 @@ def test_any_plane_that_holds_gravity_shows_the_same_motion(solved):
         7 * PARTS,
         "exact-pendulum",
     )
-    x, y = flat.position[:, 0, 0], flat.position[:, 0, 1]
+    x = flat.position[:, 0, 0]
+    y = flat.position[:, 0, 1]
     assert tilted.position[:, 0] - anchor == pytest.approx(
         np.stack([0.6 * x, 0.8 * x, y], axis=1), abs=4e-14
     )

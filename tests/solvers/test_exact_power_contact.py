@@ -38,7 +38,8 @@ def test_it_agrees_with_certified_truth(case, method, given, largest_error):
 
 def pressed(overlap, rate, times, inward=(7.0, 1.5), outward=(7.0, 1.5), mass=0.5):
     """Rows of overlap and rate, and when it touches, turns and parts."""
-    out, touch = np.zeros((len(times), 2)), np.zeros(3)
+    out = np.zeros((len(times), 2))
+    touch = np.zeros(3)
     arrays = [pointer("power_contact", np.array(law)) for law in (inward, outward)]
     buffers = [pointer("power_contact", array, output=True) for array in (touch, out)]
     numbers = (overlap, rate, len(times), pointer("power_contact", np.asarray(times, float)))
@@ -64,7 +65,9 @@ def test_what_does_not_close_never_touches():
 @pytest.mark.parametrize("exponent", [1.0, 1.5, 2.0, 3.0])
 def test_it_is_what_velocity_verlet_tends_to(exponent):
     def verlet(n):
-        d, v, h = 0.0, 1.0, 0.5 / n
+        d = 0.0
+        v = 1.0
+        h = 0.5 / n
         for _ in range(n):
             v -= h / 2 * 8.0 * max(d, 0.0) ** exponent
             d += h * v

@@ -25,7 +25,10 @@ ROUGH = Contact(
 
 def sphere(place, *, fixed):
     """A sphere of diameter 1 that spins where it may."""
-    spin = (0.0, 0.0, 0.0) if fixed else (0.5, -0.25, 1.0)
+    if fixed:
+        spin = (0.0, 0.0, 0.0)
+    else:
+        spin = (0.5, -0.25, 1.0)
     return Body(
         mass=2.0,
         inertia=(0.2, 0.2, 0.2),
@@ -64,7 +67,10 @@ def test_a_fixed_body_does_not_move_and_the_other_does(name):
     methods = [method for method in ENGINE.methods if ENGINE.refusal(problem, method) is None]
     assert {method.name for method in methods} >= expected
     for method in methods:
-        step = 1 / 1024 if method.control == "step" else None
+        if method.control == "step":
+            step = 1 / 1024
+        else:
+            step = None
         run, _ = ENGINE.run(Request(problem=problem, method=method.name, step=step))
         for column in ("position", "velocity", "attitude", "omega"):
             start = getattr(scene.bodies, column)[1]

@@ -13,10 +13,8 @@ from refdem.engines.reference import ENGINE
 from refdem.faults.iterating import SOUND_MAPS, iterated
 
 UNIT = np.array([0.25, 0.125, 0.8, 0.6])
-STADIUM, RECTANGLE = (
-    StadiumBilliard(width=4.0, height=2.0),
-    RectangleBilliard(width=4.0, height=2.0),
-)
+STADIUM = StadiumBilliard(width=4.0, height=2.0)
+RECTANGLE = RectangleBilliard(width=4.0, height=2.0)
 PROBLEMS = [
     Iteration(Logistic(eta=3.2), np.array([0.3]), 500),
     Iteration(LogisticFlow(eta=0.5), np.array([0.01]), 30),
@@ -68,7 +66,10 @@ def test_a_million_bounces_in_a_rectangle_are_exact_to_the_last_digits():
         while low < high:
             middle = (low + high + 1) // 2
             t = first[0] + (middle - 1) * every[0]
-            others = 0 if t < first[1] else int((t - first[1]) // every[1]) + 1
+            if t < first[1]:
+                others = 0
+            else:
+                others = int((t - first[1]) // every[1]) + 1
             low, high = (middle, high) if middle + others <= n[k] else (low, middle - 1)
         times = [
             first[0] + (low - 1) * every[0] if low else 0,
@@ -106,19 +107,22 @@ def test_a_million_bounces_keep_the_speed(table):
 def test_the_mean_flight_in_a_stadium_is_pi_times_area_over_perimeter():
     """Santalo's formula, for a path that comes everywhere: what chaos leaves to be predicted."""
     problem = Iteration(STADIUM, UNIT, 128)
-    flights, start = [], UNIT
+    flights = []
+    start = UNIT
     for _ in range(400):
         run, _ = ran(Iteration(STADIUM, start, problem.n))
         flights += np.hypot(*np.diff(run.values["position"][1:], axis=0).T).tolist()
         end = np.concatenate((run.values["position"][-1] * (1 - 1e-9), run.values["direction"][-1]))
         start = end / np.array([1, 1, np.hypot(*end[2:]), np.hypot(*end[2:])])
-    area, perimeter = np.pi + 4, 2 * np.pi + 4
+    area = np.pi + 4
+    perimeter = 2 * np.pi + 4
     assert abs(np.mean(flights) - np.pi * area / perimeter) < 0.03
 
 
 def test_the_density_of_iterates_at_eta_4_is_the_arcsine_law():
     problem = Iteration(Logistic(eta=4.0), np.array([0.3]), 128)
-    seen, x = [], 0.3
+    seen = []
+    x = 0.3
     for _ in range(200):
         run, _ = ran(Iteration(problem.map, np.array([x]), 128))
         seen += run.values["x"][1:].tolist()
@@ -139,7 +143,9 @@ def test_a_map_that_it_does_not_have_is_refused():
 def test_a_direction_of_no_length_writes_nothing_out_of_bounds():
     from refdem.kernels import load, pointer
 
-    out, n, start = np.full((2, 4), np.nan), np.array([0.0, 5.0]), np.array([0.1, 0.1, 0.0, 0.0])
+    out = np.full((2, 4), np.nan)
+    n = np.array([0.0, 5.0])
+    start = np.array([0.1, 0.1, 0.0, 0.0])
     arrays = pointer("maps", start), 2, pointer("maps", n), pointer("maps", out, output=True)
     assert load("maps").lib.refdem_rectangle(4.0, 2.0, *arrays) == 1
     assert np.isnan(out).all()

@@ -56,9 +56,12 @@ def test_error_falls_with_order_two(solved):
 
 
 def test_energy_wanders_no_farther_than_roundings_of_the_lattice_add_up_to(solved):
-    h, scene = 2.0**-6, SCENES["harmonic"]
+    h = 2.0**-6
+    scene = SCENES["harmonic"]
     run = solved(scene, np.arange(0, 2**14 + 1, 64.0), "lattice-verlet", h)
-    x, v, square = run.position[:, 0, 0], run.velocity[:, 0, 0], 1.5
+    x = run.position[:, 0, 0]
+    v = run.velocity[:, 0, 0]
+    square = 1.5
     kept = v * v + square * x * x * (
         1 - square * h * h / 4
     )  # what Verlet keeps of a harmonic oscillator

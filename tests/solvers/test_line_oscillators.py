@@ -61,7 +61,8 @@ def test_series_and_closed_form_agree_also_from_a_later_start(solved, case, give
         solved(scene, SHORT + 16.0, method) for method in ("taylor-oscillator", "exact-linear")
     )
     for name in ("position", "velocity"):
-        a, b = getattr(series, name), getattr(closed, name)
+        a = getattr(series, name)
+        b = getattr(closed, name)
         assert a == pytest.approx(b, abs=4 * ulps * ULPS * max(1.0, np.abs(b).max()))
 
 
@@ -136,7 +137,8 @@ def along(axis, origin, place, speed):
     """Everything at once on a line: a spring with length, square and cube, a dashpot of van der
     Pol's, weight, two drives.
     """
-    axis, origin = np.array(axis), np.array(origin)
+    axis = np.array(axis)
+    origin = np.array(origin)
     elements = [
         Spring(a=0, anchor_b=tuple(origin), length=4.0, stiffness=3.0, quadratic=0.25, cubic=0.5),
         Dashpot(a=0, anchor_b=tuple(origin + axis), damping=0.125, van_der_pol=0.0625),
@@ -150,7 +152,8 @@ def along(axis, origin, place, speed):
 
 def test_a_line_in_space_is_as_good_as_any_other(solved):
     flat = solved(along((1.0, 0.0, 0.0), (0.0, 0.0, 0.0), 0.5, -1.0), SHORT, "taylor-oscillator")
-    axis, origin = np.array((2.0, -1.0, 2.0)) / 3.0, np.array((5.0, 1.0, -3.0))
+    axis = np.array((2.0, -1.0, 2.0)) / 3.0
+    origin = np.array((5.0, 1.0, -3.0))
     turned = solved(along(axis, origin, 0.5, -1.0), SHORT, "taylor-oscillator")
     assert turned.position[:, 0] == pytest.approx(
         origin + flat.position[:, 0, :1] * axis, abs=2e-13
@@ -162,13 +165,15 @@ def test_series_solve_the_equation_of_motion_as_the_scene_has_it(solved):
     """Finite differences of the series against forces written out once more, with nothing of the
     solver's.
     """
-    h, at = 2.0**-9, 1.375
+    h = 2.0**-9
+    at = 1.375
     run = solved(
         along((1.0, 0.0, 0.0), (0.0, 0.0, 0.0), 0.5, -1.0),
         [0.0, at - h, at, at + h],
         "taylor-oscillator",
     )
-    x, v = run.position[2, 0, 0], run.velocity[2, 0, 0]
+    x = run.position[2, 0, 0]
+    v = run.velocity[2, 0, 0]
     s = x - 4.0
     force = -3.0 * s - 0.25 * s**2 - 0.5 * s**3 - (0.125 + 0.0625 * (x - 1.0) ** 2) * v
     force += 2.0 * 0.75 + 1.5 * np.cos(2.0 * at + 0.5) - 0.5 * np.cos(0.75 * at)
@@ -284,13 +289,17 @@ def test_the_square_of_a_stretch_turns_round_at_the_anchor_in_every_method_that_
     motion = Motion(Scene.of([start], [spring]), np.arange(9.0))
 
     def energy(trajectory):
-        x, v = trajectory.position[:, 0, 0], trajectory.velocity[:, 0, 0]
+        x = trajectory.position[:, 0, 0]
+        v = trajectory.velocity[:, 0, 0]
         return v**2 + 3.0 * x**2 / 2 + np.abs(x) ** 3 / 3
 
     able = [method for method in ENGINE.methods if ENGINE.refuses(motion, method) is None]
     assert {method.name for method in able} >= {"velocity-verlet", "rk4"}
     for method in able:
-        step = 2.0**-10 if method.control == "step" else None
+        if method.control == "step":
+            step = 2.0**-10
+        else:
+            step = None
         trajectory, _ = ENGINE.run(Request(problem=motion, method=method.name, step=step))
         assert trajectory.position[:, 0, 0].min() < -0.25, method.name
         assert energy(trajectory) == pytest.approx(energy(trajectory)[0], rel=1e-5), method.name

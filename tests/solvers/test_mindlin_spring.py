@@ -65,8 +65,6 @@ def test_the_engine_that_carries_faults_does_not_pretend_to_have_it():
 
 
 def _without(element):
-    return (
-        Contact(law="hertz", stiffness=element.stiffness, branch="R")
-        if isinstance(element, Contact)
-        else element
-    )
+    if isinstance(element, Contact):
+        return Contact(law="hertz", stiffness=element.stiffness, branch="R")
+    return element

@@ -81,12 +81,16 @@ def test_channels_and_release_are_those_of_the_extrapolating_method(given):
 )
 def test_the_work_lost_is_as_exact_as_the_motion_over_steps_as_long(given):
     instance = discovery.case("two-spheres").at(**given)
-    run, scene = solved(instance.scene, instance.times), instance.scene
+    run = solved(instance.scene, instance.times)
+    scene = instance.scene
     inner = run.channels["contacts"] == 0  # while the tangential spring is bent it holds energy
     energy = mechanical(scene, run) + run.channels["dissipated_work"].reshape(len(run.t), -1).sum(
         axis=1
     )
-    seen = slice(None) if "friction" not in given else inner
+    if "friction" not in given:
+        seen = slice(None)
+    else:
+        seen = inner
     assert (
         np.abs(energy[seen] / energy[0] - 1.0).max() < 2e-14
     )  # 3e-13 where the work's series ends with the motion's

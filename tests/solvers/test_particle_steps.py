@@ -126,7 +126,8 @@ def test_total_angular_momentum_is_kept_in_an_oblique_collision_of_unequal_spinn
 ):
     scene = collision(**RUBBING, **SPINS)
     seen = run(scene, method, 0.4, steps)
-    total, momentum = angular(scene, seen)["total"], linear(scene, seen)
+    total = angular(scene, seen)["total"]
+    momentum = linear(scene, seen)
     assert np.abs(angular(scene, seen)["spin"] - angular(scene, seen)["spin"][0]).max() > 0.01
     assert np.abs(total - total[0]).max() < 24 * ULP * np.sqrt(max(steps, 1) * 16)
     assert np.abs(momentum - momentum[0]).max() < 8 * ULP * np.sqrt(max(steps, 1) * 16)
@@ -154,7 +155,11 @@ def there_and_back(scene: Scene, backward: bool, **clock: float) -> float:
     out = ENGINE.run(
         Request(problem=Motion(scene, times), method="velocity-verlet", step=clock["step"])
     )[0]
-    end, sign = out.end(), 1.0 if backward else -1.0
+    end = out.end()
+    if backward:
+        sign = 1.0
+    else:
+        sign = -1.0
     turned = scene.with_state(
         **{**end, "velocity": sign * end["velocity"], "omega": sign * end["omega"]}
     )
@@ -281,10 +286,8 @@ def test_a_spring_that_points_against_the_slip_of_a_plane_motion_stays_in_the_pl
 
 @pytest.mark.parametrize("method", ["velocity-verlet", "rk4"])
 def test_each_of_several_bodies_is_attracted_from_its_own_place(method):
-    near, far = (
-        Body(mass=1.0, position=(1.0, 0.0, 0.0), velocity=(0.0, 1.0, 0.0)),
-        Body(mass=2.0, position=(0.0, 3.0, 1.0), velocity=(0.5, 0.0, 0.0)),
-    )
+    near = Body(mass=1.0, position=(1.0, 0.0, 0.0), velocity=(0.0, 1.0, 0.0))
+    far = Body(mass=2.0, position=(0.0, 3.0, 1.0), velocity=(0.5, 0.0, 0.0))
     field = CentralField(gm=1.25)
     together, *alone = (
         run(Scene.of(bodies, [field]), method, 2.0, 256) for bodies in ([near, far], [near], [far])

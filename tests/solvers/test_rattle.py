@@ -30,7 +30,9 @@ def cluster():
     """Four masses on six rods, spinning: inertia (2 b^2 + 4 c^2, 2 a^2 + 4 c^2, 2 a^2 + 2 b^2) for
     masses of 1 kg.
     """
-    a, b, c = 0.5, 0.75, 0.25
+    a = 0.5
+    b = 0.75
+    c = 0.25
     places = np.array([(a, 0, -c), (-a, 0, -c), (0, b, c), (0, -b, c)])
     omega = np.array((0.9, 1.1, 1.3))
     bodies = [Body(mass=1.0, position=tuple(r), velocity=tuple(np.cross(omega, r))) for r in places]
@@ -49,7 +51,8 @@ def test_error_falls_with_order_two_in_place_and_rod_force(solved, largest_error
 
 def test_rods_keep_length_and_velocity_stays_across_them_over_1e5_steps(solved, pendulum):
     trajectory = solved(pendulum, np.arange(201) * 4.0, "rattle", 2.0**-7)
-    r, v = trajectory.position[:, 0], trajectory.velocity[:, 0]
+    r = trajectory.position[:, 0]
+    v = trajectory.velocity[:, 0]
     assert np.abs(np.linalg.norm(r, axis=1) - 1.0).max() < 3e-15
     assert np.abs(np.sum(r * v, axis=1)).max() < 5e-15
 
@@ -120,10 +123,8 @@ def test_isolated_rods_keep_momentum_and_angular_momentum(solved):
     moving = scene.with_state(velocity=scene.bodies.velocity + np.array((0.5, -0.25, 1.0)))
     trajectory = solved(moving, np.arange(5) * 4.0, "rattle", 2.0**-6)
     mass = scene.bodies.mass
-    momentum, moment = (
-        linear(mass, trajectory.velocity),
-        orbital(mass, trajectory.position, trajectory.velocity),
-    )
+    momentum = linear(mass, trajectory.velocity)
+    moment = orbital(mass, trajectory.position, trajectory.velocity)
     assert momentum == pytest.approx(np.tile(momentum[0], (5, 1)), abs=1e-13)
     # The centre is 16 m from the origin at the end, where an ulp of the velocity is one of 16 m in
     # the moment.

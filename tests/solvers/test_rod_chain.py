@@ -57,11 +57,9 @@ def test_one_rod_is_the_closed_form_of_the_pendulum_with_its_force(solved):
 
 def three():
     """Three bobs that fold over each other."""
-    angles, lengths, rates = (
-        np.array([1.0, -2.0, 3.0]),
-        np.array([1.0, 0.5, 0.75]),
-        np.array([0.5, 3.0, -2.0]),
-    )
+    angles = np.array([1.0, -2.0, 3.0])
+    lengths = np.array([1.0, 0.5, 0.75])
+    rates = np.array([0.5, 3.0, -2.0])
     places = np.cumsum(
         lengths[:, None] * np.stack([np.sin(angles), -np.cos(angles), 0 * angles], 1), axis=0
     )
@@ -93,7 +91,8 @@ def test_a_chain_of_three_and_its_forces_are_what_rattle_tends_to(solved):
 
 def test_order_of_bodies_and_of_rods_does_not_matter(solved):
     scene = three()
-    bodies, (first, second, third, down) = scene.bodies.single(), scene.elements
+    bodies = scene.bodies.single()
+    (first, second, third, down) = scene.elements
     turned = Scene.of(
         bodies[::-1],
         [
@@ -103,7 +102,8 @@ def test_order_of_bodies_and_of_rods_does_not_matter(solved):
             msgspec.structs.replace(first, a=2),
         ],
     )
-    plain, other = solved(scene, T, "rod-chain"), solved(turned, T, "rod-chain")
+    plain = solved(scene, T, "rod-chain")
+    other = solved(turned, T, "rod-chain")
     assert np.array_equal(plain.position, other.position[:, ::-1])
     assert plain.channels["rod_force"] == pytest.approx(
         other.channels["rod_force"][:, ::-1], rel=1e-12
@@ -126,7 +126,8 @@ def shaken(**anchor):
         "anchor_b": (1.0, 2.0, 0.0),
     } | anchor
     moved = MovingAnchor(a=0, **given)
-    place, velocity = moved.place(np.zeros(1))[0], moved.velocity(np.zeros(1))[0]
+    place = moved.place(np.zeros(1))[0]
+    velocity = moved.velocity(np.zeros(1))[0]
     bob = Body(
         mass=0.5,
         position=tuple(np.add(place, (0.6, -0.8, 0.0))),
@@ -181,7 +182,10 @@ def test_what_stands_upright_stays_to_the_last_bit(solved):
 
 
 def changed(scene, *, elements=None, **columns):
-    bodies = scene.bodies.with_state(**columns) if columns else scene.bodies
+    if columns:
+        bodies = scene.bodies.with_state(**columns)
+    else:
+        bodies = scene.bodies
     return Scene(bodies, tuple(elements or scene.elements))
 
 

@@ -45,8 +45,10 @@ def test_motion_in_the_plane_is_right_to_some_ulps_of_what_a_start_so_near_the_t
 
 
 def test_a_cone_is_gone_round_at_its_own_rate(solved):
-    angle, t = 0.75, np.linspace(0.0, 20.0, 41)
-    run, rate = solved(coned(angle), t, "rod-taylor"), np.sqrt(G / np.cos(angle))
+    angle = 0.75
+    t = np.linspace(0.0, 20.0, 41)
+    run = solved(coned(angle), t, "rod-taylor")
+    rate = np.sqrt(G / np.cos(angle))
     way = np.stack(
         [
             np.sin(angle) * np.cos(rate * t),
@@ -60,10 +62,13 @@ def test_a_cone_is_gone_round_at_its_own_rate(solved):
 
 
 def test_rod_energy_and_moment_are_held_for_a_thousand_swings_in_space(solved):
-    start, push = np.array((0.6, -0.8, 0.0)), np.array((0.4, 0.3, 1.5))
+    start = np.array((0.6, -0.8, 0.0))
+    push = np.array((0.4, 0.3, 1.5))
     run = solved(hanging(start, push), np.linspace(0.0, 2000.0, 2001), "rod-taylor")
-    r, v = run.position[:, 0], run.velocity[:, 0]
-    energy, moment = np.sum(v * v, axis=1) / 2 + G * r[:, 1], np.cross(r, v)[:, 1]
+    r = run.position[:, 0]
+    v = run.velocity[:, 0]
+    energy = np.sum(v * v, axis=1) / 2 + G * r[:, 1]
+    moment = np.cross(r, v)[:, 1]
     assert np.abs(np.linalg.norm(r, axis=1) - 1.0).max() < 2e-15
     assert np.abs(np.sum(r * v, axis=1)).max() < 5e-15
     assert np.abs(energy - energy[0]).max() < 1e-13 * G
@@ -74,7 +79,8 @@ def test_rod_energy_and_moment_are_held_for_a_thousand_swings_in_space(solved):
 def test_a_slow_start_next_to_the_top_keeps_the_rod_too(solved, delta):
     t = np.linspace(0.0, 4.0, 401)
     run = solved(discovery.case("pendulum-equilibria").at(delta=delta).scene, t, "rod-taylor")
-    r, v = run.position[:, 0], run.velocity[:, 0]
+    r = run.position[:, 0]
+    v = run.velocity[:, 0]
     assert (
         np.abs(np.linalg.norm(r, axis=1) - 1.0).max() < 2e-15
     )  # 2.5e-14 with steps as long as the series alone allow

@@ -52,11 +52,11 @@ def test_splitting_claims_a_constant_that_holds_for_needles_and_plates(solved, i
     have 1e8 of it at 2^-40.
     """
     instance = discovery.case("free-rigid-body").at(inertia=inertia)
-    truth, tau, step = instance.case.truth(instance.p), instance.scales.tau, 2.0**-5
-    seen, exact = (
-        solved(instance.scene, TIMES, "splitting-free-body", step),
-        solved(instance.scene, TIMES, "exact-free-body"),
-    )
+    truth = instance.case.truth(instance.p)
+    tau = instance.scales.tau
+    step = 2.0**-5
+    seen = solved(instance.scene, TIMES, "splitting-free-body", step)
+    exact = solved(instance.scene, TIMES, "exact-free-body")
     grown = np.maximum.accumulate(
         [max(1.0, float(truth.sensitivity(Fraction(t)))) for t in TIMES.tolist()]
     )
@@ -71,10 +71,8 @@ def test_splitting_claims_a_constant_that_holds_for_needles_and_plates(solved, i
 def test_splitting_is_exact_for_symmetric_bodies(solved):
     for inertia in ("1,1,2", "1,1,1/64", "1/128,1,1", "3/2,1,3/2"):
         start = discovery.case("free-rigid-body").at(inertia=inertia).scene
-        seen, exact = (
-            solved(start, TIMES, "splitting-free-body", 1.0),
-            solved(start, TIMES, "exact-free-body"),
-        )
+        seen = solved(start, TIMES, "splitting-free-body", 1.0)
+        exact = solved(start, TIMES, "exact-free-body")
         assert angle_between(seen.attitude, exact.attitude).max() < 1e-13, inertia
         assert np.abs(seen.omega - exact.omega).max() < 1e-13, inertia
 

@@ -79,7 +79,8 @@ def test_unequal_masses_that_hang_straight_fall_with_the_acceleration_of_atwoods
 def test_the_string_keeps_its_length_round_the_wheel(solved):
     scene = machine(**SETS[2])
     run = solved(scene, np.linspace(0.0, 3.0, 49), "string-wheel")
-    x, y = run.position[:, 0, 0], run.position[:, 0, 1]
+    x = run.position[:, 0, 0]
+    y = run.position[:, 0, 1]
     r = np.sqrt(x**2 + y**2 - 1 / 9)
     contact = np.unwrap(
         np.arctan2(y, x) + np.arctan2(r, 1 / 3)
@@ -101,7 +102,8 @@ def test_the_pendulum_may_hang_on_either_side(solved):
         ],
         scene.elements,
     )
-    plain, other = solved(scene, T, "string-wheel"), solved(flipped, T, "string-wheel")
+    plain = solved(scene, T, "string-wheel")
+    other = solved(flipped, T, "string-wheel")
     assert other.position == pytest.approx(plain.position * [-1.0, 1.0, 1.0], abs=1e-15)
 
 
@@ -137,7 +139,10 @@ def test_a_pendulum_drawn_straight_up_onto_the_wheel_is_an_error_too():
 
 
 def changed(scene, *, element=None, **columns):
-    bodies = scene.bodies.with_state(**columns) if columns else scene.bodies
+    if columns:
+        bodies = scene.bodies.with_state(**columns)
+    else:
+        bodies = scene.bodies
     return Scene(bodies, (element or scene.elements[0], *scene.elements[1:]))
 
 

@@ -35,7 +35,8 @@ def test_the_same_motion_at_another_pace_has_the_same_numbers(
         trajectory, _ = ENGINE.run(Request(problem=problem, method=method, step=None))
         return trajectory
 
-    slow, fast = run(ordinary, 8.0), run(other, 8.0 * seconds)
+    slow = run(ordinary, 8.0)
+    fast = run(other, 8.0 * seconds)
     assert np.max(np.abs(fast.position - slow.position * metres)) <= 1e-13 * metres
     assert np.max(np.abs(fast.velocity * seconds - slow.velocity * metres)) <= 1e-13 * metres
     assert len(slow.events) == len(fast.events)

@@ -84,7 +84,9 @@ def flat(**law):
 
 def test_four_corners_bounce_as_one_spring(solved):
     run = solved(flat(), np.linspace(0.0, 0.6, 97), "tumbling-body")
-    begin, fall, rate = 0.35, 2.8, 100.0
+    begin = 0.35
+    fall = 2.8
+    rate = 100.0
     lasts = 2 / rate * (np.pi - np.arctan(fall * rate / 8.0))
     touched = [event.time for event in run.events if event.kind == "contact"]
     assert len(touched) == 4

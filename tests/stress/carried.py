@@ -34,7 +34,10 @@ def climbs(
     """
     whole = battery(name)
     (found,) = (one for one in whole.ladders if one.name == ladder)
-    promised = found.promised if found.promised in rungs else ""
+    if found.promised in rungs:
+        promised = found.promised
+    else:
+        promised = ""
     exempt = {who: due if due[0] in rungs else ("", "") for who, due in found.exempt.items()}
     short = replace(
         found,

@@ -15,13 +15,12 @@ from refdem.core.engine import Engine
 from refdem.faults.transparent import Transparent
 
 carried = SimpleNamespace(**runpy.run_path(str(Path(__file__).with_name("carried.py"))))
-carrier, changed_bodies, changed_elements, changed_run = (
-    carried.carrier,
-    carried.changed_bodies,
-    carried.changed_elements,
-    carried.changed_run,
-)
-climbs, verdicts = carried.climbs, carried.verdicts
+carrier = carried.carrier
+changed_bodies = carried.changed_bodies
+changed_elements = carried.changed_elements
+changed_run = carried.changed_run
+climbs = carried.climbs
+verdicts = carried.verdicts
 
 
 def single(values: Any) -> Any:

@@ -39,11 +39,9 @@ def promised() -> list[tuple[str, str, tuple[str, ...]]]:
 
 
 def _due(ladder: Ladder) -> tuple[str, ...]:
-    return (
-        ladder.rungs[: ladder.rungs.index(ladder.promised) + 1]
-        if ladder.costly
-        else (ladder.promised,)
-    )
+    if ladder.costly:
+        return ladder.rungs[: ladder.rungs.index(ladder.promised) + 1]
+    return (ladder.promised,)
 
 
 @pytest.mark.parametrize(

@@ -24,7 +24,8 @@ def integrated(
     """Overlap and rate at `end` by the classical method; the force has a kink where contact ends,
     of first order in the step.
     """
-    y, h = np.array(start), end / steps
+    y = np.array(start)
+    h = end / steps
 
     def rates(y: np.ndarray) -> np.ndarray:
         return np.array([y[1], -square * max(y[0], 0.0)])

@@ -107,7 +107,8 @@ def crossed(vectors: Array) -> Array:
 
 def of_body(inertia: str, omega: str) -> Numbers:
     """A body in its principal axes; omega counts in its own size."""
-    moments, rates = exact(inertia), exact(omega)
+    moments = exact(inertia)
+    rates = exact(omega)
     size = Fraction(float(np.linalg.norm([float(x) for x in rates]))) or Fraction(1)
     names = [f"omega{kind}.{axis}" for kind in ("_body", "") for axis in "xyz"]
     scale = dict.fromkeys(names, size) | {"attitude.w": Fraction(1)}
@@ -122,7 +123,9 @@ def steps_of(numbers: Numbers, end: float) -> tuple[Array, Array]:
     step = end / STEPS
     omegas = numbers.omegas(np.linspace(0.0, end, 2 * STEPS + 1))
     slopes = numbers.slopes(omegas)
-    first, middle, last = slopes[:-1:2], slopes[1::2], slopes[2::2]
+    first = slopes[:-1:2]
+    middle = slopes[1::2]
+    last = slopes[2::2]
     one = np.eye(6)
     k1 = first
     k2 = middle @ (one + step / 2 * k1)

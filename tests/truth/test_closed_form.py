@@ -25,7 +25,10 @@ class Harmonic(ClosedForm):
 
     def __init__(self, x, v, scale, *, hidden=False):
         super().__init__(scale)
-        self.x, self.v, self.hidden, self.prepared = x, v, hidden, 0
+        self.x = x
+        self.v = v
+        self.hidden = hidden
+        self.prepared = 0
 
     @per_precision
     def start(self):

@@ -30,14 +30,18 @@ JUST_ENOUGH = f"0.{beyond_critical(58) * 10**58}"
 
 def loss(angle, cutoff):
     """ln(1/e) = b t_c of a contact whose damping is cos(angle) of the critical one."""
-    lasts = arb.pi() if cutoff == "zero_overlap" else 2 * angle
+    if cutoff == "zero_overlap":
+        lasts = arb.pi()
+    else:
+        lasts = 2 * angle
     return lasts * angle.cos() / angle.sin()
 
 
 def angle_of(restitution, cutoff):
     """The angle, between two whose losses are proved to lie on both sides."""
     goal = -arb_of(restitution).log()
-    low, high = arb(0), arb.pi() / 2
+    low = arb(0)
+    high = arb.pi() / 2
     for _ in range(BITS):
         middle = ((low + high) / 2).mid()
         if loss(middle, cutoff) > goal:
@@ -57,7 +61,8 @@ def normal_motion(instance, t):
     cutoff = p["cutoff"]
     angle = angle_of(p["restitution"], cutoff)
     rate = (k / mass).sqrt()
-    decay, swing = rate * angle.cos(), rate * angle.sin()
+    decay = rate * angle.cos()
+    swing = rate * angle.sin()
     normal = speed * arb_of(p.get("angle", Fraction(0))).cos()
     lasts = (arb.pi() if cutoff == "zero_overlap" else 2 * angle) / swing
 
@@ -125,7 +130,10 @@ def test_a_dashpot_gives_back_its_restitution_however_near_to_the_critical_dampi
     with precision(BITS):
         cosine = found.ball() / (2 * arb(21).sqrt())
         angle = cosine.acos()
-        cutoff = "zero_overlap" if ends_with_overlap else "zero_force"
+        if ends_with_overlap:
+            cutoff = "zero_overlap"
+        else:
+            cutoff = "zero_force"
         again = (-loss(angle, cutoff)).exp()
         assert again.overlaps(arb_of(restitution))
         assert again.rad() < 1e-80

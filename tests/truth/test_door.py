@@ -72,11 +72,10 @@ def motions():
     ]
     for one in load():
         declared = {p.name: p for p in discovery.case(one.case).parameters}
-        chosen = (
-            {name: text for name, text in given_of(one).items() if declared[name].choices}
-            if one.case != "impact-benchmarks"
-            else {}
-        )
+        if one.case != "impact-benchmarks":
+            chosen = {name: text for name, text in given_of(one).items() if declared[name].choices}
+        else:
+            chosen = {}
         if chosen and (one.case, chosen) not in found:
             found.append((one.case, chosen))
     return found
@@ -178,7 +177,10 @@ def test_a_number_that_follows_from_parameters_passes_every_door():
 def answers(instance):
     """Scalars, and the values early in the motion, as far as they are certified."""
     truth = instance.truth().refined(15)
-    times = [] if "duration" not in instance.p else [Fraction(1, 2**10), Fraction(1, 32)]
+    if "duration" not in instance.p:
+        times = []
+    else:
+        times = [Fraction(1, 2**10), Fraction(1, 32)]
     length = Fraction(float(instance.scales.duration))
     found = {}
     for ask in (truth.scalars, *(lambda part=part: truth.at(length * part) for part in times)):
@@ -199,12 +201,15 @@ def moved_away(case, given, monkeypatch):
         instance = case.at(**given)
     lasting = instance.scales
     plain = answers(instance)
-    rounded, nearest = Parameters.__getattr__, Real.__float__
+    rounded = Parameters.__getattr__
+    nearest = Real.__float__
 
     def moved(self, name):
         value = rounded(self, name)
         is_whole = name in self.declared and self.declared[name].whole
-        return value if is_whole or isinstance(value, str | None) else value * TINY
+        if is_whole or isinstance(value, str | None):
+            return value
+        return value * TINY
 
     monkeypatch.setattr(Parameters, "__getattr__", moved)
     monkeypatch.setattr(Real, "__float__", lambda self: nearest(self) * TINY)
@@ -222,7 +227,9 @@ def moved_away(case, given, monkeypatch):
 
 def words(value):
     """A setting as a test is named."""
-    return value if isinstance(value, str) else "-".join(value.values())
+    if isinstance(value, str):
+        return value
+    return "-".join(value.values())
 
 
 @pytest.mark.parametrize(("case", "given"), motions(), ids=words)

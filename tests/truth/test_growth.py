@@ -111,7 +111,8 @@ def wedge(p, y, t):
 
 def hill(p, y, t):
     fall = p.k1 * -p.x1 / p.x2
-    rising, falling = p.k1 * (y[0] - p.x1), -fall * (y[0] - p.x2)
+    rising = p.k1 * (y[0] - p.x1)
+    falling = -fall * (y[0] - p.x2)
     return [
         y[1],
         np.where(y[0] < p.x1, 0.0, np.where(y[0] < 0, rising, np.where(y[0] < p.x2, falling, 0.0)))
@@ -189,7 +190,9 @@ MOTIONS = [
 def growths(motion: Motion, seed: int = 1) -> tuple[list[Fraction], list[float], list[float]]:
     """Times, the largest growth of impulses by then, and S."""
     instance = discovery.case(motion.case).at(**motion.given)
-    truth, p, end = instance.truth(), instance.p, float(instance.times[-1])
+    truth = instance.truth()
+    p = instance.p
+    end = float(instance.times[-1])
     rng = np.random.default_rng(seed)
     step = end / STEPS
     sizes = np.array([float(truth.scale[name]) for name in motion.names])
@@ -197,7 +200,8 @@ def growths(motion: Motion, seed: int = 1) -> tuple[list[Fraction], list[float],
     base = np.array([[float(begin[name].mid)] for name in motion.names])
     struck = {0, *rng.integers(0, STEPS, IMPULSES).tolist()}
     looks = sorted({STEPS, *rng.integers(1, STEPS, SEEN).tolist()})
-    count, pairs = len(sizes), np.zeros((len(sizes), 0))
+    count = len(sizes)
+    pairs = np.zeros((len(sizes), 0))
     found: list[float] = []
 
     def rates(y: State, t: float) -> State:
@@ -211,12 +215,14 @@ def growths(motion: Motion, seed: int = 1) -> tuple[list[Fraction], list[float],
                 [base + motion.size * np.diag(sizes), base - motion.size * np.diag(sizes)], axis=1
             )
             pairs = np.concatenate([pairs, moved], axis=1)
-        y, t = np.concatenate([base, pairs], axis=1), k * step
+        y = np.concatenate([base, pairs], axis=1)
+        t = k * step
         k1 = rates(y, t)
         k2 = rates(y + step / 2 * k1, t + step / 2)
         k3 = rates(y + step / 2 * k2, t + step / 2)
         y = y + step / 6 * (k1 + 2 * k2 + 2 * k3 + rates(y + step * k3, t + step))
-        base, pairs = y[:, :1], y[:, 1:]
+        base = y[:, :1]
+        pairs = y[:, 1:]
     assert pairs.shape[1] == 2 * count * len(struck)
     times = [Fraction(k * step) for k in looks]
     return times, found, [truth.sensitivity(t) for t in times]
@@ -266,7 +272,8 @@ ASKED = [
 def test_s_does_not_depend_on_what_else_is_asked(case):
     instance = discovery.case(case).at()
     times = [Fraction(float(t)) for t in instance.times][: len(instance.times) // 2]
-    alone, among = truth_of(case), truth_of(case)
+    alone = truth_of(case)
+    among = truth_of(case)
     all_of_them = among.sensitivities(times)
     backwards = truth_of(case)
     assert alone.sensitivities([times[-1]]) == all_of_them[-1:]

@@ -62,7 +62,9 @@ class Squares(ValidatedFlow):
     """x' = x^2 from 1, which ends at t = 1; that it does is proved: x is 1/(1/x0 - t)."""
 
     def infinite_within(self, y):
-        return 1 / y[0] if y[0] > 0 else None
+        if y[0] > 0:
+            return 1 / y[0]
+        return None
 
 
 def squares(kind):

@@ -119,7 +119,8 @@ def test_regular_bodies_have_exponents_that_fall_as_log_t_over_t():
 
 
 def test_about_the_middle_axis_only_the_linear_rate_is_positive():
-    j, w = (1.0, 2.0, 3.0), 1.0
+    j = (1.0, 2.0, 3.0)
+    w = 1.0
     rate = w * math.sqrt((j[1] - j[0]) * (j[2] - j[1]) / (j[0] * j[2]))
     steady = truth_of("free-rigid-body", inertia="1,2,3", omega_body="0,1,0")
     assert float(exponent(steady, Fraction(60)).mid) == pytest.approx(rate, abs=0.05)
@@ -136,20 +137,19 @@ def test_the_variational_flow_is_that_of_neighbouring_certified_flows(case, t):
     """Columns by one-sided differences at 1e-15 of a scale, from the case's own parameters where it
     has them for the start.
     """
-    t, names = (
-        Fraction(t),
-        {
-            "driven-duffing": ("x0", "v0"),
-            "double-pendulum": ("theta0", "thetadot0"),
-            "stick-slip": ("x0", "v0"),
-        }[case],
-    )
+    t = Fraction(t)
+    names = {
+        "driven-duffing": ("x0", "v0"),
+        "double-pendulum": ("theta0", "thetadot0"),
+        "stick-slip": ("x0", "v0"),
+    }[case]
     truth = truth_of(case)
     with precision(256):
         found = np.array([[float(x) for x in row] for row in variation(truth, t).table()])
     ball = exponent(truth, t, digits=18)
     assert float(ball.mid * t) == pytest.approx(math.log(np.linalg.svd(found)[1][0]), abs=1e-12)
-    step, columns = Fraction(1, 10**15), []
+    step = Fraction(1, 10**15)
+    columns = []
     start = _start(case, names)
     base = truth.at(t)
     for i in range(len(start)):

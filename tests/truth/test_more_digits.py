@@ -44,13 +44,21 @@ NAMES = [
 def near(rng: random.Random, parameter: Parameter, value: Fraction) -> Fraction:
     """A number within a factor of 3 of a default, or of 1/4 where that is 0; inside the bounds."""
     found = (value or Fraction(1, 4)) * Fraction(rng.randint(300, 3000), 1000)
-    low = parameter.above if parameter.above is not None else parameter.at_least
+    if parameter.above is not None:
+        low = parameter.above
+    else:
+        low = parameter.at_least
     if low is None and rng.random() < 0.3:
         found = -found
     if low is not None and found <= Fraction(repr(low)):
         found = abs(found)
-    high = None if parameter.at_most is None else Fraction(repr(parameter.at_most))
-    return found if high is None or found <= high else high * Fraction(rng.randint(100, 999), 1000)
+    if parameter.at_most is None:
+        high = None
+    else:
+        high = Fraction(repr(parameter.at_most))
+    if high is None or found <= high:
+        return found
+    return high * Fraction(rng.randint(100, 999), 1000)
 
 
 def drawn(rng: random.Random, parameter: Parameter, default: str) -> str:
@@ -60,7 +68,10 @@ def drawn(rng: random.Random, parameter: Parameter, default: str) -> str:
     own = Parameter(
         name=parameter.name, default=default, unit="", doc="", shape=parameter.shape
     ).parsed(default)
-    values = own if isinstance(own, tuple) else (own,)
+    if isinstance(own, tuple):
+        values = own
+    else:
+        values = (own,)
     if parameter.whole:
         return default
     return ",".join(str(near(rng, parameter, value)) for value in values)
@@ -124,7 +135,8 @@ def contradictions(instance, times):
     found = []
     for fewer, more in ((0, 1), (0, 2), (1, 2)):
         for key in each[fewer].keys() & each[more].keys():
-            one, other = each[fewer][key], each[more][key]
+            one = each[fewer][key]
+            other = each[more][key]
             if abs(one.mid - other.mid) > one.radius + other.radius:
                 found.append(
                     f"{instance.label}: {key[1]} at {key[0]} with {DIGITS[fewer]} and"

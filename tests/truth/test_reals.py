@@ -34,7 +34,10 @@ def grown(rng):
         )
         operation = rng.choice([operator.add, operator.sub, operator.mul, operator.truediv])
         is_first = operation is operator.truediv or rng.random() < 0.5
-        value = operation(value, other) if is_first else operation(other, value)
+        if is_first:
+            value = operation(value, other)
+        else:
+            value = operation(other, value)
     return value
 
 

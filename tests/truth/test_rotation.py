@@ -32,7 +32,8 @@ def test_a_matrix_gives_back_its_quaternion_whichever_component_is_largest(large
 
 
 def test_turns_follow_the_product_of_quaternions():
-    p, q = rotation.turn(X, arb("0.3")), rotation.turn(Y, arb("-1.2"))
+    p = rotation.turn(X, arb("0.3"))
+    q = rotation.turn(Y, arb("-1.2"))
     both = rotation.product(rotation.matrix(p), rotation.matrix(q))
     for row, expected in zip(rotation.matrix(rotation.times(p, q)), both, strict=True):
         assert close(row, expected)

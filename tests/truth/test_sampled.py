@@ -12,7 +12,8 @@ def test_earlier_samples_are_those_of_the_earlier_times_and_nothing_is_known_bef
     None
 ):
     instance = discovery.case("harmonic-oscillator").at(samples="8", duration="2")
-    times, delay = instance.times, 2.0**-6
+    times = instance.times
+    delay = 2.0**-6
     found = sampled(instance.truth(), times.tolist(), [delay])
     late = found.delayed(delay)
     assert np.allclose(late.value("v")[1:], -np.sin(times[1:] - delay), rtol=0, atol=1e-15)

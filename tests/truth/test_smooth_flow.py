@@ -11,7 +11,8 @@ from refdem.truth.closed_forms.pendulum import Pendulum
 from refdem.truth.sampled import sampled
 
 SPINS = [f"{name}.{a}" for name in ("omega_body", "omega") for a in "xyz"]
-MADE, SEEN = Fraction(5, 4), Fraction(4)
+MADE = Fraction(5, 4)
+SEEN = Fraction(4)
 
 
 def grown(truth):
@@ -24,7 +25,8 @@ def grown(truth):
     [{"theta0": "3"}, {"theta0": "0", "thetadot0": "6"}, {"theta0": "1", "thetadot0": "-7"}],
 )
 def test_growth_in_a_pendulum_is_that_of_one_started_on_the_way(given):
-    truth, p = truth_of("pendulum", **given), case("pendulum").at(**given).p
+    truth = truth_of("pendulum", **given)
+    p = case("pendulum").at(**given).p
     way = truth.refined(70).at(MADE)
     start = dict(p) | {"theta0": way["theta"].mid, "thetadot0": way["thetadot"].mid}
     later = Pendulum(start, truth.scale).sensitivity(SEEN - MADE)
@@ -49,7 +51,8 @@ def test_a_pendulum_let_go_near_the_top_answers_more_to_an_error_at_the_bottom()
 
 @pytest.mark.parametrize("omega", [(0.9, 1.1, 1.3), (0.01, 1, 0), (0, 0, 1)])
 def test_growth_in_a_free_body_is_that_of_one_started_on_the_way(omega):
-    inertia, unit = tuple(map(Fraction, (1, 2, 3))), tuple(map(Fraction, (1, 0, 0, 0)))
+    inertia = tuple(map(Fraction, (1, 2, 3)))
+    unit = tuple(map(Fraction, (1, 0, 0, 0)))
     scale = {**dict.fromkeys(SPINS, 2.0), "attitude.w": 0.5}
     truth = FreeRigidBody(inertia, tuple(map(Fraction, omega)), unit, scale)
     way = FreeRigidBody(inertia, truth.omega, unit, scale).at(MADE)

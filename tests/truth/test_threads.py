@@ -66,7 +66,8 @@ def test_eight_threads_that_share_one_truth_find_what_one_finds():
 
 @pytest.mark.parametrize("setting", [precision, series_length])
 def test_a_setting_is_held_until_its_thread_is_done(setting):
-    inside, done = Event(), []
+    inside = Event()
+    done = []
 
     def other():
         inside.set()
@@ -113,7 +114,10 @@ def settings_changed(path):
     """
     for node in ast.walk(ast.parse(path.read_text())):
         if isinstance(node, ast.Assign | ast.AugAssign | ast.AnnAssign):
-            targets = node.targets if isinstance(node, ast.Assign) else [node.target]
+            if isinstance(node, ast.Assign):
+                targets = node.targets
+            else:
+                targets = [node.target]
             for part in (part for target in targets for part in ast.walk(target)):
                 is_set = isinstance(part, ast.Attribute) and isinstance(part.ctx, ast.Store)
                 if is_set and part.attr in SETTINGS and ast.unparse(part.value).endswith("ctx"):

@@ -51,7 +51,9 @@ def contact_law(request):
     """The linear contact law, or None; ends with status 77 for another."""
     laws = of_kind(request, "contact")
     cannot(any(law["law"] != "linear" for law in laws), "contact laws other than the linear one")
-    return laws[0] if laws else None
+    if laws:
+        return laws[0]
+    return None
 
 
 def product(p, q):

@@ -57,11 +57,9 @@ class Gas:
     def size(self) -> float:
         """[m]."""
         boxes = self.instance.scene.all(PeriodicBox)
-        return (
-            boxes[0].size
-            if boxes
-            else max(plane.point[0] for plane in self.instance.scene.all(Plane))
-        )
+        if boxes:
+            return boxes[0].size
+        return max(plane.point[0] for plane in self.instance.scene.all(Plane))
 
 
 class Crowd(ABC):

@@ -39,16 +39,23 @@ class Lammps(Crowd):
 
     def missing(self) -> str | None:
         """None if there is an `lmp`."""
-        return None if shutil.which("lmp") else "install LAMMPS (Debian: lammps)"
+        if shutil.which("lmp"):
+            return None
+        return "install LAMMPS (Debian: lammps)"
 
     def refusal(self, gas: Gas) -> str | None:
         """None in a periodic box."""
-        return None if gas.periodic else "asked for the periodic box alone"
+        if gas.periodic:
+            return None
+        return "asked for the periodic box alone"
 
     def seconds(self, gas: Gas, steps: int) -> float:
         """Raises EngineError with the end of what LAMMPS says if it fails."""
         law = gas.law
-        style = "gran/hooke/history" if law.friction else "gran/hooke"
+        if law.friction:
+            style = "gran/hooke/history"
+        else:
+            style = "gran/hooke"
         words = INPUT.format(
             mass=gas.mass,
             skin=SKIN * gas.diameter,

@@ -23,15 +23,20 @@ class Mujoco(Crowd):
     so many bodies.
     """
 
-    name, note = "MuJoCo", "its own soft contacts"
+    name = "MuJoCo"
+    note = "its own soft contacts"
 
     def missing(self) -> str | None:
         """None if the package is here."""
-        return None if find_spec("mujoco") else "install refdem[mujoco]"
+        if find_spec("mujoco"):
+            return None
+        return "install refdem[mujoco]"
 
     def refusal(self, gas: Gas) -> str | None:
         """None between walls."""
-        return "no periodic box" if gas.periodic else None
+        if gas.periodic:
+            return "no periodic box"
+        return None
 
     def seconds(self, gas: Gas, steps: int) -> float:
         """The time of `mj_step` with its own count of steps, after one that is not counted."""

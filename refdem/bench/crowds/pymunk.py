@@ -15,21 +15,27 @@ class Pymunk(Crowd):
     single pass of the solver.
     """
 
-    name, note = "pymunk", "discs in a plane, elastic impacts"
+    name = "pymunk"
+    note = "discs in a plane, elastic impacts"
 
     def missing(self) -> str | None:
         """None if the package is here."""
-        return None if find_spec("pymunk") else "install refdem[pymunk]"
+        if find_spec("pymunk"):
+            return None
+        return "install refdem[pymunk]"
 
     def refusal(self, gas: Gas) -> str | None:
         """None between walls."""
-        return "no periodic box" if gas.periodic else None
+        if gas.periodic:
+            return "no periodic box"
+        return None
 
     def seconds(self, gas: Gas, steps: int) -> float:
         """The time of the space's own steps, after one that is not counted."""
         import pymunk
 
-        n, radius = len(gas.position), gas.diameter / 2
+        n = len(gas.position)
+        radius = gas.diameter / 2
         filled = n * np.pi / 6 * (gas.diameter / gas.size) ** 3
         side = int(np.ceil(np.sqrt(n)))
         edge = float(np.sqrt(n * np.pi * radius**2 / filled))
@@ -45,7 +51,8 @@ class Pymunk(Crowd):
                 tuple(velocity[:2]),
             )
             disc = pymunk.Circle(body, radius)
-            disc.elasticity, disc.friction = 1.0, gas.law.friction
+            disc.elasticity = 1.0
+            disc.friction = gas.law.friction
             space.add(body, disc)
         corners = [(0.0, 0.0), (edge, 0.0), (edge, edge), (0.0, edge)]
         walls = [

@@ -10,7 +10,8 @@ from refdem.core.problem import Motion, Request
 class Reference(Crowd):
     """As every run of it is, with two samples."""
 
-    name, is_reference = "reference gas", True
+    name = "reference gas"
+    is_reference = True
 
     def missing(self) -> str | None:
         """None: it comes with refdem."""

@@ -66,18 +66,19 @@ class Belt:
         slip(t, x, u, side, end, frequency) -> (t, x, places with times), stick(t, pull, end,
         frequency) -> t.
         """
-        t, x, u, end = (
-            0.0,
-            -self.anchor,
-            -self.slider.belt_velocity,
-            2 * math.pi / frequency * periods,
-        )
-        begin, places, side = 2 * math.pi / frequency * skip, [], math.copysign(1.0, u)
+        t = 0.0
+        x = -self.anchor
+        u = -self.slider.belt_velocity
+        end = 2 * math.pi / frequency * periods
+        begin = 2 * math.pi / frequency * skip
+        places = []
+        side = math.copysign(1.0, u)
         while True:
             t, x, passed = slip(t, x, u, side, end, frequency)
             places += [place for when, place in passed if when >= begin and place > 0]
             if t < end and abs(self.pull(t, frequency, x)) <= self.limit:
-                before, t = t, stick(t, self.pull(t, frequency, x), end, frequency)
+                before = t
+                t = stick(t, self.pull(t, frequency, x), end, frequency)
                 x += self.slider.belt_velocity * (t - before)
             if t >= end:
                 return places
@@ -91,7 +92,9 @@ def by_heyoka(belt: Belt, tolerance: float) -> tuple[Callable[..., Any], Callabl
 
     x, u = heyoka.make_vars("x", "u")
     pulled = heyoka.make_vars("p")
-    w, side, speed = heyoka.par[0], heyoka.par[1], belt.slider.belt_velocity
+    w = heyoka.par[0]
+    side = heyoka.par[1]
+    speed = belt.slider.belt_velocity
     passed: list[tuple[float, float]] = []
 
     def seen(integrator: Any, when: float, direction: int) -> None:
@@ -101,11 +104,10 @@ def by_heyoka(belt: Belt, tolerance: float) -> tuple[Callable[..., Any], Callabl
         (x, u + speed),
         (u, belt.amplitude * heyoka.cos(w * heyoka.time) - x - side * belt.friction(side * u)),
     ]
-    down, up = heyoka.event_direction.negative, heyoka.event_direction.positive
-    stops, turns = (
-        [heyoka.t_event(side * u, direction=down)],
-        [heyoka.nt_event(u + speed, callback=seen)],
-    )
+    down = heyoka.event_direction.negative
+    up = heyoka.event_direction.positive
+    stops = [heyoka.t_event(side * u, direction=down)]
+    turns = [heyoka.nt_event(u + speed, callback=seen)]
     slips = heyoka.taylor_adaptive(
         rates, [0.0, 0.0], pars=[1.0, 1.0], t_events=stops, nt_events=turns, tol=tolerance
     )
@@ -120,12 +122,16 @@ def by_heyoka(belt: Belt, tolerance: float) -> tuple[Callable[..., Any], Callabl
         t: float, x: float, u: float, side: float, end: float, frequency: float
     ) -> tuple[float, float, list[tuple[float, float]]]:
         passed.clear()
-        slips.time, slips.state[:], slips.pars[:] = t, (x, u), (frequency, side)
+        slips.time = t
+        slips.state[:] = (x, u)
+        slips.pars[:] = (frequency, side)
         slips.propagate_until(end)
         return slips.time, float(slips.state[0]), list(passed)
 
     def stick(t: float, pull: float, end: float, frequency: float) -> float:
-        sticks.time, sticks.state[0], sticks.pars[0] = t, pull, frequency
+        sticks.time = t
+        sticks.state[0] = pull
+        sticks.pars[0] = frequency
         sticks.propagate_until(end)
         return float(sticks.time)
 

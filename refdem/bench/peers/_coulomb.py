@@ -23,7 +23,9 @@ class Coulomb:
     def direction(self) -> float:
         """The sign of the velocity, or of where the spring pulls from rest."""
         towards = self.speed or -self.place
-        return 1.0 if towards > 0 else -1.0
+        if towards > 0:
+            return 1.0
+        return -1.0
 
     def integrator(self, tolerance: float | None) -> Any:
         """heyoka's integrator, which stops at a turning point where friction holds and else turns

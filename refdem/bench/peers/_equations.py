@@ -44,12 +44,18 @@ def equations(problem: Motion, *, cartesian: bool = False) -> Equations | None:
     if len(scene.bodies) != 1 or scene.bodies.fixed.any():
         return None
     if not kinds:
-        return None if cartesian or not scene.bodies.omega.any() else _free_body(scene)
+        if cartesian or not scene.bodies.omega.any():
+            return None
+        return _free_body(scene)
     if kinds == ["rod", "uniform_gravity"]:
-        return _constrained(scene) if cartesian else _pendulum(scene)
+        if cartesian:
+            return _constrained(scene)
+        return _pendulum(scene)
     if cartesian:
         return None
-    return _kepler(scene) if kinds == ["central_field"] else _oscillator(scene)
+    if kinds == ["central_field"]:
+        return _kepler(scene)
+    return _oscillator(scene)
 
 
 def _free_body(scene: Scene) -> Equations:
@@ -106,7 +112,9 @@ def _hanging(scene: Scene) -> tuple[float, float] | None:
         *rod.anchor_a,
         *rod.anchor_b,
     )
-    return None if any(sideways) or rod.b >= 0 else (rod.length, -weight.g[1])
+    if any(sideways) or rod.b >= 0:
+        return None
+    return (rod.length, -weight.g[1])
 
 
 def _pendulum(scene: Scene) -> Equations | None:
@@ -123,11 +131,11 @@ def _pendulum(scene: Scene) -> Equations | None:
 
     def trajectory(t: Array, found: Array) -> Trajectory:
         angle, rate = found.T
-        s, c, zero = np.sin(angle), np.cos(angle), np.zeros(len(t))
-        place, speed = (
-            length * np.stack([s, -c, zero], axis=-1),
-            (length * rate)[:, None] * np.stack([c, s, zero], axis=-1),
-        )
+        s = np.sin(angle)
+        c = np.cos(angle)
+        zero = np.zeros(len(t))
+        place = length * np.stack([s, -c, zero], axis=-1)
+        speed = (length * rate)[:, None] * np.stack([c, s, zero], axis=-1)
         return Trajectory.of_points(t, place[:, None], speed[:, None])
 
     return Equations(("pendulum", ratio), start, rates, trajectory)
@@ -151,7 +159,8 @@ def _constrained(scene: Scene) -> Equations | None:
 
 def _kepler(scene: Scene) -> Equations | None:
     """r'' = -gm r/r^3 in the x-y plane."""
-    bodies, gm = scene.bodies, scene.all(CentralField)[0].gm
+    bodies = scene.bodies
+    gm = scene.all(CentralField)[0].gm
     if bodies.position[0, 2] or bodies.velocity[0, 2]:
         return None
 
@@ -171,7 +180,8 @@ def _oscillator(scene: Scene) -> Equations | None:
         return None
     (spring,), mass = scene.all(Spring), float(scene.bodies.mass[0])
     weights = [element.g for element in scene.all(UniformGravity)]
-    place, speed = scene.bodies.position[0], scene.bodies.velocity[0]
+    place = scene.bodies.position[0]
+    speed = scene.bodies.velocity[0]
     aside = (
         *place[1:],
         *speed[1:],
@@ -182,15 +192,21 @@ def _oscillator(scene: Scene) -> Equations | None:
     if any(aside) or spring.length or spring.exponent != 1 or spring.b >= 0:
         return None
     weight = sum(g[0] for g in weights)
-    linear, square, cube = spring.stiffness / mass, spring.quadratic / mass, spring.cubic / mass
+    linear = spring.stiffness / mass
+    square = spring.quadratic / mass
+    cube = spring.cubic / mass
 
     def rates(state: Sequence[Any], sine: Sine) -> list[Any]:
         x, v = state
-        force = linear * x if not (square or cube) else x * (linear + x * (square + x * cube))
+        if not (square or cube):
+            force = linear * x
+        else:
+            force = x * (linear + x * (square + x * cube))
         return [v, weight - force if weight else -force]
 
     def trajectory(t: Array, found: Array) -> Trajectory:
-        places, speeds = np.zeros((len(t), 1, 3)), np.zeros((len(t), 1, 3))
+        places = np.zeros((len(t), 1, 3))
+        speeds = np.zeros((len(t), 1, 3))
         places[:, 0, 0], speeds[:, 0, 0] = found.T
         return Trajectory.of_points(t, places, speeds)
 
@@ -209,6 +225,8 @@ def _plane(scene: Scene) -> tuple[float, ...]:
 
 def _of_plane(t: Array, found: Array) -> Trajectory:
     """The motion of a point in the x-y plane from (T, 4)."""
-    place, speed = np.zeros((len(t), 1, 3)), np.zeros((len(t), 1, 3))
-    place[:, 0, :2], speed[:, 0, :2] = found[:, :2], found[:, 2:]
+    place = np.zeros((len(t), 1, 3))
+    speed = np.zeros((len(t), 1, 3))
+    place[:, 0, :2] = found[:, :2]
+    speed[:, 0, :2] = found[:, 2:]
     return Trajectory.of_points(t, place, speed)

@@ -48,12 +48,15 @@ class Oblique:
     @property
     def share(self) -> float:
         """The spring at its longest over the normal force [m/N]."""
-        return self.law.friction / self.law.tangential_stiffness if self.law.friction else 0.0
+        if self.law.friction:
+            return self.law.friction / self.law.tangential_stiffness
+        return 0.0
 
     def start(self) -> tuple[list[float], int, float]:
         """State, mode and side of the slip."""
         bodies = self.scene.bodies
-        relative, (p, r) = bodies.velocity[1] - bodies.velocity[0], bodies.omega[:, 2]
+        relative = bodies.velocity[1] - bodies.velocity[0]
+        (p, r) = bodies.omega[:, 2]
         slip = float(bodies.radius[0] * p + bodies.radius[1] * r - relative[1])
         held = bool(self.law.damping) or abs(slip) <= self.share * self.law.stiffness * -relative[0]
         state = [0.0, -relative[0], relative[1], 0.0, p, r, 0.0]
@@ -70,24 +73,19 @@ class Oblique:
         """
         import heyoka
 
-        bodies, law, down = (
-            self.scene.bodies,
-            self.law,
-            {"direction": heyoka.event_direction.negative},
-        )
+        bodies = self.scene.bodies
+        law = self.law
+        down = {"direction": heyoka.event_direction.negative}
         (r1, r2), (j1, j2) = bodies.radius.tolist(), bodies.inertia[:, 0].tolist()
         d, g, q, _, spin1, spin2, s = names = heyoka.make_vars("d", "g", "q", "a", "u", "v", "s")
-        force, side, ease = (
-            law.stiffness * d + law.damping * g,
-            heyoka.par[0],
-            float(np.sum(1 / bodies.mass)),
-        )
-        turn, arm1, arm2 = (
-            q / (r1 + r2 - d),
-            r1 - BRANCH[law.branch] * d,
-            r2 - BRANCH[law.branch] * d,
-        )
-        slip, bend = arm1 * spin1 + arm2 * spin2 - q, -q * turn - ease * force
+        force = law.stiffness * d + law.damping * g
+        side = heyoka.par[0]
+        ease = float(np.sum(1 / bodies.mass))
+        turn = q / (r1 + r2 - d)
+        arm1 = r1 - BRANCH[law.branch] * d
+        arm2 = r2 - BRANCH[law.branch] * d
+        slip = arm1 * spin1 + arm2 * spin2 - q
+        bend = -q * turn - ease * force
         ends = side * slip - self.share * (law.stiffness * g + law.damping * bend)
         watched = {
             HOLDS: [self.share * force - s, self.share * force + s],
@@ -126,19 +124,22 @@ class Oblique:
         part of a compiled program's time.
         """
         state, mode, side = self.start()
-        found, now, steps, seconds = [np.array(state)], t[0], 0, 0.0
+        found = [np.array(state)]
+        now = t[0]
+        steps = 0
+        seconds = 0.0
         while len(found) < len(t):
             integrator = integrators[mode if self.law.friction else 0]
-            integrator.time, integrator.state[:] = now, state
+            integrator.time = now
+            integrator.state[:] = state
             if mode == SLIPS:
                 integrator.pars[0] = side
             grid = np.concatenate([[now], t[len(found) :]])
             started = perf_counter()
-            told = (
-                integrator.propagate_until(t[-1])
-                if len(grid) == 2
-                else integrator.propagate_grid(grid)
-            )
+            if len(grid) == 2:
+                told = integrator.propagate_until(t[-1])
+            else:
+                told = integrator.propagate_grid(grid)
             seconds += perf_counter() - started
             found += [] if len(grid) == 2 else list(told[-1][1:])
             while len(found) < len(t) and t[len(found)] <= integrator.time:
@@ -148,7 +149,8 @@ class Oblique:
             steps += int(told[3])
             if len(found) == len(t):
                 break
-            now, state = integrator.time, integrator.state.copy()
+            now = integrator.time
+            state = integrator.state.copy()
             mode, side = self._after(mode, side, -int(told[0]) - 1, state)
             if mode == APART:
                 found.append(np.array([*state, now]))
@@ -176,9 +178,12 @@ class Oblique:
         parted = len(found[-1]) == 8
         touch = np.array([row[:7] for row in found])
         d, _, q, angle, p, r, _ = touch.T
-        reach, g = bodies.radius.sum() - d, touch[:, 1]
-        c, s = np.cos(angle), np.sin(angle)
-        place, speed = reach * np.array([c, s]), np.array([-g * c - q * s, -g * s + q * c])
+        reach = bodies.radius.sum() - d
+        g = touch[:, 1]
+        c = np.cos(angle)
+        s = np.sin(angle)
+        place = reach * np.array([c, s])
+        speed = np.array([-g * c - q * s, -g * s + q * c])
         spins = np.array([p, r])
         if parted:
             since = t[len(found) - 1 :] - found[-1][7]
@@ -194,11 +199,9 @@ class Oblique:
             bodies.mass @ column / bodies.mass.sum()
             for column in (bodies.position, bodies.velocity)
         )
-        position[:, :, :2], velocity[:, :, :2], omega[:, :, 2] = (
-            place.T[:, None] * share,
-            speed.T[:, None] * share,
-            spins.T,
-        )
+        position[:, :, :2] = place.T[:, None] * share
+        velocity[:, :, :2] = speed.T[:, None] * share
+        omega[:, :, 2] = spins.T
         position += centre + drift * (t - t[0])[:, None, None]
         still = np.broadcast_to(bodies.attitude, (len(t), 2, 4)).copy()
         return Trajectory(
@@ -208,15 +211,16 @@ class Oblique:
 
 def oblique(scene: Scene) -> Oblique | None:
     """The pair, if it parts where the overlap ends, and the reference's series say it too."""
-    laws, reference = scene.all(Contact), discovery.engine("reference")
+    laws = scene.all(Contact)
+    reference = discovery.engine("reference")
     if not laws or laws[0].cutoff != "zero_overlap" or len(scene.bodies) != 2:
         return None
     if reference.refusal(Motion(scene, np.array([0.0, 1.0])), reference.method("oblique-contact")):
         return None
-    line, velocity, spins = (
-        np.diff(scene.bodies.position, axis=0)[0],
-        scene.bodies.velocity,
-        scene.bodies.omega,
-    )
+    line = np.diff(scene.bodies.position, axis=0)[0]
+    velocity = scene.bodies.velocity
+    spins = scene.bodies.omega
     aside = (*line[1:], *velocity[:, 2], *spins[:, :2].ravel())
-    return Oblique(scene, laws[0]) if line[0] > 0 and not any(aside) else None
+    if line[0] > 0 and not any(aside):
+        return Oblique(scene, laws[0])
+    return None

@@ -19,7 +19,9 @@ class Peer(Engine):
 
     def missing(self) -> str | None:
         """None if the package is here."""
-        return None if find_spec(self.name) else f"install refdem[bench], or {self.name}"
+        if find_spec(self.name):
+            return None
+        return f"install refdem[bench], or {self.name}"
 
     def version(self) -> str:
         """The version of the package."""
@@ -33,19 +35,16 @@ class Peer(Engine):
         """None for the scenes whose equations are written down."""
         if problem.interval < 0:
             return "only forward in time"
-        return (
-            None
-            if equations(problem, cartesian=method.name.endswith(CARTESIAN))
-            else "its equations are not written for peers"
-        )
+        if equations(problem, cartesian=method.name.endswith(CARTESIAN)):
+            return None
+        return "its equations are not written for peers"
 
     def asked(self, problem: Problem, name: str) -> Equations:
         """The equations; raises UnsupportedError if there are none."""
-        found = (
-            equations(problem, cartesian=name.endswith(CARTESIAN))
-            if isinstance(problem, Motion)
-            else None
-        )
+        if isinstance(problem, Motion):
+            found = equations(problem, cartesian=name.endswith(CARTESIAN))
+        else:
+            found = None
         if found is None:
             raise UnsupportedError(f"{self.name} has no equations for this scene")
         return found

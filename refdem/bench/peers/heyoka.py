@@ -51,18 +51,18 @@ class Heyoka(Peer):
         """None for scenes with equations; events for a Coulomb oscillator."""
         if method.name == EVENTS:
             told = coulomb(problem.scene) or oblique(problem.scene)
-            return (
-                None
-                if told
-                else "dry friction on a line and contact of two spheres are all it has events for"
-            )
+            if told:
+                return None
+            return "dry friction on a line and contact of two spheres are all it has events for"
         return super().refusal(problem, method)
 
     def run(self, request: Request) -> tuple[Trajectory, Cost]:
         """States on the grid of the samples, by the dense output of the Taylor series."""
         if request.method == EVENTS:
             return self._with_events(request)
-        begun, problem, tolerance = perf_counter(), request.problem, request.tolerance
+        begun = perf_counter()
+        problem = request.problem
+        tolerance = request.tolerance
         system = self.asked(problem, request.method)
         key = (system.key, tolerance)
         if key not in self._compiled:
@@ -70,7 +70,8 @@ class Heyoka(Peer):
         integrator = self._compiled[key]
         seconds = 0.0
         for _ in range(repeats()):
-            integrator.time, integrator.state[:] = problem.times[0], system.start
+            integrator.time = problem.times[0]
+            integrator.state[:] = system.start
             started = perf_counter()
             found = integrator.propagate_grid(problem.times)
             seconds += (perf_counter() - started) / repeats()
@@ -83,7 +84,8 @@ class Heyoka(Peer):
         """From turning point to turning point, until at one of them the spring is no stronger than
         friction.
         """
-        begun, t = perf_counter(), request.problem.times
+        begun = perf_counter()
+        t = request.problem.times
         law = coulomb(request.problem.scene)
         if law is None:
             return self._oblique(request)
@@ -91,13 +93,12 @@ class Heyoka(Peer):
         if key not in self._compiled:
             self._compiled[key] = law.integrator(request.tolerance)
         integrator = self._compiled[key]
-        seconds, states = 0.0, np.empty((len(t), 2))
+        seconds = 0.0
+        states = np.empty((len(t), 2))
         for _ in range(repeats()):
-            integrator.time, integrator.state[:], integrator.pars[0] = (
-                t[0],
-                (law.place, law.speed),
-                law.direction,
-            )
+            integrator.time = t[0]
+            integrator.state[:] = (law.place, law.speed)
+            integrator.pars[0] = law.direction
             started = perf_counter()
             found = integrator.propagate_grid(t)
             states[: len(found[-1])] = found[-1]
@@ -106,13 +107,16 @@ class Heyoka(Peer):
         cost = Cost(
             seconds=seconds, setup=perf_counter() - begun - repeats() * seconds, steps=int(found[3])
         )
-        position, velocity = np.zeros((len(t), 1, 3)), np.zeros((len(t), 1, 3))
+        position = np.zeros((len(t), 1, 3))
+        velocity = np.zeros((len(t), 1, 3))
         position[:, 0, 0], velocity[:, 0, 0] = states.T
         return Trajectory.of_points(t, position, velocity), cost
 
     def _oblique(self, request: Request) -> tuple[Trajectory, Cost]:
         """From event to event, an integrator for each mode of the contact."""
-        begun, t, pair = perf_counter(), request.problem.times, oblique(request.problem.scene)
+        begun = perf_counter()
+        t = request.problem.times
+        pair = oblique(request.problem.scene)
         assert isinstance(pair, Oblique)
         key = (pair.key, request.tolerance)
         if key not in self._compiled:

@@ -35,11 +35,9 @@ class SciPy(Peer):
         """Absolute and relative tolerance the same; steps are the calls of the right-hand side."""
         from scipy.integrate import odeint, solve_ivp
 
-        system, t, tolerance = (
-            self.asked(request.problem, request.method),
-            request.problem.times,
-            max(request.tolerance or 0.0, LEAST),
-        )
+        system = self.asked(request.problem, request.method)
+        t = request.problem.times
+        tolerance = max(request.tolerance or 0.0, LEAST)
 
         def rates(time: float, y: np.ndarray) -> list[float]:
             return system.rates(y.tolist(), math.sin)
@@ -56,12 +54,15 @@ class SciPy(Peer):
                 full_output=True,
                 tfirst=True,
             )
-            seconds, calls = perf_counter() - started, int(told["nfe"][-1])
+            seconds = perf_counter() - started
+            calls = int(told["nfe"][-1])
         else:
             found = solve_ivp(
                 rates, (t[0], t[-1]), system.start, "DOP853", t, rtol=tolerance, atol=tolerance
             )
-            seconds, calls, states = perf_counter() - started, int(found.nfev), found.y.T
+            seconds = perf_counter() - started
+            calls = int(found.nfev)
+            states = found.y.T
         return system.trajectory(t, np.ascontiguousarray(states)), Cost(
             seconds=seconds, steps=calls
         )

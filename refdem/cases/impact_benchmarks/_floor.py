@@ -59,7 +59,8 @@ class OnFloor(Member):
 
 def ball(v: Any, mass: Any, height: Fraction, speed: Fraction = Fraction(0)) -> Body:
     """A solid sphere over the origin."""
-    m, r = float(mass), float(v.radius)
+    m = float(mass)
+    r = float(v.radius)
     return Body(
         mass=m,
         inertia=(0.4 * m * r * r,) * 3,

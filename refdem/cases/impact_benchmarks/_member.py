@@ -110,7 +110,10 @@ class Member(ABC):
             ("v", "m/s", s.speed),
             ("omega", "rad/s", self.spin_scale(v)),
         )
-        numbers = [str(i + 1) for i in range(self.bodies)] if self.bodies > 1 else [""]
+        if self.bodies > 1:
+            numbers = [str(i + 1) for i in range(self.bodies)]
+        else:
+            numbers = [""]
         return tuple(
             Quantity(f"{kind}{i}.{axis}", unit, size)
             for i in numbers

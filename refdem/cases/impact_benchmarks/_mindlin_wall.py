@@ -38,7 +38,8 @@ class MindlinWall(HertzWall):
 
     def scene(self, v: Any) -> Scene:
         """Touching, without overlap."""
-        along, across = float(v.hertz), float(v.mindlin)
+        along = float(v.hertz)
+        across = float(v.mindlin)
         law = Contact(
             law="hertz",
             stiffness=along,

@@ -53,7 +53,8 @@ class HertzPair(Member):
 
     def observe(self, v: Any, run: Trajectory) -> dict[str, Array]:
         """Overlap and its rate."""
-        x, u = run.position[:, :, 0], run.velocity[:, :, 0]
+        x = run.position[:, :, 0]
+        u = run.velocity[:, :, 0]
         return {"overlap": 2 * float(v.radius) - np.abs(x[:, 1] - x[:, 0]), "v": u[:, 0] - u[:, 1]}
 
     def truth(self, v: Any, scale: Mapping[str, float]) -> Truth:
@@ -68,7 +69,8 @@ def touching(v: Any) -> list[Body]:
 
     `masses`, `radii`, `spins` of both, closing `speed`.
     """
-    total, gap = sum(v.masses), sum(v.radii)
+    total = sum(v.masses)
+    gap = sum(v.radii)
     columns = zip(v.masses, v.masses[::-1], v.radii, v.spins, (1, -1), strict=True)
     return [
         Body(

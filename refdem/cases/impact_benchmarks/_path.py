@@ -21,7 +21,8 @@ from refdem.scene import Body, Scene, Sphere
 
 HEAVY = Fraction(10**64)
 """[kg]: no force of the law moves it by more than rounding."""
-NONE, ONE = Fraction(0), Fraction(1)
+NONE = Fraction(0)
+ONE = Fraction(1)
 PLAIN = ((ONE, NONE, NONE), (NONE, ONE, NONE), (NONE, NONE, ONE))
 
 
@@ -67,16 +68,20 @@ class Path(Member):
     def values(self, p: Parameters) -> Any:
         """With `half` the length of the chord [m], rounded, for the scales."""
         v = super().values(p)
-        v.damping, v.cutoff = Fraction(0), "zero_overlap"
+        v.damping = Fraction(0)
+        v.cutoff = "zero_overlap"
         v.half = float(np.sqrt(float(v.half_squared)))
         return v
 
     def scene(self, v: Any) -> Scene:
         """Both too heavy to give way."""
-        mass, axes = float(HEAVY), np.array(self.frame, float)
-        place, rate = axes @ [-float(v.begin), float(v.off), 0.0], axes @ [float(v.speed), 0.0, 0.0]
+        mass = float(HEAVY)
+        axes = np.array(self.frame, float)
+        place = axes @ [-float(v.begin), float(v.off), 0.0]
+        rate = axes @ [float(v.speed), 0.0, 0.0]
         spin = axes @ [0.0, 0.0, float(v.partner_spin)]
-        r, s = float(v.radius), float(v.partner_radius)
+        r = float(v.radius)
+        s = float(v.partner_radius)
         first = Body(mass=mass, inertia=(0.4 * mass * r * r,) * 3, shape=Sphere(radius=r))
         second = Body(
             mass=mass,
@@ -99,7 +104,8 @@ class Path(Member):
         """Impulses in units of the largest normal force for the time of contact; place and velocity
         of body 2.
         """
-        s, push = self.scales(v), float(v.stiffness * v.overlap) * 4 * self.scales(v).tau
+        s = self.scales(v)
+        push = float(v.stiffness * v.overlap) * 4 * self.scales(v).tau
         kinds = (
             ("impulse", "N s", push),
             ("turning", "N m s", push * float(v.radius)),
@@ -112,7 +118,8 @@ class Path(Member):
 
     def observe(self, v: Any, run: Trajectory) -> dict[str, Array]:
         """What body 1 has got, and the path."""
-        mass, moment = float(HEAVY), 0.4 * float(HEAVY) * float(v.radius) ** 2
+        mass = float(HEAVY)
+        moment = 0.4 * float(HEAVY) * float(v.radius) ** 2
         columns = [
             mass * run.velocity[:, 0],
             moment * run.omega[:, 0],

@@ -35,10 +35,8 @@ class Slide(OnFloor):
 
     def scales(self, v: Any) -> Scales:
         """tau = sqrt(m/k)."""
-        tau, slides = (
-            float(np.sqrt(float(v.mass / v.stiffness))),
-            float(Fraction(2, 7) * v.speed / (v.friction * v.gravity)),
-        )
+        tau = float(np.sqrt(float(v.mass / v.stiffness)))
+        slides = float(Fraction(2, 7) * v.speed / (v.friction * v.gravity))
         length = max(float(v.speed) * tau, float(v.radius) / POSITIONS_ARE_ROUNDED)
         return Scales(length, tau, 2 * slides, float(v.mass))
 

@@ -42,7 +42,8 @@ class Squeeze(Member):
 
     def scene(self, v: Any) -> Scene:
         """Centres on x, the small sphere at the origin; half a turn about z changes nothing."""
-        reach, r = float(v.radius + v.partner_radius), float(v.partner_radius)
+        reach = float(v.radius + v.partner_radius)
+        r = float(v.partner_radius)
         sides = [
             Body(
                 mass=float(v.large),
@@ -54,7 +55,8 @@ class Squeeze(Member):
             )
             for side in (1, -1)
         ]
-        m, small = float(v.mass), float(v.radius)
+        m = float(v.mass)
+        small = float(v.radius)
         middle = Body(
             mass=m,
             inertia=(0.4 * m * small * small,) * 3,
@@ -78,15 +80,13 @@ class Squeeze(Member):
         """A pair's, by symmetry."""
         from refdem.truth.closed_forms.impact_benchmarks.three_spheres import Squeezed, ThreeSpheres
 
-        nothing, names = (
-            Fraction(0),
-            (
-                "stiffness",
-                "damping",
-                "tangential_stiffness",
-                "friction",
-                "angle",
-            ),
+        nothing = Fraction(0)
+        names = (
+            "stiffness",
+            "damping",
+            "tangential_stiffness",
+            "friction",
+            "angle",
         )
         return ThreeSpheres(
             scale,

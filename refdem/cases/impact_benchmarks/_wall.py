@@ -79,7 +79,8 @@ class Wall(Member):
 
 def struck(v: Any) -> Body:
     """The sphere, left of the wall."""
-    m, r = float(v.mass), float(v.radius)
+    m = float(v.mass)
+    r = float(v.radius)
     return Body(
         mass=m,
         inertia=(0.4 * m * r * r,) * 3,

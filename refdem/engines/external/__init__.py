@@ -87,9 +87,14 @@ class External(ProgramEngine):
         needs = problem.scene.features | (
             {"bodies_file"} if problem.scene.has_bodies_file else set()
         )
-        anywhere = set() if supports & DIMENSIONS else DIMENSIONS
+        if supports & DIMENSIONS:
+            anywhere = set()
+        else:
+            anywhere = DIMENSIONS
         lacking = sorted(needs - IMPLIED - anywhere - supports)
-        return f"{', '.join(lacking)} (not in `supports` of {self.path.name})" if lacking else None
+        if lacking:
+            return f"{', '.join(lacking)} (not in `supports` of {self.path.name})"
+        return None
 
     def stages(self, request: Request) -> Stages[tuple[Trajectory, Cost]]:
         """One run in an empty folder of its own."""

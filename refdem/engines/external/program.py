@@ -83,7 +83,9 @@ class Program:
                 return ""
             said = [_beginning(file) for file in (out, err)]
         lines = (said[0] or said[1]).splitlines()
-        return one_line(lines[0], 80) if lines and status == 0 else ""
+        if lines and status == 0:
+            return one_line(lines[0], 80)
+        return ""
 
     def stages(self, request: Request) -> Stages[tuple[Trajectory, Cost]]:
         """One run; what it wrote is kept where something went wrong, and the error says where."""
@@ -130,7 +132,9 @@ class Program:
     def _placed(self, word: str) -> str:
         """A word that names a file below `home` as a full path, any other as it is."""
         path = self.home / word
-        return str(path) if not Path(word).is_absolute() and path.is_file() else word
+        if not Path(word).is_absolute() and path.is_file():
+            return str(path)
+        return word
 
 
 def _beginning(file: BinaryIO) -> str:

@@ -95,7 +95,10 @@ class Supervisor:
             end_descendants()
             return {"memory": error.taken}
         seconds = time.monotonic() - began
-        left = 0 if status is None else lingering()
+        if status is None:
+            left = 0
+        else:
+            left = lingering()
         end_descendants()
         return {"status": status, "seconds": seconds, "left": left}
 

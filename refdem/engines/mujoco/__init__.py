@@ -30,7 +30,9 @@ class Mujoco(Engine):
 
     def missing(self) -> str | None:
         """None if MuJoCo is installed."""
-        return None if find_spec("mujoco") else "pip install refdem[mujoco]"
+        if find_spec("mujoco"):
+            return None
+        return "pip install refdem[mujoco]"
 
     def version(self) -> str:
         """The installed version."""

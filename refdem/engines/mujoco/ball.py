@@ -50,7 +50,8 @@ class Ball(Freedom):
         return attitude, rotated(conjugate(attitude), np.array(self.body.omega, float))
 
     def read(self, q: Array, v: Array) -> Columns:
-        omega, arm = rotated(q, v), rotated(q, self.arm)
+        omega = rotated(q, v)
+        arm = rotated(q, self.arm)
         return Columns(arm + np.array(self.joint.anchor_b), np.cross(omega, arm), q, omega)
 
 
@@ -65,14 +66,10 @@ def of_ball_joints(scene: Scene) -> str | None:
         return "this adapter says ball joints of the world only, one a body"
     for joint in joints:
         body = scene.bodies.single()[joint.a]
-        arm, omega = (
-            rotated(np.array(body.attitude), -np.array(joint.anchor_a)),
-            np.array(body.omega),
-        )
-        off, slip = (
-            np.subtract(body.position, joint.anchor_b) - arm,
-            np.subtract(body.velocity, np.cross(omega, arm)),
-        )
+        arm = rotated(np.array(body.attitude), -np.array(joint.anchor_a))
+        omega = np.array(body.omega)
+        off = np.subtract(body.position, joint.anchor_b) - arm
+        slip = np.subtract(body.velocity, np.cross(omega, arm))
         size = float(np.linalg.norm(arm))
         if body.fixed or not any(body.inertia):
             return "a ball joint on a body that does not turn"

@@ -20,7 +20,10 @@ def add(mujoco: Any, spec: Any, scene: Scene, said: list[Any], step: float) -> N
     """
     for law in scene.all(Contact):
         friction = rubs(scene, law)
-        words = {} if friction else solver.contact(scene, law, step, _size(scene))
+        if friction:
+            words = {}
+        else:
+            words = solver.contact(scene, law, step, _size(scene))
         geoms = [
             shapes.add_shape(mujoco, body, shape, words | {"name": f"shape {number}"})
             for number, (body, shape) in enumerate(zip(said, scene.bodies.shape, strict=True))
@@ -55,7 +58,9 @@ def impedance_of(scene: Scene, law: Contact) -> float:
     """The impedance that the contacts of this law are given."""
     if law.law == "linear":
         return solver.ANY
-    return solver.SLIDING if rubs(scene, law) else solver.HARDEST
+    if rubs(scene, law):
+        return solver.SLIDING
+    return solver.HARDEST
 
 
 def _size(scene: Scene) -> float:
@@ -69,4 +74,6 @@ def _extent(shape: Any) -> float:
     """Largest distance [m] of a shape from its centre."""
     if isinstance(shape, Polyhedron):
         return float(np.linalg.norm(shape.vertices, axis=1).max())
-    return shape.radius if isinstance(shape, Sphere) else 0.0
+    if isinstance(shape, Sphere):
+        return shape.radius
+    return 0.0

@@ -37,7 +37,8 @@ def _passive(pushes: Sequence[Push]) -> Any:
     """The callback."""
 
     def passive(model: Any, data: Any) -> None:
-        time, felt = data.time, data.qfrc_passive
+        time = data.time
+        felt = data.qfrc_passive
         for force, parts in pushes:
             size = force.amplitude * cos(force.frequency * time + force.phase)
             for place, part in parts:

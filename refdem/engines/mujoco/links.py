@@ -81,7 +81,8 @@ def of_rods(scene: Scene) -> str | None:
             "this adapter says rods that hang from the world, or one below the other, only; else"
             " they would be soft constraints"
         )
-    place, velocity = scene.bodies.position, scene.bodies.velocity
+    place = scene.bodies.position
+    velocity = scene.bodies.velocity
     for rod in rods:
         if any(rod.anchor_a) or (rod.b >= 0 and any(rod.anchor_b)) or scene.bodies.fixed[rod.a]:
             return "this adapter says a rod to a body's centre only"

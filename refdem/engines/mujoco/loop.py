@@ -55,7 +55,8 @@ def recorded(model: Any, data: Any, request: Request) -> tuple[Array, float]:
     the loop.
     """
     recorder = kernels.load("recorder")
-    ffi, lib = recorder.ffi, recorder.lib
+    ffi = recorder.ffi
+    lib = recorder.lib
     sizes = [model.nq, model.nv, 1]
     rows = np.full((len(request.problem.times), sum(sizes)), np.nan)
     places = [data.qpos.ctypes.data, data.qvel.ctypes.data, _clock_address(data)]

@@ -24,7 +24,8 @@ def compiled(request: Request) -> tuple[Any, list[Freedom]]:
     """The compiled model and, body by body, how it moves."""
     import mujoco
 
-    scene, step = request.problem.scene, request.step or 0.0
+    scene = request.problem.scene
+    step = request.step or 0.0
     spec = mujoco.MjSpec()
     options.set_compiler(mujoco, spec)
     options.set_options(mujoco, spec, scene, request.method, step)
@@ -82,22 +83,30 @@ def _freedom(scene: Scene, number: int, step: float) -> Freedom:
     if _turns(scene, number):
         return Free(body)
     rubbed = any(belt.a == number for belt in belts.belts(scene))
-    dimension = 3 if rubbed else next(n for n in (1, 2, 3) if f"dimension:{n}" in scene.features)
+    if rubbed:
+        dimension = 3
+    else:
+        dimension = next(n for n in (1, 2, 3) if f"dimension:{n}" in scene.features)
     springs = [
         spring
         for spring in scene.all(Spring)
         if spring.a == number and _is_of_joints(scene, spring)
     ]
-    stiffness = (springs[0].stiffness, 0.0, 0.0) if springs else STILL
-    reference = springs[0].anchor_b if springs else STILL
+    if springs:
+        stiffness = (springs[0].stiffness, 0.0, 0.0)
+    else:
+        stiffness = STILL
+    if springs:
+        reference = springs[0].anchor_b
+    else:
+        reference = STILL
     sliders = [
         slider for slider in scene.all(Slider) if slider.a == number and not slider.belt_velocity
     ]
-    friction = (
-        np.sum([np.abs(s.axis) * s.friction * s.normal_force for s in sliders], axis=0)
-        if sliders
-        else STILL
-    )
+    if sliders:
+        friction = np.sum([np.abs(s.axis) * s.friction * s.normal_force for s in sliders], axis=0)
+    else:
+        friction = STILL
     damping = sum(dashpot.damping for dashpot in scene.all(Dashpot) if dashpot.a == number)
     return Slides(
         body,
@@ -138,7 +147,10 @@ def _add_tendon(
         place: Any = anchor
         if end >= 0 and not freedoms[end].turns:
             place = rotated(scene.bodies.attitude[end], np.array(anchor, float))
-        body = spec.worldbody if end < 0 else said[end]
+        if end < 0:
+            body = spec.worldbody
+        else:
+            body = said[end]
         site = f"{name} at {end}"
         body.add_site(name=site, pos=place)
         tendon.wrap_site(site)

@@ -47,7 +47,10 @@ def set_options(mujoco: Any, spec: Any, scene: Scene, method: str, step: float) 
     option.tolerance = option.noslip_tolerance = TOLERANCE
     option.ls_tolerance = 1e-6
     option.iterations = ITERATIONS
-    option.noslip_iterations = NOSLIP if "friction" in scene.features else 0
+    if "friction" in scene.features:
+        option.noslip_iterations = NOSLIP
+    else:
+        option.noslip_iterations = 0
     option.impratio = FRICTION_TO_NORMAL
     for name in (*NEVER, *unneeded(scene)):
         option.disableflags |= int(getattr(mujoco.mjtDisableBit, f"mjDSBL_{name}"))

@@ -74,7 +74,8 @@ def _refuse_warnings(data: Any, warnings: list[str]) -> None:
 
 def _trajectory(mujoco: Any, model: Any, freedoms: list[Freedom], rows: Array) -> Trajectory:
     """The recorded rows in the scene's terms."""
-    q, v = rows[:, : model.nq], rows[:, model.nq : -1]
+    q = rows[:, : model.nq]
+    v = rows[:, model.nq : -1]
     places = [_columns(model, freedoms, number) for number in range(len(freedoms))]
     read = [
         freedom.read(q[:, a], v[:, b]) for freedom, (a, b) in zip(freedoms, places, strict=True)
@@ -83,11 +84,10 @@ def _trajectory(mujoco: Any, model: Any, freedoms: list[Freedom], rows: Array) -
         name: np.stack([getattr(body, name) for body in read], axis=1)
         for name in ("position", "velocity", "attitude", "omega")
     }
-    channels = (
-        {"rod_force": _rod_force(mujoco, model, q, v)}
-        if any(isinstance(f, Hinge) for f in freedoms)
-        else {}
-    )
+    if any(isinstance(f, Hinge) for f in freedoms):
+        channels = {"rod_force": _rod_force(mujoco, model, q, v)}
+    else:
+        channels = {}
     return Trajectory(t=np.ascontiguousarray(rows[:, -1]), channels=channels, **columns)
 
 
@@ -98,8 +98,14 @@ def _columns(model: Any, freedoms: list[Freedom], number: int) -> tuple[list[int
     q: list[int] = []
     v: list[int] = []
     for freedom in freedoms[number].lineage:
-        own = number if freedom is freedoms[number] else freedoms.index(freedom)
-        joint = int(model.body(f"body {own}").jntadr[0]) if freedom.nq else 0
+        if freedom is freedoms[number]:
+            own = number
+        else:
+            own = freedoms.index(freedom)
+        if freedom.nq:
+            joint = int(model.body(f"body {own}").jntadr[0])
+        else:
+            joint = 0
         q += range(first := int(model.jnt_qposadr[joint]) if freedom.nq else 0, first + freedom.nq)
         v += range(first := int(model.jnt_dofadr[joint]) if freedom.nv else 0, first + freedom.nv)
     return q, v
@@ -115,7 +121,8 @@ def _rod_force(mujoco: Any, model: Any, q: Array, v: Array) -> Array:
     data = mujoco.MjData(model)
     felt = np.empty((len(q), model.nsensordata))
     for row, (coordinates, velocities) in enumerate(zip(q, v, strict=True)):
-        data.qpos[:], data.qvel[:] = coordinates, velocities
+        data.qpos[:] = coordinates
+        data.qvel[:] = velocities
         mujoco.mj_forward(model, data)
         felt[row] = data.sensordata
     tension = felt[:, 1::3]

@@ -25,7 +25,9 @@ def box_sides(shape: Polyhedron) -> Array | None:
         and bool(half.all())
         and np.array_equal(np.abs(vertices), np.tile(half, (8, 1)))
     )
-    return 2 * half if is_box else None
+    if is_box:
+        return 2 * half
+    return None
 
 
 def pairs(scene: Scene) -> Iterator[float]:

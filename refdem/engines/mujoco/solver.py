@@ -61,7 +61,8 @@ def rubbing(friction: float, step: float, size: float) -> dict[str, Any]:
     alone be 1/step: what slides stays down, friction is mu times the normal force, and what sticks
     comes to rest in a step, for the post-solver takes the softness out of friction.
     """
-    normal, tangential = [-1 / (4 * step**2), -1 / step], [-np.finfo(float).tiny, -SLIDING / step]
+    normal = [-1 / (4 * step**2), -1 / step]
+    tangential = [-np.finfo(float).tiny, -SLIDING / step]
     own = {
         "condim": 3,
         "friction": (friction, friction, 0.0, 0.0, 0.0),

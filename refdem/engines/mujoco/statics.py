@@ -20,7 +20,8 @@ Array = NDArray[np.float64]
 
 def run(request: Request) -> tuple[Trajectory, Cost]:
     """Mass properties by the compiler, or the results of operations."""
-    problem, started = request.problem, perf_counter()
+    problem = request.problem
+    started = perf_counter()
     if isinstance(problem, Solid):
         values = properties(problem, meshed if request.method == "mesh-compiler" else compiled)
     else:

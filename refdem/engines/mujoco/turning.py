@@ -65,15 +65,21 @@ class Hinge(Freedom):
     @property
     def lineage(self) -> tuple["Hinge", ...]:
         """The hinges from the world down to this one."""
-        return (*self.above.lineage, self) if self.above else (self,)
+        if self.above:
+            return (*self.above.lineage, self)
+        return (self,)
 
     def say(self, mujoco: Any, world: Any) -> Any:
         """Mass and arm that make up for the speck, so that m l and m l^2 about the hinge are the
         point's own.
         """
-        mass, length = self.body.mass, self.rod.length
+        mass = self.body.mass
+        length = self.rod.length
         arm = length - SPECK / (mass * length)
-        place = (0.0, -self.above.rod.length, 0.0) if self.above else self.rod.anchor_b
+        if self.above:
+            place = (0.0, -self.above.rod.length, 0.0)
+        else:
+            place = self.rod.anchor_b
         bob = {
             "mass": mass * (length / arm),
             "inertia": (SPECK,) * 3,
@@ -107,14 +113,20 @@ class Hinge(Freedom):
 
     def start(self) -> tuple[Array, Array]:
         angle, rate = self.hanging()
-        before = self.above.hanging() if self.above else (0.0, 0.0)
+        if self.above:
+            before = self.above.hanging()
+        else:
+            before = (0.0, 0.0)
         return np.array([angle - before[0]]), np.array([rate - before[1]])
 
     def read(self, q: Array, v: Array) -> Columns:
         """From the coordinates of the lineage, (T, its length) each."""
-        angle, rate = np.cumsum(q, axis=1), np.cumsum(v, axis=1)
+        angle = np.cumsum(q, axis=1)
+        rate = np.cumsum(v, axis=1)
         length = np.array([hinge.rod.length for hinge in self.lineage])
-        sine, cosine, nothing = np.sin(angle), np.cos(angle), np.zeros_like(angle)
+        sine = np.sin(angle)
+        cosine = np.cos(angle)
+        nothing = np.zeros_like(angle)
         outward = np.stack([sine, -cosine, nothing], axis=-1) * length[:, None]
         sideways = np.stack([cosine, sine, nothing], axis=-1) * (length * rate)[..., None]
         return Columns(

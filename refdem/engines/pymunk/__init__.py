@@ -59,9 +59,9 @@ class Pymunk(Engine):
 
     def missing(self) -> str | None:
         """None if pymunk is installed, else how to install it."""
-        return (
-            None if find_spec("pymunk") else "pymunk is not installed: pip install 'refdem[pymunk]'"
-        )
+        if find_spec("pymunk"):
+            return None
+        return "pymunk is not installed: pip install 'refdem[pymunk]'"
 
     def version(self) -> str:
         """The version of the package pymunk."""

@@ -16,8 +16,10 @@ def rubbing(joint: pymunk.Constraint, link: Slider) -> pymunk.Constraint:
     """The joint as friction: it holds up to Coulomb's limit, or before each step up to the friction
     at the speed that there is then.
     """
-    (x, y), load = link.axis[:2], link.normal_force
-    joint.max_force, joint.error_bias = load * link.coefficient(0.0), 1.0
+    (x, y) = link.axis[:2]
+    load = link.normal_force
+    joint.max_force = load * link.coefficient(0.0)
+    joint.error_bias = 1.0
 
     def limited(joint: pymunk.Constraint, space: pymunk.Space) -> None:
         apart = joint.a.velocity - joint.b.velocity

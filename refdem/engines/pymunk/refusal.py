@@ -77,7 +77,9 @@ def fading(scene: Scene) -> float | None:
         damping[dashpot.a] += dashpot.damping
     rates = {damping[number] / float(scene.bodies.mass[number]) for number in free}
     turns = scene.all(Dashpot) and "rotation" in scene.features  # turning would be damped as well
-    return rates.pop() if len(rates) == 1 and not turns else None
+    if len(rates) == 1 and not turns:
+        return rates.pop()
+    return None
 
 
 def _contact_reason(scene: Scene) -> str | None:
@@ -100,7 +102,10 @@ def _contact_reason(scene: Scene) -> str | None:
 def outline(shape: Polyhedron) -> list[tuple[float, float]] | None:
     """Corners in x-y of a prism along z, or None if the polyhedron is none."""
     corners = np.asarray(shape.vertices, float)
-    low, high = corners[:, 2].min(), corners[:, 2].max()
+    low = corners[:, 2].min()
+    high = corners[:, 2].max()
     bottom = {tuple(c[:2]) for c in corners.tolist() if c[2] == low}
     top = {tuple(c[:2]) for c in corners.tolist() if c[2] == high}
-    return sorted(bottom) if bottom == top and len(bottom) + len(top) == len(corners) else None
+    if bottom == top and len(bottom) + len(top) == len(corners):
+        return sorted(bottom)
+    return None

@@ -38,12 +38,15 @@ def recorded(request: Request) -> tuple[Trajectory, Cost]:
     drive(
         space, request.problem.scene, bodies, float(request.problem.times[0]), request.signed_step
     )
-    ffi, lib = kernels.load("chipmunk").ffi, kernels.load("chipmunk").lib
+    ffi = kernels.load("chipmunk").ffi
+    lib = kernels.load("chipmunk").lib
     engine = _engine(ffi, space, turns=bool((columns.inertia[:, 2] * ~columns.fixed).any()))
     handles = ffi.new("void *[]", [_address(ffi, body._body) for body in bodies])
-    samples, stride = len(request.problem.times), request.stride
+    samples = len(request.problem.times)
+    stride = request.stride
     rows = np.full((samples, len(bodies), 6), np.nan)
-    rows[..., 4], rows[..., 5] = angle_of(columns.attitude), 0.0
+    rows[..., 4] = angle_of(columns.attitude)
+    rows[..., 5] = 0.0
     out = kernels.pointer("chipmunk", rows, output=True)
     started = perf_counter()
     lib.refdem_chipmunk_record(
@@ -91,7 +94,8 @@ def _trajectory(request: Request, t: Array, rows: Array) -> Trajectory:
     """Rows (T, N, 6) of x, y, vx, vy, angle, omega in three dimensions."""
     bodies = request.problem.scene.bodies
     position, velocity, omega = (np.zeros((*rows.shape[:2], 3)) for _ in range(3))
-    position[..., :2], velocity[..., :2] = rows[..., 0:2], rows[..., 2:4]
+    position[..., :2] = rows[..., 0:2]
+    velocity[..., :2] = rows[..., 2:4]
     omega[..., 2] = rows[..., 5]
     attitude = np.zeros((*rows.shape[:2], 4))
     attitude[..., 0], attitude[..., 3] = np.cos(rows[..., 4] / 2), np.sin(rows[..., 4] / 2)

@@ -46,7 +46,10 @@ def shares(value: float, *, alone: bool) -> tuple[float, float]:
     The square of a rounded root may be less: sqrt(3/4)^2 = 3/4 (1 - 1.5e-16) does not hold a block
     on the slope 3/4.
     """
-    own = value if alone else sqrt(value)
+    if alone:
+        own = value
+    else:
+        own = sqrt(value)
     return own, value / own if own else 0.0
 
 
@@ -54,12 +57,15 @@ def _extent(shape: Any) -> float:
     """Largest distance [m] of a shape from its centre."""
     if isinstance(shape, Polyhedron):
         return float(np.linalg.norm(shape.vertices, axis=1).max())
-    return shape.radius if isinstance(shape, Sphere) else 0.0
+    if isinstance(shape, Sphere):
+        return shape.radius
+    return 0.0
 
 
 def _wall(space: pymunk.Space, plane: Plane, size: float) -> pymunk.Shape:
     """A wide and deep block behind the plane."""
-    point, normal = np.array(plane.point[:2]), np.array(plane.normal[:2])
+    point = np.array(plane.point[:2])
+    normal = np.array(plane.normal[:2])
     along = np.array([-normal[1], normal[0]]) * size
     corners = [
         point + along,

@@ -24,7 +24,8 @@ round-off.
 def space_of(scene: Scene) -> tuple[pymunk.Space, list[pymunk.Body]]:
     """The space and its bodies, in the scene's order."""
     space = pymunk.Space()
-    space.damping, space.collision_slop = exp(-(fading(scene) or 0.0)), 0.0
+    space.damping = exp(-(fading(scene) or 0.0))
+    space.collision_slop = 0.0
     space.sleep_time_threshold = float("inf")
     space.gravity = tuple(
         np.sum([g.g[:2] for g in scene.all(UniformGravity)] or [(0.0, 0.0)], axis=0).tolist()
@@ -40,7 +41,10 @@ def space_of(scene: Scene) -> tuple[pymunk.Space, list[pymunk.Body]]:
     space.add(*joints)
     solved = sum(not isinstance(joint, pymunk.DampedSpring) for joint in joints)
     touching = add_shapes(space, scene, bodies)
-    space.iterations = 1 if solved <= 1 and not touching else COUPLED_ITERATIONS
+    if solved <= 1 and not touching:
+        space.iterations = 1
+    else:
+        space.iterations = COUPLED_ITERATIONS
     return space, bodies
 
 
@@ -84,7 +88,11 @@ def _joint(
     """A spring without damper, a rod without slack, or friction as a joint that holds no more than
     Coulomb's limit.
     """
-    a, b = bodies[link.a], space.static_body if link.b < 0 else bodies[link.b]
+    a = bodies[link.a]
+    if link.b < 0:
+        b = space.static_body
+    else:
+        b = bodies[link.b]
     if isinstance(link, Slider) and link.belt_velocity:
         b = _belt(space, link)
     if isinstance(link, Spring):
@@ -93,6 +101,7 @@ def _joint(
         )
     if isinstance(link, Rod):
         rod = pymunk.PinJoint(a, b, link.anchor_a[:2], link.anchor_b[:2])
-        rod.distance, rod.error_bias = link.length, 0.0
+        rod.distance = link.length
+        rod.error_bias = 0.0
         return rod
     return rubbing(pymunk.PivotJoint(a, b, (0.0, 0.0), (0.0, 0.0)), link)

@@ -14,7 +14,8 @@ from refdem.core.trajectory import Cost, Trajectory
 
 def run(request: Request) -> tuple[Trajectory, Cost]:
     """Mass, centre and polar moment of plates, or the results of operations."""
-    problem, started = request.problem, perf_counter()
+    problem = request.problem
+    started = perf_counter()
     if isinstance(problem, Solid):
         values = properties(problem, of_plate)
     else:
@@ -29,7 +30,8 @@ def of_plate(piece: Piece) -> dict[str, float] | None:
         return None
     vertices = list(piece.shape.vertices)
     shape = pymunk.Poly(None, vertices)
-    mass, centre = piece.density * pymunk.area_for_poly(vertices), shape.center_of_gravity
+    mass = piece.density * pymunk.area_for_poly(vertices)
+    centre = shape.center_of_gravity
     moment = pymunk.moment_for_poly(mass, vertices, (-centre.x, -centre.y))
     return {"mass": mass, "centre.x": centre.x, "centre.y": centre.y, "inertia.zz": moment}
 

@@ -38,11 +38,9 @@ class Rebound(Engine):
 
     def missing(self) -> str | None:
         """None if REBOUND is installed, else how to install it."""
-        return (
-            None
-            if find_spec("rebound")
-            else "REBOUND is not installed: pip install 'refdem[rebound]'"
-        )
+        if find_spec("rebound"):
+            return None
+        return "REBOUND is not installed: pip install 'refdem[rebound]'"
 
     def version(self) -> str:
         """The version of the package rebound."""

@@ -34,8 +34,11 @@ class Fields:
 def fields_of(scene: Scene) -> Fields:
     """The fields of a scene; the places of its particles are filled in by the simulation."""
     ffi = kernels.load(FAMILY).ffi
-    springs, rods, gravity = scene.all(Spring), scene.all(Rod), scene.all(UniformGravity)
-    dashpots, drives = scene.all(Dashpot), scene.all(Force)
+    springs = scene.all(Spring)
+    rods = scene.all(Rod)
+    gravity = scene.all(UniformGravity)
+    dashpots = scene.all(Dashpot)
+    drives = scene.all(Force)
     rotors = turning(scene)
     doubles = {
         "mass": scene.bodies.mass,
@@ -66,7 +69,8 @@ def fields_of(scene: Scene) -> Fields:
         "drives": len(drives),
     }
     counts |= {"rods": len(rods), "turning": len(rotors)}
-    struct, kept = ffi.new("refdem_rebound_scene *", counts), []
+    struct = ffi.new("refdem_rebound_scene *", counts)
+    kept = []
     for columns, kind, dtype in (
         (doubles, "double[]", np.float64),
         (integers, "int64_t[]", np.int64),

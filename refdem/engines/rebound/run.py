@@ -41,7 +41,10 @@ def recorded(request: Request) -> tuple[Trajectory, Cost]:
     sim, ode = simulation_of(request, fields)
     engine = _engine(sim, ode)
     times = np.ascontiguousarray(request.problem.times)
-    stride = request.stride if request.step else int(request.method in STEPPED)
+    if request.step:
+        stride = request.stride
+    else:
+        stride = int(request.method in STEPPED)
     rows = np.full(
         (
             len(times),
@@ -100,16 +103,21 @@ def _refuse_failure(sim: rebound.Simulation, request: Request, failed: int) -> N
 
 def _trajectory(request: Request, fields: Fields, rows: Array) -> Trajectory:
     """Rows (T, ...) as the kernel writes them; attitudes are divided by their length."""
-    bodies, count = request.problem.scene.bodies, len(rows)
+    bodies = request.problem.scene.bodies
+    count = len(rows)
     end = 1 + 6 * len(bodies)
     state = rows[:, 1:end].reshape(count, len(bodies), 6)
-    attitude, omega = np.empty((count, len(bodies), 4)), np.zeros((count, len(bodies), 3))
+    attitude = np.empty((count, len(bodies), 4))
+    omega = np.zeros((count, len(bodies), 3))
     attitude[:] = bodies.attitude
     if fields.rotors:
         turned = rows[:, end : end + 7 * len(fields.rotors)].reshape(count, -1, 7)
         unit = turned[..., :4] / np.linalg.norm(turned[..., :4], axis=-1, keepdims=True)
         attitude[:, fields.rotors], omega[:, fields.rotors] = unit, rotated(unit, turned[..., 4:])
-    channels = {"rod_force": rows[:, -fields.rods :].copy()} if fields.rods else {}
+    if fields.rods:
+        channels = {"rod_force": rows[:, -fields.rods :].copy()}
+    else:
+        channels = {}
     t, position, velocity = (
         np.ascontiguousarray(part) for part in (rows[:, 0], state[..., :3], state[..., 3:])
     )

@@ -64,7 +64,10 @@ def _set_integrator(sim: rebound.Simulation, request: Request) -> None:
         sim.dt = FIRST_STEP * request.problem.interval
     if name == "ias15":
         linked = {"spring", "rod"} & request.problem.scene.features
-        sim.integrator.adaptive_mode = "global" if linked else "prs23"
+        if linked:
+            sim.integrator.adaptive_mode = "global"
+        else:
+            sim.integrator.adaptive_mode = "prs23"
         if linked:
             sim.integrator.epsilon = SWINGING
     if name == "bs":
@@ -76,7 +79,10 @@ def _add_particles(sim: rebound.Simulation, scene: Scene) -> int:
     the particles.
     """
     centres = scene.all(CentralField)
-    sim.gravity = "basic" if centres else "none"
+    if centres:
+        sim.gravity = "basic"
+    else:
+        sim.gravity = "none"
     if centres:
         sim.add(m=sum(centre.gm for centre in centres))
         sim.N_active = 1
@@ -84,25 +90,26 @@ def _add_particles(sim: rebound.Simulation, scene: Scene) -> int:
     for mass, (x, y, z), (vx, vy, vz), fixed in zip(
         columns.mass, columns.position, columns.velocity, columns.fixed, strict=True
     ):
-        still = {} if fixed else {"vx": vx, "vy": vy, "vz": vz}
+        if fixed:
+            still = {}
+        else:
+            still = {"vx": vx, "vy": vy, "vz": vz}
         sim.add(m=0.0 if centres else mass, x=x, y=y, z=z, **still)
     return len(centres[:1])
 
 
 def _place(sim: rebound.Simulation, fields: Fields, first: int) -> None:
     """Tells the callbacks where the particles lie, and the simulation where the fields do."""
-    ffi, particle = kernels.load(FAMILY).ffi, rebound.Particle
-    base, size = (
-        addressof(sim._particles.contents),
-        addressof(sim._particles[1]) - addressof(sim._particles[0]),
-    )
+    ffi = kernels.load(FAMILY).ffi
+    particle = rebound.Particle
+    base = addressof(sim._particles.contents)
+    size = addressof(sim._particles[1]) - addressof(sim._particles[0])
     struct = fields.struct
-    struct.particle, struct.size = ffi.cast("char *", base + first * size), size
-    struct.position, struct.velocity, struct.acceleration = (
-        particle.x.offset,
-        particle.vx.offset,
-        particle.ax.offset,
-    )
+    struct.particle = ffi.cast("char *", base + first * size)
+    struct.size = size
+    struct.position = particle.x.offset
+    struct.velocity = particle.vx.offset
+    struct.acceleration = particle.ax.offset
     struct.clock = ffi.cast("double *", addressof(sim) + rebound.Simulation.t.offset)
     sim.extras = int(ffi.cast("uintptr_t", struct))
 
@@ -115,7 +122,8 @@ def _add_rotors(sim: rebound.Simulation, scene: Scene, fields: Fields) -> ODE | 
     ode.ref = int(kernels.load(FAMILY).ffi.cast("uintptr_t", fields.struct))
     ode._derivatives = ODEDER(_callback("euler", ODE.ref.offset))
     rotors = list(fields.rotors)
-    attitude, omega = scene.bodies.attitude[rotors], scene.bodies.omega[rotors]
+    attitude = scene.bodies.attitude[rotors]
+    omega = scene.bodies.omega[rotors]
     for number, value in enumerate(
         np.hstack([attitude, rotated(conjugate(attitude), omega)]).ravel().tolist()
     ):

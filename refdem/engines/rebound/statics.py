@@ -17,7 +17,8 @@ Array = NDArray[np.float64]
 
 def run(request: Request) -> tuple[Trajectory, Cost]:
     """The results of operations."""
-    problem, started = request.problem, perf_counter()
+    problem = request.problem
+    started = perf_counter()
     assert isinstance(problem, Identity)
     return Trajectory.of_values(problem.times, results(problem, ANSWERS)), Cost(
         seconds=perf_counter() - started

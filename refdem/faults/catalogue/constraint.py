@@ -18,7 +18,9 @@ def _loose(tolerance: float) -> Any:
     def wrapped(sound: Any) -> Any:
         def part(rod: Any, apart: Any, direction: Any, ease: Any) -> Any:
             gap = abs(vec.dot(apart, apart) / rod.length**2 - 1)
-            return sound(rod, apart, direction, ease) if gap > tolerance else 0.0
+            if gap > tolerance:
+                return sound(rod, apart, direction, ease)
+            return 0.0
 
         return part
 

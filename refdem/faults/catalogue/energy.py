@@ -58,7 +58,10 @@ def _dragged(sound: Any) -> Any:
 
     def part(spring: Any, a: Any, b: Any) -> Any:
         kept.append(a)
-        before = kept.pop(0) if len(kept) > 1 else a
+        if len(kept) > 1:
+            before = kept.pop(0)
+        else:
+            before = a
         return vec.moved(sound(spring, a, b), -1e-3, vec.minus(a, before))
 
     return part

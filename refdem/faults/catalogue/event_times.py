@@ -35,9 +35,11 @@ def _where_force_turns(
     b = c/(2 m), w^2 = w0^2 - b^2.
     """
     scene = request.problem.scene
-    law, mass = scene.all(Contact)[0], scene.bodies.mass
+    law = scene.all(Contact)[0]
+    mass = scene.bodies.mass
     effective = float(mass.prod() / mass.sum())
-    b, w0 = law.damping / (2 * effective), sqrt(law.stiffness / effective)
+    b = law.damping / (2 * effective)
+    w0 = sqrt(law.stiffness / effective)
     turned = 2 * acos(b / w0) / sqrt(w0 * w0 - b * b)
     return tuple(Event(turned, event.kind, event.body) for event in events)
 

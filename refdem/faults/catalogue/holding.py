@@ -35,7 +35,8 @@ def _holding(p: Parts, **changed: Any) -> dict[str, Any]:
 
 def _half_steiner(request: Request) -> Request:
     """Moments about the joint with half of what the distance of the centre of mass adds."""
-    scene, (joint,) = request.problem.scene, request.problem.scene.all(BallJoint)
+    scene = request.problem.scene
+    (joint,) = request.problem.scene.all(BallJoint)
     less = float(scene.bodies.mass[0]) * sum(x * x for x in joint.anchor_a) / 2
     return of_bodies(inertia=lambda moments: moments - np.array([less, less, 0.0]))(request)
 

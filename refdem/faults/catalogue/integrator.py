@@ -22,7 +22,11 @@ def _first_kick_twice(p: Parts) -> dict[str, Any]:
         p.fresh(memory)
 
     def kicked(v: Any, force: Any, mass: Any, h: Any) -> Any:
-        factor, kept["first"] = (2.0 if kept["first"] else 1.0), False
+        if kept["first"]:
+            factor = 2.0
+        else:
+            factor = 1.0
+        kept["first"] = False
         return p.kicked(v, force, mass, factor * h)
 
     return {"kicked": kicked, "fresh": fresh}
@@ -47,7 +51,9 @@ def _lopsided(p: Parts) -> Any:
         if axis != 0:
             return p.axis_turn(axis, inertia, omega, q, h)
         kept[0] += 1
-        return p.axis_turn(axis, inertia, omega, q, 2 * h) if kept[0] % 2 else (omega, q)
+        if kept[0] % 2:
+            return p.axis_turn(axis, inertia, omega, q, 2 * h)
+        return (omega, q)
 
     return axis_turn
 
@@ -58,7 +64,9 @@ def _every_other(sound: Any) -> Any:
 
     def part(*arguments: Any) -> Any:
         kept[0] += 1
-        return sound(*arguments) if kept[0] % 2 else vec.ZERO
+        if kept[0] % 2:
+            return sound(*arguments)
+        return vec.ZERO
 
     return part
 

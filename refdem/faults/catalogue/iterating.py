@@ -51,8 +51,11 @@ def _absorbed(direction: tuple[float, float], normal: tuple[float, float]) -> tu
 
 def _nearest_only(place: tuple[float, float], direction: tuple[float, float], table: Any) -> float:
     """The walls across x alone are seen: the point flies through the others."""
-    u, half = direction[0], table.width / 2
-    return (half - place[0] if u > 0 else -half - place[0]) / u if u else inf
+    u = direction[0]
+    half = table.width / 2
+    if u:
+        return (half - place[0] if u > 0 else -half - place[0]) / u
+    return inf
 
 
 def _driven_on(p: Parts) -> dict[str, Any]:

@@ -35,7 +35,9 @@ def _torque_once(p: Parts) -> dict[str, Any]:
 
     def torque_on(arm: Any, normal: Any, force: Any) -> Any:
         kept[0] = not kept[0]
-        return p.torque_on(arm, normal, force) if kept[0] else vec.ZERO
+        if kept[0]:
+            return p.torque_on(arm, normal, force)
+        return vec.ZERO
 
     return {"torque_on": torque_on}
 

@@ -47,7 +47,8 @@ def _kept_spring(p: Parts) -> dict[str, Any]:
 
     def stretched(stretch: Any, before: Any, now: Any, h: Any) -> Any:
         if last["new"]:
-            stretch, last["new"] = last["stretch"], False
+            stretch = last["stretch"]
+            last["new"] = False
         last["stretch"] = p.stretched(stretch, before, now, h)
         return last["stretch"]
 

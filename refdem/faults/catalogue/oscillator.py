@@ -49,7 +49,8 @@ def _odd_square(p: Parts) -> dict[str, Any]:
     """The square of the stretch with the sign of the stretch."""
 
     def part(spring: Any, a: Any, b: Any) -> Any:
-        force, apart = p.spring_force(spring, a, b), vec.minus(b, a)
+        force = p.spring_force(spring, a, b)
+        apart = vec.minus(b, a)
         s = min(0.0, vec.size(apart) - spring.length)
         return vec.moved(force, -2 * spring.quadratic * s * s / vec.size(apart), apart)
 

@@ -11,7 +11,8 @@ from refdem.faults.fault import Fault
 from refdem.mechanics.quaternion import conjugate, rotated
 
 rotation = partial(Fault, kind="rotation")
-OMEGA, TURN = ("error", "omega_body.x"), ("error", "attitude")
+OMEGA = ("error", "omega_body.x")
+TURN = ("error", "attitude")
 
 
 def _space_side(q: Any, omega: Any) -> Any:

@@ -20,7 +20,8 @@ subtle = partial(Fault, kind="subtle")
 
 def _after(p: Parts, name: str, calls: int, spoiled: Any) -> dict[str, Any]:
     """A part that is right for so many calls in a run and spoiled from then on."""
-    seen, sound = [0], getattr(p, name)
+    seen = [0]
+    sound = getattr(p, name)
 
     def fresh(kept: dict[str, Any]) -> None:
         seen[0] = 0
@@ -28,7 +29,9 @@ def _after(p: Parts, name: str, calls: int, spoiled: Any) -> dict[str, Any]:
 
     def part(*arguments: Any) -> Any:
         seen[0] += 1
-        return sound(*arguments) if seen[0] <= calls else spoiled(*arguments)
+        if seen[0] <= calls:
+            return sound(*arguments)
+        return spoiled(*arguments)
 
     return {"fresh": fresh, name: part}
 

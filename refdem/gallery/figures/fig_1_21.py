@@ -94,6 +94,9 @@ def measured(kind: str, amplitude: float) -> float:
     if kind == "pendulum":
         run = moved("pendulum", LONG, gravity=1, theta0=a)
         return period(run.t, run["theta"], run["thetadot"])
-    given = {"x0": a, "v0": 0} if kind == "linear" else {"exponent": 2, "amplitude": a}
+    if kind == "linear":
+        given = {"x0": a, "v0": 0}
+    else:
+        given = {"exponent": 2, "amplitude": a}
     run = moved("harmonic-oscillator" if kind == "linear" else "power-oscillator", LONG, **given)
     return period(run.t, run["x"], run["v"])

@@ -9,7 +9,8 @@ from refdem.gallery.outline import Outline, carried
 from refdem.gallery.portrait import arrows, heads, trajectories
 from refdem.gallery.runs import seen
 
-WIDE, HIGH = (-4.0, 9.5), (-2.4, 3.4)
+WIDE = (-4.0, 9.5)
+HIGH = (-2.4, 3.4)
 
 
 def figure() -> Figure:

@@ -20,11 +20,13 @@ def figure() -> Figure:
     series = []
     for ink, delta in enumerate(DAMPINGS):
         lower, higher = balanced_drives(AMPLITUDES, ALPHA, BETA, delta, FORCE)
-        x, y = np.r_[lower, higher[::-1]], np.r_[AMPLITUDES, AMPLITUDES[::-1]]
+        x = np.r_[lower, higher[::-1]]
+        y = np.r_[AMPLITUDES, AMPLITUDES[::-1]]
         series.append(
             Series(x=np.where(np.isfinite(x), x, np.nan), y=y, ink=ink, label=f"delta = {delta:g}")
         )
-        up, down = amplitudes(delta, DRIVES), amplitudes(delta, DRIVES[::-1])[::-1]
+        up = amplitudes(delta, DRIVES)
+        down = amplitudes(delta, DRIVES[::-1])[::-1]
         series += [
             Series(x=np.array(DRIVES), y=found, ink=ink, mark="points") for found in (up, down)
         ]

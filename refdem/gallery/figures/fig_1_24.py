@@ -16,10 +16,8 @@ def figure() -> Figure:
     """Amplitudes of a sweep up and of a sweep down, with the points A to F where they part and
     meet.
     """
-    up, down = (
-        amplitudes(DELTA, tuple(DRIVES.tolist())),
-        amplitudes(DELTA, tuple(DRIVES[::-1].tolist()))[::-1],
-    )
+    up = amplitudes(DELTA, tuple(DRIVES.tolist()))
+    down = amplitudes(DELTA, tuple(DRIVES[::-1].tolist()))[::-1]
     found = hysteresis(DRIVES, up, down)
     assert found is not None
     grid = np.linspace(0.3, 4.2, 4000)

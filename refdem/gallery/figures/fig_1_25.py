@@ -9,7 +9,10 @@ from refdem.gallery.runs import seen
 from refdem.mechanics.spectrum import spectrum
 
 FORCES = ("0", "1/25", "2/5")
-DURATION, SAMPLES, SETTLED, SHOWN = 1050, 10500, 450, 1500
+DURATION = 1050
+SAMPLES = 10500
+SETTLED = 450
+SHOWN = 1500
 
 
 def figure() -> Figure:
@@ -21,7 +24,8 @@ def figure() -> Figure:
     for ink, force in enumerate(FORCES):
         run = seen("van-der-pol", p=force, x0="1/2", v0=0, duration=DURATION, samples=SAMPLES)
         frequency, height = spectrum(run.t[SETTLED:], run["x"][SETTLED:])
-        begin, rest = slice(0, SETTLED + 1), slice(SETTLED, SHOWN)
+        begin = slice(0, SETTLED + 1)
+        rest = slice(SETTLED, SHOWN)
         size = (270, 170)
         time = Panel(
             series=(

@@ -7,7 +7,8 @@ import numpy as np
 from refdem.core.figure import GREY, Axis, Figure, Panel, Series
 from refdem.gallery.iterates import doubling, late, shown
 
-LOW, HIGH = 2.8, 3.68
+LOW = 2.8
+HIGH = 3.68
 BETWEEN = {1: (2.9, 3.1), 2: (3.4, 3.5), 4: (3.53, 3.55)}
 
 

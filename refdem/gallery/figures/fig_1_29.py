@@ -14,7 +14,8 @@ ETAS = ("0.5", "1", "1.2", "1.25", "1.5", "2")
 
 def figure() -> Figure:
     """Place and velocity, the beginning left out."""
-    panels, fastest = [], []
+    panels = []
+    fastest = []
     for n, eta in enumerate(ETAS):
         run = orbit(eta, periods=20)
         curve = Series(x=run["x"][1:], y=run["v"][1:], ink=n, width=1)

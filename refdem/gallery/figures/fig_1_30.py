@@ -10,7 +10,9 @@ from refdem.gallery.runs import Array
 from refdem.gallery.space import axis, seen_from_above
 
 ETAS = ("0.95", "1.05", "1.15", "1.25", "1.35")
-LOW, HIGH, STRETCH = 0.95, 1.35, 22.0
+LOW = 0.95
+HIGH = 1.35
+STRETCH = 22.0
 MANY = np.linspace(LOW, HIGH, 121)
 
 
@@ -24,7 +26,8 @@ def figure() -> Figure:
     series = [drawn(places, mark="cloud", ink=GREY, width=2)]
     for n, eta in enumerate(ETAS):
         run = orbit(eta, periods=6)
-        x, v = run["x"][1:], run["v"][1:]
+        x = run["x"][1:]
+        v = run["v"][1:]
         series.append(
             drawn(np.column_stack((x, np.full(len(x), float(eta)), v)), ink=n, label=f"eta = {eta}")
         )

@@ -10,14 +10,16 @@ from refdem.core.figure import Axis, Figure, Panel, Series
 from refdem.gallery.belt import section
 
 WINDOWS = ((0.9, 2.5, 320), (1.1, 1.35, 120), (1.2, 1.24, 100))
-SKIP, KEEP = 80, 120
+SKIP = 80
+KEEP = 120
 
 
 def figure() -> Figure:
     """Places of the passages v = 0, x > 0 for every frequency; each panel is a part of the one
     before.
     """
-    panels, numbers = [], {}
+    panels = []
+    numbers = {}
     for n, (low, high, count) in enumerate(WINDOWS):
         eta = np.linspace(low, high, count)
         found = section(eta, skip=SKIP, keep=KEEP)

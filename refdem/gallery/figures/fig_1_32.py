@@ -62,7 +62,8 @@ def figure() -> Figure:
 
 def frame(etas: tuple[float, float], ends: tuple[float, float]) -> Series:
     """The border of a part."""
-    (left, right), (low, high) = etas, ends
+    (left, right) = etas
+    (low, high) = ends
     return Series(
         x=np.array([left, right, right, left, left]),
         y=np.array([low, low, high, high, low]),

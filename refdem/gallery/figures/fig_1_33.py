@@ -11,7 +11,8 @@ from refdem.core.problem import Iteration
 from refdem.gallery.runs import Array, answer, command, instance, remember
 
 DIRECTION = (4, 3)
-BOUNCES, MOMENTS = 16, (0.0, 4.0, 8.0, 14.0)
+BOUNCES = 16
+MOMENTS = (0.0, 4.0, 8.0, 14.0)
 PICKED = (0, 130, 300)
 
 
@@ -19,7 +20,8 @@ def figure() -> Figure:
     """Both tables: the points at four moments, and three of their paths."""
     head = instance("phase-flow", points=1024, centre=("-1", "-1/2"), size="1/4").problem
     points = np.stack((head.position[:, 0, 0], head.velocity[:, 0, 0]), axis=1)
-    panels, numbers = [], {}
+    panels = []
+    numbers = {}
     for geometry in ("rectangle", "stadium"):
         asked = instance("billiards", geometry=geometry, direction=DIRECTION)
         remember(command(asked))

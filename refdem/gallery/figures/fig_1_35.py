@@ -37,7 +37,8 @@ def figure() -> Figure:
         [np.unwrap(r["theta1"]) for r in unstable],
         [r["thetadot1"] for r in unstable],
     )
-    t, gaps = stable[0].t, []
+    t = stable[0].t
+    gaps = []
     for n, (name, (angles, rates)) in enumerate(pairs.items()):
         curves = [
             Series(x=t, y=angle, ink=n, dashed=bool(k), width=2 - k / 2)

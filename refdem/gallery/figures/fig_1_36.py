@@ -12,7 +12,8 @@ from refdem.gallery.space import axis, seen_from_above
 
 INERTIA = np.array([1.0, 2.0, 3.0])
 ENERGY = 1.0
-REACH, BEYOND = 3.4, (2.2, 1.5, 0.7)
+REACH = 3.4
+BEYOND = (2.2, 1.5, 0.7)
 """What the picture shows, and how far the axes stick out of the ellipsoid."""
 HALF_AXES = np.sqrt(2 * ENERGY * INERTIA)
 ANGLES = (0.25, 0.5, 0.75)
@@ -47,7 +48,8 @@ def figure() -> Figure:
         ]
     for n, name in enumerate(("L1", "L2", "L3")):
         unit = np.eye(3)[n]
-        begin, end = HALF_AXES[n] * unit, (HALF_AXES[n] + BEYOND[n]) * unit
+        begin = HALF_AXES[n] * unit
+        end = (HALF_AXES[n] + BEYOND[n]) * unit
         series += axis(begin, end, name)
     axes: dict[str, Any] = {
         "x": Axis(ends=(-REACH, REACH), is_hidden=True),

@@ -11,7 +11,9 @@ from refdem.gallery.runs import seen
 def figure() -> Figure:
     """The way of the wedge in space and time, and the force over the overlap."""
     run = seen("wedge-collision", duration="3", samples=3000)
-    t, d, v = run.t, run["overlap"], run["v"]
+    t = run.t
+    d = run["overlap"]
+    v = run["v"]
     turn = int(np.argmax(d))
     m = run.instance.p.mass
     wall = Series(x=np.array([-0.6, 3.0]), y=np.zeros(2), ink=GREY, width=3)
@@ -29,10 +31,8 @@ def figure() -> Figure:
     )
     force = -m * (v[2:] - v[:-2]) / (t[2:] - t[:-2])
     inside = d[1:-1] > 1e-3
-    first, last = (
-        inside & (np.arange(1, len(t) - 1) < turn),
-        inside & (np.arange(1, len(t) - 1) > turn + 1),
-    )
+    first = inside & (np.arange(1, len(t) - 1) < turn)
+    last = inside & (np.arange(1, len(t) - 1) > turn + 1)
     loop = Panel(
         series=(
             Series(x=d[1:-1][first], y=force[first], ink=0, width=2),

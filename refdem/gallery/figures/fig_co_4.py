@@ -11,7 +11,8 @@ from refdem.core.problem import Motion
 from refdem.gallery.measured import readings
 from refdem.gallery.runs import Array, answer, command, instance, remember
 
-CASE, RADIUS = "impact-benchmarks", 0.0025
+CASE = "impact-benchmarks"
+RADIUS = 0.0025
 ANGLES = np.arange(1.0, 89.0, 2.0)
 CERTIFIED = (5.0, 15.0, 25.0, 45.0, 85.0)
 """Degrees at which the curve is held against truth."""

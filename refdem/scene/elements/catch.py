@@ -25,4 +25,6 @@ class Catch(Link, frozen=True, kw_only=True, tag="catch"):
 
     def faults(self) -> list[str]:
         """A reach that catches nothing."""
-        return [] if self.radius > 0 else [f"radius is {self.radius}, expected > 0"]
+        if self.radius > 0:
+            return []
+        return [f"radius is {self.radius}, expected > 0"]

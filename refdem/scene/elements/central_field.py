@@ -19,7 +19,9 @@ class CentralField(Element, frozen=True, kw_only=True, tag="central_field"):
 
     def faults(self) -> list[str]:
         """A field that repels is not Newton's."""
-        return [] if self.gm > 0 else [f"gm is {self.gm}, expected > 0"]
+        if self.gm > 0:
+            return []
+        return [f"gm is {self.gm}, expected > 0"]
 
     def potential(self, scene: Any, position: Array, attitude: Array) -> Array:
         """`-gm sum m/|r|` (T,) [J]."""

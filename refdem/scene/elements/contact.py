@@ -53,12 +53,16 @@ class Contact(Element, frozen=True, kw_only=True, tag="contact"):
     @property
     def exponent(self) -> float:
         """The normal force is stiffness * overlap**exponent."""
-        return 1.5 if self.law == "hertz" else 1.0
+        if self.law == "hertz":
+            return 1.5
+        return 1.0
 
     def dimension(self, field: str) -> Dimension | None:
         """Those of Hertz's stiffnesses [N/m^(3/2)] follow from the exponent."""
         stiff = field in ("stiffness", "tangential_stiffness")
-        return Dimension(1, 1 - self.exponent, -2) if stiff else super().dimension(field)
+        if stiff:
+            return Dimension(1, 1 - self.exponent, -2)
+        return super().dimension(field)
 
     def features(self) -> frozenset[str]:
         """The law, friction where there is some, and mindlin where its spring stiffens with the
@@ -128,7 +132,8 @@ def _depths(scene: Any, plane: Plane, position: Array, attitude: Array) -> Array
         for i, shape in enumerate(scene.bodies.shape)
         for corner in getattr(shape, "vertices", ())
     ]
-    body, arm = [i for i, _ in corners], np.array([corner for _, corner in corners]).reshape(-1, 3)
+    body = [i for i, _ in corners]
+    arm = np.array([corner for _, corner in corners]).reshape(-1, 3)
     turned = rotated(attitude[:, body], np.broadcast_to(arm, (len(position), *arm.shape)))
     depth: Array = -(position[:, body] + turned - np.array(plane.point)) @ np.array(plane.normal)
     return depth
@@ -138,14 +143,16 @@ def _overlaps(scene: Any, position: Array, radius: Array) -> Array:
     """Overlaps (T, P) [m] of all pairs of spheres, of many of those that are near in the first
     sample; of nearest images in a box.
     """
-    spheres, boxes = np.flatnonzero(radius > 0), scene.all(PeriodicBox)
+    spheres = np.flatnonzero(radius > 0)
+    boxes = scene.all(PeriodicBox)
     if len(spheres) <= FEW:
         i, j = np.triu_indices(len(spheres), 1)
     else:
         i, j = near_pairs(
             position[0, spheres], 2 * float(radius.max()), boxes[0].size if boxes else 0.0
         )
-    i, j = spheres[i], spheres[j]
+    i = spheres[i]
+    j = spheres[j]
     apart = position[:, j] - position[:, i]
     overlap: Array = (
         radius[i] + radius[j] - np.linalg.norm(boxes[0].nearest(apart) if boxes else apart, axis=-1)

@@ -36,19 +36,20 @@ class Force(Link, frozen=True, kw_only=True, tag="force"):
 
     def faults(self) -> list[str]:
         """An axis that is not a unit vector, a frequency below zero."""
-        found = [] if self.frequency >= 0 else [f"frequency is {self.frequency}, expected >= 0"]
+        if self.frequency >= 0:
+            found = []
+        else:
+            found = [f"frequency is {self.frequency}, expected >= 0"]
         size = sum(x * x for x in self.axis)
-        return (
-            found if abs(size - 1) < 1e-12 else [*found, f"axis has length {size**0.5}, expected 1"]
-        )
+        if abs(size - 1) < 1e-12:
+            return found
+        return [*found, f"axis has length {size**0.5}, expected 1"]
 
     def delayed(self, delay: float) -> Self:
         """The same force for a motion that begins `delay` [s] later."""
-        return (
-            msgspec.structs.replace(self, phase=self.phase - self.frequency * delay)
-            if delay
-            else self
-        )
+        if delay:
+            return msgspec.structs.replace(self, phase=self.phase - self.frequency * delay)
+        return self
 
     def strength(self, t: Array) -> Array:
         """The force along the axis (T,) [N] at times t (T,) [s]."""

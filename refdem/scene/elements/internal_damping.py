@@ -24,9 +24,10 @@ class InternalDamping(Link, frozen=True, kw_only=True, tag="internal_damping"):
 
     def faults(self) -> list[str]:
         """Damping that brings energy in, or that is between two bodies."""
-        found = (
-            [] if self.coefficient >= 0 else [f"coefficient is {self.coefficient}, expected >= 0"]
-        )
+        if self.coefficient >= 0:
+            found = []
+        else:
+            found = [f"coefficient is {self.coefficient}, expected >= 0"]
         return found + (
             [] if self.b < 0 else [f"b is {self.b}, expected -1: it is inside body a alone"]
         )

@@ -37,9 +37,10 @@ class MovingAnchor(Link, frozen=True, kw_only=True, tag="moving_anchor"):
         """An end that is not the world's, an axis that is not a unit vector, a frequency below
         zero.
         """
-        found = (
-            [] if self.b < 0 else [f"b is {self.b}, expected -1: a law of time is one of the world"]
-        )
+        if self.b < 0:
+            found = []
+        else:
+            found = [f"b is {self.b}, expected -1: a law of time is one of the world"]
         if any(self.anchor_a):
             found.append(
                 f"anchor_a is {self.anchor_a}, expected zeros: the centre of the body is carried"
@@ -47,17 +48,15 @@ class MovingAnchor(Link, frozen=True, kw_only=True, tag="moving_anchor"):
         if not self.frequency >= 0:
             found.append(f"frequency is {self.frequency}, expected >= 0")
         size = sum(x * x for x in self.axis)
-        return (
-            found if abs(size - 1) < 1e-12 else [*found, f"axis has length {size**0.5}, expected 1"]
-        )
+        if abs(size - 1) < 1e-12:
+            return found
+        return [*found, f"axis has length {size**0.5}, expected 1"]
 
     def delayed(self, delay: float) -> Self:
         """The same anchor for a motion that begins `delay` [s] later."""
-        return (
-            msgspec.structs.replace(self, phase=self.phase - self.frequency * delay)
-            if delay
-            else self
-        )
+        if delay:
+            return msgspec.structs.replace(self, phase=self.phase - self.frequency * delay)
+        return self
 
     def place(self, t: Array) -> Array:
         """Where the body is (T, 3) [m] at times t (T,) [s]."""

@@ -19,7 +19,9 @@ class PeriodicBox(Element, frozen=True, kw_only=True, tag="periodic_box"):
 
     def faults(self) -> list[str]:
         """A box without size."""
-        return [] if self.size > 0 else [f"size is {self.size}, expected > 0"]
+        if self.size > 0:
+            return []
+        return [f"size is {self.size}, expected > 0"]
 
     def nearest(self, apart: Array) -> Array:
         """The vectors (..., 3) [m] between bodies, to the nearest image."""

@@ -54,7 +54,8 @@ class PiecewiseField(Element, frozen=True, kw_only=True, tag="piecewise_field"):
     def potential(self, scene: Any, position: Array, attitude: Array) -> Array:
         """`-integral F` of every body (T,) [J]."""
         s = (position - np.asarray(self.point)) @ np.asarray(self.axis)
-        low, high = np.clip(s, self.x1, 0.0) - self.x1, np.clip(s, 0.0, self.x2) - self.x2
+        low = np.clip(s, self.x1, 0.0) - self.x1
+        high = np.clip(s, 0.0, self.x2) - self.x2
         gained = 0.5 * self.k1 * low**2 + 0.5 * self.k2 * (high**2 - self.x2**2)
         energy: Array = -np.sum(np.where(scene.bodies.fixed, 0.0, gained), axis=-1)
         return energy

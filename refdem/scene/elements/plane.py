@@ -17,4 +17,6 @@ class Plane(Element, frozen=True, kw_only=True, tag="plane"):
     def faults(self) -> list[str]:
         """A normal that is not a unit vector."""
         size = sum(x * x for x in self.normal)
-        return [] if abs(size - 1) < 1e-12 else [f"normal has length {size**0.5}, expected 1"]
+        if abs(size - 1) < 1e-12:
+            return []
+        return [f"normal has length {size**0.5}, expected 1"]

@@ -20,4 +20,6 @@ class Rod(Link, frozen=True, kw_only=True, tag="rod"):
 
     def faults(self) -> list[str]:
         """A rod without length fixes no direction."""
-        return [] if self.length > 0 else [f"length is {self.length}, expected > 0"]
+        if self.length > 0:
+            return []
+        return [f"length is {self.length}, expected > 0"]

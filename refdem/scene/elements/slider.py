@@ -51,15 +51,16 @@ class Slider(Link, frozen=True, kw_only=True, tag="slider"):
 
     def dimension(self, field: str) -> Dimension | None:
         """That of `lambda1` follows from the law."""
-        return (
-            Dimension(0, -1, 1)
-            if field == "lambda1" and self.law == "stribeck_linear"
-            else super().dimension(field)
-        )
+        if field == "lambda1" and self.law == "stribeck_linear":
+            return Dimension(0, -1, 1)
+        return super().dimension(field)
 
     def features(self) -> frozenset[str]:
         """Dry friction is a feature of its own: it lowers the order of most methods."""
-        own = {"slider:stribeck"} if self.law != "coulomb" else set()
+        if self.law != "coulomb":
+            own = {"slider:stribeck"}
+        else:
+            own = set()
         return frozenset(
             {"slider", "friction"} | own | ({"slider:belt"} if self.belt_velocity else set())
         )
@@ -77,5 +78,8 @@ class Slider(Link, frozen=True, kw_only=True, tag="slider"):
         """Friction over normal force at a speed |u| >= 0 [m/s]."""
         if self.law == "coulomb":
             return self.friction
-        last = speed * speed if self.law == "stribeck" else speed
+        if self.law == "stribeck":
+            last = speed * speed
+        else:
+            last = speed
         return (self.mu0 - self.mu1) / (1 + self.lambda0 * speed) + self.mu1 + self.lambda1 * last

@@ -31,11 +31,9 @@ class Spring(Link, frozen=True, kw_only=True, tag="spring"):
 
     def dimension(self, field: str) -> Dimension | None:
         """That of `stiffness` [N/m**exponent] follows from the exponent."""
-        return (
-            Dimension(1, 1 - self.exponent, -2)
-            if field == "stiffness"
-            else super().dimension(field)
-        )
+        if field == "stiffness":
+            return Dimension(1, 1 - self.exponent, -2)
+        return super().dimension(field)
 
     def features(self) -> frozenset[str]:
         """The kind, and what makes its force other than proportional to the stretch."""
@@ -79,8 +77,6 @@ class Spring(Link, frozen=True, kw_only=True, tag="spring"):
         """
         s = self.distance(position, attitude) - self.length
         energy: Array = self.stiffness * np.abs(s) ** (self.exponent + 1) / (self.exponent + 1)
-        return (
-            energy + (self.quadratic / 3 + self.cubic * s / 4) * s**3
-            if self.quadratic or self.cubic
-            else energy
-        )
+        if self.quadratic or self.cubic:
+            return energy + (self.quadratic / 3 + self.cubic * s / 4) * s**3
+        return energy

@@ -43,16 +43,16 @@ class StringOverWheel(Element, frozen=True, kw_only=True, tag="string_over_wheel
                 f"inertia is {self.inertia} at radius 0, expected 0: a point does not turn with the"
                 " string"
             )
-        return (
-            found
-            if self.b >= 0
-            else [*found, f"b is {self.b}, expected a body: the world does not hang on a string"]
-        )
+        if self.b >= 0:
+            return found
+        return [*found, f"b is {self.b}, expected a body: the world does not hang on a string"]
 
     @property
     def drag(self) -> float:
         """J/R^2 [kg]: the mass that the wheel adds to the string."""
-        return self.inertia / self.radius**2 if self.inertia else 0.0
+        if self.inertia:
+            return self.inertia / self.radius**2
+        return 0.0
 
     def kinetic(self, scene: Any, velocity: Array) -> Array:
         """J (u/R)^2/2 (T,) [J], u being the speed of the body that hangs straight down."""

@@ -43,11 +43,9 @@ class Wedge(Element, frozen=True, kw_only=True, tag="wedge"):
             if not (value := getattr(self, name)) > 0
         ]
         size = sum(x * x for x in self.normal)
-        return (
-            found
-            if abs(size - 1) < 1e-12
-            else [*found, f"normal has length {size**0.5}, expected 1"]
-        )
+        if abs(size - 1) < 1e-12:
+            return found
+        return [*found, f"normal has length {size**0.5}, expected 1"]
 
     def overlap(self, position: Array) -> Array:
         """d (...) [m], negative before the wall, for position (..., 3)."""

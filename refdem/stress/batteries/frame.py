@@ -30,11 +30,10 @@ def dyadic(x: float) -> float:
 
 def turned(instance: Instance, x: float) -> Symmetry:
     """By an angle of x rad, about z in a plane."""
-    axis = (
-        np.array([2.0, 1.0, 2.0]) / 3
-        if "dimension:3" in instance.scene.features
-        else np.array([0.0, 0.0, 1.0])
-    )
+    if "dimension:3" in instance.scene.features:
+        axis = np.array([2.0, 1.0, 2.0]) / 3
+    else:
+        axis = np.array([0.0, 0.0, 1.0])
     return Symmetry(turn=np.array([np.cos(x / 2), *(np.sin(x / 2) * axis)]))
 
 

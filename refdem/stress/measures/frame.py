@@ -69,8 +69,12 @@ class Frame(Measure):
         """The scene as the frame shows it, with the step in its units."""
         if variant.change != self.change:
             return plan.request(task, variant)
-        plain, shown = plan.request(task, variant.base), self.show(task.trial.instance, float(x))
-        step = None if plain.step is None else plain.step * shown.units[2]
+        plain = plan.request(task, variant.base)
+        shown = self.show(task.trial.instance, float(x))
+        if plain.step is None:
+            step = None
+        else:
+            step = plain.step * shown.units[2]
         problem = shown.applied(task.trial.instance.motion)
         return Request(problem=problem, method=plain.method, step=step, tolerance=plain.tolerance)
 
@@ -98,7 +102,9 @@ class Seen(Check):
     )
 
     def __init__(self, change: Change, view: Symmetry, part: float | None) -> None:
-        self.change, self.view, self.part = change, view, part
+        self.change = change
+        self.view = view
+        self.part = part
 
     def applies(self, trial: Trial) -> str | None:
         """Everywhere: the measure has refused what has no such frame."""
@@ -125,7 +131,10 @@ class Seen(Check):
         ) * self._denormal(trial)
         count = scored(bounds)
         if self.part is not None:
-            count = len(bounds) if bounds[-1] <= self.part / 10 else 0
+            if bounds[-1] <= self.part / 10:
+                count = len(bounds)
+            else:
+                count = 0
             bounds = np.full(len(bounds), self.part / 10)
         if count < 2:
             return [
@@ -166,6 +175,9 @@ class Seen(Check):
         """How much coarser numbers of the frame's size are than u: 1 but for those that are nearly
         denormal.
         """
-        scales, (_, length, time) = trial.instance.scales, self.view.units
+        scales = trial.instance.scales
+        (_, length, time) = self.view.units
         smallest = min(scales.length * length, scales.speed * length / time)
-        return max(1.0, TINY / smallest * 2.0**53) if smallest > TINY else sys.float_info.max
+        if smallest > TINY:
+            return max(1.0, TINY / smallest * 2.0**53)
+        return sys.float_info.max

@@ -75,9 +75,11 @@ class Drift(Check):
 
     def judge(self, trial: Trial, runs: Mapping[Variant, Outcome]) -> list[Finding]:
         """The largest change of the form."""
-        run, level = runs[trial.finest].trajectory, trial.levels[-1]
+        run = runs[trial.finest].trajectory
+        level = trial.levels[-1]
         scales = trial.instance.scales
-        x, v = run.position[:, 0, 0] / scales.length, run.velocity[:, 0, 0] / scales.speed
+        x = run.position[:, 0, 0] / scales.length
+        v = run.velocity[:, 0, 0] / scales.speed
         terms = np.stack([x * x, x * v, v * v], axis=1)
         first = terms[: len(terms) // 4]
         if not np.all(np.isfinite(terms)) or np.linalg.cond(first) > ILL:

@@ -16,7 +16,8 @@ from refdem.core.problem import Request
 from refdem.core.truth import SampledTruth
 from refdem.core.variant import Variant
 
-LEVELS, MOST_STEPS = 3, 1e5
+LEVELS = 3
+MOST_STEPS = 1e5
 """The third level of refinement is run, or the last that takes so many steps: a tighter bound than
 the first level's, still cheap.
 """
@@ -54,7 +55,10 @@ class Measure(ABC):
     ) -> Task:
         """The task of a method on the rung, for its requests and its judging."""
         refusal = self.refusal(engine, method, instance, x)
-        levels = () if refusal else self.levels(instance, method, x)
+        if refusal:
+            levels = ()
+        else:
+            levels = self.levels(instance, method, x)
         if not refusal and not levels:
             refusal = f"more than {MOST_STEPS:g} steps"
         trial = Trial(instance, method, levels, truth, truth.reason)

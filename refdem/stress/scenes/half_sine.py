@@ -34,20 +34,27 @@ class HalfSine(ClosedForm):
         bodies: int = 1,
     ) -> None:
         super().__init__(scale)
-        self.square, self.start, self.bodies = square, start, bodies
+        self.square = square
+        self.start = start
+        self.bodies = bodies
 
     def evaluate(self, t: arb) -> dict[str, arb]:
         """Overlap [m] and rate [m/s]."""
         d, rate = self.start
         w = arb_of(self.square).sqrt()
         touch = arb_of(-d / rate if d < 0 else Fraction(0))
-        inside = Fraction(0) if d < 0 else d
+        if d < 0:
+            inside = Fraction(0)
+        else:
+            inside = d
         if t < touch:
             return self._pair(arb_of(d) + arb_of(rate) * t, arb_of(rate))
-        sine, cosine = arb_of(inside) * w, arb_of(rate)
+        sine = arb_of(inside) * w
+        cosine = arb_of(rate)
         size = (sine * sine + cosine * cosine).sqrt() / w
         phase = arb.atan2(sine, cosine)
-        turned, end = w * (t - touch) + phase, arb.pi()
+        turned = w * (t - touch) + phase
+        end = arb.pi()
         if turned < end:
             return self._pair(size * turned.sin(), size * w * turned.cos())
         if turned > end:
@@ -64,7 +71,10 @@ class HalfSine(ClosedForm):
     def displaced(self, axis: int, amount: Fraction) -> "HalfSine":
         """From a start that is larger by `amount`."""
         d, rate = self.start
-        start = (d + amount, rate) if axis == 0 else (d, rate + amount)
+        if axis == 0:
+            start = (d + amount, rate)
+        else:
+            start = (d, rate + amount)
         return HalfSine(self.square, start, self.scale, self.bodies)
 
     @per_precision
@@ -78,9 +88,13 @@ class HalfSine(ClosedForm):
         none.
         """
         d, rate = self.start
-        ratio, w = arb_of(self.scale["overlap"] / self.scale["rate"]), arb_of(self.square).sqrt()
+        ratio = arb_of(self.scale["overlap"] / self.scale["rate"])
+        w = arb_of(self.square).sqrt()
         touch = arb_of(-d / rate if d < 0 else Fraction(0))
-        inside = Fraction(0) if d < 0 else d
+        if d < 0:
+            inside = Fraction(0)
+        else:
+            inside = d
         free = partial(linear, arb(0), 0, ratio)
         if d < 0:
             yield smooth(arb(0), touch, free)

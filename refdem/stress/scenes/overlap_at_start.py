@@ -12,7 +12,9 @@ from refdem.scene import Body, Scene, Sphere
 from refdem.scene.elements.contact import Contact
 
 Array = NDArray[np.float64]
-RADIUS, MASS, STIFFNESS = 0.5, 1.0, 128.0
+RADIUS = 0.5
+MASS = 1.0
+STIFFNESS = 128.0
 
 
 class OverlapAtStart(Case):
@@ -34,7 +36,8 @@ class OverlapAtStart(Case):
 
     def scene(self, p: Parameters) -> Scene:
         """Two equal spheres."""
-        place, inertia = RADIUS - p.overlap / 2, (0.4 * MASS * RADIUS**2,) * 3
+        place = RADIUS - p.overlap / 2
+        inertia = (0.4 * MASS * RADIUS**2,) * 3
         bodies = [
             Body(
                 mass=MASS,

@@ -14,7 +14,12 @@ from refdem.scene import Body, Scene, Sphere
 from refdem.scene.elements.contact import Contact
 
 Array = NDArray[np.float64]
-RADIUS, SMALL, MASS, LIGHT, STIFFNESS, SPEED = 0.5, 0.0625, 1.0, 0.125, 128.0, 1.0
+RADIUS = 0.5
+SMALL = 0.0625
+MASS = 1.0
+LIGHT = 0.125
+STIFFNESS = 128.0
+SPEED = 1.0
 
 
 class Simultaneous(Case):

@@ -67,12 +67,14 @@ class Value:
     @property
     def interval(self) -> tuple[Fraction, Fraction]:
         """The ends, exactly."""
-        mid, radius = Fraction(self.mid), Fraction(self.radius)
+        mid = Fraction(self.mid)
+        radius = Fraction(self.radius)
         return mid - radius, mid + radius
 
     def overlaps(self, other: "Value") -> bool:
         """Whether the two can be the same number: how stores are compared."""
-        (low, high), (other_low, other_high) = self.interval, other.interval
+        (low, high) = self.interval
+        (other_low, other_high) = other.interval
         return low <= other_high and other_low <= high
 
     def problem(self) -> str:
@@ -111,7 +113,10 @@ class CertifiedSet:
 
     def value(self, quantity: str, t: Fraction | str | None = None) -> Value:
         """One value; raises KeyError that says what there is."""
-        when = None if t is None else Fraction(t)
+        if t is None:
+            when = None
+        else:
+            when = Fraction(t)
         for value in self.values:
             if value.quantity == quantity and value.t == when:
                 return value
@@ -125,18 +130,26 @@ def default_folder() -> Path:
     """The folder that comes with refdem: inside the installed package, or beside the source."""
     package = Path(__file__).resolve().parents[2]
     inside = package / "validation" / "truth" / "certified"
-    return inside if inside.is_dir() else package.parent / "validation" / "truth" / "certified"
+    if inside.is_dir():
+        return inside
+    return package.parent / "validation" / "truth" / "certified"
 
 
 def load(case: str = "", *, folder: Path | str | None = None) -> list[CertifiedSet]:
     """The sets of one case, or of all; raises ValueError for the first thing that does not hold."""
-    home = Path(folder) if folder is not None else default_folder()
+    if folder is not None:
+        home = Path(folder)
+    else:
+        home = default_folder()
     if case and not (home / f"{case}.jsonl").is_file():
         there = ", ".join(path.stem for path in sorted(home.glob("*.jsonl"))) or "none"
         raise ValueError(f"no certified values at {home / case}.jsonl; there are {there}")
     for problem in problems_of_list(home, f"{case}.jsonl" if case else ""):
         raise ValueError(problem)
-    paths = [home / f"{case}.jsonl"] if case else sorted(home.glob("*.jsonl"))
+    if case:
+        paths = [home / f"{case}.jsonl"]
+    else:
+        paths = sorted(home.glob("*.jsonl"))
     return [one for path in paths for one in sets_of(text_of(path), path.name)]
 
 
@@ -203,7 +216,8 @@ def sets_of(text: str, name: str) -> Iterator[CertifiedSet]:
     head = member_of(lines[0], HEAD, f"{name}, line 1")
     if head["format"] != FORMAT or tuple(head["columns"]) != COLUMNS:
         raise ValueError(f"{name}, line 1: not a file of certified values of format {FORMAT}")
-    at, found = 1, []
+    at = 1
+    found = []
     while at < len(lines):
         where = f"{name}, line {at + 1}"
         about = member_of(lines[at], MEMBERS, where)
@@ -285,8 +299,14 @@ def row_of(line: str, where: str) -> Value:
             raise ValueError(f"{where}: {name} is {text!r}")
     if not isinstance(quantity, str):
         raise ValueError(f"{where}: quantity is {quantity!r}")
-    when = None if t is None else Fraction(t)
-    sure = None if binary64 is None else double_of(binary64, where)
+    if t is None:
+        when = None
+    else:
+        when = Fraction(t)
+    if binary64 is None:
+        sure = None
+    else:
+        sure = double_of(binary64, where)
     value = Value(when, quantity, mid, radius, sure)
     if problem := value.problem():
         raise ValueError(f"{where}: {quantity} at {t}: {problem}")

@@ -23,7 +23,9 @@ def digest_of(case: str) -> str:
     empty if it is not one.
     """
     home = case_files(case)
-    return digest_of_files({*closure(home), *(ROOT / name for name in ALWAYS)}) if home else ""
+    if home:
+        return digest_of_files({*closure(home), *(ROOT / name for name in ALWAYS)})
+    return ""
 
 
 def digest_of_files(paths: Iterable[Path]) -> str:
@@ -37,8 +39,11 @@ def digest_of_files(paths: Iterable[Path]) -> str:
 def case_files(case: str) -> tuple[Path, ...]:
     """The file of a case, or those of its folder."""
     name = case.replace("-", "_")
-    single, folder = ROOT / "cases" / f"{name}.py", ROOT / "cases" / name
-    return (single,) if single.is_file() else tuple(sorted(folder.rglob("*.py")))
+    single = ROOT / "cases" / f"{name}.py"
+    folder = ROOT / "cases" / name
+    if single.is_file():
+        return (single,)
+    return tuple(sorted(folder.rglob("*.py")))
 
 
 def closure(start: tuple[Path, ...]) -> set[Path]:
@@ -90,13 +95,11 @@ def _file(module: str) -> Path | None:
     """
     path = ROOT.joinpath(*module.split(".")[1:]).with_suffix(".py")
     package = path.with_suffix("") / "__init__.py"
-    return (
-        path
-        if path.is_file()
-        else package
-        if package.is_file() and module not in FOLLOWED
-        else None
-    )
+    if path.is_file():
+        return path
+    if package.is_file() and module not in FOLLOWED:
+        return package
+    return None
 
 
 @cache

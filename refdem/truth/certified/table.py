@@ -32,8 +32,14 @@ def csv_of(sets: Iterable[CertifiedSet]) -> str:
     for one in sets:
         parameters = " ".join(f"{name}={text}" for name, text in one.parameters.items())
         for value in one.values:
-            sure = "" if value.binary64 is None else value.binary64.hex()
-            t = "" if value.t is None else str(value.t)
+            if value.binary64 is None:
+                sure = ""
+            else:
+                sure = value.binary64.hex()
+            if value.t is None:
+                t = ""
+            else:
+                t = str(value.t)
             rows.writerow(
                 (
                     one.case,

@@ -13,7 +13,8 @@ from refdem.errors import NotCertifiedError
 from refdem.truth.certified.reader import COLUMNS, FORMAT, LARGEST_RADIUS, sha256_of
 from refdem.truth.sampled import certified_scalars
 
-DIGITS, PLACES = 36, 34
+DIGITS = 36
+PLACES = 34
 """Radii of the balls, and decimal places that are kept: the radius of the decimals is half a unit
 of the last place.
 """
@@ -93,7 +94,8 @@ def file_text(case: str, blocks: Sequence[Sequence[str]]) -> str:
 def blocks_in(text: str) -> list[list[str]]:
     """The lines of each set of a file that holds, as they stand."""
     lines = text.splitlines(keepends=True)
-    at, found = 1, []
+    at = 1
+    found = []
     while at < len(lines):
         count = json.loads(lines[at])["values"]
         found.append(lines[at : at + 1 + count])

@@ -63,55 +63,64 @@ class AsymmetricField(SmoothFlow):
     def displaced(self, axis: int, amount: Fraction) -> Self:
         other = copy(self)
         name = ("x0", "v0")[axis]
-        other.kept, other.exact = {}, self.exact | {name: self.exact[name] + amount}
+        other.kept = {}
+        other.exact = self.exact | {name: self.exact[name] + amount}
         return other
 
     @per_precision
     def phases(self) -> list[Phase]:
         """All phases, the last without an end."""
-        x, v = self.exact["x0"], self.exact["v0"]
-        start, found, begin = Start(x, v * v, (v > 0) - (v < 0)), [], arb(0)
+        x = self.exact["x0"]
+        v = self.exact["v0"]
+        start = Start(x, v * v, (v > 0) - (v < 0))
+        found = []
+        begin = arb(0)
         region = self.region(x, start.sense)
         while True:
             told = self.end(region, start)
             found.append(Phase(region, start, begin, None if told is None else begin + told[0]))
             if told is None:
                 return found
-            begin, (_, region, start) = begin + told[0], told
+            begin = begin + told[0]
+            (_, region, start) = told
 
     def region(self, x: Fraction, sense: int) -> str:
         """Where a start lies; at an edge, where it goes."""
-        x1, x2 = self.exact["x1"], self.exact["x2"]
+        x1 = self.exact["x1"]
+        x2 = self.exact["x2"]
         if x < x1 or (x == x1 and sense <= 0):
             return "left"
         if x < 0 or (x == 0 and sense < 0):
             return "rising"
-        return "falling" if x < x2 or (x == x2 and sense < 0) else "right"
+        if x < x2 or (x == x2 and sense < 0):
+            return "falling"
+        return "right"
 
     def end(self, region: str, start: Start) -> tuple[arb, str, Start] | None:
         """How long a phase lasts, and what follows; None if it never ends."""
-        x1, x2 = self.exact["x1"], self.exact["x2"]
+        x1 = self.exact["x1"]
+        x2 = self.exact["x2"]
         speed = arb_of(start.square).sqrt()
         if region == "left":
-            return (
-                (arb_of(x1 - start.x) / speed, "rising", Start(x1, start.square, 1))
-                if start.sense > 0
-                else None
-            )
+            if start.sense > 0:
+                return (arb_of(x1 - start.x) / speed, "rising", Start(x1, start.square, 1))
+            return None
         if region == "right":
-            return (
-                (arb_of(start.x - x2) / speed, "falling", Start(x2, start.square, -1))
-                if start.sense < 0
-                else None
-            )
-        return self.climbed(start) if region == "rising" else self.descended(start)
+            if start.sense < 0:
+                return (arb_of(start.x - x2) / speed, "falling", Start(x2, start.square, -1))
+            return None
+        if region == "rising":
+            return self.climbed(start)
+        return self.descended(start)
 
     def climbed(self, start: Start) -> tuple[arb, str, Start] | None:
         """The end on the rising flank, xi = A exp(l t) + B exp(-l t)."""
-        xi, high = start.x - self.exact["x1"], -self.exact["x1"]
+        xi = start.x - self.exact["x1"]
+        high = -self.exact["x1"]
         rate = arb_of(self.steep).sqrt()
         swing = start.sense * arb_of(start.square).sqrt() / rate
-        a, b = (arb_of(xi) + swing) / 2, (arb_of(xi) - swing) / 2
+        a = (arb_of(xi) + swing) / 2
+        b = (arb_of(xi) - swing) / 2
         back = start.square - self.steep * xi * xi
         if start.sense < 0 and back == 0:
             return None
@@ -124,7 +133,8 @@ class AsymmetricField(SmoothFlow):
 
     def descended(self, start: Start) -> tuple[arb, str, Start] | None:
         """The end on the falling flank, eta = R cos(w t + delta), pi/2 <= delta <= 3 pi/2."""
-        eta, wide = start.x - self.exact["x2"], self.exact["x2"]
+        eta = start.x - self.exact["x2"]
+        wide = self.exact["x2"]
         rate = arb_of(self.fall).sqrt()
         size = eta * eta + start.square / self.fall
         if size == 0:
@@ -163,10 +173,14 @@ class AsymmetricField(SmoothFlow):
     def moved(self, phase: Phase, t: arb) -> dict[str, arb]:
         """The state so long after the begin of a phase."""
         start = phase.start
-        x, v = arb_of(start.x), start.sense * arb_of(start.square).sqrt()
+        x = arb_of(start.x)
+        v = start.sense * arb_of(start.square).sqrt()
         if phase.region in ("left", "right"):
             return {"x": x + v * t, "v": v}
-        flank = self.steep if phase.region == "rising" else self.fall
+        if phase.region == "rising":
+            flank = self.steep
+        else:
+            flank = self.fall
         centre = arb_of(self.exact["x1" if phase.region == "rising" else "x2"])
         rate = arb_of(flank).sqrt()
         c, s = (
@@ -174,7 +188,10 @@ class AsymmetricField(SmoothFlow):
             if phase.region == "rising"
             else ((rate * t).cos(), (rate * t).sin())
         )
-        side = 1 if phase.region == "rising" else -1
+        if phase.region == "rising":
+            side = 1
+        else:
+            side = -1
         return {
             "x": centre + (x - centre) * c + v / rate * s,
             "v": side * (x - centre) * rate * s + v * c,
@@ -196,11 +213,15 @@ class AsymmetricField(SmoothFlow):
             "right": (arb(0), 0),
         }
         for phase in self.phases():
-            length = None if phase.end is None else phase.end - phase.begin
+            if phase.end is None:
+                length = None
+            else:
+                length = phase.end - phase.begin
             yield smooth(phase.begin, length, partial(linear, *kinds[phase.region], ratio))
 
     def constants(self) -> dict[str, arb]:
-        x1, x2 = self.exact["x1"], self.exact["x2"]
+        x1 = self.exact["x1"]
+        x2 = self.exact["x2"]
         return {"work": arb_of(self.exact["k1"] * -x1 * (x2 - x1) / 2)}
 
 

@@ -40,14 +40,18 @@ class Slide(ClosedForm):
         angle: Fraction | None,
     ) -> None:
         super().__init__(scale)
-        self.friction, self.gravity, self.slope, self.angle = friction, gravity, slope, angle
+        self.friction = friction
+        self.gravity = gravity
+        self.slope = slope
+        self.angle = angle
         self.s0, self.v0 = Fraction(0), Fraction(0)
 
     def displaced(self, axis: int, amount: Fraction) -> "Slide":
         """The motion from a neighbouring start; friction still points uphill."""
         other = copy(self)
         other.kept = {}
-        other.s0, other.v0 = self.s0 + amount * (axis == 0), self.v0 + amount * (axis == 1)
+        other.s0 = self.s0 + amount * (axis == 0)
+        other.v0 = self.v0 + amount * (axis == 1)
         return other
 
     @per_precision

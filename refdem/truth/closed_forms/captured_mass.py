@@ -38,7 +38,8 @@ class CapturedMass(ClosedForm):
 
     def __init__(self, mass: Fraction, start: Start, scale: Mapping[str, Size]) -> None:
         super().__init__(scale)
-        self.mass, self.start = mass, start
+        self.mass = mass
+        self.start = start
         x, y, vx, vy = start
         self.speed2 = vx * vx + vy * vy
         self.caught = -(x * vx + y * vy) / self.speed2
@@ -92,7 +93,8 @@ class CapturedMass(ClosedForm):
         """
         ratio = arb_of(self.scale["x"] / self.scale["vx"])
         turn = abs(self.omega()) * ratio
-        one, none = arb(1), arb(0)
+        one = arb(1)
+        none = arb(0)
 
         def straight(t: arb) -> arb_mat:
             moved = t / ratio
@@ -126,10 +128,16 @@ class CapturedMass(ClosedForm):
     def readings(self, t: arb) -> arb_mat:
         """Errors along the axes of space by those outwards and along the motion."""
         since = t - arb_of(self.caught)
-        angle = self.omega() * since if since > 0 else arb(0)
+        if since > 0:
+            angle = self.omega() * since
+        else:
+            angle = arb(0)
         x, y = (arb_of(value) for value in self.place)
         size = (x * x + y * y).sqrt()
-        side = 1 if self.spin > 0 else -1
+        if self.spin > 0:
+            side = 1
+        else:
+            side = -1
         sine, cosine = angle.sin_cos()
         outward = [(x * cosine - y * sine) / size, (x * sine + y * cosine) / size]
         along = [-side * outward[1], side * outward[0]]

@@ -48,19 +48,18 @@ class CoulombOscillator(ClosedForm):
         v0: Fraction,
     ) -> None:
         super().__init__(scale)
-        self.mass, self.stiffness, self.shift, self.x0, self.v0 = (
-            mass,
-            stiffness,
-            friction_force / stiffness,
-            x0,
-            v0,
-        )
+        self.mass = mass
+        self.stiffness = stiffness
+        self.shift = friction_force / stiffness
+        self.x0 = x0
+        self.v0 = v0
 
     def displaced(self, axis: int, amount: Fraction) -> "CoulombOscillator":
         """The motion from a neighbouring start."""
         other = copy(self)
         other.kept = {}
-        other.x0, other.v0 = self.x0 + amount * (axis == 0), self.v0 + amount * (axis == 1)
+        other.x0 = self.x0 + amount * (axis == 0)
+        other.v0 = self.v0 + amount * (axis == 1)
         return other
 
     @per_precision
@@ -84,13 +83,17 @@ class CoulombOscillator(ClosedForm):
         if self.shift and t >= self.turning_time(self.halves()):
             return {"x": _ball(self.turning_point(self.halves())), "v": arb(0)}
         opening = bool(t < self.turning_time(0))
-        number = 0 if opening else self._halves_until(t)
-        heading = _sign(self.v0) if opening else -_sign(self.turning_point(number))
-        rate, turning_point, centre = (
-            self.rate(),
-            _ball(self.turning_point(number)),
-            -heading * arb_of(self.shift),
-        )
+        if opening:
+            number = 0
+        else:
+            number = self._halves_until(t)
+        if opening:
+            heading = _sign(self.v0)
+        else:
+            heading = -_sign(self.turning_point(number))
+        rate = self.rate()
+        turning_point = _ball(self.turning_point(number))
+        centre = -heading * arb_of(self.shift)
         sine, cosine = (rate * (t - self.turning_time(number))).sin_cos()
         return {
             "x": centre + (turning_point - centre) * cosine,
@@ -119,8 +122,12 @@ class CoulombOscillator(ClosedForm):
         """
         if self.v0 == 0:
             return arb(0), self.x0
-        heading = 1 if self.v0 > 0 else -1
-        away, swing = arb_of(self.x0 + heading * self.shift), arb_of(self.v0) / self.rate()
+        if self.v0 > 0:
+            heading = 1
+        else:
+            heading = -1
+        away = arb_of(self.x0 + heading * self.shift)
+        swing = arb_of(self.v0) / self.rate()
         turning_point = heading * ((away * away + swing * swing).sqrt() - arb_of(self.shift))
         return arb.atan2(abs(swing), heading * away) / self.rate(), turning_point
 
@@ -132,11 +139,17 @@ class CoulombOscillator(ClosedForm):
     def turning_point(self, number: int) -> Fraction | arb:
         """Where it turns after so many half cycles more [m]: exact from rest."""
         first: Fraction | arb = self.opening()[1]
-        loss = 2 * number * self.shift * _sign(first) if number else Fraction(0)
-        side = -1 if number % 2 else 1
-        return (
-            side * (first - loss) if isinstance(first, Fraction) else side * (first - arb_of(loss))
-        )
+        if number:
+            loss = 2 * number * self.shift * _sign(first)
+        else:
+            loss = Fraction(0)
+        if number % 2:
+            side = -1
+        else:
+            side = 1
+        if isinstance(first, Fraction):
+            return side * (first - loss)
+        return side * (first - arb_of(loss))
 
     @per_precision
     def halves(self) -> int:
@@ -159,13 +172,19 @@ class CoulombOscillator(ClosedForm):
 
 
 def _ball(value: Fraction | arb) -> arb:
-    return value if isinstance(value, arb) else arb_of(value)
+    if isinstance(value, arb):
+        return value
+    return arb_of(value)
 
 
 def _sign(value: Fraction | arb) -> int:
     if not (value > 0 or value < 0 or value == 0):
         raise UndecidedError("on which side it turns")
-    return 1 if value > 0 else -1 if value < 0 else 0
+    if value > 0:
+        return 1
+    if value < 0:
+        return -1
+    return 0
 
 
 def truth(p: Parameters, scale: Mapping[str, float]) -> Truth:

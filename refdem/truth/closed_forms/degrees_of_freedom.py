@@ -19,17 +19,21 @@ Point = Sequence[Fraction]
 def rank(rows: Sequence[Sequence[Fraction]]) -> int:
     """The exact rank."""
     entries = [[fmpq(x.numerator, x.denominator) for x in row] for row in rows]
-    return int(fmpq_mat(entries).rref()[1]) if entries else 0
+    if entries:
+        return int(fmpq_mat(entries).rref()[1])
+    return 0
 
 
 def first_order(points: Sequence[Point], rods: Sequence[tuple[int, int]]) -> int:
     """Coordinates less the rank of the derivatives of half the squared lengths."""
-    size, count = len(points[0]), len(points)
+    size = len(points[0])
+    count = len(points)
     rows = []
     for a, b in rods:
         along = [x - y for x, y in zip(points[a], points[b], strict=True)]
         row = [[Fraction(0)] * size for _ in range(count)]
-        row[a], row[b] = along, [-x for x in along]
+        row[a] = along
+        row[b] = [-x for x in along]
         rows.append([x for part in row for x in part])
     return size * count - rank(rows)
 

@@ -47,7 +47,9 @@ class DissipatingBody(ValidatedFlow):
             state=NAMES,
             moved=range(3),
         )
-        self.omega, self.inertia, self.damping = omega, inertia, damping
+        self.omega = omega
+        self.inertia = inertia
+        self.damping = damping
 
     def constants(self) -> dict[str, arb]:
         """`final_axis`, the principal axis (1, 2 or 3) about which the body ends, where that is

@@ -33,8 +33,12 @@ def field(p: Parameters) -> Field:
 
     def rates(y: Sequence[Any]) -> Sequence[Any]:
         a, b, v, w = y
-        sine, cosine = (a - b).sin(), (a - b).cos()
-        sa, sb, v2, w2 = a.sin(), b.sin(), v * v * l1, w * w * l2
+        sine = (a - b).sin()
+        cosine = (a - b).cos()
+        sa = a.sin()
+        sb = b.sin()
+        v2 = v * v * l1
+        w2 = w * w * l2
         common = sine * sine * m2 + m1
         upper = (sb * cosine * g - sine * (w2 + v2 * cosine)) * m2 - sa * (whole * g)
         lower = ((sa * cosine - sb) * g + v2 * sine) * whole + w2 * sine * cosine * m2

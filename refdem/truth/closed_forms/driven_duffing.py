@@ -29,7 +29,10 @@ class DrivenDuffing(ValidatedFlow):
         if self.repulsion is None:
             return None
         x, v = y[:2]
-        side = 1 if x > 0 else -1
+        if x > 0:
+            side = 1
+        else:
+            side = -1
         return self.repulsion.infinite_within(side * x, side * v)
 
 

@@ -43,8 +43,11 @@ class DrivenOscillator(SmoothFlow):
             "delta",
             *(("f0", "drive") if is_driven else ()),
         )
-        self.square, self.delta = values["stiffness"] / values["mass"], values["delta"]
-        self.centre, self.x0, self.v0 = values["gravity"] / self.square, values["x0"], values["v0"]
+        self.square = values["stiffness"] / values["mass"]
+        self.delta = values["delta"]
+        self.centre = values["gravity"] / self.square
+        self.x0 = values["x0"]
+        self.v0 = values["v0"]
         self.f0, self.drive = values.get("f0", Fraction(0)), values.get("drive", Fraction(0))
         self.is_driven = is_driven
 
@@ -62,31 +65,39 @@ class DrivenOscillator(SmoothFlow):
         """The motion from a neighbouring start."""
         other = copy(self)
         other.kept = {}
-        other.x0, other.v0 = self.x0 + amount * (axis == 0), self.v0 + amount * (axis == 1)
+        other.x0 = self.x0 + amount * (axis == 0)
+        other.v0 = self.v0 + amount * (axis == 1)
         return other
 
     def free(self, x0: arb, v0: arb, t: arb) -> tuple[arb, arb]:
         """X and V at t of the free motion about the equilibrium."""
-        delta, fade = arb_of(self.delta), (-arb_of(self.delta) * t).exp()
+        delta = arb_of(self.delta)
+        fade = (-arb_of(self.delta) * t).exp()
         width = arb_of(abs(self.gap)).sqrt()
         if self.gap > 0:
-            c, s = (width * t).cos(), (width * t).sin() / width
+            c = (width * t).cos()
+            s = (width * t).sin() / width
         elif self.gap < 0:
-            c, s = (width * t).cosh(), (width * t).sinh() / width
+            c = (width * t).cosh()
+            s = (width * t).sinh() / width
         else:
-            c, s = arb(1), t
-        c, s = fade * c, fade * s
+            c = arb(1)
+            s = t
+        c = fade * c
+        s = fade * s
         return x0 * (c + delta * s) + v0 * s, v0 * (c - delta * s) - arb_of(self.square) * x0 * s
 
     def steady(self, t: arb) -> tuple[arb, arb]:
         """x and v of the steady motion; at undamped resonance of the growing one from rest."""
-        f0, w = arb_of(self.f0), arb_of(self.drive)
+        f0 = arb_of(self.f0)
+        w = arb_of(self.drive)
         sine, cosine = (w * t).sin_cos()
         if self.f0 == 0:
             return arb(0), arb(0)
         if self.resounds:
             return f0 * t * sine / (2 * w), f0 * (sine + w * t * cosine) / (2 * w)
-        away, drag = arb_of(self.square - self.drive**2), arb_of(2 * self.delta * self.drive)
+        away = arb_of(self.square - self.drive**2)
+        drag = arb_of(2 * self.delta * self.drive)
         size = away * away + drag * drag
         return (
             f0 * (away * cosine + drag * sine) / size,
@@ -115,7 +126,8 @@ class DrivenOscillator(SmoothFlow):
             apart = 2 * arb_of(-self.gap).sqrt()
             by_other = ((1 / (apart * ratio)).max(arb_of(self.square) * ratio / apart)).upper()
             return Told(lambda _: 1 + by_other)
-        one, none = arb(1), arb(0)
+        one = arb(1)
+        none = arb(0)
 
         def propagator(elapsed: arb) -> arb_mat:
             (by_x, rate_by_x), (by_v, rate_by_v) = (
@@ -124,7 +136,10 @@ class DrivenOscillator(SmoothFlow):
             )
             return arb_mat([[by_x, by_v / ratio], [rate_by_x * ratio, rate_by_v]])
 
-        period = 2 * arb.pi() / arb_of(self.gap).sqrt() if self.gap > 0 else None
+        if self.gap > 0:
+            period = 2 * arb.pi() / arb_of(self.gap).sqrt()
+        else:
+            period = None
         return SteadyGrowth(
             propagator,
             Norm([1, 1]),
@@ -137,10 +152,13 @@ class DrivenOscillator(SmoothFlow):
         of the steady motion, if there is one.
         """
         if not self.is_driven:
-            return {"period": 2 * arb.pi() / arb_of(self.gap).sqrt()} if self.gap > 0 else {}
+            if self.gap > 0:
+                return {"period": 2 * arb.pi() / arb_of(self.gap).sqrt()}
+            return {}
         if self.resounds:
             return {}
-        away, drag = self.square - self.drive**2, 2 * self.delta * self.drive
+        away = self.square - self.drive**2
+        drag = 2 * self.delta * self.drive
         return {"steady_amplitude": arb_of(abs(self.f0)) / arb_of(away**2 + drag**2).sqrt()}
 
 

@@ -73,7 +73,9 @@ class Duffing(FromRest, OfAnEquation):
     def __init__(self, p: Parameters, scale: Mapping[str, float]) -> None:
         super().__init__(scale)
         values = numbers(p, "alpha", "beta", "amplitude")
-        self.alpha, self.beta, self.amplitude = values["alpha"], values["beta"], values["amplitude"]
+        self.alpha = values["alpha"]
+        self.beta = values["beta"]
+        self.amplitude = values["amplitude"]
 
     def acceleration(self, x: arb) -> arb:
         return -(arb_of(self.alpha) + arb_of(self.beta) * x * x) * x
@@ -84,7 +86,8 @@ class Duffing(FromRest, OfAnEquation):
         infinity.
         """
         square = self.beta * self.amplitude**2
-        c, h = self.alpha + square, self.alpha + square / 2
+        c = self.alpha + square
+        h = self.alpha + square / 2
         # Half the derivative of beta A^2 by A.
         pull = self.beta * self.amplitude
         if c == 0:
@@ -150,7 +153,9 @@ class Duffing(FromRest, OfAnEquation):
             return super().rates(t)
         w = arb_of(2 * abs(self.alpha)).sqrt()
         u = w * arb_of(t)
-        return (u.sin() / w, u.cos()) if self.alpha < 0 else (u.sinh() / w, u.cosh())
+        if self.alpha < 0:
+            return (u.sin() / w, u.cos())
+        return (u.sinh() / w, u.cosh())
 
     def equation(self) -> ValidatedFlow:
         def field(y: Sequence[Any]) -> list[Any]:
@@ -187,7 +192,8 @@ class Duffing(FromRest, OfAnEquation):
         (shape, slope), (change, change_rate) = family.shape(family.jacobi, u)
         reach = arb_of(self.amplitude)
         dn = family.jacobi.sn_cn_dn(u)[2]
-        m, m1 = family.jacobi.m, family.jacobi.m1
+        m = family.jacobi.m
+        m1 = family.jacobi.m1
         # S' changes by m as (change)' + kappa' S' + kappa S''.
         kappa_rate = (1 / m - dn * dn / (m * m1)) / 2
         by_m = change_rate + kappa_rate * slope
@@ -206,7 +212,9 @@ class Duffing(FromRest, OfAnEquation):
 
     def constants(self) -> dict[str, arb]:
         period = self.motion().period
-        return {} if period is None else {"period": period}
+        if period is None:
+            return {}
+        return {"period": period}
 
 
 def _elliptic(

@@ -48,7 +48,9 @@ class FreeRigidBody(SmoothFlow):
         scale: Mapping[str, Size],
     ) -> None:
         super().__init__(scale)
-        self.inertia, self.omega, self.attitude = inertia, omega, attitude
+        self.inertia = inertia
+        self.omega = omega
+        self.attitude = attitude
         self.kind = kind(inertia, omega)
         self.method = f"closed form in Arb balls; {self.kind.method}"
 
@@ -65,14 +67,19 @@ class FreeRigidBody(SmoothFlow):
 
     def turned(self, t: arb) -> list[arb]:
         """The attitude at t, of either sign."""
-        return self.start() if t.is_zero() else rotation.times(self.start(), self.body().turn(t))
+        if t.is_zero():
+            return self.start()
+        return rotation.times(self.start(), self.body().turn(t))
 
     def spin(self, t: arb) -> list[arb]:
         """omega_body at t."""
-        return [arb_of(w) for w in self.omega] if t.is_zero() else self.body().omega(t)
+        if t.is_zero():
+            return [arb_of(w) for w in self.omega]
+        return self.body().omega(t)
 
     def evaluate(self, t: arb) -> dict[str, arb]:
-        q, omega = rotation.upright(self.turned(t)), self.spin(t)
+        q = rotation.upright(self.turned(t))
+        omega = self.spin(t)
         r = rotation.matrix(q)
         names = (*BODY_OMEGA, *OMEGA, *ATTITUDE, *MATRIX)
         return dict(
@@ -92,7 +99,8 @@ class FreeRigidBody(SmoothFlow):
         """
         by_omega = super().jacobian(t).table()
         x, y, z = rotation.rotated(self.turned(arb_of(t)), self.spin(arb_of(t)))
-        ratio, none = arb_of(self.scale["attitude.w"] / self.scale["omega.x"]), arb(0)
+        ratio = arb_of(self.scale["attitude.w"] / self.scale["omega.x"])
+        none = arb(0)
         turning = [[none, z, -y], [-z, none, x], [y, -x, none]]
         by_turn = (
             [[arb(i == k) for k in range(3)] for i in range(3)]
@@ -103,7 +111,8 @@ class FreeRigidBody(SmoothFlow):
 
     @per_precision
     def growth(self) -> Grows:
-        turn, spin = self.scale["attitude.w"], self.scale["omega.x"]
+        turn = self.scale["attitude.w"]
+        spin = self.scale["omega.x"]
         if self.kind is Steady:
             return steady_growth(diagonal(self.inertia), self.omega, turn, spin, self.turned)
         balls = [arb_of(moment) for moment in self.inertia]
@@ -114,8 +123,10 @@ class FreeRigidBody(SmoothFlow):
 
     def scaled_changes(self, axis: int, t: arb) -> list[arb]:
         plus, minus = self.pair(axis)
-        q_plus, q_minus = plus.turned(t), minus.turned(t)
-        w_plus, w_minus = plus.spin(t), minus.spin(t)
+        q_plus = plus.turned(t)
+        q_minus = minus.turned(t)
+        w_plus = plus.spin(t)
+        w_minus = minus.spin(t)
         turn = rotation.times(q_plus, rotation.conjugate(q_minus))
         in_space = zip(
             rotation.rotated(q_plus, w_plus), rotation.rotated(q_minus, w_minus), strict=True

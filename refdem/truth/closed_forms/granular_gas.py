@@ -26,7 +26,8 @@ class HaffTime(GuardedTruth):
     witness = "mean energy loss and rate of collisions as integrals over two Maxwellian velocities"
 
     def __init__(self, given: Mapping[str, Fraction], *, digits: int = 40) -> None:
-        self.given, self.digits = dict(given), digits
+        self.given = dict(given)
+        self.digits = digits
 
     def at(self, t: Fraction) -> Mapping[str, Ball]:
         """Raises NotCertifiedError: what the law says is a mean over many starts."""

@@ -40,20 +40,26 @@ class HarmonicOscillator(SmoothFlow):
         v0: Fraction,
     ) -> None:
         super().__init__(scale)
-        self.mass, self.stiffness, self.gravity, self.x0, self.v0 = mass, stiffness, gravity, x0, v0
+        self.mass = mass
+        self.stiffness = stiffness
+        self.gravity = gravity
+        self.x0 = x0
+        self.v0 = v0
 
     def displaced(self, axis: int, amount: Fraction) -> "HarmonicOscillator":
         """The motion from a neighbouring start."""
         other = copy(self)
         other.kept = {}
-        other.x0, other.v0 = self.x0 + amount * (axis == 0), self.v0 + amount * (axis == 1)
+        other.x0 = self.x0 + amount * (axis == 0)
+        other.v0 = self.v0 + amount * (axis == 1)
         return other
 
     def evaluate(self, t: arb) -> dict[str, arb]:
         """Position and velocity at t."""
         rate = arb_of(self.stiffness / self.mass).sqrt()
         centre = self.mass * self.gravity / self.stiffness
-        away, v0 = arb_of(self.x0 - centre), arb_of(self.v0)
+        away = arb_of(self.x0 - centre)
+        v0 = arb_of(self.v0)
         sine, cosine = (rate * t).sin_cos()
         return {
             "x": arb_of(centre) + away * cosine + v0 / rate * sine,

@@ -135,10 +135,8 @@ class HeavyTop(ValidatedFlow):
         """u1 <= u2 <= u3; where the tilt starts at one of its ends, that one is known."""
         p = self.p
         sine, u = arb_of(p["theta0"]).sin_cos()
-        beta, a = (
-            arb_of(2 * p["mass"] * p["gravity"] * p["length"] / p["j1"]),
-            arb_of(p["j3"] * p["spin"] / p["j1"]),
-        )
+        beta = arb_of(2 * p["mass"] * p["gravity"] * p["length"] / p["j1"])
+        a = arb_of(p["j3"] * p["spin"] / p["j1"])
         b = self.vertical() / arb_of(p["j1"])
         alpha = arb_of(p["thetadot0"] ** 2) + arb_of(p["phidot0"] ** 2) * sine * sine + beta * u
         cubic = [alpha - b * b, 2 * a * b - beta, -(alpha + a * a), beta]
@@ -146,7 +144,8 @@ class HeavyTop(ValidatedFlow):
             linear = cubic[2] + beta * u
             rest = cubic[1] + linear * u
             spread = (linear * linear - 4 * beta * rest).sqrt()
-            other, beyond = 2 * rest / (spread - linear), (spread - linear) / (2 * beta)
+            other = 2 * rest / (spread - linear)
+            beyond = (spread - linear) / (2 * beta)
             return [u.min(other), u.max(other), beyond]
         # A tolerance is absolute and u3 may be large: a third of the bits is for its size.
         # ValueError: more precision is tried.
@@ -179,7 +178,8 @@ class NearVertical(HeavyTop):
     closest = LEAST_TOLD
 
     def __init__(self, p: Mapping[str, Fraction], scale: Mapping[str, Size], side: int) -> None:
-        self.p, self.side = p, side
+        self.p = p
+        self.side = side
         sizes = {
             **scale,
             **dict.fromkeys(CARTESIAN[:3], 1.0),
@@ -202,7 +202,8 @@ class NearVertical(HeavyTop):
         """Coordinate k of n and L at the start."""
         p = self.p
         sine, cosine = arb_of(p["theta0"]).sin_cos()
-        across, own = arb_of(p["j1"] * p["phidot0"]) * sine, arb_of(p["j3"] * p["spin"])
+        across = arb_of(p["j1"] * p["phidot0"]) * sine
+        own = arb_of(p["j3"] * p["spin"])
         along = [
             arb_of(p["j1"] * p["thetadot0"]),
             across * cosine - own * sine,
@@ -212,7 +213,8 @@ class NearVertical(HeavyTop):
 
     def evaluate(self, t: arb) -> dict[str, arb]:
         x, y, z, lx, ly, lz, turned = self.integration().at(t)
-        sine, phi = (x * x + y * y).sqrt(), arb.atan2(x, -y)
+        sine = (x * x + y * y).sqrt()
+        phi = arb.atan2(x, -y)
         rate = (ly * x - lx * y) / (arb_of(self.p["j1"]) * sine)
         angles = {
             "theta": arb.atan2(sine, z),
@@ -227,14 +229,13 @@ class NearVertical(HeavyTop):
         the chain rule.
         """
         x, y, z, lx, ly, _, _ = self.integration().at(t)
-        square, j1, tau, none = (
-            x * x + y * y,
-            arb_of(self.p["j1"]),
-            arb_of(1 / self.scale["thetadot"]),
-            arb(0),
-        )
+        square = x * x + y * y
+        j1 = arb_of(self.p["j1"])
+        tau = arb_of(1 / self.scale["thetadot"])
+        none = arb(0)
         sine = square.sqrt()
-        rate, lever = (ly * x - lx * y) / (j1 * sine), j1 * sine
+        rate = (ly * x - lx * y) / (j1 * sine)
+        lever = j1 * sine
         tilt = [z * x / sine, z * y / sine, -sine, none, none, none, none]
         phi = [-y / square, x / square, none, none, none, none, none]
         psi = [-self.side * value for value in phi[:6]]
@@ -253,7 +254,9 @@ class NearVertical(HeavyTop):
 
 def cartesian(p: Mapping[str, Fraction], side: int) -> Field:
     """The rates of n, L and psi + side phi."""
-    weight, j1, j3 = p["mass"] * p["gravity"] * p["length"], p["j1"], p["j3"]
+    weight = p["mass"] * p["gravity"] * p["length"]
+    j1 = p["j1"]
+    j3 = p["j3"]
 
     def rates(s: Sequence[Any]) -> Sequence[Any]:
         x, y, z, lx, ly, lz, _ = s
@@ -276,7 +279,8 @@ def field(p: Mapping[str, Fraction]) -> Field:
 
     def rates(y: Sequence[Any]) -> Sequence[Any]:
         theta, _, _, rate, vertical, spin = y
-        sine, cosine = theta.sin(), theta.cos()
+        sine = theta.sin()
+        cosine = theta.cos()
         own = spin * (p["j3"] / p["j1"])
         precession = (vertical / p["j1"] - own * cosine) / (sine * sine)
         return (
@@ -304,4 +308,6 @@ def truth(p: Parameters, scale: Mapping[str, float], rate: float) -> Truth:
     sizes = {**scale, "lz": float(j1) * rate, "w3": rate}
     top = HeavyTop(exact, sizes)
     poles = top.poles()
-    return NearVertical(exact, sizes, poles[0]) if len(poles) == 1 else top
+    if len(poles) == 1:
+        return NearVertical(exact, sizes, poles[0])
+    return top

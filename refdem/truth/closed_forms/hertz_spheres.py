@@ -73,17 +73,19 @@ class HertzSpheres(SmoothFlow):
         steepest where it is deepest.
         """
         contact, touch = self.contact()
-        ratio, power = (
-            arb_of(self.scale["overlap"] / self.scale["v"]),
-            arb_of(Fraction(2) / (HERTZ + 1)),
-        )
+        ratio = arb_of(self.scale["overlap"] / self.scale["v"])
+        power = arb_of(Fraction(2) / (HERTZ + 1))
         stiffness = arb_of(self.stiffness / self.mass)
         quick = steepness(stiffness * arb_of(HERTZ) * contact.depth.sqrt(), ratio)
 
         def errors(t: arb) -> arb_mat:
             state = self.evaluate(t)
-            overlap, rate = state["overlap"], state["v"]
-            push = -stiffness * overlap * overlap.sqrt() if overlap > 0 else arb(0)
+            overlap = state["overlap"]
+            rate = state["v"]
+            if overlap > 0:
+                push = -stiffness * overlap * overlap.sqrt()
+            else:
+                push = arb(0)
             return homogeneous(overlap, rate, push, t - touch, power, ratio)
 
         whole = smooth(arb(0), None, errors, quickness=lambda t: quick)

@@ -84,7 +84,8 @@ class Kapitza(ValidatedFlow):
 
 def shaken(p: Mapping[str, Fraction]) -> Field:
     """The rates of theta, thetadot, cos W t and sin W t."""
-    drive, push = p["drive"], p["drive_amplitude"] * p["drive"] ** 2
+    drive = p["drive"]
+    push = p["drive_amplitude"] * p["drive"] ** 2
 
     def rates(y: Sequence[Any]) -> Sequence[Any]:
         theta, rate, cosine, sine = y
@@ -102,10 +103,8 @@ def about_the_top(p: Mapping[str, Fraction]) -> Field:
     """The rates of two solutions (x, x') of the linear equation, and of cosine and sine, with the
     phase W t as time.
     """
-    weight, push = (
-        p["gravity"] / (p["length"] * p["drive"] ** 2),
-        p["drive_amplitude"] / p["length"],
-    )
+    weight = p["gravity"] / (p["length"] * p["drive"] ** 2)
+    push = p["drive_amplitude"] / p["length"]
 
     def rates(y: Sequence[Any]) -> Sequence[Any]:
         x1, v1, x2, v2, cosine, sine = y

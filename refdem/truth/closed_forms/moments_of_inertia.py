@@ -71,7 +71,10 @@ def hollowed(whole: Means, factor: Fraction, *, across: bool = False) -> Means:
     """Without its copy scaled by `factor` about the centre, in x and y alone if `across`: volumes
     and moments subtract (1.31).
     """
-    part = factor**2 if across else factor**3
+    if across:
+        part = factor**2
+    else:
+        part = factor**3
     scale = (factor**2, factor**2, F(1) if across else factor**2)
     left = [whole.second[i][i] * (1 - part * scale[i]) / (1 - part) for i in range(3)]
     return Means(whole.volume * (1 - part), whole.centre, diagonal(*left), whole.is_round)
@@ -81,7 +84,8 @@ def plate_triangle(a: Fraction, b: Fraction, c: Fraction) -> Means:
     """Corners 0, (b, 0), (a, c): with p, q two corners from the third, the second moments are (2 p
     p + 2 q q - p q - q p)/36.
     """
-    p, q = (b, F(0), F(0)), (a, c, F(0))
+    p = (b, F(0), F(0))
+    q = (a, c, F(0))
     second = matrix(
         lambda i, j: (2 * p[i] * p[j] + 2 * q[i] * q[j] - p[i] * q[j] - q[i] * p[j]) / 36
     )
@@ -154,15 +158,13 @@ def points(a: Fraction, b: Fraction, c: Fraction) -> Means:
     """1, 2, 3 and 4 kg at 0, (a, 0, 0), (a, b, 0) and (a, b, c), as sums over pairs: (1/M^2) sum
     m_i m_j (r_i - r_j)(r_i - r_j)^T.
     """
-    masses, places = (
-        [F(1), F(2), F(3), F(4)],
-        [
-            (F(0),) * 3,
-            (a, F(0), F(0)),
-            (a, b, F(0)),
-            (a, b, c),
-        ],
-    )
+    masses = [F(1), F(2), F(3), F(4)]
+    places = [
+        (F(0),) * 3,
+        (a, F(0), F(0)),
+        (a, b, F(0)),
+        (a, b, c),
+    ]
     pairs = [
         (masses[i] * masses[j], [x - y for x, y in zip(places[i], places[j], strict=True)])
         for i in range(4)
@@ -176,7 +178,8 @@ def turned(means: Means, q: tuple[Fraction, ...]) -> Means:
     """The solid after the turn q r q*/|q|^2, as columns of the turned axes; rational for every
     rational q.
     """
-    w, v = q[0], q[1:]
+    w = q[0]
+    v = q[1:]
     size = w * w + sum(x * x for x in v)
     columns = []
     for k in range(3):
@@ -211,7 +214,10 @@ def values(p: Parameters) -> dict[str, arb]:
     """Mass [kg], centre of mass [m] and inertia tensor [kg m^2] of every solid."""
     found: dict[str, arb] = {}
     for name, means in every(p).items():
-        density = F(1) if name == "points" else numbers(p, "density")["density"]
+        if name == "points":
+            density = F(1)
+        else:
+            density = numbers(p, "density")["density"]
         mass = arb_of(density * means.volume) * (arb.pi() if means.is_round else 1)
         tensor = means.tensor()
         found[f"{name}.mass"] = mass

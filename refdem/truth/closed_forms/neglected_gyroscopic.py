@@ -40,7 +40,8 @@ class Flight(GuardedTruth):
 
     def __init__(self, body: FreeRigidBody, velocity: Sequence[Fraction], length: Size) -> None:
         self.body, self.velocity, self.length = body, tuple(velocity), float(length)
-        self.method, self.witness = body.method, body.witness
+        self.method = body.method
+        self.witness = body.witness
 
     def at(self, t: Fraction) -> dict[str, Ball]:
         places = {
@@ -76,7 +77,8 @@ class Tumbling(HybridFlow):
     def __init__(self, system: Slope, start: Sequence[Any], scale: Mapping[str, Size]) -> None:
         self.system = system
         sizes = dict(scale)
-        rate, length = Fraction(sizes["omega.x"]), Fraction(sizes["x"])
+        rate = Fraction(sizes["omega.x"])
+        length = Fraction(sizes["x"])
         sizes |= {"spin": max(system.inertia) * rate, "speed": length * rate}
         state = (*ATTITUDE, *["spin"] * 3, *PLACE, *["speed"] * 3)
         super().__init__(
@@ -93,7 +95,8 @@ class Tumbling(HybridFlow):
 
     def seen(self, y: Sequence[Any]) -> dict[str, Any]:
         """The quantities of a state, the attitude of either sign."""
-        found, angle = Seen(self.system, y), (y[0] * 0 + self.system.slope) / 2
+        found = Seen(self.system, y)
+        angle = (y[0] * 0 + self.system.slope) / 2
         (w, x, v, z), c, s = y[:4], angle.cos(), angle.sin()
         attitude = [c * w - s * v, c * x + s * z, c * v + s * w, c * z - s * x]
         rows = rotation(attitude)
@@ -112,7 +115,8 @@ class TracedModes(dict[str, Traced]):
 
     def __init__(self, modes: Modes, size: int) -> None:
         super().__init__()
-        self.modes, self.size = modes, size
+        self.modes = modes
+        self.size = size
 
     def __missing__(self, name: str) -> Traced:
         self[name] = TracedCorners(self.modes[name], self.size)

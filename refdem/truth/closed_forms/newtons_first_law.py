@@ -91,7 +91,10 @@ class Uniform(ClosedForm):
             across = across.min(1 / rate)
         turned = arb(0)
         for part, name in zip(self.start[6:], SPIN, strict=True):
-            share = part * part / squared if squared else Fraction(0)
+            if squared:
+                share = part * part / squared
+            else:
+                share = Fraction(0)
             moved = (t * t / 4 * arb_of(share) + across * across * arb_of(1 - share)).sqrt()
             turned += moved * arb_of(self.scale[name])
         largest = max(
@@ -103,7 +106,10 @@ class Uniform(ClosedForm):
     def _turned(self, t: arb) -> list[arb]:
         squared = sum(x * x for x in self.start[6:])
         rate = arb_of(squared).sqrt() / 2
-        along = (rate * t).sin() / (2 * rate) if squared else t / 2
+        if squared:
+            along = (rate * t).sin() / (2 * rate)
+        else:
+            along = t / 2
         w, x, y, z = (rate * t).cos(), *(arb_of(component) * along for component in self.start[6:])
         a, b, c, d = (arb_of(part) for part in self.attitude)
         return [

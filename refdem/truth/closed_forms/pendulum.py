@@ -119,7 +119,8 @@ class Separatrix(Motion):
     """
 
     def __init__(self, w0: arb, *, sense: int) -> None:
-        self.w0, self.sense = w0, sense
+        self.w0 = w0
+        self.sense = sense
 
     def state(self, t: arb) -> tuple[arb, arb]:
         u = self.w0 * t
@@ -142,8 +143,12 @@ class Pendulum(OfAnEquation):
         self, p: Mapping[str, Fraction], scale: Mapping[str, float], *, half_turns: int = 0
     ) -> None:
         super().__init__(scale)
-        self.mass, self.length, self.gravity = p["mass"], p["length"], p["gravity"]
-        self.theta0, self.thetadot0, self.half_turns = p["theta0"], p["thetadot0"], half_turns
+        self.mass = p["mass"]
+        self.length = p["length"]
+        self.gravity = p["gravity"]
+        self.theta0 = p["theta0"]
+        self.thetadot0 = p["thetadot0"]
+        self.half_turns = half_turns
 
     @per_precision
     def start(self) -> tuple[int, arb, arb]:
@@ -167,13 +172,17 @@ class Pendulum(OfAnEquation):
         """
         w0 = arb_of(self.gravity / self.length).sqrt()
         kinetic = self.thetadot0**2 * self.length / (4 * self.gravity)
-        sense = 1 if self.thetadot0 > 0 else -1
+        if self.thetadot0 > 0:
+            sense = 1
+        else:
+            sense = -1
         if self.theta0 == 0 and self.thetadot0 == 0:
             return Equilibrium(arb.pi() / 2 * (self.half_turns % 2))
         if self.theta0 == 0 and self.half_turns % 2 == 0 and kinetic == 1:
             return Separatrix(w0, sense=sense)
         _, sine, cosine = self.start()
-        m, m1 = sine * sine + arb_of(kinetic), cosine * cosine - arb_of(kinetic)
+        m = sine * sine + arb_of(kinetic)
+        m1 = cosine * cosine - arb_of(kinetic)
         if m1 > 0:
             return Swing(sine, arb_of(self.thetadot0), w0, m, m1)
         if m1 < 0:
@@ -182,11 +191,10 @@ class Pendulum(OfAnEquation):
 
     def evaluate(self, t: arb) -> dict[str, arb]:
         half, rate = self.motion().state(t)
-        turns = (
-            self.half_turns // 2
-            if isinstance(self.motion(), Equilibrium | Separatrix)
-            else self.start()[0]
-        )
+        if isinstance(self.motion(), Equilibrium | Separatrix):
+            turns = self.half_turns // 2
+        else:
+            turns = self.start()[0]
         theta = 2 * (half + arb.pi() * turns)
         sine, cosine = theta.sin_cos()
         length = arb_of(self.length)
@@ -223,7 +231,8 @@ class Pendulum(OfAnEquation):
     def seen(self, y: Sequence[Any]) -> dict[str, Any]:
         """The quantities of a state, by the operations of a traced field."""
         theta, rate = y
-        sine, cosine = theta.sin(), theta.cos()
+        sine = theta.sin()
+        cosine = theta.cos()
         force = (rate * rate * self.length + cosine * self.gravity) * self.mass
         return {
             "theta": theta,
@@ -255,7 +264,9 @@ class Pendulum(OfAnEquation):
 
     def constants(self) -> dict[str, arb]:
         period = self.motion().period()
-        return {} if period is None else {"period": period}
+        if period is None:
+            return {}
+        return {"period": period}
 
 
 def truth(p: Parameters, scale: Mapping[str, float]) -> Truth:

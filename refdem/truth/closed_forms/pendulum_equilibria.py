@@ -39,7 +39,8 @@ class PendulumEquilibria(Pendulum):
 
     def seen(self, y: Sequence[Any]) -> dict[str, Any]:
         theta, rate = y
-        sine, cosine = theta.sin() * self.length, theta.cos() * self.length
+        sine = theta.sin() * self.length
+        cosine = theta.cos() * self.length
         return {
             "theta": theta,
             "thetadot": rate,
@@ -59,7 +60,9 @@ class PendulumEquilibria(Pendulum):
 
 def truth(p: Parameters, scale: Mapping[str, float]) -> Truth:
     """The truth at these parameters (length, gravity, position, delta)."""
-    length, gravity, delta = number(p, "length"), number(p, "gravity"), number(p, "delta")
+    length = number(p, "length")
+    gravity = number(p, "gravity")
+    delta = number(p, "delta")
     top = p["position"] == "top"
     start = {
         "mass": Fraction(1),

@@ -29,7 +29,10 @@ class PendulumWheelMass(ValidatedFlow):
 
 def field(p: Mapping[str, Fraction]) -> Field:
     """The rates of the four numbers."""
-    m, counter, radius, g = p["mass"], p["counter_mass"], p["wheel_radius"], p["gravity"]
+    m = p["mass"]
+    counter = p["counter_mass"]
+    radius = p["wheel_radius"]
+    g = p["gravity"]
     whole = m + counter + (p["wheel_inertia"] / radius**2 if radius else 0)
 
     def rates(y: Sequence[Any]) -> Sequence[Any]:

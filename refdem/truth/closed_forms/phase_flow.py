@@ -166,12 +166,16 @@ def _swept(
     if x * v_end == x_end * v:
         return arb(0)  # along a ray from the centre
     w = arb_of(square).sqrt()
-    p, d = (arb_of(x), arb_of(v) / w), (arb_of(x_end - x), arb_of(v_end - v) / w)
+    p = (arb_of(x), arb_of(v) / w)
+    d = (arb_of(x_end - x), arb_of(v_end - v) / w)
     sine, cosine = ray
     # cross product with the ray: positive on the side that is yet to turn
     ends_beyond = [cosine * q[1] - sine * q[0] for q in (p, (p[0] + d[0], p[1] + d[1]))]
     is_cut = _positive(ends_beyond[0]) != _positive(ends_beyond[1])
-    cuts = [ends_beyond[0] / (ends_beyond[0] - ends_beyond[1])] if is_cut else []
+    if is_cut:
+        cuts = [ends_beyond[0] / (ends_beyond[0] - ends_beyond[1])]
+    else:
+        cuts = []
     for n in (turns, turns + 1):
         if n:
             reach = arb_of(n * loss)
@@ -183,7 +187,10 @@ def _swept(
             tuple(q + s * e for q, e in zip(p, d, strict=True))
             for s in (begin, (begin + end) / 2, end)
         )
-        n = turns if _positive(cosine * middle[1] - sine * middle[0]) else turns + 1
+        if _positive(cosine * middle[1] - sine * middle[0]):
+            n = turns
+        else:
+            n = turns + 1
         reach = arb_of(n * loss)
         if not n or _positive(_dot(middle, middle) - reach * reach):
             total += _piece(a, b, reach)
@@ -214,11 +221,9 @@ def _dot(a: Any, b: Any) -> arb:
 def _roots(square: arb, linear: arb, constant: arb) -> list[arb]:
     """Real roots of square s^2 + linear s + constant, square > 0."""
     inside = linear * linear - 4 * square * constant
-    return (
-        [(sign * inside.sqrt() - linear) / (2 * square) for sign in (-1, 1)]
-        if _positive(inside)
-        else []
-    )
+    if _positive(inside):
+        return [(sign * inside.sqrt() - linear) / (2 * square) for sign in (-1, 1)]
+    return []
 
 
 def _inside(cut: arb) -> bool:

@@ -36,11 +36,9 @@ class PowerOscillator(FromRest):
     def __init__(self, p: Parameters, scale: Mapping[str, float]) -> None:
         super().__init__(scale)
         values = numbers(p, "mass", "stiffness", "exponent", "amplitude")
-        self.ratio, self.exponent, self.amplitude = (
-            values["stiffness"] / values["mass"],
-            values["exponent"],
-            values["amplitude"],
-        )
+        self.ratio = values["stiffness"] / values["mass"]
+        self.exponent = values["exponent"]
+        self.amplitude = values["amplitude"]
 
     @property
     def p(self) -> arb:
@@ -49,7 +47,11 @@ class PowerOscillator(FromRest):
 
     def acceleration(self, x: arb) -> arb:
         size = arb_of(self.ratio) * magnitude(x, arb_of(self.exponent))
-        return -size if x > 0 else size if x < 0 else size.union(-size)
+        if x > 0:
+            return -size
+        if x < 0:
+            return size
+        return size.union(-size)
 
     def rate(self) -> arb:
         """u/A [1/s]."""
@@ -94,7 +96,8 @@ class PowerOscillator(FromRest):
         return self.from_centre((arb(0.5) ** (1 / self.p)).mid())
 
     def evaluate(self, t: arb) -> dict[str, arb]:
-        phase, half = self.rate() * t, 2 * self.quarter()
+        phase = self.rate() * t
+        half = 2 * self.quarter()
         turns = nearest_integer(phase / half)
         y, w = self.place(phase - half * turns)
         reach = arb_of(self.amplitude) * (-1 if turns % 2 else 1)
@@ -105,17 +108,16 @@ class PowerOscillator(FromRest):
         """By scaling: motions of other amplitudes are the same ones in other units; the force is
         steepest at the turning point.
         """
-        ratio, power = (
-            arb_of(self.scale["x"] / self.scale["v"]),
-            arb_of(Fraction(2) / (self.exponent + 1)),
-        )
+        ratio = arb_of(self.scale["x"] / self.scale["v"])
+        power = arb_of(Fraction(2) / (self.exponent + 1))
         reach = arb_of(abs(self.amplitude))
         steepest = arb_of(self.ratio * self.exponent) * reach ** (arb_of(self.exponent) - 1)
         quick = steepness(steepest, ratio)
 
         def errors(t: arb) -> arb_mat:
             state = self.evaluate(t)
-            x, v = state["x"], state["v"]
+            x = state["x"]
+            v = state["v"]
             return homogeneous(x, v, self.acceleration(x), t, power, ratio)
 
         whole = smooth(arb(0), None, errors, quickness=lambda t: quick)
@@ -133,7 +135,9 @@ def magnitude(x: arb, power: arb) -> arb:
     if x > 0 or x < 0:
         return abs(x) ** power
     upper = arb(x.abs_upper())
-    return arb(0).union(upper**power) if upper > 0 else arb(0)
+    if upper > 0:
+        return arb(0).union(upper**power)
+    return arb(0)
 
 
 def inverse(
@@ -142,7 +146,10 @@ def inverse(
     """The argument at which a function with slope >= `least` has that value: a trial, and what it
     misses over `least`.
     """
-    trial = arb(float(value.mid())) / 2 if abs(value.mid()) > 0.25 else arb(value.mid())
+    if abs(value.mid()) > 0.25:
+        trial = arb(float(value.mid())) / 2
+    else:
+        trial = arb(value.mid())
     for _ in range(8 + ctx.prec.bit_length()):
         step = ((function(trial) - value) / slope(trial)).mid()
         trial = (trial - step).mid()

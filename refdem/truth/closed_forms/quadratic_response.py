@@ -59,5 +59,8 @@ def truth(p: Parameters, scale: Mapping[str, float]) -> Truth:
         found.repulsion = Repulsion(
             2, abs(values["eps"]), values["w0"] ** 2, values["delta"], force
         )
-        found.repelling_side = -1 if values["eps"] > 0 else 1
+        if values["eps"] > 0:
+            found.repelling_side = -1
+        else:
+            found.repelling_side = 1
     return found

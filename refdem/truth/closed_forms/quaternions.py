@@ -48,7 +48,8 @@ def euler(u: acb_mat) -> list[arb]:
     theta twice that of their sizes.
     """
     w, x, y, z = numbers_of(u)
-    total, apart = acb(w, z), acb(x, y)
+    total = acb(w, z)
+    apart = acb(x, y)
     theta = 2 * acb(abs(total), abs(apart)).arg()
     return [wrapped(total.arg() + apart.arg()), theta, wrapped(total.arg() - apart.arg())]
 
@@ -70,9 +71,13 @@ def values(p: Parameters) -> dict[str, list[arb]]:
         of_numbers(vector(p, name)) for name in ("p", "q", "r", "vector", "omega", "rise")
     )
     size = absolute(b)
-    u, half = b / acb(size), acb(1) / 2
+    u = b / acb(size)
+    half = acb(1) / 2
     rate = omega * u * half
-    sign = acb(-1) if numbers_of(u)[0] < 0 else acb(1)
+    if numbers_of(u)[0] < 0:
+        sign = acb(-1)
+    else:
+        sign = acb(1)
     found = {
         "p-q": a * b,
         "q-p": b * a,

@@ -51,11 +51,9 @@ class AboutAxis(FreeBody):
             for w, x in zip(self.start, self.axis, strict=True)
         ]
         self.length = rotation.dot(momentum, momentum).sqrt()
-        self.along, self.across, self.rate = (
-            [m / self.length for m in momentum],
-            across,
-            about * (1 - along / across),
-        )
+        self.along = [m / self.length for m in momentum]
+        self.across = across
+        self.rate = about * (1 - along / across)
         self.moment, self.twice_energy = along, rotation.dot(momentum, self.start)
 
     def omega(self, t: arb) -> list[arb]:
@@ -178,12 +176,17 @@ class RigidCluster(FreeRigidBody):
         omega = [arb_of(w) for w in self.omega]
         moments = [moment for moment, _ in self.moments()]
         momentum = [dot_exact(row, self.omega) for row in self.tensor]
-        energy2, momentum2 = dot_exact(momentum, self.omega), dot_exact(momentum, momentum)
-        steady, at_rest = self.is_steady, not any(self.shift)
+        energy2 = dot_exact(momentum, self.omega)
+        momentum2 = dot_exact(momentum, momentum)
+        steady = self.is_steady
+        at_rest = not any(self.shift)
         if len(moments) < 3:
             once = next((moment for moment, count in self.moments() if count == 1), moments[0])
             twice = next(moment for moment, count in self.moments() if count > 1)
-            e = self.axis(once) if len(moments) == 2 else [arb(0), arb(0), arb(1)]
+            if len(moments) == 2:
+                e = self.axis(once)
+            else:
+                e = [arb(0), arb(0), arb(1)]
             return AboutAxis(
                 twice, once, e, [w + arb_of(s) for w, s in zip(omega, self.shift, strict=True)]
             )
@@ -244,7 +247,8 @@ class RigidCluster(FreeRigidBody):
     @per_precision
     def growth(self) -> Grows:
         moments = [moment for moment, _ in self.moments()]
-        turn, spin = self.scale["attitude.w"], self.scale["omega.x"]
+        turn = self.scale["attitude.w"]
+        spin = self.scale["omega.x"]
         if self.is_steady:
             body = steady_growth(self.tensor, self.omega, turn, spin, self.in_own_axes)
         elif len(moments) < 3:

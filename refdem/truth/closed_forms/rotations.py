@@ -52,8 +52,10 @@ def rates(phi: arb, theta: arb, omega: tuple[arb, arb, arb]) -> list[arb]:
 
 def quaternion(phi: arb, theta: arb, psi: arb) -> list[arb]:
     """(1.76) to (1.79)."""
-    c, s = (theta / 2).cos(), (theta / 2).sin()
-    total, apart = (phi + psi) / 2, (phi - psi) / 2
+    c = (theta / 2).cos()
+    s = (theta / 2).sin()
+    total = (phi + psi) / 2
+    apart = (phi - psi) / 2
     return [c * total.cos(), s * apart.cos(), s * apart.sin(), c * total.sin()]
 
 
@@ -79,10 +81,8 @@ def values(p: Parameters) -> dict[str, list[arb]]:
     v = acb(*(arb_of(x) for x in vector(p, "vector")))
     phi, theta, psi = (arb_of(x) for x in vector(p, "euler"))
     x, y, z = (arb_of(w) for w in vector(p, "omega"))
-    turned, mirrored = (
-        acb(angle.cos(), angle.sin()) * v,
-        acb((2 * angle).cos(), (2 * angle).sin()) * v.conjugate(),
-    )
+    turned = acb(angle.cos(), angle.sin()) * v
+    mirrored = acb((2 * angle).cos(), (2 * angle).sin()) * v.conjugate()
     q0, q1, q2, q3 = tilted = quaternion(phi, near, psi)
     rising = [
         -x * q1 - y * q2 - z * q3,

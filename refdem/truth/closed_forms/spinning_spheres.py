@@ -32,7 +32,8 @@ class SpinningSpheres(TwoSpheres):
 
     def units(self) -> list[Fraction]:
         """Of r, v, o1, o2 [m, m/s, 1/s]."""
-        phases, radii = self.phases, self.spheres.radii
+        phases = self.phases
+        radii = self.spheres.radii
         return [
             unit
             for unit in (phases.length, phases.speed, *(phases.speed / radius for radius in radii))

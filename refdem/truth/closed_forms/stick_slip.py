@@ -25,7 +25,9 @@ from refdem.truth.exact import numbers
 from refdem.truth.traced_field import Field
 
 NAMES = ("a", "mu0", "mu1", "lambda0", "lambda1", "belt", "gamma", "eta", "x0", "v0")
-FORWARD, BACKWARD, STICK = "forward", "backward", "stick"
+FORWARD = "forward"
+BACKWARD = "backward"
+STICK = "stick"
 
 
 @dataclass(frozen=True)
@@ -49,7 +51,10 @@ class StickSlip:
 
     def friction(self, speed: Any) -> Any:
         """a mu(w) of a speed w >= 0."""
-        last = speed * speed if self.law == "quadratic" else speed
+        if self.law == "quadratic":
+            last = speed * speed
+        else:
+            last = speed
         return self.a * (
             (self.mu0 - self.mu1) / (1 + self.lambda0 * speed) + self.mu1 + self.lambda1 * last
         )
@@ -99,11 +104,14 @@ class StickSlip:
 
     def window(self) -> Fraction:
         """About a quarter of the drive's period [s]."""
-        return min(Fraction(1), Fraction(3, 2) / self.eta) if self.eta else Fraction(1)
+        if self.eta:
+            return min(Fraction(1), Fraction(3, 2) / self.eta)
+        return Fraction(1)
 
     def landing(self, y: State) -> Entry:
         """At u = 0: it sticks or crosses, by the pull."""
-        wave, limit = arb_of(self.gamma) * (arb_of(self.eta) * y[2]).cos(), arb_of(self.limit)
+        wave = arb_of(self.gamma) * (arb_of(self.eta) * y[2]).cos()
+        limit = arb_of(self.limit)
         pull = wave - y[0] - arb_of(self.friction(abs(self.belt)))
         if abs(pull) < limit:
             return Entry(STICK, on_belt)
@@ -117,7 +125,8 @@ class StickSlip:
         """The mode at the start, by exact numbers: at rest on the belt and exactly at the limit the
         change of the pull decides.
         """
-        slip, pull = self.v0 - self.belt, self.gamma - self.x0 - self.friction(abs(self.belt))
+        slip = self.v0 - self.belt
+        pull = self.gamma - self.x0 - self.friction(abs(self.belt))
         if slip or abs(pull) > self.limit:
             side = slip or pull
             return Entry(FORWARD if side > 0 else BACKWARD, None, {} if slip else {"stop": 1})
@@ -130,7 +139,9 @@ class StickSlip:
                 code="corner",
                 time=0.0,
             )
-        return Entry(side, None, {"stop": 2}) if leaving > 0 else Entry(STICK, None, {side: 1})
+        if leaving > 0:
+            return Entry(side, None, {"stop": 2})
+        return Entry(STICK, None, {side: 1})
 
     def leaves(self, y: State) -> tuple[str, arb] | None:
         """On a belt at rest: gamma cos(eta t) = x + a mu0 +- a mu0 the first time after the clock
@@ -143,11 +154,10 @@ class StickSlip:
                 found[side] = since
         if len(found) < 2:
             return next(iter(found.items()), None)
-        first = (
-            FORWARD
-            if sign(found[BACKWARD] - found[FORWARD], "the order of two releases") > 0
-            else BACKWARD
-        )
+        if sign(found[BACKWARD] - found[FORWARD], "the order of two releases") > 0:
+            first = FORWARD
+        else:
+            first = BACKWARD
         return first, found[first]
 
     def next_time(self, level: arb, clock: arb) -> arb | None:
@@ -158,7 +168,8 @@ class StickSlip:
             raise SwitchError(
                 "grazing", "the largest pull is at the limit of friction", float(clock.mid())
             )
-        angle, turn = (level / arb_of(self.gamma)).acos(), 2 * arb.pi()
+        angle = (level / arb_of(self.gamma)).acos()
+        turn = 2 * arb.pi()
         phases = []
         for branch in (angle, -angle):
             turns = ((arb_of(self.eta) * clock - branch) / turn).ceil().unique_fmpz()
@@ -167,9 +178,9 @@ class StickSlip:
                     "corner", "the release is not told from the landing", float(clock.mid())
                 )
             phases.append((branch + turn * int(turns)) / arb_of(self.eta) - clock)
-        return (
-            phases[0] if sign(phases[1] - phases[0], "the order of two branches") > 0 else phases[1]
-        )
+        if sign(phases[1] - phases[0], "the order of two branches") > 0:
+            return phases[0]
+        return phases[1]
 
 
 def on_belt(y: Any) -> list[Any]:
@@ -193,7 +204,10 @@ class StickSlipFlow(HybridFlow):
         try:
             found = self.events_until(self.until)
         except NotCertifiedError as error:
-            found = self.events_until(Fraction(error.time)) if error.time else []
+            if error.time:
+                found = self.events_until(Fraction(error.time))
+            else:
+                found = []
         kinds = [
             "slip" if name != "stop" else "stick" if mode == STICK else "cross"
             for name, mode, _ in found

@@ -60,12 +60,10 @@ class Orbit(SmoothFlow):
         stiffness: Fraction | None,
     ) -> None:
         super().__init__(scale)
-        self.gm, self.semi_major, self.eccentricity, self.stiffness = (
-            gm,
-            semi_major,
-            eccentricity,
-            stiffness,
-        )
+        self.gm = gm
+        self.semi_major = semi_major
+        self.eccentricity = eccentricity
+        self.stiffness = stiffness
         self.offset = [Fraction(0)] * 4
 
     def displaced(self, axis: int, amount: Fraction) -> "Orbit":
@@ -77,11 +75,14 @@ class Orbit(SmoothFlow):
 
     def start(self) -> list[arb]:
         """The state at t = 0: periapsis for Kepler, the end of the long axis for the spring."""
-        a, e = self.semi_major, self.eccentricity
+        a = self.semi_major
+        e = self.eccentricity
         if self.stiffness is None:
-            apsis, speed = a * (1 - e), arb_of(self.gm / a * (1 + e) / (1 - e)).sqrt()
+            apsis = a * (1 - e)
+            speed = arb_of(self.gm / a * (1 + e) / (1 - e)).sqrt()
         else:
-            apsis, speed = a, arb_of(self.stiffness * a * a * (1 - e * e)).sqrt()
+            apsis = a
+            speed = arb_of(self.stiffness * a * a * (1 - e * e)).sqrt()
         return [
             part + arb_of(off)
             for part, off in zip((arb_of(apsis), arb(0), arb(0), speed), self.offset, strict=True)
@@ -90,18 +91,18 @@ class Orbit(SmoothFlow):
     def evaluate(self, t: arb) -> dict[str, arb]:
         """The state at t."""
         start = self.start()
-        now = (
-            kepler(arb_of(self.gm), start, t)
-            if self.stiffness is None
-            else spring(arb_of(self.stiffness), start, t)
-        )
+        if self.stiffness is None:
+            now = kepler(arb_of(self.gm), start, t)
+        else:
+            now = spring(arb_of(self.stiffness), start, t)
         return dict(zip(NAMES, now, strict=True))
 
     @per_precision
     def growth(self) -> Grows:
         period = self.constants()["period"]
         step = narrow(2 * arb.pi() / period)
-        length, speed = self.scale["x"], self.scale["vx"]
+        length = self.scale["x"]
+        speed = self.scale["vx"]
         if self.stiffness is not None:
             return SteadyGrowth(
                 partial(sprung, arb_of(self.stiffness), arb_of(length / speed)),
@@ -130,7 +131,10 @@ class Orbit(SmoothFlow):
 
     def constants(self) -> dict[str, arb]:
         """The period [s]."""
-        squared = self.semi_major**3 / self.gm if self.stiffness is None else 1 / self.stiffness
+        if self.stiffness is None:
+            squared = self.semi_major**3 / self.gm
+        else:
+            squared = 1 / self.stiffness
         return {"period": 2 * arb.pi() * arb_of(squared).sqrt()}
 
 
@@ -152,8 +156,10 @@ def kepler(gm: arb, start: State, t: arb) -> list[arb]:
     anomaly = anomaly_gain(n * t, 1 - r0 / a, s)
     sine, cosine = anomaly.sin_cos()
     r = a + (r0 - a) * cosine + s * a * sine
-    f, g = 1 - a / r0 * (1 - cosine), t - (anomaly - sine) / n
-    f_rate, g_rate = -n * a * a / (r * r0) * sine, 1 - a / r * (1 - cosine)
+    f = 1 - a / r0 * (1 - cosine)
+    g = t - (anomaly - sine) / n
+    f_rate = -n * a * a / (r * r0) * sine
+    g_rate = 1 - a / r * (1 - cosine)
     return [f * x + g * vx, f * y + g * vy, f_rate * x + g_rate * vx, f_rate * y + g_rate * vy]
 
 
@@ -187,8 +193,10 @@ def ellipses(gm: arb, a: arb, e: arb, length: arb, speed: arb, t: arb) -> arb_ma
     s, c = anomaly_gain(n * t, e, arb(0)).sin_cos()
     d = 1 - e * c
     cube = d * d * d
-    x, y = a * (c - e), a * b * s
-    vx, vy = -a * n * s / d, a * n * b * c / d
+    x = a * (c - e)
+    y = a * b * s
+    vx = -a * n * s / d
+    vy = a * n * b * c / d
     shift = [vx, vy, -n * n * a * (c - e) / cube, -n * n * a * b * s / cube]
     scale = [
         value - 3 * t * rate / 2
@@ -224,7 +232,9 @@ def tidal(gm: arb, a: arb, e: arb, ratio: arb, t: arb) -> float:
     n = (gm / a).sqrt() / a
     first, last = (anomaly_gain(n * arb(end), e, arb(0)) for end in (t.lower(), t.upper()))
     s, c = first.union(last).sin_cos()
-    x, y, r = a * (c - e), a * (1 - e * e).sqrt() * s, a * (1 - e * c)
+    x = a * (c - e)
+    y = a * (1 - e * e).sqrt() * s
+    r = a * (1 - e * c)
     across = abs(3 * x * y)
     rows = [abs(3 * z * z - r * r) + across for z in (x, y)]
     strength = gm / r**5 * ratio
@@ -260,7 +270,8 @@ def _newton(mean: arb, c: arb, s: arb) -> arb:
     """An approximate root, not proved: bisection to a thousandth (|E - mean| <= 2), then Newton's
     method.
     """
-    low, high = mean - 2, mean + 2
+    low = mean - 2
+    high = mean + 2
     for _ in range(12):
         middle = ((low + high) / 2).mid()
         below = (middle - c * middle.sin() + s * (1 - middle.cos())).mid() < mean
@@ -277,7 +288,14 @@ def truth(p: Parameters, scale: Mapping[str, float]) -> Truth:
 
     `scale` of x, y, vx, vy.
     """
-    stiffness = None if p["stiffness"] is None else number(p, "stiffness")
-    gm = Fraction(1) if stiffness is not None else number(p, "gm")
-    a, e = number(p, "semi_major"), number(p, "eccentricity")
+    if p["stiffness"] is None:
+        stiffness = None
+    else:
+        stiffness = number(p, "stiffness")
+    if stiffness is not None:
+        gm = Fraction(1)
+    else:
+        gm = number(p, "gm")
+    a = number(p, "semi_major")
+    e = number(p, "eccentricity")
     return Orbit(scale, gm=gm, semi_major=a, eccentricity=e, stiffness=stiffness)

@@ -63,7 +63,10 @@ class TwoSpheres(HybridFlow):
         super(HybridFlow, self).__init__(scale, digits=digits)
         self.spheres = pair
         self.phases = ContactPhases(pair, rubs=not pair.is_head_on)
-        self.method = "closed form" if pair.is_head_on else HybridFlow.method
+        if pair.is_head_on:
+            self.method = "closed form"
+        else:
+            self.method = HybridFlow.method
         self.witness = (
             "Taylor series in Cartesian coordinates with the switches found anew, energy, momenta"
         )
@@ -156,7 +159,8 @@ class TwoSpheres(HybridFlow):
     def extremes(self, motion: ContactMotion) -> dict[str, arb]:
         """duration, restitution, max_overlap, max_force."""
         motion.part()
-        end, phases = motion.events[-1], self.phases
+        end = motion.events[-1]
+        phases = self.phases
         hardest = motion.hardest()
         found = {
             "duration": end.time * arb_of(phases.time),
@@ -164,7 +168,9 @@ class TwoSpheres(HybridFlow):
             "max_overlap": motion.deepest() * arb_of(phases.length),
         }
         force = arb_of(self.spheres.effective_mass * phases.speed / phases.time)
-        return found if hardest is None else {**found, "max_force": hardest * force}
+        if hardest is None:
+            return found
+        return {**found, "max_force": hardest * force}
 
     @per_precision
     def growth(self) -> Grows:
@@ -175,7 +181,8 @@ class TwoSpheres(HybridFlow):
         """The coordinates of a mode but its clock, and then those of the centre of mass at the
         start.
         """
-        count, drift = inner.nrows() - 1, len(self.drifting())
+        count = inner.nrows() - 1
+        drift = len(self.drifting())
         table = inner.table()
         rows = [table[i][:count] + [arb(0)] * drift for i in range(count)]
         return arb_mat(
@@ -192,7 +199,8 @@ class TwoSpheres(HybridFlow):
         """
         assert isinstance(motion, ContactMotion)
         slopes = motion.traced.slopes(motion.name(phase), state).table()
-        count, drift = len(slopes) - 1, len(self.drifting())
+        count = len(slopes) - 1
+        drift = len(self.drifting())
         units = [arb_of(unit) for unit in self.units()]
         units += [arb(1)] * (count - len(units))
         relative = [
@@ -227,7 +235,8 @@ class TwoSpheres(HybridFlow):
         """The coordinates MOVED and what only the mode knows, by x, y, vx, vy, the spins, the rest,
         and the centre of mass.
         """
-        drifting, size = self.drifting(), self.phases.size - 1
+        drifting = self.drifting()
+        size = self.phases.size - 1
         shares = [arb_of(mass / sum(self.spheres.masses)) for mass in self.spheres.masses]
         count = size + len(drifting)
         rows = [[arb(0)] * count for _ in range(count)]
@@ -268,4 +277,6 @@ def truth(p: Parameters, scale: Mapping[str, float]) -> Truth:
     from refdem.truth.closed_forms.spinning_spheres import SpinningSpheres
 
     pair = sphere_pair(p)
-    return SpinningSpheres(scale, pair) if pair.leaves_plane else TwoSpheres(scale, pair)
+    if pair.leaves_plane:
+        return SpinningSpheres(scale, pair)
+    return TwoSpheres(scale, pair)

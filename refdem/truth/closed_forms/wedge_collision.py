@@ -59,7 +59,8 @@ class WedgeCollision(SmoothFlow):
         if t < 0:
             raise NotCertifiedError("wedge-collision: t < 0 is before the start")
         contact, touch = self.approach()
-        since, rate = t - touch, self.rate()
+        since = t - touch
+        rate = self.rate()
         if since < 0:
             return {
                 "overlap": arb_of(self.begin[0]) + arb_of(self.begin[1]) * t,
@@ -90,7 +91,8 @@ class WedgeCollision(SmoothFlow):
         which shifts the time of the turn, is multiplied by their ratio, one of the place stays.
         """
         (contact, touch), rate = self.approach(), self.rate()
-        ratio, power = arb_of(self.scale["overlap"] / self.scale["v"]), arb_of(Fraction(2, 3))
+        ratio = arb_of(self.scale["overlap"] / self.scale["v"])
+        power = arb_of(Fraction(2, 3))
         stiffness = arb_of(self.exact["k2"] / self.exact["mass"])
         quick = steepness(2 * stiffness * contact.depth, ratio)
 
@@ -101,10 +103,14 @@ class WedgeCollision(SmoothFlow):
                 if since > 0 or since == 0
                 else (contact.speed * since, contact.speed)
             )
-            push = -stiffness * overlap * overlap if since > 0 else arb(0)
+            if since > 0:
+                push = -stiffness * overlap * overlap
+            else:
+                push = arb(0)
             return homogeneous(overlap, speed, push, since, power, ratio)
 
-        turned, parted = touch + contact.half, arb.pi() / (2 * rate)
+        turned = touch + contact.half
+        parted = arb.pi() / (2 * rate)
         jump = arb_mat([[arb(1), arb(0)], [arb(0), rate * rate / (stiffness * contact.depth)]])
         yield smooth(arb(0), turned, inward, jump=jump, quickness=lambda t: quick)
         yield smooth(turned, parted, partial(linear, rate * rate, -1, ratio))

@@ -43,10 +43,8 @@ class SwitchError(UndecidedError):
 
     def at(self, state: Sequence[arb], *, thin: bool = False) -> Self:
         """The same error with the last certified state, and whether the set is thin there."""
-        self.state, self.final = (
-            list(state),
-            self.final or (thin and self.code in ("grazing", "corner", "separatrix")),
-        )
+        self.state = list(state)
+        self.final = self.final or (thin and self.code in ("grazing", "corner", "separatrix"))
         return self
 
 
@@ -81,7 +79,8 @@ def first_crossing(watched: Watched, low: arb, high: arb) -> arb | None:
             "corner", f"{watched.name} is not proved positive where it begins", float(low)
         )
     fresh = watched.touching
-    waiting, least = [(low, high)], (high - low) * LEAST
+    waiting = [(low, high)]
+    least = (high - low) * LEAST
     while waiting:
         a, b = waiting.pop()
         interval = a.union(b)
@@ -149,11 +148,10 @@ def earliest(guards: list[Watched], low: arb, high: arb) -> tuple[str, arb] | No
     """
     found: tuple[str, arb] | None = None
     for watched in guards:
-        crossing = (
-            first_crossing(watched, low, high)
-            if found is None
-            else crossing_before(watched, low, found)
-        )
+        if found is None:
+            crossing = first_crossing(watched, low, high)
+        else:
+            crossing = crossing_before(watched, low, found)
         if crossing is None:
             continue
         if found and not crossing < found[1]:

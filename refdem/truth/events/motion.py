@@ -87,7 +87,10 @@ class Motion(Guarded):
         last = bisect_right(clocks, float(t.mid()))
         for index in range(max(0, last - 2), min(len(self.phases), last + 2)):
             phase = self.phases[index]
-            begun = t >= phase.entered[-1] if index == 0 else t > phase.entered[-1]
+            if index == 0:
+                begun = t >= phase.entered[-1]
+            else:
+                begun = t > phase.entered[-1]
             if begun and (phase.ends is None or t < self.left(index)):
                 return phase
         if self.ended and self.events and t > self.events[-1].time:
@@ -161,7 +164,10 @@ class Motion(Guarded):
         """The same error with the time, and the state at the last time that is certified."""
         with precision(self.bits + GUARD):
             since = arb_of(min(phase.searched, phase.pieces[-1].end) if phase.pieces else 0)
-            state = phase.at(since) if phase.pieces else phase.entered
+            if phase.pieces:
+                state = phase.at(since)
+            else:
+                state = phase.entered
         return error.at(state, thin=all(radius < THIN for radius in phase.spread.radii()))
 
 
@@ -177,7 +183,8 @@ def at_fixed_time(phase: Phase, state: Sequence[arb]) -> arb_mat:
     """1 - f e_clock: what turns changes at a time since each motion's own entry into changes at a
     given time.
     """
-    rates, size = phase.field.run(state), phase.mode.size
+    rates = phase.field.run(state)
+    size = phase.mode.size
     return identity(size) - arb_mat(
         size, size, [rate if j == size - 1 else arb(0) for rate in rates for j in range(size)]
     )

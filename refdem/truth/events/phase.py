@@ -44,11 +44,14 @@ class Phase(Integration):
         bits: int,
         steps: Steps,
     ) -> None:
-        self.bits, self.steps = bits, steps
+        self.bits = bits
+        self.steps = steps
         self.mode, self.touching = mode, dict(entry.touching)
-        self.field, self.slopes = mode.field, mode.slopes
+        self.field = mode.field
+        self.slopes = mode.slopes
         self.order, self.jacobian_order = steps.orders(bits)
-        self.centre, self.spread = list(centre), spread
+        self.centre = list(centre)
+        self.spread = spread
         self.pieces: list[Piece] = []
         self.begins: list[Fraction] = []
         self.largest: list[arb] = []
@@ -113,13 +116,18 @@ class Phase(Integration):
                 for guard in self.mode.mode.guards
             ]
             found = earliest(guards, arb_of(low) - begin, arb_of(high) - begin)
-            return (found[0], found[1] + begin) if found else None
+            if found:
+                return (found[0], found[1] + begin)
+            return None
 
     def watched(self, piece: Piece, name: str, touching: int = 0, *, whole: bool = True) -> Watched:
         """A guard along a piece, for the whole set or for its exact centre; times are those since
         the piece's begin.
         """
-        state = piece.at if whole else piece.centre
+        if whole:
+            state = piece.at
+        else:
+            state = piece.centre
 
         def along(program: Program) -> Along:
             return lambda since: program.run(state(since))[0]
@@ -178,7 +186,8 @@ class Phase(Integration):
 
     def section(self, guard: Guard, states: Sequence[arb], rate: arb) -> arb_mat:
         """1 - f grad g / (grad g . f)."""
-        gradient, rates = self.mode.gradients[guard.name].run(states), self.field.run(states)
+        gradient = self.mode.gradients[guard.name].run(states)
+        rates = self.field.run(states)
         size = len(states)
         return identity(size) - arb_mat(size, size, [f * g / rate for f in rates for g in gradient])
 

@@ -71,7 +71,8 @@ class Traced:
     """
 
     def __init__(self, mode: Mode, size: int) -> None:
-        self.mode, self.size = mode, size
+        self.mode = mode
+        self.size = size
         outputs, rows = traced(mode.field, size)
         if len(outputs) != size or outputs[-1].exact() != 1:
             raise ValueError(

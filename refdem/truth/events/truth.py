@@ -223,17 +223,24 @@ class HybridFlow(ClosedForm):
             return 0.0
         follow(course, state, step, t, work)
         # What is over, or ends, costs nothing more.
-        return 0.0 if motion.over() else work()
+        if motion.over():
+            return 0.0
+        return work()
 
     def uncertified(self, error: SwitchError, what: str) -> NotCertifiedError:
         """The honest end."""
-        state = (
-            {name: ball_of(value) for name, value in self.named(error.state).items()}
-            if error.state
-            else {}
-        )
-        time = float(error.state[-1].mid()) if error.state else None
-        told = f"; certified up to t = {time:.17g} s" if time is not None else ""
+        if error.state:
+            state = {name: ball_of(value) for name, value in self.named(error.state).items()}
+        else:
+            state = {}
+        if error.state:
+            time = float(error.state[-1].mid())
+        else:
+            time = None
+        if time is not None:
+            told = f"; certified up to t = {time:.17g} s"
+        else:
+            told = ""
         return NotCertifiedError(
             f"{what}: {error.code}: {error}{told}", code=error.code, time=time, state=state
         )
@@ -285,7 +292,10 @@ class HybridFlow(ClosedForm):
             if phase.ends and phase.crossing()[1] is piece:
                 while len(motion.events) <= number:
                     motion.follow()
-                after = motion.phases[number + 1] if number + 1 < len(motion.phases) else None
+                if number + 1 < len(motion.phases):
+                    after = motion.phases[number + 1]
+                else:
+                    after = None
                 yield Stretch(
                     begin,
                     phase.crossing()[2],

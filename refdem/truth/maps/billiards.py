@@ -13,7 +13,10 @@ from refdem.truth.maps.stadium import Stadium
 
 def truth(p: Parameters, scale: Mapping[str, Size]) -> Truth:
     """Unfolding or the collision map, as `geometry` says."""
-    kind = Stadium if p["geometry"] == "stadium" else Rectangle
+    if p["geometry"] == "stadium":
+        kind = Stadium
+    else:
+        kind = Rectangle
     return kind(_pair(p, "size"), _pair(p, "start"), _pair(p, "direction"), scale)
 
 

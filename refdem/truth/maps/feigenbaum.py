@@ -24,7 +24,10 @@ TRIPLES = (3.8318740552833156, 3.6275575)
 
 def orbit(eta: arb, count: int) -> tuple[arb, arb]:
     """f^count(1/2) - 1/2 and its derivative by eta, both over the whole ball of eta."""
-    y, slope, half, quarter = arb(0), arb(0), arb_of(Fraction(1, 2)), arb_of(Fraction(1, 4))
+    y = arb(0)
+    slope = arb(0)
+    half = arb_of(Fraction(1, 2))
+    quarter = arb_of(Fraction(1, 4))
     for _ in range(count):
         y, slope = eta * (quarter - y * y) - half, (quarter - y * y) - 2 * eta * y * slope
     return y, slope

@@ -90,7 +90,10 @@ class Iterated(GuardedTruth):
         orbit = self.kept.setdefault(ctx.prec, {})
         if not orbit:
             orbit[0] = self.first()
-        at = n if n in orbit else len(orbit) - 1
+        if n in orbit:
+            at = n
+        else:
+            at = len(orbit) - 1
         while at < n:
             if at >= MOST_STEPS:
                 raise self.ended("time", at, orbit[at], f"more than {MOST_STEPS} are not tried")
@@ -117,7 +120,8 @@ class Iterated(GuardedTruth):
 
     def lost(self, n: int) -> NotCertifiedError:
         """Why iterate n is not certified, and the last one that is."""
-        code, last = "precision", 0
+        code = "precision"
+        last = 0
         with precision(MOST_BITS):
             try:
                 self.state(n)
@@ -129,11 +133,10 @@ class Iterated(GuardedTruth):
                 for value in self.values(orbit[last + 1]).values()
             ):
                 last += 1
-            limit = (
-                f"{MOST_BITS} bits are used up"
-                if code == "precision"
-                else f"{self.word} {last + 1} meets a {code}"
-            )
+            if code == "precision":
+                limit = f"{MOST_BITS} bits are used up"
+            else:
+                limit = f"{self.word} {last + 1} meets a {code}"
             return self.ended(code, last, orbit[last], limit)
 
     def ended(self, code: str, last: int, state: Any, limit: str) -> NotCertifiedError:

@@ -40,7 +40,8 @@ class LogisticMap(Iterated):
         self, eta: Fraction, x0: Fraction, scale: Mapping[str, Size], *, digits: int = 40
     ) -> None:
         super().__init__(scale, digits=digits)
-        self.eta, self.x0 = eta, x0
+        self.eta = eta
+        self.x0 = x0
 
     def first(self) -> arb:
         return arb_of(self.x0 - HALF)
@@ -68,7 +69,8 @@ class LogisticFlow(Iterated):
         self, eta: Fraction, x0: Fraction, scale: Mapping[str, Size], *, digits: int = 40
     ) -> None:
         super().__init__(scale, digits=digits)
-        self.eta, self.x0 = eta, x0
+        self.eta = eta
+        self.x0 = x0
 
     def state(self, n: int) -> arb:
         if self.x0 == 0:
@@ -108,5 +110,8 @@ class LogisticFlow(Iterated):
 def truth(p: Parameters, scale: Mapping[str, Size]) -> Truth:
     """Map or equation, as `form` says."""
     own = numbers(p, "eta", "x0")
-    kind = LogisticFlow if p["form"] == "ode" else LogisticMap
+    if p["form"] == "ode":
+        kind = LogisticFlow
+    else:
+        kind = LogisticMap
     return kind(own["eta"], own["x0"], scale)

@@ -35,9 +35,9 @@ class Crossings:
 
     def count(self, t: Fraction) -> int:
         """How many are at or before t."""
-        return (
-            0 if self.every is None or t < self.first else int((t - self.first) // self.every) + 1
-        )
+        if self.every is None or t < self.first:
+            return 0
+        return int((t - self.first) // self.every) + 1
 
     def time(self, number: int) -> Fraction:
         """The time of one of them, counted from 1."""
@@ -49,7 +49,10 @@ def crossings(start: Fraction, rate: Fraction, size: Fraction) -> Crossings:
     """Of start + rate t with the walls at (k + 1/2) size."""
     if rate == 0:
         return Crossings(Fraction(0), None)
-    ahead = size / 2 - start if rate > 0 else size / 2 + start
+    if rate > 0:
+        ahead = size / 2 - start
+    else:
+        ahead = size / 2 + start
     return Crossings(ahead / abs(rate), size / abs(rate))
 
 
@@ -59,16 +62,21 @@ def corner(a: Crossings, b: Crossings) -> Fraction | None:
     """
     if a.every is None or b.every is None:
         return None
-    ratio, gap = b.every / a.every, (b.first - a.first) / a.every
+    ratio = b.every / a.every
+    gap = (b.first - a.first) / a.every
     p, q = ratio.numerator, ratio.denominator  # i = gap + j p/q: q gap + j p must be divisible by q
     shift = gap * q
     if shift.denominator != 1 or gcd(p, q) != 1:
         return None
-    j = -int(shift) * pow(p, -1, q) % q if q > 1 else 0
+    if q > 1:
+        j = -int(shift) * pow(p, -1, q) % q
+    else:
+        j = 0
     i = (int(shift) + j * p) // q
     if i < 0:
         more = -(i // p)
-        i, j = i + more * p, j + more * q
+        i = i + more * p
+        j = j + more * q
     return a.time(i + 1)
 
 
@@ -90,7 +98,10 @@ class Rectangle(GuardedTruth):
         *,
         digits: int = 40,
     ) -> None:
-        self.size, self.start, self.direction, self.digits = size, start, direction, digits
+        self.size = size
+        self.start = start
+        self.direction = direction
+        self.digits = digits
         self.scale = {name: Fraction(value) for name, value in scale.items()}
         self.walls = tuple(crossings(*one) for one in zip(start, direction, size, strict=True))
         self.corner = corner(*self.walls)
@@ -121,7 +132,8 @@ class Rectangle(GuardedTruth):
         for axis, (own, other) in enumerate((self.walls, self.walls[::-1])):
             if own.every is None:
                 continue
-            low, high = 0, n
+            low = 0
+            high = n
             while (
                 low < high
             ):  # the largest number of its own crossings that come with at most n of both
@@ -138,14 +150,23 @@ class Rectangle(GuardedTruth):
 
     def values(self, n: int) -> dict[str, arb]:
         """Place and direction after bounce n at the current precision."""
-        time = self.bounce(n)[0] if n else Fraction(0)
+        if n:
+            time = self.bounce(n)[0]
+        else:
+            time = Fraction(0)
         length = arb_of(self.direction[0] ** 2 + self.direction[1] ** 2).sqrt()
         found = {}
         for name, x, rate, size, wall in zip(
             "xy", self.start, self.direction, self.size, self.walls, strict=True
         ):
-            count = wall.count(time) if n else 0
-            sign = 1 if rate > 0 else -1
+            if n:
+                count = wall.count(time)
+            else:
+                count = 0
+            if rate > 0:
+                sign = 1
+            else:
+                sign = -1
             place = x + rate * time - sign * count * size
             found[f"position.{name}"] = arb_of(place if count % 2 == 0 else -place)
             found[f"direction.{name}"] = arb_of(rate if count % 2 == 0 else -rate) / length

@@ -16,7 +16,8 @@ from refdem.truth.balls import arb_of
 from refdem.truth.closed_form import Size
 from refdem.truth.maps.iterated import BoundaryError, Iterated
 
-WALL, ARC = "wall", "arc"
+WALL = "wall"
+ARC = "arc"
 Exact2 = tuple[Fraction, Fraction]
 
 
@@ -62,8 +63,11 @@ class Stadium(Iterated):
         digits: int = 40,
     ) -> None:
         super().__init__(scale, digits=digits)
-        self.size, self.start, self.direction = size, start, direction
-        self.radius, self.half = size[1] / 2, (size[0] - size[1]) / 2
+        self.size = size
+        self.start = start
+        self.direction = direction
+        self.radius = size[1] / 2
+        self.half = (size[0] - size[1]) / 2
 
     def first(self) -> Bounce:
         length = arb_of(self.direction[0] ** 2 + self.direction[1] ** 2).sqrt()
@@ -73,8 +77,10 @@ class Stadium(Iterated):
 
     def piece(self, state: Bounce) -> tuple[str, int]:
         """The piece of the wall that is met next."""
-        (x, y), (u, v) = state.place, state.direction
-        r, a = arb_of(self.radius), arb_of(self.half)
+        (x, y) = state.place
+        (u, v) = state.direction
+        r = arb_of(self.radius)
+        a = arb_of(self.half)
         if not (
             v > 0 or v < 0
             # along x, as far as balls tell: it meets the half circle ahead if it is inside the
@@ -83,20 +89,27 @@ class Stadium(Iterated):
             side = sign(u, "corner")
             sign(r - abs(y + v * (side * a - x) / u), "corner")
             return ARC, side
-        up = 1 if v > 0 else -1
+        if v > 0:
+            up = 1
+        else:
+            up = -1
         meets = x + (up * r - y) * u / v
         if self.half == 0:
             return ARC, sign(meets, "corner")
         inside = a - abs(meets)
-        return (WALL, up) if sign(inside, "corner") > 0 else (ARC, sign(meets, "corner"))
+        if sign(inside, "corner") > 0:
+            return (WALL, up)
+        return (ARC, sign(meets, "corner"))
 
     def step(self, state: Bounce) -> Bounce:
         kind, side = piece = self.piece(state)
-        (x, y), (u, v) = state.place, state.direction
+        (x, y) = state.place
+        (u, v) = state.direction
         r = arb_of(self.radius)
         if kind == WALL:
             return Bounce([x + (side * r - y) * u / v, side * r], [u, -v], piece)
-        t, centre = self._chord(state, piece), side * arb_of(self.half)
+        t = self._chord(state, piece)
+        centre = side * arb_of(self.half)
         place = [x + t * u, y + t * v]
         normal = [(place[0] - centre) / r, place[1] / r]
         along = normal[0] * u + normal[1] * v
@@ -106,7 +119,8 @@ class Stadium(Iterated):
         """The way to the half circle: the larger root of t^2 + 2 b t + c = 0; from a point on it c
         = 0.
         """
-        (x, y), (u, v) = state.place, state.direction
+        (x, y) = state.place
+        (u, v) = state.direction
         q = x - piece[1] * arb_of(self.half)
         b = q * u + y * v
         if state.piece == piece:
@@ -125,12 +139,13 @@ class Stadium(Iterated):
         """
         assert after.piece is not None
         kind, side = after.piece
-        u, scale, r = state.direction, arb_of(self.scale["position.x"]), arb_of(self.radius)
-        n = (
-            [arb(0), arb(side)]
-            if kind == WALL
-            else [(after.place[0] - side * arb_of(self.half)) / r, after.place[1] / r]
-        )
+        u = state.direction
+        scale = arb_of(self.scale["position.x"])
+        r = arb_of(self.radius)
+        if kind == WALL:
+            n = [arb(0), arb(side)]
+        else:
+            n = [(after.place[0] - side * arb_of(self.half)) / r, after.place[1] / r]
         along = n[0] * u[0] + n[1] * u[1]
         t = (after.place[0] - state.place[0]) * u[0] + (after.place[1] - state.place[1]) * u[1]
         columns = []
@@ -147,5 +162,6 @@ class Stadium(Iterated):
         return arb_mat([[column[i] for column in columns] for i in range(4)])
 
     def values(self, state: Bounce) -> dict[str, arb]:
-        (x, y), (u, v) = state.place, state.direction
+        (x, y) = state.place
+        (u, v) = state.direction
         return {"position.x": x, "position.y": y, "direction.x": u, "direction.y": v}

@@ -17,7 +17,8 @@ from refdem.truth.balls import arb_of, largest, outward, precision
 from refdem.truth.traced_field import Program
 from refdem.truth.weights import REACH, quickest, typical, weighted
 
-BITS, JACOBIAN_BITS = 64, 40
+BITS = 64
+JACOBIAN_BITS = 40
 """Of boxes, which bound and need not be sharp; of the flow Jacobian of a step, far below its own
 share in the error.
 """
@@ -63,7 +64,8 @@ class Disc:
         """Bound of |V(z)|, V the flow Jacobian, and of the growth of a distance, for |z| = since:
         exp(integral of L); nan beyond R.
         """
-        exponent, inner = arb(0 if since <= self.radius else "nan"), arb(0)
+        exponent = arb(0 if since <= self.radius else "nan")
+        inner = arb(0)
         for radius, stiffness in self.rings:
             if inner < since:
                 exponent += stiffness * (min(radius, since) - inner)
@@ -123,7 +125,8 @@ def matrix_norm(entries: Sequence[arb | acb], weights: Sequence[arb]) -> arb:
     """Bound of |J| for a matrix whose rows come one after another: the norm of the bounds of
     |J| w.
     """
-    count, sizes = len(weights), [outward(entry) for entry in entries]
+    count = len(weights)
+    sizes = [outward(entry) for entry in entries]
     return norm(
         [sum(map(mul, sizes[i : i + count], weights), arb(0)) for i in range(0, len(sizes), count)],
         weights,
@@ -150,13 +153,15 @@ def disc(
     with precision(BITS):
         tube = Tube(polynomials)
         here = tube.box(arb(0))
-        rates, start = field.run(here), jacobian.run(here)
+        rates = field.run(here)
+        start = jacobian.run(here)
         nearby = typical(
             lambda radius: jacobian.run(tube.box(arb(radius))),
             min(first, REACH / quickest(start)) / 3,
         )
         weights = weighted(rates, nearby or start, 1 / first, least)
-        slow, stiff = norm(rates, weights), matrix_norm(start, weights)
+        slow = norm(rates, weights)
+        stiff = matrix_norm(start, weights)
         slowest = (stiff + 1 / arb(first)) / 2**40
 
         def speed(radius: float) -> arb:
@@ -165,27 +170,29 @@ def disc(
         def step(radius: float) -> float:
             quick = speed(radius)
             reaches = quick.is_finite() and stiff * radius < REACH
-            return (
-                ratio * radius * float((slow + slowest) / (quick + slowest)) ** (1.0 / order)
-                if reaches
-                else 0.0
-            )
+            if reaches:
+                return ratio * radius * float((slow + slowest) / (quick + slowest)) ** (1.0 / order)
+            return 0.0
 
         outer = highest(step, first)
         mantissa, exponent = frexp(step(outer))
         short = Fraction(int(mantissa * 256), 256) * Fraction(2) ** exponent
         begun = Disc(order, weights, arb(outer), speed(outer), short, [])
-        return grown(begun, jacobian, tube, norm(radii, weights), stiff) if short else None
+        if short:
+            return grown(begun, jacobian, tube, norm(radii, weights), stiff)
+        return None
 
 
 def highest(value: Callable[[float], float], first: float) -> float:
     """About where a function that rises and then falls has its maximum."""
-    best, reached = first, value(first)
+    best = first
+    reached = value(first)
     while reached == 0.0 and best > first / 2**100:
         best, reached = best / 2, value(best / 2)
     for factor in FACTORS:
         while (now := value(best * factor)) > reached and best < first * 2**20:
-            best, reached = best * factor, now
+            best = best * factor
+            reached = now
     return best
 
 
@@ -197,7 +204,9 @@ def grown(found: Disc, jacobian: Program, tube: Tube, start: arb, stiff: arb) ->
     margin. Then the solutions from all starts exist and stay there for |z| <= s: along a ray none
     can be the first to leave.
     """
-    best, step, wide = None, float(found.step), float(found.outer) * 0.95
+    best = None
+    step = float(found.step)
+    wide = float(found.outer) * 0.95
     for k in range(-1, RINGS + 1):
         radius = arb(step / 2 if k < 0 else step * (wide / step) ** (k / RINGS))
         guess = replace(found, rings=[*found.rings, (radius, stiff)])

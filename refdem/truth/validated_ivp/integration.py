@@ -139,7 +139,9 @@ class Integration(Guarded):
     @property
     def end(self) -> Fraction:
         """Up to where pieces are made."""
-        return self.pieces[-1].end if self.pieces else Fraction(0)
+        if self.pieces:
+            return self.pieces[-1].end
+        return Fraction(0)
 
     def reached(self) -> list[arb]:
         """Balls of the state at `end`."""

@@ -74,13 +74,16 @@ def flow_series(
     each from T by `apart`; coefficients differ by that R^-n (Cauchy). Those of T are those of the
     solution from T(0) up to N, and 0 beyond.
     """
-    size, radius = len(polynomials), found.radius
-    near, far = found.gronwall(radius) * start, found.apart(radius, start)
+    size = len(polynomials)
+    radius = found.radius
+    near = found.gronwall(radius) * start
+    far = found.apart(radius, start)
     rooms = [found.sides((near if n <= found.order else far) / radius**n) for n in range(order)]
     solution = [
         [one[n] + arb(0, rooms[n][i]) for n in range(order)] for i, one in enumerate(polynomials)
     ]
-    slopes, terms = jacobian_series(jacobian, solution), [identity(size)]
+    slopes = jacobian_series(jacobian, solution)
+    terms = [identity(size)]
     for n in range(order):
         terms.append(sum(map(mul, slopes[: n + 1], terms[::-1]), arb_mat(size, size)) / (n + 1))
     return terms

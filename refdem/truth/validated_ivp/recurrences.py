@@ -29,12 +29,16 @@ class Product:
     """
 
     def __init__(self, x: Series, y: Series) -> None:
-        self.x, self.y, self.k = x, y, 0
+        self.x = x
+        self.y = y
+        self.k = 0
         self.known: Series = []
 
     def next(self) -> arb:
         """The next coefficient."""
-        x, y, k = self.x, self.y, self.k
+        x = self.x
+        y = self.y
+        k = self.k
         begin = k - k % BLOCK
         if begin == 0:
             found = sum(map(mul, x[: k + 1], y[k::-1]), arb(0))
@@ -50,7 +54,9 @@ class Product:
 
     def add_blocks(self, k: int, m: int) -> None:
         """What the newest m coefficients make of the first ones, to [k, k + m)."""
-        x, y, low = self.x, self.y, k - m
+        x = self.x
+        y = self.y
+        low = k - m
         whole = arb_poly(x[low:k]) * arb_poly(y[: 2 * m if low else m])
         if low:
             whole += whole if x is y else arb_poly(y[low:k]) * arb_poly(x[: 2 * m])
@@ -79,7 +85,12 @@ def taylor(program: Program, start: Sequence[arb], order: int) -> list[arb_poly]
                 (series, RULES[kind](waves[PARTNERS[kind], parts[0]], ball, table[parts[0]]))
             )
         elif kind != "in":
-            earlier = [] if kind == "constant" else parts[-1:] if kind == "scale" else parts
+            if kind == "constant":
+                earlier = []
+            elif kind == "scale":
+                earlier = parts[-1:]
+            else:
+                earlier = parts
             rules.append((series, RULES[kind](series, ball, *(table[i] for i in earlier))))
     for n in range(order):
         for series, rule in rules:

@@ -46,7 +46,8 @@ class Spheres:
         """e, distance, velocities along e and t, normal force."""
         x, y, vx, vy = s[:4]
         distance = (x * x + y * y).sqrt()
-        ex, ey = x / distance, y / distance
+        ex = x / distance
+        ey = y / distance
         along = vx * ex + vy * ey
         return (
             ex,
@@ -110,7 +111,10 @@ class Spheres:
 
     def law(self, phase: str) -> Value:
         """Friction in a phase: free, slip+, slip-, stick, hold."""
-        side = -1 if phase == "slip-" else 1
+        if phase == "slip-":
+            side = -1
+        else:
+            side = 1
         laws: dict[str, Value] = {
             "stick": lambda s: -self.kt * s[6],
             "hold": self.holding,
@@ -131,29 +135,29 @@ class Spheres:
         if phase == "free":
             return {"apart": self.overlap if self.pulls else self.force}
         side = SIDES[phase[-1]]
-        back: Value = (
-            (lambda s: side * self.kt * self.slip(s) - self.mu * self.growth(s))
-            if self.kt > 0
-            else lambda s: side * self.slip(s)
-        )
+        if self.kt > 0:
+            back: Value = lambda s: side * self.kt * self.slip(s) - self.mu * self.growth(s)
+        else:
+            back = lambda s: side * self.slip(s)
         return {"caught": back, ("free" if self.pulls else "apart"): self.force}
 
     def begin(self, s: Sequence[arb]) -> str:
         """The phase at touch."""
-        slip, force = self.slip(s), self.force(s)
+        slip = self.slip(s)
+        force = self.force(s)
         if not self.mu > 0:
             return "free"
         if not (slip > 0 or slip < 0) or (self.kt > 0 and force > 0):
             holds = self.kt > 0 or abs(self.holding(s)) < self.mu * force
-            return (
-                ("stick" if self.kt > 0 else "hold")
-                if holds
-                else "slip-"
-                if self.holding(s) > 0
-                else "slip+"
-            )
+            if holds:
+                return "stick" if self.kt > 0 else "hold"
+            if self.holding(s) > 0:
+                return "slip-"
+            return "slip+"
         slides = not self.kt > 0 or self.kt * abs(slip) > self.mu * self.growth(s)
-        return ("slip+" if slip > 0 else "slip-") if slides else "stick"
+        if slides:
+            return "slip+" if slip > 0 else "slip-"
+        return "stick"
 
     def after(self, phase: str, then: str, s: Sequence[arb]) -> tuple[str, list[arb]]:
         """Phase and state after what ends one."""
@@ -170,7 +174,9 @@ SIDES = {"+": 1, "-": -1}
 
 def phases(pair: Spheres, start: Sequence[arb], longest: float) -> Iterator[tuple[Solution, arb]]:
     """Each phase as a solution, and when it ends."""
-    phase, s, t = pair.begin(start), list(start), arb(0)
+    phase = pair.begin(start)
+    s = list(start)
+    t = arb(0)
     while phase != "apart":
         solution = Solution(pair.field(pair.law(phase)), s, begin=t)
         found = first_switch(solution, pair.ends(phase), float(t), longest)
@@ -186,7 +192,8 @@ def first_switch(
     solution: Solution, values: Mapping[str, Value], begin: float, longest: float
 ) -> tuple[str, arb] | None:
     """Which function is the first to fall through zero, and when."""
-    low, step = begin + longest / GRID / 4096, longest / GRID / 4096
+    low = begin + longest / GRID / 4096
+    step = longest / GRID / 4096
     while low < 1.1 * longest:
         high = low + step
         state = solution.at(arb(high))
@@ -198,7 +205,8 @@ def first_switch(
         if crossings:
             time, name = min(crossings, key=lambda pair: float(pair[0]))
             return name, time
-        low, step = high, min(2 * step, longest / GRID)
+        low = high
+        step = min(2 * step, longest / GRID)
     return None
 
 
@@ -206,14 +214,16 @@ def two_spheres(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: Clai
     """What turns out of the plane is said by spinning_pair.py; nothing is said of a contact in the
     plane that never ends.
     """
-    spins, masses = vector(p, "spins"), vector(p, "masses")
+    spins = vector(p, "spins")
+    masses = vector(p, "masses")
     slips = number(p, "angle") or any(spins[axis] for axis in (1, 2, 4, 5))
     if number(p, "friction") > 0 and slips and any(spins[axis] for axis in (0, 1, 3, 4)):
         yield from spinning(p, times, claimed)
         return
     if "duration" not in claimed:
         return
-    pair, speed = Spheres(p), arb_of(number(p, "closing_speed"))
+    pair = Spheres(p)
+    speed = arb_of(number(p, "closing_speed"))
     sine, cosine = arb_of(number(p, "angle")).sin_cos()
     start = [
         -pair.reach,
@@ -227,7 +237,8 @@ def two_spheres(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: Clai
     course = list(phases(pair, start, float(claimed["duration"])))
     if not course:
         return
-    end, last = course[-1][1], course[-1][0].at(course[-1][1])
+    end = course[-1][1]
+    last = course[-1][0].at(course[-1][1])
     yield None, {"duration": end}
     for t in times:
         now = next(
@@ -277,7 +288,8 @@ def at_time(found: Solution, turn: arb, t: arb) -> tuple[arb, arb]:
     """Overlap and rate at the time t since touch, up to a little beyond the turn, from the curve in
     s.
     """
-    low, high = 0.0, float(turn) * 1.01
+    low = 0.0
+    high = float(turn) * 1.01
     for _ in range(40):
         middle = (low + high) / 2
         low, high = (middle, high) if found.at(arb(middle))[2] < t else (low, middle)
@@ -335,17 +347,20 @@ def wedge(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: Claimed) -
 def tent(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: Claimed) -> Said:
     """The force by its definition, from edge to edge."""
     mass, k1, x1, x2, x0, v0 = (number(p, name) for name in ("mass", "k1", "x1", "x2", "x0", "v0"))
-    edges, waiting = (x1, Fraction(0), x2), list(times)
-    begin, state, region = (
-        arb(0),
-        [arb_of(x0), arb_of(v0)],
-        sum(x0 > edge or (x0 == edge and v0 > 0) for edge in (x1, Fraction(0), x2)),
-    )
+    edges = (x1, Fraction(0), x2)
+    waiting = list(times)
+    begin = arb(0)
+    state = [arb_of(x0), arb_of(v0)]
+    region = sum(x0 > edge or (x0 == edge and v0 > 0) for edge in (x1, Fraction(0), x2))
     slopes = (Fraction(0), k1, k1 * x1 / x2, Fraction(0))
     yield None, {"work": arb_of(-k1 * x1 / 2) * arb_of(x2 - x1)}
     step = float((mass / max(k1, -slopes[2])) ** Fraction(1)) ** 0.5 / 16
     while waiting:
-        slope, root = slopes[region] / mass, edges[0] if region == 1 else edges[2]
+        slope = slopes[region] / mass
+        if region == 1:
+            root = edges[0]
+        else:
+            root = edges[2]
         phase = Solution(partial(flank, arb_of(slope), arb_of(root)), state, begin=begin)
         end, side = next_edge(
             phase,
@@ -358,7 +373,8 @@ def tent(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: Claimed) ->
             t = waiting.pop(0)
             yield t, dict(zip(("x", "v"), phase.at(t), strict=True))
         if end is not None:
-            begin, state = end, [arb_of(side), phase.at(end)[1]]
+            begin = end
+            state = [arb_of(side), phase.at(end)[1]]
             region += 1 if state[1] > 0 else -1
 
 

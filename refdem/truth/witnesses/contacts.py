@@ -30,7 +30,9 @@ def coulomb(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: Claimed)
     exact = numbers(p, "mass", "stiffness", "friction_force", "x0", "v0")
     m, k, f = (arb_of(exact[name]) for name in ("mass", "stiffness", "friction_force"))
     half = math.pi * math.sqrt(exact["mass"] / exact["stiffness"])
-    begin, x, waiting = arb(0), arb_of(exact["x0"]), list(times)
+    begin = arb(0)
+    x = arb_of(exact["x0"])
+    waiting = list(times)
     if exact["v0"]:
         phase = Solution(
             partial(rubbing, -f if exact["v0"] > 0 else f, k, m), [x, arb_of(exact["v0"])]
@@ -43,13 +45,17 @@ def coulomb(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: Claimed)
             yield t, dict(zip(("x", "v"), phase.at(t), strict=True))
         x = phase.at(begin)[0]
     while f < k * abs(x) and waiting:
-        push = f if x > 0 else -f
+        if x > 0:
+            push = f
+        else:
+            push = -f
         phase = Solution(partial(rubbing, push, k, m), [x, arb(0)], begin=begin)
         end = phase.crossing(lambda y: y[1], float(begin) + half, half / 16)
         while waiting and arb_of(waiting[0]) < end:
             t = waiting.pop(0)
             yield t, dict(zip(("x", "v"), phase.at(t), strict=True))
-        begin, x = end, phase.at(end)[0]
+        begin = end
+        x = phase.at(end)[0]
     if not f < k * abs(x):
         yield None, {"stop_time": begin, "stop_position": x} if exact["friction_force"] else {}
         for t in waiting:
@@ -65,7 +71,8 @@ def slope(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: Claimed) -
     """Down a slope whose tangent exceeds mu: s'' = g (sin - mu cos) by Taylor integration; else it
     stays.
     """
-    gravity, friction = arb_of(number(p, "gravity")), arb_of(number(p, "friction"))
+    gravity = arb_of(number(p, "gravity"))
+    friction = arb_of(number(p, "friction"))
     if p["angle"] is not None:
         sine, cosine = arb_of(number(p, "angle")).sin_cos()
     else:
@@ -139,24 +146,25 @@ def asymmetric(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: Claim
         (k1 * x1 / x2 / m, -k1 * x1 / m),
         (arb(0), arb(0)),
     ]
-    begin, state, waiting = arb(0), [arb_of(e["x0"]), arb_of(e["v0"])], list(times)
+    begin = arb(0)
+    state = [arb_of(e["x0"]), arb_of(e["v0"])]
+    waiting = list(times)
     region = sum(
         e["x0"] > wall or (e["x0"] == wall and e["v0"] > 0) for wall in (e["x1"], 0, e["x2"])
     )
     yield None, {"work": k1 * abs(x1) * (x2 - x1) / 2}
     while waiting:
         phase = Solution(partial(flank, *slopes[region]), state, begin=begin)
-        low, high = walls[region], walls[region + 1]
+        low = walls[region]
+        high = walls[region + 1]
         left = _left(phase, low, high, float(begin), float(waiting[-1]))
         while waiting and (left is None or arb_of(waiting[0]) < left[0]):
             t = waiting.pop(0)
             yield t, dict(zip(("x", "v"), phase.at(t), strict=True))
         if left is not None:
-            begin, state, region = (
-                left[0],
-                [walls[region + (left[1] > 0)], phase.at(left[0])[1]],
-                region + left[1],
-            )
+            begin = left[0]
+            state = [walls[region + (left[1] > 0)], phase.at(left[0])[1]]
+            region = region + left[1]
 
 
 def wedge(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: Claimed) -> Said:
@@ -164,7 +172,8 @@ def wedge(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: Claimed) -
     each.
     """
     e = {name: arb_of(number(p, name)) for name in ("mass", "k1", "k2", "closing_speed")}
-    m, speed = e["mass"], e["closing_speed"]
+    m = e["mass"]
+    speed = e["closing_speed"]
     inward = Solution(lambda t, y: [y[1], y[0] * y[0] * (-e["k2"] / m)], [arb(0), speed])
     turn = inward.bisected(lambda y: y[1], 0.0, float(claimed["duration"]))
     deepest = inward.at(turn)[0]

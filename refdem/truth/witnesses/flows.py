@@ -38,7 +38,10 @@ def carried(p: Mapping[str, Any], times: Sequence[Fraction], claimed: Claimed) -
                 )
                 yield t, {f"x_{k}": place, f"v_{k}": rate}
     if p["flow"] != "coulomb":
-        lost = 2 * arb_of(number(p, "delta")) if p["flow"] == "viscous" else arb(0)
+        if p["flow"] == "viscous":
+            lost = 2 * arb_of(number(p, "delta"))
+        else:
+            lost = arb(0)
         shrinking = Solution(lambda t, y: [-lost * y[0]], [arb_of(halves / 2)])
         for t in times:
             yield t, {"area": shrinking.at(t)[0]}
@@ -53,7 +56,10 @@ def moved(
     start = {**p, "gravity": Fraction(0), "x0": corner[0], "v0": corner[1]}
     if p["flow"] == "coulomb":
         return contacts.coulomb(start, times, {})
-    name = "viscous-oscillator" if p["flow"] == "viscous" else "harmonic-oscillator"
+    if p["flow"] == "viscous":
+        name = "viscous-oscillator"
+    else:
+        name = "harmonic-oscillator"
     return oscillators.WITNESSES[name].values(start, times, {})
 
 

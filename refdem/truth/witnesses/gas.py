@@ -40,7 +40,8 @@ def cooling(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: Claimed)
     }
     packing = arb.pi() * e["density"] * e["diameter"] ** 3 / 6
     near = (1 - packing / 2) / ((1 - packing) * (1 - packing) * (1 - packing))
-    width, norm = (2 * e["t0"]).sqrt(), 2 * moment(0)
+    width = (2 * e["t0"]).sqrt()
+    norm = 2 * moment(0)
     towards = width * moment(1) / norm
     rate = e["density"] * e["diameter"] * e["diameter"] * near * 4 * arb.pi() * towards
     lost = (1 - e["restitution"] * e["restitution"]) / 4 * width * width * moment(3) / moment(1)

@@ -79,7 +79,10 @@ def damping(p: Mapping[str, Any], mass: arb) -> arb:
     """
     if p["restitution"] == 1:
         return arb(0)
-    loss = half_swing if p["cutoff"] == "zero_overlap" else pressing_swing
+    if p["cutoff"] == "zero_overlap":
+        loss = half_swing
+    else:
+        loss = pressing_swing
     with precision(MORE_BITS):
         goal = -arb_of(p["restitution"]).log()
         low = arb(0)

@@ -74,7 +74,8 @@ class Struck(Spheres):
 
 def on_wall(p: Mapping[str, Any], times: Sequence[Fraction], claimed: Claimed) -> Said:
     """The linear law."""
-    ball, nothing = Struck(p), arb(0)
+    ball = Struck(p)
+    nothing = arb(0)
     start = [
         -ball.reach,
         nothing,
@@ -117,8 +118,14 @@ def hertz_wall(p: Mapping[str, Any], times: Sequence[Fraction], claimed: Claimed
     ratio, mu, radius, normal, across = (
         arb_of(p[name]) for name in ("hertz", "friction", "radius", "normal", "across")
     )
-    ratio, turning = ratio / arb_of(p["mass"]), radius * arb_of(p["spin"])
-    side = 1 if across + turning > 0 else -1 if across + turning < 0 else 0
+    ratio = ratio / arb_of(p["mass"])
+    turning = radius * arb_of(p["spin"])
+    if across + turning > 0:
+        side = 1
+    elif across + turning < 0:
+        side = -1
+    else:
+        side = 0
     course = [
         Solution(
             partial(sliding, ratio, side * mu), [arb(0), normal, arb(0), arb(0), across, turning]
@@ -126,7 +133,8 @@ def hertz_wall(p: Mapping[str, Any], times: Sequence[Fraction], claimed: Claimed
     ]
     scale = float((normal * normal / ratio).root(5)) / float(normal)
     looks = [scale * n / 32 for n in range(1, 2000)]
-    until, ends = next(s for s in looks if course[0].at(arb(s))[0] < 0), [arb(0)]
+    until = next(s for s in looks if course[0].at(arb(s))[0] < 0)
+    ends = [arb(0)]
     if side and side * sum(course[0].at(arb(until))[4:6]) < 0:
         ends.append(course[0].bisected(lambda y: -side * (y[4] + y[5]), 0.0, until))
         course.append(
@@ -136,16 +144,24 @@ def hertz_wall(p: Mapping[str, Any], times: Sequence[Fraction], claimed: Claimed
     end = course[-1].bisected(lambda y: -y[0], until / 2, until)
     last = course[-1].at(end)
     for t in times:
-        time, state = arb_of(t), last
+        time = arb_of(t)
+        state = last
         if time < last[2]:
-            which = len(ends) - 1 if time > course[0].at(ends[-1])[2] else 0
-            high = float(end) if which == len(ends) - 1 else float(ends[1])
+            if time > course[0].at(ends[-1])[2]:
+                which = len(ends) - 1
+            else:
+                which = 0
+            if which == len(ends) - 1:
+                high = float(end)
+            else:
+                high = float(ends[1])
             state = course[which].at(
                 course[which].bisected(partial(beyond, 2, time), float(ends[which]), high)
             )
         rest = time - state[2]
         w, v, _, y, vy, turn = state
-        depth, nothing = w * w + v * rest, arb(0)
+        depth = w * w + v * rest
+        nothing = arb(0)
         yield (
             t,
             dict(
@@ -179,10 +195,18 @@ def bouncing(p: Mapping[str, Any], times: Sequence[Fraction], claimed: Claimed) 
     """Falls and contacts by turns; the apexes where the velocity is zero."""
     mass, radius, gravity = (arb_of(p[name]) for name in ("mass", "radius", "gravity"))
     k, c = (arb_of(p[name]) / mass for name in ("stiffness", "damping"))
-    y, v, begin, waiting, bounces, falls = arb_of(p["height"]), arb(0), arb(0), list(times), 0, True
+    y = arb_of(p["height"])
+    v = arb(0)
+    begin = arb(0)
+    waiting = list(times)
+    bounces = 0
+    falls = True
     tops = len([name for name in claimed if name.startswith("apex_")])
     while waiting or bounces <= tops:
-        field = partial(falling, gravity) if falls else partial(pressing, k, c, gravity, radius)
+        if falls:
+            field = partial(falling, gravity)
+        else:
+            field = partial(pressing, k, c, gravity, radius)
         phase = Solution(field, [y, v], begin=begin)
         span = float(
             ((v + (v * v + 2 * gravity * (y - radius)).sqrt()) / gravity)
@@ -199,8 +223,11 @@ def bouncing(p: Mapping[str, Any], times: Sequence[Fraction], claimed: Claimed) 
             t = waiting.pop(0)
             now = phase.at(t)
             yield t, dict.fromkeys(AXES, arb(0)) | {"r.y": now[0], "v.y": now[1]}
-        begin, y, v = end, radius, phase.at(end)[1]
-        bounces, falls = bounces + (not falls), not falls
+        begin = end
+        y = radius
+        v = phase.at(end)[1]
+        bounces = bounces + (not falls)
+        falls = not falls
 
 
 def falling(gravity: arb, t: Any, s: Sequence[Any]) -> list[Any]:

@@ -21,7 +21,8 @@ METHOD = "Taylor integration at 58 digits, unproven (refdem/truth/witnesses/link
 def captured(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: Claimed) -> Said:
     """Straight from (-2 r, -r) to (0, -r), then held by the force -m v^2 r/r^2 alone."""
     e = numbers(p, "mass", "speed", "radius")
-    speed, radius = arb_of(e["speed"]), arb_of(e["radius"])
+    speed = arb_of(e["speed"])
+    radius = arb_of(e["radius"])
     caught = 2 * e["radius"] / e["speed"]
     circle = Solution(held, [arb(0), -radius, speed, arb(0)], begin=arb_of(caught))
     for t in times:
@@ -47,9 +48,13 @@ def standing(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: Claimed
     force.
     """
     e = numbers(p, "length", "gravity", "delta")
-    length, gravity = arb_of(e["length"]), arb_of(e["gravity"])
+    length = arb_of(e["length"])
+    gravity = arb_of(e["gravity"])
     sine, cosine = arb_of(e["delta"]).sin_cos()
-    up = 1 if p["position"] == "top" else -1
+    if p["position"] == "top":
+        up = 1
+    else:
+        up = -1
     found = Solution(
         partial(swinging, length, gravity), [length * sine, up * length * cosine, arb(0), arb(0)]
     )
@@ -77,8 +82,12 @@ def kapitza(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: Claimed)
         2 * arb.pi() / e["drive"]
     )
     trace = whole[0] + whole[3]
-    root = (trace * trace - 4).sqrt() if trace * trace > 4 else arb(0)
-    far, near = (abs(trace) + root) / 2, (abs(trace) - root) / 2
+    if trace * trace > 4:
+        root = (trace * trace - 4).sqrt()
+    else:
+        root = arb(0)
+    far = (abs(trace) + root) / 2
+    near = (abs(trace) - root) / 2
     yield (
         None,
         dict.fromkeys(("floquet_1", "floquet_2"), arb(1))
@@ -112,10 +121,8 @@ def double(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: Claimed) 
         (arb_of(m) for m in vector(p, "masses")),
         [arb_of(x) for x in vector(p, "lengths")],
     )
-    angles, rates = (
-        [arb_of(x) for x in vector(p, "theta0")],
-        [arb_of(x) for x in vector(p, "thetadot0")],
-    )
+    angles = [arb_of(x) for x in vector(p, "theta0")]
+    rates = [arb_of(x) for x in vector(p, "thetadot0")]
     start = []
     for length, angle, rate in zip(lengths, angles, rates, strict=True):
         sine, cosine = angle.sin_cos()
@@ -135,15 +142,22 @@ def hung(m1: arb, m2: arb, gravity: arb, t: Any, s: Sequence[Any]) -> list[Any]:
     -|d'|^2 for both.
     """
     x, y, u, v, a, b, c, d = s[:8]
-    squares, across = (x * x + y * y, a * a + b * b), x * a + y * b
+    squares = (x * x + y * y, a * a + b * b)
+    across = x * a + y * b
     # d1.d1'' = -|d1'|^2 and d2.d2'' = -|d2'|^2 in the unknown L1, L2
     first = u * u + v * v - gravity * y
     second = c * c + d * d
-    k11, k12, k21, k22 = squares[0] / m1, -across / m1, -across / m1, squares[1] * (1 / m1 + 1 / m2)
+    k11 = squares[0] / m1
+    k12 = -across / m1
+    k21 = -across / m1
+    k22 = squares[1] * (1 / m1 + 1 / m2)
     whole = k11 * k22 - k12 * k21
-    l1, l2 = (first * k22 - second * k12) / whole, (second * k11 - first * k21) / whole
-    ax, ay = (l2 * a - l1 * x) / m1, (l2 * b - l1 * y) / m1 - gravity
-    bx, by = -l2 * a / m2 - ax, -l2 * b / m2 - gravity - ay
+    l1 = (first * k22 - second * k12) / whole
+    l2 = (second * k11 - first * k21) / whole
+    ax = (l2 * a - l1 * x) / m1
+    ay = (l2 * b - l1 * y) / m1 - gravity
+    bx = -l2 * a / m2 - ax
+    by = -l2 * b / m2 - gravity - ay
     return [u, v, ax, ay, c, d, bx, by, (x * v - y * u) / squares[0], (a * d - b * c) / squares[1]]
 
 
@@ -193,7 +207,10 @@ def over_wheel(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: Claim
 def wound(e: Mapping[str, arb], whole: arb, t: Any, s: Sequence[Any]) -> list[Any]:
     """Rates of r, theta, u and m r^2 theta'."""
     r, theta, u, spin = s
-    m, counter, radius, gravity = e["mass"], e["counter_mass"], e["wheel_radius"], e["gravity"]
+    m = e["mass"]
+    counter = e["counter_mass"]
+    radius = e["wheel_radius"]
+    gravity = e["gravity"]
     turning = spin / (r * r * m)
     slower = (r * turning * turning * m - counter * gravity + theta.cos() * (m * gravity)) / whole
     torque = (
@@ -208,7 +225,8 @@ def cluster(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: Claimed)
     """A rigid body in any axes: L stays in space, omega_body = J^-1 R^T L, qdot = q omega_body/2;
     no principal axis is looked for.
     """
-    masses, flat = vector(p, "masses"), vector(p, "positions")
+    masses = vector(p, "masses")
+    flat = vector(p, "positions")
     total = sum(masses)
     points = [flat[3 * i : 3 * i + 3] for i in range(4)]
     centre = [

@@ -22,13 +22,15 @@ def logistic(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: Claimed
     """x -> eta x (1 - x) in whole numbers of 2^-4096; the equation of the same right-hand side by
     Taylor integration.
     """
-    eta, x0 = number(p, "eta"), number(p, "x0")
+    eta = number(p, "eta")
+    x0 = number(p, "x0")
     if p["form"] == "ode":
         solution = Solution(lambda t, y: [y[0] * (1 - y[0]) * arb_of(eta)], [arb_of(x0)])
         for t in times:
             yield t, {"x_n": solution.at(t)[0]}
         return
-    one, n = 1 << SCALE, 0
+    one = 1 << SCALE
+    n = 0
     x = int(x0 * one)
     for t in times:
         for _ in range(int(t) - n):
@@ -42,14 +44,16 @@ def billiard(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: Claimed
     line, half circles by their chord.
     """
     with precision(1024):
-        (a, b), stadium = (arb_of(x) for x in vector(p, "size")), p["geometry"] == "stadium"
-        place, along = (
-            [arb_of(x) for x in vector(p, "start")],
-            [arb_of(x) for x in vector(p, "direction")],
-        )
+        (a, b) = (arb_of(x) for x in vector(p, "size"))
+        stadium = p["geometry"] == "stadium"
+        place = [arb_of(x) for x in vector(p, "start")]
+        along = [arb_of(x) for x in vector(p, "direction")]
         size = (along[0] * along[0] + along[1] * along[1]).sqrt()
         along = [x / size for x in along]
-        straight = (a - b) / 2 if stadium else a / 2
+        if stadium:
+            straight = (a - b) / 2
+        else:
+            straight = a / 2
         n = 0
         for t in times:
             for _ in range(int(t) - n):
@@ -71,7 +75,8 @@ def bounced(
     place: list[arb], along: list[arb], straight: arb, half: arb, stadium: bool
 ) -> tuple[list[arb], list[arb]]:
     """The next place on the wall and the direction after it, midpoints alone."""
-    (x, y), (u, v) = place, along
+    (x, y) = place
+    (u, v) = along
     hits: list[tuple[arb, arb, arb]] = []
     for side in (1, -1):
         if side * v > 0:
@@ -80,7 +85,8 @@ def bounced(
         if not stadium and side * u > 0:
             hits.append(((side * straight - x) / u, arb(side), arb(0)))
         if stadium:
-            dx, dy = x - side * straight, y
+            dx = x - side * straight
+            dy = y
             middle = dx * u + dy * v
             under = middle * middle - dx * dx - dy * dy + half * half
             if under > 0 and side * (dx + (under.sqrt() - middle) * u) > 0:

@@ -99,7 +99,8 @@ class Trio(Spheres):
 
     def pair(self, i: int, s: Sequence[Any]) -> list[Any]:
         """The outer body i (0, 2) against the middle one, as a pair is said in Spheres."""
-        outer, middle = s[5 * i : 5 * i + 5], s[5:10]
+        outer = s[5 * i : 5 * i + 5]
+        middle = s[5:10]
         return [
             *(a - b for a, b in zip(outer[:4], middle[:4], strict=True)),
             outer[4],
@@ -129,12 +130,16 @@ class Trio(Spheres):
 
     def field(self, friction: Value) -> Callable[[Any, Sequence[Any]], list[Any]]:
         def rates(t: Any, s: Sequence[Any]) -> list[Any]:
-            push, twist, slips = [[0, 0] for _ in range(3)], [0, 0, 0], []
+            push = [[0, 0] for _ in range(3)]
+            twist = [0, 0, 0]
+            slips = []
             for i in (0, 2):
                 pair = self.pair(i, s)
                 ex, ey, distance, _, _, force = self.geometry(pair)
-                f, (own, other) = friction(pair), self.levers(distance)
-                along, across = force * ex - f * ey, force * ey + f * ex
+                f = friction(pair)
+                (own, other) = self.levers(distance)
+                along = force * ex - f * ey
+                across = force * ey + f * ex
                 for body, sense, lever in ((i, 1, own), (1, -1, other)):
                     push[body] = [push[body][0] + sense * along, push[body][1] + sense * across]
                     twist[body] = twist[body] - lever * f
@@ -165,12 +170,14 @@ def squeezed(p: Mapping[str, Any], times: Sequence[Fraction], claimed: Claimed) 
     """Three bodies; without a tangential spring nothing is said."""
     if not p["tangential_stiffness"]:
         return
-    trio, zero = Trio(p), arb(0)
+    trio = Trio(p)
+    zero = arb(0)
     along, across, spin = (arb_of(p[name]) for name in ("normal", "across", "partner_spin"))
     start = [-trio.reach, zero, along, across, spin, *[zero] * 4, arb_of(p["spin"])]
     start += [trio.reach, zero, -along, -across, spin, zero, zero]
     course = list(phases(trio, start, float(claimed["duration"])))
-    end, last = course[-1][1], course[-1][0].at(course[-1][1])
+    end = course[-1][1]
+    last = course[-1][0].at(course[-1][1])
     yield None, {"duration": end}
     for t in times:
         now = next((solution.at(t) for solution, until in course if arb_of(t) < until), None)
@@ -198,12 +205,13 @@ class Mindlin:
     def __init__(self, p: Mapping[str, Any]) -> None:
         self.k, self.kt = (arb_of(p[name]) / arb_of(p["mass"]) for name in ("hertz", "mindlin"))
         self.mu, self.radius = (arb_of(p[name]) for name in ("friction", "radius"))
-        normal, across, turning = (
-            arb_of(p["normal"]),
-            arb_of(p["across"]),
-            arb_of(p["radius"] * p["spin"]),
-        )
-        self.side = -1 if across + turning < 0 else 1
+        normal = arb_of(p["normal"])
+        across = arb_of(p["across"])
+        turning = arb_of(p["radius"] * p["spin"])
+        if across + turning < 0:
+            self.side = -1
+        else:
+            self.side = 1
         self.start = [
             arb(0),
             normal,
@@ -218,7 +226,10 @@ class Mindlin:
     def rates(self, side: int, s: Any, y: Sequence[Any]) -> list[Any]:
         """In s, while it sticks (0) or slides to a side."""
         w, v, _, vy, spin, _, stretch = y
-        pull = w * self.kt * stretch if side == 0 else side * self.mu * self.k * w * w * w
+        if side == 0:
+            pull = w * self.kt * stretch
+        else:
+            pull = side * self.mu * self.k * w * w * w
         f = -pull * w
         return [v / 2, -self.k * w * w * w * w, w, f, f * 5 / 2, vy * w, (vy + spin) * w]
 
@@ -232,7 +243,12 @@ class Mindlin:
 
     def phases(self) -> Iterator[tuple[Solution, arb]]:
         """(solution, end in s) until the sphere parts from the wall."""
-        side, s, state = 1 if self.surplus(1, self.start) > 0 else 0, arb(0), list(self.start)
+        if self.surplus(1, self.start) > 0:
+            side = 1
+        else:
+            side = 0
+        s = arb(0)
+        state = list(self.start)
         while True:
             solution = Solution(partial(self.rates, side), state, begin=s)
             ends: dict[int | str, Value] = {"apart": lambda y: y[0]}
@@ -251,7 +267,11 @@ class Mindlin:
             state = solution.at(end)
             if then == "caught":
                 state[6] = side * self.mu * self.k / self.kt * state[0] * state[0]
-            side, s = (0 if then == "caught" else int(then)), end
+            if then == "caught":
+                side = 0
+            else:
+                side = int(then)
+            s = end
 
     def first(
         self, solution: Solution, ends: Mapping[int | str, Value], low: float
@@ -284,7 +304,8 @@ def mindlin_wall(p: Mapping[str, Any], times: Sequence[Fraction], claimed: Claim
         },
     )
     for t in times:
-        time, state = arb_of(t), last
+        time = arb_of(t)
+        state = last
         if time < last[2]:
             solution, end = next(phase for phase in course if time < phase[0].at(phase[1])[2])
             state = solution.at(
@@ -342,7 +363,8 @@ class Passing(Spheres):
         Spheres.
         """
         distance = (s[0] * s[0] + self.b * self.b).sqrt()
-        ex, ey = s[0] / distance, self.b / distance
+        ex = s[0] / distance
+        ey = self.b / distance
         return ex, ey, distance, self.speed * ex, -self.speed * ey, self.k * (self.reach - distance)
 
     def slip(self, s: Sequence[Any]) -> Any:
@@ -354,12 +376,13 @@ class Passing(Spheres):
 
     def law(self, phase: str) -> Value:
         """On body 2 along the tangent."""
-        side = -1 if phase == "slip-" else 1
-        return (
-            (lambda s: -self.kt * s[4])
-            if phase == "stick"
-            else lambda s: -side * self.mu * self.force(s)
-        )
+        if phase == "slip-":
+            side = -1
+        else:
+            side = 1
+        if phase == "stick":
+            return lambda s: -self.kt * s[4]
+        return lambda s: -side * self.mu * self.force(s)
 
     def field(self, friction: Value) -> Callable[[Any, Sequence[Any]], list[Any]]:
         def rates(t: Any, s: Sequence[Any]) -> list[Any]:
@@ -371,11 +394,9 @@ class Passing(Spheres):
         return rates
 
     def after(self, phase: str, then: str, s: Sequence[arb]) -> tuple[str, list[arb]]:
-        return (
-            ("stick", [*s[:4], SIDES[phase[-1]] * self.mu * self.force(s) / self.kt])
-            if then == "caught"
-            else (then, list(s))
-        )
+        if then == "caught":
+            return ("stick", [*s[:4], SIDES[phase[-1]] * self.mu * self.force(s) / self.kt])
+        return (then, list(s))
 
 
 def frame(part: int, *rows: Sequence[int]) -> list[list[Fraction]]:
@@ -390,20 +411,22 @@ def passing(
     claimed: Claimed,
 ) -> Said:
     """What the contact gives body 1; `axes` has those of the plane and its normal as columns."""
-    law, zero = Passing(p), arb(0)
+    law = Passing(p)
+    zero = arb(0)
     half = (law.reach * law.reach - law.b * law.b).sqrt()
-    touch, lasts = (law.begins - half) / law.speed, 2 * half / law.speed
-    course, last = [], [-half, zero, zero, zero, zero]
+    touch = (law.begins - half) / law.speed
+    lasts = 2 * half / law.speed
+    course = []
+    last = [-half, zero, zero, zero, zero]
     for solution, end in phases(law, last, float(lasts)):
         course.append((solution, end))
         last = solution.at(end)
     for t in times:
         time = arb_of(t) - touch
-        now = (
-            [zero] * 5
-            if time < 0
-            else next((solution.at(time) for solution, until in course if time < until), last)
-        )
+        if time < 0:
+            now = [zero] * 5
+        else:
+            now = next((solution.at(time) for solution, until in course if time < until), last)
         way = arb_of(p["speed"] * t - p["begin"])
         seen = {"impulse": (now[1], now[2], zero), "turning": (zero, zero, now[3])}
         seen |= {"r": (way, law.b, zero), "v": (law.speed, zero, zero)}

@@ -110,13 +110,16 @@ def power(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: Claimed) -
         yield from rooted(exact, times)
     if exact["exponent"].denominator != 1 or not exact["amplitude"]:
         return
-    n, ratio = int(exact["exponent"]), arb_of(exact["stiffness"] / exact["mass"])
-    quarter, waiting = float(claimed["period"]) / 4, list(times)
-    state, begin, sign = (
-        [arb_of(exact["amplitude"]), arb(0)],
-        arb(0),
-        1 if exact["amplitude"] > 0 else -1,
-    )
+    n = int(exact["exponent"])
+    ratio = arb_of(exact["stiffness"] / exact["mass"])
+    quarter = float(claimed["period"]) / 4
+    waiting = list(times)
+    state = [arb_of(exact["amplitude"]), arb(0)]
+    begin = arb(0)
+    if exact["amplitude"] > 0:
+        sign = 1
+    else:
+        sign = -1
     turned = 1
     while waiting or turned <= 3:
         phase = Solution(partial(pulled, n, ratio * sign ** (n + 1)), state, begin=begin)
@@ -127,7 +130,10 @@ def power(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: Claimed) -
             yield t, dict(zip(("x", "v"), phase.at(t), strict=True))
         if turned == 2:
             yield None, {"period": 2 * (end - begin)}
-        begin, state, sign, turned = end, phase.at(end), -sign, turned + 1
+        begin = end
+        state = phase.at(end)
+        sign = -sign
+        turned = turned + 1
 
 
 def rooted(exact: Mapping[str, Fraction], times: Sequence[Fraction]) -> Said:
@@ -135,7 +141,8 @@ def rooted(exact: Mapping[str, Fraction], times: Sequence[Fraction]) -> Said:
     period, mirrored for the rest.
     """
     a, b = exact["exponent"].as_integer_ratio()
-    ratio, size = arb_of(exact["stiffness"] / exact["mass"]), arb_of(abs(exact["amplitude"]))
+    ratio = arb_of(exact["stiffness"] / exact["mass"])
+    size = arb_of(abs(exact["amplitude"]))
 
     def field(z: Any, y: Sequence[Any]) -> list[Any]:
         slow = y[0] ** (b - 1) * b
@@ -153,14 +160,21 @@ def rooted(exact: Mapping[str, Fraction], times: Sequence[Fraction]) -> Said:
     end = found.crossing(lambda y: y[0], high - step / 2, step / 2)
     quarter = found.at(end)[2]
     yield None, {"period": 4 * quarter}
-    sign = 1 if exact["amplitude"] > 0 else -1
+    if exact["amplitude"] > 0:
+        sign = 1
+    else:
+        sign = -1
     for t in times:
         turns = floor(float(arb_of(t) / quarter))
         rest = arb_of(t) - turns * quarter
-        since = rest if turns % 2 == 0 else quarter - rest
+        if turns % 2 == 0:
+            since = rest
+        else:
+            since = quarter - rest
         z = found.bisected(partial(later, since), 0.0, float(end))
         s, v, _ = found.at(z)
-        along, back = (1, -1, -1, 1)[turns % 4], (1, 1, -1, -1)[turns % 4]
+        along = (1, -1, -1, 1)[turns % 4]
+        back = (1, 1, -1, -1)[turns % 4]
         yield t, {"x": sign * along * s**b, "v": sign * back * v}
 
 

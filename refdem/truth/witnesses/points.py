@@ -57,16 +57,14 @@ def pendulum(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: Claimed
         )
     if "period" in claimed:
         near = float(claimed["period"])
-        turns = (
-            0
-            if rate0 == 0
-            else round((float(found.at(Fraction(near))[4]) - float(theta0)) / 6.283185307179586)
-        )
-        goal = (
-            (lambda s: s[0] * s[3] - s[1] * s[2])
-            if rate0 == 0
-            else (lambda s: s[4] - theta0 - 2 * arb.pi() * turns)
-        )
+        if rate0 == 0:
+            turns = 0
+        else:
+            turns = round((float(found.at(Fraction(near))[4]) - float(theta0)) / 6.283185307179586)
+        if rate0 == 0:
+            goal = lambda s: s[0] * s[3] - s[1] * s[2]
+        else:
+            goal = lambda s: s[4] - theta0 - 2 * arb.pi() * turns
         yield None, {"period": found.crossing(goal, near, near / 64)}
 
 
@@ -74,7 +72,8 @@ def orbit(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: Claimed) -
     """Kepler's law or a spring to the centre, from the apse on +x."""
     spring = p["stiffness"] is not None
     exact = numbers(p, "gm", "semi_major", "eccentricity")
-    a, e = exact["semi_major"], exact["eccentricity"]
+    a = exact["semi_major"]
+    e = exact["eccentricity"]
     strength = arb_of(number(p, "stiffness") / _mass(p) if spring else exact["gm"])
     if spring:
         start = [arb_of(a), arb(0), arb(0), arb_of(a) * arb_of(1 - e * e).sqrt() * strength.sqrt()]
@@ -88,7 +87,10 @@ def orbit(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: Claimed) -
 
     def field(t: Any, s: Sequence[Any]) -> list[Any]:
         x, y, vx, vy = s
-        pull = strength if spring else strength / ((x * x + y * y) * (x * x + y * y).sqrt())
+        if spring:
+            pull = strength
+        else:
+            pull = strength / ((x * x + y * y) * (x * x + y * y).sqrt())
         return [vx, vy, -x * pull, -y * pull]
 
     found = Solution(field, start)
@@ -100,7 +102,9 @@ def orbit(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: Claimed) -
 
 
 def _mass(p: Mapping[str, Exact]) -> Fraction:
-    return number(p, "mass") if "mass" in p else Fraction(1)
+    if "mass" in p:
+        return number(p, "mass")
+    return Fraction(1)
 
 
 def free(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: Claimed) -> Said:
@@ -108,7 +112,8 @@ def free(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: Claimed) ->
     if p["member"] != "free":
         yield from balanced(p, times)
         return
-    velocity, spin = [arb_of(x) for x in vector(p, "velocity")], arb_of(number(p, "spin"))
+    velocity = [arb_of(x) for x in vector(p, "velocity")]
+    spin = arb_of(number(p, "spin"))
 
     def field(t: Any, s: Sequence[Any]) -> list[Any]:
         w, x, y, z = s[3:]
@@ -131,17 +136,18 @@ def balanced(p: Mapping[str, Any], times: Sequence[Fraction]) -> Said:
     With a stiffness the overlaps make them; without, touching exactly (no gap, no overlap) is what
     lets them be the weight above.
     """
-    weight, stiffness, sizes = p["weight"], p["stiffness"], p["sizes"]
+    weight = p["weight"]
+    stiffness = p["stiffness"]
+    sizes = p["sizes"]
     gaps = [
         high - low - size
         for low, high, size in zip((0, *p["heights"]), p["heights"], sizes, strict=False)
     ]
     above = [weight * (len(gaps) - i) for i in range(len(gaps))]
-    pushes = (
-        [-gap * stiffness for gap in gaps]
-        if stiffness
-        else [load if gap == 0 else None for gap, load in zip(gaps, above, strict=True)]
-    )
+    if stiffness:
+        pushes = [-gap * stiffness for gap in gaps]
+    else:
+        pushes = [load if gap == 0 else None for gap, load in zip(gaps, above, strict=True)]
     if pushes == above:
         for t in times:
             yield (

@@ -40,8 +40,13 @@ def rates(inertia: Sequence[arb]) -> Any:
 
 def seen(y: Sequence[arb]) -> dict[str, arb]:
     """omega_body, omega, attitude (w >= 0) and R of a state, all from R = body to space."""
-    omega, q = y[:3], y[3:] if y[3] >= 0 else [-part for part in y[3:]]
-    w, (x, u, z) = q[0], q[1:]
+    omega = y[:3]
+    if y[3] >= 0:
+        q = y[3:]
+    else:
+        q = [-part for part in y[3:]]
+    w = q[0]
+    (x, u, z) = q[1:]
     turned = [
         [1 - 2 * (u * u + z * z), 2 * (x * u - w * z), 2 * (x * z + w * u)],
         [2 * (x * u + w * z), 1 - 2 * (x * x + z * z), 2 * (u * z - w * x)],
@@ -112,7 +117,8 @@ def damped(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: Claimed) 
     def field(t: Any, y: Sequence[Any]) -> list[Any]:
         a, b, c = y
         x, u, z = (part / j for part, j in zip(y, inertia, strict=True))
-        along, square = a * x + b * u + c * z, a * a + b * b + c * c
+        along = a * x + b * u + c * z
+        square = a * a + b * b + c * c
         turned = [b * z - c * u, c * x - a * z, a * u - b * x]
         return [
             part + damping * (own * along - rate * square)

@@ -41,7 +41,8 @@ class Moment:
     """What follows from one state; each of it is worked out once."""
 
     def __init__(self, its: "Bodies", s: Vector) -> None:
-        self.its, self.s = its, s
+        self.its = its
+        self.s = s
         self.apart = plus(s[3:6], s[12:15], -1)
         way = plus(s[9:12], s[0:3], -1)
         self.distance = dot(way, way).sqrt()
@@ -66,8 +67,10 @@ class Moment:
     @cached_property
     def slip(self) -> list[Any]:
         """Tangential velocity of surface 1 against surface 2."""
-        s, (one, other) = self.s, self.arms
-        first, second = plus(s[3:6], crossed(s[6:9], one)), plus(s[12:15], crossed(s[15:18], other))
+        s = self.s
+        (one, other) = self.arms
+        first = plus(s[3:6], crossed(s[6:9], one))
+        second = plus(s[12:15], crossed(s[15:18], other))
         apart = plus(first, second, -1)
         return plus(apart, self.normal, -dot(apart, self.normal))
 
@@ -136,10 +139,8 @@ class Bodies:
     def start(self, p: Mapping[str, Exact]) -> list[arb]:
         """Touching on x, centre of mass at rest."""
         spins, (m1, m2), reach = vector(p, "spins"), self.masses, sum(self.radii, arb(0))
-        speed, (sine, cosine) = (
-            arb_of(number(p, "closing_speed")),
-            arb_of(number(p, "angle")).sin_cos(),
-        )
+        speed = arb_of(number(p, "closing_speed"))
+        (sine, cosine) = arb_of(number(p, "angle")).sin_cos()
         state: list[arb] = []
         for share, turning in ((m2 / (m1 + m2), spins[:3]), (-m1 / (m1 + m2), spins[3:])):
             state += [
@@ -194,7 +195,10 @@ def spinning(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: Claimed
     pair = Bodies(p)
     if all(part == 0 for part in Moment(pair, pair.start(p)).slip):
         return
-    longest = float(claimed["duration"]) if "duration" in claimed else float(max(times))
+    if "duration" in claimed:
+        longest = float(claimed["duration"])
+    else:
+        longest = float(max(times))
     course = list(phases(pair, pair.start(p), longest))
     if "duration" in claimed:
         yield None, {"duration": course[-1][1]}
@@ -217,7 +221,11 @@ def spinning(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: Claimed
 
 def phases(pair: Bodies, s: list[arb], longest: float) -> Iterator[tuple[Solution, arb]]:
     """Each phase as a solution, and when it ends, at the latest a little after the longest."""
-    phase, t = ("stick" if pair.kt > 0 else "slip"), arb(0)
+    if pair.kt > 0:
+        phase = "stick"
+    else:
+        phase = "slip"
+    t = arb(0)
     while phase != "apart":
         solution = Solution(partial(pair.rates, phase), s, begin=t)
         found = switch(solution, pair.ends(phase), float(t), longest)
@@ -233,7 +241,8 @@ def switch(
     solution: Solution, values: Mapping[str, Callable[[Vector], Any]], begin: float, longest: float
 ) -> tuple[str, arb] | None:
     """Which function is the first to fall through zero, and when."""
-    low, step = begin + longest / GRID / 4096, longest / GRID / 4096
+    low = begin + longest / GRID / 4096
+    step = longest / GRID / 4096
     while low < 1.1 * longest:
         high = low + step
         fallen = [name for name, value in values.items() if value(solution.at(arb(high))) < 0]
@@ -244,7 +253,8 @@ def switch(
             ]
             time, name = min(crossings, key=lambda pair: float(pair[0]))
             return name, time
-        low, step = high, min(2 * step, longest / GRID)
+        low = high
+        step = min(2 * step, longest / GRID)
     return None
 
 

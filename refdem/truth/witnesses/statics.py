@@ -28,19 +28,21 @@ solid.
 def rank(rows: Sequence[Sequence[Fraction]]) -> int:
     """Modulo a prime far larger than any number here."""
     table = [[x.numerator * pow(x.denominator, -1, PRIME) % PRIME for x in row] for row in rows]
-    return (
-        int(nmod_mat(len(table), len(table[0]), [x for row in table for x in row], PRIME).rank())
-        if table
-        else 0
-    )
+    if table:
+        return int(
+            nmod_mat(len(table), len(table[0]), [x for row in table for x in row], PRIME).rank()
+        )
+    return 0
 
 
 def freedom(points: Sequence[Sequence[Fraction]]) -> tuple[int, int]:
     """Velocities that keep all distances to first order; and those of the body as a whole: rank of
     translations and turns.
     """
-    size, count = len(points[0]), len(points)
-    rods, whole = [], []
+    size = len(points[0])
+    count = len(points)
+    rods = []
+    whole = []
     for a, b in combinations(range(count), 2):
         rods.append(
             [
@@ -132,7 +134,9 @@ def angled(a: Fraction, b: Fraction, thick: Fraction) -> Rule:
 def solids(p: Mapping[str, Exact]) -> dict[str, Rule]:
     """Every solid of moments-of-inertia, from what it is: half spaces and maps of a cube."""
     a, b, c, f = numbers(p, "a", "b", "c", "hollow").values()
-    nothing, one, cube = Fraction(0), Fraction(1), [Fraction(0)] * 3
+    nothing = Fraction(0)
+    one = Fraction(1)
+    cube = [Fraction(0)] * 3
     ones = [Fraction(1)] * 3
 
     def box(x: Fraction, y: Fraction, z: Fraction) -> Rule:
@@ -178,7 +182,8 @@ def solids(p: Mapping[str, Exact]) -> dict[str, Rule]:
 
 def turned(rule: Rule, q: Sequence[Fraction]) -> Rule:
     """Every point r by q r q*, after division by |q|^2."""
-    back, size = (q[0], *(-x for x in q[1:])), sum(x * x for x in q)
+    back = (q[0], *(-x for x in q[1:]))
+    size = sum(x * x for x in q)
     for weight, place in rule:
         yield weight, [x / size for x in hamilton(hamilton(q, (Fraction(0), *place)), back)[1:]]
 
@@ -192,7 +197,10 @@ def weighed(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: Claimed)
         points = [(density * arb_of(weight), [arb_of(x) for x in place]) for weight, place in rule]
         mass = sum((w for w, _ in points), arb(0))
         centre = [sum((w * r[i] for w, r in points), arb(0)) / mass for i in range(3)]
-        about = [arb_of(x) for x in corner] if name == "cuboid-at-corner" else centre
+        if name == "cuboid-at-corner":
+            about = [arb_of(x) for x in corner]
+        else:
+            about = centre
         arms = [(w, [x - y for x, y in zip(r, about, strict=True)]) for w, r in points]
         found |= {f"{name}.mass": mass} | {
             f"{name}.centre.{axis}": x for axis, x in zip("xyz", centre, strict=True)
@@ -223,7 +231,8 @@ def hamilton(a: Point, b: Point) -> list[Any]:
 
 def matrix_of(q: Point) -> list[list[Any]]:
     """1 + 2 w [v] + 2 [v]^2."""
-    w, (x, y, z) = q[0], q[1:]
+    w = q[0]
+    (x, y, z) = q[1:]
     skew = [[0, -z, y], [z, 0, -x], [-y, x, 0]]
     square = [[sum(skew[i][k] * skew[k][j] for k in range(3)) for j in range(3)] for i in range(3)]
     return [[int(i == j) + 2 * (w * skew[i][j] + square[i][j]) for j in range(3)] for i in range(3)]
@@ -260,8 +269,10 @@ def quaternions(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: Clai
     turning = [arb(0), *map(arb_of, omega)]
     rate = [x / 2 for x in hamilton(turning, u)]
     twice = hamilton(u, u)
-    matrix, double = matrix_of(u), matrix_of(twice)
-    pq, qp = hamilton(a, b), hamilton(b, a)
+    matrix = matrix_of(u)
+    double = matrix_of(twice)
+    pq = hamilton(a, b)
+    qp = hamilton(b, a)
     both = [x + y for x, y in zip(a, b, strict=True)]
     moved, again = (
         [sum((m * arb_of(x) for m, x in zip(row, v, strict=True)), arb(0)) for row in rows]
@@ -276,7 +287,8 @@ def quaternions(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: Clai
     ]
     inverse = [x / sum(y * y for y in b) for x in conjugate(b)]
     body = [sum((matrix[k][i] * arb_of(omega[k]) for k in range(3)), arb(0)) for i in range(3)]
-    ahead, behind = hamilton(u, conjugate(rate)), hamilton(rate, conjugate(u))
+    ahead = hamilton(u, conjugate(rate))
+    behind = hamilton(rate, conjugate(u))
     yield (
         None,
         listed(
@@ -323,7 +335,8 @@ def quaternions(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: Clai
 def about(axis: str, angle: arb) -> arb_mat:
     """Rodrigues' formula for a coordinate axis."""
     i = "xyz".index(axis)
-    j, k = (i + 1) % 3, (i + 2) % 3
+    j = (i + 1) % 3
+    k = (i + 2) % 3
     sine, cosine = angle.sin_cos()
     entries = {(i, i): arb(1), (j, j): cosine, (k, k): cosine, (j, k): -sine, (k, j): sine}
     return arb_mat([[entries.get((m, n), arb(0)) for n in range(3)] for m in range(3)])
@@ -354,13 +367,13 @@ def rotations(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: Claime
     found: dict[str, Sequence[Any]] = {
         name: [x for row in m.table() for x in row] for name, m in turn.items()
     }
-    globe, plane = turn["globe"], about("z", angle)
-    flat, along = (
-        [plane[i, 0] * v[0] + plane[i, 1] * v[1] for i in (0, 1)],
-        plane[0, 0] * v[0] + plane[1, 0] * v[1],
-    )
+    globe = turn["globe"]
+    plane = about("z", angle)
+    flat = [plane[i, 0] * v[0] + plane[i, 1] * v[1] for i in (0, 1)]
+    along = plane[0, 0] * v[0] + plane[1, 0] * v[1]
     whole = about("z", euler[0]) * about("x", euler[1]) * about("z", euler[2])
-    spin, slow = (2 * arb.pi() * frequency) ** 2 / 2, frequency * frequency / 2
+    spin = (2 * arb.pi() * frequency) ** 2 / 2
+    slow = frequency * frequency / 2
     tilted = attitude(euler[0], near, euler[2])
     found |= {
         "globe-x": [globe[i, 0] for i in range(3)],

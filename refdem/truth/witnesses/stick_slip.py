@@ -29,13 +29,19 @@ def moving(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: Claimed) 
     law = Law(
         {name: arb_of(number(p, name)) for name in NAMES}, linear=p["friction_law"] == "linear"
     )
-    begin, x, v, waiting = arb(0), arb_of(number(p, "x0")), arb_of(number(p, "v0")), list(times)
+    begin = arb(0)
+    x = arb_of(number(p, "x0"))
+    v = arb_of(number(p, "v0"))
+    waiting = list(times)
     counts = {"stick": 0, "slip": 0}
     held = False
     while waiting:
         side = law.side(begin, x, v)
         if float(begin) and held != (side == 0):
-            kind = "stick" if side == 0 else "slip"
+            if side == 0:
+                kind = "stick"
+            else:
+                kind = "slip"
             counts[kind] += 1
             yield None, {f"{kind}_{counts[kind]}": begin}
         held = side == 0
@@ -46,14 +52,16 @@ def moving(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: Claimed) 
             yield t, dict(zip(("x", "v"), phase.at(t), strict=True))
         if end is None:
             return
-        begin, (x, v) = end, (phase.at(end)[0], law.e["belt"])
+        begin = end
+        (x, v) = (phase.at(end)[0], law.e["belt"])
 
 
 class Law:
     """The equation with its friction; u = v - belt."""
 
     def __init__(self, e: Mapping[str, arb], *, linear: bool) -> None:
-        self.e, self.linear = e, linear
+        self.e = e
+        self.linear = linear
 
     def coefficient(self, u: Any) -> Any:
         """mu at a speed u >= 0."""
@@ -71,12 +79,17 @@ class Law:
 
     def side(self, t: arb, x: arb, v: arb) -> int:
         """1 or -1 where it slips forward or backward against the belt, 0 where it sticks."""
-        u, pull = v - self.e["belt"], self.pull(t, x)
+        u = v - self.e["belt"]
+        pull = self.pull(t, x)
         if abs(float(u)) > 1e-30:
-            return 1 if u > 0 else -1
+            if u > 0:
+                return 1
+            return -1
         rest = abs(pull) - self.e["a"] * self.e["mu0"]
         released = rest > 0 or abs(float(rest)) < 1e-30
-        return (1 if pull > 0 else -1) if released else 0
+        if released:
+            return 1 if pull > 0 else -1
+        return 0
 
     def rates(self, side: int, t: Any, y: Sequence[Any]) -> list[Any]:
         """x' and v'."""
@@ -109,7 +122,8 @@ class Law:
 
     def released(self, phase: Solution, low: float, high: float) -> arb:
         """The zero of the strain between two times, by bisection."""
-        a, b = arb(low), arb(high)
+        a = arb(low)
+        b = arb(high)
         with precision(BITS + 16):
             for _ in range(BITS):
                 middle = ((a + b) / 2).mid()

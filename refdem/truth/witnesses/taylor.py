@@ -29,7 +29,8 @@ class Solution:
     def __init__(
         self, field: Field, start: Sequence[arb], *, begin: arb | None = None, bits: int = BITS
     ) -> None:
-        self.field, self.bits = field, bits
+        self.field = field
+        self.bits = bits
         self.order = math.ceil(bits * math.log(2) / 2)
         self.begins: list[arb] = []
         self.ends: list[float] = []
@@ -38,7 +39,10 @@ class Solution:
 
     def at(self, t: arb | Fraction) -> list[arb]:
         """The state at t, at or after the begin."""
-        time = t if isinstance(t, arb) else arb_of(t)
+        if isinstance(t, arb):
+            time = t
+        else:
+            time = arb_of(t)
         with precision(self.bits):
             while not self.ends or self.ends[-1] <= float(time):
                 self._advance()
@@ -51,8 +55,10 @@ class Solution:
         secant.
         """
         with precision(self.bits):
-            a, b = arb(near - apart), arb(near + apart)
-            of_a, of_b = value(self.at(a)), value(self.at(b))
+            a = arb(near - apart)
+            b = arb(near + apart)
+            of_a = value(self.at(a))
+            of_b = value(self.at(b))
             for _ in range(60):
                 if abs(b - a) < arb(2) ** (8 - self.bits) or of_a.mid() == of_b.mid():
                     break
@@ -64,7 +70,8 @@ class Solution:
         """The zero of a function that is negative at `low` and positive at `high`, or at both of
         the other sign, by bisection.
         """
-        a, b = arb(low), arb(high)
+        a = arb(low)
+        b = arb(high)
         rises = value(self.at(b)) > 0
         with precision(self.bits + 16):
             for _ in range(self.bits):
@@ -104,7 +111,9 @@ class Solution:
 
 
 def _as_series(value: Any) -> arb_series:
-    return value if isinstance(value, arb_series) else arb_series([arb(value)])
+    if isinstance(value, arb_series):
+        return value
+    return arb_series([arb(value)])
 
 
 def _logarithm(value: arb) -> float:

@@ -50,8 +50,13 @@ def witnesses() -> Mapping[str, Witness]:
 def witness_files(case: str) -> tuple[Path, ...]:
     """The file of a case's witness; none if it has none."""
     witness = witnesses().get(case)
-    name = witness.values.__globals__["__name__"].rpartition(".")[2] if witness else ""
-    return (Path(__file__).with_name(f"{name}.py"),) if witness else ()
+    if witness:
+        name = witness.values.__globals__["__name__"].rpartition(".")[2]
+    else:
+        name = ""
+    if witness:
+        return (Path(__file__).with_name(f"{name}.py"),)
+    return ()
 
 
 @exclusive
@@ -87,7 +92,9 @@ def testimony(
 
 
 def _time(text: str | None) -> Fraction | None:
-    return None if text is None else Fraction(text)
+    if text is None:
+        return None
+    return Fraction(text)
 
 
 def _apart(said: arb, row: Sequence[Any]) -> Fraction:

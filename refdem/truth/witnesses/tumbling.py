@@ -31,15 +31,19 @@ def moving(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: Claimed) 
     """
     if p["member"] == "free":
         for t, values in rotations.free(p, times, claimed):
-            place = (
-                {}
-                if t is None
-                else {a: arb_of(v * t) for a, v in zip("xyz", vector(p, "velocity"), strict=True)}
-            )
+            if t is None:
+                place = {}
+            else:
+                place = {
+                    a: arb_of(v * t) for a, v in zip("xyz", vector(p, "velocity"), strict=True)
+                }
             yield t, {**values, **place}
         return
-    box, begin, waiting = Box(p), arb(0), list(times)
-    state, modes = box.start(), [OFF] * 8
+    box = Box(p)
+    begin = arb(0)
+    waiting = list(times)
+    state = box.start()
+    modes = [OFF] * 8
     while waiting:
         phase = Solution(partial(box.rates, tuple(modes)), state, begin=begin)
         found = box.event(phase, modes, float(begin), float(waiting[-1]))
@@ -86,7 +90,8 @@ class Box:
 
     def corner(self, y: Sequence[Any], number: int) -> tuple[list[Any], Any, Any, list[Any]]:
         """Arm in space, depth, push and velocity of a corner."""
-        c, (a, b, d) = self.corners[number], y[9:12]
+        c = self.corners[number]
+        (a, b, d) = y[9:12]
         swept = [b * c[2] - d * c[1], d * c[0] - a * c[2], a * c[1] - b * c[0]]
         arm, speed = ([dot(y[3 * i : 3 * i + 3], v) for i in range(3)] for v in (c, swept))
         speed = [v + w for v, w in zip(y[15:18], speed, strict=True)]
@@ -100,23 +105,21 @@ class Box:
 
     def rates(self, modes: tuple[int, ...], t: Any, y: Sequence[Any]) -> list[Any]:
         """R' = R [omega], J omega' = (J omega) x omega + R^T torque, r' = v, m v' = F."""
-        force, torque = (
-            [y[0] * 0, y[0] * 0, y[0] * 0 - self.e["mass"] * self.e["gravity"]],
-            [y[0] * 0] * 3,
-        )
+        force = [y[0] * 0, y[0] * 0, y[0] * 0 - self.e["mass"] * self.e["gravity"]]
+        torque = [y[0] * 0] * 3
         for pressing in (n for n, mode in enumerate(modes) if mode == PRESSES):
             arm, _, push, u = self.corner(y, pressing)
             along = dot(u, self.normal)
             slip = [a - n * along for a, n in zip(u, self.normal, strict=True)]
-            rub = (
-                push * self.e["friction"] / dot(slip, slip).sqrt()
-                if float(self.e["friction"])
-                else push * 0
-            )
+            if float(self.e["friction"]):
+                rub = push * self.e["friction"] / dot(slip, slip).sqrt()
+            else:
+                rub = push * 0
             own = [push * n - rub * s for n, s in zip(self.normal, slip, strict=True)]
             force = [a + b for a, b in zip(force, own, strict=True)]
             torque = [a + b for a, b in zip(torque, crossed(arm, own), strict=True)]
-        (a, b, c), (j1, j2, j3) = y[9:12], self.inertia
+        (a, b, c) = y[9:12]
+        (j1, j2, j3) = self.inertia
         felt = [dot([y[i], y[3 + i], y[6 + i]], torque) for i in range(3)]
         spin = [
             (b * c * (j2 - j3) + felt[0]) / j1,
@@ -156,11 +159,9 @@ class Box:
             )
         if mode == IDLES and depth < 0:
             return phase.bisected(lambda y: -self.corner(y, number)[1], low, t), number, OFF
-        return (
-            (phase.bisected(lambda y: self.corner(y, number)[2], low, t), number, PRESSES)
-            if mode == IDLES and push > 0
-            else None
-        )
+        if mode == IDLES and push > 0:
+            return (phase.bisected(lambda y: self.corner(y, number)[2], low, t), number, PRESSES)
+        return None
 
     def seen(self, y: Sequence[arb]) -> dict[str, arb]:
         """omega_body, omega, R and the place."""

@@ -24,11 +24,9 @@ def top(**changed):
     """A body that is not symmetric, from some attitude, on a joint away from the origin; its centre
     on its second axis.
     """
-    attitude, omega, place = (
-        np.array([0.5, 0.5, -0.1, 0.7]),
-        np.array([3.0, -2.0, 1.0]),
-        np.array([1.0, 2.0, 3.0]),
-    )
+    attitude = np.array([0.5, 0.5, -0.1, 0.7])
+    omega = np.array([3.0, -2.0, 1.0])
+    place = np.array([1.0, 2.0, 3.0])
     attitude = attitude / np.linalg.norm(attitude)
     arm = rotated(attitude, np.array([0.0, 0.5, 0.0]))
     state = {

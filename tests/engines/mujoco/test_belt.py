@@ -122,7 +122,8 @@ def test_creep_where_friction_just_holds_is_what_noslip_leaves(
     """Three times the iterations: a third of the creep where friction is needed whole (1/n), far
     less where some is to spare.
     """
-    instance, creep = discovery.case("block-on-slope").at(friction=friction, duration="1"), []
+    instance = discovery.case("block-on-slope").at(friction=friction, duration="1")
+    creep = []
     for iterations in (30, 90):
         monkeypatch.setattr(options, "NOSLIP", iterations)
         seen, _ = played(instance.scene, duration=1.0, step=2.0**-10, method="euler")

@@ -21,11 +21,9 @@ def chain(reverse=False):
     """Three bobs below (0.5, 1, 0), and one more beside them; the bodies in one order or the
     other.
     """
-    angles, lengths, rates = (
-        np.array([1.0, -2.0, 3.0]),
-        np.array([1.0, 0.5, 0.75]),
-        np.array([0.5, 3.0, -2.0]),
-    )
+    angles = np.array([1.0, -2.0, 3.0])
+    lengths = np.array([1.0, 0.5, 0.75])
+    rates = np.array([0.5, 3.0, -2.0])
     places = np.add(
         np.cumsum(
             lengths[:, None] * np.stack([np.sin(angles), -np.cos(angles), 0 * angles], 1), axis=0
@@ -49,14 +47,12 @@ def chain(reverse=False):
         )
         for i in range(3)
     ]
-    bodies, elements = (
-        [*bobs, Body(mass=2.0, position=(3.0, 0.0, 0.0))],
-        [
-            *rods,
-            Rod(a=3, length=1.0, anchor_b=(3.0, 1.0, 0.0)),
-            DOWN,
-        ],
-    )
+    bodies = [*bobs, Body(mass=2.0, position=(3.0, 0.0, 0.0))]
+    elements = [
+        *rods,
+        Rod(a=3, length=1.0, anchor_b=(3.0, 1.0, 0.0)),
+        DOWN,
+    ]
     if not reverse:
         return Scene.of(bodies, elements)
     turned = [
@@ -70,13 +66,17 @@ def chain(reverse=False):
 def test_motion_and_forces_are_those_of_the_reference(engine, reverse):
     problem = Motion(chain(reverse), TIMES)
     run, _ = engine.run(Request(problem=problem, method="rk4", step=1 / 8192))
-    bobs = [0, 1, 2] if not reverse else [3, 2, 1]
+    if not reverse:
+        bobs = [0, 1, 2]
+    else:
+        bobs = [3, 2, 1]
     exact, _ = ENGINE.run(Request(problem=Motion(_alone(), TIMES), method="rod-chain"))
     assert np.abs(run.position[:, bobs] - exact.position).max() < 3e-10
     assert np.abs(run.velocity[:, bobs] - exact.velocity).max() < 4e-9
-    forces = (
-        run.channels["rod_force"][:, :3] if not reverse else run.channels["rod_force"][:, :0:-1]
-    )
+    if not reverse:
+        forces = run.channels["rod_force"][:, :3]
+    else:
+        forces = run.channels["rod_force"][:, :0:-1]
     assert np.abs(forces - exact.channels["rod_force"]).max() < 1e-7
 
 

@@ -139,8 +139,11 @@ def test_a_pendulum_returns_after_its_period_and_shows_its_tension(played):
     """4 K(sin(theta0/2))/w0 by the arithmetic-geometric mean; tension m (l thetadot^2 + g cos
     theta).
     """
-    theta, length, g = 2.0, 0.5, 9.8
-    a, b = 1.0, np.cos(theta / 2)
+    theta = 2.0
+    length = 0.5
+    g = 9.8
+    a = 1.0
+    b = np.cos(theta / 2)
     for _ in range(8):
         a, b = (a + b) / 2, np.sqrt(a * b)
     period = 2 * np.pi / (np.sqrt(g / length) * a)
@@ -184,7 +187,8 @@ def pressed(position, velocity, stiffness, damping, mass):
     def rate(state):
         r, v = state
         n = r / np.linalg.norm(r)
-        overlap, closing = 1.0 - np.linalg.norm(r), -v @ n
+        overlap = 1.0 - np.linalg.norm(r)
+        closing = -v @ n
         return np.array(
             [
                 v,
@@ -196,7 +200,8 @@ def pressed(position, velocity, stiffness, damping, mass):
             ]
         )
 
-    state, h = np.array([position, velocity]), 2.0**-13
+    state = np.array([position, velocity])
+    h = 2.0**-13
     for _ in range(4096):
         k1 = rate(state)
         k2 = rate(state + h / 2 * k1)
@@ -210,7 +215,10 @@ def test_a_damped_collision_bounces_as_the_linear_law_says(played, across):
     """Unequal masses and radii, along a slant; head-on also exp(-b t), t = 2 arccos(b/w0)/w
     (Schwager and Poeschel 2007).
     """
-    k, c, m1, m2 = 400.0, 6.0, 1.0, 3.0
+    k = 400.0
+    c = 6.0
+    m1 = 1.0
+    m2 = 3.0
     normal = np.array([0.6, 0.8, 0.0])
     first = 3 * normal + across * np.array([-0.8, 0.6, 0.0])
     spheres = [
@@ -232,7 +240,8 @@ def test_a_damped_collision_bounces_as_the_linear_law_says(played, across):
             atol=1e-13,
         )
     if not across:
-        b, w0 = c * (m1 + m2) / (2 * m1 * m2), np.sqrt(k * (m1 + m2) / (m1 * m2))
+        b = c * (m1 + m2) / (2 * m1 * m2)
+        w0 = np.sqrt(k * (m1 + m2) / (m1 * m2))
         restitution = np.exp(-b * 2 * np.arccos(b / w0) / np.sqrt(w0**2 - b**2))
         assert abs(expected @ normal / (4 * restitution) - 1) < 1e-3
 
@@ -260,7 +269,8 @@ def test_a_sphere_rests_on_a_plane_of_any_direction_as_deep_as_the_softest_const
     """Depth g (1 - 0.9999) (2 h)^2: what the largest impedance and the shortest time constant of
     MuJoCo leave.
     """
-    n, h = np.array(normal), 2.0**-8
+    n = np.array(normal)
+    h = 2.0**-8
     ball = Body(
         mass=2.0, inertia=(0.2, 0.2, 0.2), position=tuple(0.5 * n), shape=Sphere(radius=0.5)
     )

@@ -27,7 +27,8 @@ SCENE = Scene.of(
 
 
 def test_pymunk_comes_with_what_the_audit_says():
-    space, joint = pymunk.Space(), pymunk.PinJoint(pymunk.Body(1, 1), pymunk.Body(1, 1))
+    space = pymunk.Space()
+    joint = pymunk.PinJoint(pymunk.Body(1, 1), pymunk.Body(1, 1))
     assert (space.damping, space.iterations, space.threaded) == (1.0, 10, False)
     assert space.collision_slop == float(np.float32(0.1))
     assert LINE["Space.collision_slop"].default == "0.1 m"

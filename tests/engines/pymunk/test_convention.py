@@ -81,7 +81,11 @@ def test_a_drive_with_a_phase_follows_the_clock_forwards(run):
     """v = A/(m w) (sin(w t + phase) - sin phase): with the other sign of the clock it would turn
     back another way.
     """
-    amplitude, mass, rate, phase, step = 12.0, 2.0, 1.25, -0.7, 2.0**-12
+    amplitude = 12.0
+    mass = 2.0
+    rate = 1.25
+    phase = -0.7
+    step = 2.0**-12
     driven = run(
         Scene.of(
             [Body(mass=mass)],

@@ -38,7 +38,8 @@ def test_the_oscillator_is_first_order(run):
 
 def bob(theta: float, rate: float) -> Body:
     """A point on a rod of 1 m at the angle theta [rad] with the angular rate [rad/s]."""
-    s, c = math.sin(theta), math.cos(theta)
+    s = math.sin(theta)
+    c = math.cos(theta)
     return Body(mass=1.0, position=(s, -c, 0.0), velocity=(rate * c, rate * s, 0.0))
 
 
@@ -56,7 +57,8 @@ def test_the_pendulum_is_first_order_an_eighth_after_one_period(run):
     From the bottom it would be second order: where no force acts along the path, kicking late
     changes nothing.
     """
-    k, k1 = math.sin(1.0), math.cos(1.0)
+    k = math.sin(1.0)
+    k1 = math.cos(1.0)
     eighth = math.pi / (4 * agm(1.0, k1))
     theta = 2 * math.asin(k / math.sqrt(1 + k1))
     scene = Scene.of([bob(2.0, 0.0)], [Rod(a=0, length=1.0), UniformGravity(g=(0.0, -1.0, 0.0))])

@@ -60,7 +60,8 @@ def test_a_spring_of_power_three_halves_swings_with_the_period_of_the_beta_funct
 
 def test_two_bodies_on_a_spring_turn_about_their_centre_of_mass(run):
     """A circle: m_eff w^2 r = k (r - length)."""
-    masses, r = np.array([1.0, 3.0]), 1.25
+    masses = np.array([1.0, 3.0])
+    r = 1.25
     w = np.sqrt(8.0 * (r - 1.0) / (0.75 * r))
     arms = r * np.array([0.75, -0.25])
     bodies = [

@@ -21,7 +21,9 @@ from refdem.engines.rebound.simulation import SWINGING
 
 STAGES = 7
 """Evaluations of the force in an iteration (and one at the start of a step)."""
-STIFFNESS, DAMPING, AMPLITUDE = 1.0, 0.2, 0.2
+STIFFNESS = 1.0
+DAMPING = 0.2
+AMPLITUDE = 0.2
 FREQUENCIES = (0.3, 0.5)
 END = 5.0
 SAMPLES = 16
@@ -42,7 +44,9 @@ def state_at(t):
     swing = np.sqrt(STIFFNESS - decay**2)
     a = 1.0 - place[0]
     b = (0.0 - rate[0] + decay * a) / swing
-    c, s, fades = np.cos(swing * t), np.sin(swing * t), np.exp(-decay * t)
+    c = np.cos(swing * t)
+    s = np.sin(swing * t)
+    fades = np.exp(-decay * t)
     free = fades * (a * c + b * s)
     free_rate = fades * (swing * (b * c - a * s)) - decay * free
     return np.array([free + place[1], free_rate + rate[1]])

@@ -109,7 +109,8 @@ def test_the_pendulum_is_right_after_nine_eighths_of_a_period_and_so_is_its_rod_
 
     F = 3 cos theta - 2 cos 2.
     """
-    k, k1 = math.sin(1.0), math.cos(1.0)
+    k = math.sin(1.0)
+    k1 = math.cos(1.0)
     duration = 9 * math.pi / (4 * agm(1.0, k1))
     bob = Body(mass=1.0, position=(math.sin(2.0), -math.cos(2.0), 0.0))
     swing = run(
@@ -154,7 +155,8 @@ def test_ias15_is_off_by_its_own_clock_and_not_by_its_integration(run):
     """
     swing = run(OSCILLATOR, 20.0, 512, "ias15")
     off = np.abs(swing.position[:, 0, 0] - np.cos(swing.t)).max()
-    state, restarted = OSCILLATOR, [1.0]
+    state = OSCILLATOR
+    restarted = [1.0]
     for _ in range(512):
         end = run(state, 20.0 / 512, 1, "ias15").end()
         state = state.with_state(position=end["position"], velocity=end["velocity"])

@@ -204,7 +204,8 @@ def spoiled(content: bytes, random: Random) -> bytes:
     """
     at = random.randrange(len(content))
     lines = content.splitlines(keepends=True)
-    one, other = random.randrange(len(lines)), random.randrange(len(lines))
+    one = random.randrange(len(lines))
+    other = random.randrange(len(lines))
     swapped = list(lines)
     swapped[one], swapped[other] = lines[other], lines[one]
     return random.choice(

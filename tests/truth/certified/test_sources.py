@@ -37,10 +37,13 @@ def test_it_follows_imports_inside_functions_and_through_others() -> None:
 def test_a_changed_file_changes_the_digest_of_those_that_reach_it(
     name: str, stale: bool, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    before, content = sources.digest_of("pendulum"), sources._content
+    before = sources.digest_of("pendulum")
+    content = sources._content
 
     def other(path: Path) -> str:
-        return "changed" if path == sources.ROOT / name else content(path)
+        if path == sources.ROOT / name:
+            return "changed"
+        return content(path)
 
     monkeypatch.setattr(sources, "_content", other)
     assert (sources.digest_of("pendulum") != before) is stale

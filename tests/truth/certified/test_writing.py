@@ -59,7 +59,8 @@ def test_exact_values_are_short() -> None:
 class Fading(Truth):
     """Certified before t = 2, too wide at t = 1."""
 
-    method, witness = "made up", "none"
+    method = "made up"
+    witness = "none"
 
     def at(self, t: Fraction) -> Mapping[str, Ball]:
         if t >= 2:

@@ -16,14 +16,19 @@ def apart():
     """
 
     def found(name, times, truth=None, **given):
-        truth, differing = truth or truth_of(name, **given), {}
+        truth = truth or truth_of(name, **given)
+        differing = {}
         with precision(BITS):
             for t, values in witnesses()[name].values(
                 case(name).at(**given).p, [Fraction(t) for t in times], {}
             ):
-                balls = truth.scalars() if t is None else truth.at(t)
+                if t is None:
+                    balls = truth.scalars()
+                else:
+                    balls = truth.at(t)
                 for quantity, value in values.items():
-                    ball, close = balls[quantity], arb_of(Fraction(1, 10**AGREED))
+                    ball = balls[quantity]
+                    close = arb_of(Fraction(1, 10**AGREED))
                     off = abs(value - arb_of(ball.mid)) - arb_of(ball.radius)
                     if not off < close * max(1.0, abs(float(ball.mid))):
                         differing.setdefault(quantity, t)

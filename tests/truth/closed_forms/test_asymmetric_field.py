@@ -30,7 +30,8 @@ def at(given):
 def apart(given):
     """How far truth and witness are apart, and the phases."""
     instance = at(given)
-    truth, times = instance.truth(), [Fraction(float(t)) for t in instance.times[3::6]]
+    truth = instance.truth()
+    times = [Fraction(float(t)) for t in instance.times[3::6]]
     with precision(256):
         said = list(tent(instance.p, times, {}))
         worst = max(

@@ -21,22 +21,19 @@ def found(name="contact-path", **given):
 
 def force(v, x, stretch):
     """On body 1 at (x, off) of body 2: parts along x and y, torque; the slip."""
-    r1, r2, lever = (
-        float(v.radius),
-        float(v.partner_radius),
-        {"R": 0.0, "R-d/2": 0.5, "R-d": 1.0}[v.branch],
-    )
-    k, kt, mu, b = (
-        float(v.stiffness),
-        float(v.tangential_stiffness),
-        float(v.friction),
-        float(v.off),
-    )
+    r1 = float(v.radius)
+    r2 = float(v.partner_radius)
+    lever = {"R": 0.0, "R-d/2": 0.5, "R-d": 1.0}[v.branch]
+    k = float(v.stiffness)
+    kt = float(v.tangential_stiffness)
+    mu = float(v.friction)
+    b = float(v.off)
     distance = np.hypot(x, b)
     overlap = r1 + r2 - distance
     limit = mu * k * overlap / kt
     held = np.clip(stretch, -limit, limit)
-    n, t = np.array([x, b]) / distance, np.array([-b, x]) / distance
+    n = np.array([x, b]) / distance
+    t = np.array([-b, x]) / distance
     slip = float(v.speed) * b / distance + (r2 - lever * overlap) * float(v.partner_spin)
     return -k * overlap * n - kt * held * t, -(r1 - lever * overlap) * kt * held, slip
 
@@ -53,8 +50,11 @@ def force(v, x, stretch):
 def test_what_the_law_gives_is_the_sum_of_its_forces(given):
     instance, truth = found(**given)
     v = member("contact-path").values(instance.p)
-    steps, half = 8000, v.half
-    h, stretch, total = 2 * half / steps, 0.0, np.zeros(3)
+    steps = 8000
+    half = v.half
+    h = 2 * half / steps
+    stretch = 0.0
+    total = np.zeros(3)
     for n in range(steps):
         push, turn, slip = force(
             v,

@@ -72,7 +72,8 @@ def test_small_swings_are_the_two_modes():
 
 @pytest.mark.parametrize("given", SETS)
 def test_energy_stays(given):
-    p, truth = case("double-pendulum").at(**given).p, truth_of("double-pendulum", **given)
+    p = case("double-pendulum").at(**given).p
+    truth = truth_of("double-pendulum", **given)
     seen = []
     with precision(200):
         (m1, m2), (l1, l2) = (
@@ -81,12 +82,10 @@ def test_energy_stays(given):
         g = arb_of(number(p, "gravity"))
         for ball in (truth.at(t) for t in (Fraction(0), Fraction(1, 2))):
             a, b, v, w = (arb_of(ball[name].mid) for name in module.NAMES)
-            first, second = (
-                (l1 * v * a.cos(), l1 * v * a.sin()),
-                (
-                    l2 * w * b.cos(),
-                    l2 * w * b.sin(),
-                ),
+            first = (l1 * v * a.cos(), l1 * v * a.sin())
+            second = (
+                l2 * w * b.cos(),
+                l2 * w * b.sin(),
             )
             lower = [x + y for x, y in zip(first, second, strict=True)]
             kinetic = m1 * sum(x * x for x in first) / 2 + m2 * sum(x * x for x in lower) / 2

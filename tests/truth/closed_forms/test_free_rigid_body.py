@@ -121,9 +121,11 @@ def test_the_witness_sees_a_planted(fault, omega):
 @pytest.mark.parametrize("t", [Fraction(1, 3), Fraction(-40), Fraction(1000)])
 @pytest.mark.parametrize(("kind", "inertia", "omega"), STARTS)
 def test_equations_of_motion_hold_at_any_time(kind, inertia, omega, t):
-    truth, j = body(exact(inertia), exact(omega)), exact(inertia)
+    truth = body(exact(inertia), exact(omega))
+    j = exact(inertia)
     with precision(1600):
-        h, time = arb(2) ** -400, arb_of(t)
+        h = arb(2) ** -400
+        time = arb_of(t)
         (w_minus, q_minus), (w, q), (w_plus, q_plus) = (
             (truth.spin(x), truth.turned(x)) for x in (time - h, time, time + h)
         )
@@ -152,7 +154,8 @@ def test_energy_and_angular_momentum_in_space_are_kept(kind, inertia, omega, t):
         j = [arb_of(x) for x in exact(inertia)]
 
         def kept(time):
-            w, q = truth.spin(time), truth.turned(time)
+            w = truth.spin(time)
+            q = truth.turned(time)
             momentum = [a * b for a, b in zip(j, w, strict=True)]
             return [rotation.dot(w, momentum), *rotation.rotated(q, momentum), rotation.dot(q, q)]
 
@@ -164,7 +167,8 @@ def test_energy_and_angular_momentum_in_space_are_kept(kind, inertia, omega, t):
 def test_balls_of_forty_digits_contain_those_of_a_hundred(kind, inertia, omega):
     truth = body(exact(inertia), exact(omega))
     for t in (Fraction(0), Fraction(1, 3), Fraction(1000)):
-        wide, narrow = truth.at(t), truth.refined(100).at(t)
+        wide = truth.at(t)
+        narrow = truth.refined(100).at(t)
         for name, ball in wide.items():
             assert ball.radius <= Fraction(1, 10**40), name
             assert narrow[name].radius <= Fraction(1, 10**100), name
@@ -174,7 +178,8 @@ def test_balls_of_forty_digits_contain_those_of_a_hundred(kind, inertia, omega):
 @pytest.mark.parametrize("bits", [53, 80, 200])
 @pytest.mark.parametrize(("kind", "inertia", "omega"), STARTS)
 def test_balls_of_few_bits_contain_the_values_of_many(kind, inertia, omega, bits):
-    truth, t = body(exact(inertia), exact(omega)), Fraction(3, 2)
+    truth = body(exact(inertia), exact(omega))
+    t = Fraction(3, 2)
     with precision(1000):
         sure = truth.evaluate(arb_of(t))
     with precision(bits), suppress(UndecidedError):
@@ -220,7 +225,8 @@ def test_steady_spin_has_no_period_and_turns_at_its_rate():
 def test_attitude_need_not_be_of_unit_size_and_w_is_never_negative():
     one, two = (truth_of("free-rigid-body", attitude=a) for a in ("1,2,-3,0.5", "-2,-4,6,-1"))
     for k in range(12):
-        first, second = one.at(Fraction(k)), two.at(Fraction(k))
+        first = one.at(Fraction(k))
+        second = two.at(Fraction(k))
         assert first["attitude.w"].mid >= 0
         assert all(
             abs(first[n].mid - second[n].mid) <= first[n].radius + second[n].radius for n in first
@@ -233,8 +239,11 @@ def test_quantities_are_those_of_the_case():
 
 
 def test_sensitivity_is_the_response_of_the_witness_to_a_small_change():
-    start, inertia, h = exact("0.9 1.1 1.3"), exact("1 2 3"), Fraction(1, 10**12)
-    turns, spins = np.zeros((3, 3)), np.zeros((3, 3))
+    start = exact("0.9 1.1 1.3")
+    inertia = exact("1 2 3")
+    h = Fraction(1, 10**12)
+    turns = np.zeros((3, 3))
+    spins = np.zeros((3, 3))
     with precision(300):
         for axis in range(3):
             moved = [tuple(w + s * h * (i == axis) for i, w in enumerate(start)) for s in (1, -1)]

@@ -55,10 +55,8 @@ def test_truth_is_the_taylor_series_in_the_root_of_the_overlap(given):
 def compared(given):
     instance = at(**given)
     truth = instance.truth()
-    scalars, times = (
-        truth.scalars(),
-        [Fraction(float(t)) for t in instance.times[[1, 15, 24, 31, 40, 63]]],
-    )
+    scalars = truth.scalars()
+    times = [Fraction(float(t)) for t in instance.times[[1, 15, 24, 31, 40, 63]]]
     with precision(256):
         said = list(hertz(instance.p, times, {}))
         worst = max(
@@ -79,7 +77,8 @@ def test_energy_is_kept_and_all_of_it_comes_back():
     with precision(256):
         for t in (Fraction(1, 100), Fraction(1, 13), Fraction(1, 7), Fraction(1)):
             ball = truth.at(t)
-            d, v = arb_of(max(ball["overlap"].mid, Fraction(0))), arb_of(ball["v"].mid)
+            d = arb_of(max(ball["overlap"].mid, Fraction(0)))
+            v = arb_of(ball["v"].mid)
             assert abs(v * v / 4 + 400 * d * d * d.sqrt() - arb(1) / 4) < 1e-36
     assert truth.at(Fraction(1))["v"].mid == -1
 
@@ -90,7 +89,9 @@ def test_nothing_is_known_before_touch():
 
 
 def test_sensitivity_is_that_of_displaced_starts_by_numerical_integration():
-    instance, t, tiny = at(), Fraction(1, 16), 1e-6
+    instance = at()
+    t = Fraction(1, 16)
+    tiny = 1e-6
     s = instance.scales
     ends = [
         run(1e-12 + a * tiny * s.length, 1 + b * tiny * s.speed, float(t))
@@ -108,14 +109,17 @@ def run(d, v, t, steps=20000):
     """Velocity Verlet of 1/2 d'' = -1000 max(d, 0)^(3/2), its error extrapolated."""
 
     def verlet(n):
-        x, u, h = d, v, t / n
+        x = d
+        u = v
+        h = t / n
         for _ in range(n):
             u -= h / 2 * 2000 * max(x, 0.0) ** 1.5
             x += h * u
             u -= h / 2 * 2000 * max(x, 0.0) ** 1.5
         return x, u
 
-    coarse, fine = verlet(steps // 2), verlet(steps)
+    coarse = verlet(steps // 2)
+    fine = verlet(steps)
     return [(4 * b - a) / 3 for a, b in zip(coarse, fine, strict=True)]
 
 

@@ -12,7 +12,9 @@ import pytest
 from refdem.core import discovery
 from refdem.errors import UsageError
 
-MU, KN, KT = 0.092, 1.72e7, 1.48e7
+MU = 0.092
+KN = 1.72e7
+KT = 1.48e7
 TINY = Fraction(1, 10**30)
 
 
@@ -64,7 +66,10 @@ def test_no_dashpot_that_stops_to_push_gives_less_than_exp_minus_two():
 
 @pytest.mark.parametrize("psi", ["8", "20", "-9"])
 def test_dust_that_slides_loses_seven_of_psi_and_gains_five_of_spin(psi):
-    side = 1 if Fraction(psi) > 0 else -1
+    if Fraction(psi) > 0:
+        side = 1
+    else:
+        side = -1
     last = end("co-5", psi=psi)
     unit = Fraction(3, 10) * 5
     rolling = last["omega.z"] * Fraction("1e-5")
@@ -74,12 +79,10 @@ def test_dust_that_slides_loses_seven_of_psi_and_gains_five_of_spin(psi):
 
 @pytest.mark.parametrize("spin", ["40", "-40"])
 def test_a_spin_that_slides_has_the_tangential_restitution_of_its_impulse(spin):
-    last, e, mu, v = (
-        end("co-6", spin=spin, tangential_stiffness="0"),
-        Fraction(1, 2),
-        Fraction(2, 5),
-        Fraction(1, 5),
-    )
+    last = end("co-6", spin=spin, tangential_stiffness="0")
+    e = Fraction(1, 2)
+    mu = Fraction(2, 5)
+    v = Fraction(1, 5)
     at_surface = Fraction(spin) / 10
     tangential = -(last["v.y"] + last["omega.z"] / 10) / at_surface
     assert abs(tangential - (-1 + Fraction(7, 2) * mu * (1 + e) * v / abs(at_surface))) < TINY
@@ -111,24 +114,31 @@ def phases(angle):
     switches by bisection.
     """
     m = 4000 * 4 / 3 * pi * 0.0025**3
-    vn, vt = 3.9 * cos(angle), 3.9 * sin(angle)
-    w, ws = sqrt(KN / m), sqrt(3.5 * KT / m)
+    vn = 3.9 * cos(angle)
+    vt = 3.9 * sin(angle)
+    w = sqrt(KN / m)
+    ws = sqrt(3.5 * KT / m)
     limit, climb = (
         (lambda t: MU * vn * m * w * sin(w * t)),
         (lambda t: MU * vn * m * w * w * cos(w * t)),
     )
-    t, slip, spring, sticks = 0.0, vt, 0.0, KT * vt <= MU * m * vn * w * w
+    t = 0.0
+    slip = vt
+    spring = 0.0
+    sticks = KT * vt <= MU * m * vn * w * w
     while t < pi / w:
         if sticks:
-            swing, speed = (
-                (lambda s, a=spring, b=slip: a * cos(ws * s) + b / ws * sin(ws * s)),
-                None,
-            )
+            swing = lambda s, a=spring, b=slip: a * cos(ws * s) + b / ws * sin(ws * s)
+            speed = None
             speed = lambda s, a=spring, b=slip: b * cos(ws * s) - a * ws * sin(ws * s)  # noqa: E731
             s = crossing(lambda s, t=t, swing=swing: limit(t + s) - abs(KT * swing(s)), pi / w - t)
-            slip, spring = speed(s), swing(s)
+            slip = speed(s)
+            spring = swing(s)
         else:
-            side = 1 if (spring or slip) > 0 else -1
+            if (spring or slip) > 0:
+                side = 1
+            else:
+                side = -1
             lost = lambda s, t=t, side=side: 3.5 * side * MU * vn * (cos(w * t) - cos(w * (t + s)))  # noqa: E731
             s = crossing(
                 lambda s, t=t, slip=slip, lost=lost, side=side: (
@@ -136,8 +146,10 @@ def phases(angle):
                 ),
                 pi / w - t,
             )
-            slip, spring = slip - lost(s), side * limit(t + s) / KT
-        t, sticks = t + s, not sticks
+            slip = slip - lost(s)
+            spring = side * limit(t + s) / KT
+        t = t + s
+        sticks = not sticks
     impulse = 2 / 7 * (vt - slip)
     return vt - impulse, -2.5 * impulse
 
@@ -157,7 +169,8 @@ def crossing(value, longest):
 
 @pytest.mark.parametrize("angle", [0.05, 0.09, 0.15, 0.3, 0.45, 0.7, 1.4])
 def test_the_whole_curve_is_that_of_phases_in_closed_form(angle):
-    last, (across, turned) = end("dem-05", angle=str(angle)), phases(angle)
+    last = end("dem-05", angle=str(angle))
+    (across, turned) = phases(angle)
     assert float(last["v.y"]) == pytest.approx(across, abs=1e-11)
     assert float(last["omega.z"]) * 0.0025 == pytest.approx(turned, abs=1e-11)
 
@@ -165,7 +178,9 @@ def test_the_whole_curve_is_that_of_phases_in_closed_form(angle):
 @pytest.mark.parametrize("angle", ["0.1", "1/2", "1.4", "-0.3"])
 def test_hertz_with_friction_obeys_its_law(angle):
     instance, truth = found("dem-05-hertz", angle=angle)
-    law, mass, h = instance.scene.elements[1], instance.scene.bodies.mass[0], Fraction(1, 10**15)
+    law = instance.scene.elements[1]
+    mass = instance.scene.bodies.mass[0]
+    h = Fraction(1, 10**15)
     for index in (5, 14, 22, 30, 50):
         t = Fraction(float(instance.times[index]))
         before, now, after = (truth.at(s) for s in (t - h, t, t + h))
@@ -202,7 +217,8 @@ def test_gears_feel_nothing_tangential_exactly():
 @pytest.mark.parametrize(("branch", "kept"), [("R", False), ("R-d/2", True), ("R-d", False)])
 def test_unequal_spheres_keep_total_angular_momentum_where_the_levers_fit(branch, kept):
     (instance, _), last = found("co-8", branch=branch), end("co-8", branch=branch)
-    mass, inertia = instance.scene.bodies.mass, instance.scene.bodies.inertia[:, 2]
+    mass = instance.scene.bodies.mass
+    inertia = instance.scene.bodies.inertia[:, 2]
     rows = [
         [float(last[f"{kind}{i}.{axis}"]) for i in (1, 2)]
         for kind, axis in (("r", "x"), ("r", "y"), ("v", "x"), ("v", "y"))
@@ -230,10 +246,14 @@ def test_without_damping_every_apex_is_the_height():
 
 
 def test_one_soft_bounce_is_a_damped_sine_about_its_sag():
-    m, k, g = 2600 * 4 / 3 * pi * 1e-3, 1e4, 9.80665
+    m = 2600 * 4 / 3 * pi * 1e-3
+    k = 1e4
+    g = 9.80665
     c = -2 * np.log(0.9) * sqrt(m * k / (pi**2 + np.log(0.9) ** 2))
-    b, v = c / (2 * m), sqrt(2 * g * 0.4)
-    w, sag = sqrt(k / m - b * b), m * g / k
+    b = c / (2 * m)
+    v = sqrt(2 * g * 0.4)
+    w = sqrt(k / m - b * b)
+    sag = m * g / k
 
     def overlap(t):
         return sag + np.exp(-b * t) * (-sag * cos(w * t) + (v - b * sag) / w * sin(w * t))
@@ -246,11 +266,15 @@ def test_one_soft_bounce_is_a_damped_sine_about_its_sag():
 @pytest.mark.parametrize("restitution", ["1", "0.7"])
 def test_squeezed_spheres_are_a_matrix_exponential(restitution):
     instance, truth = found("dem-03", restitution=restitution)
-    m, k, c, g = instance.scene.bodies.mass, 1000.0, instance.scene.elements[-1].damping, 9.80665
+    m = instance.scene.bodies.mass
+    k = 1000.0
+    c = instance.scene.elements[-1].damping
+    g = 9.80665
     coupled = np.array([[2.0, -1.0], [-1.0, 2.0]])
     matrix = np.zeros((4, 4))
     matrix[:2, 2:] = np.eye(2)
-    matrix[2:, :2], matrix[2:, 2:] = -k * coupled / m[:, None], -c * coupled / m[:, None]
+    matrix[2:, :2] = -k * coupled / m[:, None]
+    matrix[2:, 2:] = -c * coupled / m[:, None]
     load = np.array([-k * 0.0005, k * (0.0005 + 0.0018)]) / m - g
     rest = np.linalg.solve(matrix, -np.array([0, 0, *load]))
     value, vector = np.linalg.eig(matrix)

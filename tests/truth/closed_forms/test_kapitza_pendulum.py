@@ -67,10 +67,15 @@ def hill(amplitude, drive, size=8):
     section 19.42); the determinant is cut off at `size`, its tail being of order 1/size.
     """
     with precision(200):
-        first, q = -4 / arb_of(drive) ** 2, 2 * arb_of(amplitude)
+        first = -4 / arb_of(drive) ** 2
+        q = 2 * arb_of(amplitude)
 
         def entry(n, m):
-            return arb(1) if n == m else q / (4 * n * n - first) if abs(n - m) == 1 else arb(0)
+            if n == m:
+                return arb(1)
+            if abs(n - m) == 1:
+                return q / (4 * n * n - first)
+            return arb(0)
 
         indices = range(-size, size + 1)
         determinant = arb_mat([[entry(n, m) for m in indices] for n in indices]).det()

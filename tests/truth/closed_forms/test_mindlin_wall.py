@@ -34,7 +34,11 @@ def numbers(instance):
 @pytest.mark.parametrize(("angle", "kinds"), [("1/4", 4), ("-0.05", 4), ("1/2", 3)])
 def test_every_phase_is_that_of_the_law_by_taylor_series(angle, kinds):
     instance = case(angle)
-    truth, side = instance.truth(), -1 if Fraction(angle) < 0 else 1
+    truth = instance.truth()
+    if Fraction(angle) < 0:
+        side = -1
+    else:
+        side = 1
     with precision(256):
         law = Mindlin(vars(numbers(instance)))
         radius = law.radius
@@ -43,7 +47,8 @@ def test_every_phase_is_that_of_the_law_by_taylor_series(angle, kinds):
         for solution, end in law.phases():
             for part in (1 / 7, 2 / 3):
                 begin = float(solution.begins[0])
-                near, apart = begin + (float(end) - begin) * part, (float(end) - begin) / 1000
+                near = begin + (float(end) - begin) * part
+                apart = (float(end) - begin) / 1000
                 moment = Fraction(float(solution.at(arb(near))[2]))
                 passed = solution.crossing(lambda y, m=moment: y[2] - arb_of(m), near, apart)
                 w, v, _, vy, spin, y, _ = solution.at(passed)
@@ -82,7 +87,8 @@ def test_it_slides_from_touch_where_the_tangent_passes_friction_times_the_ratio_
 
 def test_gross_sliding_takes_five_halves_of_twice_friction_as_spin():
     instance = case("1.2")
-    v, last = numbers(instance), instance.truth().scalars()
+    v = numbers(instance)
+    last = instance.truth().scalars()
     assert abs(last["rebound_spin"].mid + 5 * MU * v.normal / v.radius) < TINY * 1000
     assert abs(last["rebound_across"].mid - (v.across - 2 * MU * v.normal)) < TINY
 
@@ -97,7 +103,8 @@ def test_the_equation_of_the_stretch_holds_on_every_leg():
             low, high = spring.ends(leg)
             x = low + (high - low) / 3
             for n in (0, 1):
-                value, slope = spring.basis(leg, x)[n], spring.basis(leg, x)[2 + n]
+                value = spring.basis(leg, x)[n]
+                slope = spring.basis(leg, x)[2 + n]
                 before, after = (spring.basis(leg, x + sign * step)[n] for sign in (-1, 1))
                 assert abs((after - before) / (2 * step) - slope) < 1e-30
                 assert (

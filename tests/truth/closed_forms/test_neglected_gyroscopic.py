@@ -45,10 +45,8 @@ def expected(p):
         PRESSES if signs == (-1, 1, -1) else 0
         for signs in ((2 * (n & 1) - 1, (n & 2) - 1, (n >> 1 & 2) - 1) for n in range(8))
     )
-    rate, spin = (
-        box.rates(modes, arb(0), y),
-        [j * w for j, w in zip(box.inertia, y[9:12], strict=True)],
-    )
+    rate = box.rates(modes, arb(0), y)
+    spin = [j * w for j, w in zip(box.inertia, y[9:12], strict=True)]
     grown = [j * w for j, w in zip(box.inertia, rate[9:12], strict=True)]
     return rate[15:18], [
         rotation.dot(rate[3 * i : 3 * i + 3], spin) + rotation.dot(y[3 * i : 3 * i + 3], grown)
@@ -96,7 +94,8 @@ def test_a_planted_error_is_seen(monkeypatch, name, wrong):
 
 def test_values_after_a_touch_are_those_of_the_witness():
     instance = CASE.at(member="slope")
-    truth, times = instance.truth(), [Fraction(1, 20), Fraction("0.129025")]
+    truth = instance.truth()
+    times = [Fraction(1, 20), Fraction("0.129025")]
     assert isinstance(truth, Tumbling)
     with precision(256):
         for t, values in moving(instance.p, list(times), {}):
@@ -121,7 +120,8 @@ def test_in_flight_the_centre_moves_uniformly_and_the_body_as_a_free_one():
         omega_body=",".join(["31.41592653589793"] * 3),
     )
     t = Fraction(3, 5)
-    balls, body = truth.at(t), free.at(t)
+    balls = truth.at(t)
+    body = free.at(t)
     assert [balls[axis].mid for axis in "xyz"] == [Fraction(1, 5), Fraction(-6, 5), Fraction(3, 35)]
     assert max(abs(balls[name].mid - body[name].mid) for name in body) < Fraction(1, 10**30)
     assert truth.sensitivity(t) > 1 + 0.6 * 2

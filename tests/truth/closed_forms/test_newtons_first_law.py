@@ -15,7 +15,8 @@ ATTITUDE = (Fraction(3, 5), Fraction(0), Fraction(4, 5), Fraction(0))
 
 def product(p, q):
     """The quaternion p q."""
-    (a, b, c, d), (w, x, y, z) = p, q
+    (a, b, c, d) = p
+    (w, x, y, z) = q
     return (
         a * w - b * x - c * y - d * z,
         a * x + b * w + c * z - d * y,
@@ -26,7 +27,8 @@ def product(p, q):
 
 def attitude_series(t):
     """q(t) of qdot = omega q/2 by its Taylor series."""
-    term, total = ATTITUDE, ATTITUDE
+    term = ATTITUDE
+    total = ATTITUDE
     for n in range(1, 80):
         term = tuple(part * t / (2 * n) for part in product((0, *OMEGA), term))
         total = tuple(a + b for a, b in zip(total, term, strict=True))

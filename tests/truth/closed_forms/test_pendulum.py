@@ -94,7 +94,8 @@ def test_the_witness_sees_a_wrong(fault):
 def test_equation_of_motion_and_energy_hold_at_any_time(kind, theta0, thetadot0, half_turns, t):
     truth = pendulum(theta0, thetadot0, half_turns)
     with precision(3200):
-        h, time = arb(2) ** -400, arb_of(t)
+        h = arb(2) ** -400
+        time = arb_of(t)
         before, now, after = (truth.evaluate(x) for x in (time - h, time, time + h))
         rate = (after["theta"] - before["theta"]) / (2 * h)
         acceleration = (after["thetadot"] - before["thetadot"]) / (2 * h)
@@ -111,7 +112,8 @@ def test_equation_of_motion_and_energy_hold_at_any_time(kind, theta0, thetadot0,
 def test_balls_of_forty_digits_contain_those_of_a_hundred(kind, theta0, thetadot0, half_turns):
     truth = pendulum(theta0, thetadot0, half_turns)
     for t in (Fraction(1, 3), Fraction(1000)):
-        wide, narrow = truth.at(t), truth.refined(100).at(t)
+        wide = truth.at(t)
+        narrow = truth.refined(100).at(t)
         assert all(ball.radius <= Fraction(1, 10**40) for ball in wide.values())
         assert all(
             abs(ball.mid - narrow[name].mid) <= ball.radius + narrow[name].radius
@@ -122,7 +124,8 @@ def test_balls_of_forty_digits_contain_those_of_a_hundred(kind, theta0, thetadot
 @pytest.mark.parametrize("bits", [53, 80, 200])
 @pytest.mark.parametrize(("kind", "theta0", "thetadot0", "half_turns"), STARTS)
 def test_balls_of_few_bits_contain_the_values_of_many(kind, theta0, thetadot0, half_turns, bits):
-    truth, t = pendulum(theta0, thetadot0, half_turns), Fraction(3, 2)
+    truth = pendulum(theta0, thetadot0, half_turns)
+    t = Fraction(3, 2)
     with precision(1000):
         sure = truth.evaluate(arb_of(t))
     with precision(bits), suppress(UndecidedError):
@@ -193,7 +196,9 @@ def test_quantities_and_units_are_those_of_the_case():
 @pytest.mark.parametrize("given", [{}, {"theta0": "3"}, {"theta0": "1", "thetadot0": "7"}])
 def test_sensitivity_is_the_response_of_the_witness_to_a_small_change(given):
     p = case("pendulum").at(**given).p
-    truth, t, h = truth_of("pendulum", **given), Fraction(3, 2), Fraction(1, 10**12)
+    truth = truth_of("pendulum", **given)
+    t = Fraction(3, 2)
+    h = Fraction(1, 10**12)
     rate = Fraction(truth.scale["thetadot"])
     ratio = Fraction(p["gravity"])
     with precision(300):

@@ -26,7 +26,8 @@ def test_the_top_is_left_as_cosh_to_first_order(delta):
 def test_the_next_order_is_that_of_the_series():
     # phi'' = sin phi from rest: phi = d cosh t - d^3/6 ((cosh 3t - cosh t)/32 + 3 t sinh t/8) +
     # O(d^5)
-    d, t = 1e-4, 2.0
+    d = 1e-4
+    t = 2.0
     at = truth_of("pendulum-equilibria", delta="1e-4", gravity="1").at(Fraction(2))
     third = ((cosh(3 * t) - cosh(t)) / 32 + 3 * t * sqrt(cosh(t) ** 2 - 1) / 8) / 6
     angle = Fraction(at["x"].mid) + Fraction(at["x"].mid) ** 3 / 6

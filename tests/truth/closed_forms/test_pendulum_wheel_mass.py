@@ -81,7 +81,10 @@ def energy(p, ball):
     m, counter, radius, g = (
         arb_of(p[name]) for name in ("mass", "counter_mass", "wheel_radius", "gravity")
     )
-    drag = arb_of(p["wheel_inertia"] / p["wheel_radius"] ** 2) if p["wheel_radius"] else 0
+    if p["wheel_radius"]:
+        drag = arb_of(p["wheel_inertia"] / p["wheel_radius"] ** 2)
+    else:
+        drag = 0
     r, theta, rdot, rate = (arb_of(ball[name].mid) for name in module.NAMES)
     u = rdot - radius * rate
     kinetic = (m * (u * u + r * r * rate * rate) + (counter + drag) * u * u) / 2

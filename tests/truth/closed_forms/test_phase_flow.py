@@ -42,14 +42,20 @@ def by_quadrature(t, f=5 / 64, k=2.0, m=1.0, n=400):
     """Midpoints of n x n cells of the kite's box: each cell times the product of (k|x| - f)/(k|x| +
     f) over its turning points so far.
     """
-    total, w = 0.0, sqrt(k / m)
+    total = 0.0
+    w = sqrt(k / m)
     for i in range(n):
         for j in range(n):
-            x, v = 0.25 + 0.75 * (i + 0.5) / n, -1.0 + 0.5 * (j + 0.5) / n
-            inside = abs(v + 0.75) * 4 < (x - 0.25) * 4 if x < 0.5 else abs(v + 0.75) * 2 < 1.0 - x
+            x = 0.25 + 0.75 * (i + 0.5) / n
+            v = -1.0 + 0.5 * (j + 0.5) / n
+            if x < 0.5:
+                inside = abs(v + 0.75) * 4 < (x - 0.25) * 4
+            else:
+                inside = abs(v + 0.75) * 2 < 1.0 - x
             if not inside:
                 continue
-            angle, reach = atan2(v / w, x - f / k), sqrt((x - f / k) ** 2 + v * v / (k / m))
+            angle = atan2(v / w, x - f / k)
+            reach = sqrt((x - f / k) ** 2 + v * v / (k / m))
             factor = 1.0
             for turn in range(floor((w * t - angle) / pi)):
                 place = reach - f / k - 2 * turn * f / k
@@ -84,7 +90,8 @@ def test_liouville_keeps_area_and_a_fluid_shrinks_it():
 
 def test_corners_move_as_their_oscillator_does_and_a_head_on_both_sides_has_no_area():
     balls = kite(flow="harmonic", stiffness=Fraction(1)).at(Fraction(1))
-    cosine, sine = 0.54030230586813972, 0.84147098480789651
+    cosine = 0.54030230586813972
+    sine = 0.84147098480789651
     assert float(balls["x_1"].mid) == pytest.approx(cosine - 0.75 * sine, rel=1e-15)
     assert float(balls["v_1"].mid) == pytest.approx(-sine - 0.75 * cosine, rel=1e-15)
     with pytest.raises(NotCertifiedError):

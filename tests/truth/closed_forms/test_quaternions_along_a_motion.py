@@ -8,14 +8,16 @@ import pytest
 
 from refdem.core.discovery import truth_of
 
-INERTIA, H = (Fraction(1), Fraction(2), Fraction(3)), Fraction(1, 10**14)
+INERTIA = (Fraction(1), Fraction(2), Fraction(3))
+H = Fraction(1, 10**14)
 CLOSE = Fraction(1, 10**20)
 """Differences at 1e-14 s of values that are known to 1e-60 are rates to 1e-27."""
 
 
 def product(p, q):
     """Hamilton's product."""
-    (a, b, c, d), (e, f, g, h) = p, q
+    (a, b, c, d) = p
+    (e, f, g, h) = q
     return [
         a * e - b * f - c * g - d * h,
         a * f + b * e + c * h - d * g,
@@ -49,7 +51,8 @@ def motion(request):
     """Attitude, omega in space and in body axes, the matrix, each with its rate, and the second
     rate of the attitude.
     """
-    truth, t = truth_of("free-rigid-body").refined(60), Fraction(request.param)
+    truth = truth_of("free-rigid-body").refined(60)
+    t = Fraction(request.param)
     samples = [{name: ball.mid for name, ball in truth.at(t + k * H).items()} for k in (-1, 0, 1)]
     kinds = {
         "q": [f"attitude.{a}" for a in "wxyz"],
@@ -97,11 +100,13 @@ def test_the_attitude_gives_omega_back_in_space_and_in_body_axes(motion):
 
 
 def test_the_attitude_stays_of_length_one_and_across_its_rate_and_does_not_commute_with_it(motion):
-    q, rate = motion["q"], motion["q'"]
+    q = motion["q"]
+    rate = motion["q'"]
     assert close(
         [sum(x * x for x in q), sum(x * y for x, y in zip(q, rate, strict=True))], [1, 0]
     )  # (1.74), (1.75)
-    there, back = product(q, conjugate(rate)), product(rate, conjugate(q))
+    there = product(q, conjugate(rate))
+    back = product(rate, conjugate(q))
     assert close(there, [-x for x in back])
     assert not close(product(q, rate), product(rate, q))  # the chapter's remark after (1.75)
 

@@ -63,7 +63,8 @@ def test_the_witness_sees(apart, fault):
 
 def test_rods_keep_their_lengths_and_the_centre_stays():
     truth = truth_of("rigid-cluster")
-    first, later = truth.at(Fraction(0)), truth.at(Fraction(100))
+    first = truth.at(Fraction(0))
+    later = truth.at(Fraction(100))
 
     def length2(at, i, j):
         return sum((at[f"r{i}.{a}"].mid - at[f"r{j}.{a}"].mid) ** 2 for a in "xyz")

@@ -43,13 +43,12 @@ def truth_of(given):
 
 def somewhere(found, its):
     """A state in the middle of a contact, in the truth's units and as the witness has it."""
-    phases, pair = found.phases, found.spheres
+    phases = found.phases
+    pair = found.spheres
     way = [Fraction(-35, 37), Fraction(12, 37) * Fraction(3, 5), Fraction(-12, 37) * Fraction(4, 5)]
     apart = [part * (1 / phases.eps - Fraction(3, 8)) for part in way]
-    moving, spins = (
-        [Fraction(1, 4), Fraction(3, 8), Fraction(-1, 2)],
-        [Fraction(k, 7) for k in (3, -2, 5, 1, 4, -6)],
-    )
+    moving = [Fraction(1, 4), Fraction(3, 8), Fraction(-1, 2)]
+    spins = [Fraction(k, 7) for k in (3, -2, 5, 1, 4, -6)]
     side = cross(way, [Fraction(1), Fraction(2), Fraction(-1)])
     y = [*map(arb_of, [*apart, *moving, *spins, *side, 0])]
     if phases.kt:
@@ -78,7 +77,8 @@ def rates_apart(given, mode, phase):
         found = truth_of(given)
         its = Bodies(discovery.case("two-spheres").at(**given).p)
         y, s = somewhere(found, its)
-        phases_, whole = found.phases, partial(its.rates, phase)
+        phases_ = found.phases
+        whole = partial(its.rates, phase)
         if mode == "stick":
             size = its.mu * its.force(s) / its.kt / arb_of(phases_.length)
             y[12:15] = [part * size for part in y[12:15]]
@@ -148,11 +148,13 @@ def test_a_planted_fault_of_the_rates_is_seen(monkeypatch, fault):
 
 def test_what_ends_a_phase_is_zero_where_the_witness_says():
     with precision(200):
-        found, its = truth_of(SPRUNG), Bodies(discovery.case("two-spheres").at(**SPRUNG).p)
+        found = truth_of(SPRUNG)
+        its = Bodies(discovery.case("two-spheres").at(**SPRUNG).p)
         y, s = somewhere(found, its)
         force = arb_of(found.spheres.effective_mass * found.phases.speed / found.phases.time)
         assert abs(ball(found.phases.force, y) * force - its.force(s)) < 1e-45
-        lag, steep = its.ends("clip")["stick"](s), force / arb_of(found.phases.time)
+        lag = its.ends("clip")["stick"](s)
+        steep = force / arb_of(found.phases.time)
         assert abs(ball(found.phases.lag, y) * steep - lag) < 1e-45
         limit = [
             *y[:12],
@@ -186,7 +188,8 @@ def test_a_whole_contact_is_that_of_the_witness():
 
 
 def test_a_sample_within_the_contact_is_certified_to_40_digits_and_s_is_that_of_displaced_starts():
-    found, t = truth_of(SLIDING[0]), Fraction(1, 512)
+    found = truth_of(SLIDING[0])
+    t = Fraction(1, 512)
     balls = found.at(t)
     assert max(balls[name].radius / Fraction(found.scale[name]) for name in NAMES) < Fraction(
         1, 10**40
@@ -201,7 +204,8 @@ def test_a_sample_within_the_contact_is_certified_to_40_digits_and_s_is_that_of_
             )
         )
         assert max(abs(said[name] - arb_of(balls[name].mid)) for name in NAMES) < 1e-38
-        its, sums = Bodies(p), np.zeros(18)
+        its = Bodies(p)
+        sums = np.zeros(18)
         for axis, name in enumerate(NAMES):
             ends = []
             for sign in (1, -1):
@@ -220,7 +224,9 @@ def test_s_out_of_the_plane_is_no_less_than_what_displaced_truths_do(given):
     """13 unknowns, and 16 with a spring: columns for spins are central differences of the truth
     itself.
     """
-    found, t, tiny = truth_of(given), Fraction(3, 1024), Fraction(1, 10**18)
+    found = truth_of(given)
+    t = Fraction(3, 1024)
+    tiny = Fraction(1, 10**18)
     sums = dict.fromkeys(NAMES, 0.0)
     for axis in (1, 3):
         ends = []

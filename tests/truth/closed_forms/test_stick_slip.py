@@ -69,11 +69,10 @@ def agreement(given):
     """Every literal of a set lies in its ball, to its last printed digits; the earliest first."""
     truth = truth_of(**dict(given))
     for where, said in LITERALS[given].items():
-        found = (
-            [truth.scalars()[where]]
-            if isinstance(where, str)
-            else truth.at(Fraction(where)).values()
-        )
+        if isinstance(where, str):
+            found = [truth.scalars()[where]]
+        else:
+            found = truth.at(Fraction(where)).values()
         for ball, text in zip(found, [said] if isinstance(where, str) else said, strict=True):
             assert abs(ball.mid - Fraction(text)) <= Fraction(1, 10**32)
             assert ball.radius < Fraction(1, 10**40)
@@ -161,7 +160,8 @@ def test_a_start_exactly_at_the_limit_goes_where_the_pull_goes():
 
 def test_more_digits_are_balls_inside_the_first():
     for digits in (20, 60):
-        sharper, plain = truth_of().refined(digits).at(Fraction(7)), truth_of().at(Fraction(7))
+        sharper = truth_of().refined(digits).at(Fraction(7))
+        plain = truth_of().at(Fraction(7))
         assert all(ball.radius < Fraction(1, 10**digits) for ball in sharper.values())
         assert all(
             abs(sharper[name].mid - ball.mid) <= ball.radius + sharper[name].radius
@@ -170,10 +170,12 @@ def test_more_digits_are_balls_inside_the_first():
 
 
 def test_sensitivity_is_the_growth_of_a_displaced_start():
-    truth, step = truth_of(), Fraction(1, 2**60)
+    truth = truth_of()
+    step = Fraction(1, 2**60)
     for t in (Fraction(4), Fraction(9)):
         moved = truth_of(x0=str(step)).at(t), truth_of(v0=str(step)).at(t)
-        length, speed = float(truth.scale["x"]), float(truth.scale["v"])
+        length = float(truth.scale["x"])
+        speed = float(truth.scale["v"])
         rows = [
             sum(
                 abs(float((one[name].mid - truth.at(t)[name].mid) / step)) * size

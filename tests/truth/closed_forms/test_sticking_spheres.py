@@ -89,7 +89,8 @@ def falls_slower(self, y):
 
 
 def no_bend(self, y):
-    r, (first, second) = 1 - y[0] * self.eps, self.levers(y)
+    r = 1 - y[0] * self.eps
+    (first, second) = self.levers(y)
     return (
         -y[1]
         * y[3]
@@ -150,7 +151,9 @@ def after_first_switch(pair, start, t):
 
 def test_sensitivity_is_the_largest_row_of_displaced_motions_through_a_switch():
     instance = discovery.case("two-spheres").at(**CONTACTS[2][0])
-    truth, pair, tiny = instance.truth(), Spheres(instance.p), 1e-20
+    truth = instance.truth()
+    pair = Spheres(instance.p)
+    tiny = 1e-20
     t = Fraction(1, 64)  # past the first slip, at 0.01 s
     with precision(256):
         places = [truth.at(Fraction(0))[name].mid for name in MOVED]
@@ -168,23 +171,19 @@ def test_sensitivity_is_the_largest_row_of_displaced_motions_through_a_switch():
                 ]
                 ends.append(after_first_switch(pair, displaced, t))
             columns.append([float((a - b) / (2 * tiny)) for a, b in zip(*ends, strict=True)])
-    relative, (m1, m2) = np.array(columns).T, (0.25, 0.75)
+    relative = np.array(columns).T
+    (m1, m2) = (0.25, 0.75)
     whole = np.zeros((10, 10))
     carried = np.eye(4) + float(t) * np.eye(4, k=2)
-    whole[:4, :4], whole[:4, 4:8] = (
-        m1 * carried + m2 * relative[:4, :4],
-        m2 * carried - m2 * relative[:4, :4],
-    )
-    whole[4:8, :4], whole[4:8, 4:8] = (
-        m1 * carried - m1 * relative[:4, :4],
-        m2 * carried + m1 * relative[:4, :4],
-    )
-    whole[:4, 8:], whole[4:8, 8:] = m2 * relative[:4, 4:], -m1 * relative[:4, 4:]
-    whole[8:, :4], whole[8:, 4:8], whole[8:, 8:] = (
-        relative[4:, :4],
-        -relative[4:, :4],
-        relative[4:, 4:],
-    )
+    whole[:4, :4] = m1 * carried + m2 * relative[:4, :4]
+    whole[:4, 4:8] = m2 * carried - m2 * relative[:4, :4]
+    whole[4:8, :4] = m1 * carried - m1 * relative[:4, :4]
+    whole[4:8, 4:8] = m2 * carried + m1 * relative[:4, :4]
+    whole[:4, 8:] = m2 * relative[:4, 4:]
+    whole[4:8, 8:] = -m1 * relative[:4, 4:]
+    whole[8:, :4] = relative[4:, :4]
+    whole[8:, 4:8] = -relative[4:, :4]
+    whole[8:, 8:] = relative[4:, 4:]
     sizes = np.array([instance.quantities[name].scale for name in MOVED])
     growth = float(np.max(np.abs(whole) @ sizes / sizes))
     assert growth <= truth.sensitivity(t) * (1 + 1e-9)

@@ -36,7 +36,8 @@ def series_step(state, h, gm=1, order=48):
     for u = r.r, w = u^(-3/2).
     """
     x, y, vx, vy = ([part.mid()] for part in state)
-    u, w = [], []
+    u = []
+    w = []
     for n in range(order):
         u.append(sum((x[k] * x[n - k] + y[k] * y[n - k] for k in range(n + 1)), arb(0)).mid())
         if n == 0:
@@ -81,7 +82,8 @@ def test_energy_angular_momentum_and_laplace_vector_are_those_of_the_elements(ec
     e = Fraction(eccentricity)
     with precision(256):
         x, y, vx, vy = state(orbit(eccentricity), t)
-        r, momentum = (x * x + y * y).sqrt(), x * vy - y * vx
+        r = (x * x + y * y).sqrt()
+        momentum = x * vy - y * vx
         assert abs((vx * vx + vy * vy) / 2 - 1 / r + arb(1) / 2) < 1e-37
         assert abs(momentum * momentum - arb_of(1 - e * e)) < 1e-37
         assert abs(vy * momentum - x / r - arb_of(e)) < 1e-37
@@ -118,7 +120,8 @@ def test_spring_orbit_is_an_ellipse_about_the_centre():
 
 
 def test_spring_motion_has_the_acceleration_of_the_spring():
-    h, spring = Fraction(1, 2**40), orbit("3/5", stiffness="4").refined(60)
+    h = Fraction(1, 2**40)
+    spring = orbit("3/5", stiffness="4").refined(60)
     before, now, after = (spring.at(Fraction(1) + by) for by in (-h, 0, h))
     for name in ("x", "y"):
         acceleration = (before[name].mid - 2 * now[name].mid + after[name].mid) / h**2
@@ -128,7 +131,9 @@ def test_spring_motion_has_the_acceleration_of_the_spring():
 def test_the_ball_of_keplers_equation_holds_a_change_of_sign():
     with precision(200):
         for mean in ("0", "0.001", "1", "3.1415926", "1000.3"):
-            c, s, m = arb("0.99"), arb("0.1"), arb(mean)
+            c = arb("0.99")
+            s = arb("0.1")
+            m = arb(mean)
             ball = anomaly_gain(m, c, s)
             for end, side in ((ball.mid() - arb(1e-50), -1), (ball.mid() + arb(1e-50), 1)):
                 assert side * (end - c * end.sin() + s * (1 - end.cos()) - m) > 0

@@ -18,7 +18,8 @@ from refdem.truth.contact_phases import ContactPhases
 from refdem.truth.head_on_contact import HeadOnContact
 from refdem.truth.sphere_pair import SpherePair
 
-ZERO, ONE = Fraction(0), Fraction(1)
+ZERO = Fraction(0)
+ONE = Fraction(1)
 PAIR = SpherePair(
     masses=(ONE, Fraction(3)),
     radii=(Fraction(1, 2), Fraction(3, 4)),
@@ -65,16 +66,22 @@ def cartesian(pair, side, pulls):
     mass, stiffness, damping, friction = (
         arb_of(v) for v in (pair.effective_mass, pair.stiffness, pair.damping, pair.friction)
     )
-    radii, moments = [arb_of(r) for r in pair.radii], [arb_of(j) for j in pair.moments]
+    radii = [arb_of(r) for r in pair.radii]
+    moments = [arb_of(j) for j in pair.moments]
 
     def rates(y):
         x, z, vx, vz, _, _ = y
         distance = (x * x + z * z).sqrt()
-        nx, nz = x / distance, z / distance
+        nx = x / distance
+        nz = z / distance
         overlap = radii[0] + radii[1] - distance
         force = stiffness * overlap - damping * (nx * vx + nz * vz)
-        rub = -side * friction * force if not pulls else arb(0) * force
-        fx, fz = force * nx - rub * nz, force * nz + rub * nx
+        if not pulls:
+            rub = -side * friction * force
+        else:
+            rub = arb(0) * force
+        fx = force * nx - rub * nz
+        fz = force * nz + rub * nx
         turned = [-(radii[i] - arb_of(pair.lever) * overlap) * rub / moments[i] for i in (0, 1)]
         return [vx, vz, fx / mass, fz / mass, *turned]
 
@@ -97,7 +104,8 @@ def stepped(rates, start, h, order=40):
 def witness(pair, t, side=0, steps=24, pulls=False, start=None):
     """The relative state at t while the contact lasts."""
     before = ctx.cap
-    speed, angle = arb_of(pair.closing_speed), arb_of(pair.angle)
+    speed = arb_of(pair.closing_speed)
+    angle = arb_of(pair.angle)
     now = start or [
         arb_of(-pair.reach),
         arb(0),
@@ -128,7 +136,8 @@ CONTACTS = [
 @pytest.mark.parametrize("t", [Fraction(1, 5)])
 def test_contact_is_the_taylor_series_in_cartesian_coordinates(pair, side, t):
     with precision(256):
-        found, expected = relative(pair, t), witness(pair, t, side)
+        found = relative(pair, t)
+        expected = witness(pair, t, side)
         assert max(abs(a - b) for a, b in zip(found, expected, strict=True)) < 1e-30
 
 
@@ -145,7 +154,8 @@ def test_a_pulling_contact_does_not_rub():
         event.name: Fraction(float(event.time)) * ContactPhases(pair).time
         for event in motion(pair).events
     }
-    released, gone = times["pull"], times["release"]
+    released = times["pull"]
+    gone = times["release"]
     with precision(256):
         at_release = relative(pair, released - Fraction(1, 1000))
         end = witness(pair, Fraction(1, 1000), -1, steps=2, start=at_release)
@@ -158,16 +168,15 @@ def test_a_pulling_contact_does_not_rub():
 )
 def test_the_head_on_form_is_the_integration_from_phase_to_phase(damping, cut):
     pair = replace(PAIR, damping=Fraction(damping), ends_with_overlap=cut)
-    phases, found = ContactPhases(pair), motion(pair)
+    phases = ContactPhases(pair)
+    found = motion(pair)
     with precision(256):
         for t in ("0.05", "0.2", "0.4", "1"):
             place = found.place(arb_of(Fraction(t) / phases.time))
             assert abs(place[0] * arb_of(phases.length) - relative(pair, Fraction(t))[0]) < 1e-30
             assert abs(place[2] * arb_of(phases.speed) - relative(pair, Fraction(t))[2]) < 1e-30
-        forms, force = (
-            HeadOnContact(pair).constants(),
-            arb_of(pair.effective_mass * phases.speed / phases.time),
-        )
+        forms = HeadOnContact(pair).constants()
+        force = arb_of(pair.effective_mass * phases.speed / phases.time)
         assert abs(found.deepest() * arb_of(phases.length) - forms["max_overlap"]) < 1e-30
         assert abs(found.hardest() * force - forms["max_force"]) < 1e-30
         assert abs(found.events[-1].time * arb_of(phases.time) - forms["duration"]) < 1e-30
@@ -177,10 +186,18 @@ def numeric_extremes(pair):
     """Largest overlap and force of the head-on law over a fine grid, in doubles, by its own
     recurrence (velocity Verlet).
     """
-    mass, k, c = float(pair.effective_mass), float(pair.stiffness), float(pair.damping)
-    h, d, v, most, hardest, t = 1e-5, 0.0, float(pair.closing_speed), 0.0, 0.0, 0.0
+    mass = float(pair.effective_mass)
+    k = float(pair.stiffness)
+    c = float(pair.damping)
+    h = 1e-5
+    d = 0.0
+    v = float(pair.closing_speed)
+    most = 0.0
+    hardest = 0.0
+    t = 0.0
     while (d >= 0.0 if pair.ends_with_overlap else k * d + c * v >= 0.0) and t < 3.0:
-        most, hardest = max(most, d), max(hardest, k * d + c * v)
+        most = max(most, d)
+        hardest = max(hardest, k * d + c * v)
         half = v - h / 2 * (k * d + c * v) / mass
         d += h * half
         v = (half - h / 2 * k * d / mass) / (1 + h / 2 * c / mass)
@@ -196,7 +213,8 @@ def numeric_extremes(pair):
 @pytest.mark.parametrize(("damping", "cut"), [*product([0, 4, 12, 30, 60], [True, False])])
 def test_head_on_scalars_are_those_of_a_fine_simulation(damping, cut):
     pair = replace(PAIR, damping=Fraction(damping), ends_with_overlap=cut)
-    scalars, expected = spheres(pair).scalars(), numeric_extremes(pair)
+    scalars = spheres(pair).scalars()
+    expected = numeric_extremes(pair)
     assert {"max_overlap", "max_force"} <= set(scalars)
     for name, ball in scalars.items():
         assert float(ball.mid) == pytest.approx(expected[name], rel=2e-4, abs=2e-4)
@@ -236,7 +254,9 @@ def test_an_overlap_that_never_ends_has_no_duration():
 @pytest.mark.parametrize("pair", [OBLIQUE, SLIDING, replace(SLIDING, damping=Fraction(4))])
 def test_momentum_stays_zero_and_angular_momentum_where_the_levers_add_up(pair):
     def momentum(t):
-        now, (m1, m2), (j1, j2) = state(pair, t), pair.masses, pair.moments
+        now = state(pair, t)
+        (m1, m2) = pair.masses
+        (j1, j2) = pair.moments
         bodies = ((m1, j1, 1), (m2, j2, 2))
         orbit = sum(
             arb_of(m) * (now[f"r{i}.x"] * now[f"v{i}.y"] - now[f"r{i}.y"] * now[f"v{i}.x"])
@@ -254,9 +274,11 @@ def test_momentum_stays_zero_and_angular_momentum_where_the_levers_add_up(pair):
 
 
 def test_full_lever_arms_change_the_angular_momentum_by_the_integral_of_overlap_times_friction():
-    pair, step = replace(SLIDING, lever=ZERO), Fraction(1, 256)
+    pair = replace(SLIDING, lever=ZERO)
+    step = Fraction(1, 256)
     with precision(256):
-        drift, samples = [], []
+        drift = []
+        samples = []
         for n in range(129):
             x, y, vx, vy, *omega = relative(pair, n * step)
             spin = sum((arb_of(j) * w for j, w in zip(pair.moments, omega, strict=True)), arb(0))

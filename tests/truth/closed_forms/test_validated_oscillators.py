@@ -78,7 +78,8 @@ def product(a, b, n):
 
 def waves(drives, n):
     """The n-th Taylor coefficient of sum f cos(w t + quarters pi/2)."""
-    total, factorial = F(0), 1
+    total = F(0)
+    factorial = 1
     for i in range(2, n + 1):
         factorial *= i
     for f, w, quarters in drives:
@@ -90,7 +91,8 @@ def series(acceleration, p, t):
     """x and v at t from the power series of x, in rationals; acceleration(x, v, n) is its n-th
     coefficient.
     """
-    x, v = [p["x0"]], [p["v0"]]
+    x = [p["x0"]]
+    v = [p["v0"]]
     for n in range(36):
         x.append(v[n] / (n + 1))
         v.append(acceleration(x, v, n) / (n + 1))
@@ -124,7 +126,8 @@ def pol(x, v, n):
 def test_motion_is_the_power_series_of_the_equation(name, acceleration):
     module, p = MODULES[name]
     t = F(1, 8)
-    found, expected = module.truth(p, SCALE).at(t), series(acceleration, p, t)
+    found = module.truth(p, SCALE).at(t)
+    expected = series(acceleration, p, t)
     for quantity, value in zip(("x", "v"), expected, strict=True):
         assert abs(found[quantity].mid - value) < F(1, 10**24)
 

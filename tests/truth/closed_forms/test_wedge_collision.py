@@ -12,7 +12,8 @@ from refdem.truth.witnesses.collisions import wedge
 
 def apart(given):
     instance = discovery.case("wedge-collision").at(**given)
-    truth, times = instance.truth(), [Fraction(float(t)) for t in instance.times[2::7]]
+    truth = instance.truth()
+    times = [Fraction(float(t)) for t in instance.times[2::7]]
     with precision(256):
         said = list(wedge(instance.p, times, {}))
         return float(

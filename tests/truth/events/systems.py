@@ -24,11 +24,15 @@ def bouncing():
 def bounced(x, v, t):
     """Place, velocity and number of bounces at t of x'' = -1 from x, v, by hand."""
     speed = (v * v + 2 * x).sqrt()
-    start, up, hits = v + speed, speed / 2, 1
+    start = v + speed
+    up = speed / 2
+    hits = 1
     if t < start:
         return x + v * t - t * t / 2, v - t, 0
     while not t < start + 2 * up:
-        start, up, hits = start + 2 * up, up / 2, hits + 1
+        start = start + 2 * up
+        up = up / 2
+        hits = hits + 1
     since = t - start
     return up * since - since * since / 2, up - since, hits
 

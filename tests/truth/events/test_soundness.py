@@ -30,7 +30,9 @@ def every_guard():
 
 def positive_middle(watched, low, high):
     """The first crossing as the signs at the ends of the window alone tell it."""
-    return None if watched.value(high) > 0 else crossing.only_zero(watched, low, high)
+    if watched.value(high) > 0:
+        return None
+    return crossing.only_zero(watched, low, high)
 
 
 def accepted(watched, low, high):
@@ -93,7 +95,9 @@ def without_touching(self, piece, name, touching=0, *, whole=True):
 
 def every_other_window(self, piece, low, high):
     """Windows are looked at in turn."""
-    return None if int(high * 4) % 2 else FOUND(self, piece, low, high)
+    if int(high * 4) % 2:
+        return None
+    return FOUND(self, piece, low, high)
 
 
 def stale(spread, jacobian, local):
@@ -105,7 +109,8 @@ def principal(self, level, clock):
     """The arc cosine's principal branch alone."""
     if not abs(level) < abs(arb_of(self.gamma)):
         return NEXT(self, level, clock)
-    angle, turn = (level / arb_of(self.gamma)).acos(), 2 * arb.pi()
+    angle = (level / arb_of(self.gamma)).acos()
+    turn = 2 * arb.pi()
     turns = int(((arb_of(self.eta) * clock - angle) / turn).ceil().unique_fmpz())
     return (angle + turn * turns) / arb_of(self.eta) - clock
 
@@ -113,23 +118,21 @@ def principal(self, level, clock):
 def last_turn(self, level, clock):
     """A release before the landing."""
     found = NEXT(self, level, clock)
-    return found if found is None else found - 2 * arb.pi() / arb_of(self.eta)
+    if found is None:
+        return found
+    return found - 2 * arb.pi() / arb_of(self.eta)
 
 
-SECTION, STATES, WATCHED, FOUND, NEXT = (
-    Phase.section,
-    Phase.crossing,
-    Phase.watched,
-    Phase.found,
-    stick_slip.StickSlip.next_time,
-)
+SECTION = Phase.section
+STATES = Phase.crossing
+WATCHED = Phase.watched
+FOUND = Phase.found
+NEXT = stick_slip.StickSlip.next_time
 FIRST = CROSSING = crossing.first_crossing
-EARLIEST, MOVED, ROWS, ONLY = (
-    crossing.earliest,
-    phase.moved,
-    system.derivative_rows,
-    crossing.only_zero,
-)
+EARLIEST = crossing.earliest
+MOVED = phase.moved
+ROWS = system.derivative_rows
+ONLY = crossing.only_zero
 LEAVES = stick_slip.StickSlip.leaves
 
 # a bug: where, what stands there instead
@@ -226,7 +229,9 @@ HULL = Phase.hull_at_entry
 
 def _one_sided(self, y):
     since = self.next_time(y[0] + arb_of(2 * self.limit), y[2])
-    return None if since is None else ("forward", since)
+    if since is None:
+        return None
+    return ("forward", since)
 
 
 @pytest.mark.parametrize("bug", BUGS)

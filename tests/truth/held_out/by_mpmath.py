@@ -20,7 +20,10 @@ POINTS = "0,0,0,2,1/2,-1,1,3,1/4,-1,5/4,3,2,-3/2,1/2"
 
 def points():
     """Single points in the plane and on a line."""
-    e, a, gm, t = f("1/3"), f("3/2"), mpf(2), f("11/4")
+    e = f("1/3")
+    a = f("3/2")
+    gm = mpf(2)
+    t = f("11/4")
     n = sqrt(gm / a**3)
     big = findroot(lambda x: x - e * sin(x) - n * t, n * t)
     speed = n / (1 - e * cos(big))
@@ -70,8 +73,10 @@ def billiards():
     """Nine bounces in the stadium: straight walls y = +-1 for |x| <= 1, half circles about (+-1, 0)
     of radius 1 (size 4, 2).
     """
-    x, y = f("1/3"), f("1/7")
-    dx, dy = f("5/13"), f("12/13")
+    x = f("1/3")
+    y = f("1/7")
+    dx = f("5/13")
+    dy = f("12/13")
     for _ in range(5):
         ways = []
         if dy:
@@ -79,13 +84,17 @@ def billiards():
             if abs(x + s * dx) <= 1:
                 ways.append((s, 0, 1 if dy > 0 else -1))
         for side in (1, -1):
-            b, c = (x - side) * dx + y * dy, (x - side) ** 2 + y * y - 1
+            b = (x - side) * dx + y * dy
+            c = (x - side) ** 2 + y * y - 1
             s = -b + sqrt(max(b * b - c, mpf(0)))
             if b * b > c and s > mpf(10) ** -30 and side * (x + s * dx) >= 1:
                 ways.append((s, x + s * dx - side, y + s * dy))
         s, nx, ny = min((way for way in ways if way[0] > mpf(10) ** -30), key=lambda way: way[0])
-        x, y, along = x + s * dx, y + s * dy, dx * nx + dy * ny
-        dx, dy = dx - 2 * along * nx, dy - 2 * along * ny
+        x = x + s * dx
+        y = y + s * dy
+        along = dx * nx + dy * ny
+        dx = dx - 2 * along * nx
+        dy = dy - 2 * along * ny
     case(
         "billiards",
         {"start": "1/3,1/7", "direction": "5,12"},
@@ -99,7 +108,9 @@ def billiards():
 
 def collisions():
     """With contact laws."""
-    m, k, v = f("3/4"), mpf(700), f("3/2")
+    m = f("3/4")
+    k = mpf(700)
+    v = f("3/2")
     deep = (f("5/4") * m * v * v / k) ** f("2/5")
     case(
         "hertz-spheres",
@@ -120,7 +131,10 @@ def collisions():
             f("0.02"),
         ),
     )
-    m, k1, k2, v = mpf(2), mpf(3), mpf(7), f("5/4")
+    m = mpf(2)
+    k1 = mpf(3)
+    k2 = mpf(7)
+    v = f("5/4")
     deep = (f("3/2") * m * v * v / k2) ** f("1/3")
     case(
         "wedge-collision",
@@ -130,10 +144,14 @@ def collisions():
         duration=beta(f("1/3"), f("1/2")) / 3 * deep / v + pi / 2 * sqrt(m / k1),
         energy_change=k1 * deep**2 / 2 - m * v * v / 2,
     )
-    meff, k, c = f("3/4"), mpf(200), mpf(2)
-    b, w = c / (2 * meff), sqrt(k / meff - (c / (2 * meff)) ** 2)
+    meff = f("3/4")
+    k = mpf(200)
+    c = mpf(2)
+    b = c / (2 * meff)
+    w = sqrt(k / meff - (c / (2 * meff)) ** 2)
     t = f("1/8")
-    d, rate = exp(-b * t) * sin(w * t) / w, exp(-b * t) * (cos(w * t) - b / w * sin(w * t))
+    d = exp(-b * t) * sin(w * t) / w
+    rate = exp(-b * t) * (cos(w * t) - b / w * sin(w * t))
     case(
         "two-spheres",
         {"masses": "1,3", "stiffness": "200", "damping": "2"},
@@ -150,7 +168,9 @@ def collisions():
         duration=pi / w,
         restitution=exp(-b * pi / w),
     )
-    g, friction, u = f("9.80665"), f("1/4"), f("3/4")
+    g = f("9.80665")
+    friction = f("1/4")
+    u = f("3/4")
     stop = f("2/7") * u / (friction * g)
     case(
         "impact-benchmarks",
@@ -164,7 +184,10 @@ def collisions():
 
 def statics():
     """Integrals, matrices, products."""
-    e, n, s, t0 = f("3/4"), f("1/25"), f("3/2"), f("5/4")
+    e = f("3/4")
+    n = f("1/25")
+    s = f("3/2")
+    t0 = f("5/4")
     phi = pi * n * s**3 / 6
     rate = 4 * sqrt(pi) * n * s * s * sqrt(t0) * (1 - phi / 2) / (1 - phi) ** 3
     case(
@@ -180,7 +203,8 @@ def statics():
         None,
         **{f"{d}d__{k}": mpf(d * k - mp_rank(k, d)) for d in (2, 3) for k in range(1, 6)},
     )
-    p, q = (mpf(2), mpf(-1), f("1/3"), mpf(1)), (mpf(1), mpf(3), f("-1/2"), f("1/4"))
+    p = (mpf(2), mpf(-1), f("1/3"), mpf(1))
+    q = (mpf(1), mpf(3), f("-1/2"), f("1/4"))
     product = of(p) * of(q)
     case(
         "quaternions",
@@ -206,7 +230,9 @@ def solids():
         tetrahedron_o_mass=a * b * c / 12,
         tetrahedron_o_centre_o_x=corner / (a * b * c / 6),
     )
-    phi, theta, psi = f("1/3"), f("5/4"), f("-2/3")
+    phi = f("1/3")
+    theta = f("5/4")
+    psi = f("-2/3")
     whole = turned(2, phi) * turned(0, theta) * turned(2, psi)
     case(
         "rotations",
@@ -219,9 +245,11 @@ def solids():
 
 def turned(axis, angle):
     """exp of the generator of turns about an axis."""
-    i, k = (axis + 1) % 3, (axis + 2) % 3
+    i = (axis + 1) % 3
+    k = (axis + 2) % 3
     generator = matrix(3, 3)
-    generator[k, i], generator[i, k] = angle, -angle
+    generator[k, i] = angle
+    generator[i, k] = -angle
     return mp.expm(generator, method="taylor")
 
 
@@ -245,11 +273,11 @@ def mp_rank(count, dimensions):
                     places[j][k] - places[i][k],
                 )
             rows.append(row)
-    return (
-        sum(int(value > mpf(10) ** -40) for value in mp.svd_r(matrix(rows), compute_uv=False))
-        if rows
-        else 0
-    )
+    if rows:
+        return sum(
+            int(value > mpf(10) ** -40) for value in mp.svd_r(matrix(rows), compute_uv=False)
+        )
+    return 0
 
 
 if __name__ == "__main__":

@@ -66,14 +66,21 @@ class Impact:
             f(told["speed"]) * cos(f(told["angle"])),
             f(told["speed"]) * sin(f(told["angle"])),
         )
-        self.length, self.pulls = self.speed * self.time, told["cutoff"] == "zero_overlap"
+        self.length = self.speed * self.time
+        self.pulls = told["cutoff"] == "zero_overlap"
         self.across, loss = across / self.speed, -log(f(told["restitution"]))
-        self.b = loss / sqrt(pi**2 + loss**2) if self.pulls else mpf(0)
+        if self.pulls:
+            self.b = loss / sqrt(pi**2 + loss**2)
+        else:
+            self.b = mpf(0)
         if loss and not self.pulls:
             self.b = cos(findroot(lambda a: 2 * a * cos(a) - loss * sin(a), mpf("1.5")))
         self.w = sqrt(1 - self.b**2)
         self.ends = pi / self.w
-        self.lets_go = 2 * acos(self.b) / self.w if self.b else self.ends
+        if self.b:
+            self.lets_go = 2 * acos(self.b) / self.w
+        else:
+            self.lets_go = self.ends
         self.phases = self.followed()
 
     def overlap(self, t):
@@ -95,7 +102,9 @@ class Impact:
         """(y, v, R w, s) at t from those at `begun`; side 0: stick, else slip to that side, as long
         as the phase lasts.
         """
-        return self.closed(side, begun, y) if not self.beta else self.integrated(side, begun, y)
+        if not self.beta:
+            return self.closed(side, begun, y)
+        return self.integrated(side, begun, y)
 
     def closed(self, side, begun, y):
         place, v, spin, stretch = y
@@ -115,8 +124,10 @@ class Impact:
                     spin + given * 5 / 2,
                     side * self.friction * self.force(t) / self.kt,
                 )
-            n, slip = sqrt(self.kt * 7 / 2), v + spin
-            turned, swung = sin(n * past), 1 - cos(n * past)
+            n = sqrt(self.kt * 7 / 2)
+            slip = v + spin
+            turned = sin(n * past)
+            swung = 1 - cos(n * past)
             given = -self.kt * (stretch * turned / n + slip * swung / n**2)
             gone = -self.kt * (stretch * swung / n**2 + slip * (n * past - turned) / n**3)
             return (
@@ -132,9 +143,17 @@ class Impact:
         short = self.beta * self.length / self.radius
 
         def rates(_, z):
-            d, u, v, spin, stretch = z[0], z[1], z[3], z[4], z[5]
-            normal, lever = d + 2 * self.b * u, 1 - short * d
-            pull = -side * self.friction * normal if side else -self.kt * stretch
+            d = z[0]
+            u = z[1]
+            v = z[3]
+            spin = z[4]
+            stretch = z[5]
+            normal = d + 2 * self.b * u
+            lever = 1 - short * d
+            if side:
+                pull = -side * self.friction * normal
+            else:
+                pull = -self.kt * stretch
             return [u, -normal, v, pull, lever * pull * 5 / 2, v + lever * spin]
 
         solution = mp.odefun(rates, begun, [self.overlap(begun), self.rate(begun), *y])
@@ -166,11 +185,14 @@ class Impact:
         """(begin, side, motion) of every phase; the last, None, flies freely."""
         y = (mpf(0), self.across, mpf(0), mpf(0))
         side = int(not self.b and self.kt * self.across > self.friction)
-        found, begun, step = [], mpf(0), self.lets_go / STEPS
+        found = []
+        begun = mpf(0)
+        step = self.lets_go / STEPS
         while True:
             at = self.motion(side, begun, y)
             found.append((begun, side, at))
-            guard, ticks = self.left(side, at), int(begun / step) + 1
+            guard = self.left(side, at)
+            ticks = int(begun / step) + 1
             fallen = next((n for n in range(ticks, STEPS) if guard(n * step) < 0), None)
             if fallen is None:
                 return [*found, (self.lets_go, None, self.free(*at(self.lets_go)))]
@@ -181,13 +203,20 @@ class Impact:
                 tol=mpf(10) ** -110,
             )
             y = at(switch)
-            side, begun = 0 if side else int(sign(y[3])), switch
+            if side:
+                side = 0
+            else:
+                side = int(sign(y[3]))
+            begun = switch
 
     def state(self, t):
         """Quantities at t [s]."""
         t = t / self.time
         y = next(at(t) for begun, _, at in reversed(self.phases) if t >= begun)
-        ends = self.ends if self.pulls else self.lets_go
+        if self.pulls:
+            ends = self.ends
+        else:
+            ends = self.lets_go
         inside = min(t, ends)
         u = self.rate(inside)
         deep = self.overlap(inside) + u * (t - inside)

@@ -8,7 +8,8 @@ from mpmath_tools import case, f, ode, second, swung, waves
 
 def oscillators():
     """On a line."""
-    w, t = sqrt(f("3") / 2), f("7/3")
+    w = sqrt(f("3") / 2)
+    t = f("7/3")
     case(
         "harmonic-oscillator",
         {"mass": "2", "stiffness": "3", "x0": "-1/3", "v0": "5/7"},
@@ -16,7 +17,8 @@ def oscillators():
         x=-cos(w * t) / 3 + f("5/7") / w * sin(w * t),
         v=w * sin(w * t) / 3 + f("5/7") * cos(w * t),
     )
-    d, r = f("1/5"), sqrt(f("7/2") - f("1/25"))
+    d = f("1/5")
+    r = sqrt(f("7/2") - f("1/25"))
     b = (f("1/3") + d * f("2/7")) / r
     case(
         "viscous-oscillator",
@@ -70,15 +72,21 @@ def oscillators():
 
 def undamped():
     """Of one degree of freedom, with elliptic and beta functions, and dry friction."""
-    n, m, k, a = f("5/2"), mpf(2), mpf(3), f("4/3")
+    n = f("5/2")
+    m = mpf(2)
+    k = mpf(3)
+    a = f("4/3")
     case(
         "power-oscillator",
         {"exponent": "5/2", "mass": "2", "stiffness": "3", "amplitude": "4/3"},
         None,
         period=4 * sqrt(m / (2 * k * (n + 1))) * a ** ((1 - n) / 2) * beta(1 / (n + 1), mpf(1) / 2),
     )
-    alpha, b3, a = mpf(2), f("3/5"), f("5/4")
-    w, q = sqrt(alpha + b3 * a * a), b3 * a * a / (2 * (alpha + b3 * a * a))
+    alpha = mpf(2)
+    b3 = f("3/5")
+    a = f("5/4")
+    w = sqrt(alpha + b3 * a * a)
+    q = b3 * a * a / (2 * (alpha + b3 * a * a))
     case(
         "duffing",
         {"alpha": "2", "beta": "3/5", "amplitude": "5/4"},
@@ -120,7 +128,9 @@ def mu(u):
 
 def pendulums():
     """On rods and strings."""
-    g, length, t = f("49/5"), f("5/4"), f("3/4")
+    g = f("49/5")
+    length = f("5/4")
+    t = f("3/4")
     theta, rate = swung(-g / length, f("7/4"), f("1/3"), t)
     case(
         "pendulum",
@@ -237,9 +247,13 @@ def double(s, y):
     angles are unknowns.
     """
     _, _, p, q, c1, s1, c2, s2 = y
-    c, d = c1 * c2 + s1 * s2, s1 * c2 - c1 * s2
-    a11, a12, a22 = mpf(4), f("3/2") * c, f("3/4")
-    b1, b2 = -f("3/2") * d * q * q - 20 * s1, f("3/2") * d * p * p - f("15/2") * s2
+    c = c1 * c2 + s1 * s2
+    d = s1 * c2 - c1 * s2
+    a11 = mpf(4)
+    a12 = f("3/2") * c
+    a22 = f("3/4")
+    b1 = -f("3/2") * d * q * q - 20 * s1
+    b2 = f("3/2") * d * p * p - f("15/2") * s2
     whole = a11 * a22 - a12 * a12
     return [
         p,
@@ -276,7 +290,8 @@ def turning(j, omega, q, t, torque=lambda q, w: (0, 0, 0)):
     """omega in body axes and attitude."""
 
     def rates(s, y):
-        w, m = y[:3], torque(y[3:], y[:3])
+        w = y[:3]
+        m = torque(y[3:], y[:3])
         spun = [
             ((j[(i + 1) % 3] - j[(i + 2) % 3]) * w[(i + 1) % 3] * w[(i + 2) % 3] + m[i]) / j[i]
             for i in range(3)
@@ -325,7 +340,10 @@ def bodies():
         ),
     ):
         found = turning([mpf(x) for x in j], w, (1, 0, 0, 0), f(t))
-        sense = 1 if found[3] >= 0 else -1
+        if found[3] >= 0:
+            sense = 1
+        else:
+            sense = -1
         case(
             name,
             given,
@@ -348,7 +366,8 @@ def bodies():
 
 def torqued():
     """With damping inside, and on a tip."""
-    j, c = (mpf(1), mpf(2), f("5/2")), f("1/5")
+    j = (mpf(1), mpf(2), f("5/2"))
+    c = f("1/5")
 
     def rubs(s, w):
         mom = [a * b for a, b in zip(j, w, strict=True)]
@@ -363,7 +382,10 @@ def torqued():
         "3/4",
         **{f"omega_body_o_{axis}": x for axis, x in zip("xyz", found, strict=True)},
     )
-    th, j1, j3, weight = f("3/4"), f("2/3"), f("1/4"), f("9.8125") / 2
+    th = f("3/4")
+    j1 = f("2/3")
+    j3 = f("1/4")
+    weight = f("9.8125") / 2
     found = turning(
         (j1, j1, j3),
         (0, sin(th) / 2, 8),
@@ -384,11 +406,9 @@ def torqued():
 
 def cluster():
     """Four points as a body whose axes are not principal: the rows of its attitude, and L kept."""
-    masses, places, omega = (
-        (2, 1, 2, 1),
-        [(1, 0, 0), (0, 1, 0), (0, 0, 1), (-1, f("-1/2"), 0)],
-        matrix([1, f("1/3"), f("-1/2")]),
-    )
+    masses = (2, 1, 2, 1)
+    places = [(1, 0, 0), (0, 1, 0), (0, 0, 1), (-1, f("-1/2"), 0)]
+    omega = matrix([1, f("1/3"), f("-1/2")])
     centre = [mpf(sum(m * r[i] for m, r in zip(masses, places, strict=True))) / 6 for i in range(3)]
     arms = [matrix([r[i] - centre[i] for i in range(3)]) for r in places]
     inertia = matrix(3, 3)

@@ -35,9 +35,13 @@ def misses(truth, asked):
     """Quantities whose balls do not hold the value, or are wider than 40 digits."""
     missed = []
     for t, values in asked.items():
-        balls = truth.scalars() if t is None else truth.at(Fraction(t))
+        if t is None:
+            balls = truth.scalars()
+        else:
+            balls = truth.at(Fraction(t))
         for name, value in values.items():
-            ball, slack = balls[name], PRINTED * max(1, abs(value))
+            ball = balls[name]
+            slack = PRINTED * max(1, abs(value))
             if ball.radius > Fraction(1, 10**40) or abs(ball.mid - value) > ball.radius + slack:
                 missed.append((t, name, float(abs(ball.mid - value))))
     return missed

@@ -21,7 +21,8 @@ def rectangle_path(size, start, direction, n):
     """Place and reflected direction after n bounces, exactly, bounce by bounce in the table itself
     (no unfolding).
     """
-    place, speed = [Fraction(x) for x in start], [Fraction(u) for u in direction]
+    place = [Fraction(x) for x in start]
+    speed = [Fraction(u) for u in direction]
     for _ in range(n):
         ways = [
             ((Fraction(s) / 2 if u > 0 else -Fraction(s) / 2) - x) / u if u else None
@@ -45,12 +46,15 @@ def stadium_path(size, start, direction, n, digits=200):
         a = Decimal(str(size[0])) / 2 - r
         x, y, u, v = (Decimal(str(value)) for value in (*start, *direction))
         length = (u * u + v * v).sqrt()
-        u, v = u / length, v / length
+        u = u / length
+        v = v / length
         for _ in range(n):
             hits = [*_walls(x, y, u, v, r, a), *_circles(x, y, u, v, r, a)]
             t, n_x, n_y = min(hit for hit in hits if hit[0] > Decimal(10) ** (-digits // 2))
-            x, y = x + t * u, y + t * v
-            re, im = n_x * n_x - n_y * n_y, 2 * n_x * n_y
+            x = x + t * u
+            y = y + t * v
+            re = n_x * n_x - n_y * n_y
+            im = 2 * n_x * n_y
             u, v = -(re * u + im * v), -(im * u - re * v)
         return x, y, u, v
 
@@ -67,7 +71,8 @@ def _circles(x, y, u, v, r, a):
     found = []
     for s in (1, -1):
         q = x - s * a
-        b, c = q * u + y * v, q * q + y * y - r * r
+        b = q * u + y * v
+        c = q * q + y * y - r * r
         if b * b > c:
             for t in (-b - (b * b - c).sqrt(), -b + (b * b - c).sqrt()):
                 if s * (x + t * u) >= a:

@@ -103,7 +103,8 @@ def displaced(kind, table, axis, amount):
     ("kind", "n"), [(Stadium, 1), (Stadium, 4), (Stadium, 9), (Rectangle, 1), (Rectangle, 7)]
 )
 def test_the_jacobian_is_that_of_displaced_starts(kind, n):
-    table, step = TABLES[0], Fraction(1, 2**60)
+    table = TABLES[0]
+    step = Fraction(1, 2**60)
     with precision(256):
         found = np.array(
             [[float(x) for x in row] for row in of(kind, table).jacobian(Fraction(n)).table()]
@@ -191,7 +192,8 @@ def test_chaos_ends_with_the_bits_and_says_so():
 @pytest.mark.parametrize("direction", ["1,0", "0,1", "0,-1"])
 def test_paths_along_an_axis_go_to_and_fro(direction):
     truth = truth_of("billiards", start="1/4,0", direction=direction)
-    odd, even = truth.at(Fraction(101)), truth.at(Fraction(102))
+    odd = truth.at(Fraction(101))
+    even = truth.at(Fraction(102))
     assert all(
         abs(odd[f"direction.{a}"].mid + even[f"direction.{a}"].mid) < Fraction(1, 10**30)
         for a in "xy"

@@ -85,7 +85,8 @@ def test_the_equation_is_never_chaotic_and_ends_at_one():
 def test_sensitivity_at_eta_4_is_that_of_the_conjugacy():
     truth = truth_of("logistic", eta="4", x0="1/3")
     for n in (1, 10, 40):
-        x, start = float(truth.at(Fraction(n))["x_n"].mid), 1 / 3
+        x = float(truth.at(Fraction(n))["x_n"].mid)
+        start = 1 / 3
         assert truth.sensitivity(Fraction(n)) >= 2**n * (
             x * (1 - x) / (start * (1 - start))
         ) ** 0.5 * (1 - 1e-9)

@@ -73,7 +73,8 @@ def slopes_hold(paths):
     ):
         with precision(256):
             column = [row[0] for row in truth.jacobian(Fraction(3)).table()]
-        before, after = truth.at(Fraction(3)), moved.at(Fraction(3))
+        before = truth.at(Fraction(3))
+        after = moved.at(Fraction(3))
         for entry, name in zip(column, before, strict=True):
             assert (
                 abs(
@@ -116,11 +117,9 @@ def half_a_reflection(self, state):
 
 def wall_everywhere(self, state):
     kind, side = SOUND["stadium.piece"](self, state)
-    return (
-        (WALL, 1 if state.direction[1] > 0 else -1)
-        if kind == ARC and abs(state.place[0]) < 1
-        else (kind, side)
-    )
+    if kind == ARC and abs(state.place[0]) < 1:
+        return (WALL, 1 if state.direction[1] > 0 else -1)
+    return (kind, side)
 
 
 def nearest_piece_of_midpoints(self, state):
@@ -132,10 +131,14 @@ def nearest_piece_of_midpoints(self, state):
 
 
 def first_root(self, state, piece):
-    (x, y), (u, v) = state.place, state.direction
+    (x, y) = state.place
+    (u, v) = state.direction
     q = x - piece[1] * arb_of(self.half)
-    b, c = q * u + y * v, q * q + y * y - arb_of(self.radius) ** 2
-    return -b - (b * b - c).sqrt() if state.piece != piece else -2 * b
+    b = q * u + y * v
+    c = q * q + y * y - arb_of(self.radius) ** 2
+    if state.piece != piece:
+        return -b - (b * b - c).sqrt()
+    return -2 * b
 
 
 def flat_mirror(self, state, after):

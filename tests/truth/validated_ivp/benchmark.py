@@ -22,7 +22,8 @@ from refdem.truth.balls import arb_of
 from refdem.truth.validated_ivp import enclosure, recurrences
 from refdem.truth.validated_ivp.integration import Integration, Steps
 
-BITS, ROUNDS = 300, 3
+BITS = 300
+ROUNDS = 3
 
 
 def body(y):
@@ -65,7 +66,8 @@ def picard_radius():
 def naive():
     """No blocks, no search."""
     before = recurrences.BLOCK, enclosure.FACTORS
-    recurrences.BLOCK, enclosure.FACTORS = 10**9, ()
+    recurrences.BLOCK = 10**9
+    enclosure.FACTORS = ()
     try:
         begun = Integration(
             body, lambda: [arb_of(x) for x in START], BITS, Steps(ratio=Fraction(1, 8))
@@ -87,7 +89,8 @@ def seconds(t, steps):
 
 def main(t):
     """Prints both and their ratio."""
-    quick, slow = [], []
+    quick = []
+    slow = []
     for _ in range(ROUNDS):
         quick.append(seconds(t, Steps()))
         with naive() as steps:

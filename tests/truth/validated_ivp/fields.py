@@ -78,7 +78,8 @@ def double_pendulum(y):
 
 def rigid_body(y):
     """Euler's equations for inertia 1, 2, 3 and q' = q omega/2."""
-    (a, b, c), (w, x, y_, z) = y[:3], y[3:]
+    (a, b, c) = y[:3]
+    (w, x, y_, z) = y[3:]
     half = Fraction(1, 2)
     turning = [
         -(x * a + y_ * b + z * c),

@@ -17,7 +17,10 @@ from refdem.truth.balls import arb_of, precision
 
 def run(ivp, field, start, *, bits=200, ratio="1/6", order=None, jacobian_order=None):
     """An integration from exact numbers, or from balls."""
-    begin = partial(exact, start) if not isinstance(start[0], arb) else lambda: start
+    if not isinstance(start[0], arb):
+        begin = partial(exact, start)
+    else:
+        begin = lambda: start
     return ivp.integration.Integration(
         field, begin, bits, ivp.integration.Steps(Fraction(ratio), order, jacobian_order)
     )
@@ -200,7 +203,8 @@ def derivatives_and_series_are_exact(ivp):
             2,
         )
         found = ivp.field.Program([entry for row in rows for entry in row]).run(exact([2, 3]))
-        two, three = arb(2), arb(3)
+        two = arb(2)
+        three = arb(3)
         true = [three - 1 / three, two + two / 9, two.cos() * three.cos(), -two.sin() * three.sin()]
         true += [1 / (2 * two.sqrt()) + 3 * arb(6).exp(), 2 * arb(6).exp()]
         assert all(a.overlaps(b) for a, b in zip(found, true, strict=True))
@@ -217,7 +221,8 @@ def long_series_are_those_of_closed_forms(ivp):
         lambda a: a * a.sqrt(),
         lambda a: a.cos(),
     ]
-    starts, order = [1, 0, 1, 1, 0], 150
+    starts = [1, 0, 1, 1, 0]
+    order = 150
     whole, _ = programs(
         ivp,
         lambda y: [*(rule(a) for rule, a in zip(rules, y, strict=False)), y[4].sin(), y[0] * y[6]],
@@ -229,7 +234,8 @@ def long_series_are_those_of_closed_forms(ivp):
     with precision(400):
         ctx.cap = order + 1
         t = arb_series([0, 1], prec=order + 1)
-        rise, fall = t.exp(), (-t).exp()
+        rise = t.exp()
+        fall = (-t).exp()
         true = [1 / (1 - t), -(1 - t).log(), (1 + 2 * t).sqrt(), 1 / (1 - t / 2) / (1 - t / 2)]
         true += [
             (2 / (rise + fall)).integral(),

@@ -71,7 +71,8 @@ def test_a_kepler_orbit_satisfies_keplers_equation_and_closes():
 
 def test_a_free_rigid_body_is_that_of_the_theta_functions():
     start = [Fraction(9, 10), Fraction(11, 10), Fraction(13, 10)]
-    inertia, unit = tuple(map(Fraction, (1, 2, 3))), tuple(map(Fraction, (1, 0, 0, 0)))
+    inertia = tuple(map(Fraction, (1, 2, 3)))
+    unit = tuple(map(Fraction, (1, 0, 0, 0)))
     truth = (
         FreeRigidBody(inertia, tuple(start), unit, {**dict.fromkeys(SPINS, 2.0), "attitude.w": 0.5})
         .refined(60)
@@ -102,7 +103,8 @@ def forces(name, y):
     if name == "Kapitza":
         return [y[1], y[0].sin() * (1 + 2 * (8 * y[2]).cos()), arb(1)]
     a, b, u, v = y
-    sine, cosine = (a - b).sin(), (a - b).cos()
+    sine = (a - b).sin()
+    cosine = (a - b).cos()
     force = -v * v * sine - 2 * a.sin(), u * u * sine - b.sin()
     determinant = 2 - cosine * cosine
     return [
@@ -120,7 +122,8 @@ def extrapolated(name, start, t, columns):
     table = []
     for k in range(1, columns + 1):
         h = t / (2 * k)
-        before, now = start, [a + h * b for a, b in zip(start, forces(name, start), strict=True)]
+        before = start
+        now = [a + h * b for a, b in zip(start, forces(name, start), strict=True)]
         for _ in range(2 * k - 1):
             before, now = (
                 now,

@@ -60,7 +60,8 @@ def test_a_pendulum_and_its_growth_are_those_of_the_elliptic_functions():
     scale = {"x": float(closed.scale["theta"]), "v": float(closed.scale["thetadot"])}
     truth = flow(pendulum, [Fraction(3), Fraction(1)], lambda y: {"x": y[0], "v": y[1]}, scale)
     times = [Fraction(0), Fraction(5, 4), Fraction(4)]
-    ball, other = truth.at(times[-1])["v"], closed.at(times[-1])["thetadot"]
+    ball = truth.at(times[-1])["v"]
+    other = closed.at(times[-1])["thetadot"]
     assert abs(ball.mid - other.mid) <= ball.radius + other.radius
     displaced = (
         truth.displaced(1, Fraction(1, 10**20)).at(times[-1])["x"].mid

@@ -13,8 +13,11 @@ class Recorded(DEMAnalysisStage):
     def __init__(self, settings, bodies, times, stride):
         kratos.ParallelUtilities.SetNumThreads(1)
         super().__init__(kratos.Model(), kratos.Parameters(settings))
-        self.bodies, self.times, self.stride = bodies, times, stride
-        self.steps, self.rows = 0, []
+        self.bodies = bodies
+        self.times = times
+        self.stride = stride
+        self.steps = 0
+        self.rows = []
 
     def Initialize(self):  # noqa: N802
         """Kratos reads no velocities from nodes that it has not made yet."""

@@ -29,7 +29,10 @@ def poisson(law):
     """Poisson's ratio, from which Kratos has the tangential stiffness: k_t/k = 2 (1 - nu)/(2 -
     nu).
     """
-    ratio = law["tangential_stiffness"] / law["stiffness"] if law and law["friction"] > 0 else 1.0
+    if law and law["friction"] > 0:
+        ratio = law["tangential_stiffness"] / law["stiffness"]
+    else:
+        ratio = 1.0
     return (2 - 2 * ratio) / (2 - ratio)
 
 
@@ -37,13 +40,17 @@ def materials(bodies, law):
     """The materials file: a material for each sphere, its density its own; all have the Young's
     modulus that the only pair needs.
     """
-    radii, numbers = [body["shape"]["radius"] for body in bodies], range(1, len(bodies) + 1)
-    nu, friction = poisson(law), law["friction"] if law else 0.0
-    young = (
-        2 * (1 - nu**2) * law["stiffness"] * sum(1 / radius for radius in radii) / STIFFNESS
-        if law
-        else 1.0
-    )
+    radii = [body["shape"]["radius"] for body in bodies]
+    numbers = range(1, len(bodies) + 1)
+    nu = poisson(law)
+    if law:
+        friction = law["friction"]
+    else:
+        friction = 0.0
+    if law:
+        young = 2 * (1 - nu**2) * law["stiffness"] * sum(1 / radius for radius in radii) / STIFFNESS
+    else:
+        young = 1.0
     density = [
         body["mass"] / (4 / 3 * math.pi * radius**3)
         for body, radius in zip(bodies, radii, strict=True)
@@ -127,15 +134,15 @@ def settings(request, step, steps):
 def main(request_json, trajectory):
     """From request to trajectory."""
     request, step, stride = border.read(request_json)
-    bodies, times, law = request["scene"]["bodies"], request["times"], border.contact_law(request)
+    bodies = request["scene"]["bodies"]
+    times = request["times"]
+    law = border.contact_law(request)
     border.refuse_shapes(request)
     border.refuse_kinds(request, "contact", "uniform_gravity")
     cannot(any(body["shape"]["kind"] != "sphere" for body in bodies), "points")
     cannot(law and law["damping"] > 0, "damping as a number of the law: it comes from restitution")
-    rubs, few = (
-        law and law["friction"] > 0,
-        "a tangential stiffness outside 2/3 to 1 of the normal one: it comes from Poisson's ratio",
-    )
+    rubs = law and law["friction"] > 0
+    few = "a tangential stiffness outside 2/3 to 1 of the normal one: it comes from Poisson's ratio"
     cannot(rubs and not 2 / 3 < law["tangential_stiffness"] / law["stiffness"] <= 1, few)
     cannot(rubs and law["branch"] != "R-d/2", "a branch other than R - d/2")
     cannot(law and len(bodies) > 2, "one stiffness for pairs of several radii")

@@ -36,7 +36,10 @@ def data(kind, atoms, speeds):
         + "\n".join(atoms)
         + ("\n\nVelocities\n\n" + "\n".join(speeds) if speeds else "")
     )
-    masses = "" if speeds else "Masses\n\n1 1.0\n\n"
+    if speeds:
+        masses = ""
+    else:
+        masses = "Masses\n\n1 1.0\n\n"
     Path("data.lammps").write_text(
         f"refdem\n\n{len(atoms)} atoms\n1 atom types\n{sides}\n{masses}{parts}\n"
     )
@@ -72,7 +75,8 @@ def rigid(request, fix):
     replace.
     """
     border.refuse_kinds(request)
-    bodies, rows = request["scene"]["bodies"], []
+    bodies = request["scene"]["bodies"]
+    rows = []
     cannot(
         any(body["shape"]["kind"] != "point" or not all(body["inertia"]) for body in bodies),
         "bodies without a moment of inertia, or that touch",
@@ -120,14 +124,15 @@ def said(lmp, *arguments):
 def main(lmp, request_json, trajectory):
     """From request to trajectory."""
     request, step, stride = border.read(request_json)
-    bodies, times, (pair, fix) = (
-        request["scene"]["bodies"],
-        request["times"],
-        METHODS[request["method"]],
-    )
+    bodies = request["scene"]["bodies"]
+    times = request["times"]
+    (pair, fix) = METHODS[request["method"]]
     turning = any(body["shape"]["kind"] == "point" and any(body["inertia"]) for body in bodies)
     script = [*(rigid(request, fix) if turning else spheres(request, pair))]
-    columns = " ".join(f"c_body[{k}]" for k in range(1, 15)) if turning else ATOM
+    if turning:
+        columns = " ".join(f"c_body[{k}]" for k in range(1, 15))
+    else:
+        columns = ATOM
     dump = (
         f"dump d all {'local' if turning else 'custom'} {stride} dump.lammps {columns}\ndump_modify"
         " d format float %.17g"
@@ -154,17 +159,19 @@ def rows(bodies, times, turning):
     table = [
         sorted([float(x) for x in line.split()] for line in frame[8:] if line) for frame in frames
     ]
-    first = (
-        [
+    if turning:
+        first = [
             border.product(border.conjugate(state[10:]), body["attitude"])
             for state, body in zip(table[0], bodies, strict=True)
         ]
-        if turning
-        else []
-    )
+    else:
+        first = []
     for t, states in zip(times, table, strict=True):
         for n, (body, state) in enumerate(zip(bodies, states, strict=True)):
-            attitude = border.product(state[10:], first[n]) if turning else body["attitude"]
+            if turning:
+                attitude = border.product(state[10:], first[n])
+            else:
+                attitude = body["attitude"]
             yield t, n, state[1:4], state[4:7], attitude, state[7:10]
 
 

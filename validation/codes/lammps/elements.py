@@ -51,7 +51,8 @@ def law(c, method, masses, planes):
 
 def contact(request, method):
     """Pair style and walls."""
-    planes, found = border.of_kind(request, "plane"), border.contact_law(request)
+    planes = border.of_kind(request, "plane")
+    found = border.contact_law(request)
     if found is None:
         cannot(planes, "planes without a contact law")
         cannot(method == "granular", "nothing can touch: this is the same as gran")

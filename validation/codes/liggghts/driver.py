@@ -51,12 +51,14 @@ def data(bodies):
 
 def contact(request):
     """Pair style and walls: `model hooke/stiffness`, no tangential damping."""
-    planes, law = border.of_kind(request, "plane"), border.contact_law(request)
+    planes = border.of_kind(request, "plane")
+    law = border.contact_law(request)
     if law is None:
         cannot(planes, "planes without a contact law")
         yield "pair_style none"
         return
-    rubs, pulls = law["friction"] > 0, law["damping"] > 0 and law["cutoff"] == "zero_overlap"
+    rubs = law["friction"] > 0
+    pulls = law["damping"] > 0 and law["cutoff"] == "zero_overlap"
     cannot(
         rubs and law["tangential_stiffness"] == 0,
         "friction of full size at any slip: it goes through a tangential spring",
@@ -111,7 +113,8 @@ def main(program, request_json, trajectory):
     request, step, stride = border.read(request_json)
     border.refuse_shapes(request)
     border.refuse_kinds(request, "contact", "plane", "uniform_gravity", "spring")
-    bodies, times = request["scene"]["bodies"], request["times"]
+    bodies = request["scene"]["bodies"]
+    times = request["times"]
     Path("data.liggghts").write_text(data(bodies))
     script = [
         START,

@@ -44,7 +44,8 @@ def material(law, radius):
     if law is None:
         return y.FrictMat()
     numbers = [law[name] for name in ("stiffness", "tangential_stiffness", "damping")]
-    angle, (kn, ks, cn) = math.atan(law["friction"]), numbers
+    angle = math.atan(law["friction"])
+    (kn, ks, cn) = numbers
     if cn == 0:
         return y.FrictMat(
             young=kn / radius, poisson=ks / kn or 1.0, frictionAngle=angle
@@ -57,7 +58,8 @@ def place(request, law):
     for body in request["scene"]["bodies"]:
         radius = body["shape"].get("radius", 1.0)
         sphere = utils.sphere(body["position"], radius, material=material(law, radius))
-        sphere.state.mass, sphere.state.inertia = body["mass"], body["inertia"]
+        sphere.state.mass = body["mass"]
+        sphere.state.inertia = body["inertia"]
         sphere.state.vel, sphere.state.angVel, sphere.state.ori = (
             body["velocity"],
             body["omega"],
@@ -73,10 +75,8 @@ def place(request, law):
 
 def place_planes(request, law):
     """Puts the planes into YADE."""
-    planes, radii = (
-        border.of_kind(request, "plane"),
-        {body["shape"].get("radius") for body in request["scene"]["bodies"]},
-    )
+    planes = border.of_kind(request, "plane")
+    radii = {body["shape"].get("radius") for body in request["scene"]["bodies"]}
     cannot(
         planes and (law is None or law["friction"] > 0 or len(radii) > 1),
         "planes but with spheres of one radius that do not rub",
@@ -94,7 +94,8 @@ def record(stride):
     for n, state in enumerate(
         body.state for body in RUN.bodies if isinstance(body.shape, y.Sphere)
     ):
-        x, q = state.pos, state.ori
+        x = state.pos
+        q = state.ori
         ROWS.append(
             (RUN.iter // stride, n, [*x], [*state.vel], (q[3], q[0], q[1], q[2]), [*state.angVel])
         )
@@ -104,7 +105,9 @@ def main(request_json, trajectory):
     """From request to trajectory."""
     request, step, stride = border.read(request_json)
     border.refuse_kinds(request, "contact", "plane", "uniform_gravity")
-    bodies, times, law = request["scene"]["bodies"], request["times"], border.contact_law(request)
+    bodies = request["scene"]["bodies"]
+    times = request["times"]
+    law = border.contact_law(request)
     if law:
         refuse(law, bodies)
     place(request, law)

@@ -98,10 +98,8 @@ class ContactPath(ClosedForm):
         self.path = path
 
     def displaced(self, axis: int, amount: Fraction) -> Self:
-        other, start = (
-            copy(self),
-            tuple(x + amount * (i == axis) for i, x in enumerate(self.path.start)),
-        )
+        other = copy(self)
+        start = tuple(x + amount * (i == axis) for i, x in enumerate(self.path.start))
         other.kept = {}
         other.path = Passing(**{**vars(self.path), "start": start})
         return other
@@ -111,13 +109,13 @@ class ContactPath(ClosedForm):
         """Of the path: b, x at the start, V along x, and the coefficients g, a, e of the slip's
         way.
         """
-        p, (x, y, u, v) = self.path, [arb_of(value) for value in self.path.start]
+        p = self.path
+        (x, y, u, v) = [arb_of(value) for value in self.path.start]
         speed = (u * u + v * v).sqrt()
-        along, off = (x * u + y * v) / speed, (y * u - x * v) / speed
-        base, steep = (
-            arb_of(p.spin * (p.radii[1] - p.lever * sum(p.radii))) / speed,
-            arb_of(p.spin * p.lever) / (2 * speed),
-        )
+        along = (x * u + y * v) / speed
+        off = (y * u - x * v) / speed
+        base = arb_of(p.spin * (p.radii[1] - p.lever * sum(p.radii))) / speed
+        steep = arb_of(p.spin * p.lever) / (2 * speed)
         return {
             "b": off,
             "x": along,
@@ -150,14 +148,16 @@ class ContactPath(ClosedForm):
 
     def limit(self, x: arb, order: int) -> arb:
         """mu k d / k_t and its derivatives by x."""
-        at, p = self.place(x), self.path
+        at = self.place(x)
+        p = self.path
         size = arb_of(p.friction * p.stiffness / p.tangential_stiffness)
         distance = at.distance
         return size * (self.reach - distance, -at.x / distance, -at.b * at.b / distance**3)[order]
 
     def slip(self, x: arb, order: int) -> arb:
         """Derivatives of sigma by x, from the first on."""
-        at, n = self.place(x), self.numbers()
+        at = self.place(x)
+        n = self.numbers()
         distance = at.distance
         return (
             at.b / distance + n["a"] + 2 * n["e"] * distance,
@@ -166,7 +166,10 @@ class ContactPath(ClosedForm):
 
     def spared(self, piece: Piece, side: int, order: int, x: arb) -> arb:
         """A derivative by x of what the spring has left towards a side."""
-        held = piece.constant + self.way(self.place(x)) if order == 0 else self.slip(x, order - 1)
+        if order == 0:
+            held = piece.constant + self.way(self.place(x))
+        else:
+            held = self.slip(x, order - 1)
         return self.limit(x, order) - side * held
 
     def surplus(self, side: int, order: int, x: arb) -> arb:
@@ -176,11 +179,15 @@ class ContactPath(ClosedForm):
     @per_precision
     def pieces(self) -> list[Piece]:
         """Every piece from touch on."""
-        x, end = -self.ends(), self.ends()
+        x = -self.ends()
+        end = self.ends()
         slip = self.slip(x, 0)
         if not (slip > 0 or slip < 0):
             raise UndecidedError("the direction of the slip at touch")
-        side = 1 if slip > 0 else -1
+        if slip > 0:
+            side = 1
+        else:
+            side = -1
         first = self.surplus(side, 0, x)
         if not (first > 0 or first < 0):
             raise UndecidedError("whether it slides from touch on")
@@ -192,7 +199,10 @@ class ContactPath(ClosedForm):
             if after is None:
                 return found
             found.append(after)
-            touching = {last.side: 2} if not after.side else {}
+            if not after.side:
+                touching = {last.side: 2}
+            else:
+                touching = {}
         raise SwitchError("end", "the contact has more pieces than are followed", 0.0)
 
     def after(self, last: Piece, touching: Mapping[int, int], end: arb) -> Piece | None:
@@ -213,21 +223,37 @@ class ContactPath(ClosedForm):
             ]
             guards.append(Watched(str(side), spare, order))
         found = earliest(guards, last.begin, end)
-        return None if found is None else Piece(found[1], int(found[0]), arb(0))
+        if found is None:
+            return None
+        return Piece(found[1], int(found[0]), arb(0))
 
     def given(self, piece: Piece, x: arb) -> list[arb]:
         """Antiderivatives by x of the force's parts along x and y and of the torque on body 1."""
-        p, n, at = self.path, self.numbers(), self.place(x)
-        b, d, angle, area, reach = at.b, at.distance, at.angle, at.area, self.reach
-        k, kt = arb_of(p.stiffness), arb_of(p.tangential_stiffness)
+        p = self.path
+        n = self.numbers()
+        at = self.place(x)
+        b = at.b
+        d = at.distance
+        angle = at.angle
+        area = at.area
+        reach = self.reach
+        k = arb_of(p.stiffness)
+        kt = arb_of(p.tangential_stiffness)
         pressed = reach * d - x * x / 2, b * (reach * angle - x)
-        lever, more = arb_of(p.radii[0] - p.lever * sum(p.radii)), arb_of(p.lever)
+        lever = arb_of(p.radii[0] - p.lever * sum(p.radii))
+        more = arb_of(p.lever)
         if piece.side:
             rub = -piece.side * arb_of(p.friction) * k
-            by_b, by_x = pressed[1], pressed[0]
-            whole, spread = reach * x - area, reach * area - (x**3 / 3 + b * b * x)
+            by_b = pressed[1]
+            by_x = pressed[0]
+            whole = reach * x - area
+            spread = reach * area - (x**3 / 3 + b * b * x)
         else:
-            rub, c, g, a, e = -kt, piece.constant, n["g"], n["a"], n["e"]
+            rub = -kt
+            c = piece.constant
+            g = n["g"]
+            a = n["a"]
+            e = n["e"]
             by_b = b * (c * angle + g * angle * angle / 2 + a * d + e * x * x / 2)
             by_x = c * d + g * (d * angle - x) + a * (x * d - b * b * angle) / 2 + e * x**3 / 3
             whole = c * x + g * (x * angle - d) + a * x * x / 2 + e * d**3 / 3
@@ -240,13 +266,21 @@ class ContactPath(ClosedForm):
         ]
 
     def evaluate(self, t: arb) -> dict[str, arb]:
-        n, p = self.numbers(), self.path
-        x, total = n["x"] + n["V"] * t, [arb(0)] * 3
-        pieces = self.pieces() if x > -self.ends() else []
+        n = self.numbers()
+        p = self.path
+        x = n["x"] + n["V"] * t
+        total = [arb(0)] * 3
+        if x > -self.ends():
+            pieces = self.pieces()
+        else:
+            pieces = []
         if not pieces and not x <= -self.ends():
             raise UndecidedError("whether they touch yet")
         for number, piece in enumerate(pieces):
-            stop = pieces[number + 1].begin if number + 1 < len(pieces) else self.ends()
+            if number + 1 < len(pieces):
+                stop = pieces[number + 1].begin
+            else:
+                stop = self.ends()
             if x <= piece.begin:
                 break
             if not x > piece.begin or not (x <= stop or x > stop):

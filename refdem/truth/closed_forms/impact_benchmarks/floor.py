@@ -78,7 +78,8 @@ class Bounce(OnFloor):
     ) -> None:
         self.floor = floor
         self.until = time_of_bounces(floor, height, restitution, bounces)
-        start, radius = (height - floor.radius, Fraction(0), Fraction(0)), floor.radius
+        start = (height - floor.radius, Fraction(0), Fraction(0))
+        radius = floor.radius
         super().__init__(
             self.modes_of(floor),
             start,
@@ -92,7 +93,9 @@ class Bounce(OnFloor):
     @staticmethod
     def modes_of(floor: Floor) -> dict[str, Mode]:
         """Flight and contact."""
-        k, c, g = floor.stiffness / floor.mass, floor.damping / floor.mass, floor.gravity
+        k = floor.stiffness / floor.mass
+        c = floor.damping / floor.mass
+        g = floor.gravity
         land = Guard("land", lambda y: y[0], lambda y: Entry("press", on_floor, {"part": 1}))
         part = Guard("part", lambda y: -y[0], lambda y: Entry("fly", on_floor, {"land": 1}))
         return {
@@ -164,7 +167,8 @@ class Stack(OnFloor):
         ceiling: Fraction,
         starts: Sequence[Fraction],
     ) -> None:
-        zero, radius = Fraction(0), floor.radius
+        zero = Fraction(0)
+        radius = floor.radius
 
         def overlaps(y: Sequence[Any]) -> list[Any]:
             return [radius - y[0], 2 * radius - (y[2] - y[0]), y[2] + radius - ceiling]

@@ -53,7 +53,10 @@ class HertzWallImpact(SmoothFlow):
         spin: Fraction,
     ) -> None:
         super().__init__(scale)
-        self.mass, self.radius, self.stiffness, self.friction = mass, radius, stiffness, friction
+        self.mass = mass
+        self.radius = radius
+        self.stiffness = stiffness
+        self.friction = friction
         self.begin: tuple[Number, ...] = (-radius, Fraction(0), normal, across, spin)
 
     def displaced(self, axis: int, amount: Fraction) -> Self:
@@ -139,15 +142,20 @@ class HertzWallImpact(SmoothFlow):
         motion, y, v_y and omega.
         """
         _, touch = self.contact()
-        stiffness, power = arb_of(self.stiffness / self.mass), arb_of(Fraction(2) / (HERTZ + 1))
+        stiffness = arb_of(self.stiffness / self.mass)
+        power = arb_of(Fraction(2) / (HERTZ + 1))
         side = (self.slip() > 0) - (self.slip() < 0)
         push = arb_of(self.friction * side * rubs)
         turn = push * arb_of(Fraction(5, 2) / self.radius)
-        none, one = arb(0), arb(1)
+        none = arb(0)
+        one = arb(1)
 
         def found(t: arb) -> arb_mat:
             depth, rate = self.normal_at(t)
-            force = -stiffness * depth * depth.sqrt() if depth > 0 else none
+            if depth > 0:
+                force = -stiffness * depth * depth.sqrt()
+            else:
+                force = none
             (x1, x2), (v1, v2) = homogeneous(depth, rate, force, t - touch, power, one).table()
             rows = [
                 [x1, x2, none, none, none],
@@ -215,7 +223,9 @@ class HertzWallImpact(SmoothFlow):
     def slip_size(self) -> Number:
         """|v_y + R omega| at the start."""
         slip = self.slip()
-        return -slip if slip < 0 else slip
+        if slip < 0:
+            return -slip
+        return slip
 
     def normal(self, t: arb) -> tuple[arb, arb]:
         """Overlap (negative while apart) and its rate."""
@@ -226,7 +236,9 @@ class HertzWallImpact(SmoothFlow):
                 self.begin[2]
             )
         after = since - 2 * contact.half
-        return (-contact.speed * after, -contact.speed) if after >= 0 else contact.state(since)
+        if after >= 0:
+            return (-contact.speed * after, -contact.speed)
+        return contact.state(since)
 
     @per_precision
     def stop(self) -> tuple[arb, arb] | None:
@@ -249,13 +261,17 @@ class HertzWallImpact(SmoothFlow):
         x, y, vx, vy, spin = (arb_of(value) for value in self.begin)
         depth, rate = self.normal(t)
         side = (self.slip() > 0) - (self.slip() < 0)
-        push, end = arb_of(self.friction * side), self.stop()
+        push = arb_of(self.friction * side)
+        end = self.stop()
         if end is not None and not (t < end[1] or t > end[1]):
             raise UndecidedError("whether it slips still")
-        way, impulse, rest = vx * t - (depth - (x + arb_of(self.radius))), vx - rate, arb(0)
+        way = vx * t - (depth - (x + arb_of(self.radius)))
+        impulse = vx - rate
+        rest = arb(0)
         if end is not None and t > end[1]:
             impulse = arb_of(Fraction(2, 7) * self.slip_size() / self.friction)
-            way, rest = vx * end[1] - (end[0] - (x + arb_of(self.radius))), impulse * (t - end[1])
+            way = vx * end[1] - (end[0] - (x + arb_of(self.radius)))
+            rest = impulse * (t - end[1])
         now = (
             depth - arb_of(self.radius),
             y + vy * t - push * (way + rest),
@@ -270,7 +286,8 @@ class HertzWallImpact(SmoothFlow):
 
     def constants(self) -> dict[str, arb]:
         contact, touch = self.contact()
-        deepest, last = contact.depth, self.evaluate(touch + 3 * contact.half)
+        deepest = contact.depth
+        last = self.evaluate(touch + 3 * contact.half)
         return {
             "duration": 2 * contact.half,
             "max_overlap": deepest,

@@ -114,8 +114,10 @@ class MindlinWallImpact(HertzWallImpact):
         """Every phase of the contact, with the slip at the start counted as positive."""
         contact, _ = self.contact()
         spring = MindlinSpring(contact, self.stiffness_ratio)
-        begin, slip = self.begin[0] + self.radius, arb_of(self.slip_size())
-        nothing, touch = arb(0), (arb_of(begin) if begin > 0 else arb(0)) / contact.depth
+        begin = self.begin[0] + self.radius
+        slip = arb_of(self.slip_size())
+        nothing = arb(0)
+        touch = (arb_of(begin) if begin > 0 else arb(0)) / contact.depth
         rate = spring.place(INWARD, touch)[1] * contact.speed
         slides = slip > self.slack() * rate
         if not slides and not slip < self.slack() * rate:
@@ -124,18 +126,22 @@ class MindlinWallImpact(HertzWallImpact):
         if not slides:
             motion = started(spring, INWARD, touch, nothing, slip)
         found = [Phase(spring.time(INWARD, touch), nothing, nothing, motion)]
-        x, at_limit = touch, 1 if not slides and begin <= 0 else 0
+        x = touch
+        if not slides and begin <= 0:
+            at_limit = 1
+        else:
+            at_limit = 0
         while len(found) < MOST:
             last = found[-1]
-            after = (
-                self.caught(last)
-                if isinstance(last.motion, Sliding)
-                else self.left(last, x, at_limit)
-            )
+            if isinstance(last.motion, Sliding):
+                after = self.caught(last)
+            else:
+                after = self.left(last, x, at_limit)
             if after is None:
                 return found
             found.append(after[0])
-            x, at_limit = after[1], after[2]
+            x = after[1]
+            at_limit = after[2]
         raise SwitchError("end", "the contact has more phases than are followed", 0.0)
 
     def slack(self) -> arb:
@@ -149,14 +155,17 @@ class MindlinWallImpact(HertzWallImpact):
     def caught(self, last: Phase) -> tuple[Phase, arb, int] | None:
         """The stick after a slide, where it begins, and to which order it is at its limit there."""
         assert isinstance(last.motion, Sliding)
-        spring, side, place = last.motion.spring, last.motion.side, last.motion.caught(self.slack())
+        spring = last.motion.spring
+        side = last.motion.side
+        place = last.motion.caught(self.slack())
         if place is None:
             return None
         leg, x = place
         overlap = spring.overlap(leg, x)[0]
         stretch = side * self.slack() * overlap
         rate = side * self.slack() * spring.contact.speed * spring.place(leg, x)[1]
-        begin, way = spring.time(leg, x), last.now(leg, x, spring)[1]
+        begin = spring.time(leg, x)
+        way = last.now(leg, x, spring)[1]
         return Phase(begin, way, stretch, started(spring, leg, x, stretch, rate)), x, 2 * side
 
     def left(self, last: Phase, x: arb, at_limit: int) -> tuple[Phase, arb, int] | None:
@@ -166,7 +175,8 @@ class MindlinWallImpact(HertzWallImpact):
         """
         motion = last.motion
         assert isinstance(motion, Stretched)
-        spring, end = motion.spring, motion.spring.ends(motion.leg)[1]
+        spring = motion.spring
+        end = motion.spring.ends(motion.leg)[1]
         if not self.slip():
             return None
         guards = [self.guard(motion, side, x, at_limit) for side in (1, -1)]
@@ -175,10 +185,16 @@ class MindlinWallImpact(HertzWallImpact):
             if motion.leg == OUTWARD:
                 raise UndecidedError("where the spring slips before the contact ends")
             far = motion.beyond()
-            begin, way = spring.time(motion.leg, end), last.now(motion.leg, end, spring)[1]
+            begin = spring.time(motion.leg, end)
+            way = last.now(motion.leg, end, spring)[1]
             return Phase(begin, way, motion.at(end)[0], far), spring.ends(far.leg)[0], 0
-        side, where = (1 if found[0] == "1" else -1), found[1]
-        begin, (slip, way) = spring.time(motion.leg, where), last.now(motion.leg, where, spring)
+        if found[0] == "1":
+            side = 1
+        else:
+            side = -1
+        where = found[1]
+        begin = spring.time(motion.leg, where)
+        (slip, way) = last.now(motion.leg, where, spring)
         slide = self.sliding(spring, side, motion.leg, where, slip)
         return (
             Phase(begin, way, side * self.slack() * spring.overlap(motion.leg, where)[0], slide),
@@ -190,7 +206,12 @@ class MindlinWallImpact(HertzWallImpact):
         """g d - side s; zero at the begin where both are (at touch, to the first order), or that
         side's is (caught, to the second).
         """
-        touching = 1 if at_limit == 1 else 2 if at_limit == 2 * side else 0
+        if at_limit == 1:
+            touching = 1
+        elif at_limit == 2 * side:
+            touching = 2
+        else:
+            touching = 0
         rates: list[Along] = [partial(self.spared, motion, side, order) for order in range(3)]
         return Watched(str(side), rates[: max(2, touching + 1)], touching)
 
@@ -203,15 +224,22 @@ class MindlinWallImpact(HertzWallImpact):
     def across(self, t: arb) -> tuple[arb, arb]:
         """Slip and its way since the start at t, with the slip at the start counted as positive."""
         contact, touch = self.contact()
-        since, slip = t - touch, arb_of(self.slip_size())
-        first = touch if touch > 0 else arb(0)
+        since = t - touch
+        slip = arb_of(self.slip_size())
+        if touch > 0:
+            first = touch
+        else:
+            first = arb(0)
         if not since > self.phases()[0].begin:
             return slip, slip * t
         if since < 2 * contact.half:
             depth, rate = contact.state(since)
             phase = self.phase(since)
             spring = phase.motion.spring
-            leg = phase.motion.leg if isinstance(phase.motion, Stretched) else None
+            if isinstance(phase.motion, Stretched):
+                leg = phase.motion.leg
+            else:
+                leg = None
             leg, x = self.coordinate(spring, leg, depth / contact.depth, rate / contact.speed)
             now, way = phase.now(leg, x, spring)
             return now, slip * first + way
@@ -244,9 +272,11 @@ class MindlinWallImpact(HertzWallImpact):
     def evaluate(self, t: arb) -> dict[str, arb]:
         _, y, _, vy, spin = (arb_of(value) for value in self.begin)
         depth, rate = self.normal(t)
-        side, radius = (self.slip() > 0) - (self.slip() < 0), arb_of(self.radius)
+        side = (self.slip() > 0) - (self.slip() < 0)
+        radius = arb_of(self.radius)
         slip, way = self.across(t)
-        kept, part = vy - arb_of(Fraction(2, 5)) * radius * spin, arb_of(Fraction(2, 7))
+        kept = vy - arb_of(Fraction(2, 5)) * radius * spin
+        part = arb_of(Fraction(2, 7))
         along = (side * slip * part) + kept * (1 - part)
         now = (
             depth - radius,

@@ -44,13 +44,11 @@ class SlideToRoll(ClosedForm):
         speed: Fraction,
     ) -> None:
         super().__init__(scale)
-        self.radius, self.gravity, self.friction, self.rate2, self.speed = (
-            radius,
-            gravity,
-            friction,
-            stiffness / mass,
-            speed,
-        )
+        self.radius = radius
+        self.gravity = gravity
+        self.friction = friction
+        self.rate2 = stiffness / mass
+        self.speed = speed
         self.sag = gravity / self.rate2
         self.begin = (Fraction(0), Fraction(0), speed, Fraction(0), Fraction(0))
         """x, how far the centre is above its place of rest, their rates, and the spin."""
@@ -71,7 +69,8 @@ class SlideToRoll(ClosedForm):
         """Sliding, then rolling; where the slip ends, and at once for every later error, v_x loses
         2/7 of it and omega 5/7 over R.
         """
-        radius, rolls = arb_of(self.radius), self.roll_time()
+        radius = arb_of(self.radius)
+        rolls = self.roll_time()
         rows = [[arb(int(i == j)) for j in range(5)] for i in range(5)]
         rows[2][2], rows[2][4] = arb_of(Fraction(5, 7)), -arb_of(Fraction(2, 7)) * radius
         rows[4][2], rows[4][4] = -arb_of(Fraction(5, 7)) / radius, arb_of(Fraction(2, 7))
@@ -91,11 +90,15 @@ class SlideToRoll(ClosedForm):
         The overlap swings; mu N takes from v_x what the floor gives to v_y times mu, and from omega
         5/(2 R) times as much.
         """
-        rate, none, one = arb_of(self.rate2).sqrt(), arb(0), arb(1)
+        rate = arb_of(self.rate2).sqrt()
+        none = arb(0)
+        one = arb(1)
         sine, cosine = (rate * t).sin_cos()
-        rise, speed = [cosine, sine / rate], [-rate * sine, cosine]
+        rise = [cosine, sine / rate]
+        speed = [-rate * sine, cosine]
         # What the vertical motion has gained since.
-        risen, gained = [cosine - 1, sine / rate - t], [-rate * sine, cosine - 1]
+        risen = [cosine - 1, sine / rate - t]
+        gained = [-rate * sine, cosine - 1]
         turn = friction * arb_of(Fraction(5, 2) / self.radius)
         rows = [
             [one, -friction * risen[0], t, -friction * risen[1], none],
@@ -117,7 +120,8 @@ class SlideToRoll(ClosedForm):
         rate = arb_of(self.rate2).sqrt()
         off = arb_of(-self.begin[1])
         speed = arb_of(-self.begin[3])
-        wave, swing = (rate * t).cos(), (rate * t).sin()
+        wave = (rate * t).cos()
+        swing = (rate * t).sin()
         return (
             arb_of(self.sag) + off * wave + speed / rate * swing,
             speed * wave - off * rate * swing,
@@ -134,14 +138,17 @@ class SlideToRoll(ClosedForm):
 
     def evaluate(self, t: arb) -> dict[str, arb]:
         depth, rate = self.overlap(t)
-        until, rolls = t, self.roll_time()
+        until = t
+        rolls = self.roll_time()
         if not (t <= rolls or t > rolls):
             raise UndecidedError("whether it rolls")
         if t > rolls:
             until = rolls
         swung, turned = self.overlap(until)
         x, _, u, v, spin = (arb_of(value) for value in self.begin)
-        mu, radius, g = arb_of(self.friction), arb_of(self.radius), arb_of(self.gravity)
+        mu = arb_of(self.friction)
+        radius = arb_of(self.radius)
+        g = arb_of(self.gravity)
         impulse = g * until - turned - v
         sunk = swung - self.overlap(arb(0))[0]
         way = g * until * until / 2 - sunk - v * until

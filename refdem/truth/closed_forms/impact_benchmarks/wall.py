@@ -86,15 +86,14 @@ class WallPhases(ContactPhases):
         self.speed = dyadic_root(near(pair.normal) ** 2 + near(pair.across) ** 2)
         self.length = self.time * self.speed
         self.bend = [pair.lever * self.length / pair.radius, Fraction(0)]
-        self.k, self.c, self.kt = (
-            pair.stiffness * self.time**2 / m,
-            pair.damping * self.time / m,
-            spring * self.time**2 / m,
-        )
+        self.k = pair.stiffness * self.time**2 / m
+        self.c = pair.damping * self.time / m
+        self.kt = spring * self.time**2 / m
 
     def start(self) -> list[Callable[[], arb]]:
         """The state at touch."""
-        pair, v = self.pair, self.speed
+        pair = self.pair
+        v = self.speed
         exact = (0, pair.normal / v, 0, -pair.across / v, pair.radius * pair.spin / v, 0, 0, 0)  # type: ignore[attr-defined]
         return [partial(arb_of, value) for value in exact]
 
@@ -154,7 +153,8 @@ class WallImpact(TwoSpheres):
         rebound_spin [rad/s].
         """
         found = super().extremes(motion)
-        begin, end = motion.phases[0].entered, motion.phases[-2].crossing()[3]
+        begin = motion.phases[0].entered
+        end = motion.phases[-2].crossing()[3]
         speed = arb_of(self.phases.speed)
         return found | {
             "impulse_ratio": (begin[3] - end[3]) / (begin[1] - end[1]),
