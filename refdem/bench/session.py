@@ -97,9 +97,8 @@ class Bench:
                 ) or method.answers != instance.problem.kind:
                     continue
                 refusal = engine.refuses(instance.problem, method) or ""
-                if refusal:
-                    chosen = ()
-                else:
+                chosen: tuple[float, ...] = ()
+                if not refusal:
                     chosen = levels(instance, method, most_steps=self.most_steps)
                 if refusal and silent:
                     continue

@@ -178,9 +178,8 @@ class Trial:
     def _spoiled(self, fault: Fault, setting: str, seed: int) -> Record:
         """The record of a fault, refined no further than is needed to kill it."""
         instance, truth = self.instance(setting, seed)
-        if self.whole and seed == 0:
-            checks = ()
-        else:
+        checks: tuple[str, ...] = ()
+        if not self.whole or seed != 0:
             checks = _needed(fault)
         engine = fault.carrier(self.engine)
         known = dict[Variant, Run]()

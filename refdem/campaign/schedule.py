@@ -102,11 +102,10 @@ class Programs:
                 ended = self._gone_on(job, stages, result)
                 if ended is not None:
                     yield job, ended
+            going = []
             if self._running:
                 done = wait(self._running, return_when=FIRST_COMPLETED).done
-            else:
-                done = ()
-            going = [(*self._running.pop(future), future.result) for future in done]
+                going = [(*self._running.pop(future), future.result) for future in done]
 
     def _gone_on(
         self, job: Job, stages: Stages[bytes], result: Waiting | None

@@ -152,10 +152,9 @@ def _first_sample(
 ) -> Finding:
     """Is row 0 the scene's state? Velocities that lag are those before it."""
     bodies = request.problem.scene.bodies
+    names: tuple[str, ...] = ("position", "attitude")
     if method.velocity_time == "synchronous":
         names = STATE
-    else:
-        names = ("position", "attitude")
     off, name = max(
         (_largest(getattr(trajectory, n)[0], getattr(bodies, n), signless=n == "attitude"), n)
         for n in names
@@ -194,7 +193,8 @@ def _shown(trajectory: Trajectory, name: str, probe: Probe) -> Array | None:
     if name in DERIVED:
         return DERIVED[name](trajectory, probe.scene.bodies.inertia)
     if name in STATE:
-        return getattr(trajectory, name)
+        state: Array = getattr(trajectory, name)
+        return state
     return trajectory.channels.get(name)
 
 

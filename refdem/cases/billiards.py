@@ -88,10 +88,9 @@ class Billiards(IterationCase):
 
     def problem(self, p: Parameters) -> Iteration:
         """Place and unit direction from bounce to bounce."""
+        kind: type[StadiumBilliard | RectangleBilliard] = RectangleBilliard
         if p.geometry == "stadium":
             kind = StadiumBilliard
-        else:
-            kind = RectangleBilliard
         start = np.concatenate((p.start, p.direction / np.hypot(*p.direction)))
         return Iteration(kind(width=p.size[0], height=p.size[1]), start, int(p.n))
 

@@ -77,10 +77,9 @@ class Logistic(IterationCase):
 
     def problem(self, p: Parameters) -> Iteration:
         """x0 under the map, or under the flow of the equation over one unit of time."""
+        kind: type[LogisticFlow | LogisticMap] = LogisticMap
         if p.form == "ode":
             kind = LogisticFlow
-        else:
-            kind = LogisticMap
         return Iteration(kind(eta=p.eta), np.array([p.x0]), int(p.n))
 
     def scales(self, p: Parameters) -> Scales:

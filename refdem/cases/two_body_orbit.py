@@ -85,6 +85,7 @@ class TwoBodyOrbit(Case):
         distance, speed, _ = _periapsis(p)
         if p.stiffness is not None:
             distance, speed = p.semi_major, distance * float(np.sqrt(p.stiffness))
+        field: CentralField | Spring
         if p.stiffness is None:
             field = CentralField(gm=p.gm)
         else:

@@ -38,11 +38,10 @@ class Determinism(Check):
         output.
         """
         level = self._level(trial)
-        if isinstance(trial.instance.problem, Motion):
-            denser = (Variant(level, "denser_output", DENSER),)
-        else:
-            denser = ()
-        return (Variant(level), Variant(level, "repeated"), *denser)
+        asked = (Variant(level), Variant(level, "repeated"))
+        if not isinstance(trial.instance.problem, Motion):
+            return asked
+        return (*asked, Variant(level, "denser_output", DENSER))
 
     def _level(self, trial: Trial) -> float:
         interval = trial.instance.problem.interval

@@ -224,11 +224,10 @@ def _settling(trial: Trial, runs: Mapping[Variant, Outcome]) -> Array | None:
             count, change[-1]
         )  # where orders are chosen as well, that of a few steps says little
     is_cut = method.control == "step" and kinked(instance) and not method.locates_events
+    allowed: Array = room * change + rounding
     if is_cut:
-        cut = _straddled(instance, fine, count) * trial.levels[-1]
-    else:
-        cut = 0.0
-    return room * change + rounding + ROOM * cut
+        allowed = allowed + ROOM * (_straddled(instance, fine, count) * trial.levels[-1])
+    return allowed
 
 
 def _straddled(instance: Instance, run: Mapping[str, Array], count: int) -> Array:

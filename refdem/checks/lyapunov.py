@@ -86,6 +86,33 @@ class Lyapunov(Check):
         """The finest level, and the same from a start beside it."""
         return (trial.finest, Variant(trial.levels[-1], "perturbed", APART))
 
+    def _of_regular_motion(self, trial: Trial, run: Outcome, apart: Array, seen: Growth) -> Finding:
+        """The power by which neighbours (T,) part, held to S where the true motion is unstable for
+        a while.
+        """
+        count = len(apart)
+        t = trial.instance.times[:count]
+        truth = certified(trial)
+        if truth is None or truth.until < count:
+            return self._regular(seen, None)
+        known = truth.growth()[:count]
+        true = growth(t, known)
+        is_unstable = true.power > LARGEST_POWER
+        if is_unstable:
+            follows = followed(trial, trial.levels[-1], run.trajectory, truth, BESIDE)
+            if follows < count:
+                why = (
+                    "the true motion is unstable for a while and the run has left it, so that its"
+                    " neighbours are not those of that"
+                )
+                return undecided(self.name, "power", why)
+        # Neighbours of a regular motion part as the square of time at most.
+        square = (t[-1] - t[0]) ** 2 / trial.instance.scales.tau**2
+        if not is_unstable and known[-1] <= square:
+            return self._regular(seen, true)
+        room = float(np.log2(FASTER * known[-1] * apart[0] / np.max(apart)))
+        return self._regular(seen, true, room)
+
     def judge(self, trial: Trial, runs: Mapping[Variant, Outcome]) -> list[Finding]:
         """The exponent, and the class of the motion."""
         plain, beside = self.needs(trial)
@@ -113,32 +140,7 @@ class Lyapunov(Check):
         seen = growth(t, np.maximum(apart[:count], apart[0] * 2.0**-20))
         truth = certified(trial)
         if not trial.instance.case.is_chaotic(trial.instance.p):
-            if truth and truth.until >= count:
-                known = truth.growth()[:count]
-            else:
-                known = None
-            is_unstable = known is not None and growth(t, known).power > LARGEST_POWER
-            if (
-                is_unstable
-                and truth
-                and followed(trial, trial.levels[-1], runs[plain].trajectory, truth, BESIDE) < count
-            ):
-                why = (
-                    "the true motion is unstable for a while and the run has left it, so that its"
-                    " neighbours are not those of that"
-                )
-                return [undecided(self.name, "power", why)]
-            if known is None or (
-                not is_unstable and known[-1] <= (t[-1] - t[0]) ** 2 / trial.instance.scales.tau**2
-            ):
-                return [self._regular(seen, growth(t, known) if known is not None else None)]
-            return [
-                self._regular(
-                    seen,
-                    growth(t, known),
-                    float(np.log2(FASTER * known[-1] * apart[0] / np.max(apart[:count]))),
-                )
-            ]
+            return [self._of_regular_motion(trial, runs[plain], apart[:count], seen)]
         if truth is None or truth.until < count:
             if truth:
                 why = f"truth is certified for {truth.until} of {count} samples"

@@ -253,12 +253,10 @@ def allowed(trial: Trial, view: symmetry.Symmetry, growth: Array) -> Array:
     """Round-off of both runs (T,), and their truncation where a branch may flip: for pictures of
     which no moved starts are run.
     """
+    error = np.full_like(growth, round_off(trial, view))
     if _decides(trial):
-        truncation = 2 * trial.truncation(level_for(trial))
-    else:
-        truncation = 0.0
-    found: Array = (round_off(trial, view) + truncation) * growth
-    return found
+        error += 2 * trial.truncation(level_for(trial))
+    return error * growth
 
 
 def _draws(trial: Trial, level: float) -> tuple[Variant, ...]:

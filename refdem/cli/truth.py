@@ -141,10 +141,9 @@ def listed(case: str, as_json: bool) -> None:
 
 def line_of(one: "CertifiedCase") -> str:
     """One case as a person reads it."""
-    if one.sets and one.digits is None:
-        digits = "exact"
-    else:
-        digits = one.digits or "-"
+    digits = "exact"
+    if one.digits is not None or not one.sets:
+        digits = str(one.digits or "-")
     if one.witnessed:
         said = f"{one.witness} ({one.witnessed} values to {one.agreed} digits)"
     else:

@@ -87,7 +87,7 @@ def package_of(folder: str, name: str) -> str | None:
     point = _others(folder).get(name)
     if point is None or point.dist is None:
         return None
-    return point.dist.name
+    return str(point.dist.name)
 
 
 def case(name: str) -> "Canonical":

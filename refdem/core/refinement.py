@@ -199,11 +199,10 @@ def order_levels(instance: Instance, levels: tuple[float, ...]) -> tuple[float, 
     """The levels from which an order is read: finer ones as well where kinks scatter the errors of
     each.
     """
-    if levels and kinked(instance):
-        further = range(1, FURTHER + 1)
-    else:
-        further = ()
-    return (*levels, *(levels[-1] / 2**k for k in further))
+    if not levels or not kinked(instance):
+        return tuple(levels)
+    further = (levels[-1] / 2**k for k in range(1, FURTHER + 1))
+    return (*levels, *further)
 
 
 def steps_at(instance: Instance, method: Method, level: float) -> float:

@@ -49,6 +49,7 @@ def singularities(scene: Scene) -> list[tuple[Element, Singularity]]:
     """
     found = []
     for element in scene.elements:
+        singular: Singularity | None
         if isinstance(element, Contact):
             singular = _of_contact(element)
         else:

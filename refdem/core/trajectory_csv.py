@@ -115,9 +115,8 @@ def _row(line: list[str], header: list[str], number: int, name: str) -> list[flo
     found = []
     for column, cell in zip(header, line, strict=True):
         empty = column in CHANNELS and not cell.strip()
-        if empty:
-            value = np.nan
-        else:
+        value: float | None = np.nan
+        if not empty:
             value = number_in(cell)
         if value is None or not (empty or np.isfinite(value)):
             raise EngineError(

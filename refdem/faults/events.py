@@ -183,15 +183,20 @@ def margins(
         found += holding.margins(m.world, before, after, h)
     if m.world.tents or m.world.walls:
         found += positional.margins(m.world, before, after, m.parts, h)
+    return found + _stop_margins(m, before, after)
+
+
+def _stop_margins(m: "Moving", before: State, after: State) -> list[tuple[Number, Change]]:
+    """How far every slider is from its stop, and from letting go."""
+    found: list[tuple[Number, Change]] = []
     for number, slider in enumerate(m.world.sliders):
         side = before.side[number]
-        if side == 0:
-            if m.parts.holds(slider, pull_along(m, after, number)):
-                margin = 1.0
-            else:
-                margin = -1.0
-        else:
+        if side != 0:
             margin = m.parts.slides_at(slider, after.v[slider.a]) * side
+        elif m.parts.holds(slider, pull_along(m, after, number)):
+            margin = 1.0
+        else:
+            margin = -1.0
         found.append((margin, ("stop", number)))
     return found
 

@@ -211,12 +211,10 @@ def _touch(
     if not law.friction > 0 or not state.pressing[number]:
         return
     arm = parts.lever(law, world.radius[i], depth)
-    if j >= 0:
-        arm_j = parts.lever(law, world.radius[j], depth)
-    else:
-        arm_j = 0.0
+    arm_j = 0.0
     spin = vec.times(arm, parts.to_space(state.q[i], state.w[i]))
     if j >= 0:
+        arm_j = parts.lever(law, world.radius[j], depth)
         spin = vec.moved(spin, arm_j, parts.to_space(state.q[j], state.w[j]))
     slip = found.slip[number] = parts.slip(relative, spin, normal)
     if law.tangential_stiffness > 0:

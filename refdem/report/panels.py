@@ -67,10 +67,9 @@ def _panel(panel: Panel) -> Any:
 def _scaled(panel: Panel, name: Any) -> Any:
     """The channel of an axis without its field."""
     axis: Axis = getattr(panel, name)
+    kind: type[alt.X | alt.Y] = alt.Y
     if name == "x":
         kind = alt.X
-    else:
-        kind = alt.Y
     if axis.is_log:
         kept_zero: dict[str, Any] = {"type": "log"}
     else:

@@ -67,26 +67,23 @@ def chart(section: Section) -> ChartData | None:
     ladders = tuple(dict.fromkeys(_name(point) for point in shown))
     writer.writerow(("ladder", "rung", "series", "ratio", "shown", "verdict"))
     for point in shown:
-        if point.ratio is None or not math.isfinite(point.ratio):
-            ratio = HIGH
-        else:
-            ratio = point.ratio
-        if point.ratio is None:
-            told = ""
-        else:
+        height = HIGH
+        told: float | str = ""
+        if point.ratio is not None:
             told = rounded(point.ratio)
+            if math.isfinite(point.ratio):
+                height = min(max(point.ratio, LOW), HIGH)
         if point.ratio is not None or point.verdict == "undecided":
             mark = point.verdict
         else:
             mark = "error"
-        edge = min(max(ratio, LOW), HIGH)
         writer.writerow(
             (
                 ladders.index(_name(point)),
                 point.rung,
                 f"{point.engine} {point.method}",
                 told,
-                rounded(edge),
+                rounded(height),
                 mark,
             )
         )

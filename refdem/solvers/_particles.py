@@ -77,10 +77,9 @@ def refusal(problem: Motion) -> str | None:
             return reason
     if len(scene.all(Contact)) > 1:
         return "more than one contact law"
+    spheres = 0
     if scene.all(Contact):
-        spheres = np.count_nonzero(scene.bodies.radius)
-    else:
-        spheres = 0
+        spheres = int(np.count_nonzero(scene.bodies.radius))
     if spheres * (spheres - 1) / 2 + spheres * len(scene.all(Plane)) > MANY:
         return f"more than {MANY} pairs that may meet"
     law = contact_of(scene)

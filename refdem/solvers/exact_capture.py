@@ -82,10 +82,9 @@ class ExactCapture(Solver):
             caught[:, None], v * cosine - nearest * (np.sqrt(speed2) / (distance or 1.0)) * sine, v
         )
         force = np.where(since >= 0, mass * speed2 / (distance or 1.0), 0.0)
+        events: tuple[Event, ...] = ()
         if holds and t[0] + late <= t[-1]:
             events = (Event(float(t[0] + late), "catch", 0),)
-        else:
-            events = ()
         cost = Cost(seconds=perf_counter() - begun)
         position = (place + single.anchor(hook))[:, None]
         return (

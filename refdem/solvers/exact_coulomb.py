@@ -92,10 +92,9 @@ class ExactCoulomb(Solver):
         cost = Cost(seconds=seconds, setup=started - begun)
         position = anchor + out[:, :1, None] * axis
         velocity = out[:, 1:2, None] * axis
+        events: tuple[Event, ...] = ()
         if stop[0] <= t[-1]:
             events = (Event(time=float(stop[0]), kind="stop", body=0),)
-        else:
-            events = ()
         return (
             Trajectory.of_points(
                 t, position, velocity, channels={"dissipated_work": out[:, 2].copy()}, events=events

@@ -183,10 +183,9 @@ class Impact:
             end = np.inf
         until = np.minimum(t, end)
         way = self.rate * until - (self.normal(until)[0][:, 0] - self.overlap)
+        rolled = np.zeros_like(t)
         if np.isfinite(end):
             rolled = enough * (t - until)
-        else:
-            rolled = 0.0
         return 3.5 * friction * np.minimum(self.rate - out[:, 1], enough), 3.5 * friction * (
             way + rolled
         )

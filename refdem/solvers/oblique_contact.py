@@ -103,10 +103,9 @@ class ObliqueContact(Solver):
         if np.isnan(out[-1, 0]):
             reached = int(np.argmax(np.isnan(out[:, 0])))
             raise EngineError(f"hold and slip change without end at t = {t[reached]:g} s")
+        told: tuple[Event, ...] = ()
         if release[0] <= since[-1]:
             told = (Event(time=float(t[0] + release[0]), kind="release", body=0),)
-        else:
-            told = ()
         return _trajectory(scene, axes, t, out, told), cost
 
 

@@ -137,10 +137,9 @@ def belt_law(scene: Scene, unit: float = 1.0) -> Any:
     else:
         law = dict.fromkeys(names, 0.0)
     law |= {"mu0": slider.friction, "mu1": slider.friction} if plain else {}
+    by_speed: tuple[str, ...] = ("lambda0",)
     if slider.law == "stribeck_linear":
         by_speed = ("lambda0", "lambda1")
-    else:
-        by_speed = ("lambda0",)
     law |= {name: law[name] / unit for name in by_speed}
     if "lambda1" not in by_speed:
         law["lambda1"] /= unit**2

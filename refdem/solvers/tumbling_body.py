@@ -131,8 +131,8 @@ def _never_held(problem: Motion) -> str | None:
     _, _, events, _ = _followed(problem.scene, np.ascontiguousarray(problem.times))
     if events is None:
         return (
-            "a corner that presses comes to a stop: friction without a tangential spring does not say"
-            " what holds it"
+            "a corner that presses comes to a stop: friction without a tangential spring does not"
+            " say what holds it"
         )
     return None
 

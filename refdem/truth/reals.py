@@ -126,24 +126,28 @@ class Real(Enclosed):
         return Real(lambda: abs(self.ball()))
 
     def __lt__(self, other: Any) -> bool:
-        if is_number(other):
-            return (self - other).sign() < 0
-        return NotImplemented
+        if not is_number(other):
+            return NotImplemented
+        is_so: bool = (self - other).sign() < 0
+        return is_so
 
     def __gt__(self, other: Any) -> bool:
-        if is_number(other):
-            return (self - other).sign() > 0
-        return NotImplemented
+        if not is_number(other):
+            return NotImplemented
+        is_so: bool = (self - other).sign() > 0
+        return is_so
 
     def __le__(self, other: Any) -> bool:
-        if is_number(other):
-            return (self - other).sign() <= 0
-        return NotImplemented
+        if not is_number(other):
+            return NotImplemented
+        is_so: bool = (self - other).sign() <= 0
+        return is_so
 
     def __ge__(self, other: Any) -> bool:
-        if is_number(other):
-            return (self - other).sign() >= 0
-        return NotImplemented
+        if not is_number(other):
+            return NotImplemented
+        is_so: bool = (self - other).sign() >= 0
+        return is_so
 
     __radd__ = __add__
     __rmul__ = __mul__

@@ -83,30 +83,25 @@ def _freedom(scene: Scene, number: int, step: float) -> Freedom:
     if _turns(scene, number):
         return Free(body)
     rubbed = any(belt.a == number for belt in belts.belts(scene))
-    if rubbed:
-        dimension = 3
-    else:
+    dimension = 3
+    if not rubbed:
         dimension = next(n for n in (1, 2, 3) if f"dimension:{n}" in scene.features)
     springs = [
         spring
         for spring in scene.all(Spring)
         if spring.a == number and _is_of_joints(scene, spring)
     ]
+    stiffness = STILL
+    reference = STILL
     if springs:
         stiffness = (springs[0].stiffness, 0.0, 0.0)
-    else:
-        stiffness = STILL
-    if springs:
         reference = springs[0].anchor_b
-    else:
-        reference = STILL
     sliders = [
         slider for slider in scene.all(Slider) if slider.a == number and not slider.belt_velocity
     ]
-    if sliders:
-        friction = np.sum([np.abs(s.axis) * s.friction * s.normal_force for s in sliders], axis=0)
-    else:
-        friction = STILL
+    friction = np.zeros(3)
+    for slider in sliders:
+        friction += np.abs(slider.axis) * slider.friction * slider.normal_force
     damping = sum(dashpot.damping for dashpot in scene.all(Dashpot) if dashpot.a == number)
     return Slides(
         body,

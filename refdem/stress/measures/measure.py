@@ -55,9 +55,8 @@ class Measure(ABC):
     ) -> Task:
         """The task of a method on the rung, for its requests and its judging."""
         refusal = self.refusal(engine, method, instance, x)
-        if refusal:
-            levels = ()
-        else:
+        levels: tuple[float, ...] = ()
+        if not refusal:
             levels = self.levels(instance, method, x)
         if not refusal and not levels:
             refusal = f"more than {MOST_STEPS:g} steps"

@@ -13,10 +13,9 @@ from refdem.truth.maps.stadium import Stadium
 
 def truth(p: Parameters, scale: Mapping[str, Size]) -> Truth:
     """Unfolding or the collision map, as `geometry` says."""
+    kind: type[Stadium | Rectangle] = Rectangle
     if p["geometry"] == "stadium":
         kind = Stadium
-    else:
-        kind = Rectangle
     return kind(_pair(p, "size"), _pair(p, "start"), _pair(p, "direction"), scale)
 
 

@@ -110,8 +110,7 @@ class LogisticFlow(Iterated):
 def truth(p: Parameters, scale: Mapping[str, Size]) -> Truth:
     """Map or equation, as `form` says."""
     own = numbers(p, "eta", "x0")
+    kind: type[LogisticFlow | LogisticMap] = LogisticMap
     if p["form"] == "ode":
         kind = LogisticFlow
-    else:
-        kind = LogisticMap
     return kind(own["eta"], own["x0"], scale)

@@ -170,9 +170,11 @@ def disc(
         def step(radius: float) -> float:
             quick = speed(radius)
             reaches = quick.is_finite() and stiff * radius < REACH
-            if reaches:
-                return ratio * radius * float((slow + slowest) / (quick + slowest)) ** (1.0 / order)
-            return 0.0
+            if not reaches:
+                return 0.0
+            part = float((slow + slowest) / (quick + slowest))
+            found: float = ratio * radius * part ** (1.0 / order)
+            return found
 
         outer = highest(step, first)
         mantissa, exponent = frexp(step(outer))

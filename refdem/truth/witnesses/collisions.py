@@ -135,10 +135,12 @@ class Spheres:
         if phase == "free":
             return {"apart": self.overlap if self.pulls else self.force}
         side = SIDES[phase[-1]]
-        if self.kt > 0:
-            back: Value = lambda s: side * self.kt * self.slip(s) - self.mu * self.growth(s)
-        else:
-            back = lambda s: side * self.slip(s)
+
+        def back(s: Any) -> Any:
+            if self.kt > 0:
+                return side * self.kt * self.slip(s) - self.mu * self.growth(s)
+            return side * self.slip(s)
+
         return {"caught": back, ("free" if self.pulls else "apart"): self.force}
 
     def begin(self, s: Sequence[arb]) -> str:

@@ -61,10 +61,12 @@ def pendulum(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: Claimed
             turns = 0
         else:
             turns = round((float(found.at(Fraction(near))[4]) - float(theta0)) / 6.283185307179586)
-        if rate0 == 0:
-            goal = lambda s: s[0] * s[3] - s[1] * s[2]
-        else:
-            goal = lambda s: s[4] - theta0 - 2 * arb.pi() * turns
+
+        def goal(s: Sequence[arb], rate0: Any = rate0, turns: int = turns) -> arb:
+            if rate0 == 0:
+                return s[0] * s[3] - s[1] * s[2]
+            return s[4] - theta0 - 2 * arb.pi() * turns
+
         yield None, {"period": found.crossing(goal, near, near / 64)}
 
 

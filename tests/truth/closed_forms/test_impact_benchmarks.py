@@ -128,9 +128,13 @@ def phases(angle):
     sticks = KT * vt <= MU * m * vn * w * w
     while t < pi / w:
         if sticks:
-            swing = lambda s, a=spring, b=slip: a * cos(ws * s) + b / ws * sin(ws * s)
-            speed = None
-            speed = lambda s, a=spring, b=slip: b * cos(ws * s) - a * ws * sin(ws * s)  # noqa: E731
+
+            def swing(s, a=spring, b=slip):
+                return a * cos(ws * s) + b / ws * sin(ws * s)
+
+            def speed(s, a=spring, b=slip):
+                return b * cos(ws * s) - a * ws * sin(ws * s)
+
             s = crossing(lambda s, t=t, swing=swing: limit(t + s) - abs(KT * swing(s)), pi / w - t)
             slip = speed(s)
             spring = swing(s)

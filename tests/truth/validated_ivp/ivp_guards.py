@@ -5,7 +5,6 @@ Each takes the modules of the package, so that it can be asked about a package w
 """
 
 from fractions import Fraction
-from functools import partial
 from itertools import product
 
 import pytest
@@ -17,10 +16,12 @@ from refdem.truth.balls import arb_of, precision
 
 def run(ivp, field, start, *, bits=200, ratio="1/6", order=None, jacobian_order=None):
     """An integration from exact numbers, or from balls."""
-    if not isinstance(start[0], arb):
-        begin = partial(exact, start)
-    else:
-        begin = lambda: start
+
+    def begin():
+        if isinstance(start[0], arb):
+            return start
+        return exact(start)
+
     return ivp.integration.Integration(
         field, begin, bits, ivp.integration.Steps(Fraction(ratio), order, jacobian_order)
     )
