@@ -64,22 +64,30 @@ static inline void driven(const belt *p, const motion *m, double *restrict force
  * coefficient waits for is kept short. */
 static inline void expand(const belt *p, const motion *m, int with_work, piece *restrict y)
 {
-    double force[ORDER], q[ORDER], side = m->side, drop = p->normal_force * (p->mu0 - p->mu1),
-                                   curve = p->normal_force * p->lambda1;
+    double force[ORDER], q[ORDER];
+    double side = m->side;
+    double drop = p->normal_force * (p->mu0 - p->mu1);
+    double curve = p->normal_force * p->lambda1;
     growing share, bent, power;
-    cleared(&share), cleared(&bent);
+    cleared(&share);
+    cleared(&bent);
     if (with_work)
         cleared(&power);
     driven(p, m, force);
-    y->x[0] = m->x.hi, y->w[0] = m->w, y->work[0] = 0.0;
-    double first = 1.0 / (1.0 + p->lambda0 * m->w), fall = -first * p->lambda0,
-           ease = 1.0 / p->mass;
+    y->x[0] = m->x.hi;
+    y->w[0] = m->w;
+    y->work[0] = 0.0;
+    double first = 1.0 / (1.0 + p->lambda0 * m->w);
+    double fall = -first * p->lambda0;
+    double ease = 1.0 / p->mass;
 #pragma GCC unroll 32
     for (int n = 0; n < ORDER; n++) {
-        double w = y->w[n], part = PART[n + 1], v = side * w + (n ? 0.0 : p->belt),
-               bend = p->linear ? w : coefficient(&bent, w, w, n);
-        double pull = force[n] + (n ? 0.0 : p->weight) - p->stiffness * y->x[n],
-               even = n ? 0.0 : p->normal_force * p->mu1;
+        double w = y->w[n];
+        double part = PART[n + 1];
+        double v = side * w + (n ? 0.0 : p->belt);
+        double bend = p->linear ? w : coefficient(&bent, w, w, n);
+        double pull = force[n] + (n ? 0.0 : p->weight) - p->stiffness * y->x[n];
+        double even = n ? 0.0 : p->normal_force * p->mu1;
         q[n] = n ? fma(w, fall * first, fall * share.sum[n]) : first;
         y->x[n + 1] = v * part;
         y->w[n + 1] = n == 0 && m->fresh == 2
@@ -105,12 +113,12 @@ static inline void expand(const belt *p, const motion *m, int with_work, piece *
  * what is cut off is far below. */
 static inline double step_of(const belt *p, const piece *y)
 {
-    double rate = sqrt(p->stiffness / p->mass),
-           reach = p->normal_force * p->mu0 / p->stiffness + fabs(y->x[0]) + y->w[0] / rate;
+    double rate = sqrt(p->stiffness / p->mass);
+    double reach = p->normal_force * p->mu0 / p->stiffness + fabs(y->x[0]) + y->w[0] / rate;
     double a = fmax(fabs(y->x[ORDER]), fabs(y->w[ORDER]) / rate) / reach;
     double b = fmax(fabs(y->x[ORDER - 1]), fabs(y->w[ORDER - 1]) / rate) / reach;
-    double h = exp2((-54.0 - log2(fmax(a, 1e-300))) / ORDER),
-           k = exp2((-54.0 - log2(fmax(b, 1e-300))) / (ORDER - 1));
+    double h = exp2((-54.0 - log2(fmax(a, 1e-300))) / ORDER);
+    double k = exp2((-54.0 - log2(fmax(b, 1e-300))) / (ORDER - 1));
     return fmin(fmin(h, k), 2.0 / rate);
 }
 
@@ -134,7 +142,8 @@ static inline double pull_at(const belt *p, const motion *m, double since, doubl
 /* When |P| passes the limit between two times between which P is monotone. */
 static inline double passing(const belt *p, const motion *m, double limit, double low, double high)
 {
-    double slope, side = pull_at(p, m, high, &slope) > 0.0 ? 1.0 : -1.0;
+    double slope;
+    double side = pull_at(p, m, high, &slope) > 0.0 ? 1.0 : -1.0;
     bracket b = bracketed(low, high);
     for (int i = 0; i < 1200 && open_still(&b); i++) {
         double f = limit - side * pull_at(p, m, b.at, &slope);
@@ -146,9 +155,12 @@ static inline double passing(const belt *p, const motion *m, double limit, doubl
 /* When it is released, since now; infinity if it sticks for ever. */
 static inline double release_of(const belt *p, const motion *m)
 {
-    double limit = p->normal_force * p->mu0, slope, lead = p->stiffness * p->belt,
-           swing = fabs(p->amplitude * p->frequency);
-    double first = pull_at(p, m, 0.0, &slope), low = 0.0;
+    double limit = p->normal_force * p->mu0;
+    double slope;
+    double lead = p->stiffness * p->belt;
+    double swing = fabs(p->amplitude * p->frequency);
+    double first = pull_at(p, m, 0.0, &slope);
+    double low = 0.0;
     if (fabs(first) >= limit && first * slope > 0.0)
         return 0.0;
     double longest = lead != 0.0 ? 2.0 * (limit + fabs(p->amplitude)) / fabs(lead)
@@ -157,9 +169,12 @@ static inline double release_of(const belt *p, const motion *m)
     if (swing <= fabs(lead))
         return lead != 0.0 ? passing(p, m, limit, 0.0, longest) : INFINITY;
     /* P' = 0 where sin(phase) = -k belt/(F w) */
-    double c, s, angle = asin(-lead / (p->amplitude * p->frequency)), turn = 2.0 * DD_PI.hi;
+    double c, s;
+    double angle = asin(-lead / (p->amplitude * p->frequency));
+    double turn = 2.0 * DD_PI.hi;
     turned(dd_add(dd_scale(m->now, p->frequency), dd_of(p->phase)), &c, &s);
-    double begin = atan2(s, c), next[2] = {angle - begin, DD_PI.hi - angle - begin};
+    double begin = atan2(s, c);
+    double next[2] = {angle - begin, DD_PI.hi - angle - begin};
     for (int i = 0; i < 2; i++)
         next[i] -= turn * floor(next[i] / turn);
     for (int64_t k = 0; k < MOST_PIECES; k++) {
@@ -181,14 +196,17 @@ static inline void next_piece(const belt *p, const motion *m, int with_work, pie
     if (m->side == 0) {
         for (int n = 0; n <= ORDER; n++)
             y->x[n] = y->w[n] = y->work[n] = y->rate[n] = 0.0;
-        y->x[0] = m->x.hi, y->x[1] = p->belt;
-        y->work[1] = p->belt * (p->weight - p->stiffness * m->x.hi),
+        y->x[0] = m->x.hi;
+        y->x[1] = p->belt;
+        y->work[1] = p->belt * (p->weight - p->stiffness * m->x.hi);
         y->work[2] = -0.5 * p->stiffness * p->belt * p->belt;
-        y->end = release_of(p, m), y->event = LEAVES;
+        y->end = release_of(p, m);
+        y->event = LEAVES;
         return;
     }
     expand(p, m, with_work, y);
-    double h = step_of(p, y), stop = stop_of(m, y, &h);
+    double h = step_of(p, y);
+    double stop = stop_of(m, y, &h);
     y->event = stop > 0.0 ? STOPS : 0;
     y->end = stop > 0.0 ? stop : h;
 }
@@ -197,12 +215,14 @@ static inline void next_piece(const belt *p, const motion *m, int with_work, pie
 static inline void carried(const belt *p, motion *m, const piece *y)
 {
     double a[ORDER + 1], b[ORDER + 1];
-    a[0] = m->tangent[0], b[0] = m->tangent[1];
+    a[0] = m->tangent[0];
+    b[0] = m->tangent[1];
     for (int n = 0; n < ORDER; n++) {
         a[n + 1] = b[n] * PART[n + 1];
         b[n + 1] = -(p->stiffness * a[n] + product(y->rate, b, n)) * PART[n + 1] / p->mass;
     }
-    m->tangent[0] = value(a, y->end), m->tangent[1] = value(b, y->end);
+    m->tangent[0] = value(a, y->end);
+    m->tangent[1] = value(b, y->end);
 }
 
 /* Moves to the end of a stretch and through its event; returns STICKS + 1 if it comes to stick,
@@ -218,17 +238,22 @@ static inline int pass(const belt *p, motion *m, const piece *y)
     m->fresh = 0;
     if (!y->event)
         return 0;
-    double slope, limit = p->normal_force * p->mu0, pull = pull_at(p, m, 0.0, &slope);
+    double slope;
+    double limit = p->normal_force * p->mu0;
+    double pull = pull_at(p, m, 0.0, &slope);
     int before = m->side;
     if (y->event == LEAVES) {
-        m->side = pull > 0.0 ? 1 : -1, m->fresh = 2;
+        m->side = pull > 0.0 ? 1 : -1;
+        m->fresh = 2;
         return LEAVES;
     }
     if (fabs(pull) <= limit) {
-        m->side = 0, m->tangent[1] = 0.0;
+        m->side = 0;
+        m->tangent[1] = 0.0;
         return STOPS;
     }
-    m->side = pull > 0.0 ? 1 : -1, m->fresh = 1;
+    m->side = pull > 0.0 ? 1 : -1;
+    m->fresh = 1;
     m->tangent[1] *= (pull - m->side * limit) / (pull - before * limit);
     return 0;
 }
@@ -244,9 +269,12 @@ static inline motion begun(const belt *p, double x0, double v0, double t0)
     for (int n = 1; n < ORDER; n++)
         m.swing[n] = m.swing[n - 1] * p->frequency * PART[n];
     m.side = v0 > p->belt ? 1 : v0 < p->belt ? -1 : 0;
-    double slope, pull = pull_at(p, &m, 0.0, &slope);
-    if (m.side == 0 && fabs(pull) > p->normal_force * p->mu0)
-        m.side = pull > 0.0 ? 1 : -1, m.fresh = 1;
+    double slope;
+    double pull = pull_at(p, &m, 0.0, &slope);
+    if (m.side == 0 && fabs(pull) > p->normal_force * p->mu0) {
+        m.side = pull > 0.0 ? 1 : -1;
+        m.fresh = 1;
+    }
     return m;
 }
 

@@ -13,8 +13,8 @@ int refdem_chipmunk_record(const refdem_chipmunk_engine *engine, int64_t bodies,
             for (int64_t j = 0; j < stride; j++)
                 engine->step(engine->space, h);
         for (int64_t i = 0; i < bodies; i++, out += 6) {
-            refdem_vector2 position = engine->position(body[i]),
-                           velocity = engine->velocity(body[i]);
+            refdem_vector2 position = engine->position(body[i]);
+            refdem_vector2 velocity = engine->velocity(body[i]);
             out[0] = position.x;
             out[1] = position.y;
             out[2] = velocity.x;

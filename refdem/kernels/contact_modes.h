@@ -14,8 +14,9 @@ static inline double guard(const runner *r, int64_t k, int kind, const double *r
     const refdem_particles *p = r->p;
     int64_t mode = r->mode[k];
     meeting m = meet(p, k, y);
-    double radius = p->radius[m.i], strain = m.overlap / radius,
-           force = m.normal / (p->stiffness * radius);
+    double radius = p->radius[m.i];
+    double strain = m.overlap / radius;
+    double force = m.normal / (p->stiffness * radius);
     if (mode == APART)
         return kind == GAP ? -strain : INFINITY;
     if (mode == PARTED)
@@ -28,8 +29,11 @@ static inline double guard(const runner *r, int64_t k, int kind, const double *r
         return mode == FREE ? -force : mode >= SLIP ? force : INFINITY;
     if (mode == FREE)
         return INFINITY;
-    const double *s = y + history_at(p) + 3 * k, *a = dy + 3 * p->bodies;
-    double stiffness = p->tangential_stiffness, growth = 0.0, along = dot(m.slip, s);
+    const double *s = y + history_at(p) + 3 * k;
+    const double *a = dy + 3 * p->bodies;
+    double stiffness = p->tangential_stiffness;
+    double growth = 0.0;
+    double along = dot(m.slip, s);
     if (mode == STICK) {
         double held = stiffness > 0.0 ? grip(p, &m) * size(s) : size(dy + history_at(p) + 3 * k);
         return (m.limit - held) / (p->friction * p->stiffness * radius);
@@ -51,7 +55,9 @@ static inline int64_t pressing(const refdem_particles *p, int64_t k, double *res
     if (p->friction == 0.0)
         return FREE;
     meeting m = meet(p, k, y);
-    double *s = y + history_at(p) + 3 * k, fast = size(m.slip), stiffness = p->tangential_stiffness;
+    double *s = y + history_at(p) + 3 * k;
+    double fast = size(m.slip);
+    double stiffness = p->tangential_stiffness;
     double least = 1e-13 * p->stiffness * p->radius[m.i];
     int slides = fast > least_slip(p, &m);
     if (stiffness > 0.0)
@@ -73,7 +79,8 @@ static inline int64_t next_mode(const runner *r, int64_t k, int kind, double *re
         return APART;
     if (kind == GAP)
         return p->no_pull && p->damping > 0.0 ? PARTED : APART;
-    double *s = y + history_at(p) + 3 * k, stiffness = p->tangential_stiffness;
+    double *s = y + history_at(p) + 3 * k;
+    double stiffness = p->tangential_stiffness;
     if (kind == PULL)
         return mode >= SLIP ? FREE : pressing(p, k, y);
     meeting m = meet(p, k, y);
@@ -83,7 +90,8 @@ static inline int64_t next_mode(const runner *r, int64_t k, int kind, double *re
         return STICK;
     }
     const double *pull = stiffness > 0.0 ? s : dy + history_at(p) + 3 * k;
-    double length = size(pull), sense = stiffness > 0.0 ? 1.0 : -1.0;
+    double length = size(pull);
+    double sense = stiffness > 0.0 ? 1.0 : -1.0;
     for (int c = 0; c < 3; c++)
         s[c] = length > 0.0 ? sense * pull[c] / length : 0.0;
     return SLIP;

@@ -32,7 +32,9 @@ static rubbing prepared(dd mass, dd stiffness, dd friction, dd x, double v)
     rubbing b = {.rate = dd_sqrt(dd_div(stiffness, mass)), .shift = dd_div(friction, stiffness)};
     b.heading = v > 0.0 ? 1.0 : v < 0.0 ? -1.0 : 0.0;
     if (b.heading == 0.0) {
-        b.first = dd_abs(x), b.opening = dd_of(0.0), b.side = copysign(1.0, x.hi);
+        b.first = dd_abs(x);
+        b.opening = dd_of(0.0);
+        b.side = copysign(1.0, x.hi);
     } else {
         dd swing = dd_abs(dd_div(dd_of(v), b.rate));
         b.centre = dd_scale(b.shift, -b.heading);
@@ -41,7 +43,8 @@ static rubbing prepared(dd mass, dd stiffness, dd friction, dd x, double v)
         b.lag = angle_of(swing, away);
         b.opening = dd_div(b.lag, b.rate);
         dd turning = dd_add(b.centre, dd_scale(b.reach, b.heading));
-        b.first = dd_abs(turning), b.side = copysign(1.0, turning.hi);
+        b.first = dd_abs(turning);
+        b.side = copysign(1.0, turning.hi);
     }
     b.halves = half_cycles(b.first, b.shift);
     b.half = dd_div(DD_PI, b.rate);
@@ -58,7 +61,9 @@ static double turning_point(const rubbing *b, int64_t n)
 static void at(const rubbing *b, dd since, dd x, double *restrict place, double *restrict speed,
                double *restrict way)
 {
-    double c, s, shift = dd_round(b->shift), first = turning_point(b, 0);
+    double c, s;
+    double shift = dd_round(b->shift);
+    double first = turning_point(b, 0);
     dd late = dd_sub(since, b->opening);
     if (b->heading != 0.0 && late.hi < 0.0) {
         double reach = dd_round(b->reach);
@@ -82,8 +87,9 @@ static void at(const rubbing *b, dd since, dd x, double *restrict place, double 
         *way = opening + 2.0 * n * (first - shift * n);
         return;
     }
-    double side = b->side * (fmod(n, 2.0) != 0.0 ? -1.0 : 1.0), size = turning_point(b, (int64_t)n),
-           reach = size - shift;
+    double side = b->side * (fmod(n, 2.0) != 0.0 ? -1.0 : 1.0);
+    double size = turning_point(b, (int64_t)n);
+    double reach = size - shift;
     turned(dd_mul(b->rate, dd_sub(late, dd_scale(half, n))), &c, &s);
     *place = side * fma(reach, c, shift);
     *speed = -side * reach * b->rate.hi * s;
@@ -111,11 +117,18 @@ int refdem_coulomb_prepare(double mass, double stiffness, double friction, doubl
                            const double *t, double *stop, double *out, double *motion)
 {
     rubbed *r = (rubbed *)motion;
-    dd m = dd_of(mass), k = dd_of(stiffness);
+    dd m = dd_of(mass);
+    dd k = dd_of(stiffness);
     r->friction = two_product(friction, normal_force);
-    r->middle = dd_div(dd_scale(m, gravity), k), r->x = dd_sub(dd_of(x0), r->middle);
+    r->middle = dd_div(dd_scale(m, gravity), k);
+    r->x = dd_sub(dd_of(x0), r->middle);
     r->b = prepared(m, k, r->friction, r->x, v0);
-    r->x0 = x0, r->v0 = v0, r->t0 = t0, r->samples = samples, r->t = t, r->out = out;
+    r->x0 = x0;
+    r->v0 = v0;
+    r->t0 = t0;
+    r->samples = samples;
+    r->t = t;
+    r->out = out;
     dd last = dd_add(r->b.opening, dd_scale(r->b.half, (double)r->b.halves));
     *stop = dd_round(dd_add(dd_of(t0), last));
     return 0;
@@ -127,7 +140,8 @@ int refdem_coulomb_run(const double *motion)
     const rubbed *r = (const rubbed *)motion;
     const double *t = r->t;
     for (int64_t row = 0; row < r->samples; row++) {
-        double place, *to = r->out + 3 * row;
+        double place;
+        double *to = r->out + 3 * row;
         at(&r->b, two_sum(t[row], -r->t0), r->x, &place, to + 1, to + 2);
         to[0] = t[row] == r->t0 ? r->x0 : dd_round(dd_add(r->middle, dd_of(place)));
         to[1] = t[row] == r->t0 ? r->v0 : to[1];

@@ -15,18 +15,23 @@ static void expand(const void *system, dd time, series *y, double *scale)
 {
     const damped *p = system;
     series omega[3], turn[3];
-    double *w = y[3], *x = y[4], *v = y[5], *z = y[6];
+    double *w = y[3];
+    double *x = y[4];
+    double *v = y[5];
+    double *z = y[6];
     (void)time;
     for (int k = 0; k < TERMS; k++) {
         for (int i = 0; i < 3; i++)
             omega[i][k] = y[i][k] * p->inverse[i];
         for (int i = 0; i < 3; i++) {
-            int j = (i + 1) % 3, l = (i + 2) % 3;
+            int j = (i + 1) % 3;
+            int l = (i + 2) % 3;
             turn[i][k] = omega[i][k]
                          + p->damping * (cauchy(y[j], omega[l], k) - cauchy(y[l], omega[j], k));
         }
         for (int i = 0; i < 3; i++) {
-            int j = (i + 1) % 3, l = (i + 2) % 3;
+            int j = (i + 1) % 3;
+            int l = (i + 2) % 3;
             y[i][k + 1] = (cauchy(y[j], turn[l], k) - cauchy(y[l], turn[j], k)) / (k + 1);
         }
         double half = 0.5 / (k + 1);

@@ -22,7 +22,8 @@ static inline dd dd_of(double a)
 
 static inline dd two_sum(double a, double b)
 {
-    double s = a + b, v = s - a;
+    double s = a + b;
+    double v = s - a;
     return (dd){s, (a - (s - v)) + (b - v)};
 }
 
@@ -40,7 +41,8 @@ static inline dd two_product(double a, double b)
 
 static inline dd dd_add(dd a, dd b)
 {
-    dd s = two_sum(a.hi, b.hi), t = two_sum(a.lo, b.lo);
+    dd s = two_sum(a.hi, b.hi);
+    dd t = two_sum(a.lo, b.lo);
     s = quick_two_sum(s.hi, s.lo + t.hi);
     return quick_two_sum(s.hi, s.lo + t.lo);
 }
@@ -121,7 +123,8 @@ static inline void turned(dd angle, double *restrict c, double *restrict s)
 {
     int odd;
     dd x = dd_reduced(angle, dd_add(DD_PI, DD_PI), &odd);
-    double c0 = cos(x.hi), s0 = sin(x.hi);
+    double c0 = cos(x.hi);
+    double s0 = sin(x.hi);
     *c = fma(-x.lo, s0, c0);
     *s = fma(x.lo, c0, s0);
 }

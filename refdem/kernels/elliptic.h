@@ -14,7 +14,8 @@
 /* K(m) = (pi/2) / agm(1, sqrt(1 - m)) for the complementary parameter m1 = 1 - m > 0. */
 static inline dd quarter_period(dd m1)
 {
-    dd a = dd_of(1.0), b = dd_sqrt(m1);
+    dd a = dd_of(1.0);
+    dd b = dd_sqrt(m1);
     for (int i = 0; i < 40 && fabs(a.hi - b.hi) > 1e-17 * a.hi; i++) {
         dd mean = dd_scale(dd_add(a, b), 0.5);
         b = dd_sqrt(dd_mul(a, b));
@@ -27,11 +28,16 @@ static inline dd quarter_period(dd m1)
  * 0. */
 static inline dd complete_third(dd m1, dd p)
 {
-    dd kc = dd_sqrt(m1), e = kc, m = dd_of(1.0), a = dd_of(1.0), b;
+    dd kc = dd_sqrt(m1);
+    dd e = kc;
+    dd m = dd_of(1.0);
+    dd a = dd_of(1.0);
+    dd b;
     p = dd_sqrt(p);
     b = dd_div(dd_of(1.0), p);
     for (int i = 0;; i++) {
-        dd f = a, g = dd_div(e, p);
+        dd f = a;
+        dd g = dd_div(e, p);
         a = dd_add(a, dd_div(b, p));
         b = dd_scale(dd_add(b, dd_mul(f, g)), 2.0);
         p = dd_add(g, p);
@@ -51,17 +57,24 @@ static inline dd carlson_rf(dd x, dd y, dd z)
     dd mean, dx, dy, dz;
     for (int i = 0;; i++) {
         mean = dd_div(dd_add(dd_add(x, y), z), dd_of(3.0));
-        dx = dd_sub(mean, x), dy = dd_sub(mean, y), dz = dd_sub(mean, z);
+        dx = dd_sub(mean, x);
+        dy = dd_sub(mean, y);
+        dz = dd_sub(mean, z);
         if (i == 60 || fmax(fabs(dx.hi), fmax(fabs(dy.hi), fabs(dz.hi))) < 1e-6 * mean.hi)
             break;
-        dd sx = dd_sqrt(x), sy = dd_sqrt(y), sz = dd_sqrt(z);
+        dd sx = dd_sqrt(x);
+        dd sy = dd_sqrt(y);
+        dd sz = dd_sqrt(z);
         dd shift = dd_add(dd_mul(sx, dd_add(sy, sz)), dd_mul(sy, sz));
         x = dd_scale(dd_add(x, shift), 0.25);
         y = dd_scale(dd_add(y, shift), 0.25);
         z = dd_scale(dd_add(z, shift), 0.25);
     }
-    dx = dd_div(dx, mean), dy = dd_div(dy, mean), dz = dd_div(dz, mean);
-    dd e2 = dd_sub(dd_mul(dx, dy), dd_square(dz)), e3 = dd_mul(dx, dd_mul(dy, dz));
+    dx = dd_div(dx, mean);
+    dy = dd_div(dy, mean);
+    dz = dd_div(dz, mean);
+    dd e2 = dd_sub(dd_mul(dx, dy), dd_square(dz));
+    dd e3 = dd_mul(dx, dd_mul(dy, dz));
     dd sum = dd_sub(dd_of(1.0), dd_div(e2, dd_of(10.0)));
     sum = dd_add(sum, dd_div(e3, dd_of(14.0)));
     sum = dd_add(sum, dd_div(dd_square(e2), dd_of(24.0)));
@@ -73,10 +86,12 @@ static inline dd carlson_rf(dd x, dd y, dd z)
  */
 static inline dd angle_of(dd s, dd c)
 {
-    dd one = dd_of(1.0), size = dd_sqrt(dd_add(dd_square(s), dd_square(c)));
+    dd one = dd_of(1.0);
+    dd size = dd_sqrt(dd_add(dd_square(s), dd_square(c)));
     if (size.hi == 0.0)
         return dd_of(0.0);
-    s = dd_div(s, size), c = dd_div(c, size);
+    s = dd_div(s, size);
+    c = dd_div(c, size);
     dd acute
         = fabs(s.hi) < fabs(c.hi)
               ? dd_mul(dd_abs(s), carlson_rf(dd_square(c), one, one))
@@ -134,11 +149,17 @@ static inline jacobi jacobi_prepared(dd m, dd m1)
     j.kind = m.hi <= 0.5 ? CIRCULAR : HYPERBOLIC;
     double ratio = j.kind == CIRCULAR ? j.other.hi / j.quarter.hi : j.quarter.hi / j.other.hi;
     j.log_nome = -DD_PI.hi * ratio;
-    double nome = exp(j.log_nome), power = 1.0, odd = nome, plus = 1.0, minus = 1.0, twos = 1.0;
+    double nome = exp(j.log_nome);
+    double power = 1.0;
+    double odd = nome;
+    double plus = 1.0;
+    double minus = 1.0;
+    double twos = 1.0;
     j.square[0] = j.oblong[0] = 1.0;
     for (int n = 1; n < TERMS; n++) {
         power *= nome;
-        j.square[n] = j.square[n - 1] * odd, odd *= nome * nome;
+        j.square[n] = j.square[n - 1] * odd;
+        odd *= nome * nome;
         j.oblong[n] = j.square[n] * power;
         plus += 2.0 * j.square[n];
         minus += (n % 2 ? -2.0 : 2.0) * j.square[n];
@@ -163,11 +184,14 @@ static inline void circular_series(const jacobi *restrict j, int count, jacobi_p
     for (int k = 0; k < count; k++) {
         double s, c;
         sine_cosine_pi(p->f[k], &s, &c);
-        double square = s * s, per = 1.0 / cubic(j->theta[3], square), sign = p->sn[k];
+        double square = s * s;
+        double per = 1.0 / cubic(j->theta[3], square);
+        double sign = p->sn[k];
         p->sn[k] = sign * s * cubic(j->theta[0], square) * per;
         p->cn[k] = sign * c * cubic(j->theta[1], square) * per;
         p->dn[k] = cubic(j->theta[2], square) * per;
-        p->first[k] = fma(-2.0, square, 1.0), p->second[k] = 2.0 * s * c;
+        p->first[k] = fma(-2.0, square, 1.0);
+        p->second[k] = 2.0 * s * c;
     }
 }
 
@@ -178,26 +202,32 @@ static inline void hyperbolic_series(const jacobi *restrict j, int count, jacobi
 {
     double root = exp(0.5 * j->log_nome);
     for (int k = 0; k < count; k++) {
-        double decay = exponential(j->log_nome * fabs(p->f[k])), growth = root / decay,
-               low = decay * decay, high = growth * growth;
-        double low2 = low * low, high2 = high * high, sign = p->sn[k];
-        double even_high = fma(high2, j->square[2], 1.0),
-               odd_high = high * fma(high2, j->square[3], j->square[1]);
-        double even_low = fma(low2, j->square[2], 1.0),
-               odd_low = low * fma(low2, j->square[3], j->square[1]);
-        double more_low = low * fma(low2, j->oblong[2], 1.0),
-               less_low = low2 * fma(low2, j->oblong[3], j->oblong[1]);
-        double more_high = high * fma(high2, j->oblong[2], 1.0),
-               less_high = high2 * fma(high2, j->oblong[3], j->oblong[1]);
-        double one = (even_high - more_low) + (less_low - odd_high),
-               two = (even_high + more_low) + (odd_high + less_low);
-        double three = (even_low + more_high) + (odd_low + less_high),
-               four = (even_low - more_high) + (less_high - odd_low);
-        double per = 1.0 / two, twice = 2.0 * decay * per;
+        double decay = exponential(j->log_nome * fabs(p->f[k]));
+        double growth = root / decay;
+        double low = decay * decay;
+        double high = growth * growth;
+        double low2 = low * low;
+        double high2 = high * high;
+        double sign = p->sn[k];
+        double even_high = fma(high2, j->square[2], 1.0);
+        double odd_high = high * fma(high2, j->square[3], j->square[1]);
+        double even_low = fma(low2, j->square[2], 1.0);
+        double odd_low = low * fma(low2, j->square[3], j->square[1]);
+        double more_low = low * fma(low2, j->oblong[2], 1.0);
+        double less_low = low2 * fma(low2, j->oblong[3], j->oblong[1]);
+        double more_high = high * fma(high2, j->oblong[2], 1.0);
+        double less_high = high2 * fma(high2, j->oblong[3], j->oblong[1]);
+        double one = (even_high - more_low) + (less_low - odd_high);
+        double two = (even_high + more_low) + (odd_high + less_low);
+        double three = (even_low + more_high) + (odd_low + less_high);
+        double four = (even_low - more_high) + (less_high - odd_low);
+        double per = 1.0 / two;
+        double twice = 2.0 * decay * per;
         p->sn[k] = copysign(j->sn * one * per, p->f[k]) * sign;
         p->cn[k] = j->cn * four * twice * sign;
         p->dn[k] = j->dn * three * twice;
-        p->first[k] = decay, p->second[k] = growth;
+        p->first[k] = decay;
+        p->second[k] = growth;
     }
 }
 
@@ -233,13 +263,16 @@ static inline turns jacobi_turns(const jacobi *j, dd rate, dd start)
  * that is nearer. */
 static inline dd jacobi_inverse(const jacobi *j, dd sn, dd cn, dd dn)
 {
-    dd one = dd_of(1.0), kc = dd_sqrt(j->m1), u;
+    dd one = dd_of(1.0);
+    dd kc = dd_sqrt(j->m1);
+    dd u;
     if (j->kind == SEPARATRIX)
         return dd_of(copysign(asinh(fabs(sn.hi) / fmax(fabs(cn.hi), dn.hi)), sn.hi));
     if ((1.0 + kc.hi) * sn.hi * sn.hi <= 1.0) {
         u = dd_mul(dd_abs(sn), carlson_rf(dd_square(cn), dd_square(dn), one));
     } else {
-        dd ratio = dd_div(kc, dn), s = dd_div(dd_abs(cn), dn);
+        dd ratio = dd_div(kc, dn);
+        dd s = dd_div(dd_abs(cn), dn);
         u = dd_sub(j->quarter,
                    dd_mul(s, carlson_rf(dd_square(dd_mul(sn, ratio)), dd_square(ratio), one)));
     }

@@ -27,26 +27,38 @@ static inline void tumbling_at(const free_body *restrict b, int count, const dou
     double x[BLOCK], y[BLOCK];
     jacobi_at(&b->j, b->phase, b->t0, count, t, &p);
     theta_direction(b, count, &p, x, y);
-    double e = b->along[b->axis[2]], hand = (b->axis[1] + 3 - b->axis[0]) % 3 == 1 ? e : -e,
-           order = b->order;
+    double e = b->along[b->axis[2]];
+    double hand = (b->axis[1] + 3 - b->axis[0]) % 3 == 1 ? e : -e;
+    double order = b->order;
     double slope
         = -order * b->slope * (b->j.kind == SEPARATRIX ? 1.0 : 2.0 * b->j.quarter.hi) / DD_PI.hi;
     for (int k = 0; k < count; k++) {
-        double sign, c, s, part = fraction(b->mean, two_sum(t[k], -b->t0), &sign);
+        double sign, c, s;
+        double part = fraction(b->mean, two_sum(t[k], -b->t0), &sign);
         part = fma(slope, p.f[k] - b->f0, part);
-        double whole = nearest(part), odd = whole - 2.0 * nearest(0.5 * whole);
+        double whole = nearest(part);
+        double odd = whole - 2.0 * nearest(0.5 * whole);
         sine_cosine_pi(part - whole, &s, &c);
         sign = fma(-2.0 * fabs(odd), sign, sign);
-        double re = fma(x[k], b->cos0, y[k] * b->sin0),
-               im = -order * fma(y[k], b->cos0, -(x[k] * b->sin0));
-        double turn = sign * fma(c, re, -(s * im)), twist = sign * fma(s, re, c * im);
-        double n1 = b->direction[0] * p.cn[k], n2 = b->direction[1] * p.sn[k],
-               a = fma(e, b->direction[2] * p.dn[k], 1.0);
-        double tall = hand * turn, q0 = turn * a, q1 = fma(tall, n2, twist * n1),
-               q2 = fma(twist, n2, -(tall * n1)), q3 = twist * e * a;
-        out->w[0][k] = b->size[0] * p.cn[k], out->w[1][k] = b->size[1] * p.sn[k],
+        double re = fma(x[k], b->cos0, y[k] * b->sin0);
+        double im = -order * fma(y[k], b->cos0, -(x[k] * b->sin0));
+        double turn = sign * fma(c, re, -(s * im));
+        double twist = sign * fma(s, re, c * im);
+        double n1 = b->direction[0] * p.cn[k];
+        double n2 = b->direction[1] * p.sn[k];
+        double a = fma(e, b->direction[2] * p.dn[k], 1.0);
+        double tall = hand * turn;
+        double q0 = turn * a;
+        double q1 = fma(tall, n2, twist * n1);
+        double q2 = fma(twist, n2, -(tall * n1));
+        double q3 = twist * e * a;
+        out->w[0][k] = b->size[0] * p.cn[k];
+        out->w[1][k] = b->size[1] * p.sn[k];
         out->w[2][k] = b->size[2] * p.dn[k];
-        out->q[0][k] = q0, out->q[1][k] = q1, out->q[2][k] = q2, out->q[3][k] = q3;
+        out->q[0][k] = q0;
+        out->q[1][k] = q1;
+        out->q[2][k] = q2;
+        out->q[3][k] = q3;
     }
 }
 
@@ -64,8 +76,10 @@ static void turning_at(const free_body *b, dd time, double *restrict q, double *
     double still[3];
     rounded(b->w, 3, still);
     turned(dd_scale(dd_mul(b->rate, time), 0.5), &c, &s);
-    double spin[4] = {c, 0.0, 0.0, 0.0}, back[4] = {c, 0.0, 0.0, 0.0};
-    spin[1 + b->axis[2]] = s, back[1 + b->axis[2]] = -s;
+    double spin[4] = {c, 0.0, 0.0, 0.0};
+    double back[4] = {c, 0.0, 0.0, 0.0};
+    spin[1 + b->axis[2]] = s;
+    back[1 + b->axis[2]] = -s;
     quaternion_product(way, spin, q);
     quaternion_normalised(q);
     quaternion_rotated(back, still, w);
@@ -79,7 +93,9 @@ static inline void turned_out(const free_body *restrict b, int count, const stat
     const double *w[3];
     for (int i = 0; i < 3; i++)
         w[b->axis[i]] = from->w[i];
-    const double *p = w[0], *q = w[1], *r = w[2];
+    const double *p = w[0];
+    const double *q = w[1];
+    const double *r = w[2];
     for (int k = 0; k < count; k++) {
         double u[4];
         for (int i = 0; i < 4; i++)
@@ -87,11 +103,17 @@ static inline void turned_out(const free_body *restrict b, int count, const stat
                        fma(b->frame[i][1], from->q[1][k],
                            fma(b->frame[i][2], from->q[2][k], b->frame[i][3] * from->q[3][k])));
         double scale = 1.0 / sqrt(fma(u[0], u[0], fma(u[1], u[1], fma(u[2], u[2], u[3] * u[3]))));
-        double a = scale * u[0], x = scale * u[1], y = scale * u[2], z = scale * u[3];
-        double cx = 2.0 * fma(y, r[k], -(z * q[k])), cy = 2.0 * fma(z, p[k], -(x * r[k])),
-               cz = 2.0 * fma(x, q[k], -(y * p[k]));
-        attitude[4 * k] = a, attitude[4 * k + 1] = x, attitude[4 * k + 2] = y,
-                     attitude[4 * k + 3] = z;
+        double a = scale * u[0];
+        double x = scale * u[1];
+        double y = scale * u[2];
+        double z = scale * u[3];
+        double cx = 2.0 * fma(y, r[k], -(z * q[k]));
+        double cy = 2.0 * fma(z, p[k], -(x * r[k]));
+        double cz = 2.0 * fma(x, q[k], -(y * p[k]));
+        attitude[4 * k] = a;
+        attitude[4 * k + 1] = x;
+        attitude[4 * k + 2] = y;
+        attitude[4 * k + 3] = z;
         omega[3 * k] = p[k] + fma(a, cx, fma(y, cz, -(z * cy)));
         omega[3 * k + 1] = q[k] + fma(a, cy, fma(z, cx, -(x * cz)));
         omega[3 * k + 2] = r[k] + fma(a, cz, fma(x, cy, -(y * cx)));

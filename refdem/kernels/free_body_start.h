@@ -51,7 +51,8 @@ static void prepare_steady(free_body *b)
  * axes at the start. */
 static void prepare_symmetric(free_body *b, const double *restrict inertia)
 {
-    dd l[3], size, across = dd_of(inertia[b->axis[0]]);
+    dd l[3], size;
+    dd across = dd_of(inertia[b->axis[0]]);
     for (int i = 0; i < 3; i++)
         l[i] = dd_scale(b->w[i], inertia[i]);
     size = dd_sqrt(dd_dot(l, l));
@@ -74,17 +75,21 @@ static void prepare_theta(free_body *b, double a, double c)
     b->phase_shift = DD_PI.hi * a / (j->kind == CIRCULAR ? 2.0 * j->quarter.hi : 4.0 * j->other.hi);
     b->slope = j->kind == CIRCULAR ? 0.0 : -DD_PI.hi * a / (4.0 * j->quarter.hi * j->other.hi);
     for (int n = 0; n < THETA_TERMS; n++) {
-        double log_nome = j->log_nome, sign = n % 2 ? -1.0 : 1.0,
-               angle = (2 * n + 1) * b->phase_shift;
+        double log_nome = j->log_nome;
+        double sign = n % 2 ? -1.0 : 1.0;
+        double angle = (2 * n + 1) * b->phase_shift;
         if (j->kind == CIRCULAR) {
-            double grown = exp(2.0 * n * (log_nome * n + b->phase_shift)),
-                   shrunk = exp(2.0 * n * (log_nome * n - b->phase_shift));
+            double grown = exp(2.0 * n * (log_nome * n + b->phase_shift));
+            double shrunk = exp(2.0 * n * (log_nome * n - b->phase_shift));
             b->rise[0][n] = n ? sign * (grown + shrunk) : 1.0;
             b->rise[1][n] = n ? sign * (shrunk - grown) : 0.0;
         } else {
-            double up = exp(0.5 * log_nome * n * n), down = exp(0.5 * log_nome * n * (n + 1));
-            b->rise[0][n] = up * cos(angle), b->fall[0][n] = down * cos(angle);
-            b->rise[1][n] = up * sin(angle), b->fall[1][n] = -down * sin(angle);
+            double up = exp(0.5 * log_nome * n * n);
+            double down = exp(0.5 * log_nome * n * (n + 1));
+            b->rise[0][n] = up * cos(angle);
+            b->fall[0][n] = down * cos(angle);
+            b->rise[1][n] = up * sin(angle);
+            b->fall[1][n] = -down * sin(angle);
         }
     }
 }
@@ -102,17 +107,21 @@ static inline void theta_direction(const free_body *restrict b, int count,
                                    double *restrict y)
 {
     if (b->j.kind == SEPARATRIX)
-        for (int k = 0; k < count; k++)
-            x[k] = 1.0, y[k] = b->phase_shift * tanh(0.5 * p->f[k]);
+        for (int k = 0; k < count; k++) {
+            x[k] = 1.0;
+            y[k] = b->phase_shift * tanh(0.5 * p->f[k]);
+        }
     else if (b->j.kind == CIRCULAR)
         for (int k = 0; k < count; k++) {
-            double c = p->first[k], s = p->second[k];
+            double c = p->first[k];
+            double s = p->second[k];
             x[k] = fma(b->rise[0][2], fma(2.0 * c, c, -1.0), fma(b->rise[0][1], c, b->rise[0][0]));
             y[k] = s * fma(2.0 * c, b->rise[1][2], b->rise[1][1]);
         }
     else
         for (int k = 0; k < count; k++) {
-            double down = p->first[k], up = p->second[k];
+            double down = p->first[k];
+            double up = p->second[k];
             x[k] = fma(down, quartic(b->fall[0], down), quartic(b->rise[0], up));
             y[k] = copysign(1.0, p->f[k])
                    * fma(down, quartic(b->fall[1], down), quartic(b->rise[1], up));
@@ -123,7 +132,8 @@ static inline void theta_direction(const free_body *restrict b, int count,
  * m1 = n2^2 (amplitudes). */
 static dd mean_turn(const free_body *b, dd l, dd j3, dd x, dd p, const dd *restrict n)
 {
-    dd across = dd_mul(n[0], n[1]), mean = dd_of(1.0);
+    dd across = dd_mul(n[0], n[1]);
+    dd mean = dd_of(1.0);
     if (b->j.kind != SEPARATRIX) {
         mean = dd_div(complete_third(b->j.m1, p), dd_square(n[0]));
         mean = dd_sub(mean, dd_div(dd_mul(n[2], dd_scale(DD_PI, 0.5)), across));
@@ -144,10 +154,12 @@ static dd amplitudes(free_body *b, const moments *k, const dd *restrict w, dd *r
                      dd *restrict n, dd *restrict x)
 {
     dd square[3], l[3], size;
-    for (int i = 0; i < 3; i++)
-        square[i] = dd_square(w[i]), l[i] = dd_mul(w[i], k->j[i]);
-    dd flat = dd_div(dd_mul(k->j[1], k->d32), dd_mul(k->j[0], k->d31)),
-       steep = dd_div(dd_mul(k->j[1], k->d21), dd_mul(k->j[2], k->d31));
+    for (int i = 0; i < 3; i++) {
+        square[i] = dd_square(w[i]);
+        l[i] = dd_mul(w[i], k->j[i]);
+    }
+    dd flat = dd_div(dd_mul(k->j[1], k->d32), dd_mul(k->j[0], k->d31));
+    dd steep = dd_div(dd_mul(k->j[1], k->d21), dd_mul(k->j[2], k->d31));
     dd y = dd_add(dd_mul(dd_mul(k->j[1], k->d21), square[1]),
                   dd_mul(dd_mul(k->j[2], k->d31), square[2]));
     dd z = dd_sub(dd_mul(dd_mul(k->j[2], k->d32), square[2]),
@@ -174,7 +186,8 @@ static void prepare_signs(free_body *b, dd *restrict w, const dd *restrict a, co
         = {b->j.kind == SEPARATRIX ? copysign(1.0, w[0].hi) : 1.0, 1.0, copysign(1.0, w[2].hi)};
     sign[1] = sign[0] * sign[2] * parity * b->order;
     for (int i = 0; i < 3; i++) {
-        b->size[i] = sign[i] * dd_round(a[i]), b->direction[i] = sign[i] * dd_round(n[i]);
+        b->size[i] = sign[i] * dd_round(a[i]);
+        b->direction[i] = sign[i] * dd_round(n[i]);
         w[i] = dd_scale(dd_div(w[i], a[i]), sign[i]);
     }
     b->start = jacobi_inverse(&b->j, w[1], w[0], w[2]);
@@ -191,7 +204,9 @@ static void prepare_frame(free_body *b)
     jacobi_at(&b->j, b->phase, 0.0, 1, &(double){0.0}, &p);
     theta_direction(b, 1, &p, &b->cos0, &b->sin0);
     double size = sqrt(b->cos0 * b->cos0 + b->sin0 * b->sin0);
-    b->cos0 /= size, b->sin0 /= size, b->f0 = p.f[0];
+    b->cos0 /= size;
+    b->sin0 /= size;
+    b->f0 = p.f[0];
     direction[b->axis[0]] = b->direction[0] * p.cn[0];
     direction[b->axis[1]] = b->direction[1] * p.sn[0];
     direction[b->axis[2]] = b->direction[2] * p.dn[0];
@@ -212,14 +227,21 @@ static void prepare_frame(free_body *b)
 static void prepare_tumbling(free_body *b, const double *restrict inertia)
 {
     moments k;
-    dd w[3], a[3], n[3], x, one = dd_of(1.0);
-    for (int i = 0; i < 3; i++)
-        w[i] = b->w[b->axis[i]], k.j[i] = dd_of(inertia[b->axis[i]]);
-    k.d32 = two_sum(k.j[2].hi, -k.j[1].hi), k.d31 = two_sum(k.j[2].hi, -k.j[0].hi),
+    dd w[3], a[3], n[3], x;
+    dd one = dd_of(1.0);
+    for (int i = 0; i < 3; i++) {
+        w[i] = b->w[b->axis[i]];
+        k.j[i] = dd_of(inertia[b->axis[i]]);
+    }
+    k.d32 = two_sum(k.j[2].hi, -k.j[1].hi);
+    k.d31 = two_sum(k.j[2].hi, -k.j[0].hi);
     k.d21 = two_sum(k.j[1].hi, -k.j[0].hi);
-    b->kind = TUMBLING, b->order = copysign(1.0, k.d31.hi);
-    dd size = amplitudes(b, &k, w, a, n, &x), below = dd_mul(k.j[0], k.d32);
-    dd p = dd_div(dd_mul(k.j[1], k.d31), below), above = dd_div(dd_mul(k.j[2], k.d21), below);
+    b->kind = TUMBLING;
+    b->order = copysign(1.0, k.d31.hi);
+    dd size = amplitudes(b, &k, w, a, n, &x);
+    dd below = dd_mul(k.j[0], k.d32);
+    dd p = dd_div(dd_mul(k.j[1], k.d31), below);
+    dd above = dd_div(dd_mul(k.j[2], k.d21), below);
     dd dn = dd_sub(one, dd_div(b->j.m1, p));
     b->turn = mean_turn(b, size, k.j[2], x, p, n);
     double arc = dd_round(dd_div(carlson_rf(dd_div(above, p), dn, one), dd_sqrt(p)));
@@ -233,7 +255,8 @@ static void prepare_tumbling(free_body *b, const double *restrict inertia)
 static void exchange(int *a, int *b)
 {
     int kept = *a;
-    *a = *b, *b = kept;
+    *a = *b;
+    *b = kept;
 }
 
 /* Labels: 2 the middle axis, 3 the one whose side of the separatrix J1 (J2-J1) w1^2 = J3 (J3-J2)
@@ -241,11 +264,15 @@ static void exchange(int *a, int *b)
 static void label(free_body *b, const double *restrict inertia)
 {
     int *axis = b->axis;
-    axis[0] = 0, axis[1] = 1, axis[2] = 2;
+    axis[0] = 0;
+    axis[1] = 1;
+    axis[2] = 2;
     for (int i = 0; i < 3; i++)
         if (inertia[axis[i % 2]] > inertia[axis[i % 2 + 1]])
             exchange(&axis[i % 2], &axis[i % 2 + 1]);
-    double low = inertia[axis[0]], middle = inertia[axis[1]], high = inertia[axis[2]];
+    double low = inertia[axis[0]];
+    double middle = inertia[axis[1]];
+    double high = inertia[axis[2]];
     dd first = dd_mul(dd_scale(two_sum(middle, -low), low), dd_square(b->w[axis[0]]));
     dd third = dd_mul(dd_scale(two_sum(high, -middle), high), dd_square(b->w[axis[2]]));
     if (low != middle && (middle == high || dd_sub(first, third).hi > 0.0))
@@ -261,10 +288,13 @@ static void prepare(free_body *b, const double *restrict inertia, const double *
     quaternion_body(attitude, omega, q, b->w);
     rounded(q, 4, b->base);
     label(b, inertia);
-    double j1 = inertia[b->axis[0]], j2 = inertia[b->axis[1]], j3 = inertia[b->axis[2]],
-           w3 = b->w[b->axis[2]].hi;
+    double j1 = inertia[b->axis[0]];
+    double j2 = inertia[b->axis[1]];
+    double j3 = inertia[b->axis[2]];
+    double w3 = b->w[b->axis[2]].hi;
     double across = dd_add(dd_square(b->w[b->axis[0]]), dd_square(b->w[b->axis[1]])).hi;
-    int is_middle = b->w[b->axis[0]].hi == 0.0 && w3 == 0.0, is_symmetric = j1 == j2;
+    int is_middle = b->w[b->axis[0]].hi == 0.0 && w3 == 0.0;
+    int is_symmetric = j1 == j2;
     if (j1 == j3 || is_middle || across <= 1e-60 * w3 * w3 || (is_symmetric && w3 == 0.0))
         prepare_steady(b);
     else if (is_symmetric)

@@ -36,7 +36,8 @@ static void touch(gas *g, share *t, int rank, double time)
     contact *now = g->contact[t->side ^= 1] + base;
     t->contacts = t->crossing = 0;
     for (int64_t m = 0; m < t->pairs; m++) {
-        double n[3], deep = overlap(g, t->a[m], t->b[m], t->image[m], n);
+        double n[3];
+        double deep = overlap(g, t->a[m], t->b[m], t->image[m], n);
         int32_t was = t->was[m];
         if (!(deep > 0.0)) {
             if (was)
@@ -48,11 +49,14 @@ static void touch(gas *g, share *t, int rank, double time)
             return;
         }
         contact *c = now + t->contacts;
-        c->a = t->a[m], c->b = t->b[m], c->deep = deep;
+        c->a = t->a[m];
+        c->b = t->b[m];
+        c->deep = deep;
         moved(c->n, n);
-        if (!was && t->events < g->most)
-            t->event[2 * t->events] = time,
-                         t->event[2 * t->events + 1] = (double)g->now.label[c->a];
+        if (!was && t->events < g->most) {
+            t->event[2 * t->events] = time;
+            t->event[2 * t->events + 1] = (double)g->now.label[c->a];
+        }
         t->events += !was;
         if (g->p->friction > 0.0)
             stretch(g, c, was ? before + (was > 0 ? was : -was) - 1 : NULL, was < 0 ? -1.0 : 1.0,
@@ -66,10 +70,12 @@ static void touch(gas *g, share *t, int rank, double time)
 
 static inline void given(gas *g, share *t, int64_t i, double sign, const contact *c)
 {
-    double *kick = g->now.kick + 3 * i, *turn = g->now.turn + 3 * i;
+    double *kick = g->now.kick + 3 * i;
+    double *turn = g->now.turn + 3 * i;
     int rubs = g->p->friction > 0.0;
     if (!g->now.mark[i]) {
-        g->now.mark[i] = 1, t->marked[t->touched++] = (int32_t)i;
+        g->now.mark[i] = 1;
+        t->marked[t->touched++] = (int32_t)i;
         memset(kick, 0, 3 * sizeof *kick);
         if (g->p->turning)
             memset(turn, 0, 3 * sizeof *turn);
@@ -114,9 +120,11 @@ static void gathered(gas *g, share *t, int rank)
  * Newton's. */
 static void turned(const double *w, double time, const double *q, double *out)
 {
-    double angle = 0.5 * time * sqrt(dot(w, w)),
-           part = angle != 0.0 ? 0.5 * time * sin(angle) / angle : 0.5 * time, c = cos(angle);
-    double v[3] = {part * w[0], part * w[1], part * w[2]}, across[3], found[4];
+    double angle = 0.5 * time * sqrt(dot(w, w));
+    double part = angle != 0.0 ? 0.5 * time * sin(angle) / angle : 0.5 * time;
+    double c = cos(angle);
+    double v[3] = {part * w[0], part * w[1], part * w[2]};
+    double across[3], found[4];
     cross(v, q + 1, across);
     found[0] = c * q[0] - dot(v, q + 1);
     for (int k = 0; k < 3; k++)
@@ -131,7 +139,8 @@ static void kick(gas *g, share *t, int64_t taken)
 {
     double most = t->fastest * t->fastest;
     for (int64_t m = 0; m < t->touched; m++) {
-        int64_t i = t->marked[m], label = g->now.label[i];
+        int64_t i = t->marked[m];
+        int64_t label = g->now.label[i];
         double *v = g->now.v + 3 * i;
         add(v, 1.0, g->now.kick + 3 * i);
         most = fmax(most, dot(v, v));
@@ -149,7 +158,8 @@ static void kick(gas *g, share *t, int64_t taken)
 
 static void drift(const gas *g, const share *t)
 {
-    double h = g->h, *restrict x = g->now.x;
+    double h = g->h;
+    double *restrict x = g->now.x;
     const double *restrict v = g->now.v;
     for (int64_t i = 3 * t->from; i < 3 * t->to; i++)
         x[i] += h * v[i];
@@ -160,7 +170,8 @@ static void drift(const gas *g, const share *t)
 static void recorded(gas *g, share *t, int rank, int64_t s, int64_t taken)
 {
     for (int64_t i = t->from; i < t->to; i++) {
-        int64_t label = g->now.label[i], row = s * g->n + label;
+        int64_t label = g->now.label[i];
+        int64_t row = s * g->n + label;
         for (int c = 0; c < 3; c++)
             g->out_x[3 * row + c] = g->now.x[3 * i + c] + g->p->size * g->now.boxes[3 * i + c];
         moved(g->out_v + 3 * row, g->now.v + 3 * i);
@@ -173,13 +184,14 @@ static void recorded(gas *g, share *t, int rank, int64_t s, int64_t taken)
     together(&g->team);
     if (rank > 0)
         return;
-    double *channel = g->channel + 2 * s, work = 0.0;
+    double *channel = g->channel + 2 * s;
+    double work = 0.0;
     channel[0] = 0.0;
     for (int64_t i = 0; i < g->n; i++)
         work += g->lost[i];
     for (int64_t k = 0; k < g->threads; k++) {
-        const contact *c = g->contact[t->side] + k * g->p->most_contacts,
-                      *end = c + g->share[k].contacts;
+        const contact *c = g->contact[t->side] + k * g->p->most_contacts;
+        const contact *end = c + g->share[k].contacts;
         for (channel[0] += (double)g->share[k].contacts; c < end; c++)
             work -= 0.5 * g->h * c->power + stored(g, c);
     }
@@ -246,23 +258,29 @@ static void begun(gas *g, double step)
 {
     const refdem_gas *p = g->p;
     int64_t n = g->n;
-    double room = p->size > 0.0 ? 0.5 * p->size - p->diameter : SKIN * p->diameter, most = 0.0;
+    double room = p->size > 0.0 ? 0.5 * p->size - p->diameter : SKIN * p->diameter;
+    double most = 0.0;
     size_t three = (size_t)(3 * n) * sizeof(double);
-    memcpy(g->now.x, g->out_x, three), memcpy(g->now.v, g->out_v, three),
-        memset(g->now.kick, 0, three);
+    memcpy(g->now.x, g->out_x, three);
+    memcpy(g->now.v, g->out_v, three);
+    memset(g->now.kick, 0, three);
     if (p->turning) {
-        memcpy(g->now.w, g->out_w, three), memset(g->now.turn, 0, three);
+        memcpy(g->now.w, g->out_w, three);
+        memset(g->now.turn, 0, three);
         memcpy(g->attitude, g->out_q, (size_t)(4 * n) * sizeof(double));
     }
-    memset(g->now.boxes, 0, (size_t)(3 * n) * sizeof(int32_t)), memset(g->now.mark, 0, (size_t)n);
-    memset(g->since, 0, (size_t)n * sizeof(int32_t)),
-        memset(g->lost, 0, (size_t)n * sizeof(double));
+    memset(g->now.boxes, 0, (size_t)(3 * n) * sizeof(int32_t));
+    memset(g->now.mark, 0, (size_t)n);
+    memset(g->since, 0, (size_t)n * sizeof(int32_t));
+    memset(g->lost, 0, (size_t)n * sizeof(double));
     for (int64_t i = 0; i < n; i++) {
         g->now.label[i] = (int32_t)i;
         most = fmax(most, dot(g->now.v + 3 * i, g->now.v + 3 * i));
     }
     most = sqrt(most);
-    g->skin = fmin(SKIN * p->diameter, 0.9 * room), g->reach = p->diameter + g->skin, g->h = step;
+    g->skin = fmin(SKIN * p->diameter, 0.9 * room);
+    g->reach = p->diameter + g->skin;
+    g->h = step;
     g->round = most > 0.0 ? ldexp(0.75, ilogb(GRID * most) + 1)
                           : 0.0; /* 1.5 2^52 times a grid of 2^-53 of the next power of two */
     images_placed(g);
@@ -274,7 +292,10 @@ int64_t refdem_gas_run(const refdem_gas *p, int64_t threads, double step, int64_
                        double *attitude)
 {
     gas g = {.samples = samples, .stride = stride, .most = most, .channel = channel};
-    g.out_x = position, g.out_v = velocity, g.out_w = omega, g.out_q = attitude;
+    g.out_x = position;
+    g.out_v = velocity;
+    g.out_w = omega;
+    g.out_q = attitude;
     laid_out(&g, p, threads, room);
     begun(&g, step);
     for (int64_t k = 0; k < threads; k++)

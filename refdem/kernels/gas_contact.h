@@ -31,15 +31,19 @@ static inline void add(double *a, double factor, const double *b)
 /* Overlap of a listed pair, positive if it touches, and then the normal from a to b in n (3). */
 static inline double overlap(const gas *g, int64_t a, int64_t b, int image, double *n)
 {
-    const double *x = g->now.x + 3 * a, d = g->p->diameter;
+    const double *x = g->now.x + 3 * a;
+    const double d = g->p->diameter;
     if (b < 0) {
         const double *q = g->p->plane + 6 * (-1 - b);
         double away = 0.0;
-        for (int c = 0; c < 3; c++)
-            away += (x[c] - q[c]) * q[3 + c], n[c] = -q[3 + c];
+        for (int c = 0; c < 3; c++) {
+            away += (x[c] - q[c]) * q[3 + c];
+            n[c] = -q[3 + c];
+        }
         return 0.5 * d - away;
     }
-    const double *y = g->now.x + 3 * b, *s = g->shift[image];
+    const double *y = g->now.x + 3 * b;
+    const double *s = g->shift[image];
     for (int c = 0; c < 3; c++)
         n[c] = (y[c] - x[c]) + s[c];
     double square = dot(n, n);
@@ -56,8 +60,10 @@ static inline double overlap(const gas *g, int64_t a, int64_t b, int image, doub
 static inline double slips(const gas *g, const contact *c, const double *n, double deep, int later,
                            double *slip)
 {
-    int64_t a = 3 * (int64_t)c->a, b = 3 * (int64_t)c->b;
-    double arm = 0.5 * g->p->diameter - g->p->branch * deep, spin[3], turned[3];
+    int64_t a = 3 * (int64_t)c->a;
+    int64_t b = 3 * (int64_t)c->b;
+    double arm = 0.5 * g->p->diameter - g->p->branch * deep;
+    double spin[3], turned[3];
     for (int k = 0; k < 3; k++) {
         slip[k] = g->now.v[a + k] + (later ? g->now.kick[a + k] : 0.0);
         slip[k] -= c->b < 0 ? 0.0 : g->now.v[b + k] + (later ? g->now.kick[b + k] : 0.0);
@@ -81,19 +87,22 @@ static inline double slips(const gas *g, const contact *c, const double *n, doub
 static inline void stretch(const gas *g, contact *c, const contact *before, double sense,
                            int has_moved)
 {
-    double slip[3], half = 0.5 * g->h;
+    double slip[3];
+    double half = 0.5 * g->h;
     if (before == NULL) {
-        double rate = slips(g, c, c->n, c->deep, 0, slip),
-               since = rate * g->h > 0.0 ? c->deep / rate : g->h;
+        double rate = slips(g, c, c->n, c->deep, 0, slip);
+        double since = rate * g->h > 0.0 ? c->deep / rate : g->h;
         memset(c->bend, 0, sizeof c->bend);
         if (has_moved)
             add(c->bend, fabs(since) < fabs(g->h) ? since : g->h, slip);
         return;
     }
     double old[3], both[3];
-    for (int k = 0; k < 3; k++)
-        old[k] = sense * before->n[k], c->bend[k] = sense * before->bend[k],
+    for (int k = 0; k < 3; k++) {
+        old[k] = sense * before->n[k];
+        c->bend[k] = sense * before->bend[k];
         both[k] = old[k] + c->n[k];
+    }
     slips(g, c, old, before->deep, 0, slip);
     add(c->bend, half, slip);
     add(c->bend, -dot(c->n, c->bend) / (1.0 + dot(old, c->n)), both);
@@ -106,21 +115,30 @@ static inline void stretch(const gas *g, contact *c, const contact *before, doub
 static inline void press(const gas *g, contact *c)
 {
     const refdem_gas *p = g->p;
-    double slip[3], rate = slips(g, c, c->n, c->deep, 1, slip), pull = p->damping * rate,
-                    normal = p->stiffness * c->deep + pull;
-    double ease = 0.5 * g->h / p->mass, force[3];
-    if (p->no_pull && normal < 0.0)
-        pull -= normal, normal = 0.0;
+    double slip[3];
+    double rate = slips(g, c, c->n, c->deep, 1, slip);
+    double pull = p->damping * rate;
+    double normal = p->stiffness * c->deep + pull;
+    double ease = 0.5 * g->h / p->mass;
+    double force[3];
+    if (p->no_pull && normal < 0.0) {
+        pull -= normal;
+        normal = 0.0;
+    }
     c->power = pull * rate;
     for (int k = 0; k < 3; k++)
         force[k] = -normal * c->n[k];
     if (p->friction > 0.0) {
-        double limit = p->friction * fmax(normal, 0.0),
-               held = p->tangential_stiffness * sqrt(dot(c->bend, c->bend));
-        double kept = held > limit ? limit / held : 1.0, rub[3],
-               arm = 0.5 * p->diameter - p->branch * c->deep;
-        for (int k = 0; k < 3; k++)
-            c->bend[k] *= kept, rub[k] = -p->tangential_stiffness * c->bend[k], force[k] += rub[k];
+        double limit = p->friction * fmax(normal, 0.0);
+        double held = p->tangential_stiffness * sqrt(dot(c->bend, c->bend));
+        double kept = held > limit ? limit / held : 1.0;
+        double rub[3];
+        double arm = 0.5 * p->diameter - p->branch * c->deep;
+        for (int k = 0; k < 3; k++) {
+            c->bend[k] *= kept;
+            rub[k] = -p->tangential_stiffness * c->bend[k];
+            force[k] += rub[k];
+        }
         c->power -= dot(rub, slip);
         cross(c->n, rub, c->twist);
         for (int k = 0; k < 3; k++)

@@ -38,17 +38,22 @@ static void images_placed(gas *g)
 /* Moves whole boxes from the share's positions to their count, and finds its extent. */
 static void wrapped(gas *g, share *t)
 {
-    double size = g->p->size, *x = g->now.x;
+    double size = g->p->size;
+    double *x = g->now.x;
     for (int64_t i = 3 * t->from; size > 0.0 && i < 3 * t->to; i++) {
         if (x[i] >= 0.0 && x[i] < size)
             continue;
         double boxes = floor(x[i] / size);
-        x[i] -= boxes * size, g->now.boxes[i] += (int32_t)boxes;
+        x[i] -= boxes * size;
+        g->now.boxes[i] += (int32_t)boxes;
     }
     for (int c = 0; c < 3; c++) {
-        t->low[c] = INFINITY, t->high[c] = -INFINITY;
-        for (int64_t i = t->from; !(size > 0.0) && i < t->to; i++)
-            t->low[c] = fmin(t->low[c], x[3 * i + c]), t->high[c] = fmax(t->high[c], x[3 * i + c]);
+        t->low[c] = INFINITY;
+        t->high[c] = -INFINITY;
+        for (int64_t i = t->from; !(size > 0.0) && i < t->to; i++) {
+            t->low[c] = fmin(t->low[c], x[3 * i + c]);
+            t->high[c] = fmax(t->high[c], x[3 * i + c]);
+        }
     }
 }
 
@@ -60,11 +65,15 @@ static void measured(gas *g)
     while ((most + 1) * (most + 1) * (most + 1) <= most_cells(g->p) && most < LONGEST)
         most++;
     for (int c = 0; c < 3; c++) {
-        double low = g->share[0].low[c], high = g->share[0].high[c];
-        for (int64_t k = 1; k < g->threads; k++)
-            low = fmin(low, g->share[k].low[c]), high = fmax(high, g->share[k].high[c]);
+        double low = g->share[0].low[c];
+        double high = g->share[0].high[c];
+        for (int64_t k = 1; k < g->threads; k++) {
+            low = fmin(low, g->share[k].low[c]);
+            high = fmax(high, g->share[k].high[c]);
+        }
         g->low[c] = g->p->size > 0.0 ? 0.0 : low;
-        double wide = g->p->size > 0.0 ? g->p->size : high - low, fit = floor(wide / g->reach);
+        double wide = g->p->size > 0.0 ? g->p->size : high - low;
+        double fit = floor(wide / g->reach);
         g->cells[c] = fit > (double)most ? most : fit < 1.0 ? 1 : (int64_t)fit;
         g->side[c] = (double)g->cells[c] / fmax(wide, g->reach);
     }
@@ -87,8 +96,10 @@ static inline int64_t cell_of(const gas *g, const double *x)
  * for its share of the cells. */
 static void counted(gas *g, share *t, int rank)
 {
-    int64_t all = g->cells[0] * g->cells[1] * g->cells[2], from = share_of(g, all, rank),
-            to = share_of(g, all, rank + 1), sum = 0;
+    int64_t all = g->cells[0] * g->cells[1] * g->cells[2];
+    int64_t from = share_of(g, all, rank);
+    int64_t to = share_of(g, all, rank + 1);
+    int64_t sum = 0;
     for (int64_t k = 0; k < g->threads; k++)
         for (int64_t c = from; c < to; c++)
             sum += g->share[k].count[c];
@@ -101,7 +112,8 @@ static void counted(gas *g, share *t, int rank)
         g->start[c] = (int32_t)sum;
         for (int64_t k = 0; k < g->threads; k++) {
             int32_t held = g->share[k].count[c];
-            g->share[k].count[c] = (int32_t)sum, sum += held;
+            g->share[k].count[c] = (int32_t)sum;
+            sum += held;
         }
     }
     if (rank == 0)
@@ -123,12 +135,17 @@ static void permuted(gas *g, share *t)
     t->touched = 0;
     for (int64_t i = t->from; i < t->to; i++) {
         int64_t j = g->order[i];
-        moved(new->x + 3 * i, old->x + 3 * j), moved(new->v + 3 * i, old->v + 3 * j),
-            moved(new->kick + 3 * i, old->kick + 3 * j);
-        if (g->p->turning)
-            moved(new->w + 3 * i, old->w + 3 * j), moved(new->turn + 3 * i, old->turn + 3 * j);
+        moved(new->x + 3 * i, old->x + 3 * j);
+        moved(new->v + 3 * i, old->v + 3 * j);
+        moved(new->kick + 3 * i, old->kick + 3 * j);
+        if (g->p->turning) {
+            moved(new->w + 3 * i, old->w + 3 * j);
+            moved(new->turn + 3 * i, old->turn + 3 * j);
+        }
         memcpy(new->boxes + 3 * i, old->boxes + 3 * j, 3 * sizeof(int32_t));
-        new->label[i] = old->label[j], new->mark[i] = old->mark[j], g->gone[j] = (int32_t)i;
+        new->label[i] = old->label[j];
+        new->mark[i] = old->mark[j];
+        g->gone[j] = (int32_t)i;
         if (new->mark[i])
             t->marked[t->touched++] = (int32_t)i;
         const double *v = new->v + 3 * i;
@@ -154,7 +171,8 @@ static void sorted(gas *g, share *t, int rank)
     together(&g->team);
     if (rank == 0) {
         columns swap = g->now;
-        g->now = g->next, g->next = swap;
+        g->now = g->next;
+        g->next = swap;
     }
     contact *own = g->contact[t->side] + rank * g->p->most_contacts;
     for (int64_t k = 0; k < t->contacts; k++) {
@@ -168,7 +186,9 @@ static void sorted(gas *g, share *t, int rank)
  */
 static inline void listed(gas *g, share *t, int64_t i, int64_t from, int64_t to, int image)
 {
-    const double *x = g->now.x + 3 * i, *s = g->shift[image], reach2 = g->reach * g->reach;
+    const double *x = g->now.x + 3 * i;
+    const double *s = g->shift[image];
+    const double reach2 = g->reach * g->reach;
     double at[3] = {x[0] - s[0], x[1] - s[1], x[2] - s[2]};
     for (int64_t j = from; j < to; j++) {
         const double *y = g->now.x + 3 * j;
@@ -179,8 +199,10 @@ static inline void listed(gas *g, share *t, int64_t i, int64_t from, int64_t to,
             t->failed = 1;
             return;
         }
-        t->a[t->pairs] = (int32_t)i, t->b[t->pairs] = (int32_t)j,
-        t->image[t->pairs] = (uint8_t)image, t->was[t->pairs++] = 0;
+        t->a[t->pairs] = (int32_t)i;
+        t->b[t->pairs] = (int32_t)j;
+        t->image[t->pairs] = (uint8_t)image;
+        t->was[t->pairs++] = 0;
     }
 }
 
@@ -201,7 +223,9 @@ static void all_listed(gas *g, share *t, int64_t i)
 /* The cells x - 1, x, x + 1 of a row; of the own row, those bodies that come after i. */
 static void row_listed(gas *g, share *t, int64_t i, int64_t x, int64_t base, int own, int y, int z)
 {
-    int64_t n = g->cells[0], low = own ? x : x > 0 ? x - 1 : 0, high = x + 1 < n ? x + 1 : n - 1;
+    int64_t n = g->cells[0];
+    int64_t low = own ? x : x > 0 ? x - 1 : 0;
+    int64_t high = x + 1 < n ? x + 1 : n - 1;
     listed(g, t, i, own ? i + 1 : g->start[base + low], g->start[base + high + 1],
            image_of(0, y, z));
     if (!(g->p->size > 0.0))
@@ -216,13 +240,18 @@ static void row_listed(gas *g, share *t, int64_t i, int64_t x, int64_t base, int
 static void neighbours_listed(gas *g, share *t, int64_t i)
 {
     static const int rows[5][2] = {{0, 0}, {1, 0}, {-1, 1}, {0, 1}, {1, 1}};
-    int64_t *n = g->cells, at = cell_of(g, g->now.x + 3 * i), x = at % n[0], y = at / n[0] % n[1],
-            z = at / n[0] / n[1];
+    int64_t *n = g->cells;
+    int64_t at = cell_of(g, g->now.x + 3 * i);
+    int64_t x = at % n[0];
+    int64_t y = at / n[0] % n[1];
+    int64_t z = at / n[0] / n[1];
     for (int k = 0; k < 5; k++) {
         int64_t to[2] = {y + rows[k][0], z + rows[k][1]};
         int over[2] = {0, 0};
-        for (int c = 0; c < 2; c++)
-            over[c] = to[c] < 0 ? -1 : to[c] >= n[c + 1] ? 1 : 0, to[c] -= over[c] * n[c + 1];
+        for (int c = 0; c < 2; c++) {
+            over[c] = to[c] < 0 ? -1 : to[c] >= n[c + 1] ? 1 : 0;
+            to[c] -= over[c] * n[c + 1];
+        }
         if (g->p->size > 0.0 || (!over[0] && !over[1]))
             row_listed(g, t, i, x, (to[1] * n[1] + to[0]) * n[0], k == 0, over[0], over[1]);
     }
@@ -240,7 +269,9 @@ static void planes_listed(gas *g, share *t, int64_t i)
             t->failed = 1;
             return;
         }
-        t->a[t->pairs] = (int32_t)i, t->b[t->pairs] = (int32_t)(-1 - k), t->image[t->pairs] = 0,
+        t->a[t->pairs] = (int32_t)i;
+        t->b[t->pairs] = (int32_t)(-1 - k);
+        t->image[t->pairs] = 0;
         t->was[t->pairs++] = 0;
     }
 }
@@ -264,8 +295,8 @@ static void found_again(gas *g, share *t)
         for (int64_t k = s * g->p->most_contacts;
              k < s * g->p->most_contacts + g->share[s].contacts; k++) {
             const contact *c = g->contact[t->side] + k;
-            int64_t same = place_of(t, c->a, c->b),
-                    turned = same < 0 && c->b >= 0 ? place_of(t, c->b, c->a) : -1;
+            int64_t same = place_of(t, c->a, c->b);
+            int64_t turned = same < 0 && c->b >= 0 ? place_of(t, c->b, c->a) : -1;
             if (same >= 0)
                 t->was[same] = (int32_t)(k + 1);
             if (turned >= 0)
@@ -282,7 +313,8 @@ static void rebuilt(gas *g, share *t, int rank)
         measured(g);
     together(&g->team);
     sorted(g, t, rank);
-    t->pairs = 0, t->way = 0.0;
+    t->pairs = 0;
+    t->way = 0.0;
     for (int64_t i = t->from; i < t->to && !t->failed; i++) {
         t->first[i - t->from] = (int32_t)t->pairs;
         if (g->cells[0] * g->cells[1] * g->cells[2] == 1)

@@ -72,19 +72,28 @@ static void *placed(uint8_t **at, int64_t size)
 
 static void columns_placed(const refdem_gas *p, columns *c, uint8_t **at)
 {
-    int64_t n = p->bodies, three = 3 * n * (int64_t)sizeof(double);
-    c->x = placed(at, three), c->v = placed(at, three), c->kick = placed(at, three);
-    c->w = placed(at, p->turning ? three : 0), c->turn = placed(at, p->turning ? three : 0);
-    c->boxes = placed(at, 12 * n), c->label = placed(at, 4 * n), c->mark = placed(at, n);
+    int64_t n = p->bodies;
+    int64_t three = 3 * n * (int64_t)sizeof(double);
+    c->x = placed(at, three);
+    c->v = placed(at, three);
+    c->kick = placed(at, three);
+    c->w = placed(at, p->turning ? three : 0);
+    c->turn = placed(at, p->turning ? three : 0);
+    c->boxes = placed(at, 12 * n);
+    c->label = placed(at, 4 * n);
+    c->mark = placed(at, n);
 }
 
 static void share_placed(const gas *g, share *t, uint8_t **at)
 {
     const refdem_gas *p = g->p;
-    t->a = placed(at, 4 * p->most_pairs), t->b = placed(at, 4 * p->most_pairs),
+    t->a = placed(at, 4 * p->most_pairs);
+    t->b = placed(at, 4 * p->most_pairs);
     t->was = placed(at, 4 * p->most_pairs);
-    t->image = placed(at, p->most_pairs), t->out = placed(at, 4 * p->most_contacts);
-    t->first = placed(at, 4 * (t->to - t->from + 1)), t->marked = placed(at, 4 * (t->to - t->from));
+    t->image = placed(at, p->most_pairs);
+    t->out = placed(at, 4 * p->most_contacts);
+    t->first = placed(at, 4 * (t->to - t->from + 1));
+    t->marked = placed(at, 4 * (t->to - t->from));
     t->count = placed(at, 4 * most_cells(p));
 }
 
@@ -93,17 +102,24 @@ static int64_t laid_out(gas *g, const refdem_gas *p, int64_t threads, uint8_t *r
 {
     uint8_t *at = room;
     int64_t n = p->bodies;
-    g->p = p, g->n = n, g->threads = threads;
+    g->p = p;
+    g->n = n;
+    g->threads = threads;
     g->share = placed(&at, threads * (int64_t)sizeof(share));
-    columns_placed(p, &g->now, &at), columns_placed(p, &g->next, &at);
-    g->order = placed(&at, 4 * n), g->cell = placed(&at, 4 * n), g->gone = placed(&at, 4 * n),
+    columns_placed(p, &g->now, &at);
+    columns_placed(p, &g->next, &at);
+    g->order = placed(&at, 4 * n);
+    g->cell = placed(&at, 4 * n);
+    g->gone = placed(&at, 4 * n);
     g->since = placed(&at, 4 * n);
-    g->start = placed(&at, 4 * (most_cells(p) + 1)), g->lost = placed(&at, 8 * n),
+    g->start = placed(&at, 4 * (most_cells(p) + 1));
+    g->lost = placed(&at, 8 * n);
     g->attitude = placed(&at, p->turning ? 32 * n : 0);
     for (int k = 0; k < 2; k++)
         g->contact[k] = placed(&at, threads * p->most_contacts * (int64_t)sizeof(contact));
     for (int64_t k = 0; k < threads; k++) {
-        share other = {.from = share_of(g, n, k), .to = share_of(g, n, k + 1)}, *t = &other;
+        share other = {.from = share_of(g, n, k), .to = share_of(g, n, k + 1)};
+        share *t = &other;
         share_placed(g, t, &at);
         if (room)
             g->share[k] = other;

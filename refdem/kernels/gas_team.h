@@ -66,7 +66,9 @@ static int at_work(team *t, int members, void (*work)(void *shared, int rank), v
     duty given[MOST_THREADS];
     int had = 1;
     t->members = members;
-    atomic_init(&t->arrived, 0), atomic_init(&t->round, 0), atomic_init(&t->go, 0);
+    atomic_init(&t->arrived, 0);
+    atomic_init(&t->round, 0);
+    atomic_init(&t->go, 0);
     for (; had < members; had++) {
         given[had] = (duty){t, work, shared, had};
         if (pthread_create(&thread[had], NULL, on_duty, &given[had]))

@@ -15,8 +15,8 @@ typedef struct {
 
 static damped prepared(dd mass, double stiffness, double damping, int no_pull)
 {
-    dd b = dd_div(dd_of(0.5 * damping), mass),
-       square = dd_sub(dd_div(dd_of(stiffness), mass), dd_square(b));
+    dd b = dd_div(dd_of(0.5 * damping), mass);
+    dd square = dd_sub(dd_div(dd_of(stiffness), mass), dd_square(b));
     damped s = {.decay = dd_round(b), .rate = sqrt(fabs(dd_round(square)))};
     s.kind = (square.hi > 0.0) - (square.hi < 0.0);
     double lag = s.kind == 0  ? 1.0 / s.decay
@@ -31,11 +31,17 @@ static damped prepared(dd mass, double stiffness, double damping, int no_pull)
 /* Overlap and its rate at t after the touch, for V = 1. */
 static void pressed(const damped *s, double t, double *restrict overlap, double *restrict rate)
 {
-    double wave = 1.0, swing = t, size = exp(-s->decay * t);
-    if (s->kind > 0)
-        wave = cos(s->rate * t), swing = sin(s->rate * t) / s->rate;
-    if (s->kind < 0)
-        wave = cosh(s->rate * t), swing = sinh(s->rate * t) / s->rate;
+    double wave = 1.0;
+    double swing = t;
+    double size = exp(-s->decay * t);
+    if (s->kind > 0) {
+        wave = cos(s->rate * t);
+        swing = sin(s->rate * t) / s->rate;
+    }
+    if (s->kind < 0) {
+        wave = cosh(s->rate * t);
+        swing = sinh(s->rate * t) / s->rate;
+    }
     *overlap = size * swing;
     *rate = size * (wave - s->decay * swing);
 }
@@ -44,28 +50,36 @@ int refdem_head_on(double mass1, double mass2, double stiffness, double damping,
                    double overlap, double closing, int64_t samples, const double *t, double *touch,
                    double *out)
 {
-    dd total = two_sum(mass1, mass2), mass = dd_div(two_product(mass1, mass2), total);
+    dd total = two_sum(mass1, mass2);
+    dd mass = dd_div(two_product(mass1, mass2), total);
     damped s = prepared(mass, stiffness, damping, no_pull);
-    double m = dd_round(mass), begin = closing > 0.0 ? fmax(0.0, -overlap / closing) : INFINITY,
-           left, speed;
+    double m = dd_round(mass);
+    double begin = closing > 0.0 ? fmax(0.0, -overlap / closing) : INFINITY;
+    double left, speed;
     pressed(&s, fmin(s.end, 1e300), &left, &speed);
     left = no_pull && damping > 0.0 ? left * closing : 0.0;
     speed = -closing * exp(-s.decay * s.end);
     for (int64_t row = 0; row < samples; row++, out += 5) {
-        double since = t[row] - begin, *d = out, *rate = out + 1;
+        double since = t[row] - begin;
+        double *d = out;
+        double *rate = out + 1;
         int presses = since >= 0.0 && since < s.end;
-        *d = overlap + closing * t[row], *rate = closing;
+        *d = overlap + closing * t[row];
+        *rate = closing;
         if (presses) {
             pressed(&s, since, d, rate);
-            *d *= closing, *rate *= closing;
+            *d *= closing;
+            *rate *= closing;
         } else if (since >= s.end) {
-            *d = left + speed * (since - s.end), *rate = speed;
+            *d = left + speed * (since - s.end);
+            *rate = speed;
         }
         out[2] = presses ? 1.0 : 0.0;
         out[3] = presses ? stiffness * *d + damping * *rate : 0.0;
         out[4] = 0.5 * m * (closing - *rate) * (closing + *rate)
                  - 0.5 * stiffness * fmax(*d, 0.0) * fmax(*d, 0.0);
     }
-    touch[0] = begin, touch[1] = begin + s.end;
+    touch[0] = begin;
+    touch[1] = begin + s.end;
     return 0;
 }

@@ -33,9 +33,12 @@ REFDEM_EVERY_CPU
 int refdem_lattice_verlet(const refdem_lattice *p, double x0, double v0, double h, int64_t samples,
                           int64_t stride, double *out)
 {
-    int64_t place = llrint(x0 / p->place), speed = llrint(v0 / p->speed);
-    double kick = 0.5 * h / p->speed, drift = h * p->speed / p->place;
-    out[0] = x0, out[1] = v0;
+    int64_t place = llrint(x0 / p->place);
+    int64_t speed = llrint(v0 / p->speed);
+    double kick = 0.5 * h / p->speed;
+    double drift = h * p->speed / p->place;
+    out[0] = x0;
+    out[1] = v0;
     int64_t push = llrint(kick * acceleration(p, (double)place * p->place));
     for (int64_t row = 1; row < samples; row++) {
         for (int64_t n = 0; n < stride; n++) {
@@ -44,7 +47,8 @@ int refdem_lattice_verlet(const refdem_lattice *p, double x0, double v0, double 
             push = llrint(kick * acceleration(p, (double)place * p->place));
             speed += push;
         }
-        out[2 * row] = (double)place * p->place, out[2 * row + 1] = (double)speed * p->speed;
+        out[2 * row] = (double)place * p->place;
+        out[2 * row + 1] = (double)speed * p->speed;
     }
     return 0;
 }

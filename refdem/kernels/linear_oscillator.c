@@ -21,8 +21,9 @@ enum { CRITICAL, UNDER, OVER };
 
 static linear prepared(double mass, double stiffness, double damping)
 {
-    dd m = dd_of(mass), square = dd_div(dd_of(stiffness), m),
-       b = dd_div(dd_scale(dd_of(damping), 0.5), m);
+    dd m = dd_of(mass);
+    dd square = dd_div(dd_of(stiffness), m);
+    dd b = dd_div(dd_scale(dd_of(damping), 0.5), m);
     dd gap = dd_sub(square, dd_square(b));
     linear p = {dd_sqrt(square), b, dd_sqrt(dd_abs(gap)),
                 gap.hi > 0.0   ? UNDER
@@ -36,17 +37,21 @@ static void shapes(const linear *p, dd s, double *restrict c, double *restrict d
 {
     dd phase = dd_mul(p->width, s);
     if (p->kind == UNDER) {
-        double sine, fade = exp(-dd_round(dd_mul(p->decay, s)));
+        double sine;
+        double fade = exp(-dd_round(dd_mul(p->decay, s)));
         turned(phase, c, &sine);
-        *c *= fade, *d = fade * sine / p->width.hi;
+        *c *= fade;
+        *d = fade * sine / p->width.hi;
     } else if (p->kind == CRITICAL) {
         *c = exp(-dd_round(dd_mul(p->decay, s)));
         *d = *c * dd_round(s);
     } else { /* the slow rate b - W = w0^2/(b + W), without cancellation; backwards both are as they
                 are */
         dd slow = dd_div(dd_square(p->rate), dd_add(p->decay, p->width));
-        double fade = exp(-dd_round(dd_mul(slow, s))), rest = expm1(-2.0 * dd_round(phase));
-        *c = fade * (1.0 + 0.5 * rest), *d = -0.5 * fade * rest / p->width.hi;
+        double fade = exp(-dd_round(dd_mul(slow, s)));
+        double rest = expm1(-2.0 * dd_round(phase));
+        *c = fade * (1.0 + 0.5 * rest);
+        *d = -0.5 * fade * rest / p->width.hi;
     }
 }
 
@@ -54,7 +59,9 @@ static void shapes(const linear *p, dd s, double *restrict c, double *restrict d
 static void freely(const linear *p, dd s, double from, double speed, double *restrict x,
                    double *restrict v)
 {
-    double c, d, b = p->decay.hi, square = p->rate.hi * p->rate.hi;
+    double c, d;
+    double b = p->decay.hi;
+    double square = p->rate.hi * p->rate.hi;
     shapes(p, s, &c, &d);
     *x = fma(from, c, fma(b, from, speed) * d);
     *v = fma(speed, c, -fma(square, from, b * speed) * d);
@@ -63,7 +70,8 @@ static void freely(const linear *p, dd s, double from, double speed, double *res
 /* (exp(z s) - 1)/z exp(i w s) for z = -b + i gap, gap in double-double. */
 static double complex answer(dd decay, dd gap, dd w, dd s)
 {
-    double cw, sw, c, sine, half, unused, a = -dd_round(dd_mul(decay, s));
+    double cw, sw, c, sine, half, unused;
+    double a = -dd_round(dd_mul(decay, s));
     turned(dd_mul(w, s), &cw, &sw);
     turned(dd_mul(gap, s), &c, &sine);
     turned(dd_scale(dd_mul(gap, s), 0.5), &unused, &half);
@@ -77,7 +85,9 @@ static double complex answer(dd decay, dd gap, dd w, dd s)
 static void resounding(const linear *p, dd s, double f, double w, double c0, double s0,
                        double *restrict x, double *restrict v)
 {
-    dd up = dd_of(w), b = p->decay, wide = p->width;
+    dd up = dd_of(w);
+    dd b = p->decay;
+    dd wide = p->width;
     double complex sum = CMPLX(c0, s0) * answer(b, dd_sub(wide, up), up, s)
                          + CMPLX(c0, -s0) * answer(b, dd_add(wide, up), dd_neg(up), s);
     double scale = 0.5 * f / wide.hi;
@@ -90,8 +100,9 @@ static void steady(const linear *p, double f, double w, double c, double s, doub
                    double *restrict v)
 {
     dd up = dd_of(w);
-    double gap = dd_round(dd_sub(dd_square(p->rate), dd_square(up))), drag = 2.0 * p->decay.hi * w,
-           size = gap * gap + drag * drag;
+    double gap = dd_round(dd_sub(dd_square(p->rate), dd_square(up)));
+    double drag = 2.0 * p->decay.hi * w;
+    double size = gap * gap + drag * drag;
     *x = f * fma(gap, c, drag * s) / size;
     *v = f * w * fma(drag, c, -gap * s) / size;
 }
@@ -100,7 +111,9 @@ static void steady(const linear *p, double f, double w, double c, double s, doub
 static void drive(const linear *p, dd s, double mass, const double *restrict d, double t0,
                   double *restrict x, double *restrict v)
 {
-    double c0, s0, f = d[0] / mass, w = d[1];
+    double c0, s0;
+    double f = d[0] / mass;
+    double w = d[1];
     dd start = dd_add(two_product(w, t0), dd_of(d[2]));
     turned(start, &c0, &s0);
     if (p->kind == UNDER && p->decay.hi < 0.5 * p->rate.hi) {
@@ -111,9 +124,11 @@ static void drive(const linear *p, dd s, double mass, const double *restrict d, 
     turned(dd_add(start, dd_scale(s, w)), &c, &sine);
     steady(p, f, w, c0, s0, &x0, &v0);
     steady(p, f, w, c, sine, &x1, &v1);
-    *x += x1, *v += v1;
+    *x += x1;
+    *v += v1;
     freely(p, s, x0, v0, &x1, &v1);
-    *x -= x1, *v -= v1;
+    *x -= x1;
+    *v -= v1;
 }
 
 int refdem_linear_oscillator(const refdem_linear *p, double x0, double v0, double t0,
@@ -123,7 +138,8 @@ int refdem_linear_oscillator(const refdem_linear *p, double x0, double v0, doubl
     dd middle = dd_div(dd_of(p->weight), dd_of(p->linear));
     double from = dd_round(dd_sub(dd_of(x0), middle));
     for (int64_t row = 0; row < samples; row++, out += 2) {
-        double x = x0, v = v0;
+        double x = x0;
+        double v = v0;
         if (t[row] != t0) {
             dd s = two_sum(t[row], -t0);
             freely(&b, s, from, v0, &x, &v);
@@ -131,7 +147,8 @@ int refdem_linear_oscillator(const refdem_linear *p, double x0, double v0, doubl
                 drive(&b, s, p->mass, p->drive + 3 * k, t0, &x, &v);
             x = dd_round(dd_add(middle, dd_of(x)));
         }
-        out[0] = x, out[1] = v;
+        out[0] = x;
+        out[1] = v;
     }
     return 0;
 }

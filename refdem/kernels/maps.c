@@ -94,7 +94,11 @@ int refdem_rectangle(double width, double height, const double *restrict start, 
  * half circle that it met, 0 for a straight wall. */
 static inline int bounced(double r, double a, int arc, double *restrict s)
 {
-    double x = s[0], y = s[1], u = s[2], v = s[3], up = v > 0.0 ? 1.0 : -1.0;
+    double x = s[0];
+    double y = s[1];
+    double u = s[2];
+    double v = s[3];
+    double up = v > 0.0 ? 1.0 : -1.0;
     double meets = v == 0.0 ? (u > 0.0 ? INFINITY : -INFINITY) : x + (up * r - y) * u / v;
     if (a > 0.0 && fabs(meets) <= a) {
         s[0] = meets;
@@ -103,9 +107,12 @@ static inline int bounced(double r, double a, int arc, double *restrict s)
         return 0;
     }
     int side = meets > 0.0 ? 1 : -1;
-    double q = x - side * a, b = q * u + y * v;
+    double q = x - side * a;
+    double b = q * u + y * v;
     double t = arc == side ? -2.0 * b : -b + sqrt(fmax(0.0, b * b - (q * q + y * y - r * r)));
-    double n0 = q + t * u, n1 = y + t * v, size = hypot(n0, n1);
+    double n0 = q + t * u;
+    double n1 = y + t * v;
+    double size = hypot(n0, n1);
     n0 /= size;
     n1 /= size;
     double along = n0 * u + n1 * v;
@@ -122,8 +129,9 @@ static inline int bounced(double r, double a, int arc, double *restrict s)
 int refdem_stadium(double width, double height, const double *restrict start, int64_t samples,
                    const double *restrict n, double *restrict out)
 {
-    double s[4] = {start[0], start[1], start[2], start[3]}, r = 0.5 * height,
-           a = 0.5 * (width - height);
+    double s[4] = {start[0], start[1], start[2], start[3]};
+    double r = 0.5 * height;
+    double a = 0.5 * (width - height);
     int64_t at = 0;
     int arc = 0;
     for (int64_t k = 0; k < samples; k++) {

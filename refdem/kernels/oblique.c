@@ -49,7 +49,10 @@ typedef struct {
 static inline void pressed(const pair *p, const motion *m, stretch *restrict z,
                            products *restrict by, int n)
 {
-    double d = z->y[D][n], wi = z->y[SPIN_I][n], wj = z->y[SPIN_J][n], spins = wi + wj;
+    double d = z->y[D][n];
+    double wi = z->y[SPIN_I][n];
+    double wj = z->y[SPIN_J][n];
+    double spins = wi + wj;
     z->force[n] = p->stiffness * d + p->damping * z->y[G][n];
     z->slip[n] = p->radius_i * wi + p->radius_j * wj - z->y[Q][n]
                  - p->branch * coefficient(&by->spun, d, spins, n);
@@ -63,14 +66,17 @@ static inline void pressed(const pair *p, const motion *m, stretch *restrict z,
  * triangle of products, in vectors. */
 static inline void spent(const pair *p, const motion *m, stretch *restrict z)
 {
-    double g[ROOM], slip[ROOM], sum[2 * ROOM], friction = m->mode == FREE ? 0.0 : -1.0;
+    double g[ROOM], slip[ROOM], sum[2 * ROOM];
+    double friction = m->mode == FREE ? 0.0 : -1.0;
     for (int n = 0; n < ROOM; n++) {
         int is_known = n <= ORDER;
-        g[n] = is_known ? z->y[G][n] : 0.0, slip[n] = is_known ? z->slip[n] : 0.0,
+        g[n] = is_known ? z->y[G][n] : 0.0;
+        slip[n] = is_known ? z->slip[n] : 0.0;
         sum[n] = sum[ROOM + n] = 0.0;
     }
     for (int n = 0; n <= ORDER; n++) {
-        double a = p->damping * g[n], b = friction * z->across[n];
+        double a = p->damping * g[n];
+        double b = friction * z->across[n];
         for (int k = 0; k <= ORDER; k += LANES)
             for (int i = 0; i < LANES; i++)
                 sum[n + k + i] = fma(a, g[k + i], fma(b, slip[k + i], sum[n + k + i]));
@@ -87,27 +93,38 @@ static double lost(const stretch *z, double since)
 static void expand(const pair *p, const motion *m, stretch *restrict z)
 {
     products by;
-    double reach = 1.0 / (p->radius_i + p->radius_j - m->y[D]), first = m->y[Q] * reach;
-    cleared(&by.spun), cleared(&by.levered), cleared(&by.turned), cleared(&by.swept),
-        cleared(&by.thrown);
+    double reach = 1.0 / (p->radius_i + p->radius_j - m->y[D]);
+    double first = m->y[Q] * reach;
+    cleared(&by.spun);
+    cleared(&by.levered);
+    cleared(&by.turned);
+    cleared(&by.swept);
+    cleared(&by.thrown);
     for (int i = 0; i < WORK; i++)
         z->y[i][0] = m->y[i];
     z->spring[0] = m->spring;
     for (int n = 0; n < ORDER; n++) {
         pressed(p, m, z, &by, n);
-        double part = PART[n + 1], d = z->y[D][n], g = z->y[G][n], q = z->y[Q][n], f = z->across[n];
-        double o = n ? (q + fma(d, first, by.turned.sum[n])) * reach : first,
-               lever = p->branch * coefficient(&by.levered, d, f, n);
+        double part = PART[n + 1];
+        double d = z->y[D][n];
+        double g = z->y[G][n];
+        double q = z->y[Q][n];
+        double f = z->across[n];
+        double o = n ? (q + fma(d, first, by.turned.sum[n])) * reach : first;
+        double lever = p->branch * coefficient(&by.levered, d, f, n);
         z->y[D][n + 1] = g * part;
         z->y[G][n + 1] = -(coefficient(&by.swept, q, o, n) + p->ease * z->force[n]) * part;
         z->y[Q][n + 1] = (coefficient(&by.thrown, g, o, n) - p->ease * f) * part;
         z->y[SPIN_I][n + 1] = p->turn_ease_i * (p->radius_i * f - lever) * part;
         z->y[SPIN_J][n + 1] = p->turn_ease_j * (p->radius_j * f - lever) * part;
-        z->y[TURN][n + 1] = o * part, z->y[ANGLE_I][n + 1] = z->y[SPIN_I][n] * part,
-                       z->y[ANGLE_J][n + 1] = z->y[SPIN_J][n] * part;
+        z->y[TURN][n + 1] = o * part;
+        z->y[ANGLE_I][n + 1] = z->y[SPIN_I][n] * part;
+        z->y[ANGLE_J][n + 1] = z->y[SPIN_J][n] * part;
         z->spring[n + 1] = z->slip[n] * part;
-        grow(&by.levered, d, f, n), grow(&by.turned, d, o, n), grow(&by.swept, q, o, n),
-            grow(&by.thrown, g, o, n);
+        grow(&by.levered, d, f, n);
+        grow(&by.turned, d, o, n);
+        grow(&by.swept, q, o, n);
+        grow(&by.thrown, g, o, n);
     }
     pressed(p, m, z, &by, ORDER);
     spent(p, m, z);
@@ -119,7 +136,8 @@ static double step_of(const pair *p, const stretch *z)
 {
     double speed = fabs(z->y[G][0]) + fabs(z->y[Q][0]) + fabs(p->radius_i * z->y[SPIN_I][0])
                    + fabs(p->radius_j * z->y[SPIN_J][0]);
-    double rate = sqrt(fmax(p->stiffness, p->tangential_stiffness) * p->ease), h = INFINITY;
+    double rate = sqrt(fmax(p->stiffness, p->tangential_stiffness) * p->ease);
+    double h = INFINITY;
     speed += fabs(z->y[D][0]) * rate;
     for (int n = ORDER - 1; n <= ORDER; n++) {
         double last = fmax(fabs(z->y[G][n]), fabs(z->y[Q][n]));
@@ -137,11 +155,15 @@ static void watched(const double *a, int skip, int next, stretch *restrict z)
     series b;
     for (int n = 0; n <= ORDER; n++)
         b[n] = n + skip <= ORDER ? a[n + skip] : 0.0;
-    double end = z->end, at = b[0] < 0.0 ? 0.0 : first_zero_soon(b, &end);
-    if (at >= 0.0 && (at < z->end || z->next < 0))
-        z->end = at, z->next = next;
-    else if (end < z->end)
-        z->end = end, z->next = -1;
+    double end = z->end;
+    double at = b[0] < 0.0 ? 0.0 : first_zero_soon(b, &end);
+    if (at >= 0.0 && (at < z->end || z->next < 0)) {
+        z->end = at;
+        z->next = next;
+    } else if (end < z->end) {
+        z->end = end;
+        z->next = -1;
+    }
 }
 
 /* Watches what ends a slip, the rate at which the spring would have to grow, or a hold, the
@@ -166,7 +188,8 @@ static void rubbing(const pair *p, const motion *m, stretch *restrict z)
 static void next_stretch(const pair *p, const motion *m, stretch *restrict z)
 {
     expand(p, m, z);
-    z->end = step_of(p, z), z->next = -1;
+    z->end = step_of(p, z);
+    z->next = -1;
     int ends = p->no_pull && p->damping > 0.0;
     watched(ends ? z->force : z->y[D], ends ? 0 : m->touch, APART, z);
     if (p->friction > 0.0 && !ends && p->damping > 0.0 && m->mode != FREE)
@@ -178,15 +201,17 @@ static void next_stretch(const pair *p, const motion *m, stretch *restrict z)
 /* Straight on: the line of centres turns, spins stay. */
 static void apart(const pair *p, const motion *m, double since, double *restrict y)
 {
-    double reach = p->radius_i + p->radius_j - m->y[D], along = reach - m->y[G] * since,
-           across = m->y[Q] * since;
+    double reach = p->radius_i + p->radius_j - m->y[D];
+    double along = reach - m->y[G] * since;
+    double across = m->y[Q] * since;
     double distance = hypot(along, across);
     memcpy(y, m->y, STATES * sizeof *y);
     y[D] = p->radius_i + p->radius_j - distance;
     y[G] = -(along * -m->y[G] + across * m->y[Q]) / distance;
     y[Q] = (along * m->y[Q] + across * m->y[G]) / distance;
     y[TURN] += atan2(across, along);
-    y[ANGLE_I] += y[SPIN_I] * since, y[ANGLE_J] += y[SPIN_J] * since;
+    y[ANGLE_I] += y[SPIN_I] * since;
+    y[ANGLE_J] += y[SPIN_J] * since;
 }
 
 static void at(const pair *p, const motion *m, const stretch *z, double since, double *restrict y)
@@ -204,7 +229,8 @@ static void at(const pair *p, const motion *m, const stretch *z, double since, d
  * ended. */
 static double held(const pair *p, const motion *m, const double *restrict y, double spring)
 {
-    double force = p->stiffness * y[D] + p->damping * y[G], left = fmax(y[D], 0.0);
+    double force = p->stiffness * y[D] + p->damping * y[G];
+    double left = fmax(y[D], 0.0);
     if (m->mode == APART)
         return 0.5 * p->stiffness * left * left;
     double bent = m->mode == HOLDS   ? spring
@@ -215,18 +241,23 @@ static double held(const pair *p, const motion *m, const double *restrict y, dou
 
 static void pass(const pair *p, motion *m, const stretch *z)
 {
-    double y[STATES],
-        share = p->tangential_stiffness > 0.0 ? p->friction / p->tangential_stiffness : 0.0;
+    double y[STATES];
+    double share = p->tangential_stiffness > 0.0 ? p->friction / p->tangential_stiffness : 0.0;
     at(p, m, z, z->end, y);
     double spring = z->spring[0] + gained(z->spring, z->end);
     memcpy(m->y, y, sizeof y);
-    m->now += z->end, m->spring = spring, m->touch = 0, m->fresh = 0;
+    m->now += z->end;
+    m->spring = spring;
+    m->touch = 0;
+    m->fresh = 0;
     if (z->next < 0)
         return;
     if (z->next == SLIPS)
         m->side = spring > 0.0 ? 1 : -1;
-    if (z->next == HOLDS)
-        m->spring = m->side * share * (p->stiffness * y[D] + p->damping * y[G]), m->fresh = 2;
+    if (z->next == HOLDS) {
+        m->spring = m->side * share * (p->stiffness * y[D] + p->damping * y[G]);
+        m->fresh = 2;
+    }
     if (z->next == APART && !(p->no_pull && p->damping > 0.0))
         m->y[D] = 0.0;
     m->mode = z->next;
@@ -238,8 +269,8 @@ static motion begun(const pair *p, const double *start)
     motion m = {.touch = start[D] <= 0.0, .fresh = start[D] <= 0.0 && p->damping == 0.0};
     memcpy(m.y, start, 6 * sizeof *start);
     m.y[D] = fmax(m.y[D], 0.0);
-    double force = p->stiffness * m.y[D] + p->damping * m.y[G],
-           limit = m.fresh ? p->stiffness * m.y[G] : INFINITY;
+    double force = p->stiffness * m.y[D] + p->damping * m.y[G];
+    double limit = m.fresh ? p->stiffness * m.y[G] : INFINITY;
     double slip = (p->radius_i - p->branch * m.y[D]) * m.y[SPIN_I]
                   + (p->radius_j - p->branch * m.y[D]) * m.y[SPIN_J] - m.y[Q];
     m.side = slip > 0.0 ? 1 : -1;
@@ -265,7 +296,8 @@ int64_t refdem_oblique(const refdem_oblique_pair *p, const double *start, int64_
             double since = t[row] - m.now;
             at(p, &m, &z, since, out);
             int presses = m.mode != APART;
-            out[9] = presses, out[10] = presses ? p->stiffness * out[D] + p->damping * out[G] : 0.0;
+            out[9] = presses;
+            out[10] = presses ? p->stiffness * out[D] + p->damping * out[G] : 0.0;
             out[11] = out[WORK]
                       - held(p, &m, out, presses ? z.spring[0] + gained(z.spring, since) : 0.0);
         }

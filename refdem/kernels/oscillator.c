@@ -7,7 +7,9 @@ int refdem_harmonic(double mass, double stiffness, const double *gravity, const 
                     const double *position, const double *velocity, double t0, int64_t samples,
                     const double *t, double *out_position, double *out_velocity)
 {
-    dd m = dd_of(mass), k = dd_of(stiffness), w = dd_sqrt(dd_div(k, m));
+    dd m = dd_of(mass);
+    dd k = dd_of(stiffness);
+    dd w = dd_sqrt(dd_div(k, m));
     double rest[3], from[3], speed[3];
     for (int i = 0; i < 3; i++) {
         dd middle = dd_add(dd_of(anchor[i]), dd_div(dd_scale(m, gravity[i]), k));

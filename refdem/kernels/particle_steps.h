@@ -25,7 +25,9 @@ typedef struct {
  * Knuth's sum, TAOCP 4.2.2). */
 static inline void gain(const runner *r, const double *from, int64_t c, double by, double *to)
 {
-    double part = from[r->size + c] + by, sum = from[c] + part, taken = sum - from[c];
+    double part = from[r->size + c] + by;
+    double sum = from[c] + part;
+    double taken = sum - from[c];
     to[r->size + c] = (from[c] - (sum - taken)) + (part - taken);
     to[c] = sum;
 }
@@ -39,11 +41,11 @@ static inline void lean(const meeting *m, double stiffness, double h, double *re
     double fast = size(m->slip);
     if (fast == 0.0)
         return;
-    double along = dot(s, m->slip) / fast,
-           decay = m->limit > 0.0 ? exp(-fast * stiffness * h / m->limit) : 0.0;
+    double along = dot(s, m->slip) / fast;
+    double decay = m->limit > 0.0 ? exp(-fast * stiffness * h / m->limit) : 0.0;
     double tangent = decay * sqrt(fmax(0.0, 1.0 - along) / fmax(1e-300, 1.0 + along));
-    double cosine = (1.0 - tangent * tangent) / (1.0 + tangent * tangent),
-           sine = 2.0 * tangent / (1.0 + tangent * tangent);
+    double cosine = (1.0 - tangent * tangent) / (1.0 + tangent * tangent);
+    double sine = 2.0 * tangent / (1.0 + tangent * tangent);
     double across[3];
     for (int c = 0; c < 3; c++)
         across[c] = s[c] - along * m->slip[c] / fast;
@@ -62,7 +64,8 @@ static inline void stretch(const runner *r, double *restrict y, double h, double
 {
     const refdem_particles *p = r->p;
     for (int64_t k = 0; k < p->pairs; k++) {
-        double *s = y + history_at(p) + 3 * k, *old = normal + 3 * k;
+        double *s = y + history_at(p) + 3 * k;
+        double *old = normal + 3 * k;
         if (r->mode[k] < STICK)
             continue;
         meeting m = meet(p, k, y);
@@ -84,10 +87,12 @@ static inline void stretch(const runner *r, double *restrict y, double h, double
 static inline void spin(int64_t n, const double *restrict w, double h, double *restrict q)
 {
     for (int64_t i = 0; i < n; i++, w += 3, q += 4) {
-        double angle = 0.5 * h * size(w),
-               part = angle != 0.0 ? 0.5 * h * sin(angle) / angle : 0.5 * h, c = cos(angle);
-        double v[3] = {part * w[0], part * w[1], part * w[2]}, old[4] = {q[0], q[1], q[2], q[3]},
-               across[3];
+        double angle = 0.5 * h * size(w);
+        double part = angle != 0.0 ? 0.5 * h * sin(angle) / angle : 0.5 * h;
+        double c = cos(angle);
+        double v[3] = {part * w[0], part * w[1], part * w[2]};
+        double old[4] = {q[0], q[1], q[2], q[3]};
+        double across[3];
         cross(v, old + 1, across);
         q[0] = c * old[0] - dot(v, old + 1);
         for (int k = 0; k < 3; k++)
@@ -113,8 +118,10 @@ static inline int verlet(const runner *r, const double *restrict y, const double
                          double h, double *restrict out, double *restrict rate)
 {
     const refdem_particles *p = r->p;
-    double *half = r->scratch, *normal = half + 2 * r->size;
-    int rubs = p->friction > 0.0, lags = p->damping > 0.0 || rubs;
+    double *half = r->scratch;
+    double *normal = half + 2 * r->size;
+    int rubs = p->friction > 0.0;
+    int lags = p->damping > 0.0 || rubs;
     memcpy(out, y, 2 * (size_t)r->size * sizeof *y);
     kick(r, y, dy, 0.5 * h, out);
     if (rubs)
@@ -142,7 +149,8 @@ static inline void settle(const runner *r, double *restrict y)
 {
     const refdem_particles *p = r->p;
     for (int64_t i = 0; p->turning && i < p->bodies; i++) {
-        double *q = y + 9 * p->bodies + 4 * i, norm = sqrt(q[0] * q[0] + dot(q + 1, q + 1));
+        double *q = y + 9 * p->bodies + 4 * i;
+        double norm = sqrt(q[0] * q[0] + dot(q + 1, q + 1));
         for (int c = 0; c < 4; c++)
             q[c] /= norm;
     }
@@ -162,7 +170,10 @@ static inline void settle(const runner *r, double *restrict y)
 static inline int runge_kutta(const runner *r, const double *restrict y, const double *restrict dy,
                               double h, double *restrict out, double *restrict rate)
 {
-    double *b = r->scratch, *c = b + r->size, *d = c + r->size, *at = d + r->size;
+    double *b = r->scratch;
+    double *c = b + r->size;
+    double *d = c + r->size;
+    double *at = d + r->size;
     for (int64_t i = 0; i < r->size; i++)
         at[i] = y[i] + 0.5 * h * dy[i];
     rates(r->p, r->mode, at, b);
@@ -184,9 +195,14 @@ static inline int runge_kutta(const runner *r, const double *restrict y, const d
 static inline void midpoint(const runner *r, const double *restrict y, const double *restrict dy,
                             double h, int n, double *restrict change, double *restrict work)
 {
-    double *at = work, *rate = at + r->size, *before = rate + r->size, step = h / n;
-    for (int64_t i = 0; i < r->size; i++)
-        before[i] = 0.0, change[i] = step * dy[i];
+    double *at = work;
+    double *rate = at + r->size;
+    double *before = rate + r->size;
+    double step = h / n;
+    for (int64_t i = 0; i < r->size; i++) {
+        before[i] = 0.0;
+        change[i] = step * dy[i];
+    }
     for (int k = 1; k <= n; k++) {
         for (int64_t i = 0; i < r->size; i++)
             at[i] = y[i] + change[i];
@@ -194,7 +210,8 @@ static inline void midpoint(const runner *r, const double *restrict y, const dou
         for (int64_t i = 0; i < r->size; i++) {
             double next = k < n ? before[i] + 2.0 * step * rate[i]
                                 : 0.5 * (before[i] + change[i] + step * rate[i]);
-            before[i] = change[i], change[i] = next;
+            before[i] = change[i];
+            change[i] = next;
         }
     }
 }
@@ -224,8 +241,8 @@ static inline double gap(const runner *r, const double *restrict end, const doub
         if (r->mode[k] < STICK)
             continue;
         meeting m = meet(p, k, end);
-        double strain = m.normal / (p->stiffness * p->radius[m.i]),
-               unit = r->mode[k] == STICK ? r->way : 1e-3 / strain;
+        double strain = m.normal / (p->stiffness * p->radius[m.i]);
+        double unit = r->mode[k] == STICK ? r->way : 1e-3 / strain;
         for (int64_t i = history_at(p) + 3 * k; i < history_at(p) + 3 * k + 3; i++)
             worst = larger(fabs(a[i] - b[i]) / fmax(fabs(unit), r->mode[k] == STICK ? 0.0 : 1.0),
                            worst);
@@ -239,10 +256,13 @@ static inline void measure(runner *r, const double *restrict y, const double *re
 {
     const refdem_particles *p = r->p;
     int64_t n = p->bodies;
-    double radius = 0.0, least = INFINITY;
+    double radius = 0.0;
+    double least = INFINITY;
     for (int64_t i = 0; i < n; i++)
-        if (p->radius[i] > 0.0)
-            radius = fmax(radius, p->radius[i]), least = fmin(least, p->radius[i]);
+        if (p->radius[i] > 0.0) {
+            radius = fmax(radius, p->radius[i]);
+            least = fmin(least, p->radius[i]);
+        }
     for (int64_t i = 0; i < 3 * n; i++) {
         r->length = fmax(r->length, fmax(fabs(y[i]), radius));
         r->speed = fmax(r->speed, fmax(fabs(y[3 * n + i]), fabs(h * dy[3 * n + i])));
@@ -265,7 +285,8 @@ static inline void measure(runner *r, const double *restrict y, const double *re
 static inline int extrapolated(const runner *r, const double *restrict y, const double *restrict dy,
                                double h, double *restrict out)
 {
-    double *table = r->scratch, *work = table + COLUMNS * r->size;
+    double *table = r->scratch;
+    double *work = table + COLUMNS * r->size;
     for (int j = 0; j < COLUMNS; j++) {
         int n = 2 * (j + 1);
         double *row = table + j * r->size;
@@ -273,7 +294,8 @@ static inline int extrapolated(const runner *r, const double *restrict y, const 
         /* Row m holds T(m, j - m ...): each older entry is replaced by the next one of the new
          * diagonal. */
         for (int m = j - 1; m >= 0; m--) {
-            double ratio = (double)(j + 1) / (m + 1), factor = 1.0 / (ratio * ratio - 1.0);
+            double ratio = (double)(j + 1) / (m + 1);
+            double factor = 1.0 / (ratio * ratio - 1.0);
             double *older = table + m * r->size;
             const double *newer = older + r->size;
             for (int64_t i = 0; i < r->size; i++)

@@ -15,9 +15,10 @@ typedef struct {
     int64_t most, events;
 } course;
 
-static const double SLACK = 1e-15, SHORTEST = 1e-6;
-static const double EDGE = 1.0 / 16.0,
-                    NARROW = 1e-4; /* parts of a step: where guards are seen to fall and to rise,
+static const double SLACK = 1e-15;
+static const double SHORTEST = 1e-6;
+static const double EDGE = 1.0 / 16.0;
+static const double NARROW = 1e-4; /* parts of a step: where guards are seen to fall and to rise,
                                       how narrow a dip is seen */
 
 /* A guard at a part of the step, by a step that ends there. */
@@ -35,11 +36,14 @@ static double risen(const runner *r, course *c, int64_t k, int kind, double h, d
 {
     double found = 0.0;
     for (int i = 1; i <= HALVES; i++) {
-        double part = ldexp(high, -i), seen = guard_at(r, c, k, kind, h, part);
+        double part = ldexp(high, -i);
+        double seen = guard_at(r, c, k, kind, h, part);
         if (found > 0.0 && seen < -SLACK)
             return 0.0;
-        if (found == 0.0 && seen > SLACK)
-            found = part, *value = seen;
+        if (found == 0.0 && seen > SLACK) {
+            found = part;
+            *value = seen;
+        }
     }
     return found;
 }
@@ -49,7 +53,10 @@ static double risen(const runner *r, course *c, int64_t k, int kind, double h, d
 static double crossing(const runner *r, course *c, int64_t k, int kind, double h, double high,
                        double last)
 {
-    double low = 0.0, at_low = guard(r, k, kind, c->y, c->dy), at_high = last, found = high;
+    double low = 0.0;
+    double at_low = guard(r, k, kind, c->y, c->dy);
+    double at_high = last;
+    double found = high;
     int side = 0;
     if (kind == GAP && at_low <= SLACK && meet(r->p, k, c->y).rate * h < 0.0)
         return 0.0; /* what parts within rounding parts now: else it would stick and slip without
@@ -67,9 +74,15 @@ static double crossing(const runner *r, course *c, int64_t k, int kind, double h
         if (value == 0.0 || found == high || found == low)
             break;
         if (value > 0.0) {
-            low = found, at_low = value, at_high *= side == 1 ? 0.5 : 1.0, side = 1;
+            low = found;
+            at_low = value;
+            at_high *= side == 1 ? 0.5 : 1.0;
+            side = 1;
         } else {
-            high = found, at_high = value, at_low *= side == -1 ? 0.5 : 1.0, side = -1;
+            high = found;
+            at_high = value;
+            at_low *= side == -1 ? 0.5 : 1.0;
+            side = -1;
         }
     }
     return found;
@@ -79,9 +92,11 @@ static double crossing(const runner *r, course *c, int64_t k, int kind, double h
 static void between(const runner *r, const course *c, double h, double part, double *restrict y,
                     double *restrict dy)
 {
-    double left = 1.0 - part, first = left * left * (1.0 + 2.0 * part),
-           last = part * part * (3.0 - 2.0 * part);
-    double begins = left * left * part * h, ends = -part * part * left * h;
+    double left = 1.0 - part;
+    double first = left * left * (1.0 + 2.0 * part);
+    double last = part * part * (3.0 - 2.0 * part);
+    double begins = left * left * part * h;
+    double ends = -part * part * left * h;
     for (int64_t i = 0; i < r->size; i++)
         y[i] = first * c->y[i] + begins * c->dy[i] + last * c->next[i] + ends * c->rate[i];
     rates(r->p, r->mode, y, dy);
@@ -106,16 +121,26 @@ static double lowest(const runner *r, course *c, int64_t k, int kind, double h,
                      double *restrict value)
 {
     const double golden = 0.6180339887498949;
-    double low = 0.0, high = 1.0, a = 1.0 - golden, b = golden;
-    double at_a = guard_at(r, c, k, kind, h, a),
-           at_b = at_a < -SLACK ? INFINITY : guard_at(r, c, k, kind, h, b);
+    double low = 0.0;
+    double high = 1.0;
+    double a = 1.0 - golden;
+    double b = golden;
+    double at_a = guard_at(r, c, k, kind, h, a);
+    double at_b = at_a < -SLACK ? INFINITY : guard_at(r, c, k, kind, h, b);
     while (!(fmin(at_a, at_b) < -SLACK) && high - low > NARROW) {
-        if (at_a < at_b)
-            high = b, b = a, at_b = at_a, a = high - golden * (high - low),
+        if (at_a < at_b) {
+            high = b;
+            b = a;
+            at_b = at_a;
+            a = high - golden * (high - low);
             at_a = guard_at(r, c, k, kind, h, a);
-        else
-            low = a, a = b, at_a = at_b, b = low + golden * (high - low),
+        } else {
+            low = a;
+            a = b;
+            at_a = at_b;
+            b = low + golden * (high - low);
             at_b = guard_at(r, c, k, kind, h, b);
+        }
     }
     *value = fmin(at_a, at_b);
     return at_a < at_b ? a : b;
@@ -126,27 +151,40 @@ static double lowest(const runner *r, course *c, int64_t k, int kind, double h,
  * the step. */
 static int leaving(const runner *r, course *c, double h, double *fraction, int64_t *pair, int *kind)
 {
-    int found = 0, elsewhere = 0, looks_inside = r->method == EXTRAPOLATION;
-    double value[GUARDS], *early = r->scratch + (COLUMNS + 3) * r->size,
-                          *late = early + 2 * r->size;
-    if (looks_inside)
-        between(r, c, h, EDGE, early, early + r->size),
-            between(r, c, h, 1.0 - EDGE, late, late + r->size);
+    int found = 0;
+    int elsewhere = 0;
+    int looks_inside = r->method == EXTRAPOLATION;
+    double value[GUARDS];
+    double *early = r->scratch + (COLUMNS + 3) * r->size;
+    double *late = early + 2 * r->size;
+    if (looks_inside) {
+        between(r, c, h, EDGE, early, early + r->size);
+        between(r, c, h, 1.0 - EDGE, late, late + r->size);
+    }
     for (int64_t k = 0; k < r->p->pairs; k++) {
         if (elsewhere) /* searches overwrite the end of the step */
-            step(r, c->y, c->dy, h, c->next, c->rate), elsewhere = 0;
+        {
+            step(r, c->y, c->dy, h, c->next, c->rate);
+            elsewhere = 0;
+        }
         for (int g = 0; g < GUARDS; g++)
             value[g] = guard(r, k, g, c->next, c->rate);
         int dips = looks_inside ? dipping(r, c, k, early, late, value) : 0;
         for (int g = 0; g < GUARDS; g++) {
-            double end = 1.0, last = value[g];
-            if (!(last < -SLACK) && (dips >> g & 1))
-                end = lowest(r, c, k, g, h, &last), elsewhere = 1;
+            double end = 1.0;
+            double last = value[g];
+            if (!(last < -SLACK) && (dips >> g & 1)) {
+                end = lowest(r, c, k, g, h, &last);
+                elsewhere = 1;
+            }
             if (!(last < -SLACK))
                 continue;
             double at = crossing(r, c, k, g, h, end, last);
-            if (!found || at < *fraction)
-                *fraction = at, *pair = k, *kind = g;
+            if (!found || at < *fraction) {
+                *fraction = at;
+                *pair = k;
+                *kind = g;
+            }
             found = elsewhere = 1;
         }
     }
@@ -167,8 +205,11 @@ static void accept(const runner *r, course *c)
 {
     const refdem_particles *p = r->p;
     double *swap = c->y;
-    c->y = c->next, c->next = swap;
-    swap = c->dy, c->dy = c->rate, c->rate = swap;
+    c->y = c->next;
+    c->next = swap;
+    swap = c->dy;
+    c->dy = c->rate;
+    c->rate = swap;
     for (int64_t k = 0; p->friction > 0.0 && p->tangential_stiffness == 0.0 && k < p->pairs; k++) {
         if (r->mode[k] < SLIP)
             continue;
@@ -184,7 +225,8 @@ static void accept(const runner *r, course *c)
 static void stop(const refdem_particles *p, int64_t k, double *restrict y)
 {
     meeting m = meet(p, k, y);
-    double impulse[3], ease = yields(p, &m);
+    double impulse[3];
+    double ease = yields(p, &m);
     for (int c = 0; c < 3; c++)
         impulse[c] = -m.slip[c] / ease;
     twist(p, &m, impulse, y);
@@ -194,7 +236,8 @@ static void stop(const refdem_particles *p, int64_t k, double *restrict y)
 /* The mode that pair k changes to, at time t. */
 static void change(runner *r, course *c, int64_t k, int kind, double t)
 {
-    int64_t before = r->mode[k], now = next_mode(r, k, kind, c->y, c->dy);
+    int64_t before = r->mode[k];
+    int64_t now = next_mode(r, k, kind, c->y, c->dy);
     r->mode[k] = now;
     if (before >= SLIP && now == STICK && r->p->tangential_stiffness == 0.0)
         stop(r->p, k, c->y);
@@ -221,9 +264,12 @@ static int finite(const runner *r, const double *restrict y)
  * comes, for the checks to judge, and not in a million pieces. */
 static void advance(runner *r, course *c, double t, double h)
 {
-    double left = h, piece = h, fraction = 0.0;
+    double left = h;
+    double piece = h;
+    double fraction = 0.0;
     int64_t pair = 0;
-    int kind = 0, rough = 0;
+    int kind = 0;
+    int rough = 0;
     for (int events = 0; left != 0.0; piece = left) {
         while (!step(r, c->y, c->dy, piece, c->next, c->rate) && !rough) {
             rough = fabs(piece) <= SHORTEST * fabs(h) || !finite(r, c->y);
@@ -233,8 +279,10 @@ static void advance(runner *r, course *c, double t, double h)
             || !leaving(r, c, piece, &fraction, &pair, &kind)) {
             accept(r, c);
             left -= piece;
-            if (r->mode[pair] == FADE)
-                r->mode[pair] = SLIP, rates(r->p, r->mode, c->y, c->dy);
+            if (r->mode[pair] == FADE) {
+                r->mode[pair] = SLIP;
+                rates(r->p, r->mode, c->y, c->dy);
+            }
             continue;
         }
         if (kind == HOLD && r->mode[pair] == SLIP && r->p->tangential_stiffness == 0.0

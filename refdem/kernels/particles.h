@@ -51,13 +51,17 @@ static inline int64_t work_at(const refdem_particles *p)
 static inline void approach(const refdem_particles *p, int64_t k, const double *restrict y,
                             meeting *restrict m)
 {
-    const double *x = y, *v = y + 3 * p->bodies;
-    int64_t i = m->i = p->pair[2 * k], j = m->j = p->pair[2 * k + 1];
-    double away[3], distance = INFINITY;
+    const double *x = y;
+    const double *v = y + 3 * p->bodies;
+    int64_t i = m->i = p->pair[2 * k];
+    int64_t j = m->j = p->pair[2 * k + 1];
+    double away[3];
+    double distance = INFINITY;
     if (j < 0) {
         const double *plane = p->plane + 6 * (-1 - j);
         for (int c = 0; c < 3; c++) {
-            m->n[c] = -plane[3 + c], m->w[c] = v[3 * i + c];
+            m->n[c] = -plane[3 + c];
+            m->w[c] = v[3 * i + c];
             away[c] = x[3 * i + c] - plane[c];
         }
         m->overlap = p->radius[i] + dot(away, m->n);
@@ -132,8 +136,11 @@ static inline double yields(const refdem_particles *p, const meeting *m)
 static inline void holding(const refdem_particles *p, const meeting *m, const double *restrict y,
                            const double *restrict dy, double *restrict force)
 {
-    const double *w = y + spin_at(p), *a = dy + 3 * p->bodies, *b = dy + spin_at(p);
-    double spin[3], rate[3], carried[3], turned[3], ease = yields(p, m);
+    const double *w = y + spin_at(p);
+    const double *a = dy + 3 * p->bodies;
+    const double *b = dy + spin_at(p);
+    double spin[3], rate[3], carried[3], turned[3];
+    double ease = yields(p, m);
     for (int c = 0; c < 3; c++) {
         spin[c] = m->arm_i * w[3 * m->i + c];
         rate[c] = m->arm_i * b[3 * m->i + c] - p->branch * m->rate * w[3 * m->i + c];
@@ -162,13 +169,19 @@ static inline void rub(const refdem_particles *p, int64_t mode, const meeting *m
                        const double *restrict y, const double *restrict dy,
                        const double *restrict s, double *restrict force, double *restrict rate)
 {
-    double k = grip(p, m), along = dot(s, m->slip), carried = dot(s, m->turn);
-    double least = 1e-8 * p->friction * p->stiffness * p->radius[m->i], limit = fmax(m->limit, 0.0);
+    double k = grip(p, m);
+    double along = dot(s, m->slip);
+    double carried = dot(s, m->turn);
+    double least = 1e-8 * p->friction * p->stiffness * p->radius[m->i];
+    double limit = fmax(m->limit, 0.0);
     double lean
         = k * limit
           / (limit * limit + least * least); /* k/limit, but finite where the force vanishes */
-    double across[3], inside[3], towards[3] = {s[0], s[1], s[2]}, fast = size(m->slip), flat = 1.0,
-                                 out = dot(s, m->n);
+    double across[3], inside[3];
+    double towards[3] = {s[0], s[1], s[2]};
+    double fast = size(m->slip);
+    double flat = 1.0;
+    double out = dot(s, m->n);
     int bends = p->tangential_stiffness > 0.0;
     if (!bends && mode >= SLIP) { /* along the slip; where that has no direction, as it was; in the
                                    * plane of contact, for a slip that ends is all rounding, and
@@ -179,8 +192,10 @@ static inline void rub(const refdem_particles *p, int64_t mode, const meeting *m
         flat = fmax(size(towards),
                     1e-300); /* no direction yet, as after sticking without any pull: no friction */
     }
-    for (int c = 0; c < 3; c++)
-        inside[c] = s[c] - out * m->n[c], towards[c] /= flat;
+    for (int c = 0; c < 3; c++) {
+        inside[c] = s[c] - out * m->n[c];
+        towards[c] /= flat;
+    }
     for (int c = 0; c < 3; c++)
         across[c] = m->slip[c] - along * inside[c] / fmax(dot(inside, inside), 1e-300);
     if (mode == SLIP && size(across) < STRAIGHT * fast) /* motion in a plane: rounding must not turn
@@ -205,7 +220,9 @@ static inline void rub(const refdem_particles *p, int64_t mode, const meeting *m
 static inline void twist(const refdem_particles *p, const meeting *m, const double *restrict force,
                          double *restrict dy)
 {
-    double *a = dy + 3 * p->bodies, *b = dy + spin_at(p), torque[3];
+    double *a = dy + 3 * p->bodies;
+    double *b = dy + spin_at(p);
+    double torque[3];
     cross(m->n, force, torque);
     add(a + 3 * m->i, p->ease[m->i], force);
     if (m->j >= 0)
@@ -220,12 +237,15 @@ static inline void pull_springs(const refdem_particles *p, const double *restric
 {
     for (int64_t k = 0; k < p->springs; k++) {
         const double *spring = p->spring + 8 * k;
-        int64_t i = p->spring_end[2 * k], j = p->spring_end[2 * k + 1];
-        double to[3], factor = spring[0];
+        int64_t i = p->spring_end[2 * k];
+        int64_t j = p->spring_end[2 * k + 1];
+        double to[3];
+        double factor = spring[0];
         for (int c = 0; c < 3; c++)
             to[c] = (j < 0 ? spring[3 + c] : x[3 * j + c]) - x[3 * i + c];
         if (spring[1] != 0.0 || spring[2] != 1.0 || spring[6] != 0.0 || spring[7] != 0.0) {
-            double distance = size(to), stretch = distance - spring[1];
+            double distance = size(to);
+            double stretch = distance - spring[1];
             double pull
                 = factor
                   * copysign(spring[2] == 1.0 ? fabs(stretch) : pow(fabs(stretch), spring[2]),
@@ -262,7 +282,8 @@ static inline double press(const refdem_particles *p, const int64_t *restrict mo
 static inline double rub_all(const refdem_particles *p, const int64_t *restrict mode,
                              const double *restrict y, double *restrict dy)
 {
-    double power = 0.0, force[3];
+    double power = 0.0;
+    double force[3];
     for (int64_t k = 0; k < p->pairs; k++) {
         if (mode[k] < STICK)
             continue;

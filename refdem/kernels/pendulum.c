@@ -42,7 +42,8 @@ static dd length_of(const dd *v)
 /* Part of v that is perpendicular to the unit vector n, made a unit vector; its length. */
 static dd perpendicular(const dd *restrict v, const dd *restrict n, dd *restrict out)
 {
-    dd along = dd_dot(v, n), size;
+    dd along = dd_dot(v, n);
+    dd size;
     for (int i = 0; i < 3; i++)
         out[i] = dd_sub(v[i], dd_mul(along, n[i]));
     size = length_of(out);
@@ -75,8 +76,9 @@ static plane plane_of(const double *restrict gravity, const dd *restrict rod,
 /* S and C >= 0 from sin and cos of theta, without cancellation. */
 static void halved(dd s, dd c, dd *restrict sine, dd *restrict cosine)
 {
-    dd one = dd_of(1.0), large = dd_sqrt(dd_scale(dd_add(one, dd_abs(c)), 0.5)),
-       small = dd_div(dd_scale(s, 0.5), large);
+    dd one = dd_of(1.0);
+    dd large = dd_sqrt(dd_scale(dd_add(one, dd_abs(c)), 0.5));
+    dd small = dd_div(dd_scale(s, 0.5), large);
     *cosine = c.hi > 0.0 ? large : dd_abs(small);
     *sine = c.hi > 0.0 ? small : s.hi < 0.0 ? dd_neg(large) : large;
 }
@@ -85,20 +87,31 @@ static void halved(dd s, dd c, dd *restrict sine, dd *restrict cosine)
  * and w0. */
 static void prepare(pendulum *b, dd s, dd c, dd omega, dd w0)
 {
-    dd sine, cosine, one = dd_of(1.0);
+    dd sine, cosine;
+    dd one = dd_of(1.0);
     halved(s, c, &sine, &cosine);
-    b->w0 = w0.hi, b->omega = omega.hi, b->s = s.hi, b->c = c.hi, b->sense = 1.0;
+    b->w0 = w0.hi;
+    b->omega = omega.hi;
+    b->s = s.hi;
+    b->c = c.hi;
+    b->sense = 1.0;
     if (w0.hi == 0.0 || (omega.hi == 0.0 && (sine.hi == 0.0 || cosine.hi == 0.0))) {
         b->kind = omega.hi == 0.0 ? RESTING : TURNING;
-        b->rate = omega, b->start = angle_of(s, c);
+        b->rate = omega;
+        b->start = angle_of(s, c);
         return;
     }
-    dd p = dd_div(omega, dd_scale(w0, 2.0)), square = dd_add(dd_square(sine), dd_square(p));
-    dd rest = dd_sub(dd_square(cosine), dd_square(p)), k = dd_sqrt(square);
+    dd p = dd_div(omega, dd_scale(w0, 2.0));
+    dd square = dd_add(dd_square(sine), dd_square(p));
+    dd rest = dd_sub(dd_square(cosine), dd_square(p));
+    dd k = dd_sqrt(square);
     b->kind = rest.hi >= 0.0 ? SWINGING : ROTATING;
     b->k = k.hi;
-    if (omega.hi < 0.0 && (b->kind == ROTATING || rest.hi == 0.0))
-        b->sense = -1.0, sine = dd_neg(sine), p = dd_neg(p);
+    if (omega.hi < 0.0 && (b->kind == ROTATING || rest.hi == 0.0)) {
+        b->sense = -1.0;
+        sine = dd_neg(sine);
+        p = dd_neg(p);
+    }
     if (b->kind == SWINGING) {
         b->j = jacobi_prepared(square, rest);
         b->rate = w0;
@@ -130,10 +143,14 @@ static inline void at(const pendulum *restrict b, double t0, int count, const do
     jacobi_points p;
     jacobi_at(&b->j, b->phase, t0, count, t, &p);
     int is_swinging = b->kind == SWINGING;
-    const double *half = is_swinging ? p.dn : p.cn, *speed = is_swinging ? p.cn : p.dn;
-    double size = is_swinging ? b->k : 1.0, twice = 2.0 * b->sense, rate = twice * b->w0 * b->k;
+    const double *half = is_swinging ? p.dn : p.cn;
+    const double *speed = is_swinging ? p.cn : p.dn;
+    double size = is_swinging ? b->k : 1.0;
+    double twice = 2.0 * b->sense;
+    double rate = twice * b->w0 * b->k;
     for (int k = 0; k < count; k++) {
-        double sine = size * p.sn[k], cosine = half[k];
+        double sine = size * p.sn[k];
+        double cosine = half[k];
         out->s[k] = twice * sine * cosine;
         out->c[k] = fma(cosine, cosine, -(sine * sine));
         out->omega[k] = rate * speed[k];
@@ -146,11 +163,16 @@ static inline void placed(const hung *restrict m, int count, const angles *restr
                           double *restrict force)
 {
     double down[3], across[3];
-    for (int i = 0; i < 3; i++)
-        down[i] = m->length * m->down[i], across[i] = m->length * m->across[i];
+    for (int i = 0; i < 3; i++) {
+        down[i] = m->length * m->down[i];
+        across[i] = m->length * m->across[i];
+    }
     for (int k = 0; k < count; k++) {
-        double s = a->s[k], c = a->c[k], omega = a->omega[k], speed_c = omega * c,
-               speed_s = -omega * s;
+        double s = a->s[k];
+        double c = a->c[k];
+        double omega = a->omega[k];
+        double speed_c = omega * c;
+        double speed_s = -omega * s;
         position[3 * k] = fma(s, across[0], fma(c, down[0], m->anchor[0]));
         position[3 * k + 1] = fma(s, across[1], fma(c, down[1], m->anchor[1]));
         position[3 * k + 2] = fma(s, across[2], fma(c, down[2], m->anchor[2]));
@@ -183,20 +205,28 @@ int refdem_pendulum_prepare(double mass, double length, const double *gravity, c
                 .out_position = out_position,
                 .out_velocity = out_velocity,
                 .out_force = out_force};
-    for (int i = 0; i < 3; i++)
-        rod[i] = two_sum(position[i], -anchor[i]), v[i] = dd_of(velocity[i]);
+    for (int i = 0; i < 3; i++) {
+        rod[i] = two_sum(position[i], -anchor[i]);
+        v[i] = dd_of(velocity[i]);
+    }
     plane way = plane_of(gravity, rod, v);
-    across = dd_dot(rod, way.across), along = dd_dot(rod, way.down);
+    across = dd_dot(rod, way.across);
+    along = dd_dot(rod, way.down);
     size = dd_sqrt(dd_add(dd_square(across), dd_square(along)));
-    dd s = dd_div(across, size), c = dd_div(along, size);
+    dd s = dd_div(across, size);
+    dd c = dd_div(along, size);
     dd omega = dd_div(dd_sub(dd_mul(dd_dot(v, way.across), c), dd_mul(dd_dot(v, way.down), s)),
                       dd_of(length));
-    dd fall[3] = {dd_of(gravity[0]), dd_of(gravity[1]), dd_of(gravity[2])}, g = length_of(fall);
+    dd fall[3] = {dd_of(gravity[0]), dd_of(gravity[1]), dd_of(gravity[2])};
+    dd g = length_of(fall);
     prepare(&m->b, s, c, omega, dd_sqrt(dd_div(g, dd_of(length))));
     m->gravity = g.hi;
     for (int i = 0; i < 3; i++) {
-        m->anchor[i] = anchor[i], m->down[i] = way.down[i].hi, m->across[i] = way.across[i].hi;
-        m->position[i] = position[i], m->velocity[i] = velocity[i];
+        m->anchor[i] = anchor[i];
+        m->down[i] = way.down[i].hi;
+        m->across[i] = way.across[i].hi;
+        m->position[i] = position[i];
+        m->velocity[i] = velocity[i];
     }
     return 0;
 }
@@ -205,7 +235,8 @@ int refdem_pendulum_prepare(double mass, double length, const double *gravity, c
  * the point rests. */
 static inline void started(const hung *m, int64_t first, int count)
 {
-    int is_resting = m->b.kind == RESTING, meets = is_resting;
+    int is_resting = m->b.kind == RESTING;
+    int meets = is_resting;
     for (int k = 0; k < count; k++)
         meets |= m->t[first + k] == m->t0;
     for (int64_t k = first; meets && k < first + count; k++)

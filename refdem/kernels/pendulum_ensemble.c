@@ -17,7 +17,10 @@ enum {
  * exact. The last bit of the shifted sum is that number's parity, which becomes the sign. */
 static inline double sine_of_half_turns(double x)
 {
-    double shifted = x + 0x1.8p52, r = x - (shifted - 0x1.8p52), z = r * r, p;
+    double shifted = x + 0x1.8p52;
+    double r = x - (shifted - 0x1.8p52);
+    double z = r * r;
+    double p;
     uint64_t parity, bits;
     memcpy(&parity, &shifted, sizeof parity);
     memcpy(&bits, &r, sizeof bits);
@@ -64,7 +67,8 @@ int refdem_pendulum_ensemble(int stages, const double *weight, double square, do
     dd per_half_turn = dd_div(dd_of(1.0), DD_PI);
     for (int64_t first = 0; first < members; first += MEMBERS) {
         int count = members - first < MEMBERS ? (int)(members - first) : MEMBERS;
-        double *restrict a = angle + first, *restrict w = rate + first;
+        double *restrict a = angle + first;
+        double *restrict w = rate + first;
         converted(count, per_half_turn, a);
         converted(count, per_half_turn, w);
         for (int64_t n = 0; n < steps; n++) {

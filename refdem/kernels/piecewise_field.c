@@ -26,26 +26,33 @@ typedef struct {
 static phase free_flight(const tent *f, int region, double x, double v)
 {
     phase p = {.region = region, .x = x, .v = v, .lasts = INFINITY};
-    double edge = region == LEFT ? f->x1 : f->x2, towards = region == LEFT ? v : -v;
-    if (towards > 0.0)
-        p.lasts = (edge - x) / v, p.next = region == LEFT ? RISING : FALLING;
+    double edge = region == LEFT ? f->x1 : f->x2;
+    double towards = region == LEFT ? v : -v;
+    if (towards > 0.0) {
+        p.lasts = (edge - x) / v;
+        p.next = region == LEFT ? RISING : FALLING;
+    }
     return p;
 }
 
 static phase rising(const tent *f, double x, double v)
 {
-    double s = x - f->x1, h = -f->x1;
+    double s = x - f->x1;
+    double h = -f->x1;
     phase p = {.region = RISING,
                .x = x,
                .v = v,
                .lasts = INFINITY,
                .a = 0.5 * (s + v / f->lambda),
                .b = 0.5 * (s - v / f->lambda)};
-    if (p.a > 0.0)
-        p.lasts = log((h + sqrt(fmax(0.0, h * h - 4.0 * p.a * p.b))) / (2.0 * p.a)) / f->lambda,
+    if (p.a > 0.0) {
+        p.lasts = log((h + sqrt(fmax(0.0, h * h - 4.0 * p.a * p.b))) / (2.0 * p.a)) / f->lambda;
         p.next = FALLING;
-    if (p.a < 0.0)
-        p.lasts = 0.5 * log(-p.b / p.a) / f->lambda, p.next = LEFT;
+    }
+    if (p.a < 0.0) {
+        p.lasts = 0.5 * log(-p.b / p.a) / f->lambda;
+        p.next = LEFT;
+    }
     return p;
 }
 
@@ -61,10 +68,13 @@ static phase falling(const tent *f, double x, double v)
                .lag = atan2(-v / f->omega, s)};
     if (p.lag < 0.0)
         p.lag += 2.0 * pi;
-    if (v < 0.0 && p.a > f->x2)
-        p.lasts = (acos(-f->x2 / p.a) - p.lag) / f->omega, p.next = RISING;
-    else if (p.a > 0.0)
-        p.lasts = (1.5 * pi - p.lag) / f->omega, p.next = RIGHT;
+    if (v < 0.0 && p.a > f->x2) {
+        p.lasts = (acos(-f->x2 / p.a) - p.lag) / f->omega;
+        p.next = RISING;
+    } else if (p.a > 0.0) {
+        p.lasts = (1.5 * pi - p.lag) / f->omega;
+        p.next = RIGHT;
+    }
     return p;
 }
 
@@ -77,14 +87,18 @@ static phase entered(const tent *f, int region, double x, double v)
 
 static void state(const tent *f, const phase *p, double t, double *restrict x, double *restrict v)
 {
-    *x = p->x + p->v * t, *v = p->v;
+    *x = p->x + p->v * t;
+    *v = p->v;
     if (p->region == RISING) {
-        double grown = p->a * exp(f->lambda * t), left = p->b * exp(-f->lambda * t);
-        *x = f->x1 + (grown + left), *v = f->lambda * (grown - left);
+        double grown = p->a * exp(f->lambda * t);
+        double left = p->b * exp(-f->lambda * t);
+        *x = f->x1 + (grown + left);
+        *v = f->lambda * (grown - left);
     }
-    if (p->region == FALLING)
-        *x = f->x2 + p->a * cos(f->omega * t + p->lag),
+    if (p->region == FALLING) {
+        *x = f->x2 + p->a * cos(f->omega * t + p->lag);
         *v = -f->omega * p->a * sin(f->omega * t + p->lag);
+    }
 }
 
 static int region_at(const tent *f, double x, double v)
@@ -100,7 +114,8 @@ int refdem_piecewise_field(double mass, double k1, double k2, double x1, double 
                            double v0, int64_t samples, const double *t, double *out)
 {
     tent f = {x1, x2, sqrt(k1 / mass), sqrt(-k2 / mass)};
-    double begin = 0.0, edges[4] = {x1, 0.0, x2, 0.0};
+    double begin = 0.0;
+    double edges[4] = {x1, 0.0, x2, 0.0};
     phase now = entered(&f, region_at(&f, x0, v0), x0, v0);
     for (int64_t row = 0; row < samples; row++, out += 2) {
         while (t[row] - begin > now.lasts) {

@@ -17,12 +17,14 @@ typedef struct {
 } leg;
 
 enum { TERMS = 120, TRIES = 40 };
-static const double NEAR_TOUCH = 0.8, PI = 3.14159265358979323846;
+static const double NEAR_TOUCH = 0.8;
+static const double PI = 3.14159265358979323846;
 
 /* y 2F1(1/2, a; 1+a; z), z = y^(n+1). */
 static double since_touch(const leg *l, double y, double z)
 {
-    double sum = 1.0, factor = 1.0;
+    double sum = 1.0;
+    double factor = 1.0;
     for (int k = 1; k < TERMS && factor > 1e-18; k++) {
         factor *= z * (k - 0.5) / k;
         sum += factor * l->a / (l->a + k);
@@ -33,7 +35,8 @@ static double since_touch(const leg *l, double y, double z)
 /* 2a s 2F1(1-a, 1/2; 3/2; s^2). */
 static double before_turn(const leg *l, double s)
 {
-    double sum = 1.0, factor = 1.0;
+    double sum = 1.0;
+    double factor = 1.0;
     for (int k = 1; k < TERMS && factor > 1e-18; k++) {
         factor *= s * s * (k - l->a) / k;
         sum += factor / (2 * k + 1);
@@ -54,14 +57,16 @@ static leg prepared(double mass, double stiffness, double exponent, double depth
 /* The greatest overlap that the energy of an overlap and a rate reaches. */
 static double reached(double mass, double stiffness, double exponent, double overlap, double rate)
 {
-    double power = exponent + 1.0, ease = power * mass / (2.0 * stiffness);
+    double power = exponent + 1.0;
+    double ease = power * mass / (2.0 * stiffness);
     return pow(ease * rate * rate + pow(fmax(overlap, 0.0), power), 1.0 / power);
 }
 
 /* Time from touch to a state on the way in. */
 static double elapsed(const leg *l, double overlap, double rate)
 {
-    double y = overlap / l->depth, z = pow(y, l->power);
+    double y = overlap / l->depth;
+    double z = pow(y, l->power);
     return z < 0.5 ? l->unit * since_touch(l, y, z)
                    : l->half - l->unit * before_turn(l, rate / l->speed);
 }
@@ -70,19 +75,24 @@ static double elapsed(const leg *l, double overlap, double rate)
 static void pressed(const leg *l, double since, double left, double *restrict overlap,
                     double *restrict rate)
 {
-    double goal = since / l->unit, x = goal, change = 1.0;
+    double goal = since / l->unit;
+    double x = goal;
+    double change = 1.0;
     if (goal < NEAR_TOUCH) {
         for (int i = 0; i < TRIES && fabs(change) > 1e-17 * x; i++) {
-            double z = pow(x, l->power), before = fabs(change);
+            double z = pow(x, l->power);
+            double before = fabs(change);
             change = (goal - since_touch(l, x, z)) * sqrt(1.0 - z);
             if (i > 3 && fabs(change) >= before)
                 break;
             x += change;
         }
-        *overlap = l->depth * x, *rate = l->speed * sqrt(1.0 - pow(x, l->power));
+        *overlap = l->depth * x;
+        *rate = l->speed * sqrt(1.0 - pow(x, l->power));
         return;
     }
-    goal = left / l->unit, x = goal;
+    goal = left / l->unit;
+    x = goal;
     for (int i = 0; i < TRIES && fabs(change) > 1e-17 * fabs(x); i++) {
         double before = fabs(change);
         change = (goal - before_turn(l, x)) * pow(1.0 - x * x, 1.0 - l->a) / (2.0 * l->a);
@@ -90,7 +100,8 @@ static void pressed(const leg *l, double since, double left, double *restrict ov
             break;
         x += change;
     }
-    *overlap = l->depth * pow(1.0 - x * x, l->a), *rate = l->speed * x;
+    *overlap = l->depth * pow(1.0 - x * x, l->a);
+    *rate = l->speed * x;
 }
 
 int refdem_power_contact(double mass, const double *in, const double *out_law, double overlap,
@@ -99,26 +110,35 @@ int refdem_power_contact(double mass, const double *in, const double *out_law, d
     const double *law = overlap > 0.0 && rate < 0.0 ? out_law : in;
     int meets = overlap > 0.0 || rate > 0.0;
     double depth = meets ? reached(mass, law[0], law[1], overlap, rate) : 1.0;
-    leg inward = prepared(mass, in[0], in[1], depth),
-        outward = prepared(mass, out_law[0], out_law[1], depth);
+    leg inward = prepared(mass, in[0], in[1], depth);
+    leg outward = prepared(mass, out_law[0], out_law[1], depth);
     if (meets
         && !(overlap > 0.0)) /* the speed of touch is given: it need not go through the powers */
-        inward.half *= inward.speed / rate, inward.speed = rate, inward.unit = depth / rate;
+    {
+        inward.half *= inward.speed / rate;
+        inward.speed = rate;
+        inward.unit = depth / rate;
+    }
     double turn = inward.half - (overlap > 0.0 ? 0.0 : overlap / rate);
     if (overlap > 0.0)
         turn = rate < 0.0 ? elapsed(&outward, overlap, -rate) - outward.half
                           : inward.half - elapsed(&inward, overlap, rate);
     if (!meets)
         turn = INFINITY;
-    touch[0] = turn - inward.half, touch[1] = turn, touch[2] = turn + outward.half;
+    touch[0] = turn - inward.half;
+    touch[1] = turn;
+    touch[2] = turn + outward.half;
     for (int64_t row = 0; row < samples; row++, out += 2) {
         double left = turn - t[row];
         const leg *l = left >= 0.0 ? &inward : &outward;
-        double sense = left >= 0.0 ? 1.0 : -1.0, since = l->half - fabs(left);
+        double sense = left >= 0.0 ? 1.0 : -1.0;
+        double since = l->half - fabs(left);
         if (!meets) {
-            out[0] = overlap + rate * t[row], out[1] = rate;
+            out[0] = overlap + rate * t[row];
+            out[1] = rate;
         } else if (since <= 0.0) {
-            out[0] = l->speed * since, out[1] = sense * l->speed;
+            out[0] = l->speed * since;
+            out[1] = sense * l->speed;
         } else {
             pressed(l, since, fabs(left), out, out + 1);
             out[1] *= sense;

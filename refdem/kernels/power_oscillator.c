@@ -22,7 +22,8 @@ typedef struct {
  * z <= 1/2. */
 static dd hyper(double a, dd b, double z)
 {
-    dd sum = dd_of(1.0), factor = dd_of(1.0);
+    dd sum = dd_of(1.0);
+    dd factor = dd_of(1.0);
     for (int i = 0; i < MOST && factor.hi > 1e-34; i++) {
         factor = dd_scale(dd_scale(factor, z), (a + i) / (1.0 + i));
         sum = dd_add(sum, dd_div(dd_mul(factor, b), dd_add(b, dd_of(i + 1.0))));
@@ -39,7 +40,9 @@ static dd from_centre(const power_law *b, double y)
 /* (1 - 1/p)_i/i! is not a ratio of doubles: its factors are made in double-double. */
 static dd from_turning(const power_law *b, double w)
 {
-    dd share = dd_div(dd_of(b->p - 1.0), dd_of(b->p)), sum = dd_of(1.0), factor = dd_of(1.0);
+    dd share = dd_div(dd_of(b->p - 1.0), dd_of(b->p));
+    dd sum = dd_of(1.0);
+    dd factor = dd_of(1.0);
     double z = w * w;
     for (int i = 0; i < MOST && factor.hi > 1e-34; i++) {
         factor = dd_div(dd_mul(dd_scale(factor, z), dd_add(share, dd_of(i))), dd_of(1.0 + i));
@@ -88,11 +91,13 @@ static dd phase(const power_law *b, double y, double w)
 static power_law prepared(double mass, double stiffness, double exponent, double x, double v)
 {
     power_law b = {.p = exponent + 1.0, .rise = 1.0 / (exponent + 1.0)};
-    double middle = exp2(-b.rise), speed = sqrt(2.0 * stiffness / (mass * b.p));
+    double middle = exp2(-b.rise);
+    double speed = sqrt(2.0 * stiffness / (mass * b.p));
     b.turn = from_turning(&b, sqrt(0.5)).hi;
     b.quarter = dd_add(from_centre(&b, middle), from_turning(&b, sqrt(0.5)));
-    double size = fmax(fabs(x), pow(fabs(v) / speed, 2.0 * b.rise)), a = fabs(x) / size,
-           c = fabs(v) / speed / pow(size, 0.5 * b.p);
+    double size = fmax(fabs(x), pow(fabs(v) / speed, 2.0 * b.rise));
+    double a = fabs(x) / size;
+    double c = fabs(v) / speed / pow(size, 0.5 * b.p);
     b.reach = v == 0.0 ? fabs(x) : size * pow(pow(a, b.p) + c * c, b.rise);
     b.fastest = speed * pow(b.reach, 0.5 * b.p);
     dd unit = dd_sqrt(dd_div(dd_of(2.0 * stiffness), dd_mul(dd_of(mass), dd_of(b.p))));
@@ -105,7 +110,8 @@ static void at(const power_law *b, dd since, double *restrict x, double *restric
 {
     int odd;
     dd s = dd_reduced(dd_add(b->start, dd_mul(b->rate, since)), dd_scale(b->quarter, 2.0), &odd);
-    double y, w, side = odd ? -1.0 : 1.0;
+    double y, w;
+    double side = odd ? -1.0 : 1.0;
     if (fabs(s.hi) <= b->turn) {
         w = turning_inverse(b, dd_round(s));
         y = pow(1.0 - w * w, b->rise);
@@ -113,7 +119,8 @@ static void at(const power_law *b, dd since, double *restrict x, double *restric
         y = centre_inverse(b, dd_round(dd_sub(b->quarter, dd_abs(s))));
         w = copysign(sqrt(1.0 - pow(fabs(y), b->p)), s.hi);
     }
-    *x = side * b->reach * y, *v = -side * b->fastest * w;
+    *x = side * b->reach * y;
+    *v = -side * b->fastest * w;
 }
 
 int refdem_power_oscillator(double mass, double stiffness, double exponent, double x0, double v0,
@@ -126,7 +133,8 @@ int refdem_power_oscillator(double mass, double stiffness, double exponent, doub
     }
     power_law b = prepared(mass, stiffness, exponent, x0, v0);
     for (int64_t row = 0; row < samples; row++, out += 2) {
-        out[0] = x0, out[1] = v0;
+        out[0] = x0;
+        out[1] = v0;
         if (t[row] != t0)
             at(&b, two_sum(t[row], -t0), out, out + 1);
     }

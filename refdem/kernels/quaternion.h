@@ -36,8 +36,9 @@ static inline void quaternion_swing(const double *restrict n, const double *rest
 static inline void quaternion_rotated(const double *restrict q, const double *restrict v,
                                       double *restrict out)
 {
-    double x = 2.0 * (q[2] * v[2] - q[3] * v[1]), y = 2.0 * (q[3] * v[0] - q[1] * v[2]),
-           z = 2.0 * (q[1] * v[1] - q[2] * v[0]);
+    double x = 2.0 * (q[2] * v[2] - q[3] * v[1]);
+    double y = 2.0 * (q[3] * v[0] - q[1] * v[2]);
+    double z = 2.0 * (q[1] * v[1] - q[2] * v[0]);
     out[0] = v[0] + (q[0] * x + (q[2] * z - q[3] * y));
     out[1] = v[1] + (q[0] * y + (q[3] * x - q[1] * z));
     out[2] = v[2] + (q[0] * z + (q[1] * y - q[2] * x));
@@ -47,19 +48,22 @@ static inline void quaternion_rotated(const double *restrict q, const double *re
 static inline void quaternion_body(const double *restrict attitude, const double *restrict omega,
                                    dd *restrict q, dd *restrict w)
 {
-    dd size = dd_of(0.0), twist[3];
+    dd size = dd_of(0.0);
+    dd twist[3];
     for (int i = 0; i < 4; i++)
         size = dd_add(size, two_product(attitude[i], attitude[i]));
     size = dd_sqrt(size);
     for (int i = 0; i < 4; i++)
         q[i] = dd_div(dd_of(attitude[i]), size);
     for (int i = 0; i < 3; i++) {
-        int j = (i + 1) % 3, k = (i + 2) % 3;
+        int j = (i + 1) % 3;
+        int k = (i + 2) % 3;
         twist[i]
             = dd_scale(dd_sub(dd_scale(q[k + 1], omega[j]), dd_scale(q[j + 1], omega[k])), 2.0);
     }
     for (int i = 0; i < 3; i++) {
-        int j = (i + 1) % 3, k = (i + 2) % 3;
+        int j = (i + 1) % 3;
+        int k = (i + 2) % 3;
         dd more = dd_sub(dd_mul(q[k + 1], twist[j]), dd_mul(q[j + 1], twist[k]));
         w[i] = dd_add(dd_of(omega[i]), dd_add(dd_mul(q[0], twist[i]), more));
     }

@@ -90,23 +90,31 @@ static void couple(const system_of_rods *s, const double *restrict d1, const dou
 static void swap(double *a, double *b)
 {
     double kept = *a;
-    *a = *b, *b = kept;
+    *a = *b;
+    *b = kept;
 }
 
 /* matrix solution = rhs, by elimination with complete pivoting; a redundant rod carries nothing. */
 static void solve(const system_of_rods *s)
 {
     const int64_t n = s->rods;
-    double *a = s->matrix, *b = s->rhs, largest = 0.0;
+    double *a = s->matrix;
+    double *b = s->rhs;
+    double largest = 0.0;
     int64_t rank = 0;
-    for (int64_t i = 0; i < n; i++)
-        s->column[i] = (double)i, s->solution[i] = 0.0;
+    for (int64_t i = 0; i < n; i++) {
+        s->column[i] = (double)i;
+        s->solution[i] = 0.0;
+    }
     for (; rank < n; rank++) {
-        int64_t row = rank, col = rank;
+        int64_t row = rank;
+        int64_t col = rank;
         for (int64_t i = rank; i < n; i++)
             for (int64_t j = rank; j < n; j++)
-                if (fabs(a[i * n + j]) > fabs(a[row * n + col]))
-                    row = i, col = j;
+                if (fabs(a[i * n + j]) > fabs(a[row * n + col])) {
+                    row = i;
+                    col = j;
+                }
         largest = rank ? largest : fabs(a[row * n + col]);
         if (!(fabs(a[row * n + col]) > 1e-11 * largest))
             break;
@@ -114,7 +122,8 @@ static void solve(const system_of_rods *s)
             swap(&a[row * n + j], &a[rank * n + j]);
         for (int64_t i = 0; i < n; i++)
             swap(&a[i * n + col], &a[i * n + rank]);
-        swap(&b[row], &b[rank]), swap(&s->column[col], &s->column[rank]);
+        swap(&b[row], &b[rank]);
+        swap(&s->column[col], &s->column[rank]);
         for (int64_t i = rank + 1; i < n; i++) {
             double factor = a[i * n + rank] / a[rank * n + rank];
             for (int64_t j = rank; j < n; j++)
@@ -133,7 +142,8 @@ static void solve(const system_of_rods *s)
 static inline void grow(double *restrict value, double *restrict low, double by)
 {
     dd sum = two_sum(*value, by + *low);
-    *value = sum.hi, *low = sum.lo;
+    *value = sum.hi;
+    *low = sum.lo;
 }
 
 /* values -= scale M^-1 G(d)^T solution. */
@@ -159,7 +169,8 @@ static int hold_lengths(const system_of_rods *s, double h, double *restrict x, d
         double worst = 0.0;
         directions(s, x, s->new);
         for (int64_t r = 0; r < s->rods; r++) {
-            double l = s->rod_length[r], size = sqrt(dot(s->new + 3 * r, s->new + 3 * r));
+            double l = s->rod_length[r];
+            double size = sqrt(dot(s->new + 3 * r, s->new + 3 * r));
             s->rhs[r] = 0.5 * (size - l) * (size + l);
             worst = fmax(worst, fabs(size - l) / l);
             if (!isfinite(size))
@@ -256,12 +267,15 @@ int refdem_rattle(int64_t n, const double *mass, const double *gravity, int64_t 
                         0,
                         0,
                         0};
-    s.rhs = s.new + 3 * rods, s.solution = s.rhs + rods, s.column = s.solution + rods,
+    s.rhs = s.new + 3 * rods;
+    s.solution = s.rhs + rods;
+    s.column = s.solution + rods;
     s.matrix = s.column + rods;
     memset(s.low_x, 0, (size_t)(6 * n) * sizeof(double));
     tension(&s, position, velocity, force);
     for (int64_t k = 1; k < samples; k++) {
-        double *x = position + 3 * n * k, *v = velocity + 3 * n * k;
+        double *x = position + 3 * n * k;
+        double *v = velocity + 3 * n * k;
         memcpy(x, x - 3 * n, (size_t)(3 * n) * sizeof(double));
         memcpy(v, v - 3 * n, (size_t)(3 * n) * sizeof(double));
         for (int64_t m = 0; m < stride; m++)

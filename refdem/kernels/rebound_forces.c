@@ -62,7 +62,8 @@ static void spring(const scene_t *scene, const int64_t *end, const double *p)
         push(scene, end, -p[0], d);
         return;
     }
-    double distance = sqrt(dot(d, d)), stretch = distance - p[1];
+    double distance = sqrt(dot(d, d));
+    double stretch = distance - p[1];
     if (distance > 0)
         push(scene, end,
              -(p[0] * copysign(pow(fabs(stretch), p[2]), stretch)
@@ -126,7 +127,8 @@ static void forces(const scene_t *scene)
 static void euler(const scene_t *scene, double *restrict rate, const double *restrict y)
 {
     for (int64_t k = 0; k < scene->turning; k++, y += 7, rate += 7) {
-        const double *j = scene->inertia + 3 * k, *w = y + 4;
+        const double *j = scene->inertia + 3 * k;
+        const double *w = y + 4;
         rate[0] = 0.5 * (-y[1] * w[0] - y[2] * w[1] - y[3] * w[2]);
         rate[1] = 0.5 * (y[0] * w[0] + y[2] * w[2] - y[3] * w[1]);
         rate[2] = 0.5 * (y[0] * w[1] + y[3] * w[0] - y[1] * w[2]);

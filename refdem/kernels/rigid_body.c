@@ -21,7 +21,8 @@ typedef struct {
 static inline void grow(double *restrict value, double *restrict low, double by)
 {
     dd sum = two_sum(*value, by + *low);
-    *value = sum.hi, *low = sum.lo;
+    *value = sum.hi;
+    *low = sum.lo;
 }
 
 /* The exact flow of l_i^2/(2 J_i) over h: l turns about axis i by -angle, the body by angle = h l_i
@@ -29,13 +30,22 @@ static inline void grow(double *restrict value, double *restrict low, double by)
  * cos(angle/2) - 1 = -s^2/(1 + cos(angle/2)). */
 static inline void turn_about(spinning *b, int i, double rate)
 {
-    int j = (i + 1) % 3, k = (i + 2) % 3;
-    double half = 0.5 * rate * b->l[i], s = sin(half), c = cos(half);
+    int j = (i + 1) % 3;
+    int k = (i + 2) % 3;
+    double half = 0.5 * rate * b->l[i];
+    double s = sin(half);
+    double c = cos(half);
     double less = c > 0.0 ? -s * s / (1.0 + c) : c - 1.0;
-    double sine = 2.0 * s * (1.0 + less), fall = 2.0 * s * s, lj = b->l[j], lk = b->l[k];
+    double sine = 2.0 * s * (1.0 + less);
+    double fall = 2.0 * s * s;
+    double lj = b->l[j];
+    double lk = b->l[k];
     grow(&b->l[j], &b->l_low[j], sine * lk - fall * lj);
     grow(&b->l[k], &b->l_low[k], -sine * lj - fall * lk);
-    double w = b->q[0], x = b->q[1 + i], y = b->q[1 + j], z = b->q[1 + k];
+    double w = b->q[0];
+    double x = b->q[1 + i];
+    double y = b->q[1 + j];
+    double z = b->q[1 + k];
     grow(&b->q[0], &b->q_low[0], less * w - s * x);
     grow(&b->q[1 + i], &b->q_low[1 + i], less * x + s * w);
     grow(&b->q[1 + j], &b->q_low[1 + j], less * y + s * z);
@@ -47,11 +57,14 @@ static void start(spinning *b, const double *restrict inertia, const double *res
 {
     dd q[4], w[3];
     quaternion_body(attitude, omega, q, w);
-    for (int i = 0; i < 4; i++)
-        b->q[i] = q[i].hi, b->q_low[i] = q[i].lo;
+    for (int i = 0; i < 4; i++) {
+        b->q[i] = q[i].hi;
+        b->q_low[i] = q[i].lo;
+    }
     for (int i = 0; i < 3; i++) {
         dd l = dd_scale(w[i], inertia[i]);
-        b->l[i] = l.hi, b->l_low[i] = l.lo;
+        b->l[i] = l.hi;
+        b->l_low[i] = l.lo;
     }
 }
 
@@ -71,7 +84,8 @@ static void finish(const spinning *b, const double *restrict inertia, double *re
 /* The axes of the least and of the largest moment. */
 static void extremes(const double *restrict inertia, int *least, int *most)
 {
-    *least = 0, *most = 0;
+    *least = 0;
+    *most = 0;
     for (int i = 1; i < 3; i++) {
         if (inertia[i] < inertia[*least])
             *least = i;
@@ -132,8 +146,9 @@ int refdem_rigid_body_splitting(const double *inertia, const double *attitude, c
     start(&b, inertia, attitude, omega);
     finish(&b, inertia, out_attitude, out_omega);
     extremes(inertia, &least, &most);
-    double middle = inertia[3 - least - most], inner = rate_about(inertia[most], middle, h),
-           outer = rate_about(inertia[least], middle, h);
+    double middle = inertia[3 - least - most];
+    double inner = rate_about(inertia[most], middle, h);
+    double outer = rate_about(inertia[least], middle, h);
     precession p = precessing(&b, middle);
     turn_about(&b, least, 0.5 * outer);
     for (int64_t k = 1; k < samples; k++) {
@@ -156,7 +171,8 @@ static void slope(const double *restrict y, const double *restrict per, double *
     double w[4] = {0.0, 0.5 * per[0] * l[0], 0.5 * per[1] * l[1], 0.5 * per[2] * l[2]};
     quaternion_product(y, w, dy);
     for (int i = 0; i < 3; i++) {
-        int j = (i + 1) % 3, k = (i + 2) % 3;
+        int j = (i + 1) % 3;
+        int k = (i + 2) % 3;
         dy[4 + i] = 2.0 * (l[j] * w[1 + k] - l[k] * w[1 + j]);
     }
 }
@@ -187,11 +203,15 @@ int refdem_rigid_body_rk4(const double *inertia, const double *attitude, const d
     double y[7], low[7], per[3];
     start(&b, inertia, attitude, omega);
     finish(&b, inertia, out_attitude, out_omega);
-    for (int i = 0; i < 3; i++)
-        per[i] = inertia[i] > 0.0 ? 1.0 / inertia[i] : 0.0, y[4 + i] = b.l[i],
+    for (int i = 0; i < 3; i++) {
+        per[i] = inertia[i] > 0.0 ? 1.0 / inertia[i] : 0.0;
+        y[4 + i] = b.l[i];
         low[4 + i] = b.l_low[i];
-    for (int i = 0; i < 4; i++)
-        y[i] = b.q[i], low[i] = b.q_low[i];
+    }
+    for (int i = 0; i < 4; i++) {
+        y[i] = b.q[i];
+        low[i] = b.q_low[i];
+    }
     for (int64_t k = 1; k < samples; k++) {
         for (int64_t n = 0; n < stride; n++)
             rk4_step(y, low, per, h);

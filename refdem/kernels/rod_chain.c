@@ -25,7 +25,8 @@ typedef struct {
  * upright stays. */
 static void aimed(const double *restrict aim, double *restrict s, double *restrict c)
 {
-    double sine = *s, cosine = *c;
+    double sine = *s;
+    double cosine = *c;
     *s = aim[0] * cosine + aim[1] * sine;
     *c = aim[1] * cosine - aim[0] * sine;
 }
@@ -64,7 +65,8 @@ static void solve(int n, double m[MOST][MOST], double *b)
 /* G and the pivot's velocity along both axes of the plane as series about a time. */
 static void felt_gravity(const chain *p, dd time, series *g, series *velocity)
 {
-    double c, s, power = p->frequency;
+    double c, s;
+    double power = p->frequency;
     turned(dd_add(dd_mul(dd_of(p->frequency), time), dd_of(p->phase)), &c, &s);
     double wave[4] = {c, -s, -c, s};
     for (int k = 0; k <= TERMS; k++) {
@@ -126,8 +128,10 @@ static void expand(const void *system, dd time, series *y, double *scale)
         }
         y[2 * n][k + 1] = (cauchy(pull[0], moved[0], k) + cauchy(pull[1], moved[1], k)) / (k + 1);
     }
-    for (int i = 0; i < n; i++)
-        scale[i] = 1.0, scale[n + i] = 0.0;
+    for (int i = 0; i < n; i++) {
+        scale[i] = 1.0;
+        scale[n + i] = 0.0;
+    }
     scale[2 * n] = 0.0;
 }
 
@@ -143,7 +147,9 @@ int refdem_rod_chain(int64_t rods, const double *length, const double *aim, cons
         return 1;
     for (int i = p.n - 1; i >= 0; i--)
         p.load[i] = load += mass[i];
-    for (int axis = 0; axis < 2; axis++)
-        p.gravity[axis] = gravity[axis], p.drive[axis] = drive[axis];
+    for (int axis = 0; axis < 2; axis++) {
+        p.gravity[axis] = gravity[axis];
+        p.drive[axis] = drive[axis];
+    }
     return taylor_run(expand, &p, 2 * p.n + 1, y, samples, t, out);
 }

@@ -14,7 +14,8 @@
 #include "simd.h"
 
 enum { ORDER = 24 };
-static const float STEP_PART = 0.18f, LEAST = 1e-30f;
+static const float STEP_PART = 0.18f;
+static const float LEAST = 1e-30f;
 
 /* Three components and one that stays zero: one register where there are such, arithmetic by
  * component everywhere. */
@@ -42,16 +43,19 @@ static inline double multiplier(const hanging *restrict m, const wide *restrict 
 static inline void expanded(const hanging *restrict m, wide *restrict r, wide *restrict v)
 {
     double lambda[ORDER + 1];
-    r[0] = (wide){m->r[0].hi, m->r[1].hi, m->r[2].hi, 0.0},
+    r[0] = (wide){m->r[0].hi, m->r[1].hi, m->r[2].hi, 0.0};
     v[0] = (wide){m->v[0].hi, m->v[1].hi, m->v[2].hi, 0.0};
     lambda[0] = multiplier(m, r, v);
     for (int n = 0; n < ORDER; n++) {
         double per = 1.0 / (n + 1.0);
-        wide sum = n == 0 ? -m->pull : (wide){0.0}, other = {0.0};
+        wide sum = n == 0 ? -m->pull : (wide){0.0};
+        wide other = {0.0};
         lambda[n + 1] = m->per * per * dot(&m->pull, v + n);
         int k = 0;
-        for (; k < n; k += 2)
-            sum += lambda[n - k] * r[k], other += lambda[n - k - 1] * r[k + 1];
+        for (; k < n; k += 2) {
+            sum += lambda[n - k] * r[k];
+            other += lambda[n - k - 1] * r[k + 1];
+        }
         if (k == n)
             sum += lambda[0] * r[n];
         v[n + 1] = -per * (sum + other);
@@ -76,17 +80,21 @@ static inline double step_of(const hanging *restrict m, const wide *restrict r,
 {
     float worst = fmaxf(powf(largest(r + ORDER - 1, m->length), 1.0f / (ORDER - 1)),
                         powf(largest(r + ORDER, m->length), 1.0f / ORDER));
-    double reach = STEP_PART / worst, square = unheld(m, r, v);
+    double reach = STEP_PART / worst;
+    double square = unheld(m, r, v);
     return square * reach * reach > 1.0 ? 1.0 / sqrt(square) : reach;
 }
 
 /* What a series has gained after a time. */
 static inline void gained(const wide *restrict a, double time, wide *restrict out)
 {
-    wide even = a[ORDER], odd = a[ORDER - 1];
+    wide even = a[ORDER];
+    wide odd = a[ORDER - 1];
     double square = time * time;
-    for (int k = ORDER - 2; k > 0; k -= 2)
-        even = square * even + a[k], odd = square * odd + a[k - 1];
+    for (int k = ORDER - 2; k > 0; k -= 2) {
+        even = square * even + a[k];
+        odd = square * odd + a[k - 1];
+    }
     *out = time * (time * even + odd);
 }
 
@@ -95,7 +103,8 @@ static inline void held(hanging *m)
 {
     double square = m->length * m->length;
     dd off = dd_sub(dd_dot(m->r, m->r), two_product(m->length, m->length));
-    double part = -0.5 * off.hi / square, along = -dd_dot(m->r, m->v).hi / square;
+    double part = -0.5 * off.hi / square;
+    double along = -dd_dot(m->r, m->v).hi / square;
     for (int i = 0; i < 3; i++) {
         double r = m->r[i].hi;
         m->r[i] = dd_add(m->r[i], dd_of(part * r));
@@ -113,32 +122,40 @@ int refdem_rod_taylor(double mass, double length, const double *gravity, const d
                  .pull = {gravity[0], gravity[1], gravity[2], 0.0},
                  .per = 3.0 / (length * length)};
     series r, v;
-    double reach = 0.0, sense = samples > 1 && t[samples - 1] < t0 ? -1.0 : 1.0;
+    double reach = 0.0;
+    double sense = samples > 1 && t[samples - 1] < t0 ? -1.0 : 1.0;
     dd now = dd_of(0.0);
-    for (int i = 0; i < 3; i++)
-        m.r[i] = two_sum(position[i], -anchor[i]), m.v[i] = dd_of(velocity[i]);
+    for (int i = 0; i < 3; i++) {
+        m.r[i] = two_sum(position[i], -anchor[i]);
+        m.v[i] = dd_of(velocity[i]);
+    }
     held(&m);
     expanded(&m, r, v);
     reach = step_of(&m, r, v);
     for (int64_t k = 0; k < samples; k++) {
-        dd target = two_sum(t[k], -t0), left = dd_sub(target, now);
+        dd target = two_sum(t[k], -t0);
+        dd left = dd_sub(target, now);
         while (sense * left.hi > reach) {
             wide gain_r, gain_v;
-            gained(r, sense * reach, &gain_r), gained(v, sense * reach, &gain_v);
-            for (int i = 0; i < 3; i++)
-                m.r[i] = dd_add(m.r[i], dd_of(gain_r[i])),
+            gained(r, sense * reach, &gain_r);
+            gained(v, sense * reach, &gain_v);
+            for (int i = 0; i < 3; i++) {
+                m.r[i] = dd_add(m.r[i], dd_of(gain_r[i]));
                 m.v[i] = dd_add(m.v[i], dd_of(gain_v[i]));
+            }
             held(&m);
-            now = dd_add(now, dd_of(sense * reach)), left = dd_sub(target, now);
+            now = dd_add(now, dd_of(sense * reach));
+            left = dd_sub(target, now);
             expanded(&m, r, v);
             reach = step_of(&m, r, v);
             if (!(reach > 0.0))
                 return (int)(k + 1);
         }
         wide place, speed;
-        gained(r, left.hi, &place), gained(v, left.hi, &speed);
+        gained(r, left.hi, &place);
+        gained(v, left.hi, &speed);
         for (int i = 0; i < 3; i++) {
-            place[i] = dd_round(dd_add(m.r[i], dd_of(place[i]))),
+            place[i] = dd_round(dd_add(m.r[i], dd_of(place[i])));
             speed[i] = dd_round(dd_add(m.v[i], dd_of(speed[i])));
             out_position[3 * k + i] = t[k] == t0 ? position[i] : anchor[i] + place[i];
             out_velocity[3 * k + i] = t[k] == t0 ? velocity[i] : speed[i];

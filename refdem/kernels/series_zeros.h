@@ -46,7 +46,8 @@ static inline void grow(growing *restrict g, double a, double b, int n)
             g->sum[n + k + i] = fma(a, g->b[k + i], fma(b, g->a[k + i], g->sum[n + k + i]));
     if (n > 0 && 2 * n <= ORDER)
         g->sum[2 * n] = fma(a, b, g->sum[2 * n]);
-    g->a[n] = a, g->b[n] = b;
+    g->a[n] = a;
+    g->b[n] = b;
 }
 
 /* Coefficient n of the product, whose factors have these, not yet taken in. */
@@ -86,7 +87,9 @@ static inline double square(const double *a, int n)
  * other. */
 static inline double polynomial(const double *restrict a, int count, double s)
 {
-    double square = s * s, fourth = square * square, sum[LANES] = {0.0, 0.0, 0.0, 0.0};
+    double square = s * s;
+    double fourth = square * square;
+    double sum[LANES] = {0.0, 0.0, 0.0, 0.0};
     for (int i = 0; i < count % LANES; i++)
         sum[i] = a[count - count % LANES + i];
     for (int n = count - count % LANES - LANES; n >= 0; n -= LANES)
@@ -165,8 +168,10 @@ static inline double zero_between(const double *restrict a, double low, double h
 /* Below the series on (0, w]: what lowers it at w, by four sums. */
 static inline double least_of(const double *restrict b, double w)
 {
-    double square = w * w, fourth = square * square, power[LANES] = {w, square, w * square, fourth},
-           sum[LANES] = {0.0, 0.0, 0.0, 0.0};
+    double square = w * w;
+    double fourth = square * square;
+    double power[LANES] = {w, square, w * square, fourth};
+    double sum[LANES] = {0.0, 0.0, 0.0, 0.0};
     for (int n = 1; n <= ORDER; n += LANES)
         for (int i = 0; i < LANES; i++) {
             double part = b[n + i] * power[i];
@@ -179,8 +184,10 @@ static inline double least_of(const double *restrict b, double w)
 /* Above its slope there. */
 static inline double steepest_of(const double *restrict b, double w)
 {
-    double square = w * w, fourth = square * square, power[LANES] = {1.0, w, square, w * square},
-           sum[LANES] = {0.0, 0.0, 0.0, 0.0};
+    double square = w * w;
+    double fourth = square * square;
+    double power[LANES] = {1.0, w, square, w * square};
+    double sum[LANES] = {0.0, 0.0, 0.0, 0.0};
     for (int n = 1; n <= ORDER; n += LANES)
         for (int i = 0; i < LANES; i++) {
             double part = (n + i) * b[n + i] * power[i];
@@ -195,10 +202,12 @@ static inline double first_zero(const double *restrict a, double h)
 {
     double from[64], width[64], b[ORDER + 1];
     int waiting = 1;
-    from[0] = 0.0, width[0] = h;
+    from[0] = 0.0;
+    width[0] = h;
     while (waiting) {
         waiting--;
-        double low = from[waiting], w = width[waiting];
+        double low = from[waiting];
+        double w = width[waiting];
         if (low > 0.0)
             moved(a, low, b);
         else
@@ -210,8 +219,10 @@ static inline double first_zero(const double *restrict a, double h)
                 return zero_between(a, low, low + w);
             continue;
         }
-        from[waiting] = low + 0.5 * w, width[waiting++] = 0.5 * w;
-        from[waiting] = low, width[waiting++] = 0.5 * w;
+        from[waiting] = low + 0.5 * w;
+        width[waiting++] = 0.5 * w;
+        from[waiting] = low;
+        width[waiting++] = 0.5 * w;
     }
     return -1.0;
 }

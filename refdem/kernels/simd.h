@@ -45,7 +45,8 @@ static inline double nearest(double x)
  * fdlibm's kernels). */
 static inline void sine_cosine_octant(double x, double *restrict s, double *restrict c)
 {
-    double z = x * x, p, q;
+    double z = x * x;
+    double p, q;
     p = fma(z, 1.58969099521155010221e-10, -2.50507602534068634195e-08);
     p = fma(z, p, 2.75573137070700676789e-06);
     p = fma(z, p, -1.98412698298579493134e-04);
@@ -57,7 +58,8 @@ static inline void sine_cosine_octant(double x, double *restrict s, double *rest
     q = fma(z, q, 2.48015872894767294178e-05);
     q = fma(z, q, -1.38888888888741095749e-03);
     q = fma(z, q, 4.16666666666666019037e-02);
-    double half = 0.5 * z, whole = 1.0 - half;
+    double half = 0.5 * z;
+    double whole = 1.0 - half;
     *c = whole + fma(z * z, q, (1.0 - whole) - half);
 }
 
@@ -74,8 +76,9 @@ static inline void sine_cosine_pi(double f, double *restrict s, double *restrict
  * exp. */
 static inline double exponential(double x)
 {
-    double n = nearest(x * 1.4426950408889634),
-           r = fma(n, -1.9082149292705877e-10, fma(n, -6.93147180369123816490e-01, x)), p, scale;
+    double n = nearest(x * 1.4426950408889634);
+    double r = fma(n, -1.9082149292705877e-10, fma(n, -6.93147180369123816490e-01, x));
+    double p, scale;
     p = fma(r, 1.0 / 6227020800.0, 1.0 / 479001600.0);
     p = fma(r, p, 1.0 / 39916800.0);
     p = fma(r, p, 1.0 / 3628800.0);
@@ -106,11 +109,13 @@ typedef struct {
 static inline double fraction(turns phase, dd time, double *restrict sign)
 {
     dd turned = two_product(phase.rate.hi, time.hi);
-    double low = fma(phase.rate.hi, time.lo, fma(phase.rate.lo, time.hi, turned.lo)),
-           n = nearest(turned.hi), m;
+    double low = fma(phase.rate.hi, time.lo, fma(phase.rate.lo, time.hi, turned.lo));
+    double n = nearest(turned.hi);
+    double m;
     dd sum = two_sum(turned.hi - n, phase.start.hi);
     m = nearest(sum.hi);
-    double whole = n + m, odd = whole - 2.0 * nearest(0.5 * whole);
+    double whole = n + m;
+    double odd = whole - 2.0 * nearest(0.5 * whole);
     *sign = fma(-2.0, fabs(odd), 1.0);
     return (sum.hi - m) + (sum.lo + (low + phase.start.lo));
 }

@@ -30,15 +30,18 @@ static void felt(const top *p, series *q, int k, double *restrict f)
 static void expand(const void *system, dd time, series *y, double *scale)
 {
     const top *p = system;
-    series *q = y, *w = y + 4;
+    series *q = y;
+    series *w = y + 4;
     (void)time;
     for (int k = 0; k < TERMS; k++) {
-        double f[3], rate = 0.5 / (k + 1);
+        double f[3];
+        double rate = 0.5 / (k + 1);
         felt(p, q, k, f);
         q[0][k + 1]
             = -rate * (cauchy(q[1], w[0], k) + cauchy(q[2], w[1], k) + cauchy(q[3], w[2], k));
         for (int i = 0; i < 3; i++) {
-            int j = (i + 1) % 3, m = (i + 2) % 3;
+            int j = (i + 1) % 3;
+            int m = (i + 2) % 3;
             q[i + 1][k + 1]
                 = rate
                   * (cauchy(q[0], w[i], k) + cauchy(q[j + 1], w[m], k) - cauchy(q[m + 1], w[j], k));

@@ -23,7 +23,8 @@ int64_t refdem_stick_slip(const refdem_belt *p, double x0, double v0, double t0,
             break;
         int kind = pass(p, &m, &y);
         if (kind && events < most) {
-            event[2 * events] = dd_round(m.now), event[2 * events + 1] = kind;
+            event[2 * events] = dd_round(m.now);
+            event[2 * events + 1] = kind;
             events++;
         }
     }
@@ -34,7 +35,10 @@ int64_t refdem_stick_slip(const refdem_belt *p, double x0, double v0, double t0,
 static int64_t crossings(const belt *p, const motion *m, const piece *y, double origin,
                          int64_t most, int64_t count, double *restrict out)
 {
-    double v[ORDER + 1], a[ORDER + 1], from = 0.0, sum = 0.0, power = 1.0;
+    double v[ORDER + 1], a[ORDER + 1];
+    double from = 0.0;
+    double sum = 0.0;
+    double power = 1.0;
     for (int n = 0; n <= ORDER; n++, power *= y->end) {
         v[n] = m->side * y->w[n] + (n ? 0.0 : p->belt);
         sum += fabs(v[n]) * power;
@@ -73,8 +77,9 @@ int refdem_stick_slip_section(const refdem_belt *p, int64_t n, const double *fre
         motion m = begun(&own, x0, v0, 0.0);
         piece y = {0};
         m.follows = blocks > 0;
-        double period = 2.0 * DD_PI.hi / frequency[i], begin = period * (double)skip,
-               end = period * (double)(skip + keep);
+        double period = 2.0 * DD_PI.hi / frequency[i];
+        double begin = period * (double)skip;
+        double end = period * (double)(skip + keep);
         int64_t count = 0;
         for (int64_t k = 0; k < blocks; k++)
             sums[k] = 0.0;
@@ -88,7 +93,8 @@ int refdem_stick_slip_section(const refdem_belt *p, int64_t n, const double *fre
             pass(&own, &m, &y);
             if (m.follows) {
                 double size = fmax(hypot(m.tangent[0], m.tangent[1]), 1e-300);
-                m.tangent[0] /= size, m.tangent[1] /= size;
+                m.tangent[0] /= size;
+                m.tangent[1] /= size;
                 if (at >= begin)
                     sums[(int64_t)fmin((at - begin) / (end - begin) * (double)blocks,
                                        (double)(blocks - 1))] += log(size);

@@ -17,7 +17,10 @@ typedef struct {
 static void expand(const void *system, dd time, series *y, double *scale)
 {
     const wheel *p = system;
-    double *r = y[0], *angle = y[1], *u = y[2], *w = y[3];
+    double *r = y[0];
+    double *angle = y[1];
+    double *u = y[2];
+    double *w = y[3];
     series s, c, swing, turn;
     (void)time;
     for (int k = 0; k < TERMS; k++) {
@@ -32,7 +35,9 @@ static void expand(const void *system, dd time, series *y, double *scale)
         u[k + 1] = pull / p->whole / (k + 1);
         w[k + 1] = turn[k] / (k + 1);
     }
-    scale[0] = fabs(r[0]), scale[1] = 1.0, scale[2] = scale[3] = 0.0;
+    scale[0] = fabs(r[0]);
+    scale[1] = 1.0;
+    scale[2] = scale[3] = 0.0;
 }
 
 int refdem_string_wheel(double mass, double counter, double drag, double radius, double gravity,

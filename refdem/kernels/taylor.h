@@ -45,7 +45,8 @@ static inline double cauchy_rest(const double *a, const double *b, int n)
 static inline void sine_cosine(const double *angle, const double *rate, double *s, double *c, int n)
 {
     if (n == 0) {
-        s[0] = sin(angle[0]), c[0] = cos(angle[0]);
+        s[0] = sin(angle[0]);
+        c[0] = cos(angle[0]);
         return;
     }
     s[n] = cauchy(rate, c, n - 1) / n;
@@ -79,19 +80,22 @@ static inline double gained(const double *y, double h)
 static inline int taylor_run(expansion expand, const void *system, int n, series *y,
                              int64_t samples, const double *t, double *out)
 {
-    double low[64] = {0.0}, scale[64];
+    double low[64] = {0.0};
+    double scale[64];
     dd now = dd_of(t[0]);
-    double reach = 0.0, sense = t[samples - 1] < t[0] ? -1.0 : 1.0;
+    double reach = 0.0;
+    double sense = t[samples - 1] < t[0] ? -1.0 : 1.0;
     for (int i = 0; i < n; i++)
         y[i][0] = out[i];
     for (int64_t k = 1; k < samples; k++) {
-        double left = dd_round(dd_sub(dd_of(t[k]), now)) * sense,
-               least = SHORTEST * fabs(t[k] - t[k - 1]);
+        double left = dd_round(dd_sub(dd_of(t[k]), now)) * sense;
+        double least = SHORTEST * fabs(t[k] - t[k - 1]);
         while (left > reach || reach == 0.0) {
             if (reach > 0.0) {
                 for (int i = 0; i < n; i++) {
                     dd sum = two_sum(y[i][0], low[i] + gained(y[i], sense * reach));
-                    y[i][0] = sum.hi, low[i] = sum.lo;
+                    y[i][0] = sum.hi;
+                    low[i] = sum.lo;
                 }
                 now = dd_add(now, dd_of(sense * reach));
                 left = dd_round(dd_sub(dd_of(t[k]), now)) * sense;

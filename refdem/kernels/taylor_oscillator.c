@@ -31,7 +31,9 @@ static void driven(const oscillator *p, dd t, double *restrict force)
     for (int n = 0; n <= ORDER; n++)
         force[n] = 0.0;
     for (int64_t k = 0; k < p->drives; k++) {
-        double c, s, w = p->drive[3 * k + 1], factor = p->drive[3 * k];
+        double c, s;
+        double w = p->drive[3 * k + 1];
+        double factor = p->drive[3 * k];
         turned(dd_add(dd_scale(t, w), dd_of(p->drive[3 * k + 2])), &c, &s);
         for (int n = 0; n <= ORDER; n++) {
             force[n] += factor * (n % 4 == 0 ? c : n % 4 == 1 ? -s : n % 4 == 2 ? -c : s);
@@ -46,11 +48,14 @@ static void expand(const oscillator *p, dd t, double x, double v, series *restri
 {
     double force[ORDER + 1], square[ORDER + 1], far[ORDER + 1], from[ORDER + 1], lost[ORDER + 1];
     driven(p, t, force);
-    y->x[0] = x, y->v[0] = v, y->work[0] = 0.0;
+    y->x[0] = x;
+    y->v[0] = v;
+    y->work[0] = 0.0;
     for (int n = 0; n < ORDER; n++) {
         from[n] = y->x[n] + (n ? 0.0 : p->offset);
         square[n] = product(y->x, y->x, n);
-        double pull = p->linear * y->x[n] + p->quadratic * square[n], drag = p->damping * y->v[n];
+        double pull = p->linear * y->x[n] + p->quadratic * square[n];
+        double drag = p->damping * y->v[n];
         if (p->cubic != 0.0)
             pull += p->cubic * product(square, y->x, n);
         if (p->van_der_pol != 0.0) {
@@ -70,7 +75,9 @@ static void expand(const oscillator *p, dd t, double x, double v, series *restri
  * round-off of its largest. */
 static double slack(const double *restrict a, int last, double h)
 {
-    double largest = 0.0, tail = 0.0, power = 1.0;
+    double largest = 0.0;
+    double tail = 0.0;
+    double power = 1.0;
     for (int n = 0; n <= last; n++, power *= h) {
         double size = fabs(a[n]) * power;
         if (n <= last / 2)
@@ -122,9 +129,13 @@ int refdem_taylor_oscillator(const refdem_oscillator *p, double x0, double v0, d
                              int64_t samples, const double *t, double *out)
 {
     series y;
-    double side = t[samples - 1] < t0 ? -1.0 : 1.0, span = t[samples - 1] - t0,
-           h = shortest(p, span != 0.0 ? span : 1.0);
-    dd x = dd_of(x0), v = dd_of(v0), work = dd_of(0.0), now = dd_of(t0);
+    double side = t[samples - 1] < t0 ? -1.0 : 1.0;
+    double span = t[samples - 1] - t0;
+    double h = shortest(p, span != 0.0 ? span : 1.0);
+    dd x = dd_of(x0);
+    dd v = dd_of(v0);
+    dd work = dd_of(0.0);
+    dd now = dd_of(t0);
     for (int64_t row = 0; row < samples;) {
         expand(p, now, x.hi, v.hi, &y);
         h = step_of(&y, h);

@@ -43,10 +43,13 @@ static void turn(motion *m, int k)
         for (int j = i; j < 4; j++)
             w[i][j] = product(m->y[i], m->y[j], k);
     for (int i = 0; i < 3; i++) {
-        int j = (i + 1) % 3, l = (i + 2) % 3;
-        double across = 2.0 * (j < l ? w[j + 1][l + 1] : w[l + 1][j + 1]), side = 2.0 * w[0][i + 1];
+        int j = (i + 1) % 3;
+        int l = (i + 2) % 3;
+        double across = 2.0 * (j < l ? w[j + 1][l + 1] : w[l + 1][j + 1]);
+        double side = 2.0 * w[0][i + 1];
         m->turned[i][i][k] = w[0][0] + w[i + 1][i + 1] - w[j + 1][j + 1] - w[l + 1][l + 1];
-        m->turned[j][l][k] = across - side, m->turned[l][j][k] = across + side;
+        m->turned[j][l][k] = across - side;
+        m->turned[l][j][k] = across + side;
     }
     const double *n = m->given->plane + 3;
     for (int j = 0; j < 3; j++)
@@ -67,7 +70,8 @@ static double inverse_root(const double *a, const double *power, int k)
 
 static double height(const motion *m, const double *c, int k)
 {
-    const double *point = m->given->plane, *n = point + 3;
+    const double *point = m->given->plane;
+    const double *n = point + 3;
     double sum = k ? 0.0 : -(n[0] * point[0] + n[1] * point[1] + n[2] * point[2]);
     for (int i = 0; i < 3; i++)
         sum += n[i] * m->y[10 + i][k] + m->normal[i][k] * c[i];
@@ -92,12 +96,14 @@ static double touch(motion *m, int number, int k)
     const refdem_tumbling_body *p = m->given;
     const double *c = p->corner + 3 * number;
     corner *at = &m->at[number];
-    line *omega = m->y + 4, *velocity = m->y + 7;
+    line *omega = m->y + 4;
+    line *velocity = m->y + 7;
     at->gap[k] = height(m, c, k);
     if (at->mode == OFF)
         return 0.0;
     for (int i = 0; i < 3; i++) {
-        int j = (i + 1) % 3, l = (i + 2) % 3;
+        int j = (i + 1) % 3;
+        int l = (i + 2) % 3;
         at->speed[i][k] = velocity[i][k] + omega[j][k] * c[l] - omega[l][k] * c[j];
     }
     at->closing[k] = -triple(m->normal, at->speed, k);
@@ -118,25 +124,33 @@ static double touch(motion *m, int number, int k)
 static void expand(motion *m)
 {
     const refdem_tumbling_body *p = m->given;
-    line *q = m->y, *w = m->y + 4, *v = m->y + 7, *r = m->y + 10;
+    line *q = m->y;
+    line *w = m->y + 4;
+    line *v = m->y + 7;
+    line *r = m->y + 10;
     for (int k = 0; k < ORDER; k++) {
-        double force[3] = {0.0}, torque[3] = {0.0}, lost = 0.0, part = PART[k + 1];
+        double force[3] = {0.0};
+        double torque[3] = {0.0};
+        double lost = 0.0;
+        double part = PART[k + 1];
         turn(m, k);
         for (int number = 0; number < p->corners; number++) {
             corner *at = &m->at[number];
             const double *c = p->corner + 3 * number;
             lost += touch(m, number, k);
             for (int i = 0; i < 3 && at->mode == PRESSES; i++) {
-                int j = (i + 1) % 3, l = (i + 2) % 3;
+                int j = (i + 1) % 3;
+                int l = (i + 2) % 3;
                 force[i] += at->force[i][k];
                 torque[i] += c[j] * at->force[l][k] - c[l] * at->force[j][k];
             }
         }
         q[0][k + 1] = -0.5 * part * triple(q + 1, w, k);
         for (int i = 0; i < 3; i++) {
-            int j = (i + 1) % 3, l = (i + 2) % 3;
-            double fall = 0.0,
-                   turning = (p->inertia[j] - p->inertia[l]) * product(w[j], w[l], k) + torque[i];
+            int j = (i + 1) % 3;
+            int l = (i + 2) % 3;
+            double fall = 0.0;
+            double turning = (p->inertia[j] - p->inertia[l]) * product(w[j], w[l], k) + torque[i];
             for (int a = 0; a < 3; a++)
                 fall += p->gravity[a] * m->turned[a][i][k];
             q[i + 1][k + 1] = 0.5 * part
@@ -161,9 +175,12 @@ static double step(const motion *m)
     for (int k = ORDER - 1; k <= ORDER; k++) {
         double worst = 0.0;
         for (int first = 0; first < 10; first += first ? 3 : 4) {
-            double size = 0.0, term = 0.0;
-            for (int i = first; i < (first ? first + 3 : 4); i++)
-                size = fmax(size, fabs(m->y[i][0])), term = fmax(term, fabs(m->y[i][k]));
+            double size = 0.0;
+            double term = 0.0;
+            for (int i = first; i < (first ? first + 3 : 4); i++) {
+                size = fmax(size, fabs(m->y[i][0]));
+                term = fmax(term, fabs(m->y[i][k]));
+            }
             worst = fmax(worst, size > 0.0 ? term / size : 0.0);
         }
         radius = fmin(radius, worst > 0.0 ? pow(worst, -1.0 / k) : INFINITY);
@@ -198,8 +215,11 @@ static double first_event(motion *m, double h, int *which, int *guard)
                 continue;
             double when = falls(kind == GAP ? at->gap : at->push, at->mode == IDLES ? -1.0 : 1.0,
                                 at->fresh == kind, h);
-            if (when >= 0.0 && (when < h || *guard == NONE))
-                h = when, *which = number, *guard = kind;
+            if (when >= 0.0 && (when < h || *guard == NONE)) {
+                h = when;
+                *which = number;
+                *guard = kind;
+            }
         }
     }
     return h;
@@ -208,7 +228,8 @@ static double first_event(motion *m, double h, int *which, int *guard)
 /* Touch, release, leave, press: the new mode and the guard that is zero in it. */
 static void switched(motion *m, corner *at, int guard)
 {
-    int damped = m->given->damping > 0.0, before = at->mode;
+    int damped = m->given->damping > 0.0;
+    int before = at->mode;
     at->mode = before == OFF || (before == IDLES && guard == PUSH) ? PRESSES
                : before == PRESSES && damped                       ? IDLES
                                                                    : OFF;
@@ -221,7 +242,8 @@ static void advance(motion *m, double h)
 {
     for (int i = 0; i < STATES; i++) {
         dd sum = two_sum(m->y[i][0], m->low[i] + gained(m->y[i], h));
-        m->y[i][0] = sum.hi, m->low[i] = sum.lo;
+        m->y[i][0] = sum.hi;
+        m->low[i] = sum.lo;
     }
     for (int number = 0; number < m->given->corners && h > 0.0; number++)
         m->at[number].fresh = NONE;
@@ -248,12 +270,15 @@ static void record(const motion *m, double since, double *out, double *channel)
 /* Modes of the start: what is in the plane presses if it would push. */
 static void begin(motion *m, const double *start)
 {
-    for (int i = 0; i < STATES; i++)
-        m->y[i][0] = start[i], m->low[i] = 0.0;
+    for (int i = 0; i < STATES; i++) {
+        m->y[i][0] = start[i];
+        m->low[i] = 0.0;
+    }
     turn(m, 0);
     for (int number = 0; number < m->given->corners; number++) {
         corner *at = &m->at[number];
-        at->mode = IDLES, at->fresh = NONE;
+        at->mode = IDLES;
+        at->fresh = NONE;
         touch(m, number, 0);
         at->mode = at->gap[0] > 0.0 ? OFF : at->push[0] > 0.0 ? PRESSES : IDLES;
     }
@@ -264,13 +289,15 @@ int64_t refdem_tumbling_body_run(const refdem_tumbling_body *given, int64_t samp
                                  double *out)
 {
     motion m = {.given = given};
-    int64_t k = 1, events = 0;
+    int64_t k = 1;
+    int64_t events = 0;
     dd now = dd_of(t[0]);
     begin(&m, out);
     expand(&m);
     record(&m, 0.0, out, channel);
     while (k < samples) {
-        int which = 0, guard = NONE;
+        int which = 0;
+        int guard = NONE;
         double h = step(&m);
         if (!(h > SHORTEST * (t[1] - t[0])))
             return -k;
@@ -282,7 +309,9 @@ int64_t refdem_tumbling_body_run(const refdem_tumbling_body *given, int64_t samp
         if (guard != NONE) {
             if (events < most) {
                 double *row = event + 3 * events;
-                row[0] = dd_round(now), row[1] = m.at[which].mode, row[2] = which;
+                row[0] = dd_round(now);
+                row[1] = m.at[which].mode;
+                row[2] = which;
             }
             events++;
             switched(&m, &m.at[which], guard);

@@ -12,10 +12,14 @@ static void read_request(const char *path)
 {
     char key[200], value[200];
     FILE *file = fopen(path, "r");
-    if (!file)
-        perror(path), exit(2);
-    while (lines < LINES && fscanf(file, "%199s %199s", key, value) == 2)
-        keys[lines] = strdup(key), values[lines++] = strdup(value);
+    if (!file) {
+        perror(path);
+        exit(2);
+    }
+    while (lines < LINES && fscanf(file, "%199s %199s", key, value) == 2) {
+        keys[lines] = strdup(key);
+        values[lines++] = strdup(value);
+    }
     fclose(file);
 }
 

@@ -4,7 +4,10 @@
 /* A vector turned from body to space axes (way = 1) or back (way = -1). */
 static void turned(double *out, const double *q, const double *a, int way)
 {
-    double w = q[0], x = way * q[1], y = way * q[2], z = way * q[3];
+    double w = q[0];
+    double x = way * q[1];
+    double y = way * q[2];
+    double z = way * q[3];
     double t[3] = {2 * (y * a[2] - z * a[1]), 2 * (z * a[0] - x * a[2]), 2 * (x * a[1] - y * a[0])};
     double u[3] = {y * t[2] - z * t[1], z * t[0] - x * t[2], x * t[1] - y * t[0]};
     for (int k = 0; k < 3; k++)
@@ -26,13 +29,22 @@ static double size_of(const double *a)
  */
 static void turn(double *q, double *w, const double *J, int i, double h)
 {
-    int j = (i + 1) % 3, k = (i + 2) % 3;
-    double angle = h * w[i], c = cos(angle / 2), s = sin(angle / 2), u = q[0], x = q[1 + i],
-           y = q[1 + j], z = q[1 + k];
-    double lj = J[j] * w[j], lk = J[k] * w[k];
-    w[j] = (lj * cos(angle) + lk * sin(angle)) / J[j],
+    int j = (i + 1) % 3;
+    int k = (i + 2) % 3;
+    double angle = h * w[i];
+    double c = cos(angle / 2);
+    double s = sin(angle / 2);
+    double u = q[0];
+    double x = q[1 + i];
+    double y = q[1 + j];
+    double z = q[1 + k];
+    double lj = J[j] * w[j];
+    double lk = J[k] * w[k];
+    w[j] = (lj * cos(angle) + lk * sin(angle)) / J[j];
     w[k] = (lk * cos(angle) - lj * sin(angle)) / J[k];
-    q[0] = c * u - s * x, q[1 + i] = c * x + s * u, q[1 + j] = c * y + s * z,
+    q[0] = c * u - s * x;
+    q[1 + i] = c * x + s * u;
+    q[1 + j] = c * y + s * z;
     q[1 + k] = c * z - s * y;
 }
 

@@ -18,18 +18,21 @@ static int added(struct sums *to, int i, const char *name, double sign)
     static double v[MOST][3];
     if (strcmp(text("problem.solids.%d.%s.kind", i, name), "polyhedron"))
         return 0;
-    int vertices = atoi(text("problem.solids.%d.%s.vertices.count", i, name)),
-        faces = atoi(text("problem.solids.%d.%s.faces.count", i, name));
+    int vertices = atoi(text("problem.solids.%d.%s.vertices.count", i, name));
+    int faces = atoi(text("problem.solids.%d.%s.faces.count", i, name));
     if (vertices > MOST)
         unsupported("more than 512 vertices");
     for (int n = 0; n < 3 * vertices; n++)
         v[n / 3][n % 3] = atof(text("problem.solids.%d.%s.vertices.%d.%d", i, name, n / 3, n % 3));
     for (int f = 0; f < faces; f++) {
-        int corners = atoi(text("problem.solids.%d.%s.faces.%d.count", i, name, f)), at[MOST];
+        int corners = atoi(text("problem.solids.%d.%s.faces.%d.count", i, name, f));
+        int at[MOST];
         for (int k = 0; k < corners; k++)
             at[k] = atoi(text("problem.solids.%d.%s.faces.%d.%d", i, name, f, k));
         for (int k = 1; k + 1 < corners; k++) {
-            const double *a = v[at[0]], *b = v[at[k]], *c = v[at[k + 1]];
+            const double *a = v[at[0]];
+            const double *b = v[at[k]];
+            const double *c = v[at[k + 1]];
             double det = a[0] * (b[1] * c[2] - b[2] * c[1]) + a[1] * (b[2] * c[0] - b[0] * c[2])
                          + a[2] * (b[0] * c[1] - b[1] * c[0]);
             to->volume += sign * det / 6;
@@ -49,12 +52,18 @@ static int added(struct sums *to, int i, const char *name, double sign)
 /* The rotation matrix of the solid's attitude, a quaternion of any length. */
 static void rotation(double R[3][3], int i)
 {
-    double q[4], size = 0;
-    for (int k = 0; k < 4; k++)
-        q[k] = atof(text("problem.solids.%d.attitude.%d", i, k)), size += q[k] * q[k];
+    double q[4];
+    double size = 0;
+    for (int k = 0; k < 4; k++) {
+        q[k] = atof(text("problem.solids.%d.attitude.%d", i, k));
+        size += q[k] * q[k];
+    }
     for (int k = 0; k < 4; k++)
         q[k] /= sqrt(size);
-    double w = q[0], x = q[1], y = q[2], z = q[3];
+    double w = q[0];
+    double x = q[1];
+    double y = q[2];
+    double z = q[3];
     double rows[3][3] = {{1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)},
                          {2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)},
                          {2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)}};
@@ -76,8 +85,10 @@ static void turned(double to[3][3], double R[3][3], double S[3][3])
 static void answer(FILE *out, int i)
 {
     struct sums sums = {0};
-    double R[3][3], S[3][3], centre[3] = {0}, shift[3] = {0},
-                             density = atof(text("problem.solids.%d.density", i));
+    double R[3][3], S[3][3];
+    double centre[3] = {0};
+    double shift[3] = {0};
+    double density = atof(text("problem.solids.%d.density", i));
     int known = added(&sums, i, "shape", 1)
                 && (!*text("problem.solids.%d.hollow.kind", i) || added(&sums, i, "hollow", -1));
     fprintf(out, "%s", text("problem.solids.%d.name", i));
@@ -85,7 +96,8 @@ static void answer(FILE *out, int i)
         fprintf(out, ",,,,,,,,,,\n");
         return;
     }
-    double mass = density * sums.volume, trace = 0;
+    double mass = density * sums.volume;
+    double trace = 0;
     rotation(R, i);
     for (int m = 0; m < 3; m++)
         for (int n = 0; n < 3; n++) {

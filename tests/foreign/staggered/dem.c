@@ -31,20 +31,24 @@ static int is_off_centre(int i, const char *anchor)
 
 static void read_scene(void)
 {
-    bodies = atoi(text("scene.bodies.count")), elements = atoi(text("scene.elements.count"));
+    bodies = atoi(text("scene.bodies.count"));
+    elements = atoi(text("scene.elements.count"));
     if (bodies > MOST || elements > MOST)
         unsupported("more than 16 bodies or elements");
     for (int i = 0; i < bodies; i++) {
         struct body *b = &body[i];
-        b->m = atof(text("scene.bodies.%d.mass", i)),
+        b->m = atof(text("scene.bodies.%d.mass", i));
         b->radius = atof(text("scene.bodies.%d.shape.radius", i));
-        vector(b->r, 3, "bodies", i, "position"), vector(b->v, 3, "bodies", i, "velocity");
+        vector(b->r, 3, "bodies", i, "position");
+        vector(b->v, 3, "bodies", i, "velocity");
     }
     for (int i = 0; i < elements; i++) {
         struct element *e = &element[i];
-        e->kind = text("scene.elements.%d.kind", i)[0], e->a = (int)number("a", i),
+        e->kind = text("scene.elements.%d.kind", i)[0];
+        e->a = (int)number("a", i);
         e->b = (int)number("b", i);
-        e->k = number("stiffness", i), e->length = number("length", i),
+        e->k = number("stiffness", i);
+        e->length = number("length", i);
         e->damping = number("damping", i);
         vector(e->end, 3, "elements", i, e->kind == 's' ? "anchor_b" : "g");
         if (is_off_centre(i, "anchor_a") || (e->b >= 0 && is_off_centre(i, "anchor_b")))
@@ -78,13 +82,17 @@ static void forces(void)
                          : e->kind == 's' && i == e->a ? e->b
                                                        : bodies;
                  j < bodies; j++) {
-                struct body *a = &body[i], *b = j < 0 ? NULL : &body[j];
-                double to[3], distance, opening = 0;
+                struct body *a = &body[i];
+                struct body *b = j < 0 ? NULL : &body[j];
+                double to[3], distance;
+                double opening = 0;
                 for (int k = 0; k < 3; k++)
                     to[k] = (b ? b->r[k] : e->end[k]) - a->r[k];
                 distance = sqrt(to[0] * to[0] + to[1] * to[1] + to[2] * to[2]);
-                for (int k = 0; k < 3 && distance > 0; k++)
-                    to[k] /= distance, opening += b ? (b->v[k] - a->v[k]) * to[k] : 0;
+                for (int k = 0; k < 3 && distance > 0; k++) {
+                    to[k] /= distance;
+                    opening += b ? (b->v[k] - a->v[k]) * to[k] : 0;
+                }
                 if (e->kind == 's')
                     pull(a, b, to, e->k * (distance - e->length));
                 if (e->kind == 's')
@@ -109,11 +117,14 @@ int main(int argc, char **argv)
 {
     if (argc != 3)
         return fprintf(stderr, "usage: dem REQUEST.TXT TRAJECTORY.CSV\n"), 2;
-    read_request(argv[1]), read_scene();
+    read_request(argv[1]);
+    read_scene();
     FILE *out = fopen(argv[2], "w");
     fprintf(out, "t,body,x,y,z,vx,vy,vz,qw,qx,qy,qz,wx,wy,wz\n");
-    double t0 = atof(text("times.0")), interval = atof(text("times.1")) - t0;
-    long stride = atol(text("stride")), samples = atol(text("times.count"));
+    double t0 = atof(text("times.0"));
+    double interval = atof(text("times.1")) - t0;
+    long stride = atol(text("stride"));
+    long samples = atol(text("times.count"));
     double h = interval / stride;
     kick(-h / 2);
     for (long n = 0; n < samples; n++) {
@@ -123,7 +134,8 @@ int main(int argc, char **argv)
                 body[i / 3].r[i % 3] += h * body[i / 3].v[i % 3];
         }
         for (int i = 0; i < bodies; i++) {
-            const double *r = body[i].r, *v = body[i].v;
+            const double *r = body[i].r;
+            const double *v = body[i].v;
             fprintf(out, "%.17g,%d,%.17g,%.17g,%.17g,%.17g,%.17g,%.17g,,,,,,,\n", t0 + n * interval,
                     i, r[0], r[1], r[2], v[0], v[1], v[2]);
         }
