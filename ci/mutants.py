@@ -75,11 +75,9 @@ def quick_flags() -> tuple[str, ...]:
         level = "x86-64-v3"
     else:
         level = "x86-64"
-    if platform.machine() == "x86_64":
-        own = (f"-DREFDEM_ONE_CPU={level}",)
-    else:
-        own = ()
-    return ("-O1", *own)
+    if platform.machine() != "x86_64":
+        return ("-O1",)
+    return ("-O1", f"-DREFDEM_ONE_CPU={level}")
 
 
 def sanitized(copy: TreeCopy) -> TreeCopy:

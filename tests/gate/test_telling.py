@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from refdem.campaign.in_process import record_of, task_of, truth_of
+from refdem.campaign.specification import named
 from refdem.core import discovery
 from refdem.core.problem import Request
 from refdem.engines.reference import ENGINE
@@ -14,25 +15,22 @@ from refdem.faults.change import of_bodies, of_elements
 from refdem.faults.fault import Carrier, Fault
 from refdem.faults.transparent import Transparent
 from refdem.gate.gate import supported
-from refdem.gate.telling import TELLING, settings
 from refdem.scene.elements.contact import Contact
 
+TELLING = named("gate").case
+TWO_SPHERES = [{}, *(entry.set for entry in TELLING if entry.id == "two-spheres")]
 
-@pytest.mark.parametrize(
-    ("case", "number"), [(case, k) for case, sets in TELLING.items() for k in range(len(sets))]
-)
-def test_every_setting_is_one_that_a_case_knows_and_is_certified_to_the_end(case, number):
-    instance = discovery.case(case).at(**TELLING[case][number])
+
+@pytest.mark.parametrize("entry", TELLING, ids=lambda entry: entry.label)
+def test_every_setting_is_one_that_a_case_knows_and_is_certified_to_the_end(entry):
+    instance = discovery.case(entry.id).at(**entry.set)
     last = instance.truth().at(Fraction(float(instance.times[-1])))
     assert all(float(ball.radius) < 1e-12 for ball in last.values())
 
 
 def test_a_gate_of_all_cases_has_them_beside_the_defaults():
     entries = [entry for entry in supported(ENGINE) if entry.id == "two-spheres"]
-    assert [entry.set for entry in entries] == [
-        {},
-        *(dict(given) for given in TELLING["two-spheres"]),
-    ]
+    assert [entry.set for entry in entries] == TWO_SPHERES
 
 
 def contact(**changed):
@@ -73,7 +71,7 @@ MISREADINGS = {
 @pytest.mark.parametrize("name", MISREADINGS)
 def test_some_faults_act_only_on_the_settings_that_are_there_for_them_and_fail_there(name):
     misread, seen = MISREADINGS[name]
-    instances = [discovery.case("two-spheres").at(**given) for given in settings("two-spheres")]
+    instances = [discovery.case("two-spheres").at(**given) for given in TWO_SPHERES]
     asked = [
         Request(problem=instance.problem, method="verlet", step=instance.problem.interval)
         for instance in instances
@@ -103,7 +101,7 @@ TELLS = {
     "small-world": ("harmonic-oscillator", 2),
     "friction-off-by-a-millionth": ("impact-benchmarks", 3),
 }
-"""By fault of the catalogue: the case, and the number of the setting that is there for it."""
+"""By fault of the catalogue: the case, and the number, from 1, of the setting that is there for it."""
 
 
 @pytest.mark.parametrize("name", TELLS)
@@ -111,7 +109,8 @@ def test_a_fault_is_seen_at_the_setting_that_is_there_for_it_and_nothing_is_seen
     (fault,) = chosen([name])
     check, quantity = fault.sees
     case, number = TELLS[name]
-    instance = discovery.case(case).at(**settings(case)[number])
+    beside = [entry.set for entry in TELLING if entry.id == case]
+    instance = discovery.case(case).at(**beside[number - 1])
     truth = truth_of(instance)
 
     def outcome(engine):
