@@ -89,13 +89,14 @@ def _refuse_twins(found: list[Wanted], path: Path) -> None:
 
 
 def judged_instances(folder: Path, cases: Iterable[str] = ()) -> list[Instance]:
-    """The instances of the campaign main whose sampled truth is kept: of the cases that sets.toml
-    names so (and of these cases only).
+    """The instances of the campaigns main and gate whose sampled truth is kept: of the cases that
+    sets.toml names so (and of these cases only).
     """
     only = set(cases)
     kept = document_of(folder / "sets.toml").get(SAMPLED, [])
     wanted = {case for case in kept if not only or case in only}
-    every = {instance.label: instance for instance, _ in plan.instances(named("main"))}
+    asked = [*plan.instances(named("main")), *plan.instances(named("gate"))]
+    every = {instance.label: instance for instance, _ in asked}
     return [
         one for one in every.values() if one.case.id in wanted and isinstance(one.problem, Motion)
     ]
