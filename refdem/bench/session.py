@@ -118,9 +118,8 @@ class Bench:
             refusal = engine.refuses(instance.problem, method) or ""
             if refusal and is_silent:
                 continue
-            if refusal:
-                chosen = ()
-            else:
+            chosen: tuple[float, ...] = ()
+            if not refusal:
                 chosen = levels(instance, method, most_steps=self.most_steps)
             if not refusal and not chosen:
                 refusal = f"more than {self.most_steps:g} steps"

@@ -152,10 +152,9 @@ def _first_sample(
 ) -> Finding:
     """Is row 0 the scene's state? Velocities that lag are those before it."""
     bodies = request.problem.scene.bodies
+    names: tuple[str, ...] = ("position", "attitude")
     if method.velocity_time == "synchronous":
         names = STATE
-    else:
-        names = ("position", "attitude")
     distances = []
     for column in names:
         first = getattr(trajectory, column)[0]
@@ -195,7 +194,8 @@ def _shown(trajectory: Trajectory, name: str, probe: Probe) -> Array | None:
     if name in DERIVED:
         return DERIVED[name](trajectory, probe.scene.bodies.inertia)
     if name in STATE:
-        return getattr(trajectory, name)
+        state: Array = getattr(trajectory, name)
+        return state
     return trajectory.channels.get(name)
 
 

@@ -89,6 +89,7 @@ class TwoBodyOrbit(Case):
             # From the end of the long axis the body goes at b w.
             speed = distance * float(np.sqrt(p.stiffness))
             distance = p.semi_major
+        field: CentralField | Spring
         if p.stiffness is None:
             field = CentralField(gm=p.gm)
         else:

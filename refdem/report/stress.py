@@ -67,15 +67,12 @@ def chart(section: Section) -> ChartData | None:
     ladders = tuple(dict.fromkeys(_name(point) for point in shown))
     writer.writerow(("ladder", "rung", "series", "ratio", "shown", "verdict"))
     for point in shown:
-        is_finite = point.ratio is not None and math.isfinite(point.ratio)
-        if point.ratio is not None and is_finite:
-            ratio = point.ratio
-        else:
-            ratio = HIGH
-        if point.ratio is None:
-            told = ""
-        else:
+        height = HIGH
+        told: float | str = ""
+        if point.ratio is not None:
             told = rounded(point.ratio)
+            if math.isfinite(point.ratio):
+                height = min(max(point.ratio, LOW), HIGH)
         # A rung without a run is an error, unless it says itself that it is undecided.
         has_verdict = point.ratio is not None or point.verdict == "undecided"
         if has_verdict:
@@ -84,8 +81,7 @@ def chart(section: Section) -> ChartData | None:
             mark = "error"
         ladder = ladders.index(_name(point))
         series = f"{point.engine} {point.method}"
-        edge = min(max(ratio, LOW), HIGH)
-        writer.writerow((ladder, point.rung, series, told, rounded(edge), mark))
+        writer.writerow((ladder, point.rung, series, told, rounded(height), mark))
     return ChartData(
         "ladders",
         out.getvalue(),

@@ -105,19 +105,26 @@ def _columns(bodies: Bodies) -> dict[str, NDArray[Any]]:
     }
 
 
+def _kinds(count: int) -> dict[str, tuple[str, tuple[int, ...]]]:
+    """Type and shape of every array of so many bodies; no shape where any length is right."""
+    found: dict[str, tuple[str, tuple[int, ...]]] = {}
+    for name, width in WIDTH.items():
+        rows: tuple[int, ...] = (count,)
+        if width > 1:
+            rows = (count, width)
+        found[name] = ("<f8", rows)
+    return found | {
+        "fixed": ("|b1", (count,)),
+        "shape": ("<i8", (count,)),
+        "shapes": ("|u1", ()),
+    }
+
+
 def _read(data: bytes | Path, count: int, where: str) -> dict[str, NDArray[Any]]:
     """The arrays, each of the type and shape it must have; sizes are looked at before anything is
     read.
     """
-    # Type and shape of every array; no shape where any length is right.
-    kinds: dict[str, tuple[str, tuple[int, ...]]] = {}
-    for name, width in WIDTH.items():
-        if width > 1:
-            rows = (count, width)
-        else:
-            rows = (count,)
-        kinds[name] = ("<f8", rows)
-    kinds |= {"fixed": ("|b1", (count,)), "shape": ("<i8", (count,)), "shapes": ("|u1", ())}
+    kinds = _kinds(count)
     if isinstance(data, bytes):
         source: Any = io.BytesIO(data)
     else:

@@ -34,12 +34,7 @@ def unbalanced(scene: Scene) -> str | None:
             size[body] += np.linalg.norm(force)
 
     for spring in scene.all(Spring):
-        begin = bodies.position[spring.a]
-        if spring.b >= 0:
-            end = bodies.position[spring.b]
-        else:
-            end = np.array(spring.anchor_b)
-        line = end - begin
+        line = _end(scene, spring) - bodies.position[spring.a]
         distance = float(np.linalg.norm(line))
         stretch = distance - spring.length
         pull = float(spring.pull(np.array(stretch)))
@@ -66,6 +61,13 @@ def unbalanced(scene: Scene) -> str | None:
     if off.any():
         return "the forces do not add up to zero"
     return None
+
+
+def _end(scene: Scene, spring: Spring) -> Array:
+    """Where the second end of a spring is (3,) [m]: at a body, or fixed in space."""
+    if spring.b >= 0:
+        return scene.bodies.position[spring.b]
+    return np.array(spring.anchor_b)
 
 
 def _overlap(scene: Scene, i: int, j: int) -> tuple[float, Array]:

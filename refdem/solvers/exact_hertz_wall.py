@@ -178,10 +178,9 @@ class Impact:
         until = np.minimum(t, end)
         then, _ = self.normal(until)
         way = self.rate * until - (then[:, 0] - self.overlap)
+        rolled = np.zeros_like(t)
         if np.isfinite(end):
             rolled = enough * (t - until)
-        else:
-            rolled = 0.0
         impulse = np.minimum(self.rate - out[:, 1], enough)
         return 3.5 * friction * impulse, 3.5 * friction * (way + rolled)
 

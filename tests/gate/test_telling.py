@@ -101,7 +101,7 @@ TELLS = {
     "small-world": ("harmonic-oscillator", 2),
     "friction-off-by-a-millionth": ("impact-benchmarks", 3),
 }
-"""By fault of the catalogue: the case, and the number, from 1, of the setting that is there for it."""
+"""By fault of the catalogue: the case, and the number, from 1, of the setting that tells it."""
 
 
 @pytest.mark.parametrize("name", TELLS)

@@ -111,10 +111,9 @@ class Oblique:
             FREE: 0.0,
         }
         made = []
+        modes: tuple[int, ...] = (FREE,)
         if law.friction:
             modes = (HOLDS, SLIPS, FREE)
-        else:
-            modes = (FREE,)
         for mode in modes:
             across = acting[mode]
             # d' = g, and so on in the order of the names; the spring stretches while it holds.

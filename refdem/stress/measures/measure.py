@@ -61,9 +61,8 @@ class Measure(ABC):
         if not refusal and not levels:
             refusal = f"more than {MOST_STEPS:g} steps"
         trial = Trial(instance, method, levels, truth, truth.reason)
-        if refusal:
-            checks = ()
-        else:
+        checks: tuple[Check, ...] = ()
+        if not refusal:
             checks = self.checks(trial, x)
         return Task(engine, trial, refusal, checks)
 
