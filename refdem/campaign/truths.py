@@ -32,18 +32,19 @@ def sampled_truths(
 ) -> list[SampledTruth]:
     """The sampled truth of every instance, in order."""
     keys = [truth_key(instance, delays) for instance, delays in instances]
-    found = {key: truth for key in keys if (truth := store.truth(key)) is not None}
+    found: dict[str, SampledTruth] = {}
+    jobs: dict[str, Job] = {}
     for key, (instance, delays) in zip(keys, instances, strict=True):
-        if key not in found and not delays and (kept := kept_truth(instance)) is not None:
-            found[key] = kept
-    missing = {
-        key: instance for key, instance in zip(keys, instances, strict=True) if key not in found
-    }
-    jobs = [
-        Job(key, worker.sampled_truth, (i.case.id, i.p.given, delays), computes=True)
-        for key, (i, delays) in missing.items()
-    ]
-    for done, (job, result) in enumerate(schedule.results(jobs), 1):
+        known = store.truth(key)
+        # Kept truths have the samples of the case itself, none that are late.
+        if known is None and not delays:
+            known = kept_truth(instance)
+        if known is not None:
+            found[key] = known
+            continue
+        asked = (instance.case.id, instance.p.given, delays)
+        jobs[key] = Job(key, worker.sampled_truth, asked, computes=True)
+    for done, (job, result) in enumerate(schedule.results(list(jobs.values())), 1):
         if isinstance(result, Failure):
             found[job.key] = no_truth(f"{FAILED}{result.kind}: {result.sentence}")
         else:
@@ -73,7 +74,10 @@ def _of_case(instance: Instance) -> str:
         return own
     module = type(instance.case).__module__
     package = discovery.package_of("cases", instance.case.id)
-    return fingerprint.of_module(module) + (fingerprint.of_package(package) if package else "")
+    digest = fingerprint.of_module(module)
+    if package:
+        digest += fingerprint.of_package(package)
+    return digest
 
 
 def no_truth(reason: str) -> SampledTruth:
