@@ -158,10 +158,9 @@ class ContactPath(ClosedForm):
 
     def way(self, at: Place, numbers: Mapping[str, Any] | None = None) -> Any:
         """sigma without its constant, on this path or on another one."""
-        if numbers is None:
+        n = numbers
+        if n is None:
             n = self.numbers()
-        else:
-            n = numbers
         return n["g"] * at.angle + n["a"] * at.x + n["e"] * at.x * at.distance
 
     def slack(self) -> arb:
@@ -190,6 +189,7 @@ class ContactPath(ClosedForm):
 
     def spared(self, piece: Piece, side: int, order: int, x: arb) -> arb:
         """A derivative by x of what the spring has left towards a side."""
+        held: arb
         if order == 0:
             held = piece.constant + self.way(self.place(x))
         else:
